@@ -1,0 +1,283 @@
+#include <orthant/core/lcp/certify.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kRunaway = 1e-6;  // ρ above this share of β: w is unknown
+constexpr double kRoundings = 20;  // residuals below this many ρ are noise
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+// w ← A z + b, abs ← |A| |z| + |b|; a Delassus operator is bounded through its factors, as it is applied.
+void apply(const Matrix& A, const Vector& b, const Vector& z, Vector& w, Vector& abs, Vector& inner,
+           Vector& inner_abs) {
+  const Index n = z.size();
+  w.resize(n);
+  abs.resize(n);
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+    double* const wi = w.data();
+    double* const ai = abs.data();
+    for (Index i = 0; i < n; ++i) wi[i] = b[i], ai[i] = std::abs(b[i]);
+    for (Index j = 0; j < n; ++j) {
+      const double* const column = dense->data() + j * n;
+      const double zj = z[j];
+      for (Index i = 0; i < n; ++i) {  // zeros too: 0 · NaN must not pass unseen
+        const double product = column[i] * zj;
+        wi[i] += product;
+        ai[i] += std::abs(product);
+      }
+    }
+    return;
+  }
+  const auto rows_times = [](const RowSparse& M, const Vector& x, const Vector& x_abs, Index i, double& sum,
+                             double& sum_abs) {
+    for (std::size_t k = at(M.start[at(i)]); k < at(M.start[at(i) + 1]); ++k) {
+      sum += M.value[k] * x[M.column[k]];
+      sum_abs += std::abs(M.value[k]) * x_abs[M.column[k]];
+    }
+  };
+  if (const auto* sparse = std::get_if<RowSparse>(&A)) {
+    inner_abs.resize(n);
+    inner_abs = z.cwiseAbs();
+    for (Index i = 0; i < n; ++i) {
+      w[i] = b[i], abs[i] = std::abs(b[i]);
+      rows_times(*sparse, z, inner_abs, i, w[i], abs[i]);
+    }
+    return;
+  }
+  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
+  inner.resize(W.cols);
+  inner_abs.resize(W.cols);
+  inner.setZero();
+  inner_abs.setZero();
+  for (Index i = 0; i < n; ++i)
+    for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
+      const double product = W.value[k] * z[i];
+      inner[W.column[k]] += product;
+      inner_abs[W.column[k]] += std::abs(product);
+    }
+  inner.array() *= inverse_mass.array();
+  inner_abs.array() *= inverse_mass.array();
+  for (Index i = 0; i < n; ++i) {
+    w[i] = b[i], abs[i] = std::abs(b[i]);
+    if (regularization.size() != 0) {
+      w[i] += regularization[i] * z[i];
+      abs[i] += regularization[i] * std::abs(z[i]);
+    }
+    rows_times(W, inner, inner_abs, i, w[i], abs[i]);
+  }
+}
+
+// d_i = max(1, max_j |A_ji|) for all i. Delassus: |A_ji| ≤ √(A_ii A_jj) ≤ √(A_ii max A_jj), at least the column's norm.
+void weights(const Matrix& A, Vector& d) {
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+    d.resize(dense->cols());
+    for (Index j = 0; j < d.size(); ++j) d[j] = dense->col(j).cwiseAbs().maxCoeff();
+  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
+    d.resize(sparse->cols);
+    d.setZero();
+    for (std::size_t k = 0; k < sparse->value.size(); ++k)
+      d[sparse->column[k]] = std::max(d[sparse->column[k]], std::abs(sparse->value[k]));
+  } else {
+    diagonal(A, d);
+    d = (d * d.maxCoeff()).cwiseSqrt();
+  }
+  d = d.cwiseMax(1.0);
+}
+
+double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
+
+}  // namespace
+
+void Judge::evaluate(const Lcp& problem, Solution& s) {
+  const Index n = problem.size();
+  apply(problem.A, problem.b, s.z, s.w, abs_, inner_, inner_abs_);
+
+  const double* lo = problem.lo.data();
+  const double* hi = problem.hi.data();
+  if (!problem.friction.empty()) {
+    lo_ = problem.lo;
+    hi_ = problem.hi;
+    for (const Friction& f : problem.friction) {
+      hi_[f.row] = f.mu * std::max(s.z[f.normal], 0.0);
+      lo_[f.row] = -hi_[f.row];
+    }
+    lo = lo_.data();
+    hi = hi_.data();
+  }
+
+  double residual = 0, size = 0, scale = 0, checksum = 0;
+  bool bounded = false, weighed = false;
+  for (Index i = 0; i < n; ++i) {
+    const double z = s.z[i], w = s.w[i];
+    checksum += 0.0 * z + 0.0 * w;  // NaN when one of them is not finite
+    size = std::max(size, abs_[i]);
+    scale = std::max(scale, std::abs(problem.b[i]));
+    bounded = bounded || nearest_to_zero(problem.lo[i], problem.hi[i]) != 0 ||
+              (z != 0 && (z == problem.lo[i] || z == problem.hi[i]));
+    // d |z − clamp(z − w/d)| = min(d · distance to the bound that w pushes against, |w|) while z is within the bounds.
+    double r = std::abs(w);
+    const double room = w >= 0 ? z - lo[i] : hi[i] - z;
+    if (z < lo[i] || z > hi[i] || room < r) {
+      // d matters only here, where z is off its bound by less than |w|: most verdicts never need the weights.
+      if (room != 0 && !weighed) weights(problem.A, d_), weighed = true;
+      const double d = room == 0 ? 1.0 : d_[i];
+      r = d * std::abs(z - std::clamp(z - w / d, lo[i], hi[i]));
+    }
+    residual = std::max(residual, r);
+  }
+  if (bounded) {
+    beta_.resize(n);
+    for (Index i = 0; i < n; ++i) {
+      const double z = s.z[i];
+      beta_[i] = z == problem.lo[i] || z == problem.hi[i] ? z : nearest_to_zero(problem.lo[i], problem.hi[i]);
+    }
+    apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
+    scale = abs_.maxCoeff();
+  }
+  s.residual = checksum == 0.0 && residual < kInf ? residual : kInf;
+  s.rounding = checksum == 0.0 ? kEpsilon * size : kInf;
+  scale_ = scale;
+}
+
+void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution& s) {
+  if (s.z.size() != problem.size()) {  // a solver that gave up before it had a z
+    s.z.resize(problem.size());
+    s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  evaluate(problem, s);
+  const bool known = s.rounding <= kRunaway * scale_;
+  if (known && s.residual <= std::max(tolerance * scale_, kRoundings * s.rounding)) {
+    s.status = Status::solved;
+  } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
+             proves_infeasible(problem, s.certificate)) {
+    s.status = Status::infeasible;
+  } else if (claim == Status::solved || claim == Status::infeasible) {
+    s.status = known ? Status::stalled : Status::numerical_error;
+  } else {
+    s.status = claim;
+  }
+}
+
+void Judge::transposed(const Matrix& A, const Vector& u) {
+  const Index n = u.size();
+  g_.assign(at(n), 0);
+  g_abs_.assign(at(n), 0);
+  terms_.assign(at(n), 0);
+  const auto add = [this](Index j, long double product) {
+    g_[at(j)] += product;
+    g_abs_[at(j)] += std::abs(product);
+    terms_[at(j)] += product != 0;
+  };
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+    for (Index j = 0; j < n; ++j)
+      for (Index i = 0; i < n; ++i) add(j, static_cast<long double>((*dense)(i, j)) * u[i]);
+    return;
+  }
+  if (const auto* sparse = std::get_if<RowSparse>(&A)) {
+    for (Index i = 0; i < n; ++i)
+      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
+        add(sparse->column[k], static_cast<long double>(sparse->value[k]) * u[i]);
+    return;
+  }
+  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);  // symmetric: Aᵀu = A u
+  inner_ld_.assign(at(W.cols), 0);
+  inner_abs_ld_.assign(at(W.cols), 0);
+  for (Index i = 0; i < n; ++i)
+    for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
+      const long double product = static_cast<long double>(W.value[k]) * u[i] * inverse_mass[W.column[k]];
+      inner_ld_[at(W.column[k])] += product;
+      inner_abs_ld_[at(W.column[k])] += std::abs(product);
+    }
+  for (Index i = 0; i < n; ++i) {
+    terms_[at(i)] = 2;
+    for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
+      g_[at(i)] += W.value[k] * inner_ld_[at(W.column[k])];
+      g_abs_[at(i)] += std::abs(W.value[k]) * inner_abs_ld_[at(W.column[k])];
+    }
+    if (regularization.size() != 0) {
+      const long double product = static_cast<long double>(regularization[i]) * u[i];
+      g_[at(i)] += product;
+      g_abs_[at(i)] += std::abs(product);
+    }
+  }
+}
+
+bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
+  const Index n = problem.size();
+  if (n == 0 || u.size() != n) return false;
+  const double* const lo = problem.lo.data();
+  const double* const hi = problem.hi.data();
+  double norm1 = 0;
+  for (Index i = 0; i < n; ++i) {
+    const bool below = lo[i] != -kInf, above = hi[i] != kInf;
+    const bool allowed = below == above ? (below ? u[i] == 0 : true) : (below ? u[i] >= 0 : u[i] <= 0);
+    if (!allowed || !std::isfinite(u[i])) return false;
+    norm1 += std::abs(u[i]);
+  }
+  for (const Friction& f : problem.friction)
+    if (u[f.row] != 0) return false;
+
+  transposed(problem.A, u);
+  const long double unit = std::numeric_limits<long double>::epsilon() / 2;  // one rounding
+  const long double gamma = static_cast<long double>(n + 4) * unit;          // of a sum of n products
+  const auto error = [&](Index j) { return terms_[at(j)] <= 1 ? 0 : gamma * g_abs_[at(j)]; };
+
+  // Friction rows take part through their normal: sup over |z_t| ≤ μ z_n of g_n z_n + g_t z_t = (g_n + μ |g_t|) z_n.
+  for (const Friction& f : problem.friction) {
+    if (f.mu == 0 || g_abs_[at(f.row)] == 0) continue;
+    const long double push = f.mu * (std::abs(g_[at(f.row)]) + error(f.row));
+    g_[at(f.normal)] += push;
+    g_abs_[at(f.normal)] += push;
+    terms_[at(f.normal)] += 2;
+    g_[at(f.row)] = g_abs_[at(f.row)] = 0;
+  }
+  for (const Friction& f : problem.friction) g_[at(f.row)] = g_abs_[at(f.row)] = 0;
+
+  long double sum = 0, sum_abs = 0, kappa = 0;
+  int terms = 0;
+  const auto add = [&](long double product) {
+    sum += product;
+    sum_abs += std::abs(product);
+    terms += product != 0;
+  };
+  for (Index i = 0; i < n; ++i) add(static_cast<long double>(problem.b[i]) * u[i]);
+  for (Index j = 0; j < n; ++j) {
+    if (g_abs_[at(j)] == 0) continue;
+    const long double g = g_[at(j)], e = error(j);
+    if (hi[j] == kInf && g + e > 0) kappa = std::max(kappa, (g + e) / g_abs_[at(j)]);
+    if (lo[j] == -kInf && g - e < 0) kappa = std::max(kappa, (e - g) / g_abs_[at(j)]);
+    // The supremum lies at a finite bound; where the sign of g is not certain, both candidates count.
+    long double best = -std::numeric_limits<long double>::infinity();
+    if (lo[j] != -kInf) best = std::max({best, (g - e) * lo[j], (g + e) * lo[j]});
+    if (hi[j] != kInf && (lo[j] == -kInf || g + e > 0)) best = std::max({best, (g - e) * hi[j], (g + e) * hi[j]});
+    if (best > -std::numeric_limits<long double>::infinity()) add(best);
+  }
+  if (!(kappa <= 32 * static_cast<long double>(kEpsilon))) return false;
+
+  long double threshold = terms <= 1 ? 0 : static_cast<long double>(n + 4) * 2 * unit * sum_abs;
+  if (kappa > 0) {
+    double scale = 0;
+    bool bounded = false;
+    beta_.resize(n);
+    for (Index i = 0; i < n; ++i) {
+      const double low = std::abs(lo[i]), high = std::abs(hi[i]);
+      beta_[i] = std::max(low < kInf ? low : 0, high < kInf ? high : 0);
+      bounded = bounded || beta_[i] != 0;
+      scale = std::max(scale, std::abs(problem.b[i]));
+    }
+    if (bounded) {
+      apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
+      scale = abs_.maxCoeff();
+    }
+    threshold += 2 * kappa / kEpsilon * kRunaway * scale * norm1;
+  }
+  return sum + threshold < 0;
+}
+
+}  // namespace orthant

@@ -1,0 +1,58 @@
+// core/lcp/certify.h — the one judge. Nothing else may write Status::solved or Status::infeasible.
+//
+//   w = A z + b is recomputed from the caller's data. The natural residual, in units of w,
+//     r = max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|,   d_i = max(1, max_j |A_ji|),
+//   is zero exactly at a solution (friction rows take the bounds ∓μ z_n at the given z). It is a backward error: a z_i
+//   that is δ away from its bound costs d_i δ because moving it there changes some w by that much, else |w_i|. d_i ≥ 1
+//   makes r at least as strict as the textbook |min(z, w)|.
+//   Accepted when
+//     r ≤ max(tolerance · β, 20 ρ)   and   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ 1e-6 β:
+//   below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
+//   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
+//   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
+//   All is relative to β, so that the verdict does not depend on the unit of w: z = 0 does not pass for
+//   A = [−1e-12], b = [−1e-12].
+//
+//   A proof of infeasibility is a vector u with, for every feasible z (lo ≤ z ≤ hi, |z_t| ≤ μ z_n),
+//     uᵀ(A z + b) < 0,  although the rows demand uᵀw ≥ 0:
+//   u_i ≥ 0 where no z_i allows w_i < 0 ([lo, ∞)), u_i ≤ 0 on (−∞, hi], any u_i on a free row, and u_i = 0 on boxes and
+//   friction rows, whose w_i has either sign. Farkas' lemma; complete for linear feasibility, and so, by the existence
+//   theorem for monotone problems, for every A with xᵀA x ≥ 0. With g = Aᵀu the supremum over z is
+//     bᵀu + Σ_j sup g_j z_j:   g_j + Σ μ_t |g_t| (over its friction rows t) ≤ 0 on [lo, ∞), g_j = 0 on free rows.
+//   Rounding: sums run in long double with their error bounds on the wrong side. A g_j that misses its sign by no more
+//   than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
+//   have ρ > 1e-6 β. So no z could be called solved where a proof stands.
+//   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.5, 3.1, 3.7.
+#pragma once
+
+#include <orthant/core/lcp/solution.h>
+
+#include <vector>
+
+namespace orthant {
+
+class Judge {  // the members are scratch: after the first problem of a size nothing is allocated
+ public:
+  /// Fills w, residual and rounding from z, and replaces solution.status by what can be vouched for:
+  /// `claim` (what the solver thinks: its own status, with `solved` meaning "please judge") becomes
+  ///   solved           when z passes, whatever the claim,
+  ///   infeasible       when the claim is `ray` and solution.certificate proves it,
+  ///   numerical_error  when the claim was solved and z is not finite or ρ is too large,
+  ///   stalled          when the claim was solved and r is too large (or the claim was `infeasible`: not its to make).
+  void certify(const Lcp& problem, double tolerance, Status claim, Solution& solution);
+
+  /// True when u proves that no z in the bounds has the signs of w that its rows demand.
+  bool proves_infeasible(const Lcp& problem, const Vector& u);
+
+ private:
+  void evaluate(const Lcp& problem, Solution& solution);
+  void transposed(const Matrix& A, const Vector& u);
+
+  Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
+  double scale_ = 0;                     // β
+  std::vector<long double> g_, g_abs_;   // Aᵀu and |A|ᵀ|u|
+  std::vector<long double> inner_ld_, inner_abs_ld_;
+  std::vector<int> terms_;               // nonzero products in g_j: a single one has an exact sign
+};
+
+}  // namespace orthant

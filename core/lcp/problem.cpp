@@ -1,0 +1,227 @@
+#include <orthant/core/lcp/problem.h>
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace orthant {
+
+namespace {
+
+template <class... Words>
+[[noreturn]] void refuse(const Words&... words) {
+  std::ostringstream text;
+  (text << ... << words);
+  throw std::invalid_argument(text.str());
+}
+
+void check_size(const char* field, Index size, Index n) {
+  if (size != n) refuse("problem: ", field, " has ", size, " entries: must be ", n, ", one a row of A");
+}
+
+void check_rows(const char* field, const RowSparse& M) {
+  if (M.rows < 0 || M.cols < 0) refuse("problem: ", field, " is ", M.rows, " x ", M.cols, ": sizes must be >= 0");
+  if (M.start.size() != static_cast<std::size_t>(M.rows) + 1 || M.start.front() != 0 ||
+      M.column.size() != M.value.size() || M.start.back() < 0 ||
+      static_cast<std::size_t>(M.start.back()) != M.value.size())
+    refuse("problem: ", field, ".start has ", M.start.size(), " entries: must be rows + 1 = ", M.rows + 1,
+           ", from 0 to the number of values");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(M.rows); ++i) {
+    if (M.start[i] > M.start[i + 1] || M.start[i + 1] > M.start.back())
+      refuse("problem: ", field, ".start[", i + 1, "] = ", M.start[i + 1], ": must not decrease or pass the end");
+    int last = -1;
+    for (auto k = static_cast<std::size_t>(M.start[i]); k < static_cast<std::size_t>(M.start[i + 1]); ++k) {
+      if (M.column[k] <= last || M.column[k] >= M.cols)
+        refuse("problem: ", field, " row ", i, " has column ", M.column[k], ": must ascend and be below ", M.cols);
+      last = M.column[k];
+    }
+  }
+}
+
+void check_nonnegative(const char* field, const Vector& v) {
+  for (Index i = 0; i < v.size(); ++i)
+    if (v[i] < 0) refuse("problem: ", field, "[", i, "] = ", v[i], ": must be >= 0");
+}
+
+struct CheckMatrix {
+  void operator()(const DenseMatrix& M) const {
+    if (M.rows() != M.cols()) refuse("problem: A is ", M.rows(), " x ", M.cols(), ": must be square");
+  }
+  void operator()(const RowSparse& M) const {
+    if (M.rows != M.cols) refuse("problem: A is ", M.rows, " x ", M.cols, ": must be square");
+    check_rows("A", M);
+  }
+  void operator()(const Delassus& M) const {
+    check_rows("A.W", M.W);
+    if (M.inverse_mass.size() != M.W.cols)
+      refuse("problem: A.inverse_mass has ", M.inverse_mass.size(), " entries: must be ", M.W.cols,
+             ", one a column of W");
+    if (M.regularization.size() != 0 && M.regularization.size() != M.W.rows)
+      refuse("problem: A.regularization has ", M.regularization.size(), " entries: must be none or ", M.W.rows,
+             ", one a row of W");
+    check_nonnegative("A.inverse_mass", M.inverse_mass);
+    check_nonnegative("A.regularization", M.regularization);
+  }
+};
+
+void check_friction(const Lcp& p) {
+  const Index n = p.size();
+  bool ascending = true;
+  for (std::size_t k = 0; k < p.friction.size(); ++k) {
+    const Friction& f = p.friction[k];
+    if (f.row < 0 || f.row >= n) refuse("problem: friction[", k, "].row = ", f.row, ": must be in [0, ", n, ")");
+    if (f.normal < 0 || f.normal >= n || f.normal == f.row)
+      refuse("problem: friction[", k, "].normal = ", f.normal, ": must be another row in [0, ", n, ")");
+    if (!(f.mu >= 0 && f.mu < kInf)) refuse("problem: friction[", k, "].mu = ", f.mu, ": must be finite and >= 0");
+    if (p.lo[f.row] != -kInf || p.hi[f.row] != kInf)
+      refuse("problem: friction row ", f.row, " has bounds [", p.lo[f.row], ", ", p.hi[f.row],
+             "]: must be -inf and inf, friction sets them");
+    if (!(p.lo[f.normal] >= 0))
+      refuse("problem: row ", f.normal, ", normal of friction row ", f.row, ", has lo = ", p.lo[f.normal],
+             ": must be >= 0");
+    if (k > 0) ascending = ascending && p.friction[k - 1].row < f.row;
+  }
+  if (ascending) return;  // no row twice; and no normal is a friction row, because that has lo = −∞
+  for (std::size_t k = 0; k < p.friction.size(); ++k)
+    for (std::size_t l = 0; l < k; ++l)
+      if (p.friction[k].row == p.friction[l].row)
+        refuse("problem: friction[", k, "].row = ", p.friction[k].row, ": must not occur twice (also friction[", l, "])");
+}
+
+// x · 0 is 0 for a finite x and NaN for any other: a sum without branches.
+bool finite(const double* x, std::size_t size) {
+  double sum = 0;
+  for (std::size_t i = 0; i < size; ++i) sum += 0.0 * x[i];
+  return sum == 0.0;
+}
+bool finite(const Vector& v) { return finite(v.data(), static_cast<std::size_t>(v.size())); }
+
+struct Finite {
+  bool operator()(const DenseMatrix& M) const { return finite(M.data(), static_cast<std::size_t>(M.size())); }
+  bool operator()(const RowSparse& M) const { return finite(M.value.data(), M.value.size()); }
+  bool operator()(const Delassus& M) const {
+    return (*this)(M.W) && finite(M.inverse_mass) && finite(M.regularization);
+  }
+};
+
+}  // namespace
+
+RowSparse RowSparse::from(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix) {
+  RowSparse result;
+  result.rows = matrix.rows();
+  result.cols = matrix.cols();
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(matrix, i); it; ++it) {
+      result.column.push_back(static_cast<int>(it.col()));
+      result.value.push_back(it.value());
+    }
+    result.start.push_back(static_cast<int>(result.value.size()));
+  }
+  return result;
+}
+
+Lcp Lcp::standard(Matrix M, const Vector& q) {
+  Lcp problem;
+  problem.A = std::move(M);
+  problem.b = q;
+  problem.lo = Eigen::VectorXd::Zero(q.size());
+  problem.hi = Eigen::VectorXd::Constant(q.size(), kInf);
+  return problem;
+}
+
+void check(const Lcp& problem) {
+  std::visit(CheckMatrix{}, problem.A);
+  const Index n = order(problem.A);
+  check_size("b", problem.b.size(), n);
+  check_size("lo", problem.lo.size(), n);
+  check_size("hi", problem.hi.size(), n);
+  for (Index i = 0; i < n; ++i)
+    if (!(problem.lo[i] <= problem.hi[i] && problem.lo[i] < kInf && problem.hi[i] > -kInf))
+      refuse("problem: row ", i, " has bounds [", problem.lo[i], ", ", problem.hi[i],
+             "]: must be lo <= hi, lo < inf, hi > -inf");
+  check_friction(problem);
+}
+
+bool finite(const Lcp& problem) { return std::visit(Finite{}, problem.A) && finite(problem.b); }
+
+Index order(const Matrix& A) {
+  struct Order {
+    Index operator()(const DenseMatrix& M) const { return M.rows(); }
+    Index operator()(const RowSparse& M) const { return M.rows; }
+    Index operator()(const Delassus& M) const { return M.W.rows; }
+  };
+  return std::visit(Order{}, A);
+}
+
+void multiply(const Matrix& A, const Eigen::Ref<const Eigen::VectorXd>& x, Vector& y, Vector& scratch) {
+  y.resize(order(A));
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+    y.setZero();
+    for (Index j = 0; j < dense->cols(); ++j) y += dense->col(j) * x[j];
+  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
+    y.noalias() = sparse->view() * x;
+  } else {
+    const auto& operand = std::get<Delassus>(A);
+    scratch.resize(operand.W.cols);
+    scratch.noalias() = operand.W.view().transpose() * x;
+    scratch.array() *= operand.inverse_mass.array();
+    y.noalias() = operand.W.view() * scratch;
+    if (operand.regularization.size() != 0) y.array() += operand.regularization.array() * x.array();
+  }
+}
+
+void diagonal(const Matrix& A, Vector& diag) {
+  diag.resize(order(A));
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+    diag = dense->diagonal();
+    return;
+  }
+  const auto* delassus = std::get_if<Delassus>(&A);
+  const RowSparse& M = delassus ? delassus->W : std::get<RowSparse>(A);
+  for (Index i = 0; i < M.rows; ++i) {
+    diag[i] = delassus && delassus->regularization.size() != 0 ? delassus->regularization[i] : 0.0;
+    for (auto k = static_cast<std::size_t>(M.start[static_cast<std::size_t>(i)]);
+         k < static_cast<std::size_t>(M.start[static_cast<std::size_t>(i) + 1]); ++k) {
+      if (delassus)
+        diag[i] += M.value[k] * M.value[k] * delassus->inverse_mass[M.column[k]];
+      else if (M.column[k] == i)
+        diag[i] = M.value[k];
+    }
+  }
+}
+
+void to_dense(const Matrix& A, DenseMatrix& dense) {
+  const Index n = order(A);
+  dense.resize(n, n);
+  if (const auto* stored = std::get_if<DenseMatrix>(&A)) {
+    dense = *stored;
+    return;
+  }
+  dense.setZero();
+  if (const auto* sparse = std::get_if<RowSparse>(&A)) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+      for (auto k = static_cast<std::size_t>(sparse->start[i]); k < static_cast<std::size_t>(sparse->start[i + 1]); ++k)
+        dense(static_cast<Index>(i), sparse->column[k]) = sparse->value[k];
+    return;
+  }
+  // A_ij = Σ_k W_ik W_jk / m_k by merging two rows with ascending columns; A_ji is the same sum, hence the same bits.
+  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = 0;
+      auto k = static_cast<std::size_t>(W.start[i]), l = static_cast<std::size_t>(W.start[j]);
+      while (k < static_cast<std::size_t>(W.start[i + 1]) && l < static_cast<std::size_t>(W.start[j + 1])) {
+        if (W.column[k] == W.column[l]) {
+          sum += W.value[k] * W.value[l] * inverse_mass[W.column[k]];
+          ++k, ++l;
+        } else {
+          W.column[k] < W.column[l] ? ++k : ++l;
+        }
+      }
+      if (i == j && regularization.size() != 0) sum += regularization[static_cast<Index>(i)];
+      dense(static_cast<Index>(i), static_cast<Index>(j)) = dense(static_cast<Index>(j), static_cast<Index>(i)) = sum;
+    }
+}
+
+}  // namespace orthant

@@ -1,0 +1,81 @@
+// core/lcp/problem.h — the one problem type that every solver takes.
+//
+//   Find z with lo ≤ z ≤ hi and w = A z + b such that, row by row,
+//     z_i = lo_i ⇒ w_i ≥ 0,   z_i = hi_i ⇒ w_i ≤ 0,   otherwise w_i = 0.
+//   LCP row: [0, ∞).  Free (equality) row: (−∞, ∞).  Box row: [lo, hi].
+//   Friction row i with normal row n: the bounds are ∓μ z_n, so |z_i| ≤ μ z_n (Coulomb, one tangent direction).
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.
+#pragma once
+
+#include <orthant/core/support/reusable.h>
+
+#include <Eigen/SparseCore>
+#include <limits>
+#include <variant>
+#include <vector>
+
+namespace orthant {
+
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// Compressed rows: row i holds (column[k], value[k]) for start[i] ≤ k < start[i + 1], columns ascending.
+/// Plain vectors, so that a matrix rebuilt at every step keeps its memory.
+struct RowSparse {
+  Index rows = 0, cols = 0;
+  std::vector<int> start{0}, column;
+  std::vector<double> value;
+
+  using View = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>;
+  View view() const {
+    return {rows, cols, static_cast<Index>(value.size()), start.data(), column.data(), value.data()};
+  }
+  static RowSparse from(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix);
+};
+
+/// A = W M⁻¹ Wᵀ + R, applied row by row and never formed (the Delassus operator of contact mechanics).
+struct Delassus {
+  RowSparse W;          // n × m constraint Jacobian
+  Vector inverse_mass;  // m, diagonal of M⁻¹, ≥ 0
+  Vector regularization;  // n, diagonal of R, ≥ 0; empty: none
+};
+
+using Matrix = std::variant<DenseMatrix, RowSparse, Delassus>;
+
+struct Friction {
+  Index row = 0, normal = 0;
+  double mu = 0;  // ≥ 0
+};
+
+struct Lcp {
+  Matrix A;                        // n × n
+  Vector b, lo, hi;                // n
+  std::vector<Friction> friction;  // empty without friction; such a row has lo = −∞, hi = ∞
+
+  Index size() const { return b.size(); }
+
+  /// The pure problem 0 ≤ z ⊥ M z + q ≥ 0.
+  static Lcp standard(Matrix M, const Vector& q);
+};
+
+/// Throws std::invalid_argument naming the field, the value and the rule when the parts do not fit together: shapes,
+/// bounds (lo ≤ hi, neither NaN), friction rows (one entry a row, its own bounds infinite, its normal a row with
+/// lo ≥ 0 that has no friction itself). What A and b hold is not looked at: that is finite()'s question.
+void check(const Lcp& problem);
+
+/// Every number of A and b is finite.
+bool finite(const Lcp& problem);
+
+/// y ← A x, shape n; the sum runs in a fixed order, so equal input gives equal bits.
+/// `scratch` takes what the operator needs in between (Delassus: m numbers).
+void multiply(const Matrix& A, const Eigen::Ref<const Eigen::VectorXd>& x, Vector& y, Vector& scratch);
+
+/// n of an n × n matrix, as stored (check() sees to it that it is square).
+Index order(const Matrix& A);
+
+/// diag ← A_ii.
+void diagonal(const Matrix& A, Vector& diag);
+
+/// A as a dense matrix (the Delassus operator is formed: for direct methods on small problems).
+void to_dense(const Matrix& A, DenseMatrix& dense);
+
+}  // namespace orthant

@@ -1,0 +1,31 @@
+// core/lcp/solution.h — what a solver gives back.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+
+#include <string_view>
+
+namespace orthant {
+
+enum class Status {
+  not_run,
+  solved,           // certify() accepted z
+  infeasible,       // certify() accepted `certificate` as a proof that no z satisfies w ≥ 0 within the bounds
+  ray,              // the method ended on a ray: proves nothing by itself
+  iteration_limit,  // iterations used up
+  stalled,          // no further progress, residual above the tolerance
+  unsupported,      // the problem is not of the method's kind: why_not() says why
+  numerical_error,  // lost to rounding: not finite, or |z| so large that w cannot be known
+};
+std::string_view name(Status status);
+
+struct Solution {  // reuse it: the second solve of a size allocates nothing
+  Status status = Status::not_run;
+  double residual = kInf;  // max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|, d_i = max(1, |A_ii|)  [units of w]
+  double rounding = 0;     // ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|): w cannot be known below it            [units of w]
+  int iterations = 0;
+  Vector z, w;         // n; w = A z + b recomputed from the caller's data
+  Vector certificate;  // n: u that proves infeasibility (or the ray's direction, a hint); else empty
+};
+
+}  // namespace orthant

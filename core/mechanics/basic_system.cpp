@@ -1,0 +1,238 @@
+#include <orthant/core/mechanics/basic_system.h>
+
+#include <Eigen/Dense>
+#include <klu.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace orthant {
+namespace {
+
+constexpr int kDenseRows = 32;          // above, sparse KLU is faster than dense Cholesky
+constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
+
+const std::array<double, 3>& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
+int body(const Row& row, int which) { return which == 0 ? row.a : row.b; }
+
+/// The rows' bodies without their numbers: the pattern of G and of the springs.
+Terms topology(const System& system) {
+  Terms terms(system);
+  const State x = system.initial_state();
+  set_poses(system, x.q, terms.at);
+  evaluate_joint_rows(system, terms);
+  evaluate_forces(system, x.t, x.v, terms);
+  return terms;
+}
+
+}  // namespace
+
+/// [ M̂ −Gᵀ ; G 0 ] by columns. Every number has a place found once; a new matrix is a loop over places.
+struct BasicSystem::Sparse {
+  std::vector<int> start, index;    // compressed columns
+  std::vector<double> value, rhs;
+  std::vector<int> mass_place;      // dof: M's diagonal
+  std::vector<int> spring_place;    // 36 a spring
+  std::vector<int> joint_place;     // 12 a joint row: six entries, then their transposes
+  klu_common common{};
+  klu_symbolic* symbolic = nullptr;
+  klu_numeric* numeric = nullptr;
+  int n = 0;
+
+  Sparse(const System& system, const Terms& terms, int rows) : n(system.dof() + rows) {
+    struct Entry {
+      int row, column, order;
+    };
+    std::vector<Entry> entries;
+    const auto add = [&](int row, int column) {  // −1: belongs to the ground, has no place
+      entries.push_back({row, column, static_cast<int>(entries.size())});
+    };
+    const auto coordinate = [](const Row& r, int k) {
+      const int b = body(r, k / 3);
+      return b < 0 ? -1 : 3 * b + k % 3;
+    };
+    for (int i = 0; i < system.dof(); ++i) add(i, i);
+    for (const SpringState& s : terms.springs)
+      for (int k = 0; k < 36; ++k) add(coordinate(s.row, k / 6), coordinate(s.row, k % 6));
+    for (int r = 0; r < rows; ++r) {
+      const Row& row = terms.G[static_cast<std::size_t>(r)];
+      for (int k = 0; k < 6; ++k) add(system.dof() + r, coordinate(row, k));
+      for (int k = 0; k < 6; ++k) add(coordinate(row, k), system.dof() + r);
+    }
+    std::vector<int> place(entries.size(), -1);
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      return std::tie(a.column, a.row, a.order) < std::tie(b.column, b.row, b.order);
+    });
+    start.assign(static_cast<std::size_t>(n) + 1, 0);
+    int last_row = -1, last_column = -1;
+    for (const Entry& e : entries) {
+      if (e.row < 0 || e.column < 0) continue;
+      if (e.row != last_row || e.column != last_column) {
+        index.push_back(e.row);
+        ++start[static_cast<std::size_t>(e.column) + 1];
+        last_row = e.row, last_column = e.column;
+      }
+      place[static_cast<std::size_t>(e.order)] = static_cast<int>(index.size()) - 1;
+    }
+    for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j) start[j + 1] += start[j];
+    value.resize(index.size());
+    rhs.resize(static_cast<std::size_t>(n));
+    const auto dof_end = place.begin() + system.dof();
+    const auto spring_end = dof_end + 36 * static_cast<std::ptrdiff_t>(terms.springs.size());
+    mass_place.assign(place.begin(), dof_end);
+    spring_place.assign(dof_end, spring_end);
+    joint_place.assign(spring_end, place.end());
+    klu_defaults(&common);
+    symbolic = klu_analyze(n, start.data(), index.data(), &common);
+  }
+  ~Sparse() {
+    klu_free_numeric(&numeric, &common);
+    klu_free_symbolic(&symbolic, &common);
+  }
+  Sparse(const Sparse&) = delete;
+  Sparse& operator=(const Sparse&) = delete;
+
+  void put(int place, double number) {
+    if (place >= 0) value[static_cast<std::size_t>(place)] += number;
+  }
+
+  /// Fills the matrix and factorizes it; false when it is singular or not finite.
+  bool factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
+    std::fill(value.begin(), value.end(), 0.0);
+    for (std::size_t i = 0; i < mass_place.size(); ++i) put(mass_place[i], system.mass()[static_cast<Index>(i)]);
+    for (std::size_t i = 0; i < terms.springs.size(); ++i) {
+      const Row& row = terms.springs[i].row;
+      const double weight = std::visit(
+          [&](const auto& s) { return stiffness_weight * s.stiffness + damping_weight * s.damping; },
+          system.scene().springs[i]);
+      for (int k = 0; k < 36; ++k)
+        put(spring_place[36 * i + static_cast<std::size_t>(k)], weight * number(row, k / 6) * number(row, k % 6));
+    }
+    for (std::size_t r = 0; 12 * r < joint_place.size(); ++r)
+      for (int k = 0; k < 6; ++k) {
+        const double entry = number(terms.G[r], k);
+        put(joint_place[12 * r + static_cast<std::size_t>(k)], entry);
+        put(joint_place[12 * r + 6 + static_cast<std::size_t>(k)], -entry);
+      }
+    if (numeric != nullptr && klu_refactor(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
+        well_conditioned())
+      return true;
+    klu_free_numeric(&numeric, &common);
+    numeric = klu_factor(start.data(), index.data(), value.data(), symbolic, &common);
+    return numeric != nullptr && well_conditioned();
+  }
+  bool well_conditioned() {  // cheap estimate: the smallest against the largest pivot
+    return common.status == KLU_OK && klu_rcond(symbolic, numeric, &common) != 0 && common.rcond > 1e-15;
+  }
+  static double number(const Row& row, int k) { return side(row, k / 3)[static_cast<std::size_t>(k % 3)]; }
+};
+
+BasicSystem::BasicSystem(const System& system, bool with_joints)
+    : dof_(system.dof()),
+      rows_(with_joints ? system.joint_rows() : 0),
+      inverse_mass_(system.inverse_mass()),
+      y_(rows_),
+      f_(dof_),
+      force_(dof_),
+      zero_(Eigen::VectorXd::Zero(rows_)),
+      lambda_(rows_) {
+  if (rows_ == 0 && system.scene().springs.empty()) return;
+  const Terms terms = topology(system);
+  G_.assign(terms.G.begin(), terms.G.begin() + rows_);
+  if (rows_ > kDenseRows || !system.scene().springs.empty()) {
+    sparse_ = std::make_unique<Sparse>(system, terms, rows_);
+    return;
+  }
+  for (int i = 0; i < rows_; ++i)
+    for (int j = 0; j <= i; ++j)
+      for (int side_i = 0; side_i < 2; ++side_i)
+        for (int side_j = 0; side_j < 2; ++side_j) {
+          const int shared = body(G_[static_cast<std::size_t>(i)], side_i);
+          if (shared >= 0 && shared == body(G_[static_cast<std::size_t>(j)], side_j))
+            shared_.push_back({i, j, side_i, side_j, shared});
+        }
+  S_.resize(rows_, rows_);
+  llt_ = Eigen::LLT<Eigen::MatrixXd>(rows_);
+}
+
+BasicSystem::~BasicSystem() = default;
+BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
+
+bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
+  redundant_ = false;
+  if (rows_ > 0) std::copy(terms.G.begin(), terms.G.begin() + rows_, G_.begin());
+  if (sparse_) {
+    if (sparse_->factorize(system, terms, stiffness_weight, damping_weight)) return true;
+    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(sparse_->n, sparse_->n);
+    for (int j = 0; j < sparse_->n; ++j)
+      for (int k = sparse_->start[static_cast<std::size_t>(j)]; k < sparse_->start[static_cast<std::size_t>(j) + 1]; ++k)
+        full(sparse_->index[static_cast<std::size_t>(k)], j) = sparse_->value[static_cast<std::size_t>(k)];
+    if (!full.allFinite()) return false;
+    redundant_ = true;
+    least_norm_ = std::make_unique<Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>>(full);
+    return true;
+  }
+  return rows_ == 0 || factorize_dense(terms);
+}
+
+bool BasicSystem::factorize_dense(const Terms& terms) {
+  S_.setZero();
+  for (const Shared& s : shared_) {
+    const auto& u = side(terms.G[static_cast<std::size_t>(s.i)], s.side_i);
+    const auto& v = side(terms.G[static_cast<std::size_t>(s.j)], s.side_j);
+    const double* w = inverse_mass_.data() + 3 * s.body;
+    S_(s.i, s.j) += u[0] * w[0] * v[0] + u[1] * w[1] * v[1] + u[2] * w[2] * v[2];
+  }
+  llt_.compute(S_);
+  // Each pivot against its own row's diagonal: independent of mass ratios and of units.
+  if (llt_.info() == Eigen::Success &&
+      (llt_.matrixLLT().diagonal().array().square() > kDependent * S_.diagonal().array()).all())
+    return true;
+  if (!S_.allFinite()) return false;
+  redundant_ = true;
+  S_.triangularView<Eigen::StrictlyUpper>() = S_.transpose();
+  least_norm_ = std::make_unique<Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>>(S_);
+  return true;
+}
+
+void BasicSystem::multiply_G(const double* x, double* y) const {
+  for (std::size_t i = 0; i < G_.size(); ++i) y[i] = apply(G_[i], x);
+}
+
+void BasicSystem::solve(const double* f, const double* c, double* x, double* lambda) const {
+  if (sparse_) {
+    Eigen::Map<Eigen::VectorXd> rhs(sparse_->rhs.data(), sparse_->n);
+    rhs.head(dof_) = Eigen::Map<const Eigen::VectorXd>(f, dof_);
+    if (rows_ > 0) rhs.tail(rows_) = Eigen::Map<const Eigen::VectorXd>(c, rows_);
+    if (redundant_)
+      rhs = least_norm_->solve(rhs).eval();
+    else
+      klu_solve(sparse_->symbolic, sparse_->numeric, sparse_->n, 1, sparse_->rhs.data(), &sparse_->common);
+    std::copy_n(sparse_->rhs.data(), dof_, x);
+    std::copy_n(sparse_->rhs.data() + dof_, rows_, lambda);
+    return;
+  }
+  Eigen::Map<Eigen::VectorXd> result(x, dof_);
+  result = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
+  if (rows_ == 0) return;
+  // S λ = c − G M⁻¹ f, then x = M⁻¹ (f + Gᵀ λ).
+  Eigen::Map<Eigen::VectorXd> multiplier(lambda, rows_);
+  multiply_G(x, y_.data());
+  multiplier = Eigen::Map<const Eigen::VectorXd>(c, rows_) - y_;
+  if (redundant_)
+    multiplier = least_norm_->solve(multiplier).eval();
+  else
+    llt_.solveInPlace(multiplier);
+  f_.setZero();
+  for (std::size_t i = 0; i < G_.size(); ++i) apply_transposed(G_[i], lambda[i], f_.data());
+  result += inverse_mass_.cwiseProduct(f_);
+}
+
+void BasicSystem::solve_row(const Row& row, double* x) const {
+  // A row touches two bodies at the most, but x is full as soon as joints carry it on.
+  force_.setZero();
+  apply_transposed(row, 1.0, force_.data());
+  solve(force_.data(), zero_.data(), x, lambda_.data());
+}
+
+}  // namespace orthant

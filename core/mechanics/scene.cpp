@@ -1,0 +1,164 @@
+#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/support/options.h>
+
+#include <cmath>
+#include <set>
+
+namespace orthant {
+namespace {
+
+constexpr double kLeastMass = 1e-300;  // below, 1/m is not a number any more
+constexpr double kUnit = 1e-12;        // how far from 1 a unit vector's length may be
+
+std::string text(double value) { return detail::text_of(value); }
+std::string text(const Vector2d& v) { return std::string("(").append(text(v.x()) + ", " + text(v.y()) + ")"); }
+
+/// One element of the scene while its fields are examined; the first rule that fails throws.
+class Element {
+ public:
+  Element(const Scene& scene, std::string_view kind, std::size_t index, const std::string& name)
+      : scene_(scene), kind_(kind), index_(index), name_(name) {}
+
+  [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
+    const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + name_ + "\"";
+    throw SceneError(who + ": " + sentence, kind_, index_, field);
+  }
+  template <class Value>
+  void require(bool holds, const std::string& field, const Value& value, const std::string& rule) const {
+    if (!holds) fail(field, field + " = " + text(value) + ": must be " + rule);
+  }
+
+  void finite(const std::string& field, double value) const { require(std::isfinite(value), field, value, "finite"); }
+  void finite(const std::string& field, const Vector2d& v) const { require(v.allFinite(), field, v, "finite"); }
+  void within(const std::string& field, double value, double low, double high) const {
+    require(value >= low && value <= high, field, value, "in [" + text(low) + ", " + text(high) + "]");
+  }
+  void not_negative(const std::string& field, double value) const {
+    finite(field, value);
+    require(value >= 0, field, value, ">= 0");
+  }
+  void positive(const std::string& field, double value) const {
+    finite(field, value);
+    require(value > 0, field, value, "> 0");
+  }
+  void invertible(const std::string& field, double value) const {
+    positive(field, value);
+    require(value >= kLeastMass, field, value, ">= " + text(kLeastMass));
+  }
+  void unit(const std::string& field, const Vector2d& v) const {
+    finite(field, v);
+    require(std::abs(v.norm() - 1) <= kUnit, field, v, "a unit vector");
+  }
+  void exists(BodyId body) const {
+    const auto bodies = static_cast<BodyId>(scene_.bodies.size());
+    if (body < kGround || body >= bodies)
+      fail("body", "body " + std::to_string(body) + " does not exist (the scene has " + std::to_string(bodies) +
+                       (bodies == 1 ? " body)" : " bodies)"));
+  }
+  void pair(BodyId a, BodyId b) const {
+    exists(a), exists(b);
+    if (a != b) return;
+    const std::string same =
+        a == kGround ? "the ground" : "body \"" + scene_.bodies[static_cast<std::size_t>(a)].name + "\"";
+    fail("bodies", "joins " + same + " to itself: must be two different bodies");
+  }
+  void law(const ContactLaw& law) const {
+    not_negative("mu", law.mu), within("e_n", law.e, 0, 1), within("e_t", law.e_t, -1, 1);
+  }
+
+ private:
+  const Scene& scene_;
+  std::string kind_;
+  std::size_t index_;
+  std::string name_;
+};
+
+/// Names address elements ("contact.corner1.mu"), so each must be there, be plain, and be the only one of its kind.
+class Names {
+ public:
+  void add(const Element& element, const std::string& name) {
+    constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+    if (name.empty() || name.find_first_not_of(plain) != std::string::npos)
+      element.fail("name", "name = \"" + name + "\": must be of letters, digits, _ and -");
+    if (!taken_.insert(name).second) element.fail("name", "name = \"" + name + "\": must be distinct, is taken");
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+void examine(const Element& e, const Body& b) {
+  if (b.name == "ground") e.fail("name", "name = \"ground\": must not be ground, which is always there");
+  e.invertible("mass", b.mass), e.invertible("inertia", b.inertia);
+  e.finite("position", b.position), e.finite("angle", b.angle);
+  e.finite("velocity", b.velocity), e.finite("omega", b.omega);
+}
+
+template <class T> void examine_points(const Element& e, const T& x) {
+  e.pair(x.a, x.b), e.finite("point_a", x.point_a), e.finite("point_b", x.point_b);
+}
+void examine(const Element& e, const Revolute& j) { examine_points(e, j); }
+void examine(const Element& e, const Prismatic& j) {
+  examine_points(e, j), e.unit("axis", j.axis), e.finite("angle", j.angle);
+}
+void examine(const Element& e, const Fixed& j) { examine_points(e, j), e.finite("angle", j.angle); }
+void examine(const Element& e, const Distance& j) { examine_points(e, j), e.positive("length", j.length); }
+
+void examine(const Element& e, const CornerWall& c) {
+  e.pair(c.a, c.b), e.finite("point", c.point);
+  e.finite("wall_point", c.wall_point), e.unit("normal", c.normal), e.law(c.law);
+}
+void examine(const Element& e, const DiscWall& c) {
+  e.pair(c.a, c.b), e.finite("centre", c.centre), e.positive("radius", c.radius);
+  e.finite("wall_point", c.wall_point), e.unit("normal", c.normal), e.law(c.law);
+}
+void examine(const Element& e, const DiscDisc& c) {
+  e.pair(c.a, c.b), e.finite("centre_a", c.centre_a), e.finite("centre_b", c.centre_b);
+  e.positive("radius_a", c.radius_a), e.positive("radius_b", c.radius_b), e.law(c.law);
+}
+
+void examine(const Element& e, const PointSpring& s) {
+  examine_points(e, s), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
+  e.not_negative("rest", s.rest);
+}
+void examine(const Element& e, const TorsionSpring& s) {
+  e.pair(s.a, s.b), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
+  e.finite("rest", s.rest);
+}
+
+void examine(const Element& e, const Load& l) {
+  e.exists(l.body);
+  if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
+  e.finite("point", l.point), e.finite("force", l.force), e.finite("torque", l.torque);
+}
+
+template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
+  Names names;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const auto one = [&](const auto& x) {
+      const Element element(scene, kind, i, x.name);
+      names.add(element, x.name);
+      examine(element, x);
+    };
+    if constexpr (requires { elements[i].index(); })
+      std::visit(one, elements[i]);
+    else
+      one(elements[i]);
+  }
+}
+
+}  // namespace
+
+void check(const Scene& scene) {
+  const Element whole(scene, "", 0, "");
+  whole.finite("gravity", scene.gravity);
+  whole.positive("duration", scene.duration), whole.positive("step", scene.step);
+  if (scene.bodies.empty()) whole.fail("body", "has no bodies: must have at least one");
+  examine_all(scene, "body", scene.bodies);
+  examine_all(scene, "joint", scene.joints);
+  examine_all(scene, "contact", scene.contacts);
+  examine_all(scene, "spring", scene.springs);
+  examine_all(scene, "load", scene.loads);
+}
+
+}  // namespace orthant

@@ -1,0 +1,86 @@
+// core/mechanics/scene.h — a mechanism as plain data: bodies, joints, contacts, springs, loads. SI units.
+//
+//   Scene s;
+//   const auto rod = s.body({.name = "rod", .mass = 1, .inertia = 1.0 / 12, .position = {0.5, 0}});
+//   s.joint(Revolute{"pin", kGround, rod, {0, 0}, {-0.5, 0}});
+#pragma once
+
+#include <orthant/core/mechanics/corner_wall.h>
+#include <orthant/core/mechanics/disc_disc.h>
+#include <orthant/core/mechanics/disc_wall.h>
+#include <orthant/core/mechanics/distance.h>
+#include <orthant/core/mechanics/fixed.h>
+#include <orthant/core/mechanics/load.h>
+#include <orthant/core/mechanics/prismatic.h>
+#include <orthant/core/mechanics/revolute.h>
+#include <orthant/core/mechanics/spring.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace orthant {
+
+struct Body {
+  std::string name;
+  double mass = 1, inertia = 1;              // [kg], [kg m²] about the centre of mass, > 0
+  Vector2d position{0, 0};                   // [m] of the centre of mass
+  double angle = 0;                          // [rad] counter-clockwise
+  Vector2d velocity{0, 0};                   // [m/s]
+  double omega = 0;                          // [rad/s]
+};
+
+using Joint = std::variant<Revolute, Prismatic, Fixed, Distance>;
+using Contact = std::variant<CornerWall, DiscWall, DiscDisc>;
+using Spring = std::variant<PointSpring, TorsionSpring>;
+
+struct Scene {
+  Vector2d gravity{0, 0};  // [m/s²]
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  std::vector<Contact> contacts;
+  std::vector<Spring> springs;
+  std::vector<Load> loads;
+  double duration = 1, step = 1e-3;  // [s] what `simulate` takes when it is not told
+
+  /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.
+  BodyId body(Body b) {
+    add(bodies, std::move(b), "body");
+    return static_cast<BodyId>(bodies.size()) - 1;
+  }
+  void joint(Joint j) { add(joints, std::move(j), "joint"); }
+  void contact(Contact c) { add(contacts, std::move(c), "contact"); }
+  void spring(Spring s) { add(springs, std::move(s), "spring"); }
+  void load(Load l) { add(loads, std::move(l), "load"); }
+
+ private:
+  template <class T>
+  static void add(std::vector<T>& list, T element, const char* kind) {
+    const auto fill = [&](auto& x) {
+      if (x.name.empty()) x.name = kind + std::to_string(list.size() + 1);
+    };
+    if constexpr (requires { element.index(); })
+      std::visit(fill, element);
+    else
+      fill(element);
+    list.push_back(std::move(element));
+  }
+};
+
+/// What check() throws. Kind, place and field say what it is about, so that a reader of files can point at the line.
+struct SceneError : std::invalid_argument {
+  SceneError(const std::string& what, std::string kind_, std::size_t index_, std::string field_)
+      : std::invalid_argument(what), kind(std::move(kind_)), index(index_), field(std::move(field_)) {}
+  std::string kind;  // "body", "joint", "contact", "spring", "load"; empty: the scene itself
+  std::size_t index = 0;
+  std::string field;
+};
+
+/// Throws SceneError naming element, field, value and rule: masses and inertias > 0, finite numbers, two different
+/// bodies that exist, unit directions, radii and lengths > 0, μ ≥ 0, e in [0, 1], e_t in [−1, 1], stiffness and
+/// damping ≥ 0, at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
+void check(const Scene& scene);
+
+}  // namespace orthant

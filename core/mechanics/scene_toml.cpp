@@ -1,0 +1,484 @@
+#include <orthant/core/mechanics/scene_toml.h>
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+namespace orthant {
+namespace {
+
+constexpr std::uintmax_t kMaxFile = 16 << 20;  // [bytes]
+constexpr int kMaxNesting = 16;                // brackets around a value, and dots in a key
+constexpr std::string_view kOverride = "override ";
+constexpr std::array<std::string_view, 5> kKinds = {"body", "joint", "contact", "spring", "load"};
+
+std::string in_quotes(std::string_view s) { return std::string("\"").append(s).append("\""); }
+
+std::string join(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list.append(list.empty() ? "" : ", ").append(word);
+  return list;
+}
+
+/// Where a node was written: "door.toml:12", or the override that brought it.
+std::string place(const toml::node& node, const std::string& file) {
+  const auto& source = node.source();
+  if (!source.path) return file;
+  if (source.path->starts_with(kOverride)) return *source.path;
+  return *source.path + ":" + std::to_string(source.begin.line);
+}
+
+/// The node as one short line of TOML.
+std::string text(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& n) { out << n; });
+  std::string line = out.str();
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  constexpr std::size_t kLongest = 60;
+  return line.size() <= kLongest ? line : line.substr(0, kLongest) + " ...";
+}
+
+/// The index of the last character of the string that opens at text[i].
+std::size_t end_of_string(std::string_view text, std::size_t i) {
+  const char quote = text[i];
+  const std::string triple(3, quote);
+  const bool long_form = text.substr(i, 3) == triple;
+  for (i += long_form ? 3 : 1; i < text.size(); ++i) {
+    if (text[i] == '\\' && quote == '"') {
+      ++i;
+    } else if (!long_form && (text[i] == quote || text[i] == '\n')) {
+      return i;
+    } else if (long_form && text.substr(i, 3) == triple) {
+      i += 2;
+      for (int extra = 0; extra < 2 && i + 1 < text.size() && text[i + 1] == quote; ++extra) ++i;  // """a"""""
+      return i;
+    }
+  }
+  return text.size();
+}
+
+/// toml++ walks nested tables by recursion, as deep as the text says; so depth is bounded before it sees the text.
+void refuse_deep(std::string_view text, const std::string& name) {
+  int brackets = 0, dots = 0, line = 1;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      const std::size_t end = end_of_string(text, i);
+      line +=
+          static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(i),
+                                      text.begin() + static_cast<std::ptrdiff_t>(std::min(end, text.size())), '\n'));
+      i = end;
+      continue;
+    }
+    if (c == '#') i = std::min(text.find('\n', i), text.size() - 1);
+    line += text[i] == '\n';
+    brackets += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (c == '.')
+      ++dots;
+    else if (std::string_view(",=[]{}#\n").find(c) != std::string_view::npos)
+      dots = 0;
+    if (brackets > kMaxNesting || dots > kMaxNesting)
+      throw std::invalid_argument(name + ":" + std::to_string(line) + ": nested deeper than " +
+                                  std::to_string(kMaxNesting) + " levels: must be a scene, which needs 3");
+  }
+}
+
+toml::table parse(std::string_view text, const std::string& name) {
+  refuse_deep(text, name);
+  try {
+    return toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    const bool is_override = name.starts_with(kOverride);
+    throw std::invalid_argument(name + (is_override ? "" : ":" + std::to_string(error.source().begin.line)) + ": " +
+                                std::string(error.description()));
+  }
+}
+
+/// Moves what `from` holds into `into`; tables written as key paths merge, everything else replaces.
+void merge(toml::table&& from, toml::table& into) {
+  for (auto&& [key, node] : from) {
+    toml::table* inner = node.as_table();
+    toml::table* outer = into[key.str()].as_table();
+    if (inner != nullptr && outer != nullptr && !inner->is_inline())
+      merge(std::move(*inner), *outer);
+    else
+      node.visit([&, &name = key](auto& n) { into.insert_or_assign(name.str(), std::move(n)); });
+  }
+}
+
+/// An element's own name, or the one it gets from its place.
+std::string name_of(const toml::node& element, std::string_view kind, std::size_t index) {
+  const toml::table* table = element.as_table();
+  const auto name = table == nullptr ? std::nullopt : (*table)["name"].value<std::string>();
+  return name && !name->empty() ? *name : std::string(kind) + std::to_string(index + 1);
+}
+
+/// "contact.corner1.mu=0.1": what follows kind and name is TOML as it would stand in that element.
+void apply_override(toml::table& root, std::string_view override_text) {
+  const std::string name = std::string(kOverride) + std::string(override_text);
+  const auto path = override_text.substr(0, override_text.find('='));
+  if (path.size() == override_text.size()) throw std::invalid_argument(name + ": must have the form key=value");
+  const auto dot = path.find('.');
+  const auto kind = path.substr(0, dot);
+  if (dot == std::string_view::npos) return merge(parse(override_text, name), root);
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
+    throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of body, joint, contact, " +
+                                "spring, load");
+  const auto second_dot = path.find('.', dot + 1);
+  if (second_dot == std::string_view::npos)
+    throw std::invalid_argument(name + ": must have the form " + std::string(kind) + ".NAME.KEY=VALUE");
+  const auto wanted = path.substr(dot + 1, second_dot - dot - 1);
+  std::vector<std::string> present;
+  if (toml::array* elements = root[kind].as_array())
+    for (std::size_t i = 0; i < elements->size(); ++i) {
+      toml::node& element = *elements->get(i);
+      present.push_back(name_of(element, kind, i));
+      if (present.back() == wanted && element.is_table())
+        return merge(parse(override_text.substr(second_dot + 1), name), *element.as_table());
+    }
+  throw std::invalid_argument(name + ": no " + std::string(kind) + " is named " + in_quotes(wanted) +
+                              ": must be one of " + (present.empty() ? "(the scene has none)" : join(present)));
+}
+
+/// One table being read. Every key is asked for; done() refuses those that nobody asked for.
+class Fields {
+ public:
+  Fields(const toml::table& table, std::string who, const std::string& file, std::string prefix = "")
+      : table_(table), who_(std::move(who)), file_(file), prefix_(std::move(prefix)) {}
+
+  template <class T> void need(std::string_view key, T& value) {
+    if (!maybe(key, value)) fail(table_, "missing key " + in_quotes(prefix_ + std::string(key)));
+  }
+  /// False, and `value` as it was, when the key is not there.
+  template <class T> bool maybe(std::string_view key, T& value) {
+    const toml::node* node = find(key);
+    if (node != nullptr) convert(key, *node, value);
+    return node != nullptr;
+  }
+  /// The table under `key`; null when it is not there.
+  const toml::table* inner(std::string_view key) {
+    const toml::node* node = find(key);
+    if (node != nullptr && !node->is_table()) refuse(key, *node, "a table");
+    return node == nullptr ? nullptr : node->as_table();
+  }
+  Fields fields(std::string_view key, const toml::table& table) const {
+    return {table, who_, file_, prefix_ + std::string(key) + "."};
+  }
+  /// A direction of any length but zero, made a unit vector.
+  bool direction(std::string_view key, Vector2d& unit) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return false;
+    convert(key, *node, unit);
+    if (unit.isZero(0)) refuse(key, *node, "a direction, not zero");
+    unit = unit.stableNormalized().eval();
+    return true;
+  }
+  void done() const {
+    for (const auto& [key, node] : table_)
+      if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
+        fail(node, "unknown key " + in_quotes(prefix_ + std::string(key.str())) + ": must be one of " + join(known_));
+  }
+
+  const toml::node* find(std::string_view key) {
+    known_.emplace_back(key);
+    return table_.get(key);
+  }
+  [[noreturn]] void refuse(std::string_view key, const toml::node& node, const std::string& rule) const {
+    fail(node, prefix_ + std::string(key) + " = " + text(node) + ": must be " + rule);
+  }
+  [[noreturn]] void fail(const toml::node& node, const std::string& sentence) const {
+    // The table may be younger than the element: then the place of the table is the better guess.
+    throw std::invalid_argument(place(node.source().path ? node : table_, file_) + ": " + who_ + sentence);
+  }
+  const toml::table& table() const { return table_; }
+
+ private:
+  void convert(std::string_view key, const toml::node& node, double& value) const {
+    const auto number = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!number) refuse(key, node, "a number");
+    if (!std::isfinite(*number)) refuse(key, node, "finite");
+    value = *number;
+  }
+  void convert(std::string_view key, const toml::node& node, std::vector<double>& values) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) refuse(key, node, "a list of numbers");
+    values.resize(array->size());
+    for (std::size_t i = 0; i < values.size(); ++i) convert(key, *array->get(i), values[i]);
+  }
+  void convert(std::string_view key, const toml::node& node, Vector2d& value) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->size() != 2) refuse(key, node, "two numbers [x, y]");
+    convert(key, *array->get(0), value.x()), convert(key, *array->get(1), value.y());
+  }
+  void convert(std::string_view key, const toml::node& node, std::string& value) const {
+    const auto words = node.value_exact<std::string>();
+    if (!words) refuse(key, node, "a string in quotes");
+    value = *words;
+  }
+
+  const toml::table& table_;
+  std::string who_;  // contact "corner1":
+  const std::string& file_;
+  std::string prefix_;  // of keys, inside an inner table
+  std::vector<std::string> known_;
+};
+
+double cosine(double amplitude, double omega, double phase, double t) {
+  return amplitude * std::cos(omega * t + phase);
+}
+
+/// Linear between the points, constant outside.
+double interpolate(const std::vector<double>& times, const std::vector<double>& values, double t) {
+  const auto next = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), t) - times.begin());
+  if (next == 0) return values.front();
+  if (next == times.size()) return values.back();
+  const double s = (t - times[next - 1]) / (times[next] - times[next - 1]);
+  return (1 - s) * values[next - 1] + s * values[next];
+}
+
+class Reader {
+ public:
+  Reader(const toml::table& root, std::string file) : root_(root), file_(std::move(file)) {}
+
+  Scene scene() {
+    Fields top(root_, "", file_);
+    top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
+    each(top, "body", [&](Fields& f) { body(f); });
+    pose_bodies();
+    each(top, "joint", [&](Fields& f) { joint(f); });
+    each(top, "contact", [&](Fields& f) { contact(f); });
+    each(top, "spring", [&](Fields& f) { spring(f); });
+    each(top, "load", [&](Fields& f) { load(f); });
+    top.done();
+    try {
+      check(scene_);
+    } catch (const SceneError& error) {
+      throw std::invalid_argument(place(find(error), file_) + ": " + error.what());
+    }
+    return std::move(scene_);
+  }
+
+ private:
+  template <class Read> void each(Fields& top, std::string_view kind, Read&& read) {
+    const toml::node* list = top.find(kind);
+    if (list == nullptr) return;
+    if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
+    const toml::array& elements = *list->as_array();
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      const toml::table* table = elements.get(i)->as_table();
+      if (table == nullptr) top.refuse(kind, *elements.get(i), "a table");
+      Fields fields(*table, std::string(kind) + " " + in_quotes(name_of(*table, kind, i)) + ": ", file_);
+      read(fields);
+      fields.done();
+    }
+  }
+
+  void body(Fields& f) {
+    Body b;
+    f.need("name", b.name), f.need("mass", b.mass), f.need("inertia", b.inertia);
+    f.maybe("position", b.position), f.maybe("angle", b.angle);
+    f.maybe("velocity", b.velocity), f.maybe("omega", b.omega);
+    if (b.name.empty()) f.refuse("name", *f.table().get("name"), "of letters, digits, _ and -");
+    ids_.emplace(b.name, scene_.body(b));
+  }
+
+  /// The initial poses: angles and lengths that the file leaves out are taken from them.
+  void pose_bodies() {
+    for (const Body& b : scene_.bodies)
+      initial_.pose.push_back({b.position, b.angle, std::cos(b.angle), std::sin(b.angle)});
+    initial_.pose.emplace_back();
+  }
+  double initial_angle(BodyId a, BodyId b) const { return initial_.at(a).theta - initial_.at(b).theta; }
+  template <class T> double initial_length(const T& link) const {
+    return (initial_.at(link.a).x + initial_.at(link.a).turn(link.point_a) - initial_.at(link.b).x -
+            initial_.at(link.b).turn(link.point_b))
+        .norm();
+  }
+
+  BodyId id(const Fields& f, std::string_view key, const toml::node& node) const {
+    const auto name = node.value_exact<std::string>();
+    if (name && *name == "ground") return kGround;
+    const auto found = name ? ids_.find(*name) : ids_.end();
+    if (found == ids_.end()) {
+      std::vector<std::string> names{"ground"};
+      for (const Body& b : scene_.bodies) names.push_back(b.name);
+      f.refuse(key, node, "the name of a body: " + join(names));
+    }
+    return found->second;
+  }
+  BodyId body_of(Fields& f) const {
+    std::string unused;
+    f.need("body", unused);
+    return id(f, "body", *f.table().get("body"));
+  }
+  template <class T> void bodies_of(Fields& f, T& x) const {
+    const toml::node* node = f.find("bodies");
+    if (node == nullptr) f.fail(f.table(), "missing key \"bodies\"");
+    const toml::array* names = node->as_array();
+    if (names == nullptr || names->size() != 2) f.refuse("bodies", *node, "two names [\"first\", \"second\"]");
+    x.a = id(f, "bodies", *names->get(0)), x.b = id(f, "bodies", *names->get(1));
+  }
+  template <class T> void points_of(Fields& f, T& x) const {
+    bodies_of(f, x), f.maybe("point_a", x.point_a), f.maybe("point_b", x.point_b);
+  }
+
+  void joint(Fields& f) {
+    std::string type, name;
+    f.need("type", type), f.maybe("name", name);
+    if (type == "revolute") {
+      Revolute j{.name = name};
+      points_of(f, j);
+      scene_.joint(j);
+    } else if (type == "prismatic") {
+      Prismatic j{.name = name};
+      points_of(f, j), f.direction("axis", j.axis);
+      if (!f.maybe("angle", j.angle)) j.angle = initial_angle(j.b, j.a);
+      scene_.joint(j);
+    } else if (type == "fixed") {
+      Fixed j{.name = name};
+      points_of(f, j);
+      if (!f.maybe("angle", j.angle)) j.angle = initial_angle(j.a, j.b);
+      scene_.joint(j);
+    } else if (type == "distance") {
+      Distance j{.name = name};
+      points_of(f, j);
+      if (!f.maybe("length", j.length)) j.length = initial_length(j);
+      scene_.joint(j);
+    } else {
+      f.refuse("type", *f.table().get("type"), "revolute, prismatic, fixed or distance");
+    }
+  }
+
+  static void law(Fields& f, ContactLaw& law) { f.maybe("mu", law.mu), f.maybe("e_n", law.e), f.maybe("e_t", law.e_t); }
+
+  template <class T> void wall(Fields& f, T& c) const {
+    const toml::table* table = f.inner("wall");
+    if (table == nullptr) f.fail(f.table(), "missing key \"wall\"");
+    Fields w = f.fields("wall", *table);
+    if (const toml::node* node = w.find("body")) c.b = id(w, "body", *node);
+    w.maybe("point", c.wall_point);
+    if (!w.direction("normal", c.normal)) w.fail(*table, "missing key \"wall.normal\"");
+    w.done();
+  }
+
+  void contact(Fields& f) {
+    std::string type, name;
+    f.need("type", type), f.maybe("name", name);
+    if (type == "corner-wall") {
+      CornerWall c{.name = name};
+      c.a = body_of(f), f.maybe("point", c.point), wall(f, c), law(f, c.law);
+      scene_.contact(c);
+    } else if (type == "disc-wall") {
+      DiscWall c{.name = name};
+      c.a = body_of(f), f.maybe("centre", c.centre), f.need("radius", c.radius), wall(f, c), law(f, c.law);
+      scene_.contact(c);
+    } else if (type == "disc-disc") {
+      DiscDisc c{.name = name};
+      bodies_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
+      f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), law(f, c.law);
+      scene_.contact(c);
+    } else {
+      f.refuse("type", *f.table().get("type"), "corner-wall, disc-wall or disc-disc");
+    }
+  }
+
+  void spring(Fields& f) {
+    std::string type, name;
+    f.need("type", type), f.maybe("name", name);
+    if (type == "point") {
+      PointSpring s{.name = name};
+      points_of(f, s), f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
+      if (!f.maybe("rest", s.rest)) s.rest = initial_length(s);
+      scene_.spring(s);
+    } else if (type == "torsion") {
+      TorsionSpring s{.name = name};
+      bodies_of(f, s), f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
+      if (!f.maybe("rest", s.rest)) s.rest = initial_angle(s.a, s.b);
+      scene_.spring(s);
+    } else {
+      f.refuse("type", *f.table().get("type"), "point or torsion");
+    }
+  }
+
+  void load(Fields& f) {
+    Load l;
+    f.maybe("name", l.name);
+    l.body = body_of(f), f.maybe("point", l.point), f.maybe("force", l.force), f.maybe("torque", l.torque);
+    if (const toml::table* table = f.inner("factor")) {
+      Fields g = f.fields("factor", *table);
+      l.factor = factor(g);
+      g.done();
+    }
+    scene_.load(l);
+  }
+
+  static std::function<double(double)> factor(Fields& f) {
+    std::string type;
+    f.need("type", type);
+    if (type == "cosine") {
+      double amplitude = 1, omega = 0, phase = 0;
+      f.maybe("amplitude", amplitude), f.need("omega", omega), f.maybe("phase", phase);
+      return [=](double t) { return cosine(amplitude, omega, phase, t); };
+    }
+    if (type != "table") f.refuse("type", *f.table().get("type"), "cosine or table");
+    std::vector<double> times, values;
+    f.need("times", times), f.need("values", values);
+    const toml::node& written = *f.table().get("times");
+    if (times.empty()) f.refuse("times", written, "at least one time");
+    if (times.size() != values.size()) f.refuse("times", written, "as many as values");
+    if (std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) != times.end())
+      f.refuse("times", written, "ascending");
+    return [times, values](double t) { return interpolate(times, values, t); };
+  }
+
+  /// What check() was unhappy with: the key if it is written, else its element, else the file.
+  const toml::node& find(const SceneError& error) const {
+    if (error.kind.empty()) {
+      const toml::node* key = root_.get(error.field);
+      return key != nullptr ? *key : root_;
+    }
+    const toml::table& element = *root_.get(error.kind)->as_array()->get(error.index)->as_table();
+    const toml::node* key = element.get(error.field);
+    return key != nullptr ? *key : element;
+  }
+
+  const toml::table& root_;
+  std::string file_;
+  Scene scene_;
+  Kinematics initial_;
+  std::map<std::string, BodyId, std::less<>> ids_;
+};
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, std::span<const std::string> overrides, std::string_view name) {
+  const std::string file(name);
+  if (text.size() > kMaxFile)
+    throw std::invalid_argument(file + ": " + std::to_string(text.size()) + " bytes: must be at most 16 MiB");
+  toml::table root = parse(text, file);
+  for (const std::string& one : overrides) apply_override(root, one);
+  return Reader(root, file).scene();
+}
+
+Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw std::invalid_argument(file.string() + ": must be a file that exists");
+  const auto size = std::filesystem::file_size(file, error);
+  if (size > kMaxFile)
+    throw std::invalid_argument(file.string() + ": " + std::to_string(size) + " bytes: must be at most 16 MiB");
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw std::invalid_argument(file.string() + ": cannot be read");
+  return parse_scene(text.str(), overrides, file.string());
+}
+
+}  // namespace orthant

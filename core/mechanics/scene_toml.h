@@ -1,0 +1,26 @@
+// core/mechanics/scene_toml.h — scenes from TOML text. README.md beside this file is the format: every element and key.
+//
+//   Scene s = read_scene("door.toml", std::vector<std::string>{"gravity=[0, 0]", "contact.corner1.mu=0.1"});
+//
+// An override is one line of TOML. Its key path addresses an element by kind and name, then a key of the format, which
+// the file itself need not have: contact.corner1.wall.normal=[0, 1]. An inline table replaces, a key path adds.
+// Everything wrong (text that is no TOML, unknown or missing keys, wrong types, values that check() refuses) throws
+// std::invalid_argument with file and line or override, element, key, value and rule. Hostile text is refused as well:
+// files over 16 MiB, keys and brackets nested deeper than any scene needs.
+#pragma once
+
+#include <orthant/core/mechanics/scene.h>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace orthant {
+
+Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+/// `name` stands for the file in error messages.
+Scene parse_scene(std::string_view text, std::span<const std::string> overrides = {}, std::string_view name = "scene");
+
+}  // namespace orthant

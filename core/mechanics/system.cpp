@@ -1,0 +1,42 @@
+#include <orthant/core/mechanics/system.h>
+#include <orthant/core/mechanics/terms.h>
+
+namespace orthant {
+
+System::System(Scene scene) : scene_(std::move(scene)) {
+  check(scene_);
+  mass_.resize(dof());
+  weight_.setZero(dof());
+  for (int i = 0; i < bodies(); ++i) {
+    const Body& body = scene_.bodies[static_cast<std::size_t>(i)];
+    mass_.segment<3>(3 * i) << body.mass, body.mass, body.inertia;
+    weight_.segment<2>(3 * i) = body.mass * scene_.gravity;
+  }
+  inverse_mass_ = mass_.cwiseInverse();
+  for (const Joint& joint : scene_.joints)
+    joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
+  for (const Contact& contact : scene_.contacts)
+    laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
+}
+
+State System::initial_state() const {
+  State x{.t = 0, .q = Eigen::VectorXd(dof()), .v = Eigen::VectorXd(dof())};
+  for (int i = 0; i < bodies(); ++i) {
+    const Body& body = scene_.bodies[static_cast<std::size_t>(i)];
+    x.q.segment<3>(3 * i) << body.position, body.angle;
+    x.v.segment<3>(3 * i) << body.velocity, body.omega;
+  }
+  return x;
+}
+
+double energy(const System& system, const State& state) {
+  double sum = 0.5 * state.v.dot(system.mass().cwiseProduct(state.v)) - system.weight().dot(state.q);
+  if (system.scene().springs.empty()) return sum;
+  Kinematics at;
+  set_poses(system, state.q, at);
+  for (const Spring& spring : system.scene().springs)
+    sum += std::visit([&](const auto& s) { return s.evaluate(at, state.v.data()).energy; }, spring);
+  return sum;
+}
+
+}  // namespace orthant

@@ -1,0 +1,38 @@
+// core/mechanics/system.h — assemble: a checked scene with its index layout. What a scene lacks costs nothing here.
+#pragma once
+
+#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/state.h>
+
+namespace orthant {
+
+/// Coordinates 3i, 3i+1, 3i+2 are x, y, θ of body i; joint rows stand in the order of the scene's joints.
+class System {
+ public:
+  /// Throws std::invalid_argument where check(scene) does.
+  explicit System(Scene scene);
+
+  const Scene& scene() const { return scene_; }
+  int bodies() const { return static_cast<int>(scene_.bodies.size()); }
+  int dof() const { return 3 * bodies(); }
+  int joint_rows() const { return joint_rows_; }
+  int contacts() const { return static_cast<int>(scene_.contacts.size()); }
+
+  const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body
+  const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
+  const Eigen::VectorXd& weight() const { return weight_; }              // dof: M g [N, N, 0]
+  const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
+
+  State initial_state() const;
+
+ private:
+  Scene scene_;
+  int joint_rows_ = 0;
+  Eigen::VectorXd mass_, inverse_mass_, weight_;
+  std::vector<ContactLaw> laws_;
+};
+
+/// Kinetic energy + potential of gravity (zero at the origin) and springs [J].
+double energy(const System& system, const State& state);
+
+}  // namespace orthant

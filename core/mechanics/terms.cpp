@@ -1,0 +1,97 @@
+#include <orthant/core/mechanics/terms.h>
+
+#include <cmath>
+
+namespace orthant {
+
+Terms::Terms(const System& system) {
+  const auto bodies = static_cast<std::size_t>(system.bodies());
+  at.pose.resize(bodies + 1);
+  at.twist.resize(bodies + 1);
+  f.setZero(system.dof());
+  springs.resize(system.scene().springs.size());
+  G.resize(static_cast<std::size_t>(system.joint_rows()));
+  phi.setZero(system.joint_rows());
+  joint_bias.setZero(system.joint_rows());
+  gap.setConstant(system.contacts(), 0.0);
+  closed.reserve(system.scene().contacts.size());
+  contact_bias.reserve(system.scene().contacts.size());
+}
+
+void set_poses(const System& system, const Eigen::VectorXd& q, Kinematics& at) {
+  const auto bodies = static_cast<std::size_t>(system.bodies());
+  at.pose.resize(bodies + 1);
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const double* qi = q.data() + 3 * i;
+    at.pose[i] = {{qi[0], qi[1]}, qi[2], std::cos(qi[2]), std::sin(qi[2])};
+  }
+}
+
+void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at) {
+  const auto bodies = static_cast<std::size_t>(system.bodies());
+  at.twist.resize(bodies + 1);
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const double* vi = v.data() + 3 * i;
+    at.twist[i] = {{vi[0], vi[1]}, vi[2]};
+  }
+}
+
+void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, Terms& terms) {
+  const Scene& scene = system.scene();
+  terms.f = system.weight();
+  for (const Load& load : scene.loads) load.add(terms.at, t, terms.f.data());
+  for (std::size_t i = 0; i < scene.springs.size(); ++i) {
+    terms.springs[i] = std::visit([&](const auto& s) { return s.evaluate(terms.at, v.data()); }, scene.springs[i]);
+    apply_transposed(terms.springs[i].row, -terms.springs[i].tension, terms.f.data());
+  }
+}
+
+namespace {
+
+/// Calls what(joint, first row) over all joints.
+template <class What>
+void each_joint(const System& system, What&& what) {
+  int row = 0;
+  for (const Joint& joint : system.scene().joints)
+    std::visit(
+        [&](const auto& j) {
+          what(j, row);
+          row += j.kRows;
+        },
+        joint);
+}
+
+}  // namespace
+
+void evaluate_joint_residual(const System& system, Terms& terms) {
+  each_joint(system, [&](const auto& joint, int row) { joint.residual(terms.at, terms.phi.data() + row); });
+}
+
+void evaluate_joint_rows(const System& system, Terms& terms) {
+  each_joint(system, [&](const auto& joint, int row) { joint.rows(terms.at, terms.G.data() + row); });
+}
+
+void evaluate_gaps(const System& system, Terms& terms) {
+  Index i = 0;
+  for (const Contact& contact : system.scene().contacts)
+    terms.gap[i++] = std::visit([&](const auto& c) { return c.gap(terms.at); }, contact);
+}
+
+void evaluate_closed(const System& system, double threshold, Terms& terms) {
+  terms.closed.clear();
+  for (int i = 0; i < system.contacts(); ++i)
+    if (terms.gap[i] <= threshold)
+      terms.closed.push_back({i, std::visit([&](const auto& c) { return c.rows(terms.at); },
+                                            system.scene().contacts[static_cast<std::size_t>(i)])});
+}
+
+void evaluate_biases(const System& system, Terms& terms) {
+  each_joint(system, [&](const auto& joint, int row) { joint.bias(terms.at, terms.joint_bias.data() + row); });
+  terms.contact_bias.clear();
+  for (const ClosedContact& closed : terms.closed)
+    terms.contact_bias.push_back(
+        std::visit([&](const auto& c) { return c.bias(terms.at); },
+                   system.scene().contacts[static_cast<std::size_t>(closed.contact)]));
+}
+
+}  // namespace orthant

@@ -1,0 +1,48 @@
+#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/support/options.h>
+
+namespace orthant {
+namespace {
+
+struct NoOptions {
+  template <class V> void visit(V&&) {}
+};
+
+Scene ideal(const NoOptions&) { return slider_crank_ideal(); }
+
+template <class Options, Scene (*draw)(const Options&)> Scene make(std::span<const std::string> sets) {
+  Options options;
+  for (const std::string& set : sets) set_options(options, set);
+  return draw(options);
+}
+
+template <class Options> std::string options_of() { return describe(Options{}); }
+
+constexpr SceneEntry kScenes[] = {
+    {"slider_crank", "slider-crank whose slider has clearance in its guide: four corners, two walls",
+     &make<SliderCrank, slider_crank>, &options_of<SliderCrank>},
+    {"slider_crank_ideal", "the same without clearance and friction: a prismatic joint, no contacts",
+     &make<NoOptions, ideal>, &options_of<NoOptions>},
+};
+
+}  // namespace
+
+std::span<const SceneEntry> scenes() { return kScenes; }
+
+Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets) {
+  std::string known;
+  for (const SceneEntry& entry : kScenes) {
+    if (entry.name == name_or_path) return entry.make(sets);
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  const std::filesystem::path file(name_or_path);
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    throw std::invalid_argument("unknown scene '" + std::string(name_or_path) +
+                                "': must be a TOML file that exists or one of " + known);
+  return read_scene(file, sets);
+}
+
+}  // namespace orthant

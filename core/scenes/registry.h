@@ -1,0 +1,27 @@
+// core/scenes/registry.h — built-in scenes have names, in one table; everything else is a TOML file.
+//
+//   Scene s = make_scene("slider_crank", std::vector<std::string>{"mu=0.1", "omega3=-0.01"});
+//   Scene t = make_scene("door.toml", std::vector<std::string>{"contact.corner1.mu=0.1"});
+#pragma once
+
+#include <orthant/core/mechanics/scene.h>
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace orthant {
+
+struct SceneEntry {
+  std::string_view name, summary;
+  Scene (*make)(std::span<const std::string> sets);
+  std::string (*options)();  // every option with its default and range, one line
+};
+
+std::span<const SceneEntry> scenes();
+
+/// A built-in scene, whose `sets` are its options ("key=value"), or else a file, whose `sets` are the overrides of
+/// scene_toml.h. Neither of them, and bad sets: std::invalid_argument that lists what there is.
+Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets = {});
+
+}  // namespace orthant

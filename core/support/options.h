@@ -1,0 +1,153 @@
+// core/support/options.h — named options with ranges, written once as a visit() list (see solvers/pgs.h).
+//
+//   struct Options { double omega = 1; template <class V> void visit(V&& v) { v("omega", omega, 0.0, 2.0); } };
+//   set_options(options, "omega=1.3,max_sweeps=50")  // unknown key, bad number or out of range: throws, in words
+//   describe(options)                                // "omega=1.3 in [0, 2], …"
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace orthant {
+
+/// "name:key=value,key=value" cut at the first colon.
+struct Spec {
+  std::string_view name, options;
+  static Spec parse(std::string_view text) {
+    const auto colon = text.find(':');
+    if (colon == std::string_view::npos) return {text, {}};
+    return {text.substr(0, colon), text.substr(colon + 1)};
+  }
+};
+
+namespace detail {
+
+/// Shortest text that reads back as the same number.
+inline std::string text_of(double value) {
+  std::array<char, 40> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
+}
+
+template <class Number>
+Number parse_number(std::string_view key, std::string_view text) {
+  Number value{};
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc{} || result.ptr != text.data() + text.size())
+    throw std::invalid_argument("option " + std::string(key) + " = '" + std::string(text) + "': must be " +
+                                (std::is_integral_v<Number> ? "a whole number" : "a number"));
+  return value;
+}
+
+class OptionSetter {
+ public:
+  OptionSetter(std::string_view key, std::string_view text) : key_(key), text_(text) {}
+  bool found() const { return found_; }
+  const std::string& known() const { return known_; }
+
+  template <class Number>
+    requires(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>)
+  void operator()(std::string_view name, Number& field, Number low, Number high) {
+    if (!matches(name)) return;
+    const auto value = parse_number<Number>(name, text_);
+    if (!(value >= low && value <= high)) {
+      std::ostringstream words;
+      words << "option " << name << " = " << text_ << ": must be in [" << low << ", " << high << "]";
+      throw std::invalid_argument(words.str());
+    }
+    field = value;
+  }
+  void operator()(std::string_view name, bool& field) {
+    if (!matches(name)) return;
+    if (text_ != "true" && text_ != "false")
+      throw std::invalid_argument("option " + std::string(name) + " = '" + std::string(text_) +
+                                  "': must be true or false");
+    field = text_ == "true";
+  }
+  template <class Enum, std::size_t N>
+    requires std::is_enum_v<Enum>
+  void operator()(std::string_view name, Enum& field, const std::array<std::string_view, N>& choices) {
+    if (!matches(name)) return;
+    std::string list;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (choices[i] == text_) {
+        field = static_cast<Enum>(i);
+        return;
+      }
+      list += (i ? ", " : "") + std::string(choices[i]);
+    }
+    throw std::invalid_argument("option " + std::string(name) + " = '" + std::string(text_) + "': must be one of " +
+                                list);
+  }
+
+ private:
+  bool matches(std::string_view name) {
+    known_ += (known_.empty() ? "" : ", ") + std::string(name);
+    if (found_ || name != key_) return false;
+    return found_ = true;
+  }
+  std::string_view key_, text_;
+  std::string known_;
+  bool found_ = false;
+};
+
+class OptionPrinter {
+ public:
+  template <class Number>
+    requires(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>)
+  void operator()(std::string_view name, Number& field, Number low, Number high) {
+    begin(name) << text_of(static_cast<double>(field)) << " in [" << text_of(static_cast<double>(low)) << ", "
+                << text_of(static_cast<double>(high)) << "]";
+  }
+  void operator()(std::string_view name, bool& field) { begin(name) << (field ? "true" : "false"); }
+  template <class Enum, std::size_t N>
+    requires std::is_enum_v<Enum>
+  void operator()(std::string_view name, Enum& field, const std::array<std::string_view, N>& choices) {
+    begin(name) << choices[static_cast<std::size_t>(field)] << " of {";
+    for (std::size_t i = 0; i < N; ++i) out_ << (i ? "|" : "") << choices[i];
+    out_ << "}";
+  }
+  std::string str() const { return out_.str(); }
+
+ private:
+  std::ostream& begin(std::string_view name) {
+    if (out_.tellp() > 0) out_ << ", ";
+    return out_ << name << "=";
+  }
+  std::ostringstream out_;
+};
+
+}  // namespace detail
+
+/// Applies "key=value,key=value" to `options`. Throws std::invalid_argument naming key, value and rule.
+template <class Options>
+void set_options(Options& options, std::string_view text) {
+  while (!text.empty()) {
+    const auto comma = text.find(',');
+    const auto item = text.substr(0, comma);
+    text = comma == std::string_view::npos ? std::string_view{} : text.substr(comma + 1);
+    const auto equals = item.find('=');
+    if (equals == std::string_view::npos)
+      throw std::invalid_argument("option '" + std::string(item) + "': must have the form key=value");
+    detail::OptionSetter setter(item.substr(0, equals), item.substr(equals + 1));
+    options.visit(setter);
+    if (!setter.found())
+      throw std::invalid_argument("unknown option '" + std::string(item.substr(0, equals)) + "': must be one of " +
+                                  (setter.known().empty() ? "(this one has no options)" : setter.known()));
+  }
+}
+
+/// Every option with its value and range, one line.
+template <class Options>
+std::string describe(Options options) {
+  detail::OptionPrinter printer;
+  options.visit(printer);
+  return printer.str();
+}
+
+}  // namespace orthant

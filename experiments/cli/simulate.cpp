@@ -1,0 +1,112 @@
+// orthant simulate SCENE — one run: a trajectory as CSV, a summary for people or as JSON.
+#include "commands.h"
+
+#include "../support/trajectory.h"
+
+#include <orthant/core/lcp/io.h>
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/support/file.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/integrators/simulate.h>
+#include <orthant/solvers/registry.h>
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <iostream>
+
+namespace orthant {
+namespace {
+
+struct SimulateArguments {
+  std::string scene, integrator = "moreau-jean", solver = "lemke", output;
+  std::vector<std::string> sets;
+  std::optional<double> step, duration;
+  long every = 1;
+  bool json = false;
+};
+
+nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& columns,
+                               const std::vector<double>& last) {
+  nlohmann::ordered_json final;
+  for (std::size_t i = 0; i < columns.size(); ++i) final[columns[i]] = last[i];
+  return {{"status", name(run.status)},
+          {"final", final},
+          {"steps", run.steps},
+          {"seconds", run.seconds},
+          {"energy_initial", run.energy_initial},
+          {"energy_final", run.energy_final},
+          {"max_joint_residual", run.max_joint_residual},
+          {"max_penetration", run.max_penetration},
+          {"max_lcp_residual", run.max_lcp_residual},
+          {"lcp_solves", run.lcp_solves},
+          {"lcp_iterations", run.lcp_iterations}};
+}
+
+/// The problem that stopped the run, beside the output file (or here); its name is told.
+void dump_failed_step(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
+  std::cerr << "orthant: step " << run.steps + 1 << " at t = " << run.final.t << " s failed: " << name(run.status);
+  if (integrator.problem().size() == 0) {
+    std::cerr << " (the basic system could not be solved; there was no complementarity problem)\n";
+    return;
+  }
+  const auto folder = std::filesystem::path(arguments.output).parent_path();
+  const auto file = folder / ("failed_step_" + std::to_string(run.steps + 1) + ".json");
+  write_problem(file, integrator.problem(),
+                "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver);
+  std::cerr << "; its problem is in " << file.string() << " (orthant solve replays it)\n";
+}
+
+int run_simulate(const SimulateArguments& arguments) {
+  const System system(make_scene(arguments.scene, arguments.sets));
+  const auto integrator = make_integrator(arguments.integrator, system);
+  const auto solver = make_solver(arguments.solver);
+  const Scene& scene = system.scene();
+  const Clock clock{arguments.step.value_or(scene.step), arguments.duration.value_or(scene.duration), arguments.every};
+  if (!arguments.output.empty()) check_writable(arguments.output);
+
+  const auto columns = trajectory_columns(scene);
+  std::vector<double> table, last;
+  const Run run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+    if (!arguments.output.empty()) append_row(system, moment, table);
+    last.clear();
+    append_row(system, moment, last);
+  });
+  if (!arguments.output.empty()) write_whole(arguments.output, to_csv(columns, table));
+  if (run.status != Status::solved) dump_failed_step(arguments, *integrator, run);
+
+  const auto json = summary(run, columns, last);
+  if (arguments.json) {
+    std::cout << json.dump(2) << '\n';
+  } else {
+    for (const auto& [key, value] : json.items()) {
+      if (!value.is_object()) {
+        std::cout << key << " = " << value << '\n';
+        continue;
+      }
+      for (const auto& [column, number] : value.items()) std::cout << key << "." << column << " = " << number << '\n';
+    }
+  }
+  return run.status == Status::solved ? 0 : 3;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  CLI::App* command = app.add_subcommand("simulate", "Run a scene: a built-in name or a TOML file");
+  command->add_option("scene", arguments->scene, "built-in scene (see `orthant list scenes`) or TOML file")->required();
+  command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
+  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
+  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--output", arguments->output, "trajectory as CSV");
+  command->add_option("--every", arguments->every, "record every so many steps")->capture_default_str();
+  command->add_flag("--json", arguments->json, "summary as one JSON object");
+  command->callback([arguments, &exit_code] { exit_code = run_simulate(*arguments); });
+}
+
+}  // namespace orthant

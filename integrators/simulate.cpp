@@ -1,0 +1,99 @@
+#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/simulate.h>
+
+#include <chrono>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+using WallClock = std::chrono::steady_clock;
+
+/// Sums impulses between records, and times the recorder so that it can be taken off.
+class Recording {
+ public:
+  Recording(const Recorder& record, long every, std::size_t contacts) : record_(record), every_(every), sum_(contacts) {}
+
+  void add(long steps, bool last, const State& x, const StepReport& report, const Integrator& integrator) {
+    if (!record_) return;
+    const auto begin = WallClock::now();
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+      sum_[i].normal += integrator.impulses()[i].normal;
+      sum_[i].tangent += integrator.impulses()[i].tangent;
+    }
+    if (steps % every_ == 0 || last) write(x, report, integrator.gaps());
+    seconds += std::chrono::duration<double>(WallClock::now() - begin).count();
+  }
+  void write(const State& x, const StepReport& report, const Eigen::VectorXd& gaps) {
+    if (!record_) return;
+    record_({x, report, gaps, sum_});
+    std::fill(sum_.begin(), sum_.end(), Impulse{});
+  }
+
+  double seconds = 0;
+
+ private:
+  const Recorder& record_;
+  long every_;
+  std::vector<Impulse> sum_;
+};
+
+void note(const StepReport& report, Run& run) {
+  run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
+  run.max_penetration = std::max(run.max_penetration, report.penetration);
+  run.max_lcp_residual = std::max(run.max_lcp_residual, report.lcp_residual);
+  run.lcp_solves += report.lcp_rows > 0;
+  run.lcp_iterations += report.lcp_iterations;
+}
+
+}  // namespace
+
+void check(const Clock& clock) {
+  const auto refuse = [](const char* field, const std::string& value, const char* rule) {
+    throw std::invalid_argument(std::string(field) + " = " + value + ": " + rule);
+  };
+  if (!(clock.step > 0) || !std::isfinite(clock.step)) refuse("step", detail::text_of(clock.step), "must be > 0 and finite");
+  if (!(clock.duration > 0) || !std::isfinite(clock.duration))
+    refuse("duration", detail::text_of(clock.duration), "must be > 0 and finite");
+  if (clock.every < 1) refuse("every", std::to_string(clock.every), "must be >= 1");
+  if (clock.duration / clock.step > 1e15)
+    refuse("step", detail::text_of(clock.step), "must be at least duration / 1e15");
+}
+
+Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record) {
+  check(clock);
+  const System& system = integrator.system();
+  Run run;
+  run.final = system.initial_state();
+  State& x = run.final;
+  run.energy_initial = energy(system, x);
+
+  Recording recording(record, clock.every, system.scene().contacts.size());
+  Terms start(system);
+  set_poses(system, x.q, start.at);
+  evaluate_gaps(system, start);
+  recording.write(x, {}, start.gap);
+
+  // A remainder below a billionth of a step is the rounding of duration / step.
+  const auto whole = static_cast<long>(std::floor(clock.duration / clock.step * (1 + 1e-12) + 1e-9));
+  const double rest = clock.duration - static_cast<double>(whole) * clock.step;
+  const long total = whole + (rest > 1e-9 * clock.step ? 1 : 0);
+  const auto begin = WallClock::now();
+  for (long k = 0; k < total; ++k) {
+    const StepReport report = integrator.step(k < whole ? clock.step : rest, solver, x);
+    if (report.status != Status::solved) {
+      run.status = report.status;
+      break;
+    }
+    x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding
+    run.steps = k + 1;
+    note(report, run);
+    recording.add(run.steps, run.steps == total, x, report, integrator);
+  }
+  run.seconds = std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;
+  run.energy_final = energy(system, x);
+  return run;
+}
+
+}  // namespace orthant

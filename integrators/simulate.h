@@ -1,0 +1,45 @@
+// integrators/simulate.h — the loop over steps, and what is kept of it.
+#pragma once
+
+#include <orthant/integrators/integrator.h>
+
+#include <functional>
+
+namespace orthant {
+
+struct Run {
+  Status status = Status::solved;  // of the last step
+  State final;                     // where the run ended; on failure the state before the failed step
+  long steps = 0;                  // completed
+  double seconds = 0;              // wall time of the steps alone, recording excluded
+  double energy_initial = 0, energy_final = 0;  // [J]
+  double max_joint_residual = 0;                // [m, rad] over all ends of steps
+  double max_penetration = 0;                   // [m]
+  double max_lcp_residual = 0;                  // [m/s]
+  long lcp_solves = 0, lcp_iterations = 0;
+};
+
+/// A moment of the run. Impulses are summed since the moment before, so that none is lost between records.
+struct Moment {
+  const State& state;
+  const StepReport& report;
+  const Eigen::VectorXd& gaps;            // one per contact [m]
+  const std::vector<Impulse>& impulses;   // one per contact [N s]
+};
+
+using Recorder = std::function<void(const Moment&)>;
+
+struct Clock {
+  double step = 1e-3;    // h > 0 [s]; the last step is shorter when the duration is no multiple of it
+  double duration = 1;   // > 0 [s]
+  long every = 1;        // record every so many steps, besides the first and the last moment
+};
+
+/// Steps from the system's initial state. Throws std::invalid_argument for a bad clock; a step that fails ends the run
+/// with its status, and integrator.problem() is the problem that was not solved.
+Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record = {});
+
+/// Throws std::invalid_argument naming field, value and rule.
+void check(const Clock& clock);
+
+}  // namespace orthant

@@ -1,0 +1,38 @@
+// solvers/solver.h — the interface that all solvers share.
+#pragma once
+
+#include <orthant/core/lcp/certify.h>
+#include <orthant/core/lcp/solution.h>
+
+#include <string>
+
+namespace orthant {
+
+enum class Start { cold, warm };  // warm: solution.z on entry is a guess, where it has the right size
+
+class Solver {
+ public:
+  Solver() = default;
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+  virtual ~Solver() = default;
+
+  /// Runs the method, then lets the judge decide: `solved` and `infeasible` come from certify() alone.
+  /// Data that are not finite give numerical_error; a malformed problem throws std::invalid_argument.
+  const Solution& solve(const Lcp& problem, Solution& solution, Start start = Start::cold);
+
+  /// Empty when the method can take the problem; else the reason in words (solve() then answers unsupported).
+  virtual std::string why_not(const Lcp&) const { return {}; }
+
+ private:
+  /// Leaves z (and a certificate) in the solution. On entry z has n finite entries: the guess, or zeros.
+  virtual Status run(const Lcp& problem, Solution& solution, Start start) = 0;
+  /// After a verdict other than solved or infeasible (it stands in solution.status): false, or another attempt, made
+  /// harder, whose claim is judged in turn. `attempt` counts 1, 2, …
+  virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Status& /*claim*/) { return false; }
+  virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
+
+  Judge judge_;
+};
+
+}  // namespace orthant

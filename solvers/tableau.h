@@ -1,0 +1,300 @@
+// solvers/tableau.h — the condensed tableau that Lemke's method pivots, in any scalar type.
+//
+//   w = M z + q + e z₀ as a dictionary: each basic variable = constant + Σ coefficient · nonbasic variable.
+//   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only.
+//   Free rows go first: their z enters for good (complete pivoting), their w leaves for good. What is left when the free
+//   block is singular is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
+//   Ratio test: z₀ leaves first on ties; else the lexicographic rule (rows of the basis inverse, read off the tableau),
+//   which cannot cycle. An entry that cancels to a few roundings of what it was is set to 0: in the degenerate problems
+//   of contact mechanics such entries are zeros, and a pivot on one would be noise.
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4, 4.9.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace orthant::detail {
+
+#ifdef __SIZEOF_FLOAT128__
+__extension__ typedef __float128 Quad;  // 113 bits
+#else
+using Quad = long double;
+#endif
+
+template <class T> struct Roundings;  // shares: snap: cancelled to noise; tie: equal ratios; pivot: too small in its column
+template <> struct Roundings<double> {
+  static constexpr double snap = 0x1p-46, tie = 0x1p-43, pivot = 0x1p-36;
+};
+template <> struct Roundings<long double> {
+  static constexpr long double snap = 0x1p-57L, tie = 0x1p-53L, pivot = 0x1p-45L;
+};
+#ifdef __SIZEOF_FLOAT128__
+template <> struct Roundings<Quad> {
+  static constexpr Quad snap = 0x1p-100, tie = 0x1p-90, pivot = 0x1p-80;
+};
+#endif
+
+template <class T> class Tableau {  // reuse it: the second problem of a size allocates nothing
+ public:
+  enum class End { solved, ray, limit };
+
+  /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and z_i of any sign.
+  template <class Matrix>
+  void load(const Matrix& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
+    fill(M, q, free, row, col);
+    if (pairs_ == n_ || eliminate(M, q, row, col)) return;
+    fill(M, q, free, row, col);
+    for (int i = 0; i < n_; ++i)
+      if (free_[u(i)]) split(i);
+  }
+
+  /// Lemke's method from the loaded tableau, at most `limit` pivots.
+  End run(int limit) {
+    int r = most_negative();
+    if (r < 0) return End::solved;
+    int s = covering_;
+    for (;;) {
+      if (iterations_ >= limit) return End::limit;
+      const int leaving = basic_[u(r)];
+      pivot(r, s);
+      ++iterations_;
+      if (leaving == z0()) return End::solved;
+      s = place_[u(complement(leaving))];
+      r = ratio_test(s);
+      if (r < 0) {
+        entering_ = s;
+        return End::ray;
+      }
+    }
+  }
+
+  int iterations() const { return iterations_; }  // pivots of Lemke's method, z₀'s entry counted
+
+  /// Basic z variables, after `solved`: for each, calls f(row of the problem, sign, value, row of the tableau).
+  template <class F> void for_each_basic_z(F&& f) const {
+    for (int r = 0; r < rows_; ++r)
+      if (is_z(basic_[u(r)])) {
+        const int pair = basic_[u(r)] - pairs_;
+        f(origin_[u(pair)], sign(pair), row_at(r)[0], r);
+      }
+  }
+  /// Nonbasic w variables: for each, calls f(row of the problem, sign, column of the tableau).
+  template <class F> void for_each_nonbasic_w(F&& f) const {
+    for (int s = 1; s < columns_; ++s)
+      if (nonbasic_[u(s)] < pairs_) f(origin_[u(nonbasic_[u(s)])], sign(nonbasic_[u(s)]), s);
+  }
+  const T& entry(int r, int s) const { return row_at(r)[s]; }
+
+  /// The direction of the ray, added into z (n entries, zero on entry).
+  template <class Out> void ray(Out& z) const {
+    const auto add = [&](int variable, const T& value) {
+      if (!is_z(variable)) return;
+      const int pair = variable - pairs_;
+      z[origin_[u(pair)]] += static_cast<double>(sign(pair)) * static_cast<double>(value);
+    };
+    add(nonbasic_[u(entering_)], T(1));
+    for (int r = 0; r < rows_; ++r) add(basic_[u(r)], row_at(r)[entering_]);
+  }
+
+ private:
+  static std::size_t u(int i) { return static_cast<std::size_t>(i); }
+  static T abs(const T& x) { return x < 0 ? -x : x; }
+  template <class V> static void grow(V& v, std::size_t size) {
+    if (v.size() < size) v.resize(size);
+  }
+  // Variables: w of pair i is i, z of pair i is pairs_ + i, and z₀ comes last.
+  int w_of(int pair) const { return pair; }
+  int z_of(int pair) const { return pairs_ + pair; }
+  int z0() const { return 2 * pairs_; }
+  bool is_z(int variable) const { return variable >= pairs_ && variable != z0(); }
+  int complement(int variable) const { return variable < pairs_ ? variable + pairs_ : variable - pairs_; }
+  int sign(int pair) const { return pair >= n_ ? -1 : 1; }
+  T* row_at(int r) { return t_.data() + static_cast<std::ptrdiff_t>(r) * stride_; }
+  const T* row_at(int r) const { return t_.data() + static_cast<std::ptrdiff_t>(r) * stride_; }
+  // place_: row of a basic variable as −1 − row, column of a nonbasic one as column ≥ 1.
+  void set_basic(int r, int variable) { basic_[u(r)] = variable, place_[u(variable)] = -1 - r; }
+  void set_nonbasic(int s, int variable) { nonbasic_[u(s)] = variable, place_[u(variable)] = s; }
+
+  template <class Matrix>
+  void fill(const Matrix& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
+    n_ = static_cast<int>(q.size());
+    free_.assign(free.begin(), free.end());
+    const int free_rows = static_cast<int>(std::count(free.begin(), free.end(), char{1}));
+    pairs_ = n_ + free_rows;  // room for splitting every free row
+    rows_ = split_end_ = n_;
+    columns_ = n_ + 2;
+    stride_ = pairs_ + 2;
+    iterations_ = entering_ = 0;
+    const auto size = static_cast<std::size_t>(stride_);
+    for (auto* v : {&basic_, &nonbasic_, &origin_, &list_}) grow(*v, size);
+    grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(t_, size * size);
+    for (int i = 0; i < n_; ++i) {
+      row_at(i)[0] = static_cast<T>(q[i] * row[i]);
+      row_at(i)[covering_] = free_[u(i)] ? 0 : 1;  // z₀ covers complementary rows only
+      set_basic(i, w_of(i));
+      set_nonbasic(i + 2, z_of(i));
+      origin_[u(i)] = i;
+      frozen_[u(i)] = 0;
+      paired_[u(i)] = !free_[u(i)];
+    }
+    set_nonbasic(covering_, z0());
+    nonbasic_[0] = -1;  // the constant
+    for (int j = 0; j < n_; ++j)
+      for (int i = 0; i < n_; ++i) row_at(i)[j + 2] = static_cast<T>(M(i, j) * row[i] * col[j]);
+  }
+
+  void pivot(int r, int s) {
+    T* const p = row_at(r);
+    const T divisor = p[s];
+    for (int c = 0; c < columns_; ++c) p[c] = -p[c] / divisor;
+    p[s] = T(1) / divisor;
+    for (int i = 0; i < rows_; ++i) {
+      if (i == r) continue;
+      T* const line = row_at(i);
+      const T f = line[s];
+      if (f == 0) continue;
+      add_multiple(line, f, p, columns_);
+      line[s] = f / divisor;
+    }
+    const int leaving = basic_[u(r)];
+    set_basic(r, nonbasic_[u(s)]);
+    set_nonbasic(s, leaving);
+  }
+  static void add_multiple(T* __restrict line, const T f, const T* __restrict p, int size) {
+    for (int c = 0; c < size; ++c) {
+      const T x = line[c], y = x + f * p[c];
+      line[c] = abs(y) <= Roundings<T>::snap * abs(x) ? T(0) : y;
+    }
+  }
+
+  // The row that z₀ replaces: the lexicographically least (q_i, e_i), that is the last among equals; −1 when q ≥ 0.
+  int most_negative() const {
+    int r = -1;
+    for (int i = 0; i < rows_; ++i) {
+      if (frozen_[u(i)]) continue;
+      const T q = row_at(i)[0];
+      if (q < 0 && (r < 0 || q <= row_at(r)[0] * (T(1) - Roundings<T>::tie))) r = i;
+    }
+    return r;
+  }
+
+  int ratio_test(int s) {
+    T largest = 0;
+    for (int i = 0; i < rows_; ++i)
+      if (!frozen_[u(i)]) largest = std::max(largest, abs(row_at(i)[s]));
+    const T tiny = largest * Roundings<T>::pivot;
+    const int z0_row = -1 - place_[u(z0())];
+    int count = 0;
+    T least = 0;
+    for (int i = 0; i < rows_; ++i) {
+      const T slope = -row_at(i)[s];
+      if (!(slope > tiny) || frozen_[u(i)]) continue;
+      const T q = row_at(i)[0], ratio = q > 0 ? q / slope : T(0);
+      ratio_[u(count)] = ratio;
+      list_[u(count)] = i;
+      least = count == 0 ? ratio : std::min(least, ratio);
+      ++count;
+    }
+    const T limit = least * (T(1) + Roundings<T>::tie);
+    int ties = 0;
+    for (int k = 0; k < count; ++k) {
+      if (ratio_[u(k)] > limit) continue;
+      if (list_[u(k)] == z0_row) return z0_row;
+      list_[u(ties++)] = list_[u(k)];
+    }
+    if (ties <= 1) return ties == 0 ? -1 : list_[0];
+    for (int pair = 0; pair < split_end_ && ties > 1; ++pair) {  // columns of the basis inverse, one after the other
+      if (!paired_[u(pair)]) continue;
+      const int place = place_[u(w_of(pair))];
+      T lowest = 0;
+      for (int k = 0; k < ties; ++k) {
+        const T* const line = row_at(list_[u(k)]);
+        const T value = place > 0 ? line[place] / line[s] : (list_[u(k)] == -1 - place ? T(-1) / line[s] : T(0));
+        ratio_[u(k)] = value;
+        lowest = k == 0 ? value : std::min(lowest, value);
+      }
+      int kept = 0;
+      for (int k = 0; k < ties; ++k)
+        if (ratio_[u(k)] - lowest <= Roundings<T>::tie * std::max(abs(ratio_[u(k)]), abs(lowest)))
+          list_[u(kept++)] = list_[u(k)];
+      ties = kept;
+    }
+    return list_[0];
+  }
+  // Free rows: z_j enters against some w_i, both free, largest entry first. True when what is left, if anything, pairs
+  // up (w_i with z_i) and could be split; else the caller loads again and splits all.
+  bool eliminate(const Matrix& M, const Vector& q, const Vector& row, const Vector& col) {
+    T scale = 0;
+    for (int i = 0; i < n_; ++i)
+      for (int j = 0; j < n_; ++j)
+        if (free_[u(i)] && free_[u(j)]) scale = std::max(scale, abs(row_at(i)[j + 2]));
+    for (;;) {
+      T best = scale * T(0x1p-30);  // smaller pivots are left to the split, which is valid for any
+      int r = -1, s = -1;
+      for (int i = 0; i < n_; ++i) {
+        if (!free_[u(i)] || frozen_[u(i)]) continue;
+        for (int c = 2; c < columns_; ++c)
+          if (is_z(nonbasic_[u(c)]) && free_[u(nonbasic_[u(c)] - pairs_)] && abs(row_at(i)[c]) > best)
+            best = abs(row_at(i)[c]), r = i, s = c;
+      }
+      if (r < 0) break;
+      pivot(r, s);
+      frozen_[u(r)] = 1;
+    }
+    for (int i = 0; i < n_; ++i)
+      if (free_[u(i)] && (place_[u(w_of(i))] < 0) != (place_[u(z_of(i))] > 0)) return false;
+    for (int i = 0; i < n_; ++i)
+      if (free_[u(i)] && !frozen_[u(i)]) {
+        clean(i, M, q, row, col);
+        split(i);
+      }
+    return true;
+  }
+
+  // Row i of a dependent free row is zero but for rounding, which a pivot would take for data: what lies below the
+  // roundings of the sums it came from, entry = M_ij + Σ_e k_e M_ej over the eliminated rows e, becomes 0.
+  void clean(int i, const Matrix& M, const Vector& q, const Vector& row, const Vector& col) {
+    T* const line = row_at(i);
+    for (int c = 0; c < columns_; ++c) {
+      const int variable = nonbasic_[u(c)];
+      if (c == covering_ || (c != 0 && !is_z(variable))) continue;
+      const auto given = [&](int e) {
+        const int j = c == 0 ? 0 : variable - pairs_;
+        return abs(static_cast<T>(c == 0 ? q[e] * row[e] : M(e, j) * row[e] * col[j]));
+      };
+      T size = given(i);
+      for (int e = 0; e < n_; ++e)
+        if (free_[u(e)] && place_[u(w_of(e))] > 0) size += abs(line[place_[u(w_of(e))]]) * given(e);
+      if (abs(line[c]) <= T(n_) * Roundings<T>::snap * size) line[c] = 0;
+    }
+  }
+
+  // Row i and the column of z_i get a twin with the sign turned: z_i = z⁺ − z⁻, w_i ≥ 0 and −w_i ≥ 0.
+  void split(int i) {
+    const int pair = split_end_++, s = place_[u(z_of(i))], r = rows_++, column = columns_++;
+    T* const line = row_at(i);
+    T* const twin = row_at(r);
+    for (int k = 0; k < r; ++k) row_at(k)[column] = -row_at(k)[s];
+    for (int c = 0; c < columns_; ++c) twin[c] = -line[c];
+    line[covering_] = twin[covering_] = 1;
+    set_basic(r, w_of(pair));
+    set_nonbasic(column, z_of(pair));
+    origin_[u(pair)] = i;
+    frozen_[u(r)] = 0;
+    paired_[u(i)] = paired_[u(pair)] = 1;
+  }
+
+  static constexpr int covering_ = 1;  // the column of z₀ at the start
+  int n_ = 0, pairs_ = 0, split_end_ = 0, rows_ = 0, columns_ = 0, stride_ = 0, iterations_ = 0, entering_ = 0;
+  std::vector<T> t_, ratio_;
+  std::vector<int> basic_, nonbasic_, place_;  // variable of a row, of a column; place of a variable
+  std::vector<int> origin_, list_;             // row of the problem that a pair belongs to; candidates of a ratio test
+  std::vector<char> free_, frozen_, paired_;   // row of the problem is free; row of the tableau takes no part in ratio
+                                               // tests; pair is complementary
+};
+
+}  // namespace orthant::detail

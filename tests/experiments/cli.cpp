@@ -1,0 +1,155 @@
+// The command line as its users meet it: exit codes, JSON, files, and one clear line for bad input.
+#include <orthant/core/scenes/slider_crank_exact.h>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Answer {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+std::string slurp(const fs::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+struct Folder {  // a place of its own for each test, gone afterwards
+  fs::path path = fs::temp_directory_path() / ("orthant_cli_" + std::to_string(std::rand()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+  std::string operator/(const char* file) const { return (path / file).string(); }
+  std::string write(const char* file, const std::string& text) const {
+    std::ofstream(path / file) << text;
+    return *this / file;
+  }
+  Answer orthant(const std::string& arguments) const {
+    const std::string command = "cd '" + path.string() + "' && '" ORTHANT_CLI "' " + arguments + " >out.txt 2>err.txt";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), slurp(path / "out.txt"), slurp(path / "err.txt")};
+  }
+};
+
+long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+}  // namespace
+
+TEST_CASE("orthant simulate: summary and trajectory of the slider-crank") {
+  const Folder folder;
+  const Answer a = folder.orthant("simulate slider_crank --step 1e-5 --output run.csv --every 100 --json");
+  CHECK(a.exit_code == 0);
+  CHECK(a.err.empty());
+  const auto json = nlohmann::json::parse(a.out);
+  CHECK(json.at("status") == "solved");
+  CHECK(json.at("steps") == 20000);
+  for (const char* key : {"seconds", "energy_initial", "energy_final", "max_joint_residual", "max_penetration",
+                          "max_lcp_residual", "lcp_solves", "lcp_iterations"})
+    CHECK(json.at(key).is_number());
+  const auto exact = orthant::slider_crank_exact(0.01, 0.4);
+  CHECK(std::abs(json.at("final").at("crank.theta").get<double>() - exact->theta1) < 2e-3);
+  CHECK(json.at("energy_initial").get<double>() == doctest::Approx(7.49554875).epsilon(1e-12));
+
+  const std::string csv = slurp(folder / "run.csv");
+  CHECK(csv.starts_with("t,crank.x,crank.y,crank.theta,crank.vx,crank.vy,crank.omega,rod.x"));
+  CHECK(lines(csv) == 1 + 201);  // header, start, 200 records
+  const std::string header = csv.substr(0, csv.find('\n'));
+  CHECK(static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1 == json.at("final").size());
+}
+
+TEST_CASE("orthant simulate: parameters by --set change the run; same input gives the same bytes") {
+  const Folder folder;
+  folder.orthant("simulate slider_crank --step 1e-4 --output a.csv");
+  folder.orthant("simulate slider_crank --step 1e-4 --output b.csv");
+  folder.orthant("simulate slider_crank --step 1e-4 --output c.csv --set mu=0.1 --set e=0");
+  CHECK(slurp(folder / "a.csv") == slurp(folder / "b.csv"));
+  CHECK(slurp(folder / "a.csv") != slurp(folder / "c.csv"));
+}
+
+TEST_CASE("orthant simulate: a failed step stops the run and leaves its problem to replay") {
+  const Folder folder;
+  const Answer a = folder.orthant("simulate slider_crank --solver pgs:max_sweeps=1 --step 1e-5 --json");
+  CHECK(a.exit_code == 3);
+  const auto json = nlohmann::json::parse(a.out);
+  CHECK(json.at("status") != "solved");
+  const long failed = json.at("steps").get<long>() + 1;
+  CHECK(a.err.find("failed_step_" + std::to_string(failed) + ".json") != std::string::npos);
+  const Answer replay = folder.orthant("solve failed_step_" + std::to_string(failed) + ".json --json");
+  CHECK(replay.exit_code == 0);
+  CHECK(nlohmann::json::parse(replay.out).at("status") == "solved");
+}
+
+TEST_CASE("bad input: exit code 1, one line that says what and where, nothing half-written") {
+  const Folder folder;
+  const std::string body = "[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n";
+  folder.write("negative.toml", "[[body]]\nname = 'b'\nmass = -1\ninertia = 1\n");
+  folder.write("unknown.toml", body + "masss = 2\n");
+  folder.write("nan.toml", "[[body]]\nname = 'b'\nmass = nan\ninertia = 1\n");
+  folder.write("missing_body.toml", body +
+                                        "[[contact]]\ntype = 'corner-wall'\nname = 'c'\nbody = 'nobody'\n"
+                                        "point = [0, 0]\nwall = {body = 'ground', point = [0, 0], normal = [0, 1]}\n");
+  folder.write("broken.toml", "gravity = [0, \n");
+  folder.write("nonsquare.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n2\n");
+  folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n-1\n");
+  folder.write("nan.mtx", "%%MatrixMarket matrix array real general\n1 1\nnan\n");
+  folder.write("q1.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
+
+  const std::array<std::array<std::string, 2>, 20> bad = {{
+      {"simulate no_such_scene", "no_such_scene"},
+      {"simulate missing.toml", "missing.toml"},
+      {"simulate negative.toml", "mass"},
+      {"simulate unknown.toml", "masss"},
+      {"simulate nan.toml", "mass"},
+      {"simulate missing_body.toml", "nobody"},
+      {"simulate broken.toml", "broken.toml"},
+      {"simulate slider_crank --step 0", "step"},
+      {"simulate slider_crank --step -1e-3", "step"},
+      {"simulate slider_crank --step nan", "step"},
+      {"simulate slider_crank --step 1e-5x", "step"},
+      {"simulate slider_crank --duration 0", "duration"},
+      {"simulate slider_crank --every 0", "every"},
+      {"simulate slider_crank --set mu=-1", "mu"},
+      {"simulate slider_crank --set nu=1", "nu"},
+      {"simulate slider_crank --solver nobody", "nobody"},
+      {"simulate slider_crank --integrator nobody", "nobody"},
+      {"simulate slider_crank --output no/such/folder.csv", "no/such"},
+      {"solve --matrix nonsquare.mtx --vector q.mtx", "nonsquare.mtx"},
+      {"solve --matrix nan.mtx --vector q1.mtx", "nan.mtx"},
+  }};
+  for (const auto& [arguments, word] : bad) {
+    CAPTURE(arguments);
+    const Answer a = folder.orthant(arguments + " --json");
+    CAPTURE(a.err);
+    CHECK(a.exit_code == 1);
+    CHECK(a.out.empty());
+    CHECK(lines(a.err) == 1);
+    CHECK(a.err.starts_with("orthant: "));
+    CHECK(a.err.find(word) != std::string::npos);
+  }
+  for (const char* arguments : {"", "sing", "simulate", "solve", "list cats"}) {
+    CAPTURE(arguments);
+    const Answer a = folder.orthant(arguments);
+    CHECK(a.exit_code == 1);
+    CHECK(lines(a.err) == 1);
+  }
+}
+
+TEST_CASE("orthant list names everything, with options") {
+  const Folder folder;
+  const Answer a = folder.orthant("list");
+  CHECK(a.exit_code == 0);
+  for (const char* word : {"lemke", "pgs", "enumerate", "moreau-jean", "slider_crank", "slider_crank_ideal", "omega",
+                           "joints", "clearance"})
+    CHECK(a.out.find(word) != std::string::npos);
+  CHECK(folder.orthant("list solvers").out.find("moreau-jean") == std::string::npos);
+}

@@ -1,0 +1,198 @@
+// Moreau–Jean stepping on small scenes with exact answers, and the promises of one step.
+#include "experiments/support/fit_order.h"
+#include "tests/support/allocations.h"
+#include "tests/support/runs.h"
+
+#include <orthant/integrators/moreau_jean.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace orthant;
+
+namespace {
+
+constexpr double kG = 9.81;
+
+/// A point-like disc above the ground y = 0.
+Scene ball(double height, double restitution, double mu = 0) {
+  Scene s;
+  s.gravity = {0, -kG};
+  const auto b = s.body({.name = "ball", .mass = 2, .inertia = 0.3, .position = {0, height}});
+  s.contact(CornerWall{"floor", b, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu, .e = restitution}});
+  return s;
+}
+
+/// A block that cannot turn in effect (great inertia) on a slope, gravity turned instead of the floor.
+Scene block(double slope, double mu, double speed) {
+  Scene s;
+  s.gravity = {-kG * std::sin(slope), -kG * std::cos(slope)};  // +x is up the slope
+  const auto b = s.body({.name = "block", .mass = 1, .inertia = 1e6, .position = {0, 0}, .velocity = {speed, 0}});
+  s.contact(CornerWall{"floor", b, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
+  return s;
+}
+
+Run run_for(Scene scene, double duration, std::string_view integrator, double h, const Recorder& record = {}) {
+  scene.duration = duration;
+  return run(scene, integrator, h, record);
+}
+
+/// A solver that always gives up: what becomes of the step?
+class GivesUp final : public Solver {
+  Status run(const Lcp&, Solution&, Start) override { return Status::stalled; }
+  double tolerance() const override { return 1e-10; }
+};
+
+}  // namespace
+
+TEST_CASE("bouncing ball: L1 position error is first order in h") {
+  const double e = 0.5, fall = std::sqrt(2 / kG);
+  const auto height = [&](double t) {  // flights between impacts, until the accumulation point
+    double begin = 0, speed = 0, from = 1;
+    double end = fall, next = e * kG * fall;
+    for (int n = 0; n < 60 && t > end; ++n) begin = end, from = 0, speed = next, end += 2 * next / kG, next *= e;
+    return t > end ? 0.0 : from + speed * (t - begin) - kG / 2 * (t - begin) * (t - begin);
+  };
+  const auto error = [&](double h) {
+    double sum = 0;
+    run_for(ball(1, e), 1.5, "moreau-jean", h,
+            [&](const Moment& m) { sum += h * std::abs(m.state.q[1] - height(m.state.t)); });
+    return sum;
+  };
+  const Fit fit = fit_order({.coarsest = 1e-2, .octaves = 6, .steps_per_octave = 16}, error);
+  MESSAGE("order " << fit.order << ", scatter " << fit.scatter);
+  CHECK(std::abs(fit.order - 1) < 0.15);
+  CHECK(fit.scatter < 0.3);
+}
+
+TEST_CASE("elastic ball: theta = 1/2 keeps the energy") {
+  const Run r = run_for(ball(1, 1), 100, "moreau-jean", 1e-3);
+  CHECK(r.lcp_solves > 90);
+  CHECK(std::abs(r.energy_final - r.energy_initial) < 1e-11 * r.energy_initial);
+}
+
+TEST_CASE("free fall: theta > 1/2 loses (theta - 1/2) m g² h a second") {
+  const double h = 1e-3, theta = 0.8;
+  const Run r = run_for(ball(1000, 0), 1, "moreau-jean:theta=0.8", h);
+  CHECK(r.energy_final - r.energy_initial == doctest::Approx(-2 * (theta - 0.5) * kG * kG * h).epsilon(1e-9));
+}
+
+TEST_CASE("oscillator: one step multiplies the energy by (1 + (1-theta)² w² h²) / (1 + theta² w² h²)") {
+  Scene s;
+  const auto b = s.body({.name = "mass", .mass = 1, .inertia = 1, .position = {0.3, 0}, .velocity = {-0.7, 0}});
+  s.spring(PointSpring{"spring", b, kGround, {0, 0}, {-5, 0}, 4, 0, 5});
+  const double h = 0.1, w2 = 4;
+  for (const double theta : {0.5, 0.75, 1.0}) {
+    const Run r = run_for(s, h, "moreau-jean:theta=" + std::to_string(theta), h);
+    const double expected = (1 + (1 - theta) * (1 - theta) * w2 * h * h) / (1 + theta * theta * w2 * h * h);
+    CHECK(r.energy_final / r.energy_initial == doctest::Approx(expected).epsilon(1e-13));
+  }
+}
+
+TEST_CASE("block on a slope: sticks below the friction angle without creep, slides above it at the right rate") {
+  const double slope = std::acos(-1.0) / 6, critical = std::tan(slope);
+  const Run stick = run_for(block(slope, critical + 1e-6, 0), 1, "moreau-jean", 1e-3);
+  CHECK(std::abs(stick.final.v[0]) <= 1e-12);
+  const Run slide = run_for(block(slope, critical - 1e-6, 0), 1, "moreau-jean", 1e-3);
+  CHECK(slide.final.v[0] == doctest::Approx(-kG * std::cos(slope) * 1e-6).epsilon(1e-6));
+  const Run down = run_for(block(slope, 0.8, -2), 2, "moreau-jean", 1e-4);
+  CHECK(down.final.q[0] == doctest::Approx(-1.0573242237535354).epsilon(1e-3));
+  CHECK(down.final.v[0] == doctest::Approx(0.0));
+}
+
+TEST_CASE("reduced and full form give the same step to rounding") {
+  for (const double mu : {0.0, 0.1}) {
+    const Scene scene = slider_crank({.mu = mu, .omega3 = -0.01});  // a tilt: single corners are met too
+    const System system(scene);
+    const auto lemke = make_solver("lemke"), other = make_solver("lemke");
+    MoreauJean reduced(system), full(system, {.form = Form::full});
+    State x = system.initial_state();
+    int with_contact = 0;
+    for (int k = 0; k < 4000; ++k) {
+      State y = x;
+      REQUIRE(full.step(5e-5, *other, y).status == Status::solved);
+      const StepReport report = reduced.step(5e-5, *lemke, x);
+      REQUIRE(report.status == Status::solved);
+      with_contact += report.lcp_rows > 0;
+      CHECK(full.problem().size() == reduced.problem().size() + system.joint_rows());
+      CHECK((x.q - y.q).lpNorm<Eigen::Infinity>() <= 1e-13);
+      CHECK((x.v - y.v).lpNorm<Eigen::Infinity>() <= 1e-10);  // |v| reaches 150
+    }
+    CHECK(with_contact > 500);
+  }
+}
+
+TEST_CASE("a scene is charged only for what it contains") {
+  const auto rows_at_rest = [](double mu, double height, bool joints) {
+    Scene s = ball(height, 0, mu);
+    s.contact(CornerWall{"ceiling", 0, {0, 0}, kGround, {0, 10}, {0, -1}, {.mu = 0.5}});  // open for ever
+    if (joints) s.joint(Distance{"rope", 0, kGround, {0, 0}, {0, 5}, 5 - height});
+    const System system(s);
+    MoreauJean scheme(system);
+    const auto solver = make_solver("lemke");
+    State x = system.initial_state();
+    return scheme.step(1e-3, *solver, x).lcp_rows;
+  };
+  CHECK(rows_at_rest(0, 1, false) == 0);    // open gaps: no rows
+  CHECK(rows_at_rest(0, 0, false) == 1);    // no friction row where mu = 0
+  CHECK(rows_at_rest(0.3, 0, false) == 2);  // the open contact's friction is not there either
+  CHECK(rows_at_rest(0.3, 0, true) == 2);   // joints are eliminated, not added
+  const System free(ball(0, 0));
+  CHECK(free.joint_rows() == 0);
+  CHECK(BasicSystem(free).joint_rows() == 0);
+}
+
+TEST_CASE("a failed solve leaves the state as it was and keeps the problem") {
+  const System system(ball(0, 0));
+  MoreauJean scheme(system);
+  GivesUp solver;
+  State x = system.initial_state();
+  x.v << 1, -2, 3;
+  const State before = x;
+  CHECK(scheme.step(1e-3, solver, x).status == Status::stalled);
+  CHECK(x.t == before.t);
+  CHECK(x.q == before.q);
+  CHECK(x.v == before.v);
+  REQUIRE(scheme.problem().size() == 1);
+  Solution replay;
+  CHECK(make_solver("lemke")->solve(scheme.problem(), replay).status == Status::solved);
+
+  const Run r = simulate(scheme, solver, {.step = 1e-3, .duration = 1, .every = 1});
+  CHECK(r.status == Status::stalled);
+  CHECK(r.steps == 0);
+}
+
+TEST_CASE("the step loop allocates nothing after its first step") {
+  for (const char* spec : {"lemke", "pgs", "enumerate"})
+    for (const char* integrator : {"moreau-jean", "moreau-jean:joints=position", "moreau-jean:form=full"}) {
+      if (std::string_view(spec) == "enumerate" && std::string_view(integrator).ends_with("full")) continue;
+      CAPTURE(spec);
+      CAPTURE(integrator);
+      const System system(slider_crank({.mu = 0.1}));
+      const auto scheme = make_integrator(integrator, system);
+      const auto solver = make_solver(spec);
+      State x = system.initial_state();
+      // The first step with a contact is the first that calls the solver: 3 ms cover it.
+      for (int k = 0; k < 300; ++k) scheme->step(1e-5, *solver, x);
+      const auto before = AllocationCount::now();
+      for (int k = 0; k < 2000; ++k) scheme->step(1e-5, *solver, x);
+      CHECK(AllocationCount::now() == before);
+    }
+}
+
+TEST_CASE("the last step ends at the duration, the clock refuses nonsense") {
+  CHECK(run_for(ball(1, 0), 0.25, "moreau-jean", 0.1).steps == 3);
+  CHECK(run_for(ball(1, 0), 0.25, "moreau-jean", 0.1).final.t == 0.25);
+  CHECK(run_for(ball(1, 0), 0.3, "moreau-jean", 0.1).steps == 3);
+  for (const double h : {0.0, -1.0, std::nan(""), kInf})
+    CHECK_THROWS_WITH_AS(run_for(ball(1, 0), 1, "moreau-jean", h), doctest::Contains("step = "), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(run_for(ball(1, 0), -1, "moreau-jean", 0.1), doctest::Contains("duration = -1"),
+                       std::invalid_argument);
+  const System system(ball(1, 0));
+  CHECK_THROWS_WITH_AS(make_integrator("euler", system), doctest::Contains("moreau-jean"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("moreau-jean:theta=2", system), doctest::Contains("[0.5, 1]"),
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("moreau-jean:tetha=1", system), doctest::Contains("theta"),
+                       std::invalid_argument);
+}

@@ -1,0 +1,25 @@
+// tests/support/runs.h — runs of the slider-crank in one call.
+#pragma once
+
+#include <orthant/core/scenes/slider_crank.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/integrators/simulate.h>
+#include <orthant/solvers/registry.h>
+
+#include <string_view>
+
+namespace orthant {
+
+inline Run run(const Scene& scene, std::string_view integrator, double h, const Recorder& record = {},
+               std::string_view solver = "lemke") {
+  const System system(scene);
+  const auto scheme = make_integrator(integrator, system);
+  const auto lcp = make_solver(solver);
+  return simulate(*scheme, *lcp, {.step = h, .duration = scene.duration, .every = 1}, record);
+}
+
+inline constexpr std::string_view kPosition = "moreau-jean:joints=position";
+inline constexpr std::string_view kSymmetric = "moreau-jean:joints=symmetric";
+inline constexpr Eigen::Index kTheta1 = 2, kTheta3 = 8;
+
+}  // namespace orthant
