@@ -43,8 +43,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   enum class End { solved, ray, limit };
 
   /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and z_i of any sign.
-  template <class Matrix>
-  void load(const Matrix& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
+  template <class Entries>
+  void load(const Entries& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
     fill(M, q, free, row, col);
     if (pairs_ == n_ || eliminate(M, q, row, col)) return;
     fill(M, q, free, row, col);
@@ -119,8 +119,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   void set_basic(int r, int variable) { basic_[u(r)] = variable, place_[u(variable)] = -1 - r; }
   void set_nonbasic(int s, int variable) { nonbasic_[u(s)] = variable, place_[u(variable)] = s; }
 
-  template <class Matrix>
-  void fill(const Matrix& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
+  template <class Entries>
+  void fill(const Entries& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
     n_ = static_cast<int>(q.size());
     free_.assign(free.begin(), free.end());
     const int free_rows = static_cast<int>(std::count(free.begin(), free.end(), char{1}));
@@ -227,7 +227,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   }
   // Free rows: z_j enters against some w_i, both free, largest entry first. True when what is left, if anything, pairs
   // up (w_i with z_i) and could be split; else the caller loads again and splits all.
-  bool eliminate(const Matrix& M, const Vector& q, const Vector& row, const Vector& col) {
+  template <class Entries>
+  bool eliminate(const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
     T scale = 0;
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j)
@@ -257,7 +258,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
   // Row i of a dependent free row is zero but for rounding, which a pivot would take for data: what lies below the
   // roundings of the sums it came from, entry = M_ij + Σ_e k_e M_ej over the eliminated rows e, becomes 0.
-  void clean(int i, const Matrix& M, const Vector& q, const Vector& row, const Vector& col) {
+  template <class Entries>
+  void clean(int i, const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
     T* const line = row_at(i);
     for (int c = 0; c < columns_; ++c) {
       const int variable = nonbasic_[u(c)];

@@ -1,0 +1,320 @@
+#include <orthant/solvers/lemke.h>
+
+#include <orthant/solvers/tableau.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace orthant {
+
+namespace {
+
+using detail::Quad;
+using detail::Tableau;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+// a + b = sum + error, exactly (Knuth).
+struct Sum {
+  double sum, error;
+  Sum(double a, double b) : sum(a + b) {
+    const double c = sum - a;
+    error = (a - (sum - c)) + (b - c);
+  }
+};
+
+// a · b = product + error, exactly (Dekker, Veltkamp's split; no fused multiply-add is asked of the machine).
+struct Product {
+  double product, error;
+  Product(double a, double b) : product(a * b) {
+    constexpr double split = 134217729;  // 2²⁷ + 1
+    const double as = split * a, ah = as - (as - a), al = a - ah;
+    const double bs = split * b, bh = bs - (bs - b), bl = b - bh;
+    error = ((ah * bh - product) + ah * bl + al * bh) + al * bl;
+  }
+};
+
+// Powers of 2 that bring the entries of diag(row) M diag(col) together; ones when they are close enough already.
+class Scaling {
+ public:
+  Vector row, col;
+
+  void fit(const DenseMatrix& M) {
+    const Index n = M.rows();
+    row.resize(n);
+    col.resize(n);
+    row.setOnes();
+    col.setOnes();
+    largest_.resize(n);
+    largest_.setZero();
+    double low = kInf, high = 0;
+    const auto count = [&](double size) {
+      if (size == 0) return;
+      low = std::min(low, size);
+      high = std::max(high, size);
+    };
+    for (Index j = 0; j < n; ++j) {
+      double size = 0;
+      const double* const column = M.data() + j * n;
+      for (Index i = 0; i < n; ++i) {
+        const double entry = std::abs(column[i]);
+        size = std::max(size, entry);
+        largest_[i] = std::max(largest_[i], entry);
+      }
+      count(size);
+    }
+    for (Index i = 0; i < n; ++i) count(largest_[i]);
+    if (high <= low * 0x1p24) return;
+    for (int sweep = 0; sweep < 4; ++sweep) {  // middle of the exponents of each column, then of each row
+      for (Index j = 0; j < n; ++j) center(col[j], [&](Index i) { return M(i, j) * row[i]; }, n);
+      for (Index i = 0; i < n; ++i) center(row[i], [&](Index j) { return M(i, j) * col[j]; }, n);
+    }
+  }
+
+ private:
+  template <class Entry> static void center(double& scale, const Entry& entry, Index n) {
+    int low = 5000, high = -5000;
+    for (Index k = 0; k < n; ++k) {
+      const double value = entry(k);
+      if (value == 0 || !std::isfinite(value)) continue;
+      low = std::min(low, std::ilogb(value));
+      high = std::max(high, std::ilogb(value));
+    }
+    if (low <= high) scale = std::ldexp(1.0, std::clamp(-(low + high) / 2, -500, 500));
+  }
+  Vector largest_;
+};
+
+// The linear program behind infeasibility, as one LCP in (z, u) with a skew matrix, which Lemke's method cannot fail on:
+//   w_z = c − Mᵀu ⊥ z,  w_u = M z + q ⊥ u,  c = 1 (0 on free rows);  a ray's u has u ≥ 0, Mᵀu ≤ 0, qᵀu < 0.
+struct Skew {
+  const DenseMatrix& M;
+  double operator()(Index i, Index j) const {
+    const Index n = M.rows();
+    if (i < n && j >= n) return -M(j - n, i);
+    return i >= n && j < n ? M(i - n, j) : 0.0;
+  }
+};
+
+}  // namespace
+
+struct Lemke::Work {
+  Pyramid pyramid;
+  Lcp dense;  // a pure problem whose matrix is stored otherwise
+  const Lcp* pure = nullptr;
+  bool reduced = false;  // pure is pyramid's
+  Scaling scaling;
+  std::vector<char> free;
+  Vector y, direction;
+  Tableau<double> tableau;
+  Tableau<long double> long_tableau;
+  Tableau<Quad> quad_tableau;
+  int stage = 0;
+
+  // Basis of the final tableau: z of rows `unknown`, equations w = 0 of rows `equation`, and B⁻¹ by columns.
+  std::vector<Index> unknown, equation;
+  Vector high, low, inverse, residual;
+  Vector linear_q, linear_ones;
+  std::vector<char> linear_free;
+
+  void form(const Lcp& problem, Pyramid::Form form) {
+    reduced = Pyramid::needed(problem);
+    if (reduced) {
+      pure = &pyramid.pure(problem, form);
+    } else if (std::holds_alternative<DenseMatrix>(problem.A)) {
+      pure = &problem;
+    } else {
+      if (!std::holds_alternative<DenseMatrix>(dense.A)) dense.A = DenseMatrix();
+      to_dense(problem.A, std::get<DenseMatrix>(dense.A));
+      dense.b = problem.b;
+      dense.lo = problem.lo;
+      dense.hi = problem.hi;
+      pure = &dense;
+    }
+    const Index n = pure->size();
+    free.resize(at(n));
+    for (Index i = 0; i < n; ++i) free[at(i)] = pure->lo[i] == -kInf;
+    scaling.fit(std::get<DenseMatrix>(pure->A));
+  }
+
+  template <class T> Status attempt(Tableau<T>& t, int max_pivots, const Lcp& problem, Solution& s) {
+    const auto& M = std::get<DenseMatrix>(pure->A);
+    const Index n = pure->size();
+    t.load(M, pure->b, free, scaling.row, scaling.col);
+    const auto end = t.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(n));
+    s.iterations = t.iterations();
+    y.resize(n);
+    y.setZero();
+    if (end == Tableau<T>::End::ray) {
+      direction.resize(n);
+      direction.setZero();
+      t.ray(direction);
+      direction.array() *= scaling.col.array();
+      offer(problem, s);
+    } else if (end == Tableau<T>::End::solved) {
+      refine(t, M);
+    }
+    if (reduced)
+      pyramid.restore(problem, y, s.z);
+    else
+      s.z = y;
+    return end == Tableau<T>::End::solved ? Status::solved
+           : end == Tableau<T>::End::ray  ? Status::ray
+                                          : Status::iteration_limit;
+  }
+
+  // z_B to full precision. A step of Newton's method multiplies the error by that of B⁻¹, about 1e-13: one or two do.
+  template <class T> void refine(const Tableau<T>& t, const DenseMatrix& M) {
+    unknown.clear();
+    equation.clear();
+    high.resize(pure->size());
+    Index k = 0;
+    t.for_each_basic_z([&](Index i, int sign, const T& value, int) {
+      unknown.push_back(i);
+      high[k++] = sign * static_cast<double>(value) * scaling.col[i];
+    });
+    t.for_each_nonbasic_w([&](Index i, int, int) { equation.push_back(i); });
+    const Index m = k;
+    if (m == 0) return;
+    inverse.resize(m * m);
+    double* column = inverse.data();
+    t.for_each_nonbasic_w([&](Index j, int sign_w, int c) {
+      t.for_each_basic_z([&](Index i, int sign_z, const T&, int r) {
+        *column++ = static_cast<double>(t.entry(r, c)) * (sign_w * sign_z) * scaling.col[i] * scaling.row[j];
+      });
+    });
+    low.resize(m);
+    low.setZero();
+    residual.resize(2 * m);
+    double* const sum = residual.data();
+    double* const error = sum + m;
+    for (int step = 0; step < 4; ++step) {
+      for (Index j = 0; j < m; ++j) sum[j] = pure->b[equation[at(j)]], error[j] = 0;
+      for (Index i = 0; i < m; ++i) {
+        const double* const entries = M.data() + unknown[at(i)] * M.rows();
+        const double zh = high[i], zl = low[i];
+        for (Index j = 0; j < m; ++j) {
+          const double entry = entries[equation[at(j)]];
+          const Product p(entry, zh);
+          const Sum total(sum[j], p.product);
+          sum[j] = total.sum;
+          error[j] += total.error + (p.error + entry * zl);
+        }
+      }
+      for (Index j = 0; j < m; ++j) sum[j] += error[j];
+      bool precise = true;
+      for (Index i = 0; i < m; ++i) {
+        double change = 0;
+        for (Index j = 0; j < m; ++j) change -= inverse[j * m + i] * sum[j];
+        const Sum next(high[i], change + low[i]);
+        high[i] = next.sum;
+        low[i] = next.error;
+        precise = precise && std::abs(change) <= 0x1p-38 * std::abs(next.sum);
+      }
+      if (precise) break;
+    }
+    double largest = 0;  // in scaled units: what is 2⁻⁸⁰ of it is a degenerate zero
+    for (Index i = 0; i < m; ++i) largest = std::max(largest, std::abs(high[i]) / scaling.col[unknown[at(i)]]);
+    for (Index i = 0; i < m; ++i) {
+      const Index row = unknown[at(i)];
+      const bool zero = std::abs(high[i]) / scaling.col[row] <= 0x1p-80 * largest;
+      y[row] = zero || (high[i] < 0 && !free[at(row)]) ? 0.0 : high[i];
+    }
+  }
+
+  // The direction as a certificate: its largest entry 1, noise and wrong signs cut. The judge checks what is left.
+  void offer(const Lcp& problem, Solution& s) {
+    const double size = direction.cwiseAbs().maxCoeff();
+    for (Index i = 0; i < direction.size(); ++i) {
+      direction[i] /= size;
+      if (std::abs(direction[i]) < 1e-14 || (direction[i] < 0 && !free[at(i)])) direction[i] = 0;
+    }
+    if (reduced)
+      pyramid.restore_certificate(problem, direction, s.certificate);
+    else
+      s.certificate = direction;
+  }
+
+  // True when the linear program says "infeasible" and its dual ray was offered.
+  template <class T> bool find_proof(Tableau<T>& t, const Lcp& problem, Solution& s) {
+    const auto& M = std::get<DenseMatrix>(pure->A);
+    const Index n = pure->size();
+    linear_q.resize(2 * n);
+    linear_ones.resize(2 * n);
+    linear_ones.setOnes();
+    linear_free.resize(at(2 * n));
+    Vector& row = linear_scale;
+    row.resize(2 * n);
+    for (Index i = 0; i < n; ++i) {
+      linear_q[i] = free[at(i)] ? 0.0 : 1.0 / scaling.col[i];
+      linear_q[n + i] = pure->b[i];
+      linear_free[at(i)] = linear_free[at(n + i)] = free[at(i)];
+      row[i] = scaling.col[i];
+      row[n + i] = scaling.row[i];
+    }
+    t.load(Skew{M}, linear_q, linear_free, row, row);
+    if (t.run(20000 + 200 * static_cast<int>(n)) != Tableau<T>::End::ray) return false;
+    Vector& ray = linear_ones;
+    ray.setZero();
+    t.ray(ray);
+    direction.resize(n);
+    direction = ray.tail(n).cwiseProduct(scaling.row);
+    offer(problem, s);
+    return true;
+  }
+  Vector linear_scale;
+};
+
+Lemke::Lemke(const Options& options) : options_(options), work_(std::make_unique<Work>()) {}
+Lemke::~Lemke() = default;
+
+std::string Lemke::why_not(const Lcp& problem) const {
+  const Index n = problem.size() + static_cast<Index>(problem.friction.size());
+  if (n <= 10000) return {};
+  return "n = " + std::to_string(n) + ": the dense tableau takes at most 10000 rows";
+}
+
+Status Lemke::run(const Lcp& problem, Solution& s, Start) {
+  if (problem.size() == 0) return Status::solved;
+  work_->stage = 0;
+  work_->form(problem, Pyramid::Form::shifted);
+  return work_->attempt(work_->tableau, options_.max_pivots, problem, s);
+}
+
+bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
+  if (!options_.rescue || problem.size() == 0) return false;
+  Work& work = *work_;
+  const bool slow = claim == Status::iteration_limit;  // quadruple precision would be slower still
+  const bool small = problem.size() <= 100;
+  while (work.stage < 6) {
+    switch (++work.stage) {
+      case 1:
+        if (claim != Status::ray || problem.size() > 500) break;
+        if (work.find_proof(work.long_tableau, problem, s)) return true;
+        break;
+      case 2:
+        claim = work.attempt(work.long_tableau, options_.max_pivots, problem, s);
+        return true;
+      case 3:
+        if (slow || !small) break;
+        claim = work.attempt(work.quad_tableau, options_.max_pivots, problem, s);
+        return true;
+      case 4:
+        if (slow || problem.friction.empty()) return false;
+        work.form(problem, Pyramid::Form::stewart_trinkle);
+        claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
+        return true;
+      case 5:
+        claim = work.attempt(work.long_tableau, options_.max_pivots, problem, s);
+        return true;
+      default:
+        if (!small) break;
+        claim = work.attempt(work.quad_tableau, options_.max_pivots, problem, s);
+        return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace orthant

@@ -1,0 +1,53 @@
+// solvers/lemke.h — Lemke's method: complementary pivoting, direct, for small and medium dense problems.
+//
+//   w = M z + q + e z₀:  z₀ enters, covering the most negative q_i; then whatever left, its complement enters, until z₀
+//   leaves (a solution) or nothing blocks (a ray).
+//     1. form     pyramid.h: friction, boxes → rows [0, ∞) and free;  rows and columns scaled by powers of 2 where the
+//                 entries span many orders.
+//     2. pivot    tableau.h: free rows first, then the method, ties broken lexicographically, z₀ first.  O(n²) a pivot.
+//     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
+//                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
+//                 on the order of rows.
+//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is looked for (a linear program, by the
+//                 same pivots); then again in long double and in quadruple precision, at last in the copositive form.
+//   A solves n = 2…10 bound is not known: Murty's problem takes 2ⁿ pivots. Certain to end on a solution, where there is
+//   one, for P-matrices and for xᵀM x ≥ 0; elsewhere it may end on a ray although a solution exists (status ray).
+//   A ray's direction is handed to the judge, which calls it a proof (status infeasible) or not (ray).
+//   A start value is not used.   M n × n, any sign structure; stored densely: O(n²) memory, pure form n ≤ 10000.
+//   Sources: Lemke, Management Science 11 (1965); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4.
+#pragma once
+
+#include <orthant/core/lcp/pyramid.h>
+#include <orthant/solvers/solver.h>
+
+#include <memory>
+
+namespace orthant {
+
+struct LemkeOptions {
+  double tolerance = 1e-12;  // [b] accepted residual relative to ‖b‖∞; rounding level is accepted in any case
+  int max_pivots = 0;        // 0: 20000 + 100 n
+  bool rescue = true;        // on rejection: proof search, long double, quadruple precision, copositive form
+  template <class V> void visit(V&& v) {
+    v("tolerance", tolerance, 0.0, 1.0), v("max_pivots", max_pivots, 0, 1000000000), v("rescue", rescue);
+  }
+};
+
+class Lemke final : public Solver {
+ public:
+  using Options = LemkeOptions;
+  explicit Lemke(const Options& options = {});
+  ~Lemke() override;
+  std::string why_not(const Lcp& problem) const override;
+
+ private:
+  Status run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  double tolerance() const override { return options_.tolerance; }
+
+  Options options_;
+  struct Work;  // scratch: it never changes an answer
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,24 @@
+// solvers/registry.h — solvers have names, in one table you can read (registry.cpp).
+#pragma once
+
+#include <orthant/solvers/solver.h>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace orthant {
+
+struct SolverEntry {
+  std::string_view name, summary;
+  std::unique_ptr<Solver> (*make)(std::string_view options);  // "omega=1.3,max_sweeps=50"
+  std::string (*options)();                                   // every option with its default and range
+};
+
+std::span<const SolverEntry> solvers();
+
+/// "pgs:omega=1.3" (also the label in every table). Throws std::invalid_argument: an unknown name lists the names.
+std::unique_ptr<Solver> make_solver(std::string_view spec);
+
+}  // namespace orthant

@@ -1,0 +1,315 @@
+// BasicSystem: its three ways of solving against the saddle matrix written out and solved in 80-bit arithmetic.
+#include <doctest/doctest.h>
+#include <orthant/core/scenes/slider_crank.h>
+
+#include "tests/support/mechanics.h"
+
+namespace orthant {
+namespace {
+
+using testing::dense;
+using testing::MatrixXd;
+using testing::mismatch;
+using testing::Random;
+using testing::SaddleSolution;
+using testing::solve;
+using testing::VectorXd;
+
+constexpr double kExact = 1e-12;
+
+Body random_body(Random& random) {
+  return {"", random(0.5, 2), random(0.5, 2), random.point(3), random(-3, 3), random.point(), random(-1, 1)};
+}
+
+/// One joint of every kind in a row of bodies: 8 rows.
+Scene one_of_each(Random& r) {
+  Scene s{.gravity = {0, -9.81}};
+  for (int i = 0; i < 4; ++i) s.body(random_body(r));
+  s.joint(Revolute{"", kGround, 0, r.point(), r.point()});
+  s.joint(Prismatic{"", 0, 1, r.point(), r.point(), r.direction(), r(-1, 1)});
+  s.joint(Distance{"", 1, 2, r.point(), r.point(), r(0.1, 2)});
+  s.joint(Fixed{"", 2, 3, r.point(), r.point(), r(-1, 1)});
+  return s;
+}
+
+Scene with_springs(Scene s, Random& r) {
+  s.spring(PointSpring{"", 0, 3, r.point(), r.point(), r(1, 9), r(1, 9), r(0, 1)});
+  s.spring(PointSpring{"", kGround, 1, r.point(), r.point(), r(1, 9), r(1, 9), r(0, 1)});
+  s.spring(TorsionSpring{"", 3, 0, r(1, 9), r(1, 9), r(-1, 1)});
+  return s;
+}
+
+/// A spring without strength: nothing moves otherwise, but the sparse way is taken.
+Scene by_klu(Scene s) {
+  s.spring(TorsionSpring{"weightless", 0, kGround, 0, 0, 0});
+  return s;
+}
+
+/// n links hanging in a row, each pinned to the one before.
+Scene chain(int n, Random& r) {
+  Scene s{.gravity = {0, -9.81}};
+  for (int i = 0; i < n; ++i) {
+    s.body(random_body(r));
+    s.joint(Revolute{"", i - 1, i, i == 0 ? Vector2d(0, 0) : Vector2d(0.5, 0), {-0.5, 0}});
+  }
+  return s;
+}
+
+/// A table on three cranks of one length: two of them would do.
+Scene parallelogram() {
+  Scene s{.gravity = {0, -9.81}};
+  const auto table = s.body({.mass = 2, .inertia = 1, .position = {1, 1}});
+  for (int i = 0; i < 3; ++i) {
+    const auto crank = s.body({.mass = 0.5, .inertia = 0.1, .position = {1.0 * i, 0.5}, .angle = std::acos(-1.0) / 2});
+    s.joint(Revolute{"", kGround, crank, {1.0 * i, 0}, {-0.5, 0}});
+    s.joint(Revolute{"", crank, table, {0.5, 0}, {1.0 * i - 1, 0}});
+  }
+  return s;
+}
+
+SaddleSolution reference(const System& system, const Terms& terms, const VectorXd& f, const VectorXd& c,
+                         double k_weight = 0, double c_weight = 0) {
+  VectorXd rhs(f.size() + c.size());
+  rhs << f, c;
+  const VectorXd y = testing::solve_precisely(testing::saddle_matrix(system, terms, k_weight, c_weight), rhs);
+  return {y.head(f.size()), y.tail(c.size())};
+}
+
+/// BasicSystem against the reference, at a random state, with a random right-hand side.
+void compare(const Scene& scene, Random& random, double k_weight = 0, double c_weight = 0) {
+  const System system(scene);
+  BasicSystem basic(system);
+  for (int repeat = 0; repeat < 3; ++repeat) {  // factorizations after the first take another way through KLU
+    const VectorXd q = random.vector(system.dof(), 3), v = random.vector(system.dof());
+    const Terms terms = testing::all_terms(system, q, v);
+    const VectorXd f = random.vector(system.dof()), c = random.vector(system.joint_rows());
+    REQUIRE(basic.factorize(system, terms, k_weight, c_weight));
+    CHECK_FALSE(basic.redundant());
+    const SaddleSolution expected = reference(system, terms, f, c, k_weight, c_weight), s = solve(basic, f, c);
+    CHECK(mismatch(s.x, expected.x) < kExact);
+    CHECK(mismatch(s.lambda, expected.lambda) < kExact);
+    if (system.joint_rows() > 0) {
+      VectorXd x(system.dof());
+      basic.solve_row(terms.G[0], x.data());
+      CHECK(mismatch(x, reference(system, terms, dense(terms.G[0], system.dof()), 0 * c, k_weight, c_weight).x) <
+            kExact);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the saddle system is solved as its definition says: no joints, dense, KLU, springs with and without weight") {
+  for (int seed = 0; seed < 10; ++seed) {
+    CAPTURE(seed);
+    Random random(static_cast<std::uint64_t>(seed));
+    const Scene joints = one_of_each(random);
+    Scene free = joints;
+    free.joints.clear();
+    compare(free, random);
+    compare(joints, random);
+    compare(by_klu(joints), random);
+    compare(with_springs(joints, random), random);
+    compare(with_springs(joints, random), random, 0.3, 0.7);
+    compare(with_springs(free, random), random, 0.3, 0.7);
+  }
+}
+
+TEST_CASE("a chain of 50 pendulums: KLU agrees with the dense solution") {
+  Random random(50);
+  compare(chain(50, random), random);
+}
+
+TEST_CASE("dense and KLU give the same motion") {
+  Random random(3);
+  const Scene scene = one_of_each(random);
+  const System few(scene), sparse(by_klu(scene));
+  const VectorXd q = random.vector(few.dof(), 3), v = random.vector(few.dof());
+  const SaddleSolution a = testing::accelerations(few, q, v), b = testing::accelerations(sparse, q, v);
+  CHECK(mismatch(a.x, b.x) < kExact);
+  CHECK(mismatch(a.lambda, b.lambda) < kExact);
+}
+
+TEST_CASE("without its joints the basic system is the masses and the springs") {
+  Random random(4);
+  const System system(one_of_each(random));
+  const Terms terms = testing::all_terms(system, random.vector(system.dof()), random.vector(system.dof()));
+  BasicSystem basic(system, false);
+  REQUIRE(basic.factorize(system, terms));
+  const VectorXd f = random.vector(system.dof());
+  CHECK(solve(basic, f, VectorXd(0)).x == VectorXd(system.inverse_mass().cwiseProduct(f)));
+}
+
+TEST_CASE("a pin given twice or three times moves as if given once, and the pins share its force") {
+  for (const bool klu : {false, true})
+    for (int copies = 2; copies <= 3; ++copies) {
+      CAPTURE(klu);
+      CAPTURE(copies);
+      Random random(5);
+      Scene scene = one_of_each(random);
+      if (klu) scene = by_klu(scene);
+      const System once(scene);
+      for (int i = 1; i < copies; ++i) {
+        scene.joint(scene.joints[0]);
+        std::visit([&](auto& j) { j.name = "copy" + std::to_string(i); }, scene.joints.back());
+      }
+      const System system(scene);
+      const VectorXd q = random.vector(once.dof(), 3), v = random.vector(once.dof());
+      const SaddleSolution expected = testing::accelerations(once, q, v);
+      const Terms terms = testing::all_terms(system, q, v);
+      BasicSystem basic(system);
+      REQUIRE(basic.factorize(system, terms));
+      CHECK(basic.redundant());
+      const SaddleSolution s = solve(basic, terms.f, -terms.joint_bias);
+      CHECK(mismatch(s.x, expected.x) < kExact);
+      CHECK(mismatch(VectorXd(s.lambda.head<2>()), expected.lambda.head<2>() / copies) < kExact);
+      for (int i = 0; i + 1 < copies; ++i)
+        CHECK(mismatch(VectorXd(s.lambda.segment<2>(8 + 2 * i)), expected.lambda.head<2>() / copies) < kExact);
+      CHECK(mismatch(VectorXd(s.lambda.segment(2, 6)), expected.lambda.tail(6)) < kExact);
+    }
+}
+
+TEST_CASE("two pins between the same two bodies hold them as a weld does") {
+  // Four rows of rank three, and not two equal ones: only rounding tells that they are dependent.
+  for (const bool klu : {false, true})
+    for (int seed = 0; seed < 30; ++seed) {
+      CAPTURE(klu);
+      CAPTURE(seed);
+      Random r(static_cast<std::uint64_t>(seed));
+      Scene scene{.gravity = {0, -9.81}};
+      scene.body(random_body(r)), scene.body(random_body(r));
+      scene.bodies[1].position = scene.bodies[0].position, scene.bodies[1].angle = scene.bodies[0].angle;
+      if (klu) scene = by_klu(scene);
+      Scene weld = scene;
+      for (int pin = 0; pin < 2; ++pin) {
+        const Vector2d at = r.point();
+        scene.joint(Revolute{"", 0, 1, at, at});
+        if (pin == 0) weld.joint(Fixed{"", 0, 1, at, at, 0});
+      }
+      scene.joint(Revolute{"", kGround, 0, {0, 0}, {0.5, 0}});
+      weld.joint(Revolute{"", kGround, 0, {0, 0}, {0.5, 0}});
+      const System system(scene), welded(weld);
+      State x = system.initial_state();
+      x.v.tail(3) = x.v.head(3);  // the two move as one
+      const Terms terms = testing::all_terms(system, x.q, x.v);
+      BasicSystem basic(system);
+      REQUIRE(basic.factorize(system, terms));
+      CHECK(basic.redundant());
+      const SaddleSolution s = solve(basic, terms.f, -terms.joint_bias);
+      CHECK(mismatch(s.x, testing::accelerations(welded, x.q, x.v).x) < kExact);
+      // Least norm: no part of λ in the null space of Gᵀ.
+      const MatrixXd G = dense(terms.G, system.dof());
+      const VectorXd null = Eigen::FullPivLU<MatrixXd>(G.transpose()).setThreshold(1e-10).kernel().col(0);
+      CHECK(std::abs(null.normalized().dot(s.lambda)) < 1e-9 * (1 + s.lambda.norm()));
+    }
+}
+
+TEST_CASE("a table on three cranks swings as on two, also through the pose where all cranks lie in one line") {
+  for (const bool klu : {false, true})
+    for (const double angle : {0.3, 1.5707963267948966, 3.0, 0.0}) {
+      CAPTURE(klu);
+      CAPTURE(angle);
+      Scene scene = klu ? by_klu(parallelogram()) : parallelogram();
+      const System system(scene);
+      const Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
+      const double omega = 2;
+      VectorXd q = system.initial_state().q, v(system.dof());
+      q.head<3>() << 1 + along.x(), along.y(), 0;
+      v.head<3>() << omega * across, 0;
+      for (int i = 0; i < 3; ++i) {
+        q.segment<3>(3 + 3 * i) << i + along.x() / 2, along.y() / 2, angle;
+        v.segment<3>(3 + 3 * i) << omega / 2 * across, omega;
+      }
+      const SaddleSolution s = testing::accelerations(system, q, v);
+      REQUIRE(s.x.size() == system.dof());
+      // Lagrange: (2 · 1² + 3 (0.1 + 0.5 · 0.5²)) φ̈ = −g cos φ (2 · 1 + 3 · 0.5 · 0.5).
+      const double expected = -9.81 * along.x() * 2.75 / 2.675;
+      if (angle == 0.0) continue;  // a branch point: the accelerations need not be those, but they are finite
+      CHECK(s.x[5] == doctest::Approx(expected).epsilon(1e-11));
+      CHECK(std::abs(s.x[2]) < 1e-11);  // the table stays level
+    }
+}
+
+TEST_CASE("after a redundant pose the next one is solved as ever") {
+  Random random(6);
+  Scene scene = one_of_each(random);
+  const System system(scene);
+  BasicSystem basic(system);
+  const VectorXd q = random.vector(system.dof(), 3), v = random.vector(system.dof());
+  const Terms good = testing::all_terms(system, q, v);
+  Terms degenerate = good;
+  degenerate.G[1] = degenerate.G[0];
+  REQUIRE(basic.factorize(system, degenerate));
+  CHECK(basic.redundant());
+  REQUIRE(basic.factorize(system, good));
+  CHECK_FALSE(basic.redundant());
+  const VectorXd c = -good.joint_bias;
+  CHECK(mismatch(solve(basic, good.f, c).x, reference(system, good, good.f, c).x) < kExact);
+}
+
+TEST_CASE("heavy and light bodies, large and small units: independent joints are not called redundant") {
+  for (const bool klu : {false, true})
+    for (const double ratio : {1e-6, 1e-3, 1e3, 1e6}) {
+      CAPTURE(klu);
+      CAPTURE(ratio);
+      Random random(8);
+      Scene scene = one_of_each(random);
+      scene.bodies[1].mass *= ratio, scene.bodies[1].inertia *= ratio;
+      scene.bodies[3].mass /= ratio, scene.bodies[3].inertia /= ratio;
+      if (klu) scene = by_klu(scene);
+      const System system(scene);
+      const VectorXd q = random.vector(system.dof(), 3), v = random.vector(system.dof());
+      const Terms terms = testing::all_terms(system, q, v);
+      BasicSystem basic(system);
+      REQUIRE(basic.factorize(system, terms));
+      CHECK_FALSE(basic.redundant());
+      const VectorXd c = -terms.joint_bias;
+      const SaddleSolution s = solve(basic, terms.f, c), expected = reference(system, terms, terms.f, c);
+      CHECK(mismatch(s.x, expected.x) < 1e-9);
+      CHECK((dense(terms.G, system.dof()) * s.x - c).lpNorm<Eigen::Infinity>() < 1e-9);
+    }
+}
+
+TEST_CASE("numbers that are none are refused, and the object is good again afterwards") {
+  for (const bool klu : {false, true}) {
+    Random random(9);
+    const System system(klu ? by_klu(one_of_each(random)) : one_of_each(random));
+    const Terms good = testing::all_terms(system, random.vector(system.dof()), random.vector(system.dof()));
+    for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+      Terms broken = good;
+      broken.G[2].ja[0] = bad;
+      BasicSystem basic(system);
+      CHECK_FALSE(basic.factorize(system, broken));
+      CHECK(basic.factorize(system, good));
+      CHECK_FALSE(basic.factorize(system, broken));
+      REQUIRE(basic.factorize(system, good));
+      CHECK(mismatch(solve(basic, good.f, -good.joint_bias).x, reference(system, good, good.f, -good.joint_bias).x) <
+            kExact);
+    }
+  }
+}
+
+TEST_CASE("a mechanism and its gravity turned together accelerate turned") {
+  Random random(10);
+  for (int i = 0; i < 5; ++i) {
+    Scene scene = with_springs(one_of_each(random), random);
+    const double angle = random(-3, 3);
+    const Eigen::Rotation2Dd turn(angle);
+    Scene turned = scene;
+    turned.gravity = turn * scene.gravity;
+    std::get<Revolute>(turned.joints[0]).point_a = turn * std::get<Revolute>(scene.joints[0]).point_a;
+    std::get<PointSpring>(turned.springs[1]).point_a = turn * std::get<PointSpring>(scene.springs[1]).point_a;
+    for (Body& b : turned.bodies)
+      b.position = turn * b.position, b.velocity = turn * b.velocity, b.angle += angle;
+    const System one(scene), other(turned);
+    const State x = one.initial_state(), y = other.initial_state();
+    const VectorXd a = testing::accelerations(one, x.q, x.v).x, b = testing::accelerations(other, y.q, y.v).x;
+    for (Index k = 0; k < a.size(); k += 3) {
+      CHECK(mismatch(VectorXd(turn * Vector2d(a.segment<2>(k))), b.segment<2>(k)) < 1e-11);
+      CHECK(mismatch(a[k + 2], b[k + 2]) < 1e-11);
+    }
+    CHECK(energy(one, {0, x.q, x.v}) == doctest::Approx(energy(other, {0, y.q, y.v})).epsilon(1e-12));
+  }
+}
+
+}  // namespace orthant
