@@ -1,5 +1,7 @@
 #include <orthant/solvers/lemke.h>
 
+#include <orthant/solvers/farkas.h>
+#include <orthant/solvers/scaling.h>
 #include <orthant/solvers/tableau.h>
 
 #include <algorithm>
@@ -11,6 +13,7 @@ namespace orthant {
 namespace {
 
 using detail::Quad;
+using detail::Scaling;
 using detail::Tableau;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -35,68 +38,6 @@ struct Product {
   }
 };
 
-// Powers of 2 that bring the entries of diag(row) M diag(col) together; ones when they are close enough already.
-class Scaling {
- public:
-  Vector row, col;
-
-  void fit(const DenseMatrix& M) {
-    const Index n = M.rows();
-    row.resize(n);
-    col.resize(n);
-    row.setOnes();
-    col.setOnes();
-    largest_.resize(n);
-    largest_.setZero();
-    double low = kInf, high = 0;
-    const auto count = [&](double size) {
-      if (size == 0) return;
-      low = std::min(low, size);
-      high = std::max(high, size);
-    };
-    for (Index j = 0; j < n; ++j) {
-      double size = 0;
-      const double* const column = M.data() + j * n;
-      for (Index i = 0; i < n; ++i) {
-        const double entry = std::abs(column[i]);
-        size = std::max(size, entry);
-        largest_[i] = std::max(largest_[i], entry);
-      }
-      count(size);
-    }
-    for (Index i = 0; i < n; ++i) count(largest_[i]);
-    if (high <= low * 0x1p24) return;
-    for (int sweep = 0; sweep < 4; ++sweep) {  // middle of the exponents of each column, then of each row
-      for (Index j = 0; j < n; ++j) center(col[j], [&](Index i) { return M(i, j) * row[i]; }, n);
-      for (Index i = 0; i < n; ++i) center(row[i], [&](Index j) { return M(i, j) * col[j]; }, n);
-    }
-  }
-
- private:
-  template <class Entry> static void center(double& scale, const Entry& entry, Index n) {
-    int low = 5000, high = -5000;
-    for (Index k = 0; k < n; ++k) {
-      const double value = entry(k);
-      if (value == 0 || !std::isfinite(value)) continue;
-      low = std::min(low, std::ilogb(value));
-      high = std::max(high, std::ilogb(value));
-    }
-    if (low <= high) scale = std::ldexp(1.0, std::clamp(-(low + high) / 2, -500, 500));
-  }
-  Vector largest_;
-};
-
-// The linear program behind infeasibility, as one LCP in (z, u) with a skew matrix, which Lemke's method cannot fail on:
-//   w_z = c − Mᵀu ⊥ z,  w_u = M z + q ⊥ u,  c = 1 (0 on free rows);  a ray's u has u ≥ 0, Mᵀu ≤ 0, qᵀu < 0.
-struct Skew {
-  const DenseMatrix& M;
-  double operator()(Index i, Index j) const {
-    const Index n = M.rows();
-    if (i < n && j >= n) return -M(j - n, i);
-    return i >= n && j < n ? M(i - n, j) : 0.0;
-  }
-};
-
 }  // namespace
 
 struct Lemke::Work {
@@ -110,13 +51,12 @@ struct Lemke::Work {
   Tableau<double> tableau;
   Tableau<long double> long_tableau;
   Tableau<Quad> quad_tableau;
+  Farkas farkas;
   int stage = 0;
 
   // Basis of the final tableau: z of rows `unknown`, equations w = 0 of rows `equation`, and B⁻¹ by columns.
   std::vector<Index> unknown, equation;
   Vector high, low, inverse, residual;
-  Vector linear_q, linear_ones;
-  std::vector<char> linear_free;
 
   void form(const Lcp& problem, Pyramid::Form form) {
     reduced = Pyramid::needed(problem);
@@ -151,7 +91,11 @@ struct Lemke::Work {
       direction.setZero();
       t.ray(direction);
       direction.array() *= scaling.col.array();
-      offer(problem, s);
+      tidy_certificate(*pure, direction);
+      if (reduced)
+        pyramid.restore_certificate(problem, direction, s.certificate);
+      else
+        s.certificate = direction;
     } else if (end == Tableau<T>::End::solved) {
       refine(t, M);
     }
@@ -222,48 +166,6 @@ struct Lemke::Work {
       y[row] = zero || (high[i] < 0 && !free[at(row)]) ? 0.0 : high[i];
     }
   }
-
-  // The direction as a certificate: its largest entry 1, noise and wrong signs cut. The judge checks what is left.
-  void offer(const Lcp& problem, Solution& s) {
-    const double size = direction.cwiseAbs().maxCoeff();
-    for (Index i = 0; i < direction.size(); ++i) {
-      direction[i] /= size;
-      if (std::abs(direction[i]) < 1e-14 || (direction[i] < 0 && !free[at(i)])) direction[i] = 0;
-    }
-    if (reduced)
-      pyramid.restore_certificate(problem, direction, s.certificate);
-    else
-      s.certificate = direction;
-  }
-
-  // True when the linear program says "infeasible" and its dual ray was offered.
-  template <class T> bool find_proof(Tableau<T>& t, const Lcp& problem, Solution& s) {
-    const auto& M = std::get<DenseMatrix>(pure->A);
-    const Index n = pure->size();
-    linear_q.resize(2 * n);
-    linear_ones.resize(2 * n);
-    linear_ones.setOnes();
-    linear_free.resize(at(2 * n));
-    Vector& row = linear_scale;
-    row.resize(2 * n);
-    for (Index i = 0; i < n; ++i) {
-      linear_q[i] = free[at(i)] ? 0.0 : 1.0 / scaling.col[i];
-      linear_q[n + i] = pure->b[i];
-      linear_free[at(i)] = linear_free[at(n + i)] = free[at(i)];
-      row[i] = scaling.col[i];
-      row[n + i] = scaling.row[i];
-    }
-    t.load(Skew{M}, linear_q, linear_free, row, row);
-    if (t.run(20000 + 200 * static_cast<int>(n)) != Tableau<T>::End::ray) return false;
-    Vector& ray = linear_ones;
-    ray.setZero();
-    t.ray(ray);
-    direction.resize(n);
-    direction = ray.tail(n).cwiseProduct(scaling.row);
-    offer(problem, s);
-    return true;
-  }
-  Vector linear_scale;
 };
 
 Lemke::Lemke(const Options& options) : options_(options), work_(std::make_unique<Work>()) {}
@@ -291,7 +193,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
     switch (++work.stage) {
       case 1:
         if (claim != Status::ray || problem.size() > 500) break;
-        if (work.find_proof(work.long_tableau, problem, s)) return true;
+        if (work.farkas.propose(problem, s.certificate)) return true;
         break;
       case 2:
         claim = work.attempt(work.long_tableau, options_.max_pivots, problem, s);

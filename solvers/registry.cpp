@@ -1,7 +1,9 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
+#include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/lemke.h>
+#include <orthant/solvers/pgs.h>
 
 #include <stdexcept>
 
@@ -19,6 +21,9 @@ template <class S> std::string options() { return describe(typename S::Options{}
 
 constexpr SolverEntry kSolvers[] = {
     {"lemke", "lexicographic Lemke pivoting; ends on a solution or a ray", &make<Lemke>, &options<Lemke>},
+    {"pgs", "projected Gauss-Seidel sweeps, friction rows included; A_ii > 0", &make<Pgs>, &options<Pgs>},
+    {"enumerate", "every basis in turn, at most 16 complementary rows; the oracle of the tests", &make<Enumerate>,
+     &options<Enumerate>},
 };
 
 }  // namespace

@@ -26,12 +26,14 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
     s.status = Status::unsupported;
     return s;
   }
+  budget_.start(time_limit_, cancel_);
+  if (log_ != nullptr) log_->clear();
   Status claim = run(problem, s, start);
   judge_.certify(problem, tolerance(), claim, s);
-  for (int attempt = 1; s.status != Status::solved && s.status != Status::infeasible; ++attempt) {
-    if (!run_again(problem, s, attempt, claim)) break;
+  const auto open = [&s] { return s.status != Status::solved && s.status != Status::infeasible; };
+  for (int attempt = 1; open() && !budget_.exhausted() && run_again(problem, s, attempt, claim); ++attempt)
     judge_.certify(problem, tolerance(), claim, s);
-  }
+  if (open() && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
   return s;
 }
 

@@ -3,6 +3,8 @@
 
 #include <orthant/core/lcp/certify.h>
 #include <orthant/core/lcp/solution.h>
+#include <orthant/solvers/budget.h>
+#include <orthant/solvers/iteration_log.h>
 
 #include <string>
 
@@ -24,6 +26,19 @@ class Solver {
   /// Empty when the method can take the problem; else the reason in words (solve() then answers unsupported).
   virtual std::string why_not(const Lcp&) const { return {}; }
 
+  /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
+  void set_time_limit(double seconds) { time_limit_ = seconds; }
+  /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive solves.
+  void set_cancel(const std::atomic<bool>* cancel) { cancel_ = cancel; }
+  /// Where each solve writes its iterations (cleared first); null: nowhere, at no cost.
+  void set_log(IterationLog* log) { log_ = log; }
+
+ protected:
+  const Budget& budget() const { return budget_; }  // run() asks it once an iteration
+  void log(int iteration, double merit, double step = 0, const char* event = "") {
+    if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
+  }
+
  private:
   /// Leaves z (and a certificate) in the solution. On entry z has n finite entries: the guess, or zeros.
   virtual Status run(const Lcp& problem, Solution& solution, Start start) = 0;
@@ -33,6 +48,10 @@ class Solver {
   virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
 
   Judge judge_;
+  Budget budget_;
+  double time_limit_ = kInf;
+  const std::atomic<bool>* cancel_ = nullptr;
+  IterationLog* log_ = nullptr;
 };
 
 }  // namespace orthant

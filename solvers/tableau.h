@@ -25,16 +25,16 @@ __extension__ typedef __float128 Quad;  // 113 bits
 using Quad = long double;
 #endif
 
-template <class T> struct Roundings;  // shares: snap: cancelled to noise; tie: equal ratios; pivot: too small in its column
+template <class T> struct Roundings;  // snap: cancelled to noise; tie: equal at worst; pivot: too small in its column
 template <> struct Roundings<double> {
-  static constexpr double snap = 0x1p-46, tie = 0x1p-43, pivot = 0x1p-36;
+  static constexpr double unit = 0x1p-53, snap = 0x1p-46, tie = 0x1p-36, pivot = 0x1p-36;
 };
 template <> struct Roundings<long double> {
-  static constexpr long double snap = 0x1p-57L, tie = 0x1p-53L, pivot = 0x1p-45L;
+  static constexpr long double unit = 0x1p-64L, snap = 0x1p-57L, tie = 0x1p-47L, pivot = 0x1p-47L;
 };
 #ifdef __SIZEOF_FLOAT128__
 template <> struct Roundings<Quad> {
-  static constexpr Quad snap = 0x1p-100, tie = 0x1p-90, pivot = 0x1p-80;
+  static constexpr Quad unit = 0x1p-113, snap = 0x1p-106, tie = 0x1p-90, pivot = 0x1p-90;
 };
 #endif
 
@@ -129,11 +129,15 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     columns_ = n_ + 2;
     stride_ = pairs_ + 2;
     iterations_ = entering_ = 0;
+    top_ = 0;
     const auto size = static_cast<std::size_t>(stride_);
     for (auto* v : {&basic_, &nonbasic_, &origin_, &list_}) grow(*v, size);
-    grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(t_, size * size);
+    grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(given_, size), grow(error_, size), grow(t_, size * size);
     for (int i = 0; i < n_; ++i) {
       row_at(i)[0] = static_cast<T>(q[i] * row[i]);
+      given_[u(i)] = abs(row_at(i)[0]);
+      error_[u(i)] = 0;
+      top_ = std::max(top_, given_[u(i)]);
       row_at(i)[covering_] = free_[u(i)] ? 0 : 1;  // z₀ covers complementary rows only
       set_basic(i, w_of(i));
       set_nonbasic(i + 2, z_of(i));
@@ -152,11 +156,13 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     const T divisor = p[s];
     for (int c = 0; c < columns_; ++c) p[c] = -p[c] / divisor;
     p[s] = T(1) / divisor;
+    const T error = error_[u(r)] = error_[u(r)] / abs(divisor) + Roundings<T>::unit * abs(p[0]);
     for (int i = 0; i < rows_; ++i) {
       if (i == r) continue;
       T* const line = row_at(i);
       const T f = line[s];
       if (f == 0) continue;
+      error_[u(i)] += abs(f) * error + Roundings<T>::unit * (abs(line[0]) + abs(f * p[0]));
       add_multiple(line, f, p, columns_);
       line[s] = f / divisor;
     }
@@ -177,7 +183,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     for (int i = 0; i < rows_; ++i) {
       if (frozen_[u(i)]) continue;
       const T q = row_at(i)[0];
-      if (q < 0 && (r < 0 || q <= row_at(r)[0] * (T(1) - Roundings<T>::tie))) r = i;
+      if (q < 0 && (r < 0 || q <= row_at(r)[0])) r = i;  // given data: equal means equal
     }
     return r;
   }
@@ -199,14 +205,26 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       least = count == 0 ? ratio : std::min(least, ratio);
       ++count;
     }
-    const T limit = least * (T(1) + Roundings<T>::tie);
+    if (count == 0) return -1;
+    const auto blur = [&](int i) { return 8 * error_of_constant(i) / -row_at(i)[s]; };  // of the ratio; overlap: a tie
+    const T near = least * (T(1) + T(0x1p-12)), small = top_ * T(0x1p-20);
+    T limit = least;
     int ties = 0;
+    for (int k = 0; k < count; ++k)  // few are near: only those are looked at closely
+      if (ratio_[u(k)] <= near || row_at(list_[u(k)])[0] <= small) {
+        list_[u(ties)] = list_[u(k)];
+        ratio_[u(ties++)] = ratio_[u(k)];
+      }
+    if (ties == 1) return list_[0];
+    for (int k = 0; k < ties; ++k)
+      if (ratio_[u(k)] == least) limit = std::max(limit, least + blur(list_[u(k)]));
+    count = ties;
+    ties = 0;
     for (int k = 0; k < count; ++k) {
-      if (ratio_[u(k)] > limit) continue;
+      if (ratio_[u(k)] > limit && ratio_[u(k)] - blur(list_[u(k)]) > limit) continue;
       if (list_[u(k)] == z0_row) return z0_row;
       list_[u(ties++)] = list_[u(k)];
     }
-    if (ties <= 1) return ties == 0 ? -1 : list_[0];
     for (int pair = 0; pair < split_end_ && ties > 1; ++pair) {  // columns of the basis inverse, one after the other
       if (!paired_[u(pair)]) continue;
       const int place = place_[u(w_of(pair))];
@@ -225,6 +243,18 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     }
     return list_[0];
   }
+  // What pivoting may have done to the constant of row i: the running bound, which compounds over many pivots and is
+  // then cut at a share of Σ_j |B⁻¹_ij q_j|, the terms that the constant is the sum of.
+  T error_of_constant(int i) const {
+    const T* const line = row_at(i);
+    const T bound = error_[u(i)];
+    if (bound <= Roundings<T>::tie * abs(line[0])) return bound;
+    T size = basic_[u(i)] < pairs_ ? given_[u(basic_[u(i)])] : T(0);
+    for (int c = 1; c < columns_; ++c)
+      if (nonbasic_[u(c)] < pairs_) size += abs(line[c]) * given_[u(nonbasic_[u(c)])];
+    return std::min(bound, Roundings<T>::tie * size);
+  }
+
   // Free rows: z_j enters against some w_i, both free, largest entry first. True when what is left, if anything, pairs
   // up (w_i with z_i) and could be split; else the caller loads again and splits all.
   template <class Entries>
@@ -286,13 +316,16 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     set_basic(r, w_of(pair));
     set_nonbasic(column, z_of(pair));
     origin_[u(pair)] = i;
+    given_[u(pair)] = given_[u(i)];
+    error_[u(r)] = error_[u(i)];
     frozen_[u(r)] = 0;
     paired_[u(i)] = paired_[u(pair)] = 1;
   }
 
   static constexpr int covering_ = 1;  // the column of z₀ at the start
   int n_ = 0, pairs_ = 0, split_end_ = 0, rows_ = 0, columns_ = 0, stride_ = 0, iterations_ = 0, entering_ = 0;
-  std::vector<T> t_, ratio_;
+  T top_ = 0;                                 // max |q|
+  std::vector<T> t_, ratio_, given_, error_;  // given_: |q| of a pair; error_: rounding of a row's constant
   std::vector<int> basic_, nonbasic_, place_;  // variable of a row, of a column; place of a variable
   std::vector<int> origin_, list_;             // row of the problem that a pair belongs to; candidates of a ratio test
   std::vector<char> free_, frozen_, paired_;   // row of the problem is free; row of the tableau takes no part in ratio

@@ -8,7 +8,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND orthant_warnings -Wduplicated-cond -Wlogical-op)
   # GCC 12 guesses these after inlining, inside Eigen as well, and guesses wrong; missing fields of a designated
   # initializer are our way of taking defaults.
-  list(APPEND orthant_warnings -Wno-maybe-uninitialized -Wno-array-bounds -Wno-missing-field-initializers)
+  list(APPEND orthant_warnings -Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict -Wno-missing-field-initializers)
 endif()
 
 # -ffp-contract=off, no -ffast-math, no -march=native: the compiler neither fuses nor reorders arithmetic, so the same

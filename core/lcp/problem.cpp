@@ -171,24 +171,24 @@ void multiply(const Matrix& A, const Eigen::Ref<const Eigen::VectorXd>& x, Vecto
   }
 }
 
-void diagonal(const Matrix& A, Vector& diag) {
-  diag.resize(order(A));
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    diag = dense->diagonal();
-    return;
-  }
+double diagonal(const Matrix& A, Index i) {
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) return (*dense)(i, i);
   const auto* delassus = std::get_if<Delassus>(&A);
   const RowSparse& M = delassus ? delassus->W : std::get<RowSparse>(A);
-  for (Index i = 0; i < M.rows; ++i) {
-    diag[i] = delassus && delassus->regularization.size() != 0 ? delassus->regularization[i] : 0.0;
-    for (auto k = static_cast<std::size_t>(M.start[static_cast<std::size_t>(i)]);
-         k < static_cast<std::size_t>(M.start[static_cast<std::size_t>(i) + 1]); ++k) {
-      if (delassus)
-        diag[i] += M.value[k] * M.value[k] * delassus->inverse_mass[M.column[k]];
-      else if (M.column[k] == i)
-        diag[i] = M.value[k];
-    }
+  const auto row = static_cast<std::size_t>(i);
+  double sum = delassus && delassus->regularization.size() != 0 ? delassus->regularization[i] : 0.0;
+  for (auto k = static_cast<std::size_t>(M.start[row]); k < static_cast<std::size_t>(M.start[row + 1]); ++k) {
+    if (delassus)
+      sum += M.value[k] * M.value[k] * delassus->inverse_mass[M.column[k]];
+    else if (M.column[k] == i)
+      sum = M.value[k];
   }
+  return sum;
+}
+
+void diagonal(const Matrix& A, Vector& diag) {
+  diag.resize(order(A));
+  for (Index i = 0; i < diag.size(); ++i) diag[i] = diagonal(A, i);
 }
 
 void to_dense(const Matrix& A, DenseMatrix& dense) {

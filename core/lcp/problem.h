@@ -72,7 +72,8 @@ void multiply(const Matrix& A, const Eigen::Ref<const Eigen::VectorXd>& x, Vecto
 /// n of an n × n matrix, as stored (check() sees to it that it is square).
 Index order(const Matrix& A);
 
-/// diag ← A_ii.
+/// A_ii; diag ← all of them.
+double diagonal(const Matrix& A, Index i);
 void diagonal(const Matrix& A, Vector& diag);
 
 /// A as a dense matrix (the Delassus operator is formed: for direct methods on small problems).

@@ -14,6 +14,10 @@ std::string_view name(Status status) {
       return "ray";
     case Status::iteration_limit:
       return "iteration_limit";
+    case Status::time_limit:
+      return "time_limit";
+    case Status::cancelled:
+      return "cancelled";
     case Status::stalled:
       return "stalled";
     case Status::unsupported:

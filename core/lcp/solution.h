@@ -13,6 +13,8 @@ enum class Status {
   infeasible,       // certify() accepted `certificate` as a proof that no z satisfies w ≥ 0 within the bounds
   ray,              // the method ended on a ray: proves nothing by itself
   iteration_limit,  // iterations used up
+  time_limit,       // the time given is over
+  cancelled,        // the caller raised the flag
   stalled,          // no further progress, residual above the tolerance
   unsupported,      // the problem is not of the method's kind: why_not() says why
   numerical_error,  // lost to rounding: not finite, or |z| so large that w cannot be known

@@ -6,8 +6,9 @@
 //   no joints, no springs   x = M⁻¹ f
 //   few joint rows, no springs  S = G M⁻¹ Gᵀ by dense Cholesky (Eigen)
 //   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
-// Redundant joints make S singular: then the least-norm λ is taken (complete orthogonal decomposition of the dense
-// matrix); x is unique all the same.
+// Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken (copies
+// of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S, whose
+// condition is the square. Rows that are independent only by drift below 3e-7 of their length count as redundant.
 // Source: Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10; Davis, KLU (2010).
 #pragma once
 
@@ -38,7 +39,8 @@ class BasicSystem {
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
 
  private:
-  struct Sparse;  // KLU and the pattern
+  struct Sparse;     // KLU and the pattern
+  struct LeastNorm;  // for redundant joints
   struct Shared {  // rows i ≥ j meet in a body, as side (0: a, 1: b) of each
     int i, j, side_i, side_j, body;
   };
@@ -52,7 +54,7 @@ class BasicSystem {
   std::vector<Shared> shared_;
   Eigen::MatrixXd S_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
-  std::unique_ptr<Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>> least_norm_;
+  std::unique_ptr<LeastNorm> least_norm_;
   std::unique_ptr<Sparse> sparse_;
   mutable Eigen::VectorXd y_, f_, force_, zero_, lambda_;
 };

@@ -42,8 +42,7 @@ VectorXd force(const System& system, const VectorXd& q, const VectorXd& v, doubl
   return testing::all_terms(system, q, v, t).f;
 }
 
-template <class Claim>
-void for_all_springs(Claim&& claim) {
+template <class Claim> void for_all_springs(Claim&& claim) {
   for (const auto& [a, b] : kPairs)
     for (std::size_t kind = 0; kind < 2; ++kind)
       for (int seed = 0; seed < 20; ++seed) {
@@ -121,7 +120,8 @@ TEST_CASE("a spring of length zero pushes with a finite force") {
   CHECK(f.norm() == doctest::Approx(2 * std::sqrt(2.0)));  // 4 · 0.5 on either body
 }
 
-TEST_CASE("a load's power is force times the velocity of its point plus torque times angular velocity, times factor(t)") {
+TEST_CASE(
+    "a load's power is force times the velocity of its point plus torque times angular velocity, times factor(t)") {
   for (int seed = 0; seed < 20; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     const Load load{"", 1, random.point(), random.point(), random(-1, 1), [](double t) { return 2 * t; }};

@@ -15,14 +15,16 @@ using testing::VectorXd;
 constexpr double kFine = 1e-7;  // of a central difference at h = 1e-5, with room
 constexpr int kSeeds = 20;
 
-template <class Element>
-struct Kind {
+template <class Element> struct Kind {
   std::string name;
   Element (*make)(BodyId a, BodyId b, Random& random);
 };
 
 const Kind<Joint> kJoints[] = {
-    {"revolute", [](BodyId a, BodyId b, Random& r) -> Joint { return Revolute{"", a, b, r.point(), r.point()}; }},
+    {"revolute",
+     [](BodyId a, BodyId b, Random& r) -> Joint {
+       return Revolute{"", a, b, r.point(), r.point()};
+     }},
     {"prismatic",
      [](BodyId a, BodyId b, Random& r) -> Joint {
        return Prismatic{"", a, b, r.point(), r.point(), r.direction(), r(-1, 1)};
@@ -132,8 +134,7 @@ void assemble(Distance& j, const VectorXd& q) {
 }
 
 /// Each kind between two bodies either way round and with the ground, at random states.
-template <class Element, std::size_t N, class Claim>
-void for_all(const Kind<Element> (&kinds)[N], Claim&& claim) {
+template <class Element, std::size_t N, class Claim> void for_all(const Kind<Element> (&kinds)[N], Claim&& claim) {
   for (const auto& kind : kinds)
     for (const auto& [a, b] : kPairs)
       for (int seed = 0; seed < kSeeds; ++seed) {
@@ -214,8 +215,7 @@ TEST_CASE("a contact's normal row is the derivative of its gap") {
     const VectorXd row = dense(testing::all_terms(system, m.q, m.v).closed[0].rows.normal, system.dof());
     VectorXd slope(system.dof());
     for (int k = 0; k < system.dof(); ++k)
-      slope[k] =
-          central_difference([&](double s) { return gap(system, m.q + s * VectorXd::Unit(system.dof(), k)); });
+      slope[k] = central_difference([&](double s) { return gap(system, m.q + s * VectorXd::Unit(system.dof(), k)); });
     CHECK(mismatch(row, slope) < kFine);
   });
 }

@@ -61,8 +61,7 @@ inline Terms all_terms(const System& system, const VectorXd& q, const VectorXd& 
 }
 
 /// d/ds f at s = 0, central: error h²/6 f''' + ε f / h.
-template <class F>
-auto central_difference(F&& f, double h = 1e-5) {
+template <class F> auto central_difference(F&& f, double h = 1e-5) {
   using Value = std::decay_t<decltype(f(0.0))>;
   const Value ahead = f(h), behind = f(-h);
   return Value((ahead - behind) / (2 * h));
@@ -93,10 +92,10 @@ inline MatrixXd saddle_matrix(const System& system, const Terms& terms, double k
   return K;
 }
 
-/// K⁻¹ rhs in 80-bit arithmetic with complete pivoting.
+/// K⁻¹ rhs in 80-bit arithmetic, K regular.
 inline VectorXd solve_precisely(const MatrixXd& K, const VectorXd& rhs) {
   using Precise = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  return Eigen::FullPivLU<Precise>(K.cast<long double>()).solve(rhs.cast<long double>()).cast<double>();
+  return Eigen::PartialPivLU<Precise>(K.cast<long double>()).solve(rhs.cast<long double>()).cast<double>();
 }
 
 struct SaddleSolution {

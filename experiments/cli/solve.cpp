@@ -1,0 +1,84 @@
+// orthant solve — one problem from files: Matrix Market or a JSON problem file.
+#include "commands.h"
+
+#include <orthant/core/lcp/io.h>
+#include <orthant/solvers/registry.h>
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <iostream>
+
+namespace orthant {
+namespace {
+
+struct SolveArguments {
+  std::string problem, matrix, vector, lower, upper, solver = "lemke";
+  bool json = false;
+};
+
+Lcp read(const SolveArguments& a) {
+  if (!a.problem.empty()) {
+    if (!a.matrix.empty() || !a.vector.empty() || !a.lower.empty() || !a.upper.empty())
+      throw std::invalid_argument("either a problem file or --matrix and --vector, not both");
+    return read_problem(a.problem);
+  }
+  if (a.matrix.empty() || a.vector.empty())
+    throw std::invalid_argument("solve needs a problem file, or --matrix and --vector");
+  Lcp problem = Lcp::standard(read_matrix_market(a.matrix), read_matrix_market_vector(a.vector));
+  const auto same_size = [&](const std::string& file, Index size) {
+    if (size != order(problem.A))
+      throw std::invalid_argument(file + ": has " + std::to_string(size) + " entries: must have " +
+                                  std::to_string(order(problem.A)) + ", as " + a.matrix + " has rows");
+  };
+  same_size(a.vector, problem.size());
+  for (Index i = 0; i < problem.size(); ++i)
+    if (!std::isfinite(problem.b[i]))
+      throw std::invalid_argument(a.vector + ": entry " + std::to_string(i + 1) + " must be finite");
+  if (!a.lower.empty()) problem.lo = read_matrix_market_vector(a.lower), same_size(a.lower, problem.lo.size());
+  if (!a.upper.empty()) problem.hi = read_matrix_market_vector(a.upper), same_size(a.upper, problem.hi.size());
+  check(problem);
+  return problem;
+}
+
+std::vector<double> list(const Vector& x) { return {x.data(), x.data() + x.size()}; }
+
+int run_solve(const SolveArguments& a) {
+  const auto solver = make_solver(a.solver);
+  const Lcp problem = read(a);
+  Solution s;
+  const auto begin = std::chrono::steady_clock::now();
+  solver->solve(problem, s);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const std::string reason = s.status == Status::unsupported ? solver->why_not(problem) : "";
+
+  nlohmann::ordered_json json = {{"status", name(s.status)}, {"residual", s.residual},  {"rounding", s.rounding},
+                                 {"iterations", s.iterations}, {"seconds", seconds},    {"solver", a.solver},
+                                 {"z", list(s.z)},             {"w", list(s.w)},        {"certificate", nullptr}};
+  if (s.certificate.size() > 0) json["certificate"] = list(s.certificate);
+  if (!reason.empty()) json["why_not"] = reason;
+  if (a.json) {
+    std::cout << json.dump(2) << '\n';
+  } else {
+    for (const auto& [key, value] : json.items()) std::cout << key << " = " << value << '\n';
+  }
+  if (!reason.empty()) std::cerr << "orthant: " << a.solver << " cannot take this problem: " << reason << '\n';
+  return s.status == Status::solved ? 0 : s.status == Status::infeasible ? 2 : 3;
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SolveArguments>();
+  CLI::App* command = app.add_subcommand("solve", "Solve one problem: find z in [lower, upper] with w = M z + q");
+  command->add_option("problem", arguments->problem, "JSON problem file");
+  command->add_option("--matrix", arguments->matrix, "M, Matrix Market");
+  command->add_option("--vector", arguments->vector, "q, Matrix Market");
+  command->add_option("--lower", arguments->lower, "lower bounds, Matrix Market; default 0");
+  command->add_option("--upper", arguments->upper, "upper bounds, Matrix Market; default infinity");
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_flag("--json", arguments->json, "answer as one JSON object");
+  command->callback([arguments, &exit_code] { exit_code = run_solve(*arguments); });
+}
+
+}  // namespace orthant

@@ -1,0 +1,35 @@
+// solvers/farkas.h — looks for a proof that a problem has no solution.
+//
+//   No z satisfies M z + q ≥ 0, z ≥ 0 exactly when some u ≥ 0 has Mᵀu ≤ 0, qᵀu < 0 (free rows: = 0, u of any sign).
+//   The linear program  min cᵀz, M z + q ≥ 0, z ≥ 0  and its dual are one LCP,
+//     w_z = c − Mᵀu ⊥ z,   w_u = M z + q ⊥ u,   c = 1 (0 on free rows),
+//   whose matrix is skew, so that Lemke's method ends on a solution (feasible) or on a ray whose u is the proof.
+//   Long double; n ≤ 500 in pure form (the tableau is 2n × 2n).   certify.h judges what is found, as always.
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
+#pragma once
+
+#include <orthant/core/lcp/pyramid.h>
+#include <orthant/solvers/scaling.h>
+#include <orthant/solvers/tableau.h>
+
+#include <vector>
+
+namespace orthant {
+
+class Farkas {  // reuse it: the second problem of a size allocates nothing
+ public:
+  /// True when the linear program is infeasible, as far as long double tells; u is then a proof to be judged.
+  bool propose(const Lcp& problem, Vector& u);
+
+ private:
+  Pyramid pyramid_;
+  detail::Scaling scaling_;
+  detail::Tableau<long double> tableau_;
+  Vector q_, scale_, ray_, pure_u_;
+  std::vector<char> free_;
+};
+
+/// The direction of a ray made a certificate of the pure problem: largest entry 1, noise and wrong signs cut.
+void tidy_certificate(const Lcp& pure, Vector& u);
+
+}  // namespace orthant
