@@ -8,84 +8,89 @@
 namespace orthant {
 namespace {
 
-constexpr double kSingular = 1e-11;  // pivot against the block's largest entry: a zero
-constexpr double kTolerance = 1e-9;  // generous: the judge decides
+constexpr long double kSingular = 1e-15L;  // pivot against 1, the rows' largest entry: a zero
+constexpr long double kNoise = 1e-13L;     // signs are wrong beyond this share of the terms; then the judge decides
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 std::string Enumerate::why_not(const Lcp& problem) const {
-  Index rows = 0;
-  for (Index i = 0; i < problem.size(); ++i) {
-    rows += std::isfinite(problem.lo[i]) + std::isfinite(problem.hi[i]);
-  }
-  rows += 2 * static_cast<Index>(problem.friction.size());
+  Index rows = 2 * static_cast<Index>(problem.friction.size());
+  for (Index i = 0; i < problem.size(); ++i) rows += std::isfinite(problem.lo[i]) + std::isfinite(problem.hi[i]);
   if (rows <= kMost) return {};
   return std::to_string(rows) + " complementary rows in the pure form: enumeration takes at most " +
          std::to_string(kMost);
 }
 
 void Enumerate::form(const Lcp& problem) {
-  reduced_ = Pyramid::needed(problem);
-  const Lcp& pure = reduced_ ? pyramid_.pure(problem) : problem;
-  to_dense(pure.A, M_);
-  q_ = pure.b;
-  complementary_.clear(), free_.clear();
-  for (Index i = 0; i < q_.size(); ++i) (pure.lo[i] == -kInf ? free_ : complementary_).push_back(i);
+  pure_ = &pyramid_.pure(problem);
+  complementary_.clear();
+  free_.clear();
+  for (Index i = 0; i < pure_->size(); ++i) (pure_->lo[i] == -kInf ? free_ : complementary_).push_back(i);
   subset_ = 0;
 }
 
 bool Enumerate::solve_basis(unsigned long subset) {
+  const auto& M = std::get<DenseMatrix>(pure_->A);
+  const Vector& q = pure_->b;
   basis_ = free_;
   for (std::size_t k = 0; k < complementary_.size(); ++k)
     if (subset >> k & 1UL) basis_.push_back(complementary_[k]);
-  const auto m = static_cast<Index>(basis_.size());
-  const auto at = [](Index i) { return static_cast<std::size_t>(i); };
-  block_.resize(m * m), rhs_.resize(m);
-  double largest = 0;
-  for (Index j = 0; j < m; ++j)
-    for (Index i = 0; i < m; ++i)
-      largest = std::max(largest, std::abs(block_[j * m + i] = M_(basis_[at(i)], basis_[at(j)])));
-  for (Index i = 0; i < m; ++i) rhs_[i] = -q_[basis_[at(i)]];
-  const double scale = rhs_.size() > 0 ? rhs_.lpNorm<Eigen::Infinity>() : 0;
+  const std::size_t m = basis_.size(), width = m + 1;
+  inside_.assign(at(q.size()), 0);
+  for (const Index i : basis_) inside_[at(i)] = 1;
 
-  order_.resize(at(m));  // of the columns
+  // Gauss–Jordan on rows [M_ββ | −q_β], divided by their largest entry so that their units do not matter.
+  block_.resize(m * width);
+  const auto row = [&](std::size_t i) { return block_.data() + i * width; };
+  for (std::size_t i = 0; i < m; ++i) {
+    long double largest = 0;
+    for (std::size_t j = 0; j < m; ++j) {
+      row(i)[j] = M(basis_[i], basis_[j]);
+      largest = std::max(largest, std::abs(row(i)[j]));
+    }
+    row(i)[m] = -static_cast<long double>(q[basis_[i]]);
+    if (largest > 0) std::for_each(row(i), row(i) + width, [&](long double& entry) { entry /= largest; });
+  }
+  order_.resize(m);  // of the columns
   std::iota(order_.begin(), order_.end(), Index{0});
-  Index rank = 0;
+  std::size_t rank = 0;
   for (; rank < m; ++rank) {
-    Index row = rank, column = rank;
-    for (Index j = rank; j < m; ++j)
-      for (Index i = rank; i < m; ++i)
-        if (std::abs(block_[j * m + i]) > std::abs(block_[column * m + row])) row = i, column = j;
-    if (std::abs(block_[column * m + row]) <= kSingular * largest) break;
-    for (Index j = 0; j < m; ++j) std::swap(block_[j * m + row], block_[j * m + rank]);
-    for (Index i = 0; i < m; ++i) std::swap(block_[column * m + i], block_[rank * m + i]);
-    std::swap(rhs_[row], rhs_[rank]);
-    std::swap(order_[at(column)], order_[at(rank)]);
-    for (Index i = rank + 1; i < m; ++i) {
-      const double factor = block_[rank * m + i] / block_[rank * m + rank];
-      if (factor == 0) continue;
-      for (Index j = rank; j < m; ++j) block_[j * m + i] -= factor * block_[j * m + rank];
-      rhs_[i] -= factor * rhs_[rank];
+    std::size_t r = rank, c = rank;
+    for (std::size_t i = rank; i < m; ++i)
+      for (std::size_t j = rank; j < m; ++j)
+        if (std::abs(row(i)[j]) > std::abs(row(r)[c])) r = i, c = j;
+    if (std::abs(row(r)[c]) <= kSingular) break;
+    std::swap_ranges(row(r), row(r) + width, row(rank));
+    for (std::size_t i = 0; i < m; ++i) std::swap(row(i)[c], row(i)[rank]);
+    std::swap(order_[c], order_[rank]);
+    for (std::size_t i = 0; i < m; ++i) {
+      const long double factor = row(i)[rank] / row(rank)[rank];
+      if (i == rank || factor == 0) continue;
+      for (std::size_t j = rank; j < width; ++j) row(i)[j] -= factor * row(rank)[j];
     }
   }
-  for (Index i = rank; i < m; ++i)
-    if (std::abs(rhs_[i]) > kTolerance * scale) return false;  // inconsistent
-  y_.resize(q_.size());
+  regular_ = rank == m;
+
+  y_.resize(q.size());
   y_.setZero();
-  for (Index i = rank - 1; i >= 0; --i) {
-    double value = rhs_[i];
-    for (Index j = i + 1; j < rank; ++j) value -= block_[j * m + i] * y_[basis_[at(order_[at(j)])]];
-    y_[basis_[at(order_[at(i)])]] = value / block_[i * m + i];
+  long double size = 0;
+  for (std::size_t k = 0; k < rank; ++k) size = std::max(size, std::abs(row(k)[m] / row(k)[k]));
+  for (std::size_t k = 0; k < rank; ++k) {
+    const Index i = basis_[at(order_[k])];
+    const long double value = row(k)[m] / row(k)[k];
+    const bool free = pure_->lo[i] == -kInf;
+    if (!free && value < -kNoise * size) return false;
+    y_[i] = static_cast<double>(free ? value : std::max(value, 0.0L));
   }
-  const double size = y_.size() > 0 ? y_.lpNorm<Eigen::Infinity>() : 0;
-  for (const Index i : complementary_) {
-    if (y_[i] < -kTolerance * size) return false;
-    y_[i] = std::max(y_[i], 0.0);
-  }
-  for (const Index i : complementary_) {
-    double w = q_[i], magnitude = std::abs(q_[i]);
-    for (const Index j : basis_) w += M_(i, j) * y_[j], magnitude += std::abs(M_(i, j) * y_[j]);
-    if (w < -kTolerance * magnitude) return false;
+  for (Index i = 0; i < q.size(); ++i) {  // w ≥ 0, and w = 0 on β: a row without a pivot may not agree
+    long double w = q[i], terms = std::abs(w);
+    for (const Index j : basis_) {
+      const long double term = static_cast<long double>(M(i, j)) * y_[j];
+      w += term, terms += std::abs(term);
+    }
+    if (w < -kNoise * terms || (inside_[at(i)] && w > kNoise * terms)) return false;
   }
   return true;
 }
@@ -93,10 +98,7 @@ bool Enumerate::solve_basis(unsigned long subset) {
 bool Enumerate::next_candidate(const Lcp& problem, Vector& z) {
   while (subset_ >> complementary_.size() == 0) {
     if (!solve_basis(subset_++)) continue;
-    if (reduced_)
-      pyramid_.restore(problem, y_, z);
-    else
-      z = y_;
+    pyramid_.restore(problem, y_, z);
     return true;
   }
   return false;
@@ -106,29 +108,39 @@ Status Enumerate::run(const Lcp& problem, Solution& s, Start) {
   form(problem);
   const bool found = next_candidate(problem, s.z);
   s.iterations = static_cast<int>(subset_);
-  return found ? Status::solved : Status::ray;
+  if (found) return Status::solved;
+  s.z.setZero();
+  farkas_.propose(problem, s.certificate);
+  return Status::ray;
 }
 
 bool Enumerate::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
-  if (claim != Status::solved || !next_candidate(problem, s.z)) return false;
-  s.iterations = static_cast<int>(subset_);
+  if (claim != Status::solved) return false;
+  if (next_candidate(problem, s.z)) {
+    s.iterations = static_cast<int>(subset_);
+    return true;
+  }
+  s.z.setZero();
+  farkas_.propose(problem, s.certificate);
+  claim = Status::ray;
   return true;
 }
 
 std::vector<Vector> Enumerate::all(const Lcp& problem) {
   std::vector<Vector> found;
+  check(problem);
   if (!why_not(problem).empty()) return found;
   Judge judge;
   Solution s;
   form(problem);
   while (next_candidate(problem, s.z)) {
+    if (!regular_) continue;
     judge.certify(problem, options_.tolerance, Status::solved, s);
     if (s.status != Status::solved) continue;
-    const double size = s.z.size() > 0 ? s.z.lpNorm<Eigen::Infinity>() : 0;
-    const bool known = std::any_of(found.begin(), found.end(), [&](const Vector& z) {
-      return z.size() == 0 || (z - s.z).lpNorm<Eigen::Infinity>() <= kTolerance * (1 + size);
-    });
-    if (!known) found.push_back(s.z);
+    const auto same = [&](const Vector& z) {
+      return (z - s.z).lpNorm<Eigen::Infinity>() <= 1e-9 * s.z.lpNorm<Eigen::Infinity>();
+    };
+    if (std::none_of(found.begin(), found.end(), same)) found.push_back(s.z);
   }
   return found;
 }

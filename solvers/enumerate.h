@@ -2,13 +2,15 @@
 //
 //   Pure form (pyramid.h): 0 ≤ y_i ⊥ w_i ≥ 0, free rows w_i = 0. For each subset α of the complementary rows, in binary
 //   counting order (bit i = row i, ∅ first):  y outside α is 0, and M_ββ y_β = −q_β for β = α ∪ free, by elimination
-//   with complete pivoting. A singular block that is consistent counts too: its least-pivot solution is tried.
-//   solve() returns the first y that the judge accepts. None accepted → ray is claimed; whether that is a proof, only
-//   a certificate could say, and this method has none: the status stays `ray`.
-//   n ≤ 16 complementary rows in the pure form (why_not says so beyond).  Cost 2ⁿ n³.
+//   with complete pivoting in long double, each row against its own largest entry. A singular block that is consistent
+//   counts too: the unknowns without a pivot are 0.
+//   solve() returns the first y ≥ 0, w ≥ 0 that the judge accepts. None accepted → a proof of infeasibility is looked
+//   for (farkas.h); without one the status is `ray`: no basis solves, which proves nothing about segments of solutions.
+//   n ≤ 16 complementary rows in the pure form (why_not says so beyond).  Cost 2ⁿ n³.  A start value is not used.
 #pragma once
 
 #include <orthant/core/lcp/pyramid.h>
+#include <orthant/solvers/farkas.h>
 #include <orthant/solvers/solver.h>
 
 #include <vector>
@@ -16,7 +18,7 @@
 namespace orthant {
 
 struct EnumerateOptions {
-  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it
   template <class V> void visit(V&& v) { v("tolerance", tolerance, 0.0, 1.0); }
 };
 
@@ -27,7 +29,8 @@ class Enumerate final : public Solver {
   explicit Enumerate(const Options& options = {}) : options_(options) {}
   std::string why_not(const Lcp& problem) const override;
 
-  /// All different z that some basis gives and the judge accepts (isolated solutions, and corners of solution faces).
+  /// All different z that some regular basis gives and the judge accepts: every isolated solution with regular basis,
+  /// and basic points of solution faces. None when why_not() has something to say.
   std::vector<Vector> all(const Lcp& problem);
 
  private:
@@ -37,15 +40,18 @@ class Enumerate final : public Solver {
 
   void form(const Lcp& problem);
   bool next_candidate(const Lcp& problem, Vector& z);  // false: no subset is left
-  bool solve_basis(unsigned long subset);              // y_ for one subset; false: inconsistent or y < 0
+  bool solve_basis(unsigned long subset);              // y_ for one subset; false: inconsistent or wrong signs
 
   Options options_;
   Pyramid pyramid_;
-  DenseMatrix M_;
-  Vector q_, y_, block_, rhs_;
+  Farkas farkas_;
+  const Lcp* pure_ = nullptr;
   std::vector<Index> complementary_, free_, basis_, order_;
+  std::vector<long double> block_;
+  std::vector<char> inside_;
+  Vector y_;
   unsigned long subset_ = 0;
-  bool reduced_ = false;
+  bool regular_ = false;  // the last basis was
 };
 
 }  // namespace orthant

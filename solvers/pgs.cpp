@@ -90,7 +90,7 @@ Status Pgs::sweep(const Lcp& problem, Solution& s) {
         double lo = problem.lo[i], hi = problem.hi[i];
         if (const Index k = friction_of_[static_cast<std::size_t>(i)]; k >= 0) {
           const Friction& f = problem.friction[static_cast<std::size_t>(k)];
-          hi = f.mu * z[f.normal], lo = -hi;
+          hi = f.mu * std::max(z[f.normal], 0.0), lo = -hi;  // a start value may have z_n < 0
         }
         const double next = std::clamp(z[i] - options_.omega * w / diag_[i], lo, hi), delta = next - z[i];
         if (delta == 0) continue;

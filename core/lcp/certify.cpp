@@ -90,6 +90,7 @@ void weights(const Matrix& A, Vector& d) {
   d = d.cwiseMax(1.0);
 }
 
+bool on_bound(double z, double lo, double hi) { return (z == lo || z == hi) && std::abs(z) < kInf; }
 double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
 }  // namespace
@@ -119,7 +120,7 @@ void Judge::evaluate(const Lcp& problem, Solution& s) {
     size = std::max(size, abs_[i]);
     scale = std::max(scale, std::abs(problem.b[i]));
     bounded = bounded || nearest_to_zero(problem.lo[i], problem.hi[i]) != 0 ||
-              (z != 0 && (z == problem.lo[i] || z == problem.hi[i]));
+              (z != 0 && on_bound(z, problem.lo[i], problem.hi[i]));
     // d |z − clamp(z − w/d)| = min(d · distance to the bound that w pushes against, |w|) while z is within the bounds.
     double r = std::abs(w);
     const double room = w >= 0 ? z - lo[i] : hi[i] - z;
@@ -134,8 +135,8 @@ void Judge::evaluate(const Lcp& problem, Solution& s) {
   if (bounded) {
     beta_.resize(n);
     for (Index i = 0; i < n; ++i) {
-      const double z = s.z[i];
-      beta_[i] = z == problem.lo[i] || z == problem.hi[i] ? z : nearest_to_zero(problem.lo[i], problem.hi[i]);
+      const double z = s.z[i], lower = problem.lo[i], upper = problem.hi[i];
+      beta_[i] = on_bound(z, lower, upper) ? z : nearest_to_zero(lower, upper);
     }
     apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
     scale = abs_.maxCoeff();
@@ -151,7 +152,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
     s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   evaluate(problem, s);
-  const bool known = s.rounding <= kRunaway * scale_;
+  const bool known = s.rounding < kInf && s.rounding <= kRunaway * scale_;
   if (known && s.residual <= std::max(tolerance * scale_, kRoundings * s.rounding)) {
     s.status = Status::solved;
   } else if (claim == Status::ray && s.certificate.size() == problem.size() &&

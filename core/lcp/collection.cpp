@@ -198,8 +198,11 @@ void add_friction(Collector& c) {
   c.add_contact("contact_edge_of_cone", straight, list({-2, -0.5}), 0.5, list({1, 0.5}));  // degenerate: w_t = 0 too
   c.add_contact("contact_at_rest", coupled, list({0, 0}), 0.5, list({0, 0}));
   c.add_contact("contact_infeasible", square({0, 0, 0, 1}), list({-1, 0}), 0.5, VectorXd(), Answer::infeasible);
-  // Painlevé's paradox, A_eff = 2 − 3 μ < 0: no solution for b_N < 0, yet the stepping problem with tangential data has.
-  c.add_contact("contact_painleve", square({2, 3, 3, 5}), list({-1, -4}), 1, list({2, -1}), Answer::one_of);
+  // Painlevé: sliding backwards sees 2 − 3 μ < 0. No sliding solution for b_N < 0, but sticking is one; three solutions
+  // for b_N > 0: open (0, 0), sliding (1, −1), sticking (25, −17).
+  const MatrixXd painleve = square({2, 3, 3, 5});
+  c.add_contact("contact_painleve", painleve, list({-1, 10}), 1, list({35, -23}));
+  c.add_contact("contact_painleve_three", painleve, list({1, 10}), 1, list({0, 0}), Answer::one_of);
   // The same contact written twice: the sum of the impulses is unique.
   MatrixXd W(4, 2);
   W << 1, 0, 0, 1, 1, 0, 0, 1;

@@ -199,6 +199,7 @@ BasicSystem::BasicSystem(const System& system, bool with_joints)
     : dof_(system.dof()),
       rows_(with_joints ? system.joint_rows() : 0),
       inverse_mass_(system.inverse_mass()),
+      llt_(Eigen::MatrixXd(0, 0)),  // Eigen moves its status, which only a factorization sets
       y_(rows_),
       f_(dof_),
       force_(dof_),
@@ -220,7 +221,7 @@ BasicSystem::BasicSystem(const System& system, bool with_joints)
             shared_.push_back({i, j, side_i, side_j, shared});
         }
   S_.resize(rows_, rows_);
-  llt_ = Eigen::LLT<Eigen::MatrixXd>(rows_);
+  llt_.compute(Eigen::MatrixXd::Identity(rows_, rows_));
 }
 
 BasicSystem::~BasicSystem() = default;

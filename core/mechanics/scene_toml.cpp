@@ -1,4 +1,5 @@
 #include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/support/options.h>
 
 #include <toml++/toml.h>
 
@@ -35,12 +36,20 @@ std::string place(const toml::node& node, const std::string& file) {
   return *source.path + ":" + std::to_string(source.begin.line);
 }
 
-/// The node as one short line of TOML.
+/// The node as one short line of TOML, numbers as short as they can be told.
 std::string text(const toml::node& node) {
-  std::ostringstream out;
-  node.visit([&](const auto& n) { out << n; });
-  std::string line = out.str();
-  std::replace(line.begin(), line.end(), '\n', ' ');
+  std::string line;
+  if (const auto* number = node.as_floating_point()) {
+    line = detail::text_of(number->get());
+  } else if (const auto* array = node.as_array()) {
+    for (const toml::node& element : *array) line.append(line.empty() ? "[" : ", ").append(text(element));
+    line.append(array->empty() ? "[]" : "]");
+  } else {
+    std::ostringstream out;
+    node.visit([&](const auto& n) { out << n; });
+    line = out.str();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+  }
   constexpr std::size_t kLongest = 60;
   return line.size() <= kLongest ? line : line.substr(0, kLongest) + " ...";
 }

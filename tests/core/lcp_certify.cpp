@@ -1,0 +1,234 @@
+#include <orthant/core/lcp/certify.h>
+#include <orthant/core/lcp/collection.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Lcp scalar(double A, double b, double lo = 0, double hi = kInf) {
+  Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Constant(1, 1, A)), Vector{b});
+  p.lo[0] = lo;
+  p.hi[0] = hi;
+  return p;
+}
+
+Lcp pair(std::initializer_list<double> A, const Vector& b) {  // row by row
+  const Vector entries(A);
+  return Lcp::standard(DenseMatrix(entries.reshaped<Eigen::RowMajor>(2, 2)), b);
+}
+
+Status verdict(const Lcp& problem, const Vector& z, Status claim = Status::solved, double tolerance = 1e-10) {
+  Judge judge;
+  Solution s;
+  s.z = z;
+  judge.certify(problem, tolerance, claim, s);
+  return s.status;
+}
+
+Status verdict_on_proof(const Lcp& problem, const Vector& u) {
+  Judge judge;
+  Solution s;
+  s.z = Vector(Eigen::VectorXd::Zero(problem.size()));
+  s.certificate = u;
+  judge.certify(problem, 1e-10, Status::ray, s);
+  return s.status;
+}
+
+}  // namespace
+
+TEST_CASE("the judge accepts every known solution, in dense and in sparse storage") {
+  for (const Known& k : known_problems()) {
+    if (k.z.size() == 0) continue;
+    INFO(k.name);
+    CHECK(verdict(k.problem, k.z) == Status::solved);
+    CHECK(verdict(as_sparse(k.problem), k.z) == Status::solved);
+    CHECK(independent_residual(k.problem, k.z) < 1e-15);
+  }
+}
+
+TEST_CASE("the judge rejects a known unique solution with one entry moved by a millionth") {
+  for (const Known& k : known_problems()) {
+    // Hilbert's matrix: a millionth is within its conditioning. Scaled problems: rows with tiny units hide it.
+    if (k.answer != Answer::unique || k.accuracy > 1e-9 || k.name.find("scaled") != std::string::npos) continue;
+    if (k.problem.b.lpNorm<Eigen::Infinity>() == 0) continue;
+    for (Index i = 0; i < k.z.size(); ++i) {
+      Vector z = k.z;
+      z[i] += 1e-6 * (k.z.lpNorm<Eigen::Infinity>() + 1);
+      INFO(k.name, ", entry ", i);
+      CHECK(verdict(k.problem, z) != Status::solved);
+    }
+  }
+}
+
+TEST_CASE("the residual is a backward error: a tiny z_i off its bound counts by what it moves") {
+  // z = 1e-12 (2, ½): min(z, w) is 2e-12 only, yet w₁ = ½, w₂ = 1 where the solution 1e-12 (1, 1) has w = 0.
+  const Lcp p = pair({0, -1e12, 1e12, 0}, Vector{1, -1});
+  CHECK(verdict(p, Vector{1e-12, 1e-12}) == Status::solved);
+  CHECK(verdict(p, Vector{2e-12, 0.5e-12}) == Status::stalled);
+  CHECK(verdict(as_sparse(p), Vector{2e-12, 0.5e-12}) == Status::stalled);
+}
+
+TEST_CASE("z = 0 does not pass because the numbers are small") {
+  CHECK(verdict(scalar(-1e-12, -1e-12), Vector{0}) == Status::stalled);
+  CHECK(verdict(scalar(1e-300, -1e-300), Vector{0}) == Status::stalled);
+  CHECK(verdict(scalar(1e-300, -1e-300), Vector{1}) == Status::solved);
+}
+
+TEST_CASE("a runaway z is no solution, however small its relative residual") {
+  const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});  // infeasible: the rows sum to −2
+  CHECK(verdict(p, Vector{1e17, 1e17}) == Status::numerical_error);
+  CHECK(verdict(p, Vector{1e10, 1e10}) != Status::solved);
+}
+
+TEST_CASE("what is not finite is never a solution") {
+  CHECK(verdict(scalar(2, -1), Vector{kNaN}) == Status::numerical_error);
+  CHECK(verdict(scalar(2, -1), Vector{kInf}) == Status::numerical_error);
+  CHECK(verdict(scalar(kNaN, 1), Vector{0}) == Status::numerical_error);  // 0 · NaN
+  CHECK(verdict(scalar(2, kNaN), Vector{0}) == Status::numerical_error);
+  CHECK(verdict(scalar(2, -1), Vector()) == Status::numerical_error);  // a solver that left no z
+}
+
+TEST_CASE("bounds far from zero set the scale where b = 0") {
+  CHECK(verdict(scalar(1, 0, 1, 2), Vector{1}) == Status::solved);
+  CHECK(verdict(scalar(1, 0, 1, 2), Vector{1.5}) == Status::stalled);
+  CHECK(verdict(scalar(-1, 0, -1e6, 1e6), Vector{1e6}) == Status::solved);
+  CHECK(verdict(scalar(1, 0, -3, kInf), Vector{0}) == Status::solved);
+}
+
+TEST_CASE("friction rows are judged against the bounds of the given z") {
+  Lcp p = pair({2, 0, 0, 1}, Vector{-2, -2});
+  p.lo[1] = -kInf;
+  p.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  CHECK(verdict(p, Vector{1, 0.5}) == Status::solved);
+  CHECK(verdict(p, Vector{1, 2}) == Status::stalled);    // w_t = 0 but outside the cone
+  CHECK(verdict(p, Vector{1, -0.5}) == Status::stalled);  // pushes with the motion
+  p.b[0] = 1;                                             // open contact, wrong z_t
+  CHECK(verdict(p, Vector{0, 0}) == Status::solved);
+  CHECK(verdict(p, Vector{0, 0.1}) == Status::stalled);
+}
+
+TEST_CASE("solved is judged whatever the claim; other claims stand when z fails") {
+  CHECK(verdict(scalar(2, -1), Vector{0.5}, Status::iteration_limit) == Status::solved);
+  CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::iteration_limit) == Status::iteration_limit);
+  CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::ray) == Status::ray);
+  CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::infeasible) == Status::stalled);  // not a solver's word to say
+}
+
+TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
+  const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});
+  CHECK(verdict_on_proof(p, Vector{1, 1}) == Status::infeasible);
+  CHECK(verdict_on_proof(as_sparse(p), Vector{1, 1}) == Status::infeasible);
+  CHECK(verdict_on_proof(p, Vector{1, 0.9}) == Status::ray);    // Aᵀu has a positive entry
+  CHECK(verdict_on_proof(p, Vector{-1, -1}) == Status::ray);    // u ≥ 0 is demanded
+  CHECK(verdict_on_proof(p, Vector{0, 0}) == Status::ray);
+  CHECK(verdict_on_proof(p, Vector{kNaN, 1}) == Status::ray);
+  CHECK(verdict_on_proof(p, Vector{1}) == Status::ray);         // wrong size
+  CHECK(verdict_on_proof(pair({1, -1, -1, 1}, Vector{1, -1}), Vector{1, 1}) == Status::ray);  // solvable: bᵀu = 0
+  CHECK(verdict_on_proof(scalar(-1, -1), Vector{1}) == Status::infeasible);
+  CHECK(verdict_on_proof(scalar(-1e-12, -1e-12), Vector{1}) == Status::infeasible);
+  CHECK(verdict_on_proof(scalar(1e-30, -1), Vector{1}) == Status::ray);  // z = 1e30 solves
+  CHECK(verdict_on_proof(pair({0, 1, 1, -1}, Vector{-1, -2}), Vector{0, 1}) == Status::ray);  // solvable by (3, 1)
+}
+
+TEST_CASE("proofs with free rows, boxes and friction") {
+  CHECK(verdict_on_proof(scalar(0, 1, -kInf, kInf), Vector{-1}) == Status::infeasible);  // 0 z + 1 = 0
+  CHECK(verdict_on_proof(scalar(1e-9, 1, -kInf, kInf), Vector{-1}) == Status::ray);
+  CHECK(verdict_on_proof(scalar(0, 1, -kInf, 3), Vector{-1}) == Status::infeasible);  // w ≤ 0 demanded
+  CHECK(verdict_on_proof(scalar(0, 1, -kInf, 3), Vector{1}) == Status::ray);
+  CHECK(verdict_on_proof(scalar(-1, -1, 0, 2), Vector{1}) == Status::ray);  // a box row takes either sign of w
+  CHECK(verdict_on_proof(scalar(-1, 2, 3, kInf), Vector{1}) == Status::infeasible);  // −z + 2 ≥ 0, z ≥ 3
+  CHECK(verdict_on_proof(scalar(-1, 4, 3, kInf), Vector{1}) == Status::ray);
+
+  Lcp box = pair({0, 1, 0, 1}, Vector{-3, 0});  // w₁ = z₂ − 3 ≥ 0 with z₂ ≤ 2
+  box.hi[1] = 2;
+  CHECK(verdict_on_proof(box, Vector{1, 0}) == Status::infeasible);
+  box.hi[1] = 3;
+  CHECK(verdict_on_proof(box, Vector{1, 0}) == Status::ray);
+
+  Lcp contact = pair({-1, 1, 1, 1}, Vector{-1, 0});  // w_N = −z_N + z_T − 1 ≥ 0 needs z_T > z_N
+  contact.lo[1] = -kInf;
+  contact.friction = {{.row = 1, .normal = 0, .mu = 0.9}};
+  CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::infeasible);
+  contact.friction[0].mu = 1.1;
+  CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::ray);
+  contact.friction[0].mu = 0.9;
+  CHECK(verdict_on_proof(contact, Vector{1, 0.1}) == Status::ray);  // u = 0 on friction rows
+}
+
+TEST_CASE("a proof cannot stand beside a solution: random u on solvable problems") {
+  Random random(5);
+  Judge judge;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Known k = planted_problem(4, 2, 3, random);
+    Vector u;
+    u.resize(4);
+    for (double& value : u) value = random.integer(0, 2);
+    CHECK_FALSE(judge.proves_infeasible(k.problem, u));
+  }
+}
+
+TEST_CASE("a Delassus operator is judged as its dense form is") {
+  Random random(7);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Lcp p = random_contact_problem(3, 9, 0.4, random);
+    Lcp dense = p;
+    DenseMatrix A;
+    to_dense(p.A, A);
+    dense.A = A;
+    Judge judge;
+    Solution s, t;
+    s.z.resize(6);
+    for (double& value : s.z) value = std::abs(random.normal());
+    t.z = s.z;
+    judge.certify(p, 1e-10, Status::solved, s);
+    judge.certify(dense, 1e-10, Status::solved, t);
+    CHECK((s.w - t.w).lpNorm<Eigen::Infinity>() < 1e-13);
+    CHECK(s.residual >= t.residual * (1 - 1e-9));  // its weights are bounds of the dense ones
+    CHECK(s.rounding >= t.rounding / 2);
+  }
+}
+
+TEST_CASE("check() names field, value and rule") {
+  const auto why = [](const Lcp& p) -> std::string {
+    try {
+      check(p);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Lcp p = pair({2, 0, 0, 1}, Vector{-2, -2});
+  CHECK(why(p) == "");
+  const auto broken = [&](auto&& change) {
+    Lcp copy = p;
+    change(copy);
+    return why(copy);
+  };
+  CHECK(broken([](Lcp& q) { q.b = Vector{1}; }).find("b has 1 entries: must be 2") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = kNaN; }).find("row 1 has bounds [nan, inf]") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = 2, q.hi[1] = 1; }).find("lo <= hi") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = kInf; }).find("lo < inf") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.A = DenseMatrix(Eigen::MatrixXd(2, 3)); }).find("2 x 3: must be square") !=
+        std::string::npos);
+  CHECK(broken([](Lcp& q) { q.friction = {{1, 0, 0.5}}; }).find("must be -inf and inf") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 0, -0.5}}; }).find("mu = -0.5") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 1, 0.5}}; }).find("normal = 1") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 2, 0.5}}; }).find("normal = 2") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}, {1, 0, 0.5}}; }).find("twice") !=
+        std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[0] = -kInf, q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}}; }).find("lo = -inf") !=
+        std::string::npos);
+  Lcp sparse = as_sparse(p);
+  std::get<RowSparse>(sparse.A).column[0] = 5;
+  CHECK(why(sparse).find("column 5") != std::string::npos);
+  CHECK_FALSE(finite(pair({2, 0, kInf, 1}, Vector{0, 0})));
+  CHECK(finite(p));
+}

@@ -1,0 +1,542 @@
+// Scenes from files: the same data as from C++, every mistake in words with its line, nothing crashes.
+#include <doctest/doctest.h>
+#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/scenes/slider_crank.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+namespace orthant {
+namespace {
+
+using Strings = std::vector<std::string>;
+
+const std::filesystem::path kCore = std::filesystem::path(ORTHANT_TEST_DATA).parent_path().parent_path() / "core";
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  REQUIRE(in.good());
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Every number of a scene, bit for bit, with its name.
+class Dump {
+ public:
+  std::string of(const Scene& s) {
+    put(s.gravity, s.duration, s.step);
+    for (const Body& b : s.bodies) put("body", b.name, b.mass, b.inertia, b.position, b.angle, b.velocity, b.omega);
+    for (const Joint& j : s.joints) std::visit([&](const auto& x) { joint(x); }, j);
+    for (const Contact& c : s.contacts) std::visit([&](const auto& x) { contact(x); }, c);
+    for (const Spring& p : s.springs) std::visit([&](const auto& x) { spring(x); }, p);
+    for (const Load& l : s.loads) {
+      put("load", l.name, l.body, l.point, l.force, l.torque);
+      for (const double t : {-1.0, 0.0, 0.3, 1.0, 7.0}) put(l.factor ? l.factor(t) : 1.0);
+    }
+    return out_.str();
+  }
+
+ private:
+  void joint(const Revolute& j) { put("revolute", j.name, j.a, j.b, j.point_a, j.point_b); }
+  void joint(const Prismatic& j) { put("prismatic", j.name, j.a, j.b, j.point_a, j.point_b, j.axis, j.angle); }
+  void joint(const Fixed& j) { put("fixed", j.name, j.a, j.b, j.point_a, j.point_b, j.angle); }
+  void joint(const Distance& j) { put("distance", j.name, j.a, j.b, j.point_a, j.point_b, j.length); }
+  void contact(const CornerWall& c) { put("corner-wall", c.name, c.a, c.point, c.b, c.wall_point, c.normal, c.law); }
+  void contact(const DiscWall& c) {
+    put("disc-wall", c.name, c.a, c.centre, c.radius, c.b, c.wall_point, c.normal, c.law);
+  }
+  void contact(const DiscDisc& c) {
+    put("disc-disc", c.name, c.a, c.centre_a, c.radius_a, c.b, c.centre_b, c.radius_b, c.law);
+  }
+  void spring(const PointSpring& s) {
+    put("point", s.name, s.a, s.b, s.point_a, s.point_b, s.stiffness, s.damping, s.rest);
+  }
+  void spring(const TorsionSpring& s) { put("torsion", s.name, s.a, s.b, s.stiffness, s.damping, s.rest); }
+
+  template <class... Ts> void put(const Ts&... values) {
+    (one(values), ...);
+    out_ << '\n';
+  }
+  void one(double x) { out_ << std::hexfloat << (x == 0 ? 0.0 : x) << ' '; }  // −0 is 0
+  void one(int x) { out_ << x << ' '; }
+  void one(const Vector2d& v) { one(v.x()), one(v.y()); }
+  void one(const std::string& s) { out_ << s << ' '; }
+  void one(const char* s) { out_ << s << ' '; }
+  void one(const ContactLaw& law) { one(law.mu), one(law.e), one(law.e_t); }
+
+  std::ostringstream out_;
+};
+
+std::string dump(const Scene& scene) { return Dump().of(scene); }
+
+/// What reading throws, empty when it does not.
+std::string error_of(std::string_view text, const Strings& overrides = {}) {
+  try {
+    parse_scene(text, overrides, "s.toml");
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Three bodies on lines 1 to 13; what is added starts on line 14.
+const std::string kBodies = R"([[body]]
+name = "rod"
+mass = 1
+inertia = 1
+[[body]]
+name = "cart"
+mass = 2
+inertia = 3
+position = [3, 4]
+angle = 0.5
+[[body]]
+name = "ball"
+mass = 1.0
+inertia = 1.0
+)";
+
+const std::string kCorner = kBodies + R"([[contact]]
+name = "foot"
+type = "corner-wall"
+body = "rod"
+wall = {normal = [0, 2]}
+)";
+
+struct Mistake {
+  std::string text, message;
+};
+
+const Mistake kMistakes[] = {
+    // Not TOML.
+    {"gravity = [0, -9.81", "s.toml:1: "},
+    {kBodies + "mass 1", "s.toml:15: "},
+    {kBodies + "mass = 1", "s.toml:15: "},  // twice
+    // Top level.
+    {"", "s.toml:1: scene: has no bodies: must have at least one"},
+    {kBodies + "[gravty]",
+     "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, body, joint, contact, spring, load"},
+    {"gravity = 9.81\n" + kBodies, "s.toml:1: gravity = 9.81: must be two numbers [x, y]"},
+    {"gravity = [0, 0, -9.81]\n" + kBodies, "gravity = [0, 0, -9.81]: must be two numbers [x, y]"},
+    {"gravity = [0, \"down\"]\n" + kBodies, "s.toml:1: gravity = 'down': must be a number"},
+    {"gravity = [0, nan]\n" + kBodies, "s.toml:1: gravity = nan: must be finite"},
+    {"step = inf\n" + kBodies, "s.toml:1: step = inf: must be finite"},
+    {"step = 0\n" + kBodies, "s.toml:1: scene: step = 0: must be > 0"},
+    {"step = true\n" + kBodies, "s.toml:1: step = true: must be a number"},
+    {"step = 1979-05-27\n" + kBodies, "s.toml:1: step = 1979-05-27: must be a number"},
+    {"body = 3", "s.toml:1: body = 3: must be a list of tables [[body]]"},
+    {"body = [3]", "s.toml:1: body = 3: must be a table"},
+    {"[body]\nname = \"rod\"", "s.toml:1: body = "},
+    // Bodies.
+    {"[[body]]\nmass = 1\ninertia = 1", "s.toml:1: body \"body1\": missing key \"name\""},
+    {"[[body]]\nname = \"a\"\ninertia = 1", "s.toml:1: body \"a\": missing key \"mass\""},
+    {"[[body]]\nname = \"a\"\nmass = 1", "s.toml:1: body \"a\": missing key \"inertia\""},
+    {"[[body]]\nname = 7\nmass = 1", "s.toml:2: body \"body1\": name = 7: must be a string in quotes"},
+    {"[[body]]\nname = \"\"\nmass = 1\ninertia = 1", "s.toml:2: body \"body1\": name = "},
+    {kBodies + "mas = 1",
+     "s.toml:15: body \"ball\": unknown key \"mas\": must be one of name, mass, inertia, position, angle, velocity, "
+     "omega"},
+    {"[[body]]\nname = \"a\"\nmass = -1\ninertia = 1", "s.toml:3: body \"a\": mass = -1: must be > 0"},
+    {"[[body]]\nname = \"a.b\"\nmass = 1\ninertia = 1",
+     "s.toml:2: body \"a.b\": name = \"a.b\": must be of letters, digits, _ and -"},
+    {"[[body]]\nname = \"ground\"\nmass = 1\ninertia = 1", "s.toml:2: body \"ground\": name = \"ground\": must not be"},
+    {kBodies + "[[body]]\nname = \"rod\"\nmass = 1\ninertia = 1",
+     "s.toml:16: body \"rod\": name = \"rod\": must be distinct, is taken"},
+    // Joints.
+    {kBodies + "[[joint]]\nbodies = [\"ground\", \"rod\"]", "s.toml:15: joint \"joint1\": missing key \"type\""},
+    {kBodies + "[[joint]]\ntype = \"ball\"",
+     "s.toml:16: joint \"joint1\": type = 'ball': must be revolute, prismatic, fixed or distance"},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nname = \"pin\"", "s.toml:15: joint \"pin\": missing key \"bodies\""},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [\"rod\"]",
+     "joint \"joint1\": bodies = ['rod']: must be two names"},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [\"ground\", \"rood\"]",
+     "s.toml:17: joint \"joint1\": bodies = 'rood': must be the name of a body: ground, rod, cart, ball"},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [0, 1]", "bodies = 0: must be the name of a body"},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [\"rod\", \"rod\"]",
+     "s.toml:17: joint \"joint1\": joins body \"rod\" to itself: must be two different bodies"},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [\"ground\", \"rod\"]\naxis = [1, 0]",
+     "s.toml:18: joint \"joint1\": unknown key \"axis\": must be one of type, name, bodies, point_a, point_b"},
+    {kBodies + "[[joint]]\ntype = \"prismatic\"\nbodies = [\"ground\", \"rod\"]\naxis = [0, 0]",
+     "s.toml:18: joint \"joint1\": axis = [0, 0]: must be a direction, not zero"},
+    {kBodies + "[[joint]]\ntype = \"distance\"\nbodies = [\"ground\", \"rod\"]",  // both at the origin
+     "s.toml:15: joint \"joint1\": length = 0: must be > 0"},
+    // Contacts.
+    {kBodies + "[[contact]]\ntype = \"corner-wall\"\nbody = \"rod\"",
+     "s.toml:15: contact \"contact1\": missing key \"wall\""},
+    {kBodies + "[[contact]]\ntype = \"corner-wall\"\nbody = \"rod\"\nwall = 3",
+     "s.toml:18: contact \"contact1\": wall = 3: must be a table"},
+    {kBodies + "[[contact]]\ntype = \"corner-wall\"\nbody = \"rod\"\nwall = {}",
+     "s.toml:18: contact \"contact1\": missing key \"wall.normal\""},
+    {kBodies + "[[contact]]\ntype = \"corner-wall\"\nbody = \"rod\"\nwall = {normal = [0, 0]}",
+     "s.toml:18: contact \"contact1\": wall.normal = [0, 0]: must be a direction, not zero"},
+    {kBodies + "[[contact]]\ntype = \"corner-wall\"\nbody = \"rod\"\nwall = {normal = [0, 1], tilt = 3}",
+     "s.toml:18: contact \"contact1\": unknown key \"wall.tilt\": must be one of body, point, normal"},
+    {kBodies + "[[contact]]\ntype = \"corner-wall\"\nbody = \"rod\"\nwall = {body = \"rood\", normal = [0, 1]}",
+     "s.toml:18: contact \"contact1\": wall.body = 'rood': must be the name of a body: ground, rod, cart, ball"},
+    {kCorner + "mu = -0.1", "s.toml:20: contact \"foot\": mu = -0.1: must be >= 0"},
+    {kCorner + "mu = \"much\"", "s.toml:20: contact \"foot\": mu = 'much': must be a number"},
+    {kCorner + "e_n = 2", "s.toml:20: contact \"foot\": e_n = 2: must be in [0, 1]"},
+    {kCorner + "e_t = -2", "s.toml:20: contact \"foot\": e_t = -2: must be in [-1, 1]"},
+    {kCorner + "radius = 1",
+     "s.toml:20: contact \"foot\": unknown key \"radius\": must be one of type, name, body, point"},
+    {kBodies + "[[contact]]\ntype = \"disc-wall\"\nbody = \"rod\"\nwall = {normal = [0, 1]}",
+     "s.toml:15: contact \"contact1\": missing key \"radius\""},
+    {kBodies + "[[contact]]\ntype = \"disc-wall\"\nbody = \"rod\"\nradius = 0\nwall = {normal = [0, 1]}",
+     "s.toml:18: contact \"contact1\": radius = 0: must be > 0"},
+    {kBodies + "[[contact]]\ntype = \"disc-disc\"\nbodies = [\"rod\", \"ball\"]\nradius_a = 1",
+     "s.toml:15: contact \"contact1\": missing key \"radius_b\""},
+    {kBodies + "[[contact]]\ntype = \"disc\"", "type = 'disc': must be corner-wall, disc-wall or disc-disc"},
+    // Springs and loads.
+    {kBodies + "[[spring]]\ntype = \"coil\"", "s.toml:16: spring \"spring1\": type = 'coil': must be point or torsion"},
+    {kBodies + "[[spring]]\ntype = \"point\"\nbodies = [\"rod\", \"ball\"]\nstiffness = -1",
+     "s.toml:18: spring \"spring1\": stiffness = -1: must be >= 0"},
+    {kBodies + "[[spring]]\ntype = \"torsion\"\nbodies = [\"rod\", \"ball\"]\npoint_a = [0, 0]",
+     "s.toml:18: spring \"spring1\": unknown key \"point_a\": must be one of type, name, bodies, stiffness, damping, "
+     "rest"},
+    {kBodies + "[[load]]\nforce = [0, 1]", "s.toml:15: load \"load1\": missing key \"body\""},
+    {kBodies + "[[load]]\nbody = \"ground\"", "s.toml:16: load \"load1\": acts on the ground: must act on a body"},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = 2", "s.toml:17: load \"load1\": factor = 2: must be a table"},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"sine\"}",
+     "s.toml:17: load \"load1\": factor.type = 'sine': must be cosine or table"},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"cosine\"}",
+     "load \"load1\": missing key \"factor.omega\""},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [], values = []}",
+     "factor.times = []: must be at least one time"},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [0, 1], values = [1]}",
+     "factor.times = [0, 1]: must be as many as values"},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [0, 1, 1], values = [1, 2, 3]}",
+     "factor.times = [0, 1, 1]: must be ascending"},
+    {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [0, \"x\"], values = [1, 2]}",
+     "factor.times = 'x': must be a number"},
+};
+
+struct Override {
+  Strings sets;
+  std::string message;
+};
+
+const Override kBadOverrides[] = {
+    {{"gravity"}, "override gravity: must have the form key=value"},
+    {{"gravty=[0, 0]"}, "override gravty=[0, 0]: unknown key \"gravty\": must be one of gravity, duration, step"},
+    {{"gravity=down"}, "override gravity=down: "},
+    {{"gravity=[0, \"x\"]"}, "override gravity=[0, \"x\"]: gravity = 'x': must be a number"},
+    {{"gravity.x=1"}, "override gravity.x=1: unknown kind \"gravity\": must be one of body, joint, contact"},
+    {{"contact.foot=1"}, "override contact.foot=1: must have the form contact.NAME.KEY=VALUE"},
+    {{"contact.feet.mu=1"}, "override contact.feet.mu=1: no contact is named \"feet\": must be one of foot"},
+    {{"joint.pin.angle=1"},
+     "override joint.pin.angle=1: no joint is named \"pin\": must be one of (the scene has none)"},
+    {{"contact.foot.muu=1"},
+     "override contact.foot.muu=1: contact \"foot\": unknown key \"muu\": must be one of type, name, body, point"},
+    {{"contact.foot.mu=-1"}, "override contact.foot.mu=-1: contact \"foot\": mu = -1: must be >= 0"},
+    {{"contact.foot.mu.x=1"}, "override contact.foot.mu.x=1: contact \"foot\": mu = "},
+    {{"contact.foot.wall.tilt=1"}, "override contact.foot.wall.tilt=1: contact \"foot\": unknown key \"wall.tilt\""},
+    {{"contact.foot.wall={point = [0, 0]}"}, "missing key \"wall.normal\""},
+    {{"body.rod.mass="}, "override body.rod.mass=: "},
+    {{"body.rod.mass=1 2"}, "override body.rod.mass=1 2: "},
+    {{"body.rod.mass=nan"}, "override body.rod.mass=nan: body \"rod\": mass = nan: must be finite"},
+    {{""}, "override : must have the form key=value"},
+    {{"="}, "override =: "},
+    {{"body..mass=1"}, "no body is named \"\": must be one of rod, cart, ball"},
+};
+
+}  // namespace
+
+TEST_CASE("slider_crank.toml is slider_crank(), bit for bit") {
+  const Scene from_file = read_scene(kCore / "scenes" / "slider_crank.toml");
+  CHECK(dump(from_file) == dump(slider_crank()));
+  CHECK(dump(from_file) != dump(slider_crank({.mu = std::nextafter(0.01, 1)})));  // the dump sees the last bit
+}
+
+TEST_CASE("every example of the format's description is a scene") {
+  std::istringstream readme(contents(kCore / "mechanics" / "README.md"));
+  std::string line, block;
+  int examples = 0;
+  bool inside = false;
+  Scene all;  // what the examples show, counted
+  while (std::getline(readme, line)) {
+    if (line == "```toml") {
+      inside = true, block.clear();
+    } else if (inside && line == "```") {
+      inside = false, ++examples;
+      CAPTURE(block);
+      Scene scene;
+      REQUIRE_NOTHROW(scene = parse_scene(block));
+      all.joints.insert(all.joints.end(), scene.joints.begin(), scene.joints.end());
+      all.contacts.insert(all.contacts.end(), scene.contacts.begin(), scene.contacts.end());
+      all.springs.insert(all.springs.end(), scene.springs.begin(), scene.springs.end());
+      all.loads.insert(all.loads.end(), scene.loads.begin(), scene.loads.end());
+    } else if (inside) {
+      block += line + "\n";
+    }
+  }
+  CHECK(examples >= 10);
+  const auto kinds = [](const auto& list) {
+    std::vector<std::size_t> seen;
+    for (const auto& x : list)
+      if (std::find(seen.begin(), seen.end(), x.index()) == seen.end()) seen.push_back(x.index());
+    return seen.size();
+  };
+  CHECK(kinds(all.joints) == std::variant_size_v<Joint>);
+  CHECK(kinds(all.contacts) == std::variant_size_v<Contact>);
+  CHECK(kinds(all.springs) == std::variant_size_v<Spring>);
+  CHECK(all.loads.size() >= 2);
+}
+
+TEST_CASE("every element and key arrives where it belongs") {
+  const Scene scene = parse_scene(R"(
+    gravity = [0.5, -2]
+    duration = 3
+    step = 0.25
+    [[contact]]            # before the bodies: the order of the kinds is free
+    type = "disc-wall"
+    body = "ball"
+    centre = [1, 2]
+    radius = 3
+    wall = {body = "rod", point = [4, 5], normal = [3, 4]}
+    mu = 0.1
+    e_n = 0.2
+    e_t = 0.3
+    [[body]]
+    name = "rod"
+    mass = 1
+    inertia = 2
+    [[body]]
+    name = "ball"
+    mass = 3
+    inertia = 4
+    position = [5, 6]
+    angle = 7
+    velocity = [8, 9]
+    omega = 10
+    [[contact]]
+    name = "two"
+    type = "disc-disc"
+    bodies = ["rod", "ball"]
+    centre_a = [1, 2]
+    centre_b = [3, 4]
+    radius_a = 5
+    radius_b = 6
+    [[contact]]
+    type = "corner-wall"
+    body = "rod"
+    point = [1, 2]
+    wall = {normal = [0, -7]}
+    [[joint]]
+    type = "prismatic"
+    bodies = ["rod", "ball"]
+    point_a = [1, 2]
+    point_b = [3, 4]
+    axis = [0, 2]
+    angle = 5
+    [[spring]]
+    type = "point"
+    bodies = ["ground", "rod"]
+    point_a = [1, 2]
+    point_b = [3, 4]
+    stiffness = 5
+    damping = 6
+    rest = 7
+    [[spring]]
+    type = "torsion"
+    bodies = ["ball", "ground"]
+    stiffness = 5
+    damping = 6
+    rest = -7
+    [[load]]
+    body = "ball"
+    point = [1, 2]
+    force = [3, 4]
+    torque = 5
+    factor = {type = "cosine", amplitude = 2, omega = 3, phase = 4}
+    [[load]]
+    body = "rod"
+    factor = {type = "table", times = [0, 1, 3], values = [2, 4, 0]}
+  )");
+  Scene expected{.gravity = {0.5, -2}, .duration = 3, .step = 0.25};
+  expected.body({"rod", 1, 2});
+  expected.body({"ball", 3, 4, {5, 6}, 7, {8, 9}, 10});
+  expected.contact(DiscWall{"", 1, {1, 2}, 3, 0, {4, 5}, {0.6, 0.8}, {0.1, 0.2, 0.3}});
+  expected.contact(DiscDisc{"two", 0, {1, 2}, 5, 1, {3, 4}, 6, {}});
+  expected.contact(CornerWall{"", 0, {1, 2}, kGround, {0, 0}, {0, -1}, {}});
+  expected.joint(Prismatic{"", 0, 1, {1, 2}, {3, 4}, {0, 1}, 5});
+  expected.spring(PointSpring{"", kGround, 0, {1, 2}, {3, 4}, 5, 6, 7});
+  expected.spring(TorsionSpring{"", 1, kGround, 5, 6, -7});
+  expected.load({"", 1, {1, 2}, {3, 4}, 5, [](double t) { return 2 * std::cos(3 * t + 4); }});
+  expected.load({"", 0, {0, 0}, {0, 0}, 0, [](double t) {
+                   return t < 0 ? 2.0 : t < 1 ? 2 + 2 * t : t < 3 ? 6 - 2 * t : 0;
+                 }});
+  // The table's values are compared to rounding, everything else by its bits.
+  for (const double t : {-1.0, 0.0, 0.3, 1.0, 2.5, 3.0, 9.0})
+    CHECK(scene.loads[1].factor(t) == doctest::Approx(expected.loads[1].factor(t)).epsilon(1e-15));
+  expected.loads[1].factor = scene.loads[1].factor;
+  CHECK(dump(scene) == dump(expected));
+}
+
+TEST_CASE("angles, lengths and rests that are left out are those of the initial pose") {
+  const Scene scene = parse_scene(kBodies + R"(
+    [[joint]]
+    type = "prismatic"
+    bodies = ["ball", "cart"]
+    [[joint]]
+    type = "fixed"
+    bodies = ["ball", "cart"]
+    [[joint]]
+    type = "distance"
+    bodies = ["ground", "cart"]
+    [[spring]]
+    type = "point"
+    bodies = ["ground", "cart"]
+    point_a = [3, 0]
+    [[spring]]
+    type = "torsion"
+    bodies = ["cart", "rod"]
+  )");
+  CHECK(std::get<Prismatic>(scene.joints[0]).angle == 0.5);
+  CHECK(std::get<Fixed>(scene.joints[1]).angle == -0.5);
+  CHECK(std::get<Distance>(scene.joints[2]).length == 5);
+  CHECK(std::get<PointSpring>(scene.springs[0]).rest == 4);
+  CHECK(std::get<TorsionSpring>(scene.springs[1]).rest == 0.5);
+}
+
+TEST_CASE("every mistake in a file is told with file, line, element, key, value and rule") {
+  REQUIRE(error_of(kCorner).empty());
+  for (const Mistake& mistake : kMistakes) {
+    CAPTURE(mistake.text);
+    const std::string error = error_of(mistake.text);
+    INFO("said: " << error);
+    CHECK(error.starts_with("s.toml"));
+    CHECK(contains(error, mistake.message));
+    CHECK_FALSE(contains(error, "\n"));
+  }
+}
+
+TEST_CASE("overrides change what they name and nothing else") {
+  const auto foot = [](const Strings& sets) { return std::get<CornerWall>(parse_scene(kCorner, sets).contacts[0]); };
+  CHECK(foot({"contact.foot.mu=0.1"}).law.mu == 0.1);
+  CHECK(foot({"contact.foot.mu=0.1", "contact.foot.mu=0.2"}).law.mu == 0.2);  // the last one counts
+  CHECK(foot({"contact.foot.wall.normal=[1, 0]"}).normal == Vector2d(1, 0));
+  CHECK(foot({"contact.foot.wall.point=[1, 0]"}).normal == Vector2d(0, 1));         // a key path adds
+  CHECK(foot({"contact.foot.wall={normal = [-3, 0]}"}).normal == Vector2d(-1, 0));  // an inline table replaces
+  CHECK(foot({"contact.foot.wall.body=\"ball\""}).b == 2);
+  CHECK(parse_scene(kCorner, Strings{"gravity=[0, 0]", "step = 0.5", "contact = []"}).contacts.empty());
+  CHECK(parse_scene(kCorner, Strings{"body.cart.omega=-0.01"}).bodies[1].omega == -0.01);
+  CHECK(parse_scene(kCorner + "[[load]]\nbody = \"rod\"", Strings{"load.load1.torque=3"}).loads[0].torque == 3);
+
+  const Strings sets{"contact.corner3.mu=0.5", "body.slider.omega=-0.01"};
+  Scene expected = slider_crank({.omega3 = -0.01});
+  std::get<CornerWall>(expected.contacts[2]).law.mu = 0.5;
+  CHECK(dump(read_scene(kCore / "scenes" / "slider_crank.toml", sets)) == dump(expected));
+}
+
+TEST_CASE("a factor can be given and replaced by overrides") {
+  const std::string text = kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [0], values = [3]}";
+  CHECK(parse_scene(text).loads[0].factor(5) == 3);
+  const Strings replaced{"load.load1.factor={type = \"cosine\", omega = 0}"};
+  CHECK(parse_scene(text, replaced).loads[0].factor(5) == 1);
+  const Strings built{"load.load1.factor.type=\"cosine\"", "load.load1.factor.omega=0",
+                      "load.load1.factor.amplitude=2"};
+  CHECK(parse_scene(kBodies + "[[load]]\nbody = \"rod\"", built).loads[0].factor(5) == 2);
+}
+
+TEST_CASE("every bad override is told by its own text") {
+  for (const Override& bad : kBadOverrides) {
+    const std::string error = error_of(kCorner, bad.sets);
+    INFO("said: " << error);
+    CHECK(contains(error, bad.message));
+    CHECK_FALSE(contains(error, "\n"));
+  }
+}
+
+TEST_CASE("built-in scenes take options, files take overrides, anything else lists what there is") {
+  CHECK(dump(make_scene("slider_crank")) == dump(slider_crank()));
+  CHECK(dump(make_scene("slider_crank_ideal")) == dump(slider_crank_ideal()));
+  const Strings options{"mu=0.1", "e=0.9,e_t=0.2", "clearance=0.002", "theta3=0.001", "omega3=-0.01"};
+  CHECK(dump(make_scene("slider_crank", options)) ==
+        dump(slider_crank({.mu = 0.1, .e = 0.9, .e_t = 0.2, .clearance = 0.002, .theta3 = 0.001, .omega3 = -0.01})));
+  CHECK(dump(make_scene((kCore / "scenes" / "slider_crank.toml").string(), Strings{"contact.corner1.mu=0.5"})) !=
+        dump(slider_crank()));
+  for (const SceneEntry& entry : scenes()) CHECK_NOTHROW(check(entry.make({})));
+
+  const auto error = [](const std::string& name, const Strings& sets) -> std::string {
+    try {
+      make_scene(name, sets);
+    } catch (const std::invalid_argument& e) {
+      return e.what();
+    }
+    return {};
+  };
+  CHECK(error("slidercrank", {}) ==
+        "unknown scene 'slidercrank': must be a TOML file that exists or one of slider_crank, slider_crank_ideal");
+  CHECK(contains(error("slider_crank", {"muu=1"}), "unknown option 'muu': must be one of mu, e, e_t, clearance"));
+  CHECK(contains(error("slider_crank", {"e=2"}), "option e = 2: must be in [0, 1]"));
+  CHECK(contains(error("slider_crank", {"mu=nan"}), "option mu = nan: must be in"));
+  CHECK(contains(error("slider_crank_ideal", {"mu=1"}), "unknown option 'mu'"));
+  CHECK(contains(error(kCore.string(), {}), "must be a file that exists"));  // a folder
+  CHECK(contains(error("", {}), "unknown scene ''"));
+}
+
+TEST_CASE("hostile text is refused: deep, long, binary, cut off") {
+  const auto repeated = [](const std::string& part, int n) {
+    std::string text;
+    for (int i = 0; i < n; ++i) text += part;
+    return text;
+  };
+  const int many = 200000;
+  CHECK(contains(error_of("x = " + repeated("[", many)), "nested deeper"));
+  CHECK(contains(error_of("x = " + repeated("[\n", many)), "nested deeper"));
+  CHECK(contains(error_of("x = " + repeated("{a = ", many)), "nested deeper"));
+  CHECK(contains(error_of(repeated("a.", many) + "a = 1"), "nested deeper"));
+  CHECK(contains(error_of(repeated("a . ", many) + "a = 1"), "nested deeper"));
+  CHECK(contains(error_of("[" + repeated("\"a,=\".", many) + "a]"), "nested deeper"));
+  CHECK(contains(error_of("[" + repeated("'#[\"'.", many) + "a]"), "nested deeper"));
+  CHECK(contains(error_of("s = \"\"\"a\"\"\"\"\"\n[" + repeated("a.", many) + "a]"), "s.toml:2: nested deeper"));
+  CHECK(contains(error_of("s = '''\n\\'''\n" + repeated("a.", many) + "a = 1"), "s.toml:3: nested deeper"));
+  CHECK(contains(error_of(kCorner, {"contact.foot.mu=" + repeated("[", many)}), "nested deeper"));
+  CHECK(contains(error_of(kCorner, {"body.rod." + repeated("a.", many) + "a=1"}), "nested deeper"));
+  CHECK(error_of(kCorner + "# " + repeated("[a.b.c.", many)).empty());  // a comment may say anything
+  CHECK(contains(error_of(kCorner + "x = \"" + repeated("[.", many) + "\""), "unknown key"));  // and so may a string
+  CHECK(contains(error_of(std::string((16 << 20) + 1, ' ')), "must be at most 16 MiB"));
+  CHECK(contains(error_of(std::string("\0\xff\xfe[[", 5)), "s.toml:1: "));
+  CHECK(error_of(repeated("[[body]]\n", 1000)).starts_with("s.toml:1: body"));
+
+  const std::string whole = contents(kCore / "scenes" / "slider_crank.toml");
+  int scenes = 0;
+  for (std::size_t n = 0; n <= whole.size(); ++n) scenes += error_of(whole.substr(0, n)).empty();
+  CHECK(scenes > 0);
+  CHECK(scenes < static_cast<int>(whole.size()) / 2);
+}
+
+TEST_CASE("files with random damage are scenes or errors, never anything else") {
+  const std::string whole = contents(kCore / "scenes" / "slider_crank.toml") +
+                            "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [0, 1], values = [0, 1]}\n";
+  std::mt19937 random(1);
+  const std::string alphabet = "[]{}=.,\"'#\n\\ -e0\xc3\x01";
+  for (int i = 0; i < 2000; ++i) {
+    std::string text = whole;
+    for (unsigned k = 0; k <= random() % 3; ++k) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 3) {
+        case 0:
+          text[at] = alphabet[random() % alphabet.size()];
+          break;
+        case 1:
+          text.erase(at, random() % 20);
+          break;
+        default:
+          text.insert(at, 1, alphabet[random() % alphabet.size()]);
+      }
+    }
+    try {
+      check(parse_scene(text));
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
+}  // namespace orthant
