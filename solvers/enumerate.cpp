@@ -25,6 +25,7 @@ std::string Enumerate::why_not(const Lcp& problem) const {
 
 void Enumerate::form(const Lcp& problem) {
   pure_ = &pyramid_.pure(problem);
+  scaling_.fit(std::get<DenseMatrix>(pure_->A));
   complementary_.clear();
   free_.clear();
   for (Index i = 0; i < pure_->size(); ++i) (pure_->lo[i] == -kInf ? free_ : complementary_).push_back(i);
@@ -41,13 +42,13 @@ bool Enumerate::solve_basis(unsigned long subset) {
   inside_.assign(at(q.size()), 0);
   for (const Index i : basis_) inside_[at(i)] = 1;
 
-  // Gauss–Jordan on rows [M_ββ | −q_β], divided by their largest entry so that their units do not matter.
+  // Gauss–Jordan on rows [M_ββ | −q_β]; columns scaled, rows divided by their largest entry: units do not matter.
   block_.resize(m * width);
   const auto row = [&](std::size_t i) { return block_.data() + i * width; };
   for (std::size_t i = 0; i < m; ++i) {
     long double largest = 0;
     for (std::size_t j = 0; j < m; ++j) {
-      row(i)[j] = M(basis_[i], basis_[j]);
+      row(i)[j] = M(basis_[i], basis_[j]) * scaling_.col[basis_[j]];
       largest = std::max(largest, std::abs(row(i)[j]));
     }
     row(i)[m] = -static_cast<long double>(q[basis_[i]]);
@@ -82,7 +83,7 @@ bool Enumerate::solve_basis(unsigned long subset) {
     const long double value = row(k)[m] / row(k)[k];
     const bool free = pure_->lo[i] == -kInf;
     if (!free && value < -kNoise * size) return false;
-    y_[i] = static_cast<double>(free ? value : std::max(value, 0.0L));
+    y_[i] = static_cast<double>(free ? value : std::max(value, 0.0L)) * scaling_.col[i];
   }
   for (Index i = 0; i < q.size(); ++i) {  // w ≥ 0, and w = 0 on β: a row without a pivot may not agree
     long double w = q[i], terms = std::abs(w);

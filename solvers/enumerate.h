@@ -2,7 +2,7 @@
 //
 //   Pure form (pyramid.h): 0 ≤ y_i ⊥ w_i ≥ 0, free rows w_i = 0. For each subset α of the complementary rows, in binary
 //   counting order (bit i = row i, ∅ first):  y outside α is 0, and M_ββ y_β = −q_β for β = α ∪ free, by elimination
-//   with complete pivoting in long double, each row against its own largest entry. A singular block that is consistent
+//   with complete pivoting in long double, rows and columns scaled. A singular block that is consistent
 //   counts too: the unknowns without a pivot are 0.
 //   solve() returns the first y ≥ 0, w ≥ 0 that the judge accepts. None accepted → a proof of infeasibility is looked
 //   for (farkas.h); without one the status is `ray`: no basis solves, which proves nothing about segments of solutions.
@@ -45,6 +45,7 @@ class Enumerate final : public Solver {
   Options options_;
   Pyramid pyramid_;
   Farkas farkas_;
+  detail::Scaling scaling_;
   const Lcp* pure_ = nullptr;
   std::vector<Index> complementary_, free_, basis_, order_;
   std::vector<long double> block_;

@@ -1,0 +1,243 @@
+#include <orthant/solvers/lemke.h>
+
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/enumerate.h>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/support/allocations.h"
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+Eigen::MatrixXd murty(Index n) {
+  Eigen::MatrixXd L = Eigen::MatrixXd::Identity(n, n);
+  L.triangularView<Eigen::StrictlyLower>().setConstant(2);
+  return L;
+}
+
+Lcp minus_ones(const Eigen::MatrixXd& M) {
+  return Lcp::standard(DenseMatrix(M), Vector(Eigen::VectorXd::Constant(M.rows(), -1)));
+}
+
+int pivots(const Eigen::MatrixXd& M) {
+  Lemke lemke;
+  Solution s;
+  lemke.solve(minus_ones(M), s);
+  REQUIRE(s.status == Status::solved);
+  return s.iterations;
+}
+
+bool same_bits(const Vector& a, const Vector& b) {
+  return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data());
+}
+
+Vector solved(const Lcp& problem) {
+  Lemke lemke;
+  Solution s;
+  lemke.solve(problem, s);
+  REQUIRE(s.status == Status::solved);
+  return s.z;
+}
+
+/// Rows and columns of `p` in another order: row i of the result is row order[i] of p.
+Lcp permuted(const Lcp& p, const std::vector<Index>& order) {
+  const auto at = [](Index i) { return static_cast<std::size_t>(i); };
+  const Index n = p.size();
+  DenseMatrix A, B;
+  to_dense(p.A, A);
+  B.resize(n, n);
+  Lcp q = p;
+  std::vector<Index> place(at(n));
+  for (Index i = 0; i < n; ++i) {
+    const Index from = order[at(i)];
+    place[at(from)] = i;
+    q.b[i] = p.b[from], q.lo[i] = p.lo[from], q.hi[i] = p.hi[from];
+    for (Index j = 0; j < n; ++j) B(i, j) = A(from, order[at(j)]);
+  }
+  q.A = B;
+  for (Friction& f : q.friction) f.row = place[at(f.row)], f.normal = place[at(f.normal)];
+  return q;
+}
+
+std::vector<Index> shuffled(Index n, Random& random) {
+  std::vector<Index> order;
+  for (Index i = 0; i < n; ++i) order.insert(order.begin() + random.integer(0, static_cast<int>(i)), i);
+  return order;
+}
+
+}  // namespace
+
+TEST_CASE("Lemke takes 2^n pivots on Murty's and Fathi's problems and 2 on the transposed") {
+  for (int n = 2; n <= 10; ++n) {
+    INFO("n = ", n);
+    CHECK(pivots(murty(n)) == 1 << n);
+    CHECK(pivots(murty(n) * murty(n).transpose()) == 1 << n);
+    CHECK(pivots(murty(n).transpose()) == 2);
+  }
+}
+
+TEST_CASE("Lemke ends honestly at its pivot limit") {
+  Lemke lemke;
+  Solution s;
+  lemke.solve(minus_ones(murty(60)), s);
+  CHECK(s.status == Status::iteration_limit);
+  CHECK(s.residual > 0.1);
+  Lemke brief(LemkeOptions{.max_pivots = 3});
+  brief.solve(minus_ones(murty(4)), s);
+  CHECK(s.status == Status::iteration_limit);
+}
+
+TEST_CASE("Lemke solves the circulant problem, where all ratios tie, in 4 pivots") {
+  Eigen::MatrixXd M(3, 3);
+  M << 1, 2, 0, 0, 1, 2, 2, 0, 1;
+  CHECK(pivots(M) == 4);
+}
+
+TEST_CASE("Lemke solves the degenerate problems of the slider-crank, in double precision") {
+  // Derived independently for this project's case catalogue, from an event-driven solution in quadruple precision.
+  std::ifstream in(ORTHANT_TEST_DATA "/slider_crank_lcps.json");
+  REQUIRE(in.good());
+  for (const auto& entry : nlohmann::json::parse(in)) {
+    const auto rows = entry["M"].get<std::vector<std::vector<double>>>();
+    const auto q = entry["q"].get<std::vector<double>>(), z = entry["z"].get<std::vector<double>>();
+    const auto n = static_cast<Index>(q.size());
+    Eigen::MatrixXd M(n, n);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j) M(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    const Lcp p = Lcp::standard(DenseMatrix(M), Vector(Eigen::Map<const Eigen::VectorXd>(q.data(), n)));
+    for (const bool rescue : {false, true}) {
+      Lemke lemke(LemkeOptions{.rescue = rescue});
+      Solution s;
+      lemke.solve(p, s);
+      INFO(entry["name"].get<std::string>(), ", status ", name(s.status));
+      CHECK(s.status == Status::solved);
+      CHECK((s.z - Eigen::Map<const Eigen::VectorXd>(z.data(), n)).lpNorm<Eigen::Infinity>() < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("Lemke: the order of the rows does not change a bit of a unique solution") {
+  Random random(11);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Index n = random.integer(2, 12);
+    const Lcp p = random_spd_problem(n, random);
+    const auto order = shuffled(n, random);
+    const Vector z = solved(p), y = solved(permuted(p, order));
+    for (Index i = 0; i < n; ++i) CHECK(y[i] == z[order[static_cast<std::size_t>(i)]]);
+  }
+}
+
+TEST_CASE("Lemke: scaling rows and columns by powers of 2 does not change a bit") {
+  Random random(12);
+  std::vector<Lcp> problems;
+  for (const Known& k : known_problems())
+    if (k.name == "circulant" || k.name == "qp" || k.name == "cps_4_4_7") problems.push_back(k.problem);
+  for (int trial = 0; trial < 20; ++trial) problems.push_back(random_spd_problem(20, random));
+  for (const Lcp& p : problems) {
+    const Vector z = solved(p);
+    for (int trial = 0; trial < 10; ++trial) {
+      Vector row, col;
+      row.resize(p.size());
+      col.resize(p.size());
+      for (double& d : row) d = std::ldexp(1.0, random.integer(-40, 40));
+      for (double& d : col) d = std::ldexp(1.0, random.integer(-40, 40));
+      const auto& M = std::get<DenseMatrix>(p.A);
+      const Lcp scaled = Lcp::standard(DenseMatrix(row.asDiagonal() * M * col.asDiagonal()), row.cwiseProduct(p.b));
+      CHECK(same_bits(solved(scaled).cwiseProduct(col), z));
+    }
+  }
+}
+
+TEST_CASE("Lemke: two copies in one problem give the answer twice") {
+  Random random(13);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Index n = random.integer(1, 6);
+    const Lcp p = random_spd_problem(n, random);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    A.topLeftCorner(n, n) = A.bottomRightCorner(n, n) = std::get<DenseMatrix>(p.A);
+    Eigen::VectorXd b(2 * n);
+    b << p.b, p.b;
+    const Vector z = solved(p), twice = solved(Lcp::standard(DenseMatrix(A), Vector(b)));
+    CHECK(same_bits(twice.head(n), z));
+    CHECK(same_bits(twice.tail(n), z));
+  }
+}
+
+TEST_CASE("Lemke: storage, start value, and what the solver did before leave no trace") {
+  Random random(14);
+  Lemke used;
+  Solution s;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Lcp p = random_contact_problem(random.integer(1, 3), 7, 0.5, random);
+    const Vector z = solved(p);
+    Lcp dense = p;
+    DenseMatrix A;
+    to_dense(p.A, A);
+    dense.A = A;
+    CHECK(same_bits(solved(dense), z));
+    CHECK(same_bits(solved(as_sparse(p)), z));
+    used.solve(p, s, Start::warm);
+    CHECK(same_bits(s.z, z));
+  }
+}
+
+TEST_CASE("Lemke never fails on two planar contacts with friction, tied, doubled and nearly so") {
+  // Two corners on one wall see the same tangent: G_TT has rank one, rows differ by rounding or not at all.
+  Random random(15);
+  Lemke lemke;
+  Solution s;
+  int sliding = 0, sticking = 0, open = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const double arm = random.uniform(-0.05, 0.05), mass = std::ldexp(1.0, random.integer(-8, 3));
+    const double noise = trial % 2 == 0 ? 0 : 1e-16 * std::pow(10.0, random.integer(0, 4));
+    const double spin = trial % 3 == 0 ? 0 : std::pow(10.0, random.integer(-4, 4));  // arm² m / J
+    Eigen::MatrixXd W(4, 3);  // N₁ T₁ N₂ T₂ against x, y, θ
+    W << 0, 1, 1, 1, 0, 0.5 * arm, 0, 1, trial % 5 == 0 ? 1 : -1, 1, 0, 0.5 * arm;
+    for (double& entry : W.reshaped()) entry *= 1 + noise * random.normal();
+    Eigen::VectorXd inverse_mass(3);
+    inverse_mass << 1, 1, spin;
+    const Eigen::VectorXd v = Eigen::Vector3d(random.normal(), random.normal() - 0.5, trial % 7 == 0 ? 0 : random.normal());
+    Lcp p;
+    p.A = DenseMatrix(W * (inverse_mass / mass).asDiagonal() * W.transpose());
+    p.b = Vector(W * v * (trial % 11 == 0 ? 0.0 : 1.0));
+    p.lo = Vector{0, -kInf, 0, -kInf};
+    p.hi = Vector(Eigen::VectorXd::Constant(4, kInf));
+    const double mu = 0.25 * random.integer(0, 6);
+    p.friction = {{.row = 1, .normal = 0, .mu = mu}, {.row = 3, .normal = 2, .mu = mu}};
+    lemke.solve(p, s);
+    INFO("trial ", trial, ", mu ", mu, ", status ", name(s.status), ", residual ", s.residual);
+    REQUIRE(s.status == Status::solved);
+    REQUIRE(independent_residual(p, s.z) < 1e-12);
+    open += s.z[0] == 0;
+    sliding += s.z[0] > 0 && std::abs(s.z[1]) == mu * s.z[0];
+    sticking += s.z[0] > 0 && std::abs(s.z[1]) < mu * s.z[0];
+  }
+  CHECK(open > 1000);
+  CHECK(sliding > 1000);
+  CHECK(sticking > 1000);
+}
+
+TEST_CASE("solvers allocate nothing from the second problem of a size on") {
+  Random random(16);
+  std::vector<Lcp> problems;
+  for (int k = 0; k < 20; ++k) problems.push_back(random_contact_problem(1 + k % 3, 6, 0.5, random));
+  for (int k = 0; k < 20; ++k) problems.push_back(random_spd_problem(1 + k % 5, random));
+  for (const Known& k : known_problems())
+    if (k.name == "kkt" || k.name == "kkt_redundant" || k.name == "box" || k.name == "box_far_from_zero")
+      problems.push_back(k.problem);
+  Lemke lemke;
+  Solution s;
+  for (const Lcp& p : problems) lemke.solve(p, s);
+  const std::size_t before = AllocationCount::now();
+  for (const Lcp& p : problems) lemke.solve(p, s);
+  CHECK(AllocationCount::now() == before);
+  const auto reminder = std::make_unique<int>(1);
+  CHECK(AllocationCount::now() > before);  // it does count
+}

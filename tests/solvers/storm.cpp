@@ -1,0 +1,107 @@
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+struct Tally {
+  int solved = 0, infeasible = 0, honest = 0, missed = 0;
+};
+
+/// Thousands of small degenerate problems, the oracle beside the solver.
+Tally storm(const char* spec, Kinds kinds, int problems, std::uint64_t seed) {
+  Random random(seed);
+  const auto solver = make_solver(spec);
+  Enumerate oracle;
+  Solution s, truth;
+  Tally tally;
+  for (int k = 0; k < problems; ++k) {
+    const Lcp p = random_integer_problem(random.integer(1, 6), kinds, random);
+    if (!oracle.why_not(p).empty()) continue;
+    solver->solve(p, s);
+    if (s.status == Status::unsupported) continue;
+    INFO(spec, ", seed ", seed, ", problem ", k, ": ", name(s.status));
+    if (s.status == Status::solved) {
+      ++tally.solved;
+      REQUIRE(independent_residual(p, s.z) < 1e-9);
+    } else if (s.status == Status::infeasible) {
+      ++tally.infeasible;
+      oracle.solve(p, truth);
+      REQUIRE(truth.status == Status::infeasible);
+    } else {
+      ++tally.honest;
+      REQUIRE((s.status == Status::ray || s.status == Status::iteration_limit || s.status == Status::stalled ||
+               s.status == Status::numerical_error));
+      oracle.solve(p, truth);
+      REQUIRE(truth.status != Status::infeasible);  // whoever is given a proof must see it
+      tally.missed += truth.status == Status::solved;
+    }
+    REQUIRE(s.residual == s.residual);
+  }
+  return tally;
+}
+
+}  // namespace
+
+TEST_CASE("random integer problems: Lemke's answers stand, its proofs agree with the oracle") {
+  const struct {
+    Kinds kinds;
+    const char* what;
+  } cases[] = {{{}, "complementary rows"},
+               {{.free = true}, "free rows"},
+               {{.box = true}, "boxes"},
+               {{.friction = true}, "friction"},
+               {{.free = true, .box = true, .friction = true}, "all"}};
+  std::uint64_t seed = 100;
+  for (const auto& [kinds, what] : cases) {
+    const Tally tally = storm("lemke", kinds, 2000, ++seed);
+    MESSAGE(what, ": solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
+            " of which solvable ", tally.missed);
+    CHECK(tally.solved > 400);
+    CHECK(tally.infeasible > 100);
+  }
+}
+
+TEST_CASE("random integer problems: what projected Gauss-Seidel calls solved is solved") {
+  const Tally tally = storm("pgs:max_sweeps=1000", {.box = true, .friction = true}, 3000, 200);
+  MESSAGE("solved ", tally.solved, ", honest ", tally.honest, " of which solvable ", tally.missed);
+  CHECK(tally.solved > 100);
+}
+
+TEST_CASE("monotone problems, degenerate and rank deficient: Lemke solves all") {
+  Random random(300);
+  const auto solver = make_solver("lemke");
+  Solution s;
+  for (int k = 0; k < 2000; ++k) {
+    const Index n = random.integer(1, 12), rank = random.integer(0, static_cast<int>(n));
+    const Known known = planted_problem(n, rank, random.integer(0, static_cast<int>(n)), random);
+    solver->solve(known.problem, s);
+    INFO("problem ", k, ", n = ", n, ": ", name(s.status));
+    REQUIRE(s.status == Status::solved);
+    REQUIRE(independent_residual(known.problem, s.z) < 1e-12);
+  }
+}
+
+TEST_CASE("the oracle finds every isolated solution") {
+  Enumerate oracle;
+  for (const Known& k : known_problems()) {
+    if (k.name == "four_corners") CHECK(oracle.all(k.problem).size() == 4);
+    if (k.name == "bimatrix") CHECK(oracle.all(k.problem).size() == 3);
+    if (k.name == "rank_one") CHECK(oracle.all(k.problem).size() == 2);
+    if (k.name == "contact_painleve_three") CHECK(oracle.all(k.problem).size() == 3);
+    if (k.name == "scalar_-+") CHECK(oracle.all(k.problem).size() == 2);
+    if (k.answer == Answer::unique && oracle.why_not(k.problem).empty()) CHECK(oracle.all(k.problem).size() <= 1);
+  }
+}
+
+TEST_CASE("P-matrices: the sum of sgn det over all solutions is 1, so there is exactly one") {
+  Random random(400);
+  Enumerate oracle;
+  for (int k = 0; k < 200; ++k) CHECK(oracle.all(random_spd_problem(random.integer(1, 6), random)).size() == 1);
+}
