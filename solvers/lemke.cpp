@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 namespace orthant {
@@ -15,6 +16,8 @@ namespace {
 using detail::Quad;
 using detail::Scaling;
 using detail::Tableau;
+
+constexpr int kRestarts = 12;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -47,12 +50,13 @@ struct Lemke::Work {
   bool reduced = false;  // pure is pyramid's
   Scaling scaling;
   std::vector<char> free;
-  Vector y, direction;
+  Vector y, direction, cover;
   Tableau<double> tableau;
   Tableau<long double> long_tableau;
   Tableau<Quad> quad_tableau;
   Farkas farkas;
-  int stage = 0;
+  int stage = 0;  // of the rescue
+  bool proof_sought = false;
 
   // Basis of the final tableau: z of rows `unknown`, equations w = 0 of rows `equation`, and B⁻¹ by columns.
   std::vector<Index> unknown, equation;
@@ -106,6 +110,18 @@ struct Lemke::Work {
     return end == Tableau<T>::End::solved ? Status::solved
            : end == Tableau<T>::End::ray  ? Status::ray
                                           : Status::iteration_limit;
+  }
+
+  // Another covering vector, another path: from the same numbers on every machine and in every run.
+  Status restart(int attempt_number, int max_pivots, const Lcp& problem, Solution& s) {
+    cover.resize(pure->size());
+    std::minstd_rand random(static_cast<unsigned>(attempt_number));
+    for (double& d : cover) d = static_cast<double>(1 + random() % 1024) / 64;
+    long_tableau.cover(cover);
+    const Status claim = attempt(long_tableau, max_pivots, problem, s);
+    cover.resize(0);
+    long_tableau.cover(cover);
+    return claim;
   }
 
   // z_B to full precision. A step of Newton's method multiplies the error by that of B⁻¹, about 1e-13: one or two do.
@@ -180,6 +196,7 @@ std::string Lemke::why_not(const Lcp& problem) const {
 Status Lemke::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
   work_->stage = 0;
+  work_->proof_sought = false;
   work_->form(problem, Pyramid::Form::shifted);
   return work_->attempt(work_->tableau, options_.max_pivots, problem, s);
 }
@@ -187,32 +204,38 @@ Status Lemke::run(const Lcp& problem, Solution& s, Start) {
 bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (!options_.rescue || problem.size() == 0) return false;
   Work& work = *work_;
+  if (!work.proof_sought && (s.status == Status::ray || s.status == Status::numerical_error)) {
+    work.proof_sought = true;  // |z| beyond all bounds is a ray too, seen through rounding
+    if (work.farkas.propose(problem, s.certificate)) {
+      claim = Status::ray;
+      return true;
+    }
+  }
   const bool slow = claim == Status::iteration_limit;  // quadruple precision would be slower still
   const bool small = problem.size() <= 100;
-  while (work.stage < 6) {
-    switch (++work.stage) {
+  while (++work.stage <= 5 + kRestarts) {
+    switch (work.stage) {
       case 1:
-        if (claim != Status::ray || problem.size() > 500) break;
-        if (work.farkas.propose(problem, s.certificate)) return true;
-        break;
-      case 2:
+      case 4:
         claim = work.attempt(work.long_tableau, options_.max_pivots, problem, s);
         return true;
-      case 3:
+      case 2:
+      case 5:
         if (slow || !small) break;
         claim = work.attempt(work.quad_tableau, options_.max_pivots, problem, s);
         return true;
-      case 4:
-        if (slow || problem.friction.empty()) return false;
+      case 3:
+        if (slow || !small) return false;
+        if (problem.friction.empty()) {
+          work.stage = 5;
+          break;
+        }
         work.form(problem, Pyramid::Form::stewart_trinkle);
         claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
         return true;
-      case 5:
-        claim = work.attempt(work.long_tableau, options_.max_pivots, problem, s);
-        return true;
       default:
-        if (!small) break;
-        claim = work.attempt(work.quad_tableau, options_.max_pivots, problem, s);
+        if (claim != Status::ray && claim != Status::solved) return false;
+        claim = work.restart(work.stage, options_.max_pivots, problem, s);
         return true;
     }
   }

@@ -1,6 +1,6 @@
 // solvers/tableau.h — the condensed tableau that Lemke's method pivots, in any scalar type.
 //
-//   w = M z + q + e z₀ as a dictionary: each basic variable = constant + Σ coefficient · nonbasic variable.
+//   w = M z + q + d z₀ (d = e) as a dictionary: each basic variable = constant + Σ coefficient · nonbasic variable.
 //   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only.
 //   Free rows go first: their z enters for good (complete pivoting), their w leaves for good. What is left when the free
 //   block is singular is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
@@ -41,6 +41,9 @@ template <> struct Roundings<Quad> {
 template <class T> class Tableau {  // reuse it: the second problem of a size allocates nothing
  public:
   enum class End { solved, ray, limit };
+
+  /// Another covering vector than e for the loads that follow: d > 0 by row of the problem; empty: e again.
+  void cover(const Vector& d) { cover_ = d; }
 
   /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and z_i of any sign.
   template <class Entries>
@@ -138,7 +141,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       given_[u(i)] = abs(row_at(i)[0]);
       error_[u(i)] = 0;
       top_ = std::max(top_, given_[u(i)]);
-      row_at(i)[covering_] = free_[u(i)] ? 0 : 1;  // z₀ covers complementary rows only
+      row_at(i)[covering_] = free_[u(i)] ? T(0) : cover_of(i);  // z₀ covers complementary rows only
       set_basic(i, w_of(i));
       set_nonbasic(i + 2, z_of(i));
       origin_[u(i)] = i;
@@ -177,13 +180,16 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     }
   }
 
-  // The row that z₀ replaces: the lexicographically least (q_i, e_i), that is the last among equals; −1 when q ≥ 0.
+  T cover_of(int i) const { return cover_.size() > i ? static_cast<T>(cover_[i]) : T(1); }
+
+  // The row that z₀ replaces: the lexicographically least (q_i, e_i) / d_i, that is the last among equals; −1: q ≥ 0.
   int most_negative() const {
     int r = -1;
+    T least = 0;
     for (int i = 0; i < rows_; ++i) {
-      if (frozen_[u(i)]) continue;
-      const T q = row_at(i)[0];
-      if (q < 0 && (r < 0 || q <= row_at(r)[0])) r = i;  // given data: equal means equal
+      if (frozen_[u(i)] || !(row_at(i)[0] < 0)) continue;
+      const T ratio = row_at(i)[0] / row_at(i)[covering_];
+      if (ratio <= least) least = ratio, r = i;  // given data: equal means equal
     }
     return r;
   }
@@ -312,7 +318,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     T* const twin = row_at(r);
     for (int k = 0; k < r; ++k) row_at(k)[column] = -row_at(k)[s];
     for (int c = 0; c < columns_; ++c) twin[c] = -line[c];
-    line[covering_] = twin[covering_] = 1;
+    line[covering_] = twin[covering_] = cover_of(i);
     set_basic(r, w_of(pair));
     set_nonbasic(column, z_of(pair));
     origin_[u(pair)] = i;
@@ -324,6 +330,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
   static constexpr int covering_ = 1;  // the column of z₀ at the start
   int n_ = 0, pairs_ = 0, split_end_ = 0, rows_ = 0, columns_ = 0, stride_ = 0, iterations_ = 0, entering_ = 0;
+  Vector cover_;
   T top_ = 0;                                 // max |q|
   std::vector<T> t_, ratio_, given_, error_;  // given_: |q| of a pair; error_: rounding of a row's constant
   std::vector<int> basic_, nonbasic_, place_;  // variable of a row, of a column; place of a variable

@@ -61,11 +61,20 @@ const Lcp& Pyramid::pure(const Lcp& p, Form form) {
   for (Index j = 0; j < n; ++j)  // q = b + A shift
     if (shift_[j] != 0) q.head(n) += A.col(j) * shift_[j];
 
+  turned_.assign(at(n), 0);
+  if (form == Form::shifted)
+    for (const Friction& f : p.friction) {
+      if (!(q[f.row] < 0)) continue;
+      turned_[at(f.row)] = 1;
+      M.row(f.row) = -M.row(f.row);
+      M.col(f.row) = -M.col(f.row);
+      q[f.row] = -q[f.row];
+    }
   for (const Friction& f : p.friction) {
     const Index t = f.row, a = added_[at(t)];
     if (form == Form::shifted) {
-      M.col(f.normal).head(n) -= f.mu * A.col(t);  // z_t = y − μ z_n, z_n = y_n + shift_n
-      q.head(n) -= (f.mu * shift_[f.normal]) * A.col(t);
+      M.col(f.normal).head(n) -= f.mu * M.col(t).head(n);  // z_t = y − μ z_n, z_n = y_n + shift_n
+      q.head(n) -= (f.mu * shift_[f.normal]) * M.col(t).head(n);
       M(t, a) = 1;
       M(a, t) = -1;
       M(a, f.normal) = 2 * f.mu;
@@ -133,7 +142,8 @@ void Pyramid::restore(const Lcp& p, const Vector& y, Vector& z) const {
     const double bound = f.mu * std::max(z[f.normal], 0.0);
     const double yt = y[f.row], extra = y[added_[at(f.row)]];
     if (form_ == Form::shifted) {
-      z[f.row] = yt == 0 ? -bound : extra > 0 ? bound : std::clamp(yt - bound, -bound, bound);
+      const double forward = yt == 0 ? -bound : extra > 0 ? bound : std::clamp(yt - bound, -bound, bound);
+      z[f.row] = turned_[at(f.row)] ? -forward : forward;
     } else {
       const double lambda = y[added_[at(f.row)] + 1];
       z[f.row] = lambda > 0 && extra == 0  ? bound
@@ -163,8 +173,9 @@ void Pyramid::guess(const Lcp& p, const Vector& z, Vector& y) const {
     const double bound = f.mu * std::max(z[f.normal], 0.0);
     const Index a = added_[at(f.row)];
     if (form_ == Form::shifted) {
-      y[f.row] = z[f.row] + bound;
-      y[a] = z[f.row] >= bound;
+      const double forward = turned_[at(f.row)] ? -z[f.row] : z[f.row];
+      y[f.row] = forward + bound;
+      y[a] = forward >= bound;
     } else {
       y[f.row] = std::max(z[f.row], 0.0);
       y[a] = std::max(-z[f.row], 0.0);

@@ -7,6 +7,9 @@
 //     M = [ G_NN − μ G_NT   G_NT   0 ]
 //         [ G_TN − μ G_TT   G_TT   I ]
 //         [ 2μ I            −I     0 ]
+//   A friction row with w_t < 0 at z = lo is turned first (its row and column change sign, z_t = μ z_n − y): then a
+//   sliding contact starts at the bound where it ends, added rows never cover anything, and a mirrored problem takes
+//   mirrored pivots.
 //   stewart_trinkle writes friction as z_t = y⁺ − y⁻ instead, one row more:
 //     0 ≤ y± ⊥ ±w_t + λ ≥ 0,  0 ≤ λ ⊥ μ z_n − y⁺ − y⁻ ≥ 0:
 //   larger, but copositive when A is positive semidefinite, so that Lemke's method cannot fail on a solvable contact
@@ -45,6 +48,7 @@ class Pyramid {  // reuse it: the second problem of a size allocates nothing
   Vector shift_;            // z = ±y + shift for one-sided and box rows
   std::vector<int> added_;  // per row: index of its first added row, or −1
   std::vector<int> kind_;   // per row: see pyramid.cpp
+  std::vector<char> turned_;  // per row: a friction row whose sign was changed
   Form form_ = Form::shifted;
 };
 
