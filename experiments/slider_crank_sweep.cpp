@@ -50,10 +50,10 @@ std::string row(const Case& c) {
   std::string text = '"' + c.integrator + "\"," + c.solver;
   const Run& r = c.run;
   const double steps = static_cast<double>(std::max(1L, r.steps));
-  for (const double x : {c.mu, c.e, c.h, steps, c.error, c.timed ? r.seconds : kInf,
-                         c.timed ? 1e6 * r.seconds / steps : kInf, static_cast<double>(r.lcp_solves),
-                         static_cast<double>(r.lcp_iterations), r.max_lcp_residual, r.max_joint_residual,
-                         r.max_penetration, r.energy_final})
+  for (const double x :
+       {c.mu, c.e, c.h, steps, c.error, c.timed ? r.seconds : kInf, c.timed ? 1e6 * r.seconds / steps : kInf,
+        static_cast<double>(r.lcp_solves), static_cast<double>(r.lcp_iterations), r.max_lcp_residual,
+        r.max_joint_residual, r.max_penetration, r.energy_final})
     text += std::isfinite(x) ? "," + detail::text_of(x) : ",";  // not measured: empty
   return text + "," + std::string(name(r.status)) + "\n";
 }
@@ -67,7 +67,7 @@ struct Plan {
   bool quick = false;
   std::vector<std::string> integrators = {"moreau-jean:joints=position", "moreau-jean:joints=symmetric"};
   std::string solver = "lemke";
-  Ladder ladder{.coarsest = 2.56e-4, .octaves = 8, .steps_per_octave = 16, .duration = 0.2};
+  Ladder ladder{.coarsest = 2.56e-4, .octaves = 7, .steps_per_octave = 16, .duration = 0.2};
 };
 
 std::vector<Case> cases_of(const Plan& plan) {
@@ -83,7 +83,8 @@ std::vector<Case> timed_cases(const Plan& plan) {
   std::vector<Case> cases;
   for (const auto& integrator : plan.integrators)
     for (double h = plan.quick ? 1e-4 : 1e-3; h > 0.9e-6; h /= 2)
-      cases.push_back({integrator, plan.solver, 0.01, 0.4, plan.ladder.duration / std::round(plan.ladder.duration / h)});
+      cases.push_back(
+          {integrator, plan.solver, 0.01, 0.4, plan.ladder.duration / std::round(plan.ladder.duration / h)});
   for (const char* solver : {"lemke", "pgs", "enumerate"})
     cases.push_back({"moreau-jean:joints=symmetric", solver, 0.01, 0.4, 1e-5});
   cases.push_back({"moreau-jean:joints=symmetric,form=full", "lemke", 0.01, 0.4, 1e-5});
@@ -99,8 +100,8 @@ std::string orders(const std::vector<Case>& cases) {
   for (const auto& [key, samples] : groups) {
     const Fit fit = fit_order(samples);
     text += '"' + std::get<0>(key) + '"';
-    for (const double x : {std::get<1>(key), std::get<2>(key), fit.order, fit.scatter, fit.worst.back().error,
-                           fit.worst.back().h})
+    for (const double x :
+         {std::get<1>(key), std::get<2>(key), fit.order, fit.scatter, fit.worst.back().error, fit.worst.back().h})
       text += "," + detail::text_of(x);
     text += '\n';
   }

@@ -7,9 +7,7 @@ constexpr std::size_t kFormedRows = 64;  // up to here a dense A is cheaper than
 
 }  // namespace
 
-Formulation::Formulation(const System& system, Form form)
-    : system_(system),
-      form_(form) {
+Formulation::Formulation(const System& system, Form form) : system_(system), form_(form) {
   const auto contacts = system.scene().contacts.size();
   const auto most = 2 * contacts + static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
@@ -98,7 +96,8 @@ void Formulation::fill_delassus(Delassus& A) {
   }
 }
 
-void Formulation::advance(const Terms& terms, const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const {
+void Formulation::advance(const Terms& terms, const Vector& z, Eigen::VectorXd& v,
+                          std::vector<Impulse>& impulses) const {
   std::fill(impulses.begin(), impulses.end(), Impulse{});
   if (rows_.empty()) return;
   if (std::holds_alternative<DenseMatrix>(lcp_.A)) {

@@ -40,9 +40,9 @@ class Formulation {
 
   const System& system_;
   Form form_;
-  std::vector<Row> rows_;    // J
-  Vector target_;            // n
-  DenseMatrix columns_;      // dof × n: B Jᵀ, dense storage only
+  std::vector<Row> rows_;  // J
+  Vector target_;          // n
+  DenseMatrix columns_;    // dof × n: B Jᵀ, dense storage only
   Lcp lcp_;
 };
 

@@ -13,8 +13,8 @@ struct StepReport {
   double lcp_residual = 0;         // [m/s] as certify() measures it
   int lcp_rows = 0;                // rows of the problem; 0: none was solved
   int lcp_iterations = 0;
-  double joint_residual = 0;       // max |Φ| at the end of the step [m, rad]
-  double penetration = 0;          // max(0, −gap) at the end of the step [m]
+  double joint_residual = 0;  // max |Φ| at the end of the step [m, rad]
+  double penetration = 0;     // max(0, −gap) at the end of the step [m]
 };
 
 struct Impulse {
@@ -25,7 +25,8 @@ struct Impulse {
 class Integrator {
  public:
   explicit Integrator(const System& system)
-      : system_(system), gaps_(Eigen::VectorXd::Zero(system.contacts())),
+      : system_(system),
+        gaps_(Eigen::VectorXd::Zero(system.contacts())),
         impulses_(static_cast<std::size_t>(system.contacts())) {}
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
@@ -38,7 +39,7 @@ class Integrator {
   virtual const Lcp& problem() const = 0;
 
   const System& system() const { return system_; }
-  const Eigen::VectorXd& gaps() const { return gaps_; }              // at the end of the last step [m]
+  const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
   const std::vector<Impulse>& impulses() const { return impulses_; }  // of the last step, one per contact
 
  protected:

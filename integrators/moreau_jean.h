@@ -30,8 +30,7 @@ struct MoreauJeanOptions {
   double theta = 0.5;
   Joints joints = Joints::symmetric;
   Form form = Form::reduced;
-  template <class V>
-  void visit(V&& v) {
+  template <class V> void visit(V&& v) {
     v("theta", theta, 0.5, 1.0), v("joints", joints, kJointsNames), v("form", form, kFormNames);
   }
 };

@@ -5,17 +5,13 @@
 namespace orthant {
 namespace {
 
-template <class Scheme>
-std::unique_ptr<Integrator> make(const System& system, std::string_view text) {
+template <class Scheme> std::unique_ptr<Integrator> make(const System& system, std::string_view text) {
   typename Scheme::Options options;
   set_options(options, text);
   return std::make_unique<Scheme>(system, options);
 }
 
-template <class Scheme>
-std::string options_of() {
-  return describe(typename Scheme::Options{});
-}
+template <class Scheme> std::string options_of() { return describe(typename Scheme::Options{}); }
 
 constexpr IntegratorEntry kIntegrators[] = {
     {"moreau-jean", "theta stepping at velocity level; order 1 with impacts, 2 on smooth motion", &make<MoreauJean>,

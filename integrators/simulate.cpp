@@ -13,7 +13,8 @@ using WallClock = std::chrono::steady_clock;
 /// Sums impulses between records, and times the recorder so that it can be taken off.
 class Recording {
  public:
-  Recording(const Recorder& record, long every, std::size_t contacts) : record_(record), every_(every), sum_(contacts) {}
+  Recording(const Recorder& record, long every, std::size_t contacts)
+      : record_(record), every_(every), sum_(contacts) {}
 
   void add(long steps, bool last, const State& x, const StepReport& report, const Integrator& integrator) {
     if (!record_) return;
@@ -53,7 +54,8 @@ void check(const Clock& clock) {
   const auto refuse = [](const char* field, const std::string& value, const char* rule) {
     throw std::invalid_argument(std::string(field) + " = " + value + ": " + rule);
   };
-  if (!(clock.step > 0) || !std::isfinite(clock.step)) refuse("step", detail::text_of(clock.step), "must be > 0 and finite");
+  if (!(clock.step > 0) || !std::isfinite(clock.step))
+    refuse("step", detail::text_of(clock.step), "must be > 0 and finite");
   if (!(clock.duration > 0) || !std::isfinite(clock.duration))
     refuse("duration", detail::text_of(clock.duration), "must be > 0 and finite");
   if (clock.every < 1) refuse("every", std::to_string(clock.every), "must be >= 1");

@@ -8,10 +8,10 @@
 namespace orthant {
 
 struct Run {
-  Status status = Status::solved;  // of the last step
-  State final;                     // where the run ended; on failure the state before the failed step
-  long steps = 0;                  // completed
-  double seconds = 0;              // wall time of the steps alone, recording excluded
+  Status status = Status::solved;               // of the last step
+  State final;                                  // where the run ended; on failure the state before the failed step
+  long steps = 0;                               // completed
+  double seconds = 0;                           // wall time of the steps alone, recording excluded
   double energy_initial = 0, energy_final = 0;  // [J]
   double max_joint_residual = 0;                // [m, rad] over all ends of steps
   double max_penetration = 0;                   // [m]
@@ -23,16 +23,16 @@ struct Run {
 struct Moment {
   const State& state;
   const StepReport& report;
-  const Eigen::VectorXd& gaps;            // one per contact [m]
-  const std::vector<Impulse>& impulses;   // one per contact [N s]
+  const Eigen::VectorXd& gaps;           // one per contact [m]
+  const std::vector<Impulse>& impulses;  // one per contact [N s]
 };
 
 using Recorder = std::function<void(const Moment&)>;
 
 struct Clock {
-  double step = 1e-3;    // h > 0 [s]; the last step is shorter when the duration is no multiple of it
-  double duration = 1;   // > 0 [s]
-  long every = 1;        // record every so many steps, besides the first and the last moment
+  double step = 1e-3;   // h > 0 [s]; the last step is shorter when the duration is no multiple of it
+  double duration = 1;  // > 0 [s]
+  long every = 1;       // record every so many steps, besides the first and the last moment
 };
 
 /// Steps from the system's initial state. Throws std::invalid_argument for a bad clock; a step that fails ends the run

@@ -35,7 +35,8 @@ bool Farkas::propose(const Lcp& problem, Vector& u) {
     free_[static_cast<std::size_t>(i)] = free_[static_cast<std::size_t>(n + i)] = free;
   }
   tableau_.load(Skew{M}, q_, free_, scale_, scale_);
-  if (tableau_.run(20000 + 200 * static_cast<int>(n)) != detail::Tableau<long double>::End::ray) return false;
+  const auto never = [](long double) { return false; };
+  if (tableau_.run(20000 + 200 * static_cast<int>(n), never) != detail::Tableau<long double>::End::ray) return false;
   ray_.resize(2 * n);
   ray_.setZero();
   tableau_.ray(ray_);

@@ -1,5 +1,6 @@
 #include <orthant/solvers/lemke.h>
 
+#include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/farkas.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/tableau.h>
@@ -17,7 +18,8 @@ using detail::Quad;
 using detail::Scaling;
 using detail::Tableau;
 
-constexpr int kRestarts = 12;
+constexpr int kRestarts = 12;      // with other covering vectors
+constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -44,6 +46,8 @@ struct Product {
 }  // namespace
 
 struct Lemke::Work {
+  explicit Work(Lemke& owner) : lemke(owner) {}
+  Lemke& lemke;
   Pyramid pyramid;
   Lcp dense;  // a pure problem whose matrix is stored otherwise
   const Lcp* pure = nullptr;
@@ -55,6 +59,8 @@ struct Lemke::Work {
   Tableau<long double> long_tableau;
   Tableau<Quad> quad_tableau;
   Farkas farkas;
+  Enumerate enumerate;
+  Solution enumerated;
   int stage = 0;  // of the rescue
   bool proof_sought = false;
 
@@ -86,7 +92,10 @@ struct Lemke::Work {
     const auto& M = std::get<DenseMatrix>(pure->A);
     const Index n = pure->size();
     t.load(M, pure->b, free, scaling.row, scaling.col);
-    const auto end = t.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(n));
+    const auto end = t.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(n), [&](const T& z0) {
+      lemke.log(t.iterations(), static_cast<double>(z0));
+      return lemke.budget().exhausted();
+    });
     s.iterations = t.iterations();
     y.resize(n);
     y.setZero();
@@ -107,9 +116,10 @@ struct Lemke::Work {
       pyramid.restore(problem, y, s.z);
     else
       s.z = y;
-    return end == Tableau<T>::End::solved ? Status::solved
-           : end == Tableau<T>::End::ray  ? Status::ray
-                                          : Status::iteration_limit;
+    return end == Tableau<T>::End::solved    ? Status::solved
+           : end == Tableau<T>::End::ray     ? Status::ray
+           : end == Tableau<T>::End::stopped ? Status::time_limit
+                                             : Status::iteration_limit;
   }
 
   // Another covering vector, another path: from the same numbers on every machine and in every run.
@@ -184,7 +194,7 @@ struct Lemke::Work {
   }
 };
 
-Lemke::Lemke(const Options& options) : options_(options), work_(std::make_unique<Work>()) {}
+Lemke::Lemke(const Options& options) : options_(options), work_(std::make_unique<Work>(*this)) {}
 Lemke::~Lemke() = default;
 
 std::string Lemke::why_not(const Lcp& problem) const {
@@ -235,6 +245,13 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
         return true;
       default:
         if (claim != Status::ray && claim != Status::solved) return false;
+        if (work.pure->size() <= kEnumerable) {
+          work.stage = 5 + kRestarts;
+          if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
+          s.z = work.enumerated.z;
+          claim = Status::solved;
+          return true;
+        }
         claim = work.restart(work.stage, options_.max_pivots, problem, s);
         return true;
     }

@@ -8,10 +8,11 @@
 //     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.
-//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is looked for (a linear program, by the
-//                 same pivots); then again in long double and in quadruple precision, at last in the copositive form.
-//   A solves n = 2…10 bound is not known: Murty's problem takes 2ⁿ pivots. Certain to end on a solution, where there is
-//   one, for P-matrices and for xᵀM x ≥ 0; elsewhere it may end on a ray although a solution exists (status ray).
+//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is looked for (farkas.h); then again in
+//                 long double and quadruple precision; in the copositive form, where there is friction; at last every
+//                 basis (enumerate.h, up to 12 rows) or other covering vectors. rescue=false is the plain method.
+//   No polynomial bound: Murty's problem takes 2ⁿ pivots. The plain method ends on a solution, where there is one, for
+//   P-matrices and for xᵀM x ≥ 0; elsewhere it may end on a ray although a solution exists (status ray).
 //   A ray's direction is handed to the judge, which calls it a proof (status infeasible) or not (ray).
 //   A start value is not used.   M n × n, any sign structure; stored densely: O(n²) memory, pure form n ≤ 10000.
 //   Sources: Lemke, Management Science 11 (1965); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4.
@@ -27,7 +28,7 @@ namespace orthant {
 struct LemkeOptions {
   double tolerance = 1e-12;  // [b] accepted residual relative to ‖b‖∞; rounding level is accepted in any case
   int max_pivots = 0;        // 0: 20000 + 100 n
-  bool rescue = true;        // on rejection: proof search, long double, quadruple precision, copositive form
+  bool rescue = true;        // on rejection: proof search, higher precision, other forms and paths
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_pivots", max_pivots, 0, 1000000000), v("rescue", rescue);
   }

@@ -42,8 +42,12 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
     for (Index i = 0; i < n; ++i) count(largest_[i]);
     if (high <= low * 0x1p24) return;
     for (int sweep = 0; sweep < 4; ++sweep) {  // middle of the exponents of each column, then of each row
-      for (Index j = 0; j < n; ++j) center(col[j], [&](Index i) { return M(i, j) * row[i]; }, n);
-      for (Index i = 0; i < n; ++i) center(row[i], [&](Index j) { return M(i, j) * col[j]; }, n);
+      for (Index j = 0; j < n; ++j)
+        center(
+            col[j], [&](Index i) { return M(i, j) * row[i]; }, n);
+      for (Index i = 0; i < n; ++i)
+        center(
+            row[i], [&](Index j) { return M(i, j) * col[j]; }, n);
     }
   }
 

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 namespace orthant::detail {
@@ -40,7 +41,7 @@ template <> struct Roundings<Quad> {
 
 template <class T> class Tableau {  // reuse it: the second problem of a size allocates nothing
  public:
-  enum class End { solved, ray, limit };
+  enum class End { solved, ray, limit, stopped };
 
   /// Another covering vector than e for the loads that follow: d > 0 by row of the problem; empty: e again.
   void cover(const Vector& d) { cover_ = d; }
@@ -55,8 +56,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       if (free_[u(i)]) split(i);
   }
 
-  /// Lemke's method from the loaded tableau, at most `limit` pivots.
-  End run(int limit) {
+  /// Lemke's method from the loaded tableau, at most `limit` pivots. After each, stop(z₀) is asked: true ends the run.
+  template <class Stop> End run(int limit, const Stop& stop) {
     int r = most_negative();
     if (r < 0) return End::solved;
     int s = covering_;
@@ -66,6 +67,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       pivot(r, s);
       ++iterations_;
       if (leaving == z0()) return End::solved;
+      if (stop(row_at(-1 - place_[u(z0())])[0])) return End::stopped;
       s = place_[u(complement(leaving))];
       r = ratio_test(s);
       if (r < 0) {
@@ -105,7 +107,10 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
  private:
   static std::size_t u(int i) { return static_cast<std::size_t>(i); }
-  static T abs(const T& x) { return x < 0 ? -x : x; }
+  static T abs(T x) {
+    if constexpr (std::is_floating_point_v<T>) return std::abs(x);  // one instruction, and vectors of them
+    return x < 0 ? -x : x;
+  }
   template <class V> static void grow(V& v, std::size_t size) {
     if (v.size() < size) v.resize(size);
   }
@@ -135,7 +140,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     top_ = 0;
     const auto size = static_cast<std::size_t>(stride_);
     for (auto* v : {&basic_, &nonbasic_, &origin_, &list_}) grow(*v, size);
-    grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(given_, size), grow(error_, size), grow(t_, size * size);
+    grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(given_, size),
+        grow(error_, size), grow(t_, size * size);
     for (int i = 0; i < n_; ++i) {
       row_at(i)[0] = static_cast<T>(q[i] * row[i]);
       given_[u(i)] = abs(row_at(i)[0]);
@@ -263,8 +269,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
   // Free rows: z_j enters against some w_i, both free, largest entry first. True when what is left, if anything, pairs
   // up (w_i with z_i) and could be split; else the caller loads again and splits all.
-  template <class Entries>
-  bool eliminate(const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
+  template <class Entries> bool eliminate(const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
     T scale = 0;
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j)
@@ -294,8 +299,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
   // Row i of a dependent free row is zero but for rounding, which a pivot would take for data: what lies below the
   // roundings of the sums it came from, entry = M_ij + Σ_e k_e M_ej over the eliminated rows e, becomes 0.
-  template <class Entries>
-  void clean(int i, const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
+  template <class Entries> void clean(int i, const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
     T* const line = row_at(i);
     for (int c = 0; c < columns_; ++c) {
       const int variable = nonbasic_[u(c)];
@@ -331,8 +335,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   static constexpr int covering_ = 1;  // the column of z₀ at the start
   int n_ = 0, pairs_ = 0, split_end_ = 0, rows_ = 0, columns_ = 0, stride_ = 0, iterations_ = 0, entering_ = 0;
   Vector cover_;
-  T top_ = 0;                                 // max |q|
-  std::vector<T> t_, ratio_, given_, error_;  // given_: |q| of a pair; error_: rounding of a row's constant
+  T top_ = 0;                                  // max |q|
+  std::vector<T> t_, ratio_, given_, error_;   // given_: |q| of a pair; error_: rounding of a row's constant
   std::vector<int> basic_, nonbasic_, place_;  // variable of a row, of a column; place of a variable
   std::vector<int> origin_, list_;             // row of the problem that a pair belongs to; candidates of a ratio test
   std::vector<char> free_, frozen_, paired_;   // row of the problem is free; row of the tableau takes no part in ratio

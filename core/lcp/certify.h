@@ -49,10 +49,10 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void transposed(const Matrix& A, const Vector& u);
 
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
-  double scale_ = 0;                     // β
-  std::vector<long double> g_, g_abs_;   // Aᵀu and |A|ᵀ|u|
+  double scale_ = 0;                    // β
+  std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|
   std::vector<long double> inner_ld_, inner_abs_ld_;
-  std::vector<int> terms_;               // nonzero products in g_j: a single one has an exact sign
+  std::vector<int> terms_;  // nonzero products in g_j: a single one has an exact sign
 };
 
 }  // namespace orthant

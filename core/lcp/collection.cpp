@@ -98,8 +98,8 @@ void add_standard(Collector& c) {
   c.add("four_corners", -MatrixXd::Identity(2, 2), ones(2), list({0, 0}), Answer::one_of);
   c.add("ray_though_solvable", square({0, 1, 1, -1}), list({-1, -2}), list({3, 1}));
   // Bimatrix games [0 A; Bᵀ 0] (z is an equilibrium up to scale): three equilibria, and rock-paper-scissors.
-  c.add("bimatrix", square({0, 0, 10, 20, 0, 0, 30, 15, 10, 30, 0, 0, 20, 15, 0, 0}), -ones(4),
-        list({0.1, 0, 0.1, 0}), Answer::one_of);
+  c.add("bimatrix", square({0, 0, 10, 20, 0, 0, 30, 15, 10, 30, 0, 0, 20, 15, 0, 0}), -ones(4), list({0.1, 0, 0.1, 0}),
+        Answer::one_of);
   MatrixXd game = MatrixXd::Zero(6, 6);
   game.topRightCorner(3, 3) = square({2, 3, 1, 1, 2, 3, 3, 1, 2});
   game.bottomLeftCorner(3, 3) = game.topRightCorner(3, 3);  // costs A and B = Aᵀ
@@ -164,8 +164,8 @@ void add_standard(Collector& c) {
 
 void add_mixed(Collector& c) {
   // A linear system as free rows; then equality-constrained least distance: multipliers with a zero block.
-  c.add("linear_system", square({2, 1, 1, 3}), list({-4, -7}), VectorXd::Constant(2, -kInf), VectorXd::Constant(2, kInf),
-        list({1, 2}));
+  c.add("linear_system", square({2, 1, 1, 3}), list({-4, -7}), VectorXd::Constant(2, -kInf),
+        VectorXd::Constant(2, kInf), list({1, 2}));
   const MatrixXd kkt = square({1, 0, -1, 0, 1, -1, 1, 1, 0});  // min ½|x − p|², x₁ + x₂ = 2
   const VectorXd free_last = list({0, 0, -kInf}), inf3 = VectorXd::Constant(3, kInf);
   c.add("kkt", kkt, list({0, 0, -2}), free_last, inf3, list({1, 1, 1}));

@@ -41,9 +41,9 @@ Lcp as_sparse(const Lcp& problem);
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }      // [0, 1)
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // [0, 1)
   double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
-  int integer(int lo, int hi) {                                                    // lo … hi
+  int integer(int lo, int hi) {  // lo … hi
     return lo + static_cast<int>(engine_() % static_cast<std::uint64_t>(hi - lo + 1));
   }
   double normal() {  // sum of 12 uniform numbers: no logarithm whose last bit differs between libraries

@@ -20,12 +20,14 @@ constexpr std::uintmax_t kLargestFile = std::uintmax_t{4} << 30;
 /// Reads fields of one object; every complaint names the file and the field.
 class Reader {
  public:
-  Reader(const std::string& file, std::string path, const Json& json) : file_(file), path_(std::move(path)), json_(json) {
+  Reader(const std::string& file, std::string path, const Json& json)
+      : file_(file), path_(std::move(path)), json_(json) {
     if (!json.is_object()) refuse("", "must be an object");
   }
 
   [[noreturn]] void refuse(const std::string& field, const std::string& rule) const {
-    throw std::runtime_error(file_ + ": " + path_ + field + (path_.empty() && field.empty() ? "the file " : " ") + rule);
+    throw std::runtime_error(file_ + ": " + path_ + field + (path_.empty() && field.empty() ? "the file " : " ") +
+                             rule);
   }
   void only(std::initializer_list<const char*> known) const {
     for (const auto& [key, value] : json_.items()) {
@@ -49,7 +51,8 @@ class Reader {
     if (may_be_infinite && value == "inf") return kInf;
     if (may_be_infinite && value == "-inf") return -kInf;
     if (!value.is_number() || !std::isfinite(value.get<double>()))
-      refuse(field, "= " + shown(value) + ": must be a finite number" + (may_be_infinite ? ", \"inf\" or \"-inf\"" : ""));
+      refuse(field,
+             "= " + shown(value) + ": must be a finite number" + (may_be_infinite ? ", \"inf\" or \"-inf\"" : ""));
     return value.get<double>();
   }
   Index whole(const Json& value, const std::string& field, Index low, Index high) const {
@@ -114,7 +117,8 @@ Matrix read_matrix(const Reader& r) {
     r.only({"storage", "n", "rows"});
     const Json& rows = r.list("rows");
     const Index n = r.whole(r.at("n"), "n", 1, kMost);
-    if (static_cast<Index>(rows.size()) != n) r.refuse("rows", "has " + std::to_string(rows.size()) + " rows: must have n");
+    if (static_cast<Index>(rows.size()) != n)
+      r.refuse("rows", "has " + std::to_string(rows.size()) + " rows: must have n");
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (!rows[i].is_array() || static_cast<Index>(rows[i].size()) != n)
         r.refuse(Reader::indexed("rows", i), "must be a list of n numbers");

@@ -4,15 +4,20 @@
 
 #include <cholmod.h>
 
-#include <array>
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 namespace orthant {
 namespace {
@@ -23,56 +28,139 @@ namespace fs = std::filesystem;
   throw std::runtime_error(file.string() + ": " + what);
 }
 
-/// What CHOLMOD's reader takes on trust or guesses: the banner, the sizes. Returns "array" or "coordinate".
-/// (Without a banner CHOLMOD guesses the format; patterns it fills with numbers of its own.)
-std::string check_header(const fs::path& file) {
-  std::ifstream in(file);
-  if (!in) refuse(file, std::string("cannot read: ") + std::strerror(errno));
-  if (fs::is_directory(file)) refuse(file, "cannot read: is a folder");
-  std::string line;
-  std::getline(in, line);
-  std::istringstream banner(line);
-  std::string mark, object, format, field, symmetry;
-  banner >> mark >> object >> format >> field >> symmetry;
-  for (std::string* word : {&mark, &object, &format, &field, &symmetry})
-    for (char& c : *word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const auto one_of = [&](const std::string& word, const char* name, std::initializer_list<const char*> known) {
-    std::string list;
-    for (const char* k : known) {
-      if (word == k) return;
-      list += (list.empty() ? "" : ", ") + std::string(k);
-    }
-    refuse(file, "line 1: " + std::string(name) + " '" + word.substr(0, 40) + "': must be one of " + list);
-  };
-  one_of(mark, "banner", {"%%matrixmarket"});
-  one_of(object, "object", {"matrix"});
-  one_of(format, "format", {"array", "coordinate"});
-  one_of(field, "field", {"real", "integer", "double"});
-  one_of(symmetry, "symmetry", {"general", "symmetric", "skew-symmetric"});
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{4} << 30;
 
-  long number = 1;
-  while (std::getline(in, line) && (++number, line.empty() || line[0] == '%' ||
-                                                  line.find_first_not_of(" \t\r") == std::string::npos)) {
+/// A file's text, once everything is checked that CHOLMOD's reader takes on trust or guesses: without a banner it guesses
+/// the format, patterns it fills with numbers of its own, an index 0 makes it count from 0, a missing value it makes up.
+struct Text {
+  std::string text;  // its banner says real where the file says double, a word that CHOLMOD does not know
+  bool dense = false;
+};
+
+class Checker {
+ public:
+  explicit Checker(const fs::path& file) : file_(file) {
+    if (fs::is_directory(file)) refuse(file, "cannot read: is a folder");
+    errno = 0;
+    std::ifstream in(file, std::ios::binary);
+    if (!in) refuse(file, std::string("cannot read: ") + std::strerror(errno));
+    std::error_code none;
+    if (const auto size = fs::file_size(file, none); !none && size > kLargestFile) refuse(file, "is larger than 4 GiB");
+    result_.text.assign(std::istreambuf_iterator<char>(in), {});
   }
-  std::istringstream sizes(line);
-  double rows = -1, cols = -1, entries = -1;
-  sizes >> rows >> cols;
-  if (format == "coordinate")
-    sizes >> entries;
-  else
-    entries = rows * cols;
-  std::string rest;
-  if (!in || !sizes || sizes >> rest || rows < 0 || cols < 0 || entries < 0)
-    refuse(file, "line " + std::to_string(number) + ": must hold the sizes: rows columns" +
-                     (format == "coordinate" ? " entries" : ""));
-  // Two characters an entry at the least: a file that announces more than it can hold would only cost memory.
-  const auto bytes = static_cast<double>(fs::file_size(file));
-  const double stored = format == "array" && symmetry != "general" ? entries / 2 - rows : entries;
-  if (2 * stored > bytes + 2 || rows > 1e8 || cols > 1e8)
-    refuse(file, "line " + std::to_string(number) + ": announces " + line.substr(0, 60) +
-                     " but the file has only " + std::to_string(fs::file_size(file)) + " bytes");
-  return format;
-}
+
+  Text check() {
+    check_banner();
+    check_sizes();
+    check_entries();
+    return std::move(result_);
+  }
+
+ private:
+  [[noreturn]] void refuse_line(const std::string& what) const {
+    refuse(file_, "line " + std::to_string(line_number_) + ": " + what);
+  }
+  /// The next line into words_; with `skip`, the next that is neither blank nor a comment. False at the end.
+  bool next_line(bool skip) {
+    do {
+      if (position_ >= result_.text.size()) return false;
+      ++line_number_;
+      begin_ = position_;
+      const auto end = std::min(result_.text.find('\n', begin_), result_.text.size());
+      position_ = end + 1;
+      words_.clear();
+      const std::string_view line(result_.text.data() + begin_, end - begin_);
+      for (std::size_t i = 0; i < line.size();) {
+        const auto from = line.find_first_not_of(" \t\r", i);
+        if (from == std::string_view::npos) break;
+        const auto to = std::min(line.find_first_of(" \t\r", from), line.size());
+        words_.push_back(line.substr(from, to - from));
+        i = to;
+      }
+    } while (skip && (words_.empty() || words_.front().front() == '%'));
+    return true;
+  }
+  static std::string lower(std::string_view word) {
+    std::string result(word.substr(0, 40));
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+  }
+
+  void check_banner() {
+    if (!next_line(false)) line_number_ = 1;
+    const auto word = [&](std::size_t i, const char* what, std::initializer_list<const char*> known) {
+      const std::string found = i < words_.size() ? lower(words_[i]) : "";
+      std::string list;
+      for (const char* k : known) {
+        if (found == k) return found;
+        list += (list.empty() ? "" : ", ") + std::string(k);
+      }
+      refuse_line(std::string(what) + " '" + found + "': must be " + (known.size() > 1 ? "one of " : "") + list);
+    };
+    word(0, "banner", {"%%matrixmarket"});
+    word(1, "object", {"matrix"});
+    result_.dense = word(2, "format", {"array", "coordinate"}) == "array";
+    const std::string field = word(3, "field", {"real", "integer", "double"});
+    symmetry_ = word(4, "symmetry", {"general", "symmetric", "skew-symmetric"});
+    if (field != "double") return;
+    const auto at = static_cast<std::size_t>(words_[3].data() - result_.text.data());
+    result_.text.replace(at, field.size(), "real  ");  // same length: the lines stay where they are
+  }
+
+  std::uintmax_t whole(std::string_view word, const char* what, std::uintmax_t low, std::uintmax_t high) const {
+    std::uintmax_t value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc{} || end != word.data() + word.size() || value < low || value > high)
+      refuse_line(std::string(what) + " '" + std::string(word.substr(0, 40)) + "': must be a whole number in [" +
+                  std::to_string(low) + ", " + std::to_string(high) + "]");
+    return value;
+  }
+
+  void check_sizes() {
+    const std::size_t count = result_.dense ? 2 : 3;
+    if (!next_line(true) || words_.size() != count)
+      refuse_line(std::string("must hold the sizes: rows columns") + (result_.dense ? "" : " entries"));
+    // Two characters an entry at the least: a file that announces more than it can hold would only cost memory.
+    const std::uintmax_t bytes = result_.text.size(), most = 100000000;
+    rows_ = whole(words_[0], "rows", 0, most);
+    cols_ = whole(words_[1], "columns", 0, most);
+    if (!result_.dense) {
+      entries_ = whole(words_[2], "entries", 0, bytes / 2);
+      if (rows_ > bytes || cols_ > bytes) refuse_line("announces more rows or columns than the file has bytes");
+      return;
+    }
+    if (symmetry_ != "general" && rows_ != cols_) refuse_line("symmetry " + symmetry_ + ": must be square");
+    entries_ = symmetry_ == "general"     ? rows_ * cols_
+               : symmetry_ == "symmetric" ? rows_ * (rows_ + 1) / 2
+                                          : rows_ * (rows_ - 1) / 2;
+    if (rows_ > 0 && entries_ > bytes / 2)
+      refuse_line("announces " + std::to_string(entries_) + " numbers: the file has only " + std::to_string(bytes) +
+                  " bytes");
+  }
+
+  void check_entries() {
+    std::uintmax_t found = 0;
+    while (next_line(true)) {
+      if (++found > entries_) refuse_line("one entry more than announced: " + std::to_string(entries_));
+      if (words_.size() != (result_.dense ? 1U : 3U))
+        refuse_line(result_.dense ? "must hold one number" : "must hold row column value");
+      if (!result_.dense) whole(words_[0], "row", 1, rows_), whole(words_[1], "column", 1, cols_);
+      const std::string value(words_.back());
+      char* end = nullptr;
+      std::strtod(value.c_str(), &end);
+      if (end != value.c_str() + value.size()) refuse_line("value '" + value.substr(0, 40) + "': must be a number");
+    }
+    if (found < entries_)
+      refuse(file_, "ends after " + std::to_string(found) + " entries: announced " + std::to_string(entries_));
+  }
+
+  const fs::path& file_;
+  Text result_;
+  std::string symmetry_;
+  std::uintmax_t rows_ = 0, cols_ = 0, entries_ = 0;
+  std::size_t position_ = 0, begin_ = 0, line_number_ = 0;
+  std::vector<std::string_view> words_;
+};
 
 thread_local std::string cholmod_message;  // CHOLMOD reports through a plain function
 
@@ -91,9 +179,10 @@ class Cholmod {
 };
 
 /// Calls use(kind, object) on what the file holds: a cholmod_dense where dense is asked for, else unsymmetric sparse.
-template <class Object, class Use> void read(const fs::path& file, int prefer, int wanted, Use&& use) {
+template <class Object, class Use>
+void read(const fs::path& file, std::string& text, int prefer, int wanted, Use&& use) {
   Cholmod cholmod;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "r"), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(fmemopen(text.data(), text.size(), "r"), &std::fclose);
   if (!in) refuse(file, std::string("cannot read: ") + std::strerror(errno));
   int kind = 0;
   void* object = cholmod_read_matrix(in.get(), prefer, &kind, &cholmod.common);
@@ -125,8 +214,8 @@ template <class Object, class Use> void read(const fs::path& file, int prefer, i
 
 void check_number(const fs::path& file, Index row, Index column, double value, bool may_be_infinite) {
   if (std::isnan(value) || (!may_be_infinite && std::isinf(value)))
-    refuse(file, "entry (" + std::to_string(row + 1) + ", " + std::to_string(column + 1) + ") = " +
-                     detail::text_of(value) + ": must be " + (may_be_infinite ? "a number" : "finite"));
+    refuse(file, "entry (" + std::to_string(row + 1) + ", " + std::to_string(column + 1) +
+                     ") = " + detail::text_of(value) + ": must be " + (may_be_infinite ? "a number" : "finite"));
 }
 
 void check_square(const fs::path& file, std::size_t rows, std::size_t cols) {
@@ -136,9 +225,9 @@ void check_square(const fs::path& file, std::size_t rows, std::size_t cols) {
 
 /// CHOLMOD turns what it cannot fit into a number, "1e999" say, into infinity, and ±1e308 too: both are refused as
 /// matrix entries, so a file cannot change its meaning on the way in.
-Matrix read_dense(const fs::path& file) {
+Matrix read_dense(const fs::path& file, std::string& text) {
   DenseMatrix A;
-  read<cholmod_dense>(file, 2, CHOLMOD_DENSE, [&](const cholmod_dense& x, cholmod_common&) {
+  read<cholmod_dense>(file, text, 2, CHOLMOD_DENSE, [&](const cholmod_dense& x, cholmod_common&) {
     check_square(file, x.nrow, x.ncol);
     const auto n = static_cast<Index>(x.nrow);
     A = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x.x), n, n);
@@ -148,9 +237,9 @@ Matrix read_dense(const fs::path& file) {
   return A;
 }
 
-Matrix read_sparse(const fs::path& file) {
+Matrix read_sparse(const fs::path& file, std::string& text) {
   RowSparse A;
-  read<cholmod_sparse>(file, 1, CHOLMOD_SPARSE, [&](cholmod_sparse& x, cholmod_common& common) {
+  read<cholmod_sparse>(file, text, 1, CHOLMOD_SPARSE, [&](cholmod_sparse& x, cholmod_common& common) {
     check_square(file, x.nrow, x.ncol);
     cholmod_sparse* t = cholmod_transpose(&x, 1, &common);  // its columns are our rows, sorted
     if (t == nullptr) refuse(file, "too large for the memory at hand");
@@ -173,13 +262,14 @@ Matrix read_sparse(const fs::path& file) {
 }  // namespace
 
 Matrix read_matrix_market(const fs::path& file) {
-  return check_header(file) == "array" ? read_dense(file) : read_sparse(file);
+  auto [text, dense] = Checker(file).check();
+  return dense ? read_dense(file, text) : read_sparse(file, text);
 }
 
 Vector read_matrix_market_vector(const fs::path& file) {
-  check_header(file);
+  std::string text = Checker(file).check().text;
   Vector result;
-  read<cholmod_dense>(file, 2, CHOLMOD_DENSE, [&](const cholmod_dense& x, cholmod_common&) {
+  read<cholmod_dense>(file, text, 2, CHOLMOD_DENSE, [&](const cholmod_dense& x, cholmod_common&) {
     if ((x.ncol != 1 && x.nrow != 1) || x.ncol * x.nrow == 0)
       refuse(file, "is " + std::to_string(x.nrow) + " x " + std::to_string(x.ncol) + ": must be one column");
     result = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(x.x), static_cast<Index>(x.nrow * x.ncol));

@@ -9,8 +9,7 @@ namespace orthant {
 
 namespace {
 
-template <class... Words>
-[[noreturn]] void refuse(const Words&... words) {
+template <class... Words> [[noreturn]] void refuse(const Words&... words) {
   std::ostringstream text;
   (text << ... << words);
   throw std::invalid_argument(text.str());
@@ -86,7 +85,8 @@ void check_friction(const Lcp& p) {
   for (std::size_t k = 0; k < p.friction.size(); ++k)
     for (std::size_t l = 0; l < k; ++l)
       if (p.friction[k].row == p.friction[l].row)
-        refuse("problem: friction[", k, "].row = ", p.friction[k].row, ": must not occur twice (also friction[", l, "])");
+        refuse("problem: friction[", k, "].row = ", p.friction[k].row, ": must not occur twice (also friction[", l,
+               "])");
 }
 
 // x · 0 is 0 for a finite x and NaN for any other: a sum without branches.

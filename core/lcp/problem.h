@@ -34,8 +34,8 @@ struct RowSparse {
 
 /// A = W M⁻¹ Wᵀ + R, applied row by row and never formed (the Delassus operator of contact mechanics).
 struct Delassus {
-  RowSparse W;          // n × m constraint Jacobian
-  Vector inverse_mass;  // m, diagonal of M⁻¹, ≥ 0
+  RowSparse W;            // n × m constraint Jacobian
+  Vector inverse_mass;    // m, diagonal of M⁻¹, ≥ 0
   Vector regularization;  // n, diagonal of R, ≥ 0; empty: none
 };
 

@@ -146,9 +146,9 @@ void Pyramid::restore(const Lcp& p, const Vector& y, Vector& z) const {
       z[f.row] = turned_[at(f.row)] ? -forward : forward;
     } else {
       const double lambda = y[added_[at(f.row)] + 1];
-      z[f.row] = lambda > 0 && extra == 0  ? bound
-                 : lambda > 0 && yt == 0 ? -bound
-                                         : std::clamp(yt - extra, -bound, bound);
+      z[f.row] = lambda > 0 && extra == 0 ? bound
+                 : lambda > 0 && yt == 0  ? -bound
+                                          : std::clamp(yt - extra, -bound, bound);
     }
   }
 }

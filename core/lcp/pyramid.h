@@ -45,9 +45,9 @@ class Pyramid {  // reuse it: the second problem of a size allocates nothing
  private:
   Lcp pure_;
   DenseMatrix dense_;
-  Vector shift_;            // z = ±y + shift for one-sided and box rows
-  std::vector<int> added_;  // per row: index of its first added row, or −1
-  std::vector<int> kind_;   // per row: see pyramid.cpp
+  Vector shift_;              // z = ±y + shift for one-sided and box rows
+  std::vector<int> added_;    // per row: index of its first added row, or −1
+  std::vector<int> kind_;     // per row: see pyramid.cpp
   std::vector<char> turned_;  // per row: a friction row whose sign was changed
   Form form_ = Form::shifted;
 };

@@ -41,7 +41,7 @@ class BasicSystem {
  private:
   struct Sparse;     // KLU and the pattern
   struct LeastNorm;  // for redundant joints
-  struct Shared {  // rows i ≥ j meet in a body, as side (0: a, 1: b) of each
+  struct Shared {    // rows i ≥ j meet in a body, as side (0: a, 1: b) of each
     int i, j, side_i, side_j, body;
   };
   bool factorize_dense(const Terms& terms);

@@ -7,9 +7,9 @@ namespace orthant {
 
 /// Coulomb friction and Newton restitution: ξ = γ⁺ + e γ⁻ in the normal and in the tangential direction.
 struct ContactLaw {
-  double mu = 0;       // friction coefficient ≥ 0; 0: no friction rows at all
-  double e = 0;        // normal restitution in [0, 1]
-  double e_t = 0;      // tangential restitution in [−1, 1]
+  double mu = 0;   // friction coefficient ≥ 0; 0: no friction rows at all
+  double e = 0;    // normal restitution in [0, 1]
+  double e_t = 0;  // tangential restitution in [−1, 1]
 };
 
 /// Kinematics of a closed contact. The normal points from b to a; the tangent is t = −perp(n).

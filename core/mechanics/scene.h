@@ -25,11 +25,11 @@ namespace orthant {
 
 struct Body {
   std::string name;
-  double mass = 1, inertia = 1;              // [kg], [kg m²] about the centre of mass, > 0
-  Vector2d position{0, 0};                   // [m] of the centre of mass
-  double angle = 0;                          // [rad] counter-clockwise
-  Vector2d velocity{0, 0};                   // [m/s]
-  double omega = 0;                          // [rad/s]
+  double mass = 1, inertia = 1;  // [kg], [kg m²] about the centre of mass, > 0
+  Vector2d position{0, 0};       // [m] of the centre of mass
+  double angle = 0;              // [rad] counter-clockwise
+  Vector2d velocity{0, 0};       // [m/s]
+  double omega = 0;              // [rad/s]
 };
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance>;
@@ -56,8 +56,7 @@ struct Scene {
   void load(Load l) { add(loads, std::move(l), "load"); }
 
  private:
-  template <class T>
-  static void add(std::vector<T>& list, T element, const char* kind) {
+  template <class T> static void add(std::vector<T>& list, T element, const char* kind) {
     const auto fill = [&](auto& x) {
       if (x.name.empty()) x.name = kind + std::to_string(list.size() + 1);
     };

@@ -13,8 +13,7 @@ System::System(Scene scene) : scene_(std::move(scene)) {
     weight_.segment<2>(3 * i) = body.mass * scene_.gravity;
   }
   inverse_mass_ = mass_.cwiseInverse();
-  for (const Joint& joint : scene_.joints)
-    joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
+  for (const Joint& joint : scene_.joints) joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
   for (const Contact& contact : scene_.contacts)
     laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
 }

@@ -49,8 +49,7 @@ void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, T
 namespace {
 
 /// Calls what(joint, first row) over all joints.
-template <class What>
-void each_joint(const System& system, What&& what) {
+template <class What> void each_joint(const System& system, What&& what) {
   int row = 0;
   for (const Joint& joint : system.scene().joints)
     std::visit(
@@ -89,9 +88,8 @@ void evaluate_biases(const System& system, Terms& terms) {
   each_joint(system, [&](const auto& joint, int row) { joint.bias(terms.at, terms.joint_bias.data() + row); });
   terms.contact_bias.clear();
   for (const ClosedContact& closed : terms.closed)
-    terms.contact_bias.push_back(
-        std::visit([&](const auto& c) { return c.bias(terms.at); },
-                   system.scene().contacts[static_cast<std::size_t>(closed.contact)]));
+    terms.contact_bias.push_back(std::visit([&](const auto& c) { return c.bias(terms.at); },
+                                            system.scene().contacts[static_cast<std::size_t>(closed.contact)]));
 }
 
 }  // namespace orthant

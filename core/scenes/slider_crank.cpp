@@ -9,12 +9,25 @@ Scene linkage(const SliderCrank& p, BodyId& slider) {
   s.gravity = {0, -p.g};
   s.duration = 0.2, s.step = 1e-5;
   const double tip = p.l1 * p.omega1;  // [m/s] upward velocity of the crank's pin
-  const auto crank = s.body({.name = "crank", .mass = p.m1, .inertia = p.J1, .position = {p.l1 / 2, 0},
-                             .velocity = {0, p.l1 / 2 * p.omega1}, .omega = p.omega1});
-  const auto rod = s.body({.name = "rod", .mass = p.m2, .inertia = p.J2, .position = {p.l1 + p.l2 / 2, 0},
-                           .velocity = {0, tip + p.l2 / 2 * p.omega2}, .omega = p.omega2});
-  slider = s.body({.name = "slider", .mass = p.m3, .inertia = p.J3, .position = {p.l1 + p.l2, 0}, .angle = p.theta3,
-                   .velocity = {0, tip + p.l2 * p.omega2}, .omega = p.omega3});
+  const auto crank = s.body({.name = "crank",
+                             .mass = p.m1,
+                             .inertia = p.J1,
+                             .position = {p.l1 / 2, 0},
+                             .velocity = {0, p.l1 / 2 * p.omega1},
+                             .omega = p.omega1});
+  const auto rod = s.body({.name = "rod",
+                           .mass = p.m2,
+                           .inertia = p.J2,
+                           .position = {p.l1 + p.l2 / 2, 0},
+                           .velocity = {0, tip + p.l2 / 2 * p.omega2},
+                           .omega = p.omega2});
+  slider = s.body({.name = "slider",
+                   .mass = p.m3,
+                   .inertia = p.J3,
+                   .position = {p.l1 + p.l2, 0},
+                   .angle = p.theta3,
+                   .velocity = {0, tip + p.l2 * p.omega2},
+                   .omega = p.omega3});
   s.joint(Revolute{"crank_pin", kGround, crank, {0, 0}, {-p.l1 / 2, 0}});
   s.joint(Revolute{"rod_pin", crank, rod, {p.l1 / 2, 0}, {-p.l2 / 2, 0}});
   s.joint(Revolute{"slider_pin", rod, slider, {p.l2 / 2, 0}, {0, 0}});

@@ -34,8 +34,7 @@ inline std::string text_of(double value) {
   return {buffer.data(), end};
 }
 
-template <class Number>
-Number parse_number(std::string_view key, std::string_view text) {
+template <class Number> Number parse_number(std::string_view key, std::string_view text) {
   Number value{};
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size())
@@ -125,8 +124,7 @@ class OptionPrinter {
 }  // namespace detail
 
 /// Applies "key=value,key=value" to `options`. Throws std::invalid_argument naming key, value and rule.
-template <class Options>
-void set_options(Options& options, std::string_view text) {
+template <class Options> void set_options(Options& options, std::string_view text) {
   while (!text.empty()) {
     const auto comma = text.find(',');
     const auto item = text.substr(0, comma);
@@ -143,8 +141,7 @@ void set_options(Options& options, std::string_view text) {
 }
 
 /// Every option with its value and range, one line.
-template <class Options>
-std::string describe(Options options) {
+template <class Options> std::string describe(Options options) {
   detail::OptionPrinter printer;
   options.visit(printer);
   return printer.str();

@@ -16,16 +16,15 @@ using Index = Eigen::Index;
 
 /// An Eigen expression (a Map) that owns its storage. Behaves like `Plain` in every expression.
 /// Assigning an expression of another size resizes first: the expression must not refer to this object then.
-template <class Plain>
-class Reusable : public Eigen::Map<Plain> {
+template <class Plain> class Reusable : public Eigen::Map<Plain> {
   using Map = Eigen::Map<Plain>;
 
  public:
   Reusable() : Map(nullptr, Plain::RowsAtCompileTime == 1 ? 1 : 0, Plain::ColsAtCompileTime == 1 ? 1 : 0) {}
   Reusable(const Reusable& other) : Reusable() { *this = other; }
   Reusable(Reusable&& other) noexcept : Reusable() { swap(other); }
-  template <class Derived>
-  Reusable(const Eigen::EigenBase<Derived>& other) : Reusable() {  // NOLINT: an expression converts, as in Eigen
+  template <class Derived> Reusable(const Eigen::EigenBase<Derived>& other)
+      : Reusable() {  // NOLINT: an expression converts, as in Eigen
     resize(other.rows(), other.cols());
     Map::operator=(other.derived());
   }
@@ -45,8 +44,7 @@ class Reusable : public Eigen::Map<Plain> {
     swap(other);
     return *this;
   }
-  template <class Derived>
-  Reusable& operator=(const Eigen::EigenBase<Derived>& other) {
+  template <class Derived> Reusable& operator=(const Eigen::EigenBase<Derived>& other) {
     resize(other.rows(), other.cols());
     Map::operator=(other.derived());
     return *this;

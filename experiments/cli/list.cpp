@@ -10,12 +10,12 @@
 namespace orthant {
 namespace {
 
-template <class Entries>
-void print(const char* title, const Entries& entries) {
+template <class Entries> void print(const char* title, const Entries& entries) {
   std::cout << title << '\n';
   for (const auto& entry : entries) {
     std::cout << "  " << entry.name << "\n      " << entry.summary << '\n';
-    if (const std::string options = entry.options(); !options.empty()) std::cout << "      options: " << options << '\n';
+    if (const std::string options = entry.options(); !options.empty())
+      std::cout << "      options: " << options << '\n';
   }
 }
 

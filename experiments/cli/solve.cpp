@@ -52,9 +52,10 @@ int run_solve(const SolveArguments& a) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::string reason = s.status == Status::unsupported ? solver->why_not(problem) : "";
 
-  nlohmann::ordered_json json = {{"status", name(s.status)}, {"residual", s.residual},  {"rounding", s.rounding},
-                                 {"iterations", s.iterations}, {"seconds", seconds},    {"solver", a.solver},
-                                 {"z", list(s.z)},             {"w", list(s.w)},        {"certificate", nullptr}};
+  nlohmann::ordered_json json = {
+      {"status", name(s.status)}, {"residual", s.residual}, {"rounding", s.rounding}, {"iterations", s.iterations},
+      {"seconds", seconds},       {"solver", a.solver},     {"z", list(s.z)},         {"w", list(s.w)},
+      {"certificate", nullptr}};
   if (s.certificate.size() > 0) json["certificate"] = list(s.certificate);
   if (!reason.empty()) json["why_not"] = reason;
   if (a.json) {

@@ -55,7 +55,7 @@ def read_sweep(folder):
 
 
 def read_trajectory(folder, mu):
-    """Adds the contact phases, and the list of touches: (first record, last record, phase, impulse on arrival [N s])."""
+    """Adds contact phases and the list of touches: (first record, last record, phase, impulse on arrival [N s])."""
     parts = [corner + part for face in FACES.values() for corner in face[:2] for part in (".gap", ".impulse_n")]
     path = read_table(folder / f"trajectory_mu{mu:g}_e0.4.csv", ["t", "slider.y", "crank.theta", "energy", *parts])
     path |= {"ms": 1e3 * path["t"], "mm": 1e3 * path["slider.y"], "turns": path["crank.theta"] / (2 * np.pi)}
@@ -68,7 +68,7 @@ def read_trajectory(folder, mu):
         for begin, end in edges.reshape(-1, 2):
             hits = begin + np.flatnonzero(hit[begin:end])
             if hits.size:
-                path["touches"].append((hits[0], hits[-1], phase, impulse[hits[:2]].sum()))  # a record may split an impact
+                path["touches"].append((hits[0], hits[-1], phase, impulse[hits[:2]].sum()))  # records may split it
                 path["phase"][hits[0]:hits[-1] + 1] = phase
     return path
 
@@ -103,7 +103,7 @@ def draw_path(axes, path, x, area):
     ends = [0, *np.flatnonzero(np.diff(path["phase"])), path["t"].size - 1]
     for begin, end in zip(ends, ends[1:]):
         phase, piece = path["phase"][end], slice(begin, end + 1)
-        axes.plot(path[x][piece], path["mm"][piece], color=PHASES[phase][1], linewidth=(2, 3.5, 3.5)[phase], zorder=3)
+        axes.plot(path[x][piece], path["mm"][piece], color=PHASES[phase][1], linewidth=(1.6, 3.5, 3.5)[phase], zorder=3)
     for *_, wall in FACES.values():
         axes.axhspan(wall, 2 * wall, color="#e6e6e6", linewidth=0)
         axes.axhline(wall, color="black", linewidth=1.1)
@@ -165,10 +165,10 @@ def plot_error_vs_step(folder, about):
         axes.set(xscale="log", yscale="log", ylim=(low, high), xlabel="step size h [µs]", ylabel=ERROR,
                  title=f"µ = {mu:g}, e = {e:g}" + (" (ill-conditioned)" if e > 0.8 else ""))
         axes.label_outer()
-    text = (f"Dots: every run ({np.sum(errors < low)} below the frame). Lines: the worst of each octave of h, and its order.\n"
-            "e = 0.9: after about 0.14 s the motion itself magnifies small errors, so no clean order can be expected.")
+    text = (f"Dots: every run, {np.sum(errors < low)} below the frame. Lines: worst of each octave of h, and its order."
+            "\ne = 0.9: after about 0.14 s the motion itself magnifies small errors; no clean order can be expected.")
     figure.text(0.06, 0.015, text, fontsize=8.5, color=GREY)
-    figure.tight_layout(rect=(0, 0.045, 1, 0.995))
+    figure.tight_layout(rect=(0, 0.045, 1, 0.965))
     save(figure, folder / "error_vs_step", "Error against step size", about)
 
 
@@ -198,7 +198,7 @@ def plot_error_vs_time(folder, about):
     axes.set(xscale="log", yscale="log", xlabel="wall time of the 0.2 s motion [s]", ylabel=ERROR,
              title="Bars: errors of all runs whose h is within half an octave, as a single error may be lucky")
     axes.margins(x=0.14, y=0.12)
-    figure.tight_layout(rect=(0, 0.13, 1, 0.99))
+    figure.tight_layout(rect=(0, 0.13, 1, 0.955))
     title = f"What an error costs: µ = {mu:g}, e = {e:g}; one thread, fastest of three runs"
     save(figure, folder / "error_vs_time", title, about, axes.get_legend_handles_labels()[0], columns=2)
 

@@ -20,7 +20,8 @@ Fit fit_order(std::vector<Sample> samples) {
   Fit fit;
   double octave_end = 0;
   for (const Sample& s : samples) {
-    if (!(s.error > 0) || !std::isfinite(s.error)) throw std::invalid_argument("fit_order: an error is not positive and finite");
+    if (!(s.error > 0) || !std::isfinite(s.error))
+      throw std::invalid_argument("fit_order: an error is not positive and finite");
     if (fit.worst.empty() || s.h <= octave_end * (1 + 1e-3)) {  // slack: a step moved to divide the duration
       octave_end = (fit.worst.empty() ? s.h : octave_end) / 2;
       fit.worst.push_back(s);

@@ -15,7 +15,7 @@ struct Sample {
 
 struct Fit {
   double order = 0;
-  double scatter = 0;  // standard deviation of ln(error) about the line: large means "this is no straight line"
+  double scatter = 0;         // standard deviation of ln(error) about the line: large means "this is no straight line"
   std::vector<Sample> worst;  // one per octave, at the step size where it was met; coarse to fine
 };
 
@@ -26,7 +26,7 @@ Fit fit_order(std::vector<Sample> samples);
 struct Ladder {
   double coarsest = 1e-3;  // [s]
   int octaves = 5, steps_per_octave = 16;
-  double duration = 0;     // > 0: each h is moved to the nearest one that divides it
+  double duration = 0;  // > 0: each h is moved to the nearest one that divides it
 };
 std::vector<double> step_sizes(const Ladder& ladder);
 

@@ -2,10 +2,10 @@
 
 #include "orthant_build.h"
 
-#include <CLI/Version.hpp>
-#include <Eigen/Core>
 #include <SuiteSparse_config.h>
 #include <toml++/toml.h>
+#include <CLI/Version.hpp>
+#include <Eigen/Core>
 
 #include <chrono>
 #include <ctime>
@@ -31,8 +31,7 @@ std::string utc_now() {
   return text;
 }
 
-template <class... Numbers>
-std::string version(Numbers... numbers) {
+template <class... Numbers> std::string version(Numbers... numbers) {
   std::string text;
   ((text += (text.empty() ? "" : ".") + std::to_string(numbers)), ...);
   return text;
@@ -48,8 +47,7 @@ nlohmann::ordered_json manifest() {
           {"cores", std::thread::hardware_concurrency()},
           {"packages",
            {{"Eigen", version(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
-            {"SuiteSparse",
-             version(SUITESPARSE_MAIN_VERSION, SUITESPARSE_SUB_VERSION, SUITESPARSE_SUBSUB_VERSION)},
+            {"SuiteSparse", version(SUITESPARSE_MAIN_VERSION, SUITESPARSE_SUB_VERSION, SUITESPARSE_SUBSUB_VERSION)},
             {"nlohmann_json",
              version(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
             {"toml++", version(TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH)},

@@ -11,8 +11,7 @@
 namespace orthant {
 
 /// Calls work(i) for 0 ≤ i < count on `jobs` threads (0: one a core). The first exception is thrown again here.
-template <class Work>
-void parallel_for(std::size_t count, unsigned jobs, Work&& work) {
+template <class Work> void parallel_for(std::size_t count, unsigned jobs, Work&& work) {
   if (jobs == 0) jobs = std::max(1U, std::thread::hardware_concurrency());
   std::atomic<std::size_t> next{0};
   std::exception_ptr error;

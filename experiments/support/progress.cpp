@@ -14,8 +14,11 @@ double since(std::chrono::steady_clock::time_point begin) {
 }  // namespace
 
 Progress::Progress(std::string title, double work)
-    : title_(std::move(title)), total_(work), terminal_(isatty(STDERR_FILENO) == 1),
-      begin_(std::chrono::steady_clock::now()), drawn_(begin_) {}
+    : title_(std::move(title)),
+      total_(work),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      begin_(std::chrono::steady_clock::now()),
+      drawn_(begin_) {}
 
 Progress::~Progress() { draw(true); }
 

@@ -108,7 +108,7 @@ TEST_CASE("friction rows are judged against the bounds of the given z") {
   p.lo[1] = -kInf;
   p.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
   CHECK(verdict(p, Vector{1, 0.5}) == Status::solved);
-  CHECK(verdict(p, Vector{1, 2}) == Status::stalled);    // w_t = 0 but outside the cone
+  CHECK(verdict(p, Vector{1, 2}) == Status::stalled);     // w_t = 0 but outside the cone
   CHECK(verdict(p, Vector{1, -0.5}) == Status::stalled);  // pushes with the motion
   p.b[0] = 1;                                             // open contact, wrong z_t
   CHECK(verdict(p, Vector{0, 0}) == Status::solved);
@@ -126,15 +126,15 @@ TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
   const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});
   CHECK(verdict_on_proof(p, Vector{1, 1}) == Status::infeasible);
   CHECK(verdict_on_proof(as_sparse(p), Vector{1, 1}) == Status::infeasible);
-  CHECK(verdict_on_proof(p, Vector{1, 0.9}) == Status::ray);    // Aᵀu has a positive entry
-  CHECK(verdict_on_proof(p, Vector{-1, -1}) == Status::ray);    // u ≥ 0 is demanded
+  CHECK(verdict_on_proof(p, Vector{1, 0.9}) == Status::ray);  // Aᵀu has a positive entry
+  CHECK(verdict_on_proof(p, Vector{-1, -1}) == Status::ray);  // u ≥ 0 is demanded
   CHECK(verdict_on_proof(p, Vector{0, 0}) == Status::ray);
   CHECK(verdict_on_proof(p, Vector{kNaN, 1}) == Status::ray);
-  CHECK(verdict_on_proof(p, Vector{1}) == Status::ray);         // wrong size
+  CHECK(verdict_on_proof(p, Vector{1}) == Status::ray);                                       // wrong size
   CHECK(verdict_on_proof(pair({1, -1, -1, 1}, Vector{1, -1}), Vector{1, 1}) == Status::ray);  // solvable: bᵀu = 0
   CHECK(verdict_on_proof(scalar(-1, -1), Vector{1}) == Status::infeasible);
   CHECK(verdict_on_proof(scalar(-1e-12, -1e-12), Vector{1}) == Status::infeasible);
-  CHECK(verdict_on_proof(scalar(1e-30, -1), Vector{1}) == Status::ray);  // z = 1e30 solves
+  CHECK(verdict_on_proof(scalar(1e-30, -1), Vector{1}) == Status::ray);                       // z = 1e30 solves
   CHECK(verdict_on_proof(pair({0, 1, 1, -1}, Vector{-1, -2}), Vector{0, 1}) == Status::ray);  // solvable by (3, 1)
 }
 
@@ -143,7 +143,7 @@ TEST_CASE("proofs with free rows, boxes and friction") {
   CHECK(verdict_on_proof(scalar(1e-9, 1, -kInf, kInf), Vector{-1}) == Status::ray);
   CHECK(verdict_on_proof(scalar(0, 1, -kInf, 3), Vector{-1}) == Status::infeasible);  // w ≤ 0 demanded
   CHECK(verdict_on_proof(scalar(0, 1, -kInf, 3), Vector{1}) == Status::ray);
-  CHECK(verdict_on_proof(scalar(-1, -1, 0, 2), Vector{1}) == Status::ray);  // a box row takes either sign of w
+  CHECK(verdict_on_proof(scalar(-1, -1, 0, 2), Vector{1}) == Status::ray);           // a box row takes either sign of w
   CHECK(verdict_on_proof(scalar(-1, 2, 3, kInf), Vector{1}) == Status::infeasible);  // −z + 2 ≥ 0, z ≥ 3
   CHECK(verdict_on_proof(scalar(-1, 4, 3, kInf), Vector{1}) == Status::ray);
 
@@ -222,10 +222,12 @@ TEST_CASE("check() names field, value and rule") {
   CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 0, -0.5}}; }).find("mu = -0.5") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 1, 0.5}}; }).find("normal = 1") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 2, 0.5}}; }).find("normal = 2") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}, {1, 0, 0.5}}; }).find("twice") !=
-        std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[0] = -kInf, q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}}; }).find("lo = -inf") !=
-        std::string::npos);
+  CHECK(broken([](Lcp& q) {
+          q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}, {1, 0, 0.5}};
+        }).find("twice") != std::string::npos);
+  CHECK(broken([](Lcp& q) {
+          q.lo[0] = -kInf, q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}};
+        }).find("lo = -inf") != std::string::npos);
   Lcp sparse = as_sparse(p);
   std::get<RowSparse>(sparse.A).column[0] = 5;
   CHECK(why(sparse).find("column 5") != std::string::npos);

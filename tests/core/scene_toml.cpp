@@ -496,6 +496,7 @@ TEST_CASE("hostile text is refused: deep, long, binary, cut off") {
   CHECK(contains(error_of("[" + repeated("\"a,=\".", many) + "a]"), "nested deeper"));
   CHECK(contains(error_of("[" + repeated("'#[\"'.", many) + "a]"), "nested deeper"));
   CHECK(contains(error_of("s = \"\"\"a\"\"\"\"\"\n[" + repeated("a.", many) + "a]"), "s.toml:2: nested deeper"));
+  CHECK(contains(error_of("x = {s = \"\"\"a\"\"\"\", " + repeated("a.", many) + "a = 1}"), "nested deeper"));
   CHECK(contains(error_of("s = '''\n\\'''\n" + repeated("a.", many) + "a = 1"), "s.toml:3: nested deeper"));
   CHECK(contains(error_of(kCorner, {"contact.foot.mu=" + repeated("[", many)}), "nested deeper"));
   CHECK(contains(error_of(kCorner, {"body.rod." + repeated("a.", many) + "a=1"}), "nested deeper"));

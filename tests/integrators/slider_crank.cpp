@@ -46,10 +46,10 @@ TEST_CASE("ideal mechanism: the symmetric joints converge with order 2, energy w
 }
 
 TEST_CASE("ideal mechanism: classical joints converge with order 1") {
-  const double coarse = std::abs(run(slider_crank_ideal(), kPosition, 2e-5).final.q[kTheta1] -
-                                 IdealSliderCrankExact{}.theta1);
-  const double fine = std::abs(run(slider_crank_ideal(), kPosition, 1e-5).final.q[kTheta1] -
-                               IdealSliderCrankExact{}.theta1);
+  const double coarse =
+      std::abs(run(slider_crank_ideal(), kPosition, 2e-5).final.q[kTheta1] - IdealSliderCrankExact{}.theta1);
+  const double fine =
+      std::abs(run(slider_crank_ideal(), kPosition, 1e-5).final.q[kTheta1] - IdealSliderCrankExact{}.theta1);
   CHECK(std::log2(coarse / fine) == doctest::Approx(1).epsilon(0.1));
 }
 

@@ -203,7 +203,8 @@ TEST_CASE("Lemke never fails on two planar contacts with friction, tied, doubled
     for (double& entry : W.reshaped()) entry *= 1 + noise * random.normal();
     Eigen::VectorXd inverse_mass(3);
     inverse_mass << 1, 1, spin;
-    const Eigen::VectorXd v = Eigen::Vector3d(random.normal(), random.normal() - 0.5, trial % 7 == 0 ? 0 : random.normal());
+    const Eigen::VectorXd v =
+        Eigen::Vector3d(random.normal(), random.normal() - 0.5, trial % 7 == 0 ? 0 : random.normal());
     Lcp p;
     p.A = DenseMatrix(W * (inverse_mass / mass).asDiagonal() * W.transpose());
     p.b = Vector(W * v * (trial % 11 == 0 ? 0.0 : 1.0));

@@ -63,6 +63,7 @@ TEST_CASE("random integer problems: Lemke's answers stand, its proofs agree with
     const Tally tally = storm("lemke", kinds, 2000, ++seed);
     MESSAGE(what, ": solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
+    CHECK(tally.missed == 0);
     CHECK(tally.solved > 400);
     CHECK(tally.infeasible > 100);
   }
@@ -111,7 +112,7 @@ TEST_CASE("contacts with strong friction, sparse bodies: Lemke finds a solution 
     REQUIRE(truth.status != Status::solved);
   }
   MESSAGE("solved ", solved, ", without a solution ", none);
-  CHECK(solved > 4000);
+  CHECK(solved > 3000);
 }
 
 TEST_CASE("the oracle finds every isolated solution") {

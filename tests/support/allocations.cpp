@@ -6,14 +6,14 @@
 
 // The linker turns malloc(…) into __wrap_malloc(…) and __real_malloc(…) into malloc(…): tests/CMakeLists.txt.
 extern "C" {
-void* __real_malloc(std::size_t size);                                      // NOLINT: the linker's names
-void* __real_calloc(std::size_t count, std::size_t size);                   // NOLINT
-void* __real_realloc(void* memory, std::size_t size);                       // NOLINT
-void* __real_aligned_alloc(std::size_t alignment, std::size_t size);        // NOLINT
-void* __wrap_malloc(std::size_t size);                                      // NOLINT
-void* __wrap_calloc(std::size_t count, std::size_t size);                   // NOLINT
-void* __wrap_realloc(void* memory, std::size_t size);                       // NOLINT
-void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size);        // NOLINT
+void* __real_malloc(std::size_t size);                                // NOLINT: the linker's names
+void* __real_calloc(std::size_t count, std::size_t size);             // NOLINT
+void* __real_realloc(void* memory, std::size_t size);                 // NOLINT
+void* __real_aligned_alloc(std::size_t alignment, std::size_t size);  // NOLINT
+void* __wrap_malloc(std::size_t size);                                // NOLINT
+void* __wrap_calloc(std::size_t count, std::size_t size);             // NOLINT
+void* __wrap_realloc(void* memory, std::size_t size);                 // NOLINT
+void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size);  // NOLINT
 }
 
 namespace {

@@ -1,0 +1,106 @@
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+
+using namespace orthant;
+
+namespace {
+
+template <class F> std::string error(const F& f) {
+  try {
+    f();
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+  return "";
+}
+
+Lcp murty(Index n) {
+  Eigen::MatrixXd L = Eigen::MatrixXd::Identity(n, n);
+  L.triangularView<Eigen::StrictlyLower>().setConstant(2);
+  return Lcp::standard(DenseMatrix(L), Vector(Eigen::VectorXd::Constant(n, -1)));
+}
+
+}  // namespace
+
+TEST_CASE("solvers are made by name; a wrong name or option is answered with the right ones") {
+  for (const SolverEntry& entry : solvers()) {
+    CHECK(make_solver(entry.name) != nullptr);
+    CHECK_FALSE(entry.options().empty());
+  }
+  const std::string unknown = error([] { make_solver("simplex"); });
+  for (const SolverEntry& entry : solvers()) CHECK(unknown.find(entry.name) != std::string::npos);
+  CHECK(error([] { make_solver("pgs:omega=3"); }).find("omega") != std::string::npos);
+  CHECK(error([] { make_solver("pgs:speed=3"); }).find("max_sweeps") != std::string::npos);
+  CHECK(error([] { make_solver("lemke:rescue=maybe"); }).find("true or false") != std::string::npos);
+  CHECK(error([] { make_solver("pgs:omega=1.3,max_sweeps=50"); }) == "");
+}
+
+TEST_CASE("data that are not finite give numerical_error, a malformed problem throws: every solver") {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (const SolverEntry& entry : solvers()) {
+    INFO(entry.name);
+    const auto solver = make_solver(entry.name);
+    Solution s;
+    for (const double bad : {kNaN, kInf, -kInf}) {
+      Lcp p = murty(3);
+      p.b[1] = bad;
+      CHECK(solver->solve(p, s).status == Status::numerical_error);
+      p = murty(3);
+      std::get<DenseMatrix>(p.A)(2, 0) = bad;
+      CHECK(solver->solve(p, s).status == Status::numerical_error);
+      CHECK(solver->solve(as_sparse(p), s).status == Status::numerical_error);
+      CHECK(s.z.size() == 3);
+    }
+    Lcp p = murty(3);
+    p.lo = Vector{0};
+    CHECK(error([&] { solver->solve(p, s); }).find("lo has 1 entries") != std::string::npos);
+    CHECK(solver->solve(murty(3), s).status == Status::solved);  // and is none the worse for it
+  }
+}
+
+TEST_CASE("no rows: solved; huge numbers: solved or an error, never NaN called solved") {
+  for (const SolverEntry& entry : solvers()) {
+    INFO(entry.name);
+    const auto solver = make_solver(entry.name);
+    Solution s;
+    CHECK(solver->solve(Lcp::standard(DenseMatrix(), Vector()), s).status == Status::solved);
+    for (const double size : {1e-300, 1e-160, 1e160, 1e300}) {
+      Lcp p = murty(3);
+      std::get<DenseMatrix>(p.A) *= size;
+      solver->solve(p, s);
+      if (s.status == Status::solved) CHECK(s.z.allFinite());
+      p.b *= size;
+      solver->solve(p, s);
+      if (s.status == Status::solved) CHECK((s.z - Eigen::Vector3d(1, 0, 0)).lpNorm<Eigen::Infinity>() < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("a time limit and a raised flag end a run") {
+  Eigen::Matrix2d slow;  // a light block under one of 1e9 its mass: projected Gauss-Seidel takes 1e10 sweeps
+  slow << 1, -1, -1, 1 + 1e-9;
+  const struct {
+    std::string spec;
+    Lcp problem;
+  } cases[] = {{"lemke:max_pivots=1000000000", murty(40)},
+               {"pgs:max_sweeps=1000000000", Lcp::standard(DenseMatrix(slow), Vector{-1, 0})}};
+  for (const auto& [spec, problem] : cases) {
+    INFO(spec);
+    const auto solver = make_solver(spec);
+    Solution s;
+    solver->set_time_limit(0.05);
+    const auto begin = std::chrono::steady_clock::now();
+    solver->solve(problem, s);
+    CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(2));
+    CHECK(s.status == Status::time_limit);
+    CHECK(s.residual > 0);
+    solver->set_time_limit(kInf);
+    const std::atomic<bool> cancel{true};
+    solver->set_cancel(&cancel);
+    CHECK(solver->solve(problem, s).status == Status::cancelled);
+  }
+}
