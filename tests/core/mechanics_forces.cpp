@@ -43,7 +43,8 @@ VectorXd force(const System& system, const VectorXd& q, const VectorXd& v, doubl
 }
 
 template <class Claim> void for_all_springs(Claim&& claim) {
-  for (const auto& [a, b] : kPairs)
+  for (const auto& pair : kPairs) {
+    const BodyId a = pair.first, b = pair.second;  // names that a lambda may capture
     for (std::size_t kind = 0; kind < 2; ++kind)
       for (int seed = 0; seed < 20; ++seed) {
         CAPTURE(a);
@@ -53,6 +54,7 @@ template <class Claim> void for_all_springs(Claim&& claim) {
         Random random(static_cast<std::uint64_t>(seed));
         claim(springs(a, b, random)[kind], random);
       }
+  }
 }
 
 }  // namespace

@@ -136,7 +136,8 @@ void assemble(Distance& j, const VectorXd& q) {
 /// Each kind between two bodies either way round and with the ground, at random states.
 template <class Element, std::size_t N, class Claim> void for_all(const Kind<Element> (&kinds)[N], Claim&& claim) {
   for (const auto& kind : kinds)
-    for (const auto& [a, b] : kPairs)
+    for (const auto& pair : kPairs) {
+      const BodyId a = pair.first, b = pair.second;  // names that a lambda may capture
       for (int seed = 0; seed < kSeeds; ++seed) {
         CAPTURE(kind.name);
         CAPTURE(a);
@@ -145,6 +146,7 @@ template <class Element, std::size_t N, class Claim> void for_all(const Kind<Ele
         Random random(static_cast<std::uint64_t>(seed));
         claim(kind.make(a, b, random), random);
       }
+    }
 }
 
 VectorXd residual(const System& system, const VectorXd& q) {
