@@ -29,6 +29,7 @@ class Formulation {
                  const Eigen::VectorXd& joint_rate);
 
   const Lcp& problem() const { return lcp_; }
+  void clear() { lcp_.b.resize(0); }  // no problem, until the next is built
 
   /// v += B Jᵀ z, and the contacts' impulses; those of open contacts are zero.
   void advance(const Terms& terms, const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;

@@ -19,6 +19,7 @@ MoreauJean::MoreauJean(const System& system, const Options& options)
 
 StepReport MoreauJean::step(double h, Solver& solver, State& x) {
   StepReport report;
+  formulation_.clear();
   if (!free_flight(h, x)) {
     report.status = Status::numerical_error;
     return report;

@@ -86,6 +86,7 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
     const StepReport report = integrator.step(k < whole ? clock.step : rest, solver, x);
     if (report.status != Status::solved) {
       run.status = report.status;
+      if (k % clock.every != 0) recording.write(x, report, integrator.gaps());  // where it ended, if not there already
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding

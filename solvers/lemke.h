@@ -26,7 +26,7 @@
 namespace orthant {
 
 struct LemkeOptions {
-  double tolerance = 1e-12;  // [b] accepted residual relative to ‖b‖∞; rounding level is accepted in any case
+  double tolerance = 1e-10;  // [b] accepted residual relative to ‖b‖∞; rounding level is accepted in any case
   int max_pivots = 0;        // 0: 20000 + 100 n
   bool rescue = true;        // on rejection: proof search, higher precision, other forms and paths
   template <class V> void visit(V&& v) {

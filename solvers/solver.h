@@ -48,6 +48,8 @@ class Solver {
   virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
 
   Judge judge_;
+  Solution best_;  // over the attempts of one solve
+  Vector scratch_;
   Budget budget_;
   double time_limit_ = kInf;
   const std::atomic<bool>* cancel_ = nullptr;

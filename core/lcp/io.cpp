@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 
 namespace orthant {
@@ -85,6 +86,29 @@ class Reader {
   const std::string& file_;
   std::string path_;
   const Json& json_;
+};
+
+/// Refuses while parsing what would be lost or too much: a key twice in one object, brackets deeper than the format.
+class StrictShape {
+ public:
+  explicit StrictShape(const std::string& file) : file_(&file) {}
+  bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
+    if (depth > 8) throw std::runtime_error(*file_ + ": brackets nested deeper than a problem file has them");
+    const auto level = static_cast<std::size_t>(depth);
+    if (event == Json::parse_event_t::object_start) {
+      keys_.resize(level + 2);
+      keys_[level + 1].clear();
+    } else if (event == Json::parse_event_t::key) {
+      if (level < keys_.size() && !keys_[level].insert(parsed.get<std::string>()).second)
+        throw std::runtime_error(*file_ + ": " + parsed.get<std::string>().substr(0, 60) +
+                                 " stands twice in one object");
+    }
+    return true;
+  }
+
+ private:
+  const std::string* file_;
+  std::vector<std::set<std::string>> keys_;  // per depth
 };
 
 Vector to_vector(const std::vector<double>& values) {
@@ -185,9 +209,10 @@ Json matrix_of(const Delassus& A) {
 Lcp parse_problem(std::string_view text, const std::string& name) {
   Json json;
   try {
-    json = Json::parse(text);
+    json = Json::parse(text, StrictShape(name));
   } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(name + ": no JSON: " + error.what());
+    const std::string words = error.what();  // "[json.exception.parse_error.101] parse error at …"
+    throw std::runtime_error(name + ": no JSON: " + words.substr(std::min(words.size(), words.find("] ") + 2)));
   }
   const Reader r(name, "", json);
   r.only({"format", "version", "A", "b", "lo", "hi", "friction", "note"});
@@ -218,9 +243,9 @@ Lcp parse_problem(std::string_view text, const std::string& name) {
 }
 
 Lcp read_problem(const fs::path& file) {
+  check_readable(file);
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error(file.string() + ": cannot read: " + std::strerror(errno));
-  if (fs::is_directory(file)) throw std::runtime_error(file.string() + ": cannot read: is a folder");
   std::error_code none;
   if (fs::file_size(file, none) > kLargestFile && !none)
     throw std::runtime_error(file.string() + ": is larger than 4 GiB");

@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 }
 
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{4} << 30;
+constexpr std::size_t kLongestLine = 1000;
 
 /// A file's text, once everything is checked that CHOLMOD's reader takes on trust or guesses: without a banner it guesses
 /// the format, patterns it fills with numbers of its own, an index 0 makes it count from 0, a missing value it makes up.
@@ -40,7 +41,7 @@ struct Text {
 class Checker {
  public:
   explicit Checker(const fs::path& file) : file_(file) {
-    if (fs::is_directory(file)) refuse(file, "cannot read: is a folder");
+    check_readable(file);
     errno = 0;
     std::ifstream in(file, std::ios::binary);
     if (!in) refuse(file, std::string("cannot read: ") + std::strerror(errno));
@@ -68,6 +69,9 @@ class Checker {
       begin_ = position_;
       const auto end = std::min(result_.text.find('\n', begin_), result_.text.size());
       position_ = end + 1;
+      if (end - begin_ > kLongestLine)  // CHOLMOD reads longer ones in pieces, and takes each piece for a line
+        refuse_line("has " + std::to_string(end - begin_) + " characters: must have at most " +
+                    std::to_string(kLongestLine));
       words_.clear();
       const std::string_view line(result_.text.data() + begin_, end - begin_);
       for (std::size_t i = 0; i < line.size();) {
@@ -144,7 +148,12 @@ class Checker {
       if (++found > entries_) refuse_line("one entry more than announced: " + std::to_string(entries_));
       if (words_.size() != (result_.dense ? 1U : 3U))
         refuse_line(result_.dense ? "must hold one number" : "must hold row column value");
-      if (!result_.dense) whole(words_[0], "row", 1, rows_), whole(words_[1], "column", 1, cols_);
+      if (!result_.dense) {
+        const auto row = whole(words_[0], "row", 1, rows_), column = whole(words_[1], "column", 1, cols_);
+        if (symmetry_ != "general" && (row < column || (row == column && symmetry_ != "symmetric")))
+          refuse_line("entry (" + std::to_string(row) + ", " + std::to_string(column) + "): " + symmetry_ +
+                      " files hold entries " + (symmetry_ == "symmetric" ? "on or " : "") + "below the diagonal only");
+      }
       const std::string value(words_.back());
       char* end = nullptr;
       std::strtod(value.c_str(), &end);
@@ -267,14 +276,23 @@ Matrix read_matrix_market(const fs::path& file) {
 }
 
 Vector read_matrix_market_vector(const fs::path& file) {
-  std::string text = Checker(file).check().text;
+  Text text = Checker(file).check();
   Vector result;
-  read<cholmod_dense>(file, text, 2, CHOLMOD_DENSE, [&](const cholmod_dense& x, cholmod_common&) {
+  const auto take = [&](const cholmod_dense& x, cholmod_common&) {
     if ((x.ncol != 1 && x.nrow != 1) || x.ncol * x.nrow == 0)
       refuse(file, "is " + std::to_string(x.nrow) + " x " + std::to_string(x.ncol) + ": must be one column");
     result = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(x.x), static_cast<Index>(x.nrow * x.ncol));
     for (Index i = 0; i < result.size(); ++i) check_number(file, i, 0, result[i], true);
-  });
+  };
+  if (text.dense)
+    read<cholmod_dense>(file, text.text, 2, CHOLMOD_DENSE, take);
+  else
+    read<cholmod_sparse>(file, text.text, 1, CHOLMOD_SPARSE, [&](cholmod_sparse& x, cholmod_common& common) {
+      const auto free = [&common](cholmod_dense* dense) { cholmod_free_dense(&dense, &common); };
+      const std::unique_ptr<cholmod_dense, decltype(free)> dense(cholmod_sparse_to_dense(&x, &common), free);
+      if (!dense) refuse(file, "too large for the memory at hand");
+      take(*dense, common);
+    });
   return result;
 }
 

@@ -23,7 +23,8 @@ std::string_view name(Status status);
 
 struct Solution {  // reuse it: the second solve of a size allocates nothing
   Status status = Status::not_run;
-  double residual = kInf;  // max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|, d_i = max(1, |A_ii|)  [units of w]
+  double residual =
+      kInf;  // max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|, d_i = max(1, max_j |A_ji|)  [units of w]
   double rounding = 0;  // ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|): w cannot be known below it            [units of w]
   int iterations = 0;
   Vector z, w;         // n; w = A z + b recomputed from the caller's data

@@ -4,9 +4,19 @@
 #include <exception>
 #include <iostream>
 
+namespace {
+
+/// Messages quote input, and input may hold line ends: one error stays one line.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
+  return text;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   CLI::App app("Orthant: linear complementarity problems and nonsmooth mechanics");
-  app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 solved, 1 bad input, 2 proved infeasible, 3 not solved.\n"
       "Examples:\n"
@@ -19,10 +29,11 @@ int main(int argc, char** argv) {
   orthant::add_list(app, exit_code);
   try {
     app.parse(argc, argv);
+    if (app.get_subcommands().empty()) throw std::invalid_argument("a subcommand is needed: solve, simulate or list");
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const std::exception& error) {  // a bad command line or bad input: one line
-    std::cerr << "orthant: " << error.what() << '\n';
+    std::cerr << "orthant: " << one_line(error.what()) << '\n';
     return 1;
   }
   return exit_code;

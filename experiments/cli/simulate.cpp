@@ -52,9 +52,13 @@ void dump_failed_step(const SimulateArguments& arguments, const Integrator& inte
   }
   const auto folder = std::filesystem::path(arguments.output).parent_path();
   const auto file = folder / ("failed_step_" + std::to_string(run.steps + 1) + ".json");
-  write_problem(file, integrator.problem(),
-                "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver);
-  std::cerr << "; its problem is in " << file.string() << " (orthant solve replays it)\n";
+  try {
+    write_problem(file, integrator.problem(),
+                  "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver);
+    std::cerr << "; its problem is in " << file.string() << " (orthant solve replays it)\n";
+  } catch (const std::exception& error) {  // the run's own result is not lost with it
+    std::cerr << "; its problem could not be kept: " << error.what() << '\n';
+  }
 }
 
 int run_simulate(const SimulateArguments& arguments) {

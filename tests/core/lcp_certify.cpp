@@ -160,7 +160,12 @@ TEST_CASE("proofs with free rows, boxes and friction") {
   contact.friction[0].mu = 1.1;
   CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::ray);
   contact.friction[0].mu = 0.9;
-  CHECK(verdict_on_proof(contact, Vector{1, 0.1}) == Status::ray);  // u = 0 on friction rows
+  // u = 0 on friction rows, whose w has either sign: (1, ½) slides and solves this, w_T < 0, whatever (0, 1) "proves".
+  Lcp slides = pair({1, 0, -1, 1}, Vector{-1, -5});
+  slides.lo[1] = -kInf;
+  slides.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  CHECK(verdict(slides, Vector{1, 0.5}) == Status::solved);
+  CHECK(verdict_on_proof(slides, Vector{0, 1}) == Status::ray);
 }
 
 TEST_CASE("a proof cannot stand beside a solution: random u on solvable problems") {

@@ -144,6 +144,54 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   }
 }
 
+TEST_CASE("files that are taken for something else are refused, or read as what they say") {
+  const Folder folder;
+  const std::string banner = "%%MatrixMarket matrix coordinate real ";
+  folder.write("long.mtx", banner + "general\n%" + std::string(1100, ' ') + "9 9 9\n1 1 1\n1 1 2\n");
+  folder.write("upper.mtx", banner + "symmetric\n2 2 3\n1 1 2\n1 2 1\n2 2 2\n");
+  folder.write("skew.mtx", banner + "skew-symmetric\n2 2 1\n1 1 5\n");
+  folder.write("M.mtx", banner + "symmetric\n2 2 3\n1 1 2\n2 1 1\n2 2 2\n");
+  folder.write("q.mtx", banner + "general\n2 1 1\n1 1 -3\n");
+  folder.write("nested.json", R"({"format": "orthant-lcp", "version": 1, "b": )" + std::string(100000, '[') + "1");
+  folder.write("twice.json", R"({"format": "orthant-lcp", "version": 1, "b": [1], "b": [2]})");
+  for (const char* arguments : {"solve --matrix long.mtx --vector q.mtx", "solve --matrix upper.mtx --vector q.mtx",
+                                "solve --matrix skew.mtx --vector q.mtx", "solve nested.json", "solve twice.json",
+                                "solve /dev/zero", "solve .", "simulate slider_crank --set 'a\nb=1'"}) {
+    CAPTURE(arguments);
+    const Answer a = folder.orthant(arguments);
+    CAPTURE(a.err);
+    CHECK(a.exit_code == 1);
+    CHECK(lines(a.err) == 1);
+  }
+  const Answer good = folder.orthant("solve --matrix M.mtx --vector q.mtx --json");
+  CHECK(good.exit_code == 0);
+  CHECK(nlohmann::json::parse(good.out).at("z") == nlohmann::json::parse("[1.5, 0.0]"));
+}
+
+TEST_CASE("output goes through a link to its target, and never replaces a device") {
+  const Folder folder;
+  folder.write("target.csv", "old");
+  fs::create_symlink("target.csv", folder.path / "link.csv");
+  CHECK(folder.orthant("simulate slider_crank --step 1e-3 --output link.csv").exit_code == 0);
+  CHECK(fs::is_symlink(folder.path / "link.csv"));
+  CHECK(slurp(folder / "target.csv").starts_with("t,crank.x"));
+  const Answer a = folder.orthant("simulate slider_crank --step 1e-3 --output /dev/null");
+  CHECK(a.exit_code == 1);
+  CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("a failed run ends its record with the state it reached") {
+  const Folder folder;
+  const Answer a =
+      folder.orthant("simulate slider_crank --solver pgs:max_sweeps=1 --step 1e-5 --every 1000 --output x.csv --json");
+  CHECK(a.exit_code == 3);
+  const auto json = nlohmann::json::parse(a.out);
+  CHECK(json.at("final").at("t").get<double>() ==
+        doctest::Approx(1e-5 * json.at("steps").get<double>()).epsilon(1e-12));
+  const std::string csv = slurp(folder / "x.csv");
+  CHECK(csv.find("\n" + json.at("final").at("t").dump() + ",") != std::string::npos);
+}
+
 TEST_CASE("orthant list names everything, with options") {
   const Folder folder;
   const Answer a = folder.orthant("list");

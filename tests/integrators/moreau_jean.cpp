@@ -158,6 +158,10 @@ TEST_CASE("a failed solve leaves the state as it was and keeps the problem") {
   Solution replay;
   CHECK(make_solver("lemke")->solve(scheme.problem(), replay).status == Status::solved);
 
+  x.q[1] = 5;  // open: a step without a problem does not show the one before
+  REQUIRE(scheme.step(1e-3, solver, x).status == Status::solved);
+  CHECK(scheme.problem().size() == 0);
+
   const Run r = simulate(scheme, solver, {.step = 1e-3, .duration = 1, .every = 1});
   CHECK(r.status == Status::stalled);
   CHECK(r.steps == 0);

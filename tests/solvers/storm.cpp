@@ -127,6 +127,14 @@ TEST_CASE("the oracle finds every isolated solution") {
   }
 }
 
+TEST_CASE("the oracle solves by a singular basis, but does not list it as isolated") {
+  const Lcp p = Lcp::standard(DenseMatrix(Vector{0, 0, 1, 0}.reshaped(2, 2)), Vector{-1, 0});  // w₁ = z₂ − 1, w₂ = 0
+  Enumerate oracle;
+  Solution s;
+  CHECK(oracle.solve(p, s).status == Status::solved);
+  CHECK(oracle.all(p).empty());
+}
+
 TEST_CASE("P-matrices: the sum of sgn det over all solutions is 1, so there is exactly one") {
   Random random(400);
   Enumerate oracle;
