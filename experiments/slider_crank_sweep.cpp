@@ -152,6 +152,13 @@ void run(const Plan& plan, const std::string& command_line) {
   for (const double mu : {0.0, 0.01, 0.1}) write_trajectory(plan, mu, 0.4);
   auto about = manifest();
   about["command"] = command_line;
+  about["options"] = {{"integrators", plan.integrators},
+                      {"solver", plan.solver},
+                      {"jobs", plan.jobs},
+                      {"quick", plan.quick},
+                      {"coarsest_step", plan.ladder.coarsest},
+                      {"octaves", plan.ladder.octaves},
+                      {"steps_per_octave", plan.ladder.steps_per_octave}};
   write_whole(plan.output / "manifest.json", about.dump(2) + "\n");
   std::cout << orders(cases) << kHeader;
   for (const Case& c : timed) std::cout << row(c);

@@ -4,6 +4,7 @@
 #include "../support/trajectory.h"
 
 #include <orthant/core/lcp/io.h>
+#include <orthant/core/mechanics/terms.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/integrators/registry.h>
@@ -61,7 +62,32 @@ void dump_failed_step(const SimulateArguments& arguments, const Integrator& inte
   }
 }
 
+/// A start that breaks the scene's own constraints is run all the same, but not without a word.
+void warn_of_start(const System& system) {
+  constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
+  const State x = system.initial_state();
+  Terms terms(system);
+  set_poses(system, x.q, terms.at);
+  evaluate_joint_residual(system, terms);
+  evaluate_joint_rows(system, terms);
+  evaluate_gaps(system, terms);
+  double rate = 0;
+  for (const Row& row : terms.G) rate = std::max(rate, std::abs(apply(row, x.v.data())));
+  const auto warn = [](const char* what, double size, const char* unit, const char* then) {
+    std::cerr << "orthant: warning: at the start " << what << " by " << size << " " << unit << ": " << then << '\n';
+  };
+  if (const double off = terms.phi.size() > 0 ? terms.phi.lpNorm<Eigen::Infinity>() : 0; off > kSmall)
+    warn("joints are off", off, "m or rad", "the first step moves the bodies");
+  if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
+    warn("velocities break joints", rate, "m/s or rad/s", "the first step changes them");
+  if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff() : 0; deep > kSmall)
+    warn("contacts penetrate", deep, "m", "nothing pushes them apart");
+}
+
 int run_simulate(const SimulateArguments& arguments) {
+  for (const std::string& set : arguments.sets)
+    if (set.find('=') == std::string::npos)
+      throw std::invalid_argument("--set '" + set + "': must have the form KEY=VALUE");
   const System system(make_scene(arguments.scene, arguments.sets));
   const auto integrator = make_integrator(arguments.integrator, system);
   const auto solver = make_solver(arguments.solver);
@@ -69,6 +95,7 @@ int run_simulate(const SimulateArguments& arguments) {
   const Clock clock{arguments.step.value_or(scene.step), arguments.duration.value_or(scene.duration), arguments.every};
   if (!arguments.output.empty()) check_writable(arguments.output);
 
+  warn_of_start(system);
   const auto columns = trajectory_columns(scene);
   std::vector<double> table, last;
   const Run run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {

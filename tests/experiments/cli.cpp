@@ -104,7 +104,7 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   folder.write("nan.mtx", "%%MatrixMarket matrix array real general\n1 1\nnan\n");
   folder.write("q1.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
 
-  const std::array<std::array<std::string, 2>, 20> bad = {{
+  const std::array<std::array<std::string, 2>, 21> bad = {{
       {"simulate no_such_scene", "no_such_scene"},
       {"simulate missing.toml", "missing.toml"},
       {"simulate negative.toml", "mass"},
@@ -120,6 +120,7 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
       {"simulate slider_crank --every 0", "every"},
       {"simulate slider_crank --set mu=-1", "mu"},
       {"simulate slider_crank --set nu=1", "nu"},
+      {"simulate slider_crank --set mu", "KEY=VALUE"},
       {"simulate slider_crank --solver nobody", "nobody"},
       {"simulate slider_crank --integrator nobody", "nobody"},
       {"simulate slider_crank --output no/such/folder.csv", "no/such"},
@@ -190,6 +191,17 @@ TEST_CASE("a failed run ends its record with the state it reached") {
         doctest::Approx(1e-5 * json.at("steps").get<double>()).epsilon(1e-12));
   const std::string csv = slurp(folder / "x.csv");
   CHECK(csv.find("\n" + json.at("final").at("t").dump() + ",") != std::string::npos);
+}
+
+TEST_CASE("a start that breaks its own joints is run, with a warning") {
+  const Folder folder;
+  folder.write("apart.toml",
+               "duration = 0.01\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n"
+               "[[joint]]\ntype = 'revolute'\nbodies = ['ground', 'b']\npoint_a = [5, 0]\npoint_b = [0, 0]\n");
+  const Answer a = folder.orthant("simulate apart.toml --json");
+  CHECK(a.exit_code == 0);
+  CHECK(a.err.find("warning: at the start joints are off by 5 m") != std::string::npos);
+  CHECK(folder.orthant("simulate slider_crank --step 1e-3").err.empty());
 }
 
 TEST_CASE("orthant list names everything, with options") {
