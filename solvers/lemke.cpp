@@ -224,6 +224,8 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   const bool slow = claim == Status::iteration_limit;  // quadruple precision would be slower still
   const bool small = problem.size() <= 100;
   while (++work.stage <= 5 + kRestarts) {
+    // A residual that would do: more digits may find the right basis, but other forms and paths are not called for.
+    if (work.stage > 2 && s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>()) return false;
     switch (work.stage) {
       case 1:
       case 4:

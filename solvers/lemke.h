@@ -45,6 +45,7 @@ class Lemke final : public Solver {
   Status run(const Lcp& problem, Solution& s, Start start) override;
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
 
   Options options_;
   struct Work;  // scratch: it never changes an answer

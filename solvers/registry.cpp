@@ -1,8 +1,13 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
+#include <orthant/solvers/block_pivot.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/lemke.h>
+#include <orthant/solvers/lemke_howson.h>
+#include <orthant/solvers/murty.h>
+#include <orthant/solvers/newton_fb.h>
+#include <orthant/solvers/newton_min.h>
 #include <orthant/solvers/pgs.h>
 
 #include <stdexcept>
@@ -22,6 +27,16 @@ template <class S> std::string options() { return describe(typename S::Options{}
 constexpr SolverEntry kSolvers[] = {
     {"lemke", "lexicographic Lemke pivoting; ends on a solution or a ray", &make<Lemke>, &options<Lemke>},
     {"pgs", "projected Gauss-Seidel sweeps, friction rows included; A_ii > 0", &make<Pgs>, &options<Pgs>},
+    {"murty", "principal pivoting by the least index; finite for P-matrices, boxes and free rows", &make<Murty>,
+     &options<Murty>},
+    {"block-pivot", "block principal pivoting, dense and sparse; P-matrices, boxes and free rows", &make<BlockPivot>,
+     &options<BlockPivot>},
+    {"newton-min", "semismooth Newton on the minimum map, dense and sparse; line search, Levenberg-Marquardt",
+     &make<NewtonMin>, &options<NewtonMin>},
+    {"newton-fb", "semismooth Newton on Fischer-Burmeister, dense and sparse; line search, Levenberg-Marquardt",
+     &make<NewtonFb>, &options<NewtonFb>},
+    {"lemke-howson", "equilibria of bimatrix games [0, A; B^T, 0] with costs > 0", &make<LemkeHowson>,
+     &options<LemkeHowson>},
     {"enumerate", "every basis in turn, at most 16 complementary rows; the oracle of the tests", &make<Enumerate>,
      &options<Enumerate>},
 };

@@ -46,6 +46,9 @@ class Solver {
   /// harder, whose claim is judged in turn. `attempt` counts 1, 2, …
   virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Status& /*claim*/) { return false; }
   virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
+  /// Residual below which no further attempt is made. A method that should reach more than is asked for says so here:
+  /// an answer between the two is taken only when its further attempts do no better.
+  virtual double goal() const { return tolerance(); }
 
   Judge judge_;
   Solution best_;  // over the attempts of one solve

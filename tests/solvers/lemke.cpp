@@ -129,15 +129,16 @@ TEST_CASE("Lemke is exact to the bit on Hilbert's matrix: refinement goes on unt
 }
 
 TEST_CASE("Lemke: joints that say the same twice, in numbers that do not cancel exactly") {
-  // min ½|x − p|², G x = d, x ≥ 0 with dependent rows in G: the plain method, in double precision.
+  // min ½|x − p|², G x = d, with dependent rows in G, some x ≥ 0 and some free.
   Random random(17);
-  Lemke lemke(LemkeOptions{.rescue = false});
+  Lemke lemke, plain(LemkeOptions{.rescue = false});
   Solution s;
-  for (int trial = 0; trial < 300; ++trial) {
-    const Index n = random.integer(3, 6), rank = random.integer(1, 2), rows = rank + random.integer(1, 3);
+  int missed = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Index n = random.integer(3, 20), rank = random.integer(1, 6), rows = rank + random.integer(1, 8);
     Eigen::MatrixXd basis(rank, n), mix(rows, rank);
     for (double& value : basis.reshaped()) value = random.normal();
-    for (double& value : mix.reshaped()) value = random.normal();
+    for (double& value : mix.reshaped()) value = random.normal() * (random.integer(0, 3) == 0 ? 1e3 : 1);
     const Eigen::MatrixXd G = mix * basis;
     Eigen::VectorXd x(n), p(n);
     for (double& value : x) value = std::max(0.0, random.normal());
@@ -150,11 +151,15 @@ TEST_CASE("Lemke: joints that say the same twice, in numbers that do not cancel 
     b << -p, -G * x;
     Lcp problem = Lcp::standard(DenseMatrix(A), Vector(b));
     problem.lo.tail(rows).setConstant(-kInf);
+    for (Index i = 0; i < n; ++i)
+      if (random.integer(0, 1) == 1) problem.lo[i] = -kInf;
     lemke.solve(problem, s);
     INFO("trial ", trial, ", n ", n, ", rank ", rank, " of ", rows, ": ", name(s.status), ", residual ", s.residual);
     REQUIRE(s.status == Status::solved);
     REQUIRE(independent_residual(problem, s.z) < 1e-12);
+    missed += plain.solve(problem, s).status != Status::solved;
   }
+  CHECK(missed <= 4);  // noise taken for data: 2 in 4000 with dependent rows cleaned, 65 without
 }
 
 TEST_CASE("Lemke: the order of the rows does not change a bit of a unique solution") {
@@ -162,9 +167,10 @@ TEST_CASE("Lemke: the order of the rows does not change a bit of a unique soluti
   for (int trial = 0; trial < 200; ++trial) {
     const Index n = random.integer(2, 12);
     Lcp p = random_spd_problem(n, random);
-    if (trial % 2 == 1) {  // condition about 1e8: the first step of refinement is not enough
-      const Eigen::VectorXd x = Eigen::VectorXd::NullaryExpr(n, [&] { return random.normal(); });
-      std::get<DenseMatrix>(p.A) += 1e8 * x * x.transpose();
+    if (trial % 2 == 1) {  // nearly singular, condition about 1e10: one step of refinement is not enough
+      const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(n / 2, n, [&] { return random.normal(); });
+      const Eigen::MatrixXd A = B.transpose() * B + 1e-9 * Eigen::MatrixXd::Identity(n, n);
+      p = Lcp::standard(DenseMatrix(A), Vector(A * Eigen::VectorXd::NullaryExpr(n, [&] { return -random.uniform(); })));
     }
     const auto order = shuffled(n, random);
     const Vector z = solved(p), y = solved(permuted(p, order));

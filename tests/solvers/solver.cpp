@@ -58,7 +58,8 @@ TEST_CASE("data that are not finite give numerical_error, a malformed problem th
     Lcp p = murty(3);
     p.lo = Vector{0};
     CHECK(error([&] { solver->solve(p, s); }).find("lo has 1 entries") != std::string::npos);
-    CHECK(solver->solve(murty(3), s).status == Status::solved);  // and is none the worse for it
+    const Status after = solver->solve(murty(3), s).status;  // and is none the worse for it
+    CHECK(after == (solver->why_not(murty(3)).empty() ? Status::solved : Status::unsupported));
   }
 }
 
@@ -67,7 +68,8 @@ TEST_CASE("no rows: solved; huge numbers: solved or an error, never NaN called s
     INFO(entry.name);
     const auto solver = make_solver(entry.name);
     Solution s;
-    CHECK(solver->solve(Lcp::standard(DenseMatrix(), Vector()), s).status == Status::solved);
+    if (const Lcp none = Lcp::standard(DenseMatrix(), Vector()); solver->why_not(none).empty())
+      CHECK(solver->solve(none, s).status == Status::solved);
     for (const double size : {1e-300, 1e-160, 1e160, 1e300}) {
       Lcp p = murty(3);
       std::get<DenseMatrix>(p.A) *= size;

@@ -1,0 +1,98 @@
+// solvers/active_rows.h — which rows sit on a bound and which satisfy w = 0, and the point that this choice defines.
+//
+//   lower: z_i = lo_i;  upper: z_i = hi_i;  inside: w_i = 0, so that A_FF z_F = −(b_F + A_FN z_N), F = the inside rows.
+// Shared by the methods that search for the right choice (block-pivot, newton-min) and those that end by naming it.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+#include <orthant/solvers/principal_block.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace orthant {
+
+enum class Side : char { lower, upper, inside };
+
+class ActiveRows {  // reuse it
+ public:
+  std::vector<Side> side;
+  Vector z, w;
+
+  /// Problems without friction rows. Sides from z and w = A z + b of a guess: where z_i − w_i / d_i leaves the bounds.
+  void load(const Lcp& problem, const Vector& guess) {
+    problem_ = &problem;
+    block_.load(problem.A);
+    diagonal(problem.A, scale_);
+    const Index n = problem.size();
+    side.resize(at(n));
+    z = guess;
+    multiply(problem.A, z, w, scratch_);
+    w += problem.b;
+    for (Index i = 0; i < n; ++i) side[at(i)] = target(i);
+  }
+
+  /// z and w of the present choice; false when its block is singular.
+  bool solve() {
+    const Lcp& p = *problem_;
+    const Index n = p.size();
+    inside_.clear();
+    for (Index i = 0; i < n; ++i) {
+      if (side[at(i)] == Side::inside) inside_.push_back(i);
+      z[i] = side[at(i)] == Side::lower ? p.lo[i] : side[at(i)] == Side::upper ? p.hi[i] : 0.0;
+    }
+    multiply(p.A, z, w, scratch_);
+    if (!block_.factorize(inside_)) return false;
+    const auto m = static_cast<Index>(inside_.size());
+    rhs_.resize(m);
+    for (Index k = 0; k < m; ++k) rhs_[k] = -(p.b[inside_[at(k)]] + w[inside_[at(k)]]);
+    block_.solve(rhs_, part_);
+    for (Index k = 0; k < m; ++k) z[inside_[at(k)]] = part_[k];
+    multiply(p.A, z, w, scratch_);
+    size_ = p.b.cwiseAbs() + w.cwiseAbs();
+    for (Index i = 0; i < n; ++i) size_[i] += scale(i) * std::abs(z[i]);
+    reach_ = n > 0 ? z.lpNorm<Eigen::Infinity>() * std::numeric_limits<double>::epsilon() : 0;
+    w += p.b;
+    for (const Index i : inside_) w[i] = 0;  // by choice; the judge computes it anew
+    return part_.allFinite();
+  }
+
+  /// The side on which row i would be right: where z or w breaks its sign by more than rounding, the other one.
+  Side better(Index i) const {
+    constexpr double kFew = 64 * std::numeric_limits<double>::epsilon();
+    const Lcp& p = *problem_;
+    // w is known to a few roundings of its row's terms; an error of z shows as that much in its own row.
+    const double w_noise = kFew * size_[i],
+                 z_noise = std::min(w_noise / scale(i), 1e-10 * std::abs(z[i]) + kFew * reach_);
+    switch (side[at(i)]) {
+      case Side::inside:
+        return z[i] < p.lo[i] - z_noise ? Side::lower : z[i] > p.hi[i] + z_noise ? Side::upper : Side::inside;
+      case Side::lower:
+        return w[i] < -w_noise && p.lo[i] < p.hi[i] ? Side::inside : Side::lower;
+      default:
+        return w[i] > w_noise && p.lo[i] < p.hi[i] ? Side::inside : Side::upper;
+    }
+  }
+
+  /// The minimum-map's choice at (z, w).
+  Side target(Index i) const {
+    const Lcp& p = *problem_;
+    const double d = scale_[i] > 0 ? scale_[i] : 1.0, moved = z[i] - w[i] / d;
+    return moved <= p.lo[i] ? Side::lower : moved >= p.hi[i] ? Side::upper : Side::inside;
+  }
+  double scale(Index i) const { return scale_[i] > 0 ? scale_[i] : 1.0; }
+
+  int factorizations() const { return block_.factorizations(); }
+
+ private:
+  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+  const Lcp* problem_ = nullptr;
+  PrincipalBlock block_;
+  std::vector<Index> inside_;
+  Vector rhs_, part_, scratch_, scale_, size_;
+  double reach_ = 0;
+};
+
+}  // namespace orthant

@@ -1,0 +1,177 @@
+#include <orthant/solvers/newton_fb.h>
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <Eigen/UmfPackSupport>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+struct Slope {
+  double value, da, db;
+};
+
+/// φ and an element of its generalized gradient; at the kink the one of direction (1, 1).
+Slope fischer_burmeister(double a, double b) {
+  const double r = std::hypot(a, b);
+  if (r == 0) return {0, std::sqrt(0.5) - 1, std::sqrt(0.5) - 1};
+  // r − a − b loses digits where one is large and positive: −2ab/(r + a + b) is the same, without the loss.
+  const double value = a + b > 0 ? -2 * a * b / (r + a + b) : r - a - b;
+  return {value, a / r - 1, b / r - 1};
+}
+
+/// Φ_i with its slopes in z_i (times d) and w_i.
+Slope row(double d, double z, double w, double lo, double hi) {
+  if (lo == -kInf && hi == kInf) return {-w, 0, -1};
+  if (hi == kInf) {
+    const Slope s = fischer_burmeister(d * (z - lo), w);
+    return {s.value, s.da * d, s.db};
+  }
+  const Slope inner = fischer_burmeister(d * (hi - z), -w);
+  if (lo == -kInf) return {-inner.value, inner.da * d, inner.db};
+  const Slope outer = fischer_burmeister(d * (z - lo), -inner.value);
+  return {outer.value, outer.da * d + outer.db * inner.da * d, outer.db * inner.db};
+}
+
+}  // namespace
+
+Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
+  if (problem.size() == 0) return Status::solved;
+  if (problem.friction.empty()) return iterate(problem, s, s.z);
+  const Lcp& pure = pyramid_.pure(problem);
+  pyramid_.guess(problem, s.z, y_);
+  const Status claim = iterate(pure, s, y_);
+  pyramid_.restore(problem, y_, s.z);
+  return claim;
+}
+
+double NewtonFb::merit(const Lcp& p, const Vector& z) {
+  multiply(p.A, z, w_, scratch_);
+  w_ += p.b;
+  phi_.resize(z.size());
+  for (Index i = 0; i < z.size(); ++i) phi_[i] = row(scale_[i], z[i], w_[i], p.lo[i], p.hi[i]).value;
+  return 0.5 * phi_.squaredNorm();
+}
+
+void NewtonFb::element(const Lcp& p, const Vector& z) {
+  da_.resize(z.size()), db_.resize(z.size());
+  for (Index i = 0; i < z.size(); ++i) {
+    const Slope s = row(scale_[i], z[i], w_[i], p.lo[i], p.hi[i]);
+    da_[i] = s.da, db_[i] = s.db;
+  }
+}
+
+bool NewtonFb::direction(const Lcp& p, double weight) {
+  if (const auto* sparse = std::get_if<RowSparse>(&p.A)) {
+    Eigen::SparseMatrix<double, Eigen::RowMajor> V = db_.asDiagonal() * sparse->view();
+    Eigen::SparseMatrix<double, Eigen::RowMajor> diagonal_part(p.size(), p.size());
+    diagonal_part.setIdentity();
+    V += Eigen::SparseMatrix<double, Eigen::RowMajor>(da_.asDiagonal() * diagonal_part);
+    gradient_ = V.transpose() * phi_;
+    if (weight == 0) {
+      const Eigen::SparseMatrix<double> columns = V;
+      Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu(columns);
+      if (lu.info() != Eigen::Success) return false;
+      const Eigen::VectorXd rhs = -phi_;
+      d_ = lu.solve(rhs);
+    } else {
+      Eigen::SparseMatrix<double> normal = V.transpose() * V, identity(p.size(), p.size());
+      identity.setIdentity();
+      normal += weight * normal.diagonal().maxCoeff() * identity;
+      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(normal);
+      if (cholesky.info() != Eigen::Success) return false;
+      const Eigen::VectorXd rhs = -gradient_;
+      d_ = cholesky.solve(rhs);
+    }
+    return d_.allFinite();
+  }
+  const auto* A = std::get_if<DenseMatrix>(&p.A);
+  if (A == nullptr) {
+    to_dense(p.A, dense_);
+    A = &dense_;
+  }
+  V_ = db_.asDiagonal() * *A;
+  V_.diagonal() += da_;
+  gradient_.resize(p.size());
+  gradient_.noalias() = V_.transpose() * phi_;
+  d_.resize(p.size());
+  if (weight == 0) {
+    lu_.compute(V_);
+    if (!(lu_.matrixLU().diagonal().cwiseAbs().minCoeff() > 0)) return false;
+    vd_.resize(p.size());
+    vd_.noalias() = lu_.permutationP() * phi_;
+    lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(vd_);
+    lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(vd_);
+    d_ = -vd_;
+  } else {
+    normal_.noalias() = V_.transpose() * V_;
+    normal_.diagonal().array() += weight * normal_.diagonal().maxCoeff();
+    d_ = -normal_.ldlt().solve(gradient_);
+  }
+  return d_.allFinite();
+}
+
+/// The rows' sides as (z, w) shows them, solved for; taken when the merit falls.
+bool NewtonFb::polish(const Lcp& p, Vector& z) {
+  const double before = merit(p, z);
+  rows_.z = z;
+  rows_.w = w_;
+  for (Index i = 0; i < p.size(); ++i) rows_.side[static_cast<std::size_t>(i)] = rows_.target(i);
+  if (!rows_.solve()) return merit(p, z), false;
+  trial_ = rows_.z.cwiseMax(p.lo).cwiseMin(p.hi);
+  if (!(merit(p, trial_) < before)) return merit(p, z), false;
+  z = trial_;
+  return true;
+}
+
+Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
+  rows_.load(p, z);
+  scale_.resize(p.size());
+  for (Index i = 0; i < p.size(); ++i) scale_[i] = rows_.scale(i);
+  double now = merit(p, z);
+  const double size = p.size() > 0 ? p.b.lpNorm<Eigen::Infinity>() : 0;
+  recent_.assign(1, now);
+  while (s.iterations < options_.max_iterations) {
+    if (std::sqrt(now) <= 1e-15 * size) return Status::solved;
+    if (std::sqrt(now) <= 1e-4 * size && polish(p, z)) {
+      const double polished = merit(p, z);
+      log(s.iterations, std::sqrt(polished), 1, "active rows solved");
+      if (std::sqrt(polished) <= 1e-12 * size) return Status::solved;
+      now = polished;
+    }
+    ++s.iterations;
+    element(p, z);
+    const double limit = *std::max_element(recent_.begin(), recent_.end());
+    bool moved = false;
+    double length = 0;
+    for (double weight = 0; !moved && weight < 1e3; weight = weight == 0 ? 1e-12 : weight * 1e3) {
+      merit(p, z);  // w and Φ at z, which the line search has overwritten
+      if (!direction(p, weight)) continue;
+      const double slope = gradient_.dot(d_);
+      if (!(slope < -1e-12 * d_.norm() * gradient_.norm())) continue;
+      for (length = 1; length > 1e-6 && !moved; length /= 2) {
+        trial_ = z + length * d_;
+        const double value = merit(p, trial_);
+        if (value <= limit + 1e-4 * length * slope && value < 1e300) {
+          z = trial_, now = value, moved = true;
+          break;
+        }
+      }
+    }
+    log(s.iterations, std::sqrt(now), moved ? length : 0, moved ? "" : "no descent");
+    if (!moved) {
+      polish(p, z);
+      return Status::solved;  // nothing improves it: the judge says whether it is enough
+    }
+    if (recent_.size() >= static_cast<std::size_t>(options_.memory)) recent_.erase(recent_.begin());
+    recent_.push_back(now);
+    if (budget().exhausted()) return Status::time_limit;
+  }
+  polish(p, z);
+  return Status::iteration_limit;
+}
+
+}  // namespace orthant

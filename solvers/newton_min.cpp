@@ -1,0 +1,114 @@
+#include <orthant/solvers/newton_min.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+Status NewtonMin::run(const Lcp& problem, Solution& s, Start) {
+  if (problem.size() == 0) return Status::solved;
+  if (problem.friction.empty()) return iterate(problem, s, s.z);
+  const Lcp& pure = pyramid_.pure(problem);
+  pyramid_.guess(problem, s.z, y_);
+  const Status claim = iterate(pure, s, y_);
+  pyramid_.restore(problem, y_, s.z);
+  return claim;
+}
+
+double NewtonMin::merit(const Lcp& p, const Vector& z) {
+  multiply(p.A, z, w_, scratch_);
+  w_ += p.b;
+  H_.resize(z.size());
+  for (Index i = 0; i < z.size(); ++i) {
+    const double d = rows_.scale(i);
+    H_[i] = d * (z[i] - std::clamp(z[i] - w_[i] / d, p.lo[i], p.hi[i]));
+  }
+  return H_.squaredNorm();
+}
+
+Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
+  const Index n = p.size();
+  rows_.load(p, z);
+  double now = merit(p, z);
+  recent_.assign(1, now);
+  double best = now;
+  Vector& kept = s.w;  // free until the judge writes w: the best point so far
+  kept = z;
+  while (s.iterations < options_.max_iterations) {
+    ++s.iterations;
+    rows_.z = z;
+    rows_.w = w_;
+    bool settled = true;
+    for (Index i = 0; i < n; ++i) {
+      const Side side = rows_.target(i);
+      settled = settled && side == rows_.side[at(i)];
+      rows_.side[at(i)] = side;
+    }
+    const double limit = *std::max_element(recent_.begin(), recent_.end());
+    double length = 0;
+    if (rows_.solve()) {
+      if (settled && s.iterations > 1 && length == 0 && (rows_.z - z).lpNorm<Eigen::Infinity>() == 0) {
+        z = kept;
+        return Status::solved;  // a fixed point: to be judged
+      }
+      direction_ = rows_.z - z;
+      for (length = 1; length > 1e-8; length /= 2) {
+        trial_ = z + length * direction_;
+        const double value = merit(p, trial_);
+        if (value <= (1 - 1e-4 * length) * limit) break;
+      }
+      if (length <= 1e-8) length = 0;
+    }
+    if (length == 0) {
+      trial_ = z;
+      if (!marquardt(p, trial_, limit)) {
+        z = kept;
+        return Status::solved;  // no progress: the judge says whether it is enough
+      }
+    }
+    z = trial_;
+    now = merit(p, z);
+    log(s.iterations, std::sqrt(now), length, length > 0 ? "newton" : "levenberg-marquardt");
+    if (now < best) best = now, kept = z;
+    if (now == 0) return Status::solved;
+    if (recent_.size() >= at(options_.memory)) recent_.erase(recent_.begin());
+    recent_.push_back(now);
+    if (budget().exhausted()) return Status::time_limit;
+  }
+  z = kept;
+  return Status::iteration_limit;
+}
+
+/// (JᵀJ + λ I) d = −Jᵀ H on the element chosen in rows_.side, λ raised from small until ‖H‖² falls. Dense algebra.
+bool NewtonMin::marquardt(const Lcp& p, Vector& z, double limit) {
+  const Index n = p.size();
+  if (n > 2000) return false;  // a full n × n product each: beyond this, honest failure
+  const double start = merit(p, z);
+  DenseMatrix A;
+  to_dense(p.A, A);
+  J_ = A;
+  for (Index i = 0; i < n; ++i)
+    if (rows_.side[at(i)] != Side::inside) J_.row(i).setZero(), J_(i, i) = rows_.scale(i);
+  const Eigen::VectorXd gradient = J_.transpose() * H_;
+  if (!gradient.allFinite() || gradient.lpNorm<Eigen::Infinity>() == 0) return false;
+  normal_ = J_.transpose() * J_;
+  const double unit = normal_.diagonal().maxCoeff();
+  const Vector from = z;
+  for (double weight = 1e-10; weight < 1e4; weight *= 100) {
+    Eigen::MatrixXd shifted = normal_;
+    shifted.diagonal().array() += weight * unit;
+    z = from - shifted.ldlt().solve(gradient);
+    if (z.allFinite() && merit(p, z) < std::min(limit, start) * (1 - 1e-10)) return true;
+  }
+  z = from;
+  return false;
+}
+
+}  // namespace orthant

@@ -1,0 +1,52 @@
+// solvers/newton_min.h — semismooth Newton on the minimum map (the primal-dual active set method), made safe.
+//
+//   H_i(z) = z_i − clamp(z_i − w_i / d_i, lo_i, hi_i) = 0,  w = A z + b,  d_i = A_ii where positive, else 1.
+//   An element of H's generalized Jacobian at z picks a side for each row; Newton's point is the one that this choice
+//   defines (active_rows.h). The step towards it is shortened until ‖D H‖² falls below the largest of the last
+//   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
+//   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
+//   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
+//   Friction rows through the pure form (pyramid.h). The start value is used.
+//   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
+//   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
+#pragma once
+
+#include <orthant/core/lcp/pyramid.h>
+#include <orthant/solvers/active_rows.h>
+#include <orthant/solvers/solver.h>
+
+#include <vector>
+
+namespace orthant {
+
+struct NewtonMinOptions {
+  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  int max_iterations = 500;
+  int memory = 5;  // nonmonotone line search: 1 is monotone
+  template <class V> void visit(V&& v) {
+    v("tolerance", tolerance, 0.0, 1.0), v("max_iterations", max_iterations, 1, 1000000), v("memory", memory, 1, 100);
+  }
+};
+
+class NewtonMin final : public Solver {
+ public:
+  using Options = NewtonMinOptions;
+  explicit NewtonMin(const Options& options = {}) : options_(options) {}
+
+ private:
+  Status run(const Lcp& problem, Solution& s, Start start) override;
+  double tolerance() const override { return options_.tolerance; }
+  Status iterate(const Lcp& problem, Solution& s, Vector& z);
+  double merit(const Lcp& problem, const Vector& z);  // ‖D H(z)‖², w_ and sides as a by-product
+  bool marquardt(const Lcp& problem, Vector& z, double limit);
+
+  Options options_;
+  Pyramid pyramid_;
+  ActiveRows rows_;
+  Vector y_, w_, trial_, scratch_, scale_, H_, direction_;
+  std::vector<Side> choice_;
+  std::vector<double> recent_;
+  Eigen::MatrixXd J_, normal_;
+};
+
+}  // namespace orthant

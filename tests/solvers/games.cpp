@@ -1,0 +1,96 @@
+// Bimatrix games: equilibria in game terms, by every label and on from each equilibrium found.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/lemke_howson.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+Lcp as_lcp(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  const Index m = A.rows(), k = A.cols();
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(m + k, m + k);
+  M.topRightCorner(m, k) = A;
+  M.bottomLeftCorner(k, m) = B.transpose();
+  return Lcp::standard(DenseMatrix(M), Vector(Eigen::VectorXd::Constant(m + k, -1)));
+}
+
+/// No pure strategy costs a player less than the equilibrium does.
+double regret(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Equilibrium& e) {
+  return std::max(e.cost_1 - (A * e.y).minCoeff(), e.cost_2 - (B.transpose() * e.x).minCoeff());
+}
+
+}  // namespace
+
+TEST_CASE("coordination game: all three equilibria are found") {
+  Eigen::Matrix2d A;
+  A << 10, 20, 30, 15;
+  const auto found = lemke_howson_all(A, A);
+  REQUIRE(found.size() == 3);
+  const double expected[3][4] = {
+      {0.1, 0, 0.1, 0}, {0, 1.0 / 15, 0, 1.0 / 15}, {1.0 / 30, 1.0 / 45, 1.0 / 90, 2.0 / 45}};
+  for (const auto& z : expected) {
+    const bool there = std::any_of(found.begin(), found.end(), [&](const Equilibrium& e) {
+      Eigen::Vector4d w;
+      w << e.x / e.cost_2, e.y / e.cost_1;
+      return (w - Eigen::Vector4d(z[0], z[1], z[2], z[3])).lpNorm<Eigen::Infinity>() < 1e-14;
+    });
+    CHECK(there);
+  }
+}
+
+TEST_CASE("rock, paper, scissors: the one equilibrium is uniform") {
+  Eigen::Matrix3d A;
+  A << 2, 3, 1, 1, 2, 3, 3, 1, 2;
+  const auto found = lemke_howson_all(A, A.transpose());
+  REQUIRE(found.size() == 1);
+  CHECK((found[0].x.array() - 1.0 / 3).abs().maxCoeff() < 1e-15);
+  CHECK((found[0].y.array() - 1.0 / 3).abs().maxCoeff() < 1e-15);
+  CHECK(found[0].cost_1 == doctest::Approx(2));
+}
+
+TEST_CASE("random games: no player regrets, an odd number is found, the LCP is solved, all labels end") {
+  Random random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int m = random.integer(1, 5), k = random.integer(1, 5);
+    Eigen::MatrixXd A(m, k), B(m, k);
+    for (double& a : A.reshaped()) a = random.uniform(1, 2);
+    for (double& b : B.reshaped()) b = random.uniform(1, 2);
+    const auto found = lemke_howson_all(A, B);
+    CHECK(found.size() % 2 == 1);
+    for (const Equilibrium& e : found) CHECK(regret(A, B, e) < 1e-12);
+    const Lcp p = as_lcp(A, B);
+    Solution s;
+    CHECK(LemkeHowson().solve(p, s).status == Status::solved);
+    CHECK(independent_residual(p, s.z) < 1e-12);
+    for (int label = 0; label < m + k; ++label)
+      CHECK(LemkeHowson({.label = label}).solve(p, s).status == Status::solved);
+  }
+}
+
+TEST_CASE("degenerate games with tied costs end too") {
+  Random random(8);
+  for (int trial = 0; trial < 500; ++trial) {
+    const int m = random.integer(1, 4), k = random.integer(1, 4);
+    Eigen::MatrixXd A(m, k), B(m, k);
+    for (double& a : A.reshaped()) a = random.integer(1, 2);
+    for (double& b : B.reshaped()) b = random.integer(1, 2);
+    for (int label = 0; label < m + k; ++label) CHECK(regret(A, B, lemke_howson(A, B, label)) < 1e-12);
+  }
+}
+
+TEST_CASE("what is no game is refused in words") {
+  const Eigen::Matrix2d one = Eigen::Matrix2d::Ones();
+  CHECK_THROWS_WITH_AS(lemke_howson(one, Eigen::MatrixXd::Ones(2, 3), 0), doctest::Contains("same shape"),
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(lemke_howson(one, one, 4), doctest::Contains("[0, 3]"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(lemke_howson(one * std::nan(""), one, 0), doctest::Contains("finite"), std::invalid_argument);
+  CHECK(LemkeHowson().why_not(Lcp::standard(DenseMatrix(one), Vector{-1, -1})).find("no bimatrix") !=
+        std::string::npos);
+  CHECK(LemkeHowson().why_not(as_lcp(one, -one)).find("> 0") != std::string::npos);
+  CHECK(LemkeHowson().why_not(as_lcp(one, one)).empty());
+}
