@@ -34,6 +34,17 @@ class ActiveRows {  // reuse it
     for (Index i = 0; i < n; ++i) side[at(i)] = target(i);
   }
 
+  /// All rows inside: where A is an M-matrix (obstacle problems), rows then leave in large blocks, while from the bounds
+  /// they enter one layer an iteration. False when A is singular; the sides are then as they were.
+  bool release_all() {
+    const std::vector<Side> before = side;
+    const Vector z_before = z, w_before = w;
+    side.assign(side.size(), Side::inside);
+    if (solve()) return true;
+    side = before, z = z_before, w = w_before;
+    return false;
+  }
+
   /// z and w of the present choice; false when its block is singular.
   bool solve() {
     const Lcp& p = *problem_;

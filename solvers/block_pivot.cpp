@@ -8,10 +8,11 @@ std::string BlockPivot::why_not(const Lcp& problem) const {
   return problem.friction.empty() ? "" : "friction rows: the method needs bounds that do not depend on z";
 }
 
-Status BlockPivot::run(const Lcp& problem, Solution& s, Start) {
+Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   const Index n = problem.size();
   rows_.load(problem, s.z);
+  if (start == Start::cold) rows_.release_all();
   Index least = n + 1;
   int patience = options_.patience;
   while (s.iterations < options_.max_iterations) {

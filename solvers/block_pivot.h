@@ -3,10 +3,11 @@
 //   Find z in [lo, hi], w = A z + b, by a choice of side for each row (active_rows.h). Each iteration solves for the
 //   present choice and moves every row with a wrong sign. That can cycle; so after `patience` iterations in which the
 //   number of wrong rows did not fall below its least, only the last wrong row moves (Murty's rule), until it does.
-//   Finite for P-matrices, whatever the start: for them usually 3 to 10 factorizations, almost whatever n.
+//   Finite for P-matrices, whatever the start: for them usually 3 to 10 factorizations; on
+//   grids (obstacle problems) a cold start takes a number that grows with the grid.
 //   Dense (Cholesky, LU) and sparse (UMFPACK): one factorization of a principal block an iteration.
 //   Free rows are always inside. Friction rows make no P-matrix → unsupported.  A singular block → stalled.
-//   The start value is used, cold it is 0.
+//   The start value is used; cold, all rows start inside.
 //   Source: Kostreva (1978); Júdice & Pires, Computers & Operations Research 21 (1994) 587-596.
 #pragma once
 

@@ -32,18 +32,23 @@ Slope row(double d, double z, double w, double lo, double hi) {
   }
   const Slope inner = fischer_burmeister(d * (hi - z), -w);
   if (lo == -kInf) return {-inner.value, inner.da * d, inner.db};
-  const Slope outer = fischer_burmeister(d * (z - lo), -inner.value);
-  return {outer.value, outer.da * d + outer.db * inner.da * d, outer.db * inner.db};
+  const Slope outer = fischer_burmeister(d * (z - lo), inner.value);
+  return {outer.value, outer.da * d - outer.db * inner.da * d, -outer.db * inner.db};
 }
 
 }  // namespace
 
 Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
-  if (problem.friction.empty()) return iterate(problem, s, s.z);
+  if (problem.friction.empty()) {
+    const Status claim = iterate(problem, s, s.z);
+    s.z = s.z.cwiseMax(problem.lo).cwiseMin(problem.hi);  // a rounding outside is none of the answer's
+    return claim;
+  }
   const Lcp& pure = pyramid_.pure(problem);
   pyramid_.guess(problem, s.z, y_);
   const Status claim = iterate(pure, s, y_);
+  y_ = y_.cwiseMax(pure.lo).cwiseMin(pure.hi);  // a rounding outside is none of the answer's
   pyramid_.restore(problem, y_, s.z);
   return claim;
 }

@@ -2,7 +2,7 @@
 //
 //   φ(a, b) = √(a² + b²) − a − b vanishes exactly where a ≥ 0, b ≥ 0, ab = 0. With scaled rows a_i = d_i (z_i − lo_i):
 //     one bound  Φ_i = φ(d_i (z_i − lo_i), w_i), mirrored for an upper one;   free row  Φ_i = −w_i;
-//     box        Φ_i = φ(d_i (z_i − lo_i), −φ(d_i (hi_i − z_i), −w_i))   (Billups).
+//     box        Φ_i = φ(d_i (z_i − lo_i), φ(d_i (hi_i − z_i), −w_i))   (Billups).
 //   Newton: V d = −Φ with V = D_a diag(d) + D_b A from the generalized Jacobian. ½‖Φ‖² is smooth, its gradient VᵀΦ: a
 //   step that is no descent (or a singular V) is replaced by a Levenberg–Marquardt step; Armijo line search,
 //   nonmonotone over `memory` iterations. Near the end the active rows are named and solved for (active_rows.h), which

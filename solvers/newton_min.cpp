@@ -12,12 +12,19 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-Status NewtonMin::run(const Lcp& problem, Solution& s, Start) {
+Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
-  if (problem.friction.empty()) return iterate(problem, s, s.z);
+  if (problem.friction.empty()) {
+    rows_.load(problem, s.z);
+    if (start == Start::cold && rows_.release_all()) s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
+    const Status claim = iterate(problem, s, s.z);
+    s.z = s.z.cwiseMax(problem.lo).cwiseMin(problem.hi);  // a rounding outside is none of the answer's
+    return claim;
+  }
   const Lcp& pure = pyramid_.pure(problem);
   pyramid_.guess(problem, s.z, y_);
   const Status claim = iterate(pure, s, y_);
+  y_ = y_.cwiseMax(pure.lo).cwiseMin(pure.hi);  // a rounding outside is none of the answer's
   pyramid_.restore(problem, y_, s.z);
   return claim;
 }

@@ -6,7 +6,8 @@
 //   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
-//   Friction rows through the pure form (pyramid.h). The start value is used.
+//   Friction rows through the pure form (pyramid.h). The start value is used; cold, without friction, it is the solution
+//   of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
 #pragma once

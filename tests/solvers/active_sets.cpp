@@ -1,0 +1,114 @@
+// Methods that search for the right active rows: murty, block-pivot, newton-min, newton-fb.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/block_pivot.h>
+#include <orthant/solvers/murty.h>
+#include <orthant/solvers/newton_fb.h>
+#include <orthant/solvers/newton_min.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+Lcp murty_problem(Index n, bool transposed) {
+  Eigen::MatrixXd L = Eigen::MatrixXd::Identity(n, n);
+  L.triangularView<Eigen::StrictlyLower>().setConstant(2);
+  if (transposed) L.transposeInPlace();
+  return Lcp::standard(DenseMatrix(L), Vector(Eigen::VectorXd::Constant(n, -1)));
+}
+
+/// String over an obstacle on n inner nodes of (0, 1), sparse: u'' ≤ 8, contact on [1/4, 3/4] exactly.
+Lcp string_problem(Index n) {
+  const double h = 1.0 / static_cast<double>(n + 1), gap = 0.25;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 2 / (h * h));
+    if (i > 0) entries.emplace_back(i, i - 1, -1 / (h * h));
+    if (i + 1 < n) entries.emplace_back(i, i + 1, -1 / (h * h));
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  Vector q(Eigen::VectorXd::Constant(n, 8));
+  q[0] -= gap / (h * h), q[n - 1] -= gap / (h * h);
+  return Lcp::standard(RowSparse::from(A), q);
+}
+
+}  // namespace
+
+TEST_CASE("Murty's problem: least-index pivoting takes 1 pivot, on the transpose 2^n - 1") {
+  for (Index n = 2; n <= 10; ++n) {
+    Solution s;
+    CHECK(Murty().solve(murty_problem(n, false), s).status == Status::solved);
+    CHECK(s.iterations == 1);
+    CHECK(Murty().solve(murty_problem(n, true), s).status == Status::solved);
+    CHECK(s.iterations == (1 << n) - 1);
+    CHECK(s.z[n - 1] == 1);
+  }
+}
+
+TEST_CASE("circulant P-matrix: every start support ends, none cycles") {
+  Eigen::Matrix3d M;
+  M << 1, 2, 0, 0, 1, 2, 2, 0, 1;
+  const Lcp p = Lcp::standard(DenseMatrix(M), Vector{-1, -1, -1});
+  for (const std::string name : {"block-pivot", "newton-min", "newton-fb", "murty"})
+    for (int support = 0; support < 8; ++support) {
+      INFO(name, " from support ", support);
+      Solution s;
+      s.z = Vector{double(support & 1), double(support >> 1 & 1), double(support >> 2 & 1)};
+      CHECK(make_solver(name)->solve(p, s, Start::warm).status == Status::solved);
+      CHECK((s.z.array() - 1.0 / 3).abs().maxCoeff() < 1e-14);
+    }
+}
+
+TEST_CASE(
+    "string over an obstacle, sparse: the exact contact set (cold, in a number of iterations that grows with n)") {
+  const Lcp p = string_problem(255);
+  for (const std::string name : {"block-pivot", "newton-min", "newton-fb"}) {
+    INFO(name);
+    Solution s;
+    CHECK(make_solver(name)->solve(p, s).status == Status::solved);
+    MESSAGE(name << ": " << s.iterations << " iterations, residual " << s.residual);
+    for (const Index i : {0, 31, 60}) {  // u + gap = 4 (x − a)² left of a = 1/4
+      const double x = static_cast<double>(i + 1) / 256;
+      CHECK(s.z[i] == doctest::Approx(4 * (x - 0.25) * (x - 0.25)).epsilon(1e-6));
+    }
+    CHECK(s.z[127] == 0);
+  }
+}
+
+TEST_CASE("random positive definite problems, boxes too: all four agree with Lemke") {
+  Random random(21);
+  for (int trial = 0; trial < 60; ++trial) {
+    Lcp p = random_spd_problem(random.integer(1, 30), random);
+    if (trial % 2 == 1)
+      for (Index i = 0; i < p.size(); i += 2) p.hi[i] = random.uniform(0.0, 1.0);
+    Solution expected, s;
+    REQUIRE(make_solver("lemke")->solve(p, expected).status == Status::solved);
+    for (const std::string name : {"block-pivot", "newton-min", "newton-fb", "murty"}) {
+      INFO(name, ", trial ", trial);
+      CHECK(make_solver(name)->solve(p, s).status == Status::solved);
+      CHECK((s.w - expected.w).lpNorm<Eigen::Infinity>() <= 1e-8 * (1 + p.b.lpNorm<Eigen::Infinity>()));
+    }
+  }
+}
+
+TEST_CASE("contact problems with friction: the Newtons' answers stand, failures are honest") {
+  Random random(22);
+  for (const std::string name : {"newton-min", "newton-fb"}) {
+    int solved = 0;
+    for (int trial = 0; trial < 100; ++trial) {
+      const Lcp p = random_contact_problem(random.integer(1, 8), 12, 0.5, random);
+      Solution s;
+      make_solver(name)->solve(p, s);
+      if (s.status != Status::solved) continue;
+      ++solved;
+      CHECK(independent_residual(p, s.z) < 1e-8 * (1 + p.b.lpNorm<Eigen::Infinity>()));
+    }
+    MESSAGE(name << " solves " << solved << " of 100");
+    CHECK(solved >= (name == "newton-fb" ? 50 : 1));
+  }
+}
