@@ -95,8 +95,6 @@ class ActiveRows {  // reuse it
   }
   double scale(Index i) const { return scale_[i] > 0 ? scale_[i] : 1.0; }
 
-  int factorizations() const { return block_.factorizations(); }
-
  private:
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   const Lcp* problem_ = nullptr;

@@ -52,20 +52,15 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
     ++s.iterations;
     rows_.z = z;
     rows_.w = w_;
-    bool settled = true;
-    for (Index i = 0; i < n; ++i) {
-      const Side side = rows_.target(i);
-      settled = settled && side == rows_.side[at(i)];
-      rows_.side[at(i)] = side;
-    }
+    for (Index i = 0; i < n; ++i) rows_.side[at(i)] = rows_.target(i);
     const double limit = *std::max_element(recent_.begin(), recent_.end());
     double length = 0;
     if (rows_.solve()) {
-      if (settled && s.iterations > 1 && length == 0 && (rows_.z - z).lpNorm<Eigen::Infinity>() == 0) {
+      direction_ = rows_.z - z;
+      if (direction_.lpNorm<Eigen::Infinity>() == 0) {
         z = kept;
         return Status::solved;  // a fixed point: to be judged
       }
-      direction_ = rows_.z - z;
       for (length = 1; length > 1e-8; length /= 2) {
         trial_ = z + length * direction_;
         const double value = merit(p, trial_);

@@ -44,8 +44,7 @@ class NewtonMin final : public Solver {
   Options options_;
   Pyramid pyramid_;
   ActiveRows rows_;
-  Vector y_, w_, trial_, scratch_, scale_, H_, direction_;
-  std::vector<Side> choice_;
+  Vector y_, w_, trial_, scratch_, H_, direction_;
   std::vector<double> recent_;
   Eigen::MatrixXd J_, normal_;
 };

@@ -54,7 +54,6 @@ struct PrincipalBlock::Dense {
     x.resize(m);
     if (m == 0) return;
     rhs.setZero(block.rows());
-    x.resize(m);
     x.setZero();
     for (int round = 0; round < 2; ++round) {
       for (Index i = 0; i < m; ++i) {
@@ -119,7 +118,6 @@ PrincipalBlock::PrincipalBlock() : dense_(std::make_unique<Dense>()) {}
 PrincipalBlock::~PrincipalBlock() = default;
 
 void PrincipalBlock::load(const Matrix& A) {
-  factorizations_ = 0;
   is_sparse_ = std::holds_alternative<RowSparse>(A);
   if (is_sparse_) {
     if (!sparse_) sparse_ = std::make_unique<Sparse>();
@@ -138,7 +136,6 @@ void PrincipalBlock::load(const Matrix& A) {
 }
 
 bool PrincipalBlock::factorize(const std::vector<Index>& F) {
-  ++factorizations_;
   F_ = F;
   return is_sparse_ ? sparse_->factorize(F) : dense_->factorize(F, symmetric_);
 }

@@ -30,15 +30,12 @@ class PrincipalBlock {
   /// x ← A_FF⁻¹ r for the last F, both of |F| entries; one step of refinement with the residual in long double.
   void solve(const Vector& r, Vector& x);
 
-  int factorizations() const { return factorizations_; }  // since load()
-
  private:
   struct Dense;
   struct Sparse;
   std::unique_ptr<Dense> dense_;
   std::unique_ptr<Sparse> sparse_;
   bool is_sparse_ = false, symmetric_ = false;
-  int factorizations_ = 0;
   std::vector<Index> F_;
 };
 
