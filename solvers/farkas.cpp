@@ -46,11 +46,11 @@ bool Farkas::propose(const Lcp& problem, Vector& u) {
   return true;
 }
 
-void tidy_certificate(const Lcp& pure, Vector& u) {
+void tidy_certificate(const Lcp& p, Vector& u) {
   const double size = u.cwiseAbs().maxCoeff();
   for (Index i = 0; i < u.size(); ++i) {
     u[i] /= size;
-    if (!(std::abs(u[i]) >= 1e-14) || (u[i] < 0 && pure.lo[i] != -kInf)) u[i] = 0;
+    if (!(std::abs(u[i]) >= 1e-14) || (u[i] < 0 && p.lo[i] != -kInf) || (u[i] > 0 && p.hi[i] != kInf)) u[i] = 0;
   }
 }
 

@@ -29,7 +29,7 @@ class Farkas {  // reuse it: the second problem of a size allocates nothing
   std::vector<char> free_;
 };
 
-/// The direction of a ray made a certificate of the pure problem: largest entry 1, noise and wrong signs cut.
-void tidy_certificate(const Lcp& pure, Vector& u);
+/// The direction of a ray made a certificate (no friction rows): largest entry 1, noise and wrong signs cut.
+void tidy_certificate(const Lcp& problem, Vector& u);
 
 }  // namespace orthant

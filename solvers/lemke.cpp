@@ -2,6 +2,7 @@
 
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/farkas.h>
+#include <orthant/solvers/refined_basis.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/tableau.h>
 
@@ -15,6 +16,7 @@ namespace orthant {
 namespace {
 
 using detail::Quad;
+using detail::RefinedBasis;
 using detail::Scaling;
 using detail::Tableau;
 
@@ -22,26 +24,6 @@ constexpr int kRestarts = 12;      // with other covering vectors
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-// a + b = sum + error, exactly (Knuth).
-struct Sum {
-  double sum, error;
-  Sum(double a, double b) : sum(a + b) {
-    const double c = sum - a;
-    error = (a - (sum - c)) + (b - c);
-  }
-};
-
-// a · b = product + error, exactly (Dekker, Veltkamp's split; no fused multiply-add is asked of the machine).
-struct Product {
-  double product, error;
-  Product(double a, double b) : product(a * b) {
-    constexpr double split = 134217729;  // 2²⁷ + 1
-    const double as = split * a, ah = as - (as - a), al = a - ah;
-    const double bs = split * b, bh = bs - (bs - b), bl = b - bh;
-    error = ((ah * bh - product) + ah * bl + al * bh) + al * bl;
-  }
-};
 
 }  // namespace
 
@@ -64,9 +46,7 @@ struct Lemke::Work {
   int stage = 0;  // of the rescue
   bool proof_sought = false;
 
-  // Basis of the final tableau: z of rows `unknown`, equations w = 0 of rows `equation`, and B⁻¹ by columns.
-  std::vector<Index> unknown, equation;
-  Vector high, low, inverse, residual;
+  RefinedBasis basis;
 
   void form(const Lcp& problem, Pyramid::Form form) {
     reduced = Pyramid::needed(problem);
@@ -134,63 +114,24 @@ struct Lemke::Work {
     return claim;
   }
 
-  // z_B to full precision. A step of Newton's method multiplies the error by that of B⁻¹, about 1e-13: one or two do.
+  // z_B to full precision, from the basis inverse that the final tableau holds.
   template <class T> void refine(const Tableau<T>& t, const DenseMatrix& M) {
-    unknown.clear();
-    equation.clear();
-    high.resize(pure->size());
-    Index k = 0;
+    basis.unknown.clear();
+    basis.equation.clear();
     t.for_each_basic_z([&](Index i, int sign, const T& value, int) {
-      unknown.push_back(i);
-      high[k++] = sign * static_cast<double>(value) * scaling.col[i];
+      basis.unknown.push_back(i);
+      y[i] = sign * static_cast<double>(value) * scaling.col[i];
     });
-    t.for_each_nonbasic_w([&](Index i, int, int) { equation.push_back(i); });
-    const Index m = k;
-    if (m == 0) return;
-    inverse.resize(m * m);
-    double* column = inverse.data();
+    t.for_each_nonbasic_w([&](Index i, int, int) { basis.equation.push_back(i); });
+    double* column = basis.room();
     t.for_each_nonbasic_w([&](Index j, int sign_w, int c) {
       t.for_each_basic_z([&](Index i, int sign_z, const T&, int r) {
         *column++ = static_cast<double>(t.entry(r, c)) * (sign_w * sign_z) * scaling.col[i] * scaling.row[j];
       });
     });
-    low.resize(m);
-    low.setZero();
-    residual.resize(2 * m);
-    double* const sum = residual.data();
-    double* const error = sum + m;
-    for (int step = 0; step < 4; ++step) {
-      for (Index j = 0; j < m; ++j) sum[j] = pure->b[equation[at(j)]], error[j] = 0;
-      for (Index i = 0; i < m; ++i) {
-        const double* const entries = M.data() + unknown[at(i)] * M.rows();
-        const double zh = high[i], zl = low[i];
-        for (Index j = 0; j < m; ++j) {
-          const double entry = entries[equation[at(j)]];
-          const Product p(entry, zh);
-          const Sum total(sum[j], p.product);
-          sum[j] = total.sum;
-          error[j] += total.error + (p.error + entry * zl);
-        }
-      }
-      for (Index j = 0; j < m; ++j) sum[j] += error[j];
-      bool precise = true;
-      for (Index i = 0; i < m; ++i) {
-        double change = 0;
-        for (Index j = 0; j < m; ++j) change -= inverse[j * m + i] * sum[j];
-        const Sum next(high[i], change + low[i]);
-        high[i] = next.sum;
-        low[i] = next.error;
-        precise = precise && std::abs(change) <= 0x1p-38 * std::abs(next.sum);
-      }
-      if (precise) break;
-    }
-    double largest = 0;  // in scaled units: what is 2⁻⁸⁰ of it is a degenerate zero
-    for (Index i = 0; i < m; ++i) largest = std::max(largest, std::abs(high[i]) / scaling.col[unknown[at(i)]]);
-    for (Index i = 0; i < m; ++i) {
-      const Index row = unknown[at(i)];
-      const bool zero = std::abs(high[i]) / scaling.col[row] <= 0x1p-80 * largest;
-      y[row] = zero || (high[i] < 0 && !free[at(row)]) ? 0.0 : high[i];
-    }
+    basis.refine(M, pure->b, scaling.col, y);
+    for (const Index i : basis.unknown)
+      if (y[i] < 0 && !free[at(i)]) y[i] = 0;
   }
 };
 

@@ -6,26 +6,53 @@ std::string Murty::why_not(const Lcp& problem) const {
   return problem.friction.empty() ? "" : "friction rows: the method needs bounds that do not depend on z";
 }
 
+template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {
+  const auto u = [](int i) { return static_cast<std::size_t>(i); };
+  // Basic variable i goes to `value`, carried there by the nonbasic one of its pair.
+  const auto move = [&](int i, T value) {
+    const T pivot = t.at(i, i);
+    if (!(pivot > 0)) return false;
+    t.move(i, (value - (t.in[u(i)] ? t.z : t.w)[u(i)]) / pivot);
+    t.pivot(i, value);
+    return true;
+  };
+  for (int i = 0; i < t.size(); ++i)
+    if (t.free(i) && !move(i, T(0))) return Status::stalled;
+  t.iterations = 0;
+  for (;;) {
+    int i = 0;
+    T bound = 0;  // where a basic z_i goes
+    for (; i < t.size(); ++i) {
+      if (!t.in[u(i)]) {
+        if (t.wrong(i)) break;
+        continue;
+      }
+      bound = t.z[u(i)] < t.low[u(i)] ? t.low[u(i)] : t.high[u(i)];
+      if (t.outside(i)) break;
+    }
+    log(t.iterations, i);
+    if (i == t.size()) return Status::solved;
+    if (t.iterations >= options_.max_pivots) return Status::iteration_limit;
+    if (budget().exhausted()) return Status::time_limit;
+    if (!move(i, t.in[u(i)] ? bound : T(0))) return Status::stalled;
+  }
+}
+
+Status Murty::attempt(int precision, Solution& s) {
+  return pivoting_.attempt(precision, s.z, s.iterations, [this](auto& t) { return method(t); });
+}
+
 Status Murty::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
-  const Index n = problem.size();
-  rows_.load(problem, s.z);
-  for (Index i = 0; i < n; ++i)
-    rows_.side[static_cast<std::size_t>(i)] = problem.lo[i] != -kInf  ? Side::lower
-                                              : problem.hi[i] != kInf ? Side::upper
-                                                                      : Side::inside;
-  for (;;) {
-    if (!rows_.solve()) return Status::stalled;
-    s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
-    Index i = 0;
-    while (i < n && rows_.better(i) == rows_.side[static_cast<std::size_t>(i)]) ++i;
-    log(s.iterations, static_cast<double>(i));
-    if (i == n) return Status::solved;
-    if (s.iterations >= options_.max_pivots) return Status::iteration_limit;
-    if (budget().exhausted()) return Status::time_limit;
-    rows_.side[static_cast<std::size_t>(i)] = rows_.better(i);
-    ++s.iterations;
-  }
+  pivoting_.form(problem);
+  return attempt(0, s);
+}
+
+bool Murty::run_again(const Lcp& problem, Solution& s, int precision, Status& claim) {
+  if (problem.size() == 0 || claim == Status::iteration_limit || precision > (problem.size() <= 100 ? 2 : 1))
+    return false;
+  claim = attempt(precision, s);
+  return true;
 }
 
 }  // namespace orthant

@@ -1,14 +1,15 @@
 // solvers/murty.h — principal pivoting by the least index: the first row with a wrong sign changes sides.
 //
-//   Find z in [lo, hi], w = A z + b, by a choice of side for each row (active_rows.h), starting from lower (or upper)
-//   bounds. Each iteration solves for the present choice and moves the row of least index whose sign is wrong.
+//   Find z in [lo, hi], w = A z + b: all rows start on a bound (free rows with w = 0); the row of least index with a
+//   wrong sign moves, from a bound to w = 0 or from w = 0 to the bound it broke: a principal pivot (principal_tableau.h).
 //   Finite for P-matrices and any b; up to 2ⁿ − 1 moves. Degenerate rows (z_i = w_i = 0) never move, so it cannot cycle.
-//   One factorization an iteration, O(|F|³) dense: a method to check others by, not to be fast.
-//   Friction rows → unsupported.  A singular block → stalled.  The start value is not used.
+//   O(n²) a pivot, after O(n³) where there are free rows; the final z is refined as in lemke.h: a method to check others
+//   by, not to be fast. What the judge rejects is tried again in long double and, up to 100 rows, quadruple precision.
+//   Friction rows → unsupported.  A pivot of the wrong sign or 0 (no P-matrix) → stalled.  The start value is not used.
 //   Source: Murty, Opsearch 11 (1974); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.2.
 #pragma once
 
-#include <orthant/solvers/active_rows.h>
+#include <orthant/solvers/principal_pivoting.h>
 #include <orthant/solvers/solver.h>
 
 namespace orthant {
@@ -29,9 +30,13 @@ class Murty final : public Solver {
 
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   double tolerance() const override { return options_.tolerance; }
+  Status attempt(int precision, Solution& s);
+  template <class T> Status method(detail::PrincipalTableau<T>& t);
+
   Options options_;
-  ActiveRows rows_;
+  detail::PrincipalPivoting pivoting_;
 };
 
 }  // namespace orthant

@@ -2,6 +2,7 @@
 
 #include <orthant/core/support/options.h>
 #include <orthant/solvers/block_pivot.h>
+#include <orthant/solvers/dantzig.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/lemke.h>
 #include <orthant/solvers/lemke_howson.h>
@@ -27,6 +28,8 @@ template <class S> std::string options() { return describe(typename S::Options{}
 constexpr SolverEntry kSolvers[] = {
     {"lemke", "lexicographic Lemke pivoting; ends on a solution or a ray", &make<Lemke>, &options<Lemke>},
     {"pgs", "projected Gauss-Seidel sweeps, friction rows included; A_ii > 0", &make<Pgs>, &options<Pgs>},
+    {"dantzig", "principal pivoting with a driving variable; finite for monotone problems, boxes and free rows",
+     &make<Dantzig>, &options<Dantzig>},
     {"murty", "principal pivoting by the least index; finite for P-matrices, boxes and free rows", &make<Murty>,
      &options<Murty>},
     {"block-pivot", "block principal pivoting, dense and sparse; P-matrices, boxes and free rows", &make<BlockPivot>,

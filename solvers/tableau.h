@@ -39,6 +39,19 @@ template <> struct Roundings<Quad> {
 };
 #endif
 
+template <class T> T magnitude(T x) {
+  if constexpr (std::is_floating_point_v<T>) return std::abs(x);  // one instruction, and vectors of them
+  return x < 0 ? -x : x;
+}
+
+/// line ← line + f p; what cancels to noise becomes 0.
+template <class T> void add_multiple(T* __restrict line, const T f, const T* __restrict p, int size) {
+  for (int c = 0; c < size; ++c) {
+    const T x = line[c], y = x + f * p[c];
+    line[c] = magnitude(y) <= Roundings<T>::snap * magnitude(x) ? T(0) : y;
+  }
+}
+
 template <class T> class Tableau {  // reuse it: the second problem of a size allocates nothing
  public:
   enum class End { solved, ray, limit, stopped };
@@ -107,10 +120,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
  private:
   static std::size_t u(int i) { return static_cast<std::size_t>(i); }
-  static T abs(T x) {
-    if constexpr (std::is_floating_point_v<T>) return std::abs(x);  // one instruction, and vectors of them
-    return x < 0 ? -x : x;
-  }
+  static T abs(T x) { return magnitude(x); }
   template <class V> static void grow(V& v, std::size_t size) {
     if (v.size() < size) v.resize(size);
   }
@@ -179,13 +189,6 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     set_basic(r, nonbasic_[u(s)]);
     set_nonbasic(s, leaving);
   }
-  static void add_multiple(T* __restrict line, const T f, const T* __restrict p, int size) {
-    for (int c = 0; c < size; ++c) {
-      const T x = line[c], y = x + f * p[c];
-      line[c] = abs(y) <= Roundings<T>::snap * abs(x) ? T(0) : y;
-    }
-  }
-
   T cover_of(int i) const { return cover_.size() > i ? static_cast<T>(cover_[i]) : T(1); }
 
   // The row that z₀ replaces: the lexicographically least (q_i, e_i) / d_i, that is the last among equals; −1: q ≥ 0.

@@ -74,9 +74,10 @@ TEST_CASE("every solver finds the known solution, or is honest") {
         REQUIRE(k.z.size() > 0);  // there is a solution to find
         CHECK(independent_residual(problem, s.z) < 1e-9);
         const double size = k.z.lpNorm<Eigen::Infinity>();
-        const double solver_accuracy = entry.name == "pgs"                                  ? 1e-6
-                                       : entry.name == "lemke" || entry.name == "enumerate" ? 4e-16
-                                                                                            : 1e-10;
+        const double solver_accuracy = entry.name == "pgs" ? 1e-6
+                                       : entry.name == "lemke" || entry.name == "dantzig" || entry.name == "enumerate"
+                                           ? 4e-16
+                                           : 1e-10;
         if (k.answer == Answer::unique && (entry.name != "pgs" || k.accuracy < 1e-9))
           CHECK((s.z - k.z).lpNorm<Eigen::Infinity>() <= std::max(k.accuracy, solver_accuracy) * size);
         if (k.unique_w) {

@@ -69,6 +69,17 @@ TEST_CASE("random integer problems: Lemke's answers stand, its proofs agree with
   }
 }
 
+TEST_CASE("random integer problems of no promised class: dantzig's answers and proofs stand") {
+  std::uint64_t seed = 150;
+  for (const Kinds kinds : {Kinds{}, Kinds{.free = true, .box = true}, Kinds{.friction = true}}) {
+    const Tally tally = storm("dantzig", kinds, 2000, ++seed);
+    MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
+            " of which solvable ", tally.missed);
+    CHECK(tally.solved > 400);
+    CHECK(tally.infeasible > 100);
+  }
+}
+
 TEST_CASE("random integer problems: what projected Gauss-Seidel calls solved is solved") {
   const Tally tally = storm("pgs:max_sweeps=1000", {.box = true, .friction = true}, 3000, 200);
   MESSAGE("solved ", tally.solved, ", honest ", tally.honest, " of which solvable ", tally.missed);

@@ -1,0 +1,229 @@
+// Principal pivoting: dantzig, and what it shares with the other pivoting and active-set methods.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/dantzig.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "tests/support/allocations.h"
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+/// diag(2^row) A diag(2^col), bounds and b to match: z is 2^-col times the given problem's.
+Lcp scaled(const Lcp& problem, Random& random, Vector& col) {
+  Lcp p = problem;
+  auto& A = std::get<DenseMatrix>(p.A);
+  const Index n = p.size();
+  col.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    const double row = std::ldexp(1.0, random.integer(-40, 40));
+    col[i] = std::ldexp(1.0, random.integer(-40, 40));
+    A.row(i) *= row, p.b[i] *= row;
+    A.col(i) *= col[i], p.lo[i] /= col[i], p.hi[i] /= col[i];
+  }
+  return p;
+}
+
+/// Every kind of row a principal pivoting method takes, A symmetric positive definite.
+Lcp mixed_problem(Index n, Random& random) {
+  Lcp p = random_spd_problem(n, random);
+  for (Index i = 0; i < n; ++i) {
+    const int kind = random.integer(0, 4);
+    if (kind == 1) p.lo[i] = -kInf;
+    if (kind == 2) p.lo[i] = -0.1, p.hi[i] = 0.2;
+    if (kind == 3) p.lo[i] = -kInf, p.hi[i] = 0.1;
+  }
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("redundant contacts: dantzig solves random rank-deficient symmetric problems, to rounding") {
+  Random random(51);
+  Dantzig solver;
+  Solution s;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Index n = random.integer(1, 40), rank = random.integer(0, static_cast<int>(n));
+    Eigen::MatrixXd B(rank, n);
+    for (double& entry : B.reshaped()) entry = random.normal();
+    if (rank > 0 && n > 2) B.col(n - 1) = B.col(0);  // a contact twice
+    const Eigen::MatrixXd A = B.transpose() * B;
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(n), w = z;
+    for (Index i = 0; i < n; ++i) {
+      const int side = random.integer(0, 2);  // 2: degenerate
+      if (side == 0) z[i] = random.uniform(0.1, 1.0);
+      if (side == 1) w[i] = random.uniform(0.1, 1.0);
+    }
+    const Lcp p = Lcp::standard(DenseMatrix(A), Vector(w - A * z));
+    solver.solve(p, s);
+    INFO("trial ", trial, ", n = ", n, ", rank ", rank, ": ", name(s.status));
+    REQUIRE(s.status == Status::solved);
+    CHECK(independent_residual(p, s.z) < 1e-13);
+    CHECK((s.w - w).lpNorm<Eigen::Infinity>() <= 1e-8 * (1 + p.b.lpNorm<Eigen::Infinity>()));  // w is unique
+  }
+}
+
+TEST_CASE("hyperstatic table: dantzig carries it on any number of legs, in any order") {
+  Random random(52);
+  Dantzig solver;
+  Solution s;
+  for (int trial = 0; trial < 100; ++trial) {
+    // A plate of mass 1, unit inertias, on legs at (x, y): W's rows are (1, y, −x); the load acts inside the legs.
+    const Index legs = random.integer(4, 24);
+    Eigen::MatrixXd W(legs, 3);
+    Eigen::Vector3d load = Eigen::Vector3d::Zero();
+    for (Index i = 0; i < legs; ++i) {
+      W.row(i) << 1, random.integer(-4, 4), random.integer(-4, 4);
+      load += random.integer(0, 3) * W.row(i).transpose();  // some combination of legs can bear it
+    }
+    const Lcp p = Lcp::standard(DenseMatrix(W * W.transpose()), Vector(-W * load));
+    solver.solve(p, s);
+    INFO("trial ", trial);
+    REQUIRE(s.status == Status::solved);
+    CHECK((W.transpose() * s.z - load).lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + load.lpNorm<Eigen::Infinity>()));
+    CHECK(s.z.minCoeff() >= 0);
+  }
+}
+
+TEST_CASE("monotone problems, degenerate and rank deficient: dantzig solves all") {
+  Random random(300);
+  Dantzig solver;
+  Solution s;
+  int pivots = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Index n = random.integer(1, 12), rank = random.integer(0, static_cast<int>(n));
+    const Known known = planted_problem(n, rank, random.integer(0, static_cast<int>(n)), random);
+    solver.solve(known.problem, s);
+    INFO("problem ", k, ", n = ", n, ": ", name(s.status));
+    REQUIRE(s.status == Status::solved);
+    REQUIRE(independent_residual(known.problem, s.z) < 1e-12);
+    pivots = std::max(pivots, s.iterations);
+  }
+  CHECK(pivots <= 60);
+}
+
+TEST_CASE("monotone problems with boxes and free rows: dantzig solves or proves, as Lemke does") {
+  Random random(53);
+  Dantzig solver;
+  Solution s, truth;
+  int solved = 0, infeasible = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Index n = random.integer(1, 8), rank = random.integer(0, static_cast<int>(n));
+    Lcp p = planted_problem(n, rank, n, random).problem;
+    for (Index i = 0; i < n; ++i) {
+      const int kind = random.integer(0, 5);
+      if (kind == 0) p.lo[i] = -kInf;
+      if (kind == 1) p.hi[i] = random.integer(0, 2);
+      if (kind == 2) p.lo[i] = -kInf, p.hi[i] = random.integer(-1, 1);
+    }
+    make_solver("lemke")->solve(p, truth);
+    solver.solve(p, s);
+    INFO("problem ", k, ", n = ", n, ": ", name(s.status), ", Lemke ", name(truth.status));
+    REQUIRE(s.status == truth.status);
+    solved += s.status == Status::solved;
+    infeasible += s.status == Status::infeasible;
+    if (s.status == Status::solved) CHECK(independent_residual(p, s.z) < 1e-12);
+  }
+  CHECK(solved > 500);
+  CHECK(infeasible > 100);
+}
+
+TEST_CASE("pivoting: powers of 2 on rows and columns change no bit of the answer") {
+  Random random(54);
+  for (const std::string spec : {"dantzig", "murty"}) {
+    const auto solver = make_solver(spec);
+    for (int trial = 0; trial < 50; ++trial) {
+      const Lcp p = mixed_problem(20, random);
+      Solution s, t;
+      Vector col;
+      const Lcp q = scaled(p, random, col);
+      INFO(spec, ", trial ", trial);
+      REQUIRE(solver->solve(p, s).status == Status::solved);
+      solver->solve(q, t);
+      CHECK((t.z.cwiseProduct(col) - s.z).cwiseAbs().maxCoeff() == 0);
+    }
+  }
+}
+
+TEST_CASE("active rows: order of rows, storage and start change nothing") {
+  Random random(55);
+  for (const std::string spec : {"dantzig", "murty", "block-pivot", "newton-min", "newton-fb"}) {
+    const auto solver = make_solver(spec);
+    const bool exact = spec == "dantzig" || spec == "murty";  // correctly rounded, whatever the path
+    for (int trial = 0; trial < 20; ++trial) {
+      const Index n = 15;
+      const Lcp p = mixed_problem(n, random);
+      std::vector<Index> order(static_cast<std::size_t>(n));
+      std::iota(order.begin(), order.end(), Index{0});
+      for (Index i = n - 1; i > 0; --i)
+        std::swap(order[static_cast<std::size_t>(i)],
+                  order[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
+      Lcp q = p;
+      q.A = DenseMatrix(Eigen::MatrixXd(std::get<DenseMatrix>(p.A)(order, order)));
+      q.b = p.b(order), q.lo = p.lo(order), q.hi = p.hi(order);
+      Solution s, t;
+      INFO(spec, ", trial ", trial);
+      REQUIRE(solver->solve(p, s).status == Status::solved);
+      const auto differ = [&](const Eigen::VectorXd& z) {
+        return (z - s.z).lpNorm<Eigen::Infinity>() > (exact ? 0.0 : 1e-12 * s.z.lpNorm<Eigen::Infinity>());
+      };
+      REQUIRE(solver->solve(q, t).status == Status::solved);
+      Eigen::VectorXd back(n);
+      back(order) = t.z;
+      CHECK(!differ(back));
+      REQUIRE(solver->solve(as_sparse(p), t).status == Status::solved);
+      CHECK(!differ(t.z));
+      for (double& z : t.z) z = random.normal();
+      REQUIRE(solver->solve(p, t, Start::warm).status == Status::solved);
+      CHECK(!differ(t.z));
+    }
+  }
+}
+
+TEST_CASE("principal pivoting allocates nothing on the second solve of a size") {
+  Random random(56);
+  for (const std::string spec : {"dantzig", "murty"}) {
+    const auto solver = make_solver(spec);
+    const Lcp p = mixed_problem(30, random);
+    Solution s;
+    solver->solve(p, s);
+    solver->solve(p, s);
+    const std::size_t before = AllocationCount::now();
+    solver->solve(p, s);
+    const std::size_t after = AllocationCount::now();
+    INFO(spec);
+    CHECK(s.status == Status::solved);
+    CHECK(after - before == 0);
+  }
+}
+
+TEST_CASE("contact problems with friction: dantzig's answers stand, failures are honest") {
+  Random random(57);
+  Dantzig solver;
+  int solved = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const Lcp p = random_contact_problem(random.integer(1, 8), 12, 0.5, random);
+    Solution s;
+    solver.solve(p, s);
+    if (s.status != Status::solved) continue;
+    ++solved;
+    CHECK(independent_residual(p, s.z) < 1e-12);
+  }
+  MESSAGE("dantzig solves ", solved, " of 500");
+  CHECK(solved >= 250);
+}
+
+TEST_CASE("Murty's problem of 60 rows: the least-index rules end on their limit and say so") {
+  Eigen::MatrixXd L = Eigen::MatrixXd::Identity(60, 60);
+  L.triangularView<Eigen::StrictlyUpper>().setConstant(2);
+  const Lcp p = Lcp::standard(DenseMatrix(L), Vector(Eigen::VectorXd::Constant(60, -1)));
+  Solution s;
+  CHECK(make_solver("murty:max_pivots=20000")->solve(p, s).status == Status::iteration_limit);
+  CHECK(make_solver("dantzig:max_pivots=20000")->solve(p, s).status == Status::iteration_limit);
+}
