@@ -16,8 +16,7 @@ template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {
     t.pivot(i, value);
     return true;
   };
-  for (int i = 0; i < t.size(); ++i)
-    if (t.free(i) && !move(i, T(0))) return Status::stalled;
+  if (!t.release_free()) return Status::stalled;
   t.iterations = 0;
   for (;;) {
     int i = 0;

@@ -31,6 +31,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
     for (auto* v : {&z, &w, &low, &high, &size_, &reach_}) v->resize(n);
     t_.resize(n * n);
     iterations = 0;
+    noise_floor_ = 0;
     for (int i = 0; i < n_; ++i) {
       low[u(i)] = static_cast<T>(p.lo[i] / col[i]), high[u(i)] = static_cast<T>(p.hi[i] / col[i]);
       z[u(i)] = std::min(std::max(T(0), low[u(i)]), high[u(i)]);
@@ -43,6 +44,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
     for (int j = 0; j < n_; ++j)
       for (int i = 0; i < n_; ++i) {
         at(i, j) = static_cast<T>(A(i, j) * row[i] * col[j]);
+        noise_floor_ = std::max(noise_floor_, Roundings<T>::pivot * abs(at(i, j)));
         const T term = at(i, j) * z[u(j)];
         w[u(i)] += term;
         size_[u(i)] = std::max(size_[u(i)], abs(term));
@@ -104,6 +106,36 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
     ++iterations;
   }
 
+  /// w = 0 on all free rows, by principal and exchange pivots, largest first. False when their block is singular.
+  bool release_free() {
+    for (;;) {
+      int i = -1, k = -1;
+      T best = 0;
+      bool open = false;
+      for (int r = 0; r < n_; ++r)
+        for (int c = r; c < n_ && free(r) && !in[u(r)]; ++c) {
+          if (!free(c) || in[u(c)]) continue;
+          open = true;
+          const T size = r == c ? abs(at(r, r)) : std::min(abs(at(r, c)), abs(at(c, r))) / 2;  // 2: rather a single one
+          if (size > best && size > noise_floor_) best = size, i = r, k = c;
+        }
+      if (!open) return true;
+      if (i < 0) return false;
+      if (i == k) {
+        move(i, -w[u(i)] / at(i, i));
+        pivot(i, T(0));
+      } else {
+        const T det = at(i, i) * at(k, k) - at(i, k) * at(k, i);
+        if (det == 0) return false;
+        const T wi = w[u(i)], wk = w[u(k)];
+        move(i, (at(i, k) * wk - at(k, k) * wi) / det);
+        move(k, (at(k, i) * wi - at(i, i) * wk) / det);
+        exchange(i, k, T(0));
+        w[u(k)] = 0;
+      }
+    }
+  }
+
   static T abs(T x) { return magnitude(x); }
 
  private:
@@ -126,6 +158,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
   }
 
   int n_ = 0;
+  T noise_floor_ = 0;                // what lies below is no pivot
   std::vector<T> t_, size_, reach_;  // the largest terms that w_i and z_i were sums of
 };
 
