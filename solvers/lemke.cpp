@@ -5,23 +5,53 @@
 #include <orthant/solvers/refined_basis.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/tableau.h>
+#include <orthant/solvers/wide.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
+#include <type_traits>
 #include <vector>
 
 namespace orthant {
 
 namespace {
 
-using detail::Quad;
+using detail::Rational;
 using detail::RefinedBasis;
 using detail::Scaling;
 using detail::Tableau;
+using detail::Wide;
 
 constexpr int kRestarts = 12;      // with other covering vectors
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
+constexpr Index kExact = 24;       // rows up to which rationals stay short
+constexpr Index kWide = 500;       // rows up to which 256 bits take seconds
+
+// The attempts of the rescue, in turn. After the last: every basis, or other covering vectors.
+enum class Arithmetic { plain, extended, wide, exact };
+struct Attempt {
+  Arithmetic arithmetic;
+  bool nearby;      // on a matrix within rounding of the given one (Nearby)
+  bool other_form;  // Stewart and Trinkle's, where there is friction
+};
+constexpr Attempt kAttempts[] = {
+    {Arithmetic::extended, false, false}, {Arithmetic::exact, false, false}, {Arithmetic::wide, true, false},
+    {Arithmetic::wide, false, false},     {Arithmetic::plain, false, true},  {Arithmetic::extended, false, true},
+    {Arithmetic::wide, true, true},       {Arithmetic::wide, false, true},
+};
+constexpr int kFirstAttempts = 4;  // the rest take the other form
+constexpr int kLastAttempt = static_cast<int>(std::size(kAttempts));
+
+// M with a few roundings of its row added to each positive diagonal entry. A Delassus matrix of redundant contacts is
+// positive semidefinite but for the rounding of its entries, which can leave it without a solution; this neighbour has
+// one, and as its entries differ by less than 4 ε max_j |M_ij|, its solution has a residual below 4 ρ in M.
+struct Nearby {
+  const DenseMatrix& M;
+  const Vector& shift;
+  double operator()(Index i, Index j) const { return i == j ? M(i, i) + shift[i] : M(i, j); }
+};
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -36,10 +66,11 @@ struct Lemke::Work {
   bool reduced = false;  // pure is pyramid's
   Scaling scaling;
   std::vector<char> free;
-  Vector y, direction, cover;
+  Vector y, direction, cover, shift;
   Tableau<double> tableau;
   Tableau<long double> long_tableau;
-  Tableau<Quad> quad_tableau;
+  Tableau<Wide> wide_tableau;
+  Tableau<Rational> exact_tableau;
   Farkas farkas;
   Enumerate enumerate;
   Solution enumerated;
@@ -68,10 +99,14 @@ struct Lemke::Work {
     scaling.fit(std::get<DenseMatrix>(pure->A));
   }
 
-  template <class T> Status attempt(Tableau<T>& t, int max_pivots, const Lcp& problem, Solution& s) {
+  template <class T>
+  Status attempt(Tableau<T>& t, int max_pivots, const Lcp& problem, Solution& s, bool nearby = false) {
     const auto& M = std::get<DenseMatrix>(pure->A);
     const Index n = pure->size();
-    t.load(M, pure->b, free, scaling.row, scaling.col);
+    if (nearby)
+      t.load(Nearby{M, shift_of(M)}, pure->b, free, scaling.row, scaling.col);
+    else
+      t.load(M, pure->b, free, scaling.row, scaling.col);
     const auto end = t.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(n), [&](const T& z0) {
       lemke.log(t.iterations(), static_cast<double>(z0));
       return lemke.budget().exhausted();
@@ -90,7 +125,13 @@ struct Lemke::Work {
       else
         s.certificate = direction;
     } else if (end == Tableau<T>::End::solved) {
-      refine(t, M);
+      if constexpr (std::is_floating_point_v<T>)
+        refine(t, M);
+      else  // more digits than y holds
+        t.for_each_basic_z([&](Index i, int sign, const T& value, int) {
+          const double z = sign * static_cast<double>(value) * scaling.col[i];
+          y[i] += free[at(i)] ? z : std::max(z, 0.0);
+        });
     }
     if (reduced)
       pyramid.restore(problem, y, s.z);
@@ -100,6 +141,16 @@ struct Lemke::Work {
            : end == Tableau<T>::End::ray     ? Status::ray
            : end == Tableau<T>::End::stopped ? Status::time_limit
                                              : Status::iteration_limit;
+  }
+
+  const Vector& shift_of(const DenseMatrix& M) {
+    const Index n = M.rows();
+    shift.resize(n);
+    shift.setZero();
+    for (Index j = 0; j < n; ++j)
+      for (Index i = 0; i < n && M(j, j) > 0; ++i)
+        if (M(i, i) > 0) shift[i] = std::max(shift[i], 0x1p-50 * std::abs(M(i, j)));
+    return shift;
   }
 
   // Another covering vector, another path: from the same numbers on every machine and in every run.
@@ -162,40 +213,43 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
       return true;
     }
   }
-  const bool slow = claim == Status::iteration_limit;  // quadruple precision would be slower still
-  const bool small = problem.size() <= 100;
-  while (++work.stage <= 5 + kRestarts) {
+  const bool slow = claim == Status::iteration_limit;  // more digits take the same path, if more slowly
+  const Index n = problem.size() + static_cast<Index>(problem.friction.size());
+  while (work.stage < kLastAttempt + kRestarts) {
+    const int stage = work.stage++;
     // A residual that would do: more digits may find the right basis, but other forms and paths are not called for.
-    if (work.stage > 2 && s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>()) return false;
-    switch (work.stage) {
-      case 1:
-      case 4:
-        claim = work.attempt(work.long_tableau, options_.max_pivots, problem, s);
+    if (stage >= kFirstAttempts && s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>()) return false;
+    if (stage >= kLastAttempt) {
+      if (work.pure->size() <= kEnumerable) {
+        work.stage = kLastAttempt + kRestarts;
+        if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
+        s.z = work.enumerated.z;
+        claim = Status::solved;
         return true;
-      case 2:
-      case 5:
-        if (slow || !small) break;
-        claim = work.attempt(work.quad_tableau, options_.max_pivots, problem, s);
+      }
+      if (slow || n > kWide) return false;
+      claim = work.restart(stage, options_.max_pivots, problem, s);
+      return true;
+    }
+    const auto [arithmetic, nearby, other_form] = kAttempts[stage];
+    if (other_form && problem.friction.empty()) continue;
+    if (other_form && stage == kFirstAttempts) work.form(problem, Pyramid::Form::stewart_trinkle);
+    const Index rows = work.pure->size();
+    const int few = 1000 + 20 * static_cast<int>(rows), limit = options_.max_pivots;
+    switch (arithmetic) {
+      case Arithmetic::plain:
+        claim = work.attempt(work.tableau, limit, problem, s);
         return true;
-      case 3:
-        if (slow || !small) return false;
-        if (problem.friction.empty()) {
-          work.stage = 5;
-          break;
-        }
-        work.form(problem, Pyramid::Form::stewart_trinkle);
-        claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
+      case Arithmetic::extended:
+        claim = work.attempt(work.long_tableau, limit, problem, s);
         return true;
-      default:
-        if (claim != Status::ray && claim != Status::solved) return false;
-        if (work.pure->size() <= kEnumerable) {
-          work.stage = 5 + kRestarts;
-          if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
-          s.z = work.enumerated.z;
-          claim = Status::solved;
-          return true;
-        }
-        claim = work.restart(work.stage, options_.max_pivots, problem, s);
+      case Arithmetic::wide:
+        if (rows > kWide) break;
+        claim = work.attempt(work.wide_tableau, limit > 0 ? std::min(limit, few) : few, problem, s, nearby);
+        return true;
+      case Arithmetic::exact:
+        if (rows > kExact) break;
+        claim = work.attempt(work.exact_tableau, limit > 0 ? std::min(limit, few) : few, problem, s);
         return true;
     }
   }

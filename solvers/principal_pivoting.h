@@ -28,7 +28,7 @@ class PrincipalPivoting {  // reuse it: the second problem of a size allocates n
     scaling_.fit(*A_);
   }
 
-  /// Precision 0: double, 1: long double, 2: quadruple. method(tableau) → Status. Writes z and iterations.
+  /// Precision 0: double, 1: long double, 2: 256 bits. method(tableau) → Status. Writes z and iterations.
   template <class Method> Status attempt(int precision, Vector& z, int& iterations, const Method& method) {
     return tableaus_.visit(precision, [&](auto& t) {
       t.load(*A_, *pure_, scaling_.row, scaling_.col);

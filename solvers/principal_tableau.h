@@ -10,7 +10,7 @@
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 2.3, 4.1.
 #pragma once
 
-#include <orthant/solvers/tableau.h>
+#include <orthant/solvers/wide.h>
 
 #include <utility>
 #include <vector>
@@ -166,7 +166,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
 struct PrincipalTableaus {
   PrincipalTableau<double> first;
   PrincipalTableau<long double> second;
-  PrincipalTableau<Quad> third;
+  PrincipalTableau<Wide> third;
   /// f(tableau) of attempt 0, 1, 2.
   template <class F> auto visit(int attempt, F&& f) {
     return attempt == 0 ? f(first) : attempt == 1 ? f(second) : f(third);

@@ -20,24 +20,14 @@
 
 namespace orthant::detail {
 
-#ifdef __SIZEOF_FLOAT128__
-__extension__ typedef __float128 Quad;  // 113 bits
-#else
-using Quad = long double;
-#endif
-
-template <class T> struct Roundings;  // snap: cancelled to noise; tie: equal at worst; pivot: too small in its column
+// snap: cancelled to noise; tie: equal at worst; pivot: too small in its column.
+template <class T> struct Roundings;  // wide.h has the types beyond these
 template <> struct Roundings<double> {
   static constexpr double unit = 0x1p-53, snap = 0x1p-46, tie = 0x1p-36, pivot = 0x1p-36;
 };
 template <> struct Roundings<long double> {
   static constexpr long double unit = 0x1p-64L, snap = 0x1p-57L, tie = 0x1p-47L, pivot = 0x1p-47L;
 };
-#ifdef __SIZEOF_FLOAT128__
-template <> struct Roundings<Quad> {
-  static constexpr Quad unit = 0x1p-113, snap = 0x1p-106, tie = 0x1p-90, pivot = 0x1p-90;
-};
-#endif
 
 template <class T> T magnitude(T x) {
   if constexpr (std::is_floating_point_v<T>) return std::abs(x);  // one instruction, and vectors of them
@@ -47,8 +37,12 @@ template <class T> T magnitude(T x) {
 /// line ← line + f p; what cancels to noise becomes 0.
 template <class T> void add_multiple(T* __restrict line, const T f, const T* __restrict p, int size) {
   for (int c = 0; c < size; ++c) {
-    const T x = line[c], y = x + f * p[c];
-    line[c] = magnitude(y) <= Roundings<T>::snap * magnitude(x) ? T(0) : y;
+    if constexpr (std::is_floating_point_v<T>) {
+      const T x = line[c], y = x + f * p[c];
+      line[c] = magnitude(y) <= Roundings<T>::snap * magnitude(x) ? T(0) : y;
+    } else if (p[c] != 0) {  // a product costs more than the question, and noise lies far below the smallest pivot
+      line[c] += f * p[c];
+    }
   }
 }
 

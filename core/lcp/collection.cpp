@@ -303,4 +303,24 @@ Lcp random_contact_problem(Index contacts, Index dof, double mu, Random& random)
   return p;
 }
 
+Lcp stewart_trinkle_problem(Index contacts, double mu, double mass_ratio, Random& random) {
+  const Index c = contacts, n = 4 * c;
+  MatrixXd J(3 * c, c);
+  for (double& value : J.topRows(2 * c).reshaped()) value = random.normal();
+  J.bottomRows(c) = -J.middleRows(c, c);
+  VectorXd inverse_mass(c), v(c);
+  for (double& value : inverse_mass) value = std::pow(mass_ratio, -random.uniform());
+  for (double& value : v) value = random.normal();
+  MatrixXd M = MatrixXd::Zero(n, n);
+  M.topLeftCorner(3 * c, 3 * c).noalias() = J * inverse_mass.asDiagonal() * J.transpose();
+  for (Index i = 0; i < c; ++i) {
+    M(c + i, 3 * c + i) = M(2 * c + i, 3 * c + i) = 1;
+    M(3 * c + i, c + i) = M(3 * c + i, 2 * c + i) = -1;
+    M(3 * c + i, i) = mu;
+  }
+  VectorXd q = VectorXd::Zero(n);
+  q.head(3 * c).noalias() = J * v;
+  return Lcp::standard(DenseMatrix(M), Vector(q));
+}
+
 }  // namespace orthant

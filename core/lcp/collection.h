@@ -74,4 +74,11 @@ Lcp random_spd_problem(Index n, Random& random);
 /// rows N₁ T₁ N₂ T₂ …, dof coordinates with masses in [0.5, 2].
 Lcp random_contact_problem(Index contacts, Index dof, double mu, Random& random);
 
+/// Planar frictional contacts in the copositive form of Stewart and Trinkle, dense, n = 4 contacts, as many freedoms as
+/// contacts: J_N, J_T and v normal, D = [J_T; −J_T], inverse masses log-uniform in [1/mass_ratio, 1], and
+///   M = [ J M⁻¹ Jᵀ  (0; E) ; (μ −Eᵀ)  0 ],  J = [J_N; D], E = [I; I],   q = (J_N v; D v; 0),   z = (λ_N; λ_T; γ).
+/// Solvable by theory; harder with each power of ten of the mass ratio.
+/// Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996) 2673-2691.
+Lcp stewart_trinkle_problem(Index contacts, double mu, double mass_ratio, Random& random);
+
 }  // namespace orthant
