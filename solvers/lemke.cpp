@@ -220,6 +220,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
     // A residual that would do: more digits may find the right basis, but other forms and paths are not called for.
     if (stage >= kFirstAttempts && s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>()) return false;
     if (stage >= kLastAttempt) {
+      if (slow) return false;
       if (work.pure->size() <= kEnumerable) {
         work.stage = kLastAttempt + kRestarts;
         if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
@@ -227,7 +228,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
         claim = Status::solved;
         return true;
       }
-      if (slow || n > kWide) return false;
+      if (n > kWide) return false;
       claim = work.restart(stage, options_.max_pivots, problem, s);
       return true;
     }
