@@ -3,6 +3,7 @@
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/farkas.h>
 #include <orthant/solvers/refined_basis.h>
+#include <orthant/solvers/revised_lemke.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/tableau.h>
 #include <orthant/solvers/wide.h>
@@ -20,6 +21,7 @@ namespace {
 
 using detail::Rational;
 using detail::RefinedBasis;
+using detail::RevisedLemke;
 using detail::Scaling;
 using detail::Tableau;
 using detail::Wide;
@@ -27,7 +29,9 @@ using detail::Wide;
 constexpr int kRestarts = 12;      // with other covering vectors
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
 constexpr Index kExact = 24;       // rows up to which rationals stay short
-constexpr Index kWide = 500;       // rows up to which 256 bits take seconds
+constexpr Index kTableau = 10000;
+constexpr Index kRevisedOnly = 2000;  // rows beyond which no tableau is tried after the revised form
+constexpr Index kWide = 500;          // rows up to which 256 bits take seconds
 
 // The attempts of the rescue, in turn. After the last: every basis, or other covering vectors.
 enum class Arithmetic { plain, extended, wide, exact };
@@ -74,7 +78,9 @@ struct Lemke::Work {
   Farkas farkas;
   Enumerate enumerate;
   Solution enumerated;
-  int stage = 0;  // of the rescue
+  RevisedLemke revised;
+  bool was_revised = false;  // the tableau has not been tried
+  int stage = 0;             // of the rescue
   bool proof_sought = false;
 
   RefinedBasis basis;
@@ -97,6 +103,7 @@ struct Lemke::Work {
     free.resize(at(n));
     for (Index i = 0; i < n; ++i) free[at(i)] = pure->lo[i] == -kInf;
     scaling.fit(std::get<DenseMatrix>(pure->A));
+    cover_tableau();
   }
 
   template <class T>
@@ -141,6 +148,56 @@ struct Lemke::Work {
            : end == Tableau<T>::End::ray     ? Status::ray
            : end == Tableau<T>::End::stopped ? Status::time_limit
                                              : Status::iteration_limit;
+  }
+
+  void cover_tableau() {
+    if (lemke.options_.cover == LemkeCover::ones)
+      cover.resize(0);
+    else
+      cover_of(pure->A).array() *= scaling.row.array();
+    tableau.cover(cover);
+  }
+
+  // d by row of a pure problem; empty: e.
+  Vector& cover_of(const Matrix& A) {
+    cover.resize(order(A));
+    cover.setOnes();
+    if (lemke.options_.cover == LemkeCover::ones) return cover;
+    for (Index i = 0; i < cover.size(); ++i) {
+      double largest = 0;
+      if (const auto* sparse = std::get_if<RowSparse>(&A))
+        for (auto k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
+          largest = std::max(largest, std::abs(sparse->value[k]));
+      else
+        for (Index j = 0; j < cover.size(); ++j) largest = std::max(largest, std::abs(std::get<DenseMatrix>(A)(i, j)));
+      if (largest > 0) cover[i] = largest;
+    }
+    return cover;
+  }
+
+  Status attempt_revised(int max_pivots, const Lcp& problem, Solution& s) {
+    if (!revised.load(problem, cover_of(problem.A))) return Status::numerical_error;
+    const auto end =
+        revised.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(problem.size()), [&](double z0) {
+          lemke.log(revised.iterations(), z0);
+          return lemke.budget().exhausted();
+        });
+    s.iterations = revised.iterations();
+    switch (end) {
+      case RevisedLemke::End::solved:
+        revised.point(s.z);
+        return Status::solved;
+      case RevisedLemke::End::ray:
+        revised.ray(s.certificate);
+        tidy_certificate(problem, s.certificate);
+        return Status::ray;
+      case RevisedLemke::End::limit:
+        return Status::iteration_limit;
+      case RevisedLemke::End::stopped:
+        return Status::time_limit;
+      default:
+        return Status::numerical_error;
+    }
   }
 
   const Vector& shift_of(const DenseMatrix& M) {
@@ -189,16 +246,30 @@ struct Lemke::Work {
 Lemke::Lemke(const Options& options) : options_(options), work_(std::make_unique<Work>(*this)) {}
 Lemke::~Lemke() = default;
 
+bool Lemke::takes_revised(const Lcp& problem) const {
+  if (options_.form == LemkeForm::tableau || !problem.friction.empty() || std::holds_alternative<Delassus>(problem.A))
+    return false;
+  if (options_.form == LemkeForm::automatic && (problem.size() < 200 || !std::holds_alternative<RowSparse>(problem.A)))
+    return false;
+  for (Index i = 0; i < problem.size(); ++i)
+    if (problem.hi[i] != kInf || (problem.lo[i] != 0 && problem.lo[i] != -kInf)) return false;
+  return true;
+}
+
 std::string Lemke::why_not(const Lcp& problem) const {
   const Index n = problem.size() + static_cast<Index>(problem.friction.size());
-  if (n <= 10000) return {};
-  return "n = " + std::to_string(n) + ": the dense tableau takes at most 10000 rows";
+  if (n <= kTableau || takes_revised(problem)) return {};
+  return "n = " + std::to_string(n) +
+         ": the dense tableau takes at most 10000 rows, the revised form sparse problems " +
+         "without friction rows, upper bounds and lower bounds other than 0";
 }
 
 Status Lemke::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
   work_->stage = 0;
   work_->proof_sought = false;
+  work_->was_revised = takes_revised(problem);
+  if (work_->was_revised) return work_->attempt_revised(options_.max_pivots, problem, s);
   work_->form(problem, Pyramid::Form::shifted);
   return work_->attempt(work_->tableau, options_.max_pivots, problem, s);
 }
@@ -206,12 +277,20 @@ Status Lemke::run(const Lcp& problem, Solution& s, Start) {
 bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (!options_.rescue || problem.size() == 0) return false;
   Work& work = *work_;
-  if (!work.proof_sought && (s.status == Status::ray || s.status == Status::numerical_error)) {
+  if (!work.proof_sought && problem.size() <= kTableau &&
+      (s.status == Status::ray || s.status == Status::numerical_error)) {
     work.proof_sought = true;  // |z| beyond all bounds is a ray too, seen through rounding
     if (work.farkas.propose(problem, s.certificate)) {
       claim = Status::ray;
       return true;
     }
+  }
+  if (work.was_revised) {
+    work.was_revised = false;
+    if (problem.size() > kRevisedOnly) return false;
+    work.form(problem, Pyramid::Form::shifted);
+    claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
+    return true;
   }
   const bool slow = claim == Status::iteration_limit;  // more digits take the same path, if more slowly
   const Index n = problem.size() + static_cast<Index>(problem.friction.size());

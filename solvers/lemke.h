@@ -16,23 +16,35 @@
 //   No polynomial bound: Murty's problem takes 2ⁿ pivots. The plain method ends on a solution, where there is one, for
 //   P-matrices and for xᵀM x ≥ 0; elsewhere it may end on a ray although a solution exists (status ray).
 //   A ray's direction is handed to the judge, which calls it a proof (status infeasible) or not (ray).
-//   A start value is not used.   M n × n, any sign structure; stored densely: O(n²) memory, pure form n ≤ 10000.
+//   A start value is not used.   M n × n, any sign structure. The tableau is dense: O(n²) memory, pure form n ≤ 10000;
+//   large sparse problems without friction rows and upper bounds take the revised form (revised_lemke.h) instead, and
+//   up to 2000 rows the tableau and the rescue after it where the judge rejects what it found.
 //   Sources: Lemke, Management Science 11 (1965); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4.
 #pragma once
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/solver.h>
 
+#include <array>
 #include <memory>
+#include <string_view>
 
 namespace orthant {
+
+enum class LemkeForm { automatic, tableau, revised };  // automatic: revised for sparse storage from 200 rows on
+inline constexpr std::array<std::string_view, 3> kLemkeFormNames = {"automatic", "tableau", "revised"};
+enum class LemkeCover { ones, rows };  // d = e, or the largest |M_ij| of each row
+inline constexpr std::array<std::string_view, 2> kLemkeCoverNames = {"ones", "rows"};
 
 struct LemkeOptions {
   double tolerance = 1e-10;  // [b] accepted residual relative to ‖b‖∞; rounding level is accepted in any case
   int max_pivots = 0;        // 0: 20000 + 100 n
-  bool rescue = true;        // on rejection: proof search, higher precision, other forms and paths
+  LemkeForm form = LemkeForm::automatic;
+  LemkeCover cover = LemkeCover::ones;
+  bool rescue = true;  // on rejection: proof search, higher precision, other forms and paths
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_pivots", max_pivots, 0, 1000000000), v("rescue", rescue);
+    v("form", form, kLemkeFormNames), v("cover", cover, kLemkeCoverNames);
   }
 };
 
@@ -49,6 +61,7 @@ class Lemke final : public Solver {
   double tolerance() const override { return options_.tolerance; }
   double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
 
+  bool takes_revised(const Lcp& problem) const;
   Options options_;
   struct Work;  // scratch: it never changes an answer
   std::unique_ptr<Work> work_;

@@ -232,6 +232,73 @@ TEST_CASE("Lemke: storage, start value, and what the solver did before leave no 
   }
 }
 
+TEST_CASE("Lemke, revised: the tableau's pivots and its answers") {
+  for (int n = 2; n <= 10; ++n) {
+    Lemke revised(LemkeOptions{.form = LemkeForm::revised, .rescue = false});
+    Solution s;
+    revised.solve(minus_ones(murty(n)), s);
+    CHECK(s.status == Status::solved);
+    CHECK(s.iterations == 1 << n);
+  }
+  Random random(5);
+  for (int run = 0; run < 200; ++run) {
+    const Index n = random.integer(1, 40);
+    const Lcp problem = run % 2 == 0 ? random_spd_problem(n, random) : planted_problem(n, n / 2, n / 2, random).problem;
+    for (const LemkeCover cover : {LemkeCover::ones, LemkeCover::rows}) {
+      Lemke tableau(LemkeOptions{.form = LemkeForm::tableau, .cover = cover, .rescue = false});
+      Lemke dense(LemkeOptions{.form = LemkeForm::revised, .cover = cover, .rescue = false});
+      Lemke sparse(LemkeOptions{.form = LemkeForm::revised, .cover = cover, .rescue = false});
+      Solution a, b, c;
+      INFO("run ", run, ", n ", n);
+      REQUIRE(tableau.solve(problem, a).status == Status::solved);
+      REQUIRE(dense.solve(problem, b).status == Status::solved);
+      REQUIRE(sparse.solve(as_sparse(problem), c).status == Status::solved);
+      CHECK(b.iterations == c.iterations);
+      CHECK((b.z - c.z).lpNorm<Eigen::Infinity>() <= 1e-10 * (1 + b.z.lpNorm<Eigen::Infinity>()));
+      if (run % 2 == 0) {  // one solution, one path
+        CHECK(a.iterations == b.iterations);
+        CHECK((a.z - b.z).lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + a.z.lpNorm<Eigen::Infinity>()));
+      }
+      CHECK((a.w - b.w).lpNorm<Eigen::Infinity>() <= 1e-9 * (1 + a.w.lpNorm<Eigen::Infinity>()));
+    }
+  }
+}
+
+TEST_CASE("Lemke, revised: free rows, a singular free block, and a ray that is a proof") {
+  Solution s;
+  Lemke revised(LemkeOptions{.form = LemkeForm::revised, .rescue = false});
+  Lcp kkt = as_sparse(minus_ones(Eigen::MatrixXd{{2, 0, -1}, {0, 2, -1}, {1, 1, 0}}));
+  kkt.lo[2] = -kInf;  // min x² + y² − x − y with x + y = 1
+  REQUIRE(revised.solve(kkt, s).status == Status::solved);
+  CHECK(s.z[0] == doctest::Approx(0.5));
+  CHECK(s.z[2] == doctest::Approx(0));
+  kkt.A = as_sparse(minus_ones(Eigen::MatrixXd{{2, 0, -1}, {0, 0, 0}, {1, 0, 1}})).A;
+  kkt.lo[1] = -kInf;  // a row that says 0 = 1
+  CHECK(revised.solve(kkt, s).status == Status::infeasible);
+  CHECK(revised.solve(as_sparse(minus_ones(Eigen::MatrixXd{{1, -1}, {-1, 1}})), s).status == Status::infeasible);
+}
+
+TEST_CASE("Lemke, revised: a string on an obstacle with 3000 nodes, never stored densely") {
+  const Index n = 3000;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> M(n, n);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 2.0);
+    if (i > 0) entries.emplace_back(i, i - 1, -1.0);
+    if (i + 1 < n) entries.emplace_back(i, i + 1, -1.0);
+  }
+  M.setFromTriplets(entries.begin(), entries.end());
+  Vector q;
+  q.resize(n);
+  for (Index i = 0; i < n; ++i) q[i] = i < 30 ? -1.0 : 0.5;
+  Lemke lemke;
+  Solution s;
+  REQUIRE(lemke.solve(Lcp::standard(RowSparse::from(M), q), s).status == Status::solved);
+  CHECK(s.residual < 1e-12);
+  CHECK(s.z.maxCoeff() > 100);
+  CHECK(s.iterations < 1000);
+}
+
 TEST_CASE("Lemke never fails on two planar contacts with friction, tied, doubled and nearly so") {
   // Two corners on one wall see the same tangent: G_TT has rank one, rows differ by rounding or not at all.
   Random random(15);
