@@ -35,14 +35,10 @@ class ActiveRows {  // reuse it
   }
 
   /// All rows inside: where A is an M-matrix (obstacle problems), rows then leave in large blocks, while from the bounds
-  /// they enter one layer an iteration. False when A is singular; the sides are then as they were.
+  /// they enter one layer an iteration. False when A is singular: load() again then.
   bool release_all() {
-    const std::vector<Side> before = side;
-    const Vector z_before = z, w_before = w;
     side.assign(side.size(), Side::inside);
-    if (solve()) return true;
-    side = before, z = z_before, w = w_before;
-    return false;
+    return solve();
   }
 
   /// z and w of the present choice; false when its block is singular.

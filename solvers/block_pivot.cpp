@@ -12,7 +12,7 @@ Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   const Index n = problem.size();
   rows_.load(problem, s.z);
-  if (start == Start::cold) rows_.release_all();
+  if (start == Start::cold && !rows_.release_all()) rows_.load(problem, s.z);
   Index least = n + 1;
   int patience = options_.patience;
   while (s.iterations < options_.max_iterations) {

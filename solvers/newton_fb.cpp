@@ -98,23 +98,23 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
     to_dense(p.A, dense_);
     A = &dense_;
   }
-  V_ = db_.asDiagonal() * *A;
-  V_.diagonal() += da_;
-  gradient_.resize(p.size());
-  gradient_.noalias() = V_.transpose() * phi_;
-  d_.resize(p.size());
+  const Index n = p.size();
+  auto V = lu_.reset(n);
+  V = db_.asDiagonal() * *A;
+  V.diagonal() += da_;
+  gradient_.resize(n);
+  gradient_.noalias() = V.transpose() * phi_;
   if (weight == 0) {
-    lu_.compute(V_);
-    if (!(lu_.matrixLU().diagonal().cwiseAbs().minCoeff() > 0)) return false;
-    vd_.resize(p.size());
-    vd_.noalias() = lu_.permutationP() * phi_;
-    lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(vd_);
-    lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(vd_);
-    d_ = -vd_;
+    d_ = -phi_;
+    if (lu_.factorize(0) < n) return false;
+    lu_.solve(d_.data());
   } else {
-    normal_.noalias() = V_.transpose() * V_;
-    normal_.diagonal().array() += weight * normal_.diagonal().maxCoeff();
-    d_ = -normal_.ldlt().solve(gradient_);
+    normal_.A.resize(n, n);
+    normal_.A.noalias() = V.transpose() * V;
+    normal_.A.diagonal().array() += weight * normal_.A.diagonal().maxCoeff();
+    if (!normal_.factorize(0)) return false;
+    d_ = -gradient_;
+    normal_.solve(d_);
   }
   return d_.allFinite();
 }

@@ -15,9 +15,9 @@
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_rows.h>
+#include <orthant/solvers/dense_cholesky.h>
+#include <orthant/solvers/dense_lu.h>
 #include <orthant/solvers/solver.h>
-
-#include <Eigen/Dense>
 
 #include <vector>
 
@@ -49,11 +49,11 @@ class NewtonFb final : public Solver {
   Options options_;
   Pyramid pyramid_;
   ActiveRows rows_;
-  Vector y_, w_, phi_, da_, db_, trial_, scratch_, d_, gradient_, scale_, vd_;
+  Vector y_, w_, phi_, da_, db_, trial_, scratch_, d_, gradient_, scale_;
   DenseMatrix dense_;
   std::vector<double> recent_;
-  Eigen::MatrixXd V_, normal_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  DenseLu<double> lu_;
+  DenseCholesky normal_;
 };
 
 }  // namespace orthant

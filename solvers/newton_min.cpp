@@ -1,7 +1,5 @@
 #include <orthant/solvers/newton_min.h>
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <cmath>
 
@@ -93,23 +91,26 @@ bool NewtonMin::marquardt(const Lcp& p, Vector& z, double limit) {
   const Index n = p.size();
   if (n > 2000) return false;  // a full n × n product each: beyond this, honest failure
   const double start = merit(p, z);
-  DenseMatrix A;
-  to_dense(p.A, A);
-  J_ = A;
+  to_dense(p.A, J_);
   for (Index i = 0; i < n; ++i)
     if (rows_.side[at(i)] != Side::inside) J_.row(i).setZero(), J_(i, i) = rows_.scale(i);
-  const Eigen::VectorXd gradient = J_.transpose() * H_;
-  if (!gradient.allFinite() || gradient.lpNorm<Eigen::Infinity>() == 0) return false;
-  normal_ = J_.transpose() * J_;
+  gradient_.resize(n);
+  gradient_.noalias() = J_.transpose() * H_;
+  if (!gradient_.allFinite() || gradient_.lpNorm<Eigen::Infinity>() == 0) return false;
+  normal_.resize(n, n);
+  normal_.noalias() = J_.transpose() * J_;
   const double unit = normal_.diagonal().maxCoeff();
-  const Vector from = z;
+  from_ = z;
   for (double weight = 1e-10; weight < 1e4; weight *= 100) {
-    Eigen::MatrixXd shifted = normal_;
-    shifted.diagonal().array() += weight * unit;
-    z = from - shifted.ldlt().solve(gradient);
+    shifted_.A = normal_;
+    shifted_.A.diagonal().array() += weight * unit;
+    if (!shifted_.factorize(0)) continue;
+    direction_ = gradient_;
+    shifted_.solve(direction_);
+    z = from_ - direction_;
     if (z.allFinite() && merit(p, z) < std::min(limit, start) * (1 - 1e-10)) return true;
   }
-  z = from;
+  z = from_;
   return false;
 }
 

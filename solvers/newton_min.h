@@ -14,6 +14,7 @@
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_rows.h>
+#include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/solver.h>
 
 #include <vector>
@@ -44,9 +45,10 @@ class NewtonMin final : public Solver {
   Options options_;
   Pyramid pyramid_;
   ActiveRows rows_;
-  Vector y_, w_, trial_, scratch_, H_, direction_;
+  Vector y_, w_, trial_, scratch_, H_, direction_, gradient_, from_;
   std::vector<double> recent_;
-  Eigen::MatrixXd J_, normal_;
+  DenseMatrix J_, normal_;
+  DenseCholesky shifted_;
 };
 
 }  // namespace orthant

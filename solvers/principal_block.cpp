@@ -1,143 +1,176 @@
+#include <orthant/solvers/dense_cholesky.h>
+#include <orthant/solvers/dense_lu.h>
 #include <orthant/solvers/principal_block.h>
 #include <orthant/solvers/scaling.h>
+#include <orthant/solvers/sparse_cholesky.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <Eigen/UmfPackSupport>
 
-#include <cmath>
+#include <limits>
 
 namespace orthant {
 namespace {
 
-constexpr Index kEmbedded = 64;
 constexpr double kGrowth = 1e4;
-constexpr double kSingular = 1e-15;  // reciprocal condition number below which a factorization is not trusted
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// Pivots below this part of the largest are what rounding leaves of a singular block of m rows.
+double zero(Index m) { return static_cast<double>(m) * 2 * std::numeric_limits<double>::epsilon(); }
 
 }  // namespace
 
 struct PrincipalBlock::Dense {
   DenseMatrix formed;
   const DenseMatrix* A = nullptr;
+  bool symmetric = false;
   detail::Scaling scaling;  // so that "singular" does not depend on units
-  Eigen::MatrixXd block;
-  Eigen::LLT<Eigen::MatrixXd> llt;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu;
-  Eigen::FullPivLU<Eigen::MatrixXd> full;
+  DenseCholesky cholesky;
+  DenseLu<double> partial;
+  Eigen::FullPivLU<Eigen::MatrixXd> complete;
   enum class Kind { cholesky, partial, complete } kind = Kind::partial;
-  Eigen::VectorXd rhs, step;
+  Vector rhs;
 
-  bool factorize(const std::vector<Index>& F, bool symmetric) {
-    const Index m = static_cast<Index>(F.size()), n = A->rows() <= kEmbedded ? A->rows() : m;
-    block.setIdentity(n, n);
-    for (Index j = 0; j < m; ++j)
-      for (Index i = 0; i < m; ++i)
+  void load(const Matrix& matrix) {
+    A = std::get_if<DenseMatrix>(&matrix);
+    if (A == nullptr) {
+      to_dense(matrix, formed);
+      A = &formed;
+    }
+    scaling.fit(*A);
+    symmetric = scaling.row == scaling.col;
+    for (Index j = 0; j < A->cols() && symmetric; ++j)
+      for (Index i = 0; i < j && symmetric; ++i) symmetric = (*A)(i, j) == (*A)(j, i);
+  }
+  template <class Block> void fill(const std::vector<Index>& F, Block& block) const {
+    for (Index j = 0; j < block.cols(); ++j)
+      for (Index i = 0; i < block.rows(); ++i)
         block(i, j) = (*A)(F[at(i)], F[at(j)]) * scaling.row[F[at(i)]] * scaling.col[F[at(j)]];
+  }
+  bool factorize(const std::vector<Index>& F) {
+    const Index m = static_cast<Index>(F.size());
     if (m == 0) return true;
     if (symmetric) {
-      llt.compute(block);
       kind = Kind::cholesky;
-      if (llt.info() == Eigen::Success && llt.rcond() > kSingular) return true;
+      cholesky.A.resize(m, m);
+      fill(F, cholesky.A);
+      if (cholesky.factorize(zero(m))) return true;
     }
-    if (!block.allFinite()) return false;
-    lu.compute(block);
     kind = Kind::partial;
-    const double growth = lu.matrixLU().cwiseAbs().maxCoeff() / block.cwiseAbs().maxCoeff();
-    if (growth < kGrowth) return lu.matrixLU().diagonal().cwiseAbs().minCoeff() > 0 && lu.rcond() > kSingular;
-    full.compute(block);  // partial pivoting lets entries grow, up to 2ᵐ⁻¹ (Wilkinson): complete pivoting does not
-    kind = Kind::complete;
-    return full.isInvertible() && full.rcond() > kSingular;
+    auto block = partial.reset(m);
+    fill(F, block);
+    if (!block.allFinite()) return false;
+    const double size = block.cwiseAbs().maxCoeff();
+    const bool regular = partial.factorize(zero(m) * size) == m;
+    if (block.cwiseAbs().maxCoeff() <= kGrowth * size) return regular;
+    kind = Kind::complete;  // partial pivoting lets entries grow, up to 2ᵐ⁻¹ (Wilkinson): complete pivoting does not
+    fill(F, block);
+    complete.compute(block);
+    return complete.isInvertible();
   }
   void solve(const std::vector<Index>& F, const Vector& r, Vector& x) {
     const Index m = r.size();
     x.resize(m);
-    if (m == 0) return;
-    rhs.setZero(block.rows());
     x.setZero();
+    rhs.resize(m);
     for (int round = 0; round < 2; ++round) {
       for (Index i = 0; i < m; ++i) {
         long double sum = r[i];
         for (Index j = 0; round > 0 && j < m; ++j) sum -= static_cast<long double>((*A)(F[at(i)], F[at(j)])) * x[j];
         rhs[i] = static_cast<double>(sum) * scaling.row[F[at(i)]];
       }
-      apply();
+      if (m > 0) apply();
       for (Index i = 0; i < m; ++i) x[i] += rhs[i] * scaling.col[F[at(i)]];
     }
   }
   void apply() {
     switch (kind) {
       case Kind::cholesky:
-        llt.solveInPlace(rhs);
+        cholesky.solve(rhs);
         break;
       case Kind::partial:
-        step.noalias() = lu.permutationP() * rhs;
-        lu.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(step);
-        lu.matrixLU().triangularView<Eigen::Upper>().solveInPlace(step);
-        rhs.swap(step);
+        partial.solve(rhs.data());
         break;
       case Kind::complete:
-        rhs = full.solve(rhs).eval();
+        rhs = complete.solve(rhs).eval();
     }
   }
 };
 
 struct PrincipalBlock::Sparse {
   const RowSparse* A = nullptr;
-  Eigen::SparseMatrix<double> block;
+  bool symmetric = false, positive = false;
+  RowSparse block;
+  SparseCholesky cholesky;
+  Eigen::SparseMatrix<double> columns;
   Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu;
   std::vector<int> position;  // row of A → row of the block, or −1
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector rhs;
 
+  void load(const RowSparse& matrix) {
+    A = &matrix;
+    // Row by row, the entries (i, j) met in column j are the next ones of row j when A is symmetric.
+    position.assign(A->start.begin(), A->start.end());
+    symmetric = true;
+    for (Index i = 0; i < A->rows && symmetric; ++i)
+      for (int k = A->start[at(i)]; k < A->start[at(i + 1)] && symmetric; ++k) {
+        const std::size_t j = at(A->column[at(k)]);
+        const int mirrored = position[j]++;
+        symmetric =
+            mirrored < A->start[j + 1] && A->column[at(mirrored)] == i && A->value[at(mirrored)] == A->value[at(k)];
+      }
+  }
   bool factorize(const std::vector<Index>& F) {
-    const Index m = static_cast<Index>(F.size());
-    if (m == 0) return true;
+    block.rows = block.cols = static_cast<Index>(F.size());
     position.assign(at(A->rows), -1);
-    for (Index k = 0; k < m; ++k) position[at(F[at(k)])] = static_cast<int>(k);
-    entries.clear();
-    for (Index i = 0; i < m; ++i)
-      for (auto k = at(A->start[at(F[at(i)])]); k < at(A->start[at(F[at(i)]) + 1]); ++k)
-        if (const int j = position[at(A->column[k])]; j >= 0) entries.emplace_back(static_cast<int>(i), j, A->value[k]);
-    block.resize(m, m);
-    block.setFromTriplets(entries.begin(), entries.end());
-    lu.compute(block);
+    for (std::size_t k = 0; k < F.size(); ++k) position[at(F[k])] = static_cast<int>(k);
+    block.start.assign(1, 0), block.column.clear(), block.value.clear();
+    for (const Index i : F) {
+      for (std::size_t k = at(A->start[at(i)]); k < at(A->start[at(i + 1)]); ++k)
+        if (const int j = position[at(A->column[k])]; j >= 0)
+          block.column.push_back(j), block.value.push_back(A->value[k]);
+      block.start.push_back(static_cast<int>(block.value.size()));
+    }
+    positive = F.empty() || (symmetric && cholesky.factorize(block, zero(block.rows)));
+    if (positive) return true;
+    columns = block.view();
+    lu.compute(columns);
     return lu.info() == Eigen::Success;
   }
   void solve(const Vector& r, Vector& x) {
-    x.resize(r.size());
-    if (r.size() == 0) return;
-    Eigen::VectorXd rhs = r;
-    x = lu.solve(rhs);
-    rhs -= block * x;
-    const Eigen::VectorXd correction = lu.solve(rhs);
-    x += correction;
+    x = r;
+    apply(x);
+    rhs = r - block.view() * x;
+    apply(rhs);
+    x += rhs;
+  }
+  void apply(Vector& x) {
+    if (!positive)
+      x = lu.solve(x).eval();
+    else if (!cholesky.solve(x))
+      x.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 };
 
-PrincipalBlock::PrincipalBlock() : dense_(std::make_unique<Dense>()) {}
+PrincipalBlock::PrincipalBlock() = default;
 PrincipalBlock::~PrincipalBlock() = default;
 
 void PrincipalBlock::load(const Matrix& A) {
-  is_sparse_ = std::holds_alternative<RowSparse>(A);
+  const auto* sparse = std::get_if<RowSparse>(&A);
+  is_sparse_ = sparse != nullptr;
   if (is_sparse_) {
     if (!sparse_) sparse_ = std::make_unique<Sparse>();
-    sparse_->A = &std::get<RowSparse>(A);
-    return;
+    sparse_->load(*sparse);
+  } else {
+    if (!dense_) dense_ = std::make_unique<Dense>();
+    dense_->load(A);
   }
-  dense_->A = std::get_if<DenseMatrix>(&A);
-  if (dense_->A == nullptr) {
-    to_dense(A, dense_->formed);
-    dense_->A = &dense_->formed;
-  }
-  dense_->scaling.fit(*dense_->A);
-  symmetric_ = dense_->scaling.row == dense_->scaling.col;
-  for (Index j = 0; j < dense_->A->cols() && symmetric_; ++j)
-    for (Index i = 0; i < j && symmetric_; ++i) symmetric_ = (*dense_->A)(i, j) == (*dense_->A)(j, i);
 }
 
 bool PrincipalBlock::factorize(const std::vector<Index>& F) {
   F_ = F;
-  return is_sparse_ ? sparse_->factorize(F) : dense_->factorize(F, symmetric_);
+  return is_sparse_ ? sparse_->factorize(F) : dense_->factorize(F);
 }
 
 void PrincipalBlock::solve(const Vector& r, Vector& x) {

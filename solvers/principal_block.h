@@ -1,10 +1,12 @@
 // solvers/principal_block.h — linear systems A_FF x = r with principal blocks, F changing from iteration to iteration.
 //
-//   dense storage    Cholesky when A is symmetric and the block positive definite, else LU with partial pivoting (Eigen)
-//   sparse storage   UMFPACK (SuiteSparse), which picks a symmetric strategy by itself where the pattern suggests it
+//   dense storage    Cholesky when A is symmetric and the block positive definite, else LU with partial pivoting, or
+//                    with complete pivoting where that lets entries grow
+//   sparse storage   Cholesky (CHOLMOD) when A is symmetric and the block positive definite, else LU (UMFPACK)
 //   A Delassus operator is formed as a dense matrix: principal blocks are what these methods live on.
-// A block that is singular to working precision is reported, never solved. Up to 64 rows a dense block is embedded in an
-// n × n one with ones on the diagonal: then the size never changes, and nothing is allocated after the first call.
+// A block that is singular to working precision, as its pivots show it, is reported, never solved (UMFPACK: only one
+// that is exactly singular).  Dense blocks of up to about 64 rows allocate nothing once the largest has been seen;
+// complete pivoting and sparse blocks do.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
@@ -27,7 +29,7 @@ class PrincipalBlock {
   /// False when A_FF is singular or not finite. F ascends; empty is fine.
   bool factorize(const std::vector<Index>& F);
 
-  /// x ← A_FF⁻¹ r for the last F, both of |F| entries; one step of refinement with the residual in long double.
+  /// x ← A_FF⁻¹ r for the last F, both of |F| entries; one step of refinement, dense with the residual in long double.
   void solve(const Vector& r, Vector& x);
 
  private:
@@ -35,7 +37,7 @@ class PrincipalBlock {
   struct Sparse;
   std::unique_ptr<Dense> dense_;
   std::unique_ptr<Sparse> sparse_;
-  bool is_sparse_ = false, symmetric_ = false;
+  bool is_sparse_ = false;
   std::vector<Index> F_;
 };
 
