@@ -7,6 +7,7 @@ namespace orthant {
 SparseCholesky::SparseCholesky() {
   cholmod_start(&common_);
   common_.print = 0;
+  common_.supernodal = CHOLMOD_SIMPLICIAL;  // the dense blocks of the other kind are only as good as the BLAS at hand
   common_.nmethods = 1;
   common_.method[0].ordering = CHOLMOD_AMD;
   common_.final_ll = 1;  // L D Lᵀ would go through with negative D

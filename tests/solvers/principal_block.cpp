@@ -1,0 +1,119 @@
+// Systems with principal blocks, dense and sparse, of every definiteness.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/principal_block.h>
+#include <orthant/solvers/sparse_cholesky.h>
+
+#include <doctest/doctest.h>
+
+using namespace orthant;
+
+namespace {
+
+RowSparse sparse(const Eigen::MatrixXd& A) {
+  return RowSparse::from(Eigen::SparseMatrix<double, Eigen::RowMajor>(A.sparseView()));
+}
+
+/// About a third of the entries, symmetric with a heavy diagonal on request.
+Eigen::MatrixXd random_matrix(Index n, bool symmetric, double diagonal, Random& random) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+  for (double& entry : A.reshaped())
+    if (random.integer(0, 5) == 0) entry = random.normal();
+  if (symmetric) A = (A + A.transpose()).eval();
+  A.diagonal().array() += diagonal;
+  return A;
+}
+
+}  // namespace
+
+TEST_CASE("principal blocks: sparse and dense storage agree, definite, indefinite and unsymmetric") {
+  Random random(61);
+  PrincipalBlock dense, packed;
+  int solved = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Index n = random.integer(1, 40);
+    const Eigen::MatrixXd A = random_matrix(n, trial % 3 > 0, trial % 3 == 1 ? 10 : 0, random);
+    std::vector<Index> F;
+    for (Index i = 0; i < n; ++i)
+      if (random.integer(0, 2) > 0) F.push_back(i);
+    const Matrix full = DenseMatrix(A), rows = sparse(A);
+    dense.load(full);
+    packed.load(rows);
+    const bool regular = dense.factorize(F);
+    INFO("trial ", trial, ", ", F.size(), " of ", n);
+    if (!regular) continue;  // where rounding decides, UMFPACK may think otherwise
+    REQUIRE(packed.factorize(F));
+    ++solved;
+    Vector r(Eigen::VectorXd::Zero(static_cast<Index>(F.size()))), x, y;
+    for (double& entry : r) entry = random.normal();
+    dense.solve(r, x);
+    packed.solve(r, y);
+    CHECK((x - y).norm() <= 1e-9 * x.norm());
+    CHECK((A(F, F) * y - r).norm() <= 1e-9 * (r.norm() + y.norm()));
+  }
+  CHECK(solved > 150);
+}
+
+TEST_CASE("sparse Cholesky takes positive definite matrices only, and says so") {
+  SparseCholesky cholesky;
+  const auto taken = [&](const Eigen::MatrixXd& A) { return cholesky.factorize(sparse(A), 1e-14); };
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(4, 4);
+  A(0, 3) = A(3, 0) = 0.5;
+  CHECK(taken(A));
+  Vector x{1, 2, 3, 4};
+  REQUIRE(cholesky.solve(x));
+  CHECK((A * x - Eigen::Vector4d(1, 2, 3, 4)).norm() < 1e-15);
+  CHECK(!taken(-A));
+  A(0, 3) = A(3, 0) = 2;  // indefinite
+  CHECK(!taken(A));
+  A(0, 3) = A(3, 0) = 1;  // semidefinite
+  CHECK(!taken(A));
+  A(0, 3) = A(3, 0) = kInf - kInf;
+  CHECK(!taken(A));
+  CHECK(!taken(Eigen::MatrixXd::Zero(4, 4)));
+}
+
+TEST_CASE("principal blocks that are singular or not finite are reported, in both storages") {
+  PrincipalBlock block;
+  const auto regular = [&](const Matrix& A, const std::vector<Index>& F) {
+    block.load(A);
+    return block.factorize(F);
+  };
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6);
+  A.topRightCorner(3, 3).setIdentity();
+  A.bottomLeftCorner(3, 3).setIdentity();
+  const std::vector<Index> all{0, 1, 2, 3, 4, 5}, zero{0, 1, 2}, none;
+  for (const Matrix& M : {Matrix(DenseMatrix(A)), Matrix(sparse(A))}) {
+    CHECK(regular(M, none));
+    CHECK(!regular(M, zero));
+    REQUIRE(regular(M, all));  // indefinite, and after a failure
+    const Vector r{1, 2, 3, 4, 5, 6};
+    Vector x;
+    block.solve(r, x);
+    CHECK((A * x - r).norm() == 0);
+  }
+  A(4, 1) = A(1, 4) = kInf - kInf;
+  CHECK(!regular(DenseMatrix(A), all));
+  CHECK(!regular(sparse(A), all));
+}
+
+TEST_CASE("dense principal blocks: units change nothing, near-singular ones are refused") {
+  PrincipalBlock block;
+  const std::vector<Index> F{0, 2};
+  for (const double unit : {1.0, 0x1p-200, 0x1p200})
+    for (const double lower : {1.0, 1.5}) {  // Cholesky, LU
+      INFO("unit ", unit, ", lower ", lower);
+      Eigen::Matrix3d A;
+      A << 2, 0, 1, 0, 1, 0, lower, 0, 3;
+      A *= unit;
+      const Matrix good = DenseMatrix(A);
+      block.load(good);
+      REQUIRE(block.factorize(F));
+      Vector x;
+      block.solve(Vector{unit, unit}, x);
+      CHECK((x - Eigen::Vector2d(2, 2 - lower) / (6 - lower)).norm() < 1e-15);
+      A(2, 2) = A(0, 2) * A(2, 0) / A(0, 0) * (1 + 1e-16);
+      const Matrix bad = DenseMatrix(A);
+      block.load(bad);
+      CHECK(!block.factorize(F));
+    }
+}
