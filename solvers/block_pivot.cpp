@@ -11,8 +11,9 @@ std::string BlockPivot::why_not(const Lcp& problem) const {
 Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   const Index n = problem.size();
+  const bool guessed = start == Start::warm || (options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z));
   rows_.load(problem, s.z);
-  if (start == Start::cold && !rows_.release_all()) rows_.load(problem, s.z);
+  if (!guessed && !rows_.release_all()) rows_.load(problem, s.z);
   Index least = n + 1;
   int patience = options_.patience;
   while (s.iterations < options_.max_iterations) {

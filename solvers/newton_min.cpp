@@ -13,8 +13,10 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   if (problem.friction.empty()) {
-    rows_.load(problem, s.z);
-    if (start == Start::cold && rows_.release_all()) s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
+    if (start == Start::cold && !(options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z))) {
+      rows_.load(problem, s.z);
+      if (rows_.release_all()) s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
+    }
     const Status claim = iterate(problem, s, s.z);
     s.z = s.z.cwiseMax(problem.lo).cwiseMin(problem.hi);  // a rounding outside is none of the answer's
     return claim;

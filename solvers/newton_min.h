@@ -6,14 +6,15 @@
 //   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
-//   Friction rows through the pure form (pyramid.h). The start value is used; cold, without friction, it is the solution
-//   of A z = −b cut to the bounds.
+//   Friction rows through the pure form (pyramid.h). The start value is used; cold, without friction, it is that of
+//   coarse problems for sparse Z-matrices (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
 #pragma once
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_rows.h>
+#include <orthant/solvers/coarse_start.h>
 #include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/solver.h>
 
@@ -24,9 +25,11 @@ namespace orthant {
 struct NewtonMinOptions {
   double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
   int max_iterations = 500;
-  int memory = 5;  // nonmonotone line search: 1 is monotone
+  int memory = 5;        // nonmonotone line search: 1 is monotone
+  int coarse_start = 1;  // 0: cold, never from coarse problems
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_iterations", max_iterations, 1, 1000000), v("memory", memory, 1, 100);
+    v("coarse_start", coarse_start, 0, 1);
   }
 };
 
@@ -45,6 +48,7 @@ class NewtonMin final : public Solver {
   Options options_;
   Pyramid pyramid_;
   ActiveRows rows_;
+  CoarseStart coarse_;
   Vector y_, w_, trial_, scratch_, H_, direction_, gradient_, from_;
   std::vector<double> recent_;
   DenseMatrix J_, normal_;

@@ -64,10 +64,9 @@ TEST_CASE("circulant P-matrix: every start support ends, none cycles") {
     }
 }
 
-TEST_CASE(
-    "string over an obstacle, sparse: the exact contact set (cold, in a number of iterations that grows with n)") {
+TEST_CASE("string over an obstacle, sparse: the exact contact set (from far in a number of iterations that grows)") {
   const Lcp p = string_problem(255);
-  for (const std::string name : {"block-pivot", "newton-min", "newton-fb"}) {
+  for (const std::string name : {"block-pivot:coarse_start=0", "newton-min:coarse_start=0", "newton-fb"}) {
     INFO(name);
     Solution s;
     CHECK(make_solver(name)->solve(p, s).status == Status::solved);
@@ -77,6 +76,49 @@ TEST_CASE(
       CHECK(s.z[i] == doctest::Approx(4 * (x - 0.25) * (x - 0.25)).epsilon(1e-6));
     }
     CHECK(s.z[127] == 0);
+  }
+}
+
+TEST_CASE("string over an obstacle: from coarse problems a few iterations, whatever its length") {
+  for (const std::string name : {"block-pivot", "newton-min"})
+    for (const Index n : {127, 1023, 16383}) {
+      INFO(name, ", n = ", n);
+      Solution s;
+      CHECK(make_solver(name)->solve(string_problem(n), s).status == Status::solved);
+      CHECK(s.iterations <= 4);
+      CHECK(s.z[(n + 1) / 4 - 2] > 0);  // the last free node
+      CHECK(s.z[(n + 1) / 4] == 0);
+    }
+}
+
+TEST_CASE("sparse M-matrices with boxes and free rows, unsymmetric too: the coarse start changes no answer") {
+  Random random(23);
+  for (int trial = 0; trial < 60; ++trial) {
+    const int n = random.integer(64, 300);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+    for (int k = 0; k < 3 * n; ++k) {
+      const int i = random.integer(0, n - 1), j = random.integer(0, n - 1);
+      if (i == j) continue;
+      A(i, j) = -random.uniform(0.0, 1.0);
+      if (trial % 2 == 0) A(j, i) = A(i, j);
+    }
+    A.diagonal() = -A.rowwise().sum();
+    A.diagonal().array() += 0.01;
+    Lcp p = Lcp::standard(RowSparse::from(Eigen::SparseMatrix<double, Eigen::RowMajor>(A.sparseView())),
+                          Vector(Eigen::VectorXd::Zero(n)));
+    for (Index i = 0; i < n; ++i) {
+      p.b[i] = random.normal();
+      const int kind = random.integer(0, 3);
+      if (kind == 1) p.hi[i] = random.uniform(0.0, 1.0);
+      if (kind == 2) p.lo[i] = -kInf;
+    }
+    for (const std::string name : {"block-pivot", "newton-min"}) {
+      INFO(name, ", trial ", trial, ", n = ", n);
+      Solution s, plain;
+      CHECK(make_solver(name)->solve(p, s).status == Status::solved);
+      CHECK(make_solver(name + ":coarse_start=0")->solve(p, plain).status == Status::solved);
+      CHECK((s.z - plain.z).lpNorm<Eigen::Infinity>() <= 1e-9 * (1 + plain.z.lpNorm<Eigen::Infinity>()));
+    }
   }
 }
 
