@@ -268,10 +268,13 @@ TEST_CASE("Lemke, revised: free rows, a singular free block, and a ray that is a
   Solution s;
   Lemke revised(LemkeOptions{.form = LemkeForm::revised, .rescue = false});
   Lcp kkt = as_sparse(minus_ones(Eigen::MatrixXd{{2, 0, -1}, {0, 2, -1}, {1, 1, 0}}));
-  kkt.lo[2] = -kInf;  // min x² + y² − x − y with x + y = 1
-  REQUIRE(revised.solve(kkt, s).status == Status::solved);
-  CHECK(s.z[0] == doctest::Approx(0.5));
-  CHECK(s.z[2] == doctest::Approx(0));
+  kkt.lo[2] = -kInf;                     // min x² + y² − x − y with x + y given
+  for (const double sum : {1.5, 0.5}) {  // the multiplier takes either sign
+    kkt.b[2] = -sum;
+    REQUIRE(revised.solve(kkt, s).status == Status::solved);
+    CHECK(s.z[0] == doctest::Approx(sum / 2));
+    CHECK(s.z[2] == doctest::Approx(sum - 1));
+  }
   kkt.A = as_sparse(minus_ones(Eigen::MatrixXd{{2, 0, -1}, {0, 0, 0}, {1, 0, 1}})).A;
   kkt.lo[1] = -kInf;  // a row that says 0 = 1
   CHECK(revised.solve(kkt, s).status == Status::infeasible);
