@@ -1,21 +1,53 @@
-// solvers/enumerate.h — the 2ⁿ oracle: every choice of basis, slow and obviously right; it judges the rest.
+// solvers/enumerate.h — every solution, exactly: the oracle that judges the rest.
 //
-//   Pure form (pyramid.h): 0 ≤ y_i ⊥ w_i ≥ 0, free rows w_i = 0. For each subset α of the complementary rows, in binary
-//   counting order (bit i = row i, ∅ first):  y outside α is 0, and M_ββ y_β = −q_β for β = α ∪ free, by elimination
-//   with complete pivoting in long double, rows and columns scaled. A singular block that is consistent
-//   counts too: the unknowns without a pivot are 0.
-//   solve() returns the first y ≥ 0, w ≥ 0 that the judge accepts. None accepted → a proof of infeasibility is looked
-//   for (farkas.h); without one the status is `ray`: no basis solves, which proves nothing about segments of solutions.
-//   n ≤ 16 complementary rows in the pure form (why_not says so beyond).  Cost 2ⁿ n³.  A start value is not used.
+//   A solution chooses for each row one of
+//     lower   z_i = lo_i, w_i ≥ 0        inside   w_i = 0, lo_i ≤ z_i ≤ hi_i        upper   z_i = hi_i, w_i ≤ 0
+//   (friction rows: ∓μ z_n for the bounds; free rows: inside only; rows with lo_i = hi_i: z_i = lo_i, w_i of any sign).
+//   What one choice allows is a polyhedron, mostly empty or a point; the solution set is their union. The choices are
+//   the leaves of a tree, visited depth first. At a node z is an affine function of some of its entries, and so are
+//   all bounds and signs to be met; each level adds one equation, which takes one entry away: O(n p) work for p entries
+//   left, so that the leaves, where p ≈ 0, cost almost nothing.  All together about n 2ⁿ operations, less what is cut:
+//     – a form that should be ≥ 0, but has no positive coefficient and a negative constant, ends the branch,
+//     – inside with z_i fixed at its bound is part of lower (upper), and not visited; where w_i = 0 throughout, lower and
+//       upper are parts of inside, and it alone is.
+//   Arithmetic is double with error bounds (exact.h); a sign that it leaves open, and every solution found, is done again
+//   in rationals: what comes out is the exact answer for the numbers given, the Delassus operator being formed exactly.
+//   A polyhedron with entries left is described by its vertices and directions (double description, exact.h). One
+//   that lies in another is dropped: exactly when each form that it lets be ≠ 0 somewhere is ≠ 0 somewhere in the other.
+//
+//   As a solver: the first vertex of a polyhedron, in binary counting order (bit i = row i, lower first), that the judge
+//   accepts. Nothing accepted → a proof of infeasibility is looked for (farkas.h), else `ray`: there is no solution
+//   (or none that doubles can hold), though no certificate says so.
+//   Rationals allocate: unlike the other solvers, this one does so in every solve.
+//   At most 2²⁰ choices: 20 rows [0, ∞), or 12 boxes or friction rows; at most 100 rows. A start value is not used.
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.1, 1.4 (complementary cones).
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/farkas.h>
 #include <orthant/solvers/solver.h>
 
+#include <string>
 #include <vector>
 
 namespace orthant {
+
+/// The convex hull of the vertices, plus nonnegative multiples of the directions, plus any multiples of the lines.
+/// Directions and lines are scaled to a largest entry of ±1. With lines, `vertices` are points, one for each vertex
+/// of the face cut across the lines.
+struct SolutionFace {
+  Index dimension = 0;
+  std::vector<Vector> vertices, directions, lines;  // of n entries each, exact results rounded once
+};
+
+/// All solutions: isolated points, and maximal faces of dimension ≥ 1 (each the solutions of one choice; faces may meet
+/// and together be convex). Both in the order in which they are found.
+struct SolutionSet {
+  std::vector<Vector> isolated;
+  std::vector<SolutionFace> faces;
+};
+
+/// Throws std::invalid_argument when the problem is malformed, not finite or too large.
+SolutionSet enumerate_solutions(const Lcp& problem);
 
 struct EnumerateOptions {
   double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it
@@ -25,34 +57,16 @@ struct EnumerateOptions {
 class Enumerate final : public Solver {
  public:
   using Options = EnumerateOptions;
-  static constexpr int kMost = 16;
   explicit Enumerate(const Options& options = {}) : options_(options) {}
   std::string why_not(const Lcp& problem) const override;
 
-  /// All different z that some regular basis gives and the judge accepts: every isolated solution with regular basis,
-  /// and basic points of solution faces. None when why_not() has something to say.
-  std::vector<Vector> all(const Lcp& problem);
-
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   double tolerance() const override { return options_.tolerance; }
 
-  void form(const Lcp& problem);
-  bool next_candidate(const Lcp& problem, Vector& z);  // false: no subset is left
-  bool solve_basis(unsigned long subset);              // y_ for one subset; false: inconsistent or wrong signs
-
   Options options_;
-  Pyramid pyramid_;
+  Judge candidate_judge_;
   Farkas farkas_;
-  detail::Scaling scaling_;
-  const Lcp* pure_ = nullptr;
-  std::vector<Index> complementary_, free_, basis_, order_;
-  std::vector<long double> block_;
-  std::vector<char> inside_;
-  Vector y_;
-  unsigned long subset_ = 0;
-  bool regular_ = false;  // the last basis was
 };
 
 }  // namespace orthant

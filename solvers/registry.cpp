@@ -40,7 +40,7 @@ constexpr SolverEntry kSolvers[] = {
      &make<NewtonFb>, &options<NewtonFb>},
     {"lemke-howson", "equilibria of bimatrix games [0, A; B^T, 0] with costs > 0", &make<LemkeHowson>,
      &options<LemkeHowson>},
-    {"enumerate", "every basis in turn, at most 16 complementary rows; the oracle of the tests", &make<Enumerate>,
+    {"enumerate", "every choice of sides, exact, at most 2^20 of them; the oracle of the tests", &make<Enumerate>,
      &options<Enumerate>},
 };
 

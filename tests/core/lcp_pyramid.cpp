@@ -68,7 +68,7 @@ TEST_CASE("the copositive form is copositive for positive semidefinite A") {
   }
 }
 
-TEST_CASE("every solution of either pure form restores to a solution, of every known problem of at most 16 rows") {
+TEST_CASE("every solution of either pure form restores to a solution, of every known problem of at most 20 rows") {
   Enumerate enumerate;
   Judge judge;
   Pyramid pyramid;
@@ -82,7 +82,10 @@ TEST_CASE("every solution of either pure form restores to a solution, of every k
       CHECK_FALSE(Pyramid::needed(pure));
       CHECK((pure.size() == k.problem.size() || Pyramid::needed(k.problem)));
       if (!enumerate.why_not(pure).empty()) continue;
-      for (const Vector& y : enumerate.all(pure)) {
+      SolutionSet set = enumerate_solutions(pure);
+      for (const SolutionFace& face : set.faces)
+        set.isolated.insert(set.isolated.end(), face.vertices.begin(), face.vertices.end());
+      for (const Vector& y : set.isolated) {
         Solution s;
         pyramid.restore(k.problem, y, s.z);
         judge.certify(k.problem, 1e-12, Status::solved, s);

@@ -102,7 +102,7 @@ TEST_CASE("who solves what: the table of exceptions is pinned") {
                                     {"feasible_without_solution", ray}};
   expected["enumerate"] = {{"feasible_without_solution", ray}};
   for (const char* name : {"k_matrix", "wilkinson_30", "wilkinson_54", "wilkinson_60"})
-    expected["enumerate"][name] = unsupported;  // more than 16 rows
+    expected["enumerate"][name] = unsupported;  // more than 20 rows
   for (const char* name :
        {"circulant", "circulant_scaled", "wilkinson_30", "wilkinson_54", "wilkinson_60", "infeasible_psd"})
     expected["pgs"][name] = limit;  // diverges, or nothing to converge to

@@ -125,29 +125,3 @@ TEST_CASE("contacts with strong friction, sparse bodies: Lemke finds a solution 
   MESSAGE("solved ", solved, ", without a solution ", none);
   CHECK(solved > 3000);
 }
-
-TEST_CASE("the oracle finds every isolated solution") {
-  Enumerate oracle;
-  for (const Known& k : known_problems()) {
-    if (k.name == "four_corners") CHECK(oracle.all(k.problem).size() == 4);
-    if (k.name == "bimatrix") CHECK(oracle.all(k.problem).size() == 3);
-    if (k.name == "rank_one") CHECK(oracle.all(k.problem).size() == 2);
-    if (k.name == "contact_painleve_three") CHECK(oracle.all(k.problem).size() == 3);
-    if (k.name == "scalar_-+") CHECK(oracle.all(k.problem).size() == 2);
-    if (k.answer == Answer::unique && oracle.why_not(k.problem).empty()) CHECK(oracle.all(k.problem).size() <= 1);
-  }
-}
-
-TEST_CASE("the oracle solves by a singular basis, but does not list it as isolated") {
-  const Lcp p = Lcp::standard(DenseMatrix(Vector{0, 0, 1, 0}.reshaped(2, 2)), Vector{-1, 0});  // w₁ = z₂ − 1, w₂ = 0
-  Enumerate oracle;
-  Solution s;
-  CHECK(oracle.solve(p, s).status == Status::solved);
-  CHECK(oracle.all(p).empty());
-}
-
-TEST_CASE("P-matrices: the sum of sgn det over all solutions is 1, so there is exactly one") {
-  Random random(400);
-  Enumerate oracle;
-  for (int k = 0; k < 200; ++k) CHECK(oracle.all(random_spd_problem(random.integer(1, 6), random)).size() == 1);
-}
