@@ -244,8 +244,10 @@ template <class T> Sign Walk::child(std::size_t depth, Choice choice) {
   const int f = choice == lower ? line.from_lower : choice == upper ? line.to_upper : line.w;
   if (!line.fixed && choice != inside) node.wanted[at(line.w)] = choice == lower ? 1 : -1;
   if (const Sign outcome = equate(node, f); outcome != Sign::zero) return outcome;
-  if (choice == inside && ((line.from_lower >= 0 && vanishes(node, line.from_lower)) ||
-                           (line.to_upper >= 0 && vanishes(node, line.to_upper))))
+  const bool cut = node.left < nodes_of<T>()[depth].left;  // else lower and upper were not visited
+  if (choice == inside && cut &&
+      ((line.from_lower >= 0 && vanishes(node, line.from_lower)) ||
+       (line.to_upper >= 0 && vanishes(node, line.to_upper))))
     return Sign::negative;
   return impossible(node) ? Sign::negative : Sign::zero;
 }
