@@ -161,7 +161,7 @@ void Walk::form(const Lcp& problem) {
     w[0] = problem.b[i];
     for (std::size_t j = 0; j < at(n); ++j)
       if (!A[at(i)][j].is_zero())
-        for (std::size_t k = 0; k < w.size(); ++k) exact::subtract_product(w[k], -A[at(i)][j], z[j][k]);
+        for (std::size_t k = 0; k < w.size(); ++k) exact::add_product(w[k], A[at(i)][j], z[j][k]);
     line.w = add(std::move(w), line.wanted);
     if (below) line.choices.push_back(lower);
     if (!line.fixed) line.choices.push_back(inside);

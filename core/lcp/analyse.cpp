@@ -207,17 +207,11 @@ bool column_sufficient(const Table& A) {
 // Sign of xᵀS x with all errors counted.
 Sign quadratic(const Formed& S, const Eigen::VectorXd& x) {
   Filtered sum;
-  for (Index j = 0; j < S.value.outerSize(); ++j) {
-    Sparse::InnerIterator e(S.error, j);
-    for (Sparse::InnerIterator it(S.value, j); it; ++it) {
-      Filtered entry(it.value());
-      while (e && e.row() < it.row()) ++e;
-      if (e && e.row() == it.row()) entry.error = e.value();
-      Filtered product;
-      exact::subtract_product(product, entry, Filtered(-x[it.row()]));
-      exact::subtract_product(sum, product, Filtered(-x[j]));
-    }
-  }
+  for_each_entry(S, [&](Index i, Index j, const Filtered& a) {
+    Filtered product;
+    exact::add_product(product, a, Filtered(x[i]));
+    exact::add_product(sum, product, Filtered(x[j]));
+  });
   return exact::sign(sum);
 }
 
@@ -250,29 +244,9 @@ bool surely_not_semidefinite(const Formed& S) {
   return quadratic(S, x) == Sign::negative;
 }
 
-// d > 0 with C d > 0, C = ⟨A⟩ with errors counted: proves that C is a nonsingular M-matrix.
-bool surely_m_matrix(const Sparse& C, const Formed& A) {
-  const Index n = C.rows();
-  Eigen::SparseLU<Sparse> lu(C);
-  if (lu.info() != Eigen::Success) return false;
-  const Eigen::VectorXd d = lu.solve(Eigen::VectorXd::Ones(n));
-  if (!d.allFinite() || !(d.minCoeff() > 0)) return false;
-  std::vector<Filtered> sums(at(n));
-  const auto add = [&](const Sparse& M, double factor) {
-    for (Index j = 0; j < n; ++j)
-      for (Sparse::InnerIterator it(M, j); it; ++it)
-        exact::subtract_product(sums[at(it.row())], Filtered(factor * it.value()), Filtered(d[j]));
-  };
-  add(C, -1);
-  add(A.error, 1);
-  return std::all_of(sums.begin(), sums.end(), [](const Filtered& s) { return exact::sign(s) == Sign::positive; });
-}
-
-Sparse comparison(const Sparse& A) {
-  Sparse C = A;
-  for (Index j = 0; j < C.outerSize(); ++j)
-    for (Sparse::InnerIterator it(C, j); it; ++it) it.valueRef() = (it.row() == j ? 1 : -1) * std::abs(it.value());
-  return C;
+bool surely_h_matrix(const Formed& A) {
+  Eigen::SparseLU<Sparse> lu(comparison(A));
+  return lu.info() == Eigen::Success && surely_m_matrix(A, lu.solve(Eigen::VectorXd::Ones(A.value.rows())));
 }
 
 // Row by row |A_ii| > Σ |A_ij|; entries without errors are settled exactly.
@@ -284,7 +258,7 @@ Verdict dominant(const Formed& A) {
   for (Index i = 0; i < n; ++i) {
     Filtered sum;
     Rational settled = 0;
-    const auto add = [&](double value) { exact::subtract_product(sum, Filtered(value), Filtered(-1.0)); };
+    const auto add = [&](double value) { exact::add_product(sum, Filtered(value), Filtered(1.0)); };
     for (decltype(rows)::InnerIterator it(rows, i); it; ++it)
       add(it.col() == i ? std::abs(it.value()) : -std::abs(it.value()));
     for (decltype(rows)::InnerIterator it(errors, i); it; ++it) sum.error += it.value() * (1 + 0x1p-40);
@@ -337,24 +311,14 @@ void small_minors(const Formed& A, Analysis& result) {
     result.p = Verdict::no;
     if (det == Sign::negative) result.p0 = Verdict::no;
   };
-  const auto entry = [&](Index i, Index j) {
-    Filtered f(A.value.coeff(i, j));
-    f.error = A.error.coeff(i, j);
-    return f;
-  };
-  for (Index i = 0; i < A.value.rows(); ++i) refute({i}, exact::sign(entry(i, i)));
+  for (Index i = 0; i < A.value.rows(); ++i) refute({i}, exact::sign(entry(A, i, i)));
   for (Index j = 0; j < A.value.outerSize(); ++j)
     for (Sparse::InnerIterator it(A.value, j); it && it.row() < j; ++it) {
       const Index i = it.row();
       if (!(it.value() * A.value.coeff(j, i) > 0)) continue;
-      Filtered det;
-      exact::subtract_product(det, entry(i, i), exact::Filtered(-1.0));
-      Filtered product;
-      exact::subtract_product(product, det, entry(j, j));  // −A_ii A_jj
-      exact::subtract_product(product, entry(i, j), exact::Filtered(0.0));
       Filtered minor;
-      exact::subtract_product(minor, product, exact::Filtered(1.0));
-      exact::subtract_product(minor, entry(i, j), entry(j, i));
+      exact::add_product(minor, entry(A, i, i), entry(A, j, j));
+      exact::subtract_product(minor, entry(A, i, j), entry(A, j, i));
       refute({i, j}, exact::sign(minor));
     }
 }
@@ -441,7 +405,7 @@ Analysis analyse(const Matrix& A) {
       result.positive_semidefinite = Verdict::yes;  // W M⁻¹ Wᵀ + R with M⁻¹, R ≥ 0
     else if (surely_not_semidefinite(S))
       result.positive_definite = result.positive_semidefinite = Verdict::no;
-    if (diagonal_positive && surely_m_matrix(comparison(f.value), f))
+    if (diagonal_positive && surely_h_matrix(f))
       result.h_plus = Verdict::yes;
     else if (!delassus && !diagonal_positive)
       result.h_plus = Verdict::no;

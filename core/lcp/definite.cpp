@@ -2,6 +2,7 @@
 
 #include <cholmod.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -38,6 +39,34 @@ Formed symmetric_part(const Formed& A) {
   Formed S{0.5 * (A.value + Sparse(A.value.transpose())), 0.5 * (A.error + Sparse(A.error.transpose()))};
   S.error += kEpsilon * S.value.cwiseAbs();
   return S;
+}
+
+exact::Filtered entry(const Formed& A, Index i, Index j) {
+  exact::Filtered f(A.value.coeff(i, j));
+  f.error = A.error.coeff(i, j);
+  return f;
+}
+
+Sparse comparison(const Formed& A) {
+  Sparse C = A.value;
+  for (Index j = 0; j < C.outerSize(); ++j)
+    for (Sparse::InnerIterator it(C, j); it; ++it) it.valueRef() = (it.row() == j ? 1 : -1) * std::abs(it.value());
+  return C;
+}
+
+std::vector<exact::Filtered> comparison_times(const Formed& A, const Eigen::VectorXd& v) {
+  std::vector<exact::Filtered> sums(static_cast<std::size_t>(v.size()));
+  for_each_entry(A, [&](Index i, Index j, exact::Filtered a) {
+    a.value = (i == j ? 1 : -1) * std::abs(a.value);
+    exact::add_product(sums[static_cast<std::size_t>(i)], a, exact::Filtered(v[j]));
+  });
+  return sums;
+}
+
+bool surely_m_matrix(const Formed& A, const Eigen::VectorXd& d) {
+  if (!d.allFinite() || !(d.minCoeff() > 0)) return false;
+  const auto sums = comparison_times(A, d);
+  return std::all_of(sums.begin(), sums.end(), [](const auto& s) { return exact::sign(s) == exact::Sign::positive; });
 }
 
 bool surely_definite(const Formed& symmetric, double above) {

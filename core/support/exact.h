@@ -2,7 +2,7 @@
 //
 //   Every double is a rational number, so signs, ranks and memberships of given data have exact answers. `Rational` finds
 //   them, slowly. `Filtered` is a double with a bound on its error: its sign is certain or unknown, and what is unknown
-//   is then done again in rationals. Templates over both need sign(), weight() and subtract_product().
+//   is then done again in rationals. Templates over both need sign(), weight(), quotient(), subtract_product().
 //   Cost: a Filtered operation some nanoseconds; a Rational one 0.1 µs for small integers, more as the numbers grow.
 //   Source: Shewchuk, Discrete Comput. Geom. 18 (1997) (filters); GMP (numbers).
 #pragma once
@@ -45,6 +45,10 @@ inline Sign sign(const Filtered& x) {
   if (-x.value > x.error) return Sign::negative;
   return x.value == 0 && x.error == 0 ? Sign::zero : Sign::unknown;  // NaN: unknown
 }
+inline Filtered operator-(Filtered x) {
+  x.value = -x.value;
+  return x;
+}
 inline double weight(const Filtered& x) { return std::abs(x.value) > x.error ? std::abs(x.value) : 0; }
 
 /// a / b for a b whose sign is certain.
@@ -72,6 +76,9 @@ inline void subtract_product(Filtered& c, const Filtered& a, const Filtered& b) 
                 (1 + 0x1p-40) +
             0x1p-1000;
 }
+
+/// c ← c + a b.
+template <class T> void add_product(T& c, const T& a, const T& b) { subtract_product(c, T(-a), b); }
 
 /// A as rationals, row by row; the Delassus operator is formed without rounding. Entries must be finite.
 Table table(const Matrix& A);

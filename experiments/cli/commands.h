@@ -11,6 +11,7 @@
 namespace orthant {
 
 void add_solve(CLI::App& app, int& exit_code);
+void add_analyse(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
 

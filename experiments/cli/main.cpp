@@ -22,14 +22,17 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  orthant simulate slider_crank --set mu=0.1 --step 1e-5 --output run.csv\n"
       "  orthant solve --matrix M.mtx --vector q.mtx --solver lemke --json\n"
+      "  orthant analyse M.mtx\n"
       "  orthant list");
   int exit_code = 1;
   orthant::add_solve(app, exit_code);
+  orthant::add_analyse(app, exit_code);
   orthant::add_simulate(app, exit_code);
   orthant::add_list(app, exit_code);
   try {
     app.parse(argc, argv);
-    if (app.get_subcommands().empty()) throw std::invalid_argument("a subcommand is needed: solve, simulate or list");
+    if (app.get_subcommands().empty())
+      throw std::invalid_argument("a subcommand is needed: solve, analyse, simulate or list");
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const std::exception& error) {  // a bad command line or bad input: one line

@@ -1,6 +1,8 @@
 // orthant solve — one problem from files: Matrix Market or a JSON problem file.
 #include "commands.h"
 
+#include <orthant/core/lcp/active_set.h>
+#include <orthant/core/lcp/error_bound.h>
 #include <orthant/core/lcp/io.h>
 #include <orthant/solvers/registry.h>
 
@@ -14,7 +16,7 @@ namespace {
 
 struct SolveArguments {
   std::string problem, matrix, vector, lower, upper, solver = "lemke";
-  bool json = false;
+  bool json = false, error_bound = false;
 };
 
 Lcp read(const SolveArguments& a) {
@@ -57,6 +59,16 @@ int run_solve(const SolveArguments& a) {
       {"seconds", seconds},       {"solver", a.solver},     {"z", list(s.z)},         {"w", list(s.w)},
       {"certificate", nullptr}};
   if (s.certificate.size() > 0) json["certificate"] = list(s.certificate);
+  if (s.status == Status::solved) {  // rows count from 0
+    const ActiveSet active = active_set(problem, s);
+    json["active_set"] = {
+        {"lower", active.lower}, {"inside", active.inside}, {"upper", active.upper}, {"degenerate", active.degenerate}};
+    json["uniqueness"] = name(active.isolation);
+  }
+  if (a.error_bound) {
+    const double bound = s.z.allFinite() ? error_bound(problem, s.z) : kInf;
+    json["error_bound"] = bound < kInf ? nlohmann::ordered_json(bound) : nullptr;  // null: none is known
+  }
   if (!reason.empty()) json["why_not"] = reason;
   if (a.json) {
     std::cout << json.dump(2) << '\n';
@@ -78,6 +90,7 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--lower", arguments->lower, "lower bounds, Matrix Market; default 0");
   command->add_option("--upper", arguments->upper, "upper bounds, Matrix Market; default infinity");
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_flag("--error-bound", arguments->error_bound, "a bound on |z - solution|, where theory gives one");
   command->add_flag("--json", arguments->json, "answer as one JSON object");
   command->callback([arguments, &exit_code] { exit_code = run_solve(*arguments); });
 }

@@ -213,3 +213,24 @@ TEST_CASE("orthant list names everything, with options") {
     CHECK(a.out.find(word) != std::string::npos);
   CHECK(folder.orthant("list solvers").out.find("moreau-jean") == std::string::npos);
 }
+
+TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the error bound") {
+  const Folder folder;
+  folder.write("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n-1\n-1\n2\n");
+  folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n5\n");
+  const Answer kind = folder.orthant("analyse M.mtx --json");
+  CHECK(kind.exit_code == 0);
+  const auto json = nlohmann::json::parse(kind.out);
+  CHECK(json.at("K") == "yes");
+  CHECK(json.at("rank") == 2);
+  CHECK(json.at("condition").get<double>() == doctest::Approx(3));
+  CHECK(folder.orthant("analyse M.mtx").out.find("positive definite       yes") != std::string::npos);
+  CHECK(folder.orthant("analyse missing.mtx").exit_code == 1);
+
+  const Answer solved = folder.orthant("solve --matrix M.mtx --vector q.mtx --error-bound --json");
+  const auto answer = nlohmann::json::parse(solved.out);
+  CHECK(answer.at("active_set").at("inside") == std::vector<int>{0});
+  CHECK(answer.at("active_set").at("lower") == std::vector<int>{1});
+  CHECK(answer.at("uniqueness") == "isolated");
+  CHECK(answer.at("error_bound").get<double>() < 1e-12);
+}

@@ -1,0 +1,71 @@
+// orthant analyse — what kind of matrix a problem has, so that a method can be chosen.
+#include "commands.h"
+
+#include <orthant/core/lcp/analyse.h>
+#include <orthant/core/lcp/io.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+
+namespace orthant {
+namespace {
+
+struct AnalyseArguments {
+  std::string file;
+  bool json = false;
+};
+
+int run_analyse(const AnalyseArguments& arguments) {
+  const Matrix A =
+      arguments.file.ends_with(".mtx") ? read_matrix_market(arguments.file) : read_problem(arguments.file).A;
+  const Analysis a = analyse(A);
+
+  nlohmann::ordered_json rank = a.rank;
+  if (a.rank < 0) rank = name(Verdict::not_decided);
+  nlohmann::ordered_json json = {{"n", a.n},
+                                 {"symmetric", name(a.symmetric)},
+                                 {"positive definite", name(a.positive_definite)},
+                                 {"positive semidefinite", name(a.positive_semidefinite)},
+                                 {"diagonally dominant", name(a.diagonally_dominant)},
+                                 {"Z", name(a.z)},
+                                 {"K", name(a.k)},
+                                 {"H+", name(a.h_plus)},
+                                 {"P", name(a.p)},
+                                 {"P0", name(a.p0)},
+                                 {"copositive", name(a.copositive)},
+                                 {"column sufficient", name(a.column_sufficient)},
+                                 {"row sufficient", name(a.row_sufficient)},
+                                 {"rank", rank},
+                                 {"smallest entry", a.smallest},
+                                 {"largest entry", a.largest},
+                                 {"condition", a.condition}};
+  if (!a.not_p.empty()) json["minor not positive"] = a.not_p;  // rows, counted from 0
+  if (!std::isfinite(a.condition)) json["condition"] = "infinite";
+  if (arguments.json) {
+    std::cout << json.dump(2) << '\n';
+    return 0;
+  }
+  for (const auto& [key, value] : json.items())
+    std::cout << std::left << std::setw(24) << key
+              << (value.is_string() ? value.get<std::string>()
+                  : value.is_null() ? "infinite"
+                                    : value.dump())
+              << '\n';
+  return 0;
+}
+
+}  // namespace
+
+void add_analyse(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<AnalyseArguments>();
+  CLI::App* command = app.add_subcommand("analyse", "What kind of matrix: definite, P, K, copositive, rank, condition");
+  command->add_option("file", arguments->file, "JSON problem file, or a matrix in Matrix Market form (.mtx)")
+      ->required();
+  command->add_flag("--json", arguments->json, "answer as one JSON object; rows count from 0");
+  command->callback([arguments, &exit_code] { exit_code = run_analyse(*arguments); });
+}
+
+}  // namespace orthant
