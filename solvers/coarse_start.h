@@ -8,7 +8,7 @@
 //   and so on to less than 64 rows; then up again, each level starting from P z of the one below, with a few block
 //   pivoting iterations.   O(nnz) for the setup and a few factorizations of each level: on grids about as many rows on
 //   all of them together as on the finest.
-//   block-pivot on the ball obstacle A19: 128² nodes 15 → 3 iterations (half the time), 256² 26 → 3 (a fifth); on 64²
+//   block-pivot on the ball obstacle A19: 128² nodes 15 → 3 iterations (half the time), 256² 26 → 3 (a third); on 64²
 //   8 → 7, and the setup costs more than it saves.
 //   Only for sparse A with positive diagonal and no positive entry beside it (Z-matrices): else there is no start.
 //   Source: Ruge & Stüben in McCormick (ed.), Multigrid Methods (1987), ch. 4; Hoppe, SIAM J. Numer. Anal. 24 (1987).
