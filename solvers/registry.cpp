@@ -26,7 +26,9 @@ template <class S> std::unique_ptr<Solver> make(std::string_view text) {
 template <class S> std::string options() { return describe(typename S::Options{}); }
 
 constexpr SolverEntry kSolvers[] = {
-    {"lemke", "lexicographic Lemke pivoting; ends on a solution or a ray", &make<Lemke>, &options<Lemke>},
+    {"lemke",
+     "lexicographic Lemke pivoting, dense tableau or revised and sparse; friction; rescue up to exact arithmetic",
+     &make<Lemke>, &options<Lemke>},
     {"pgs", "projected Gauss-Seidel sweeps, friction rows included; A_ii > 0", &make<Pgs>, &options<Pgs>},
     {"dantzig", "principal pivoting with a driving variable; finite for monotone problems, boxes and free rows",
      &make<Dantzig>, &options<Dantzig>},

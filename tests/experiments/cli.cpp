@@ -234,3 +234,11 @@ TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the 
   CHECK(answer.at("uniqueness") == "isolated");
   CHECK(answer.at("error_bound").get<double>() < 1e-12);
 }
+
+TEST_CASE("the README's table of solvers is what orthant list --markdown prints") {
+  const Folder folder;
+  const Answer a = folder.orthant("list --markdown");
+  CHECK(a.exit_code == 0);
+  CHECK(lines(a.out) > 5);
+  CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../README.md").find(a.out) != std::string::npos);
+}
