@@ -21,9 +21,11 @@
 
 namespace orthant {
 
+enum class BasisStorage { dense, sparse };
+
 template <class T> class Basis {  // reuse it: the second basis of a size allocates nothing (KLU: memory of its own)
  public:
-  enum class Storage { dense, sparse };
+  using Storage = BasisStorage;
   using View = Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>>;
   using ConstView = const Eigen::Ref<const Eigen::Matrix<T, Eigen::Dynamic, 1>>&;
   struct Missing {

@@ -1,5 +1,7 @@
 #include <orthant/solvers/newton_fb.h>
 
+#include <orthant/solvers/fischer_burmeister.h>
+
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <Eigen/UmfPackSupport>
@@ -8,35 +10,9 @@
 #include <cmath>
 
 namespace orthant {
-namespace {
 
-struct Slope {
-  double value, da, db;
-};
-
-/// φ and an element of its generalized gradient; at the kink the one of direction (1, 1).
-Slope fischer_burmeister(double a, double b) {
-  const double r = std::hypot(a, b);
-  if (r == 0) return {0, std::sqrt(0.5) - 1, std::sqrt(0.5) - 1};
-  // r − a − b loses digits where one is large and positive: −2ab/(r + a + b) is the same, without the loss.
-  const double value = a + b > 0 ? -2 * a * b / (r + a + b) : r - a - b;
-  return {value, a / r - 1, b / r - 1};
-}
-
-/// Φ_i with its slopes in z_i (times d) and w_i.
-Slope row(double d, double z, double w, double lo, double hi) {
-  if (lo == -kInf && hi == kInf) return {-w, 0, -1};
-  if (hi == kInf) {
-    const Slope s = fischer_burmeister(d * (z - lo), w);
-    return {s.value, s.da * d, s.db};
-  }
-  const Slope inner = fischer_burmeister(d * (hi - z), -w);
-  if (lo == -kInf) return {-inner.value, inner.da * d, inner.db};
-  const Slope outer = fischer_burmeister(d * (z - lo), inner.value);
-  return {outer.value, outer.da * d - outer.db * inner.da * d, -outer.db * inner.db};
-}
-
-}  // namespace
+using detail::complementarity_row;
+using detail::Slope;
 
 Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
@@ -57,14 +33,14 @@ double NewtonFb::merit(const Lcp& p, const Vector& z) {
   multiply(p.A, z, w_, scratch_);
   w_ += p.b;
   phi_.resize(z.size());
-  for (Index i = 0; i < z.size(); ++i) phi_[i] = row(scale_[i], z[i], w_[i], p.lo[i], p.hi[i]).value;
+  for (Index i = 0; i < z.size(); ++i) phi_[i] = complementarity_row(scale_[i], z[i], w_[i], p.lo[i], p.hi[i]).value;
   return 0.5 * phi_.squaredNorm();
 }
 
 void NewtonFb::element(const Lcp& p, const Vector& z) {
   da_.resize(z.size()), db_.resize(z.size());
   for (Index i = 0; i < z.size(); ++i) {
-    const Slope s = row(scale_[i], z[i], w_[i], p.lo[i], p.hi[i]);
+    const Slope s = complementarity_row(scale_[i], z[i], w_[i], p.lo[i], p.hi[i]);
     da_[i] = s.da, db_[i] = s.db;
   }
 }

@@ -9,6 +9,7 @@
 #include <orthant/solvers/murty.h>
 #include <orthant/solvers/newton_fb.h>
 #include <orthant/solvers/newton_min.h>
+#include <orthant/solvers/path.h>
 #include <orthant/solvers/pgs.h>
 
 #include <stdexcept>
@@ -29,6 +30,8 @@ constexpr SolverEntry kSolvers[] = {
     {"lemke",
      "lexicographic Lemke pivoting, dense tableau or revised and sparse; friction; rescue up to exact arithmetic",
      &make<Lemke>, &options<Lemke>},
+    {"path", "Newton steps by pivotal paths on the normal map, dense and sparse; boxes, free rows, restarts",
+     &make<Path>, &options<Path>},
     {"pgs", "projected Gauss-Seidel sweeps, friction rows included; A_ii > 0", &make<Pgs>, &options<Pgs>},
     {"dantzig", "principal pivoting with a driving variable; finite for monotone problems, boxes and free rows",
      &make<Dantzig>, &options<Dantzig>},

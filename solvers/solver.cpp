@@ -29,8 +29,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
     s.status = Status::unsupported;
     return s;
   }
-  budget_.start(time_limit_, cancel_);
-  if (log_ != nullptr) log_->clear();
+  begin();
   Status claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
   judge_.certify(problem, goal_residual, claim, s);

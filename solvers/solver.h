@@ -34,6 +34,11 @@ class Solver {
   void set_log(IterationLog* log) { log_ = log; }
 
  protected:
+  /// The clock starts and the log is emptied. solve() has done so before run().
+  void begin() {
+    budget_.start(time_limit_, cancel_);
+    if (log_ != nullptr) log_->clear();
+  }
   const Budget& budget() const { return budget_; }  // run() asks it once an iteration
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});

@@ -69,7 +69,7 @@ template <class Plain> class Reusable : public Eigen::Map<Plain> {
 
  private:
   void bind(Index rows, Index cols) noexcept { new (static_cast<Map*>(this)) Map(storage_.data(), rows, cols); }
-  std::vector<double> storage_;
+  std::vector<typename Plain::Scalar> storage_;
 };
 
 using Vector = Reusable<Eigen::VectorXd>;

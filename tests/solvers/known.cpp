@@ -100,6 +100,7 @@ TEST_CASE("who solves what: the table of exceptions is pinned") {
                                     {"rock_paper_scissors", ray},
                                     {"pang_perturbed", ray},
                                     {"feasible_without_solution", ray}};
+  expected["path"] = {{"feasible_without_solution", ray}};
   expected["enumerate"] = {{"feasible_without_solution", ray}};
   for (const char* name : {"k_matrix", "wilkinson_30", "wilkinson_54", "wilkinson_60"})
     expected["enumerate"][name] = unsupported;  // more than 20 rows
