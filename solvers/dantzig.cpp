@@ -1,6 +1,5 @@
 #include <orthant/solvers/dantzig.h>
 
-#include <orthant/solvers/farkas.h>
 #include <orthant/solvers/principal_pivoting.h>
 
 #include <vector>
@@ -23,10 +22,8 @@ template <class T> struct Block {
 
 struct Dantzig::Work {
   detail::PrincipalPivoting pivoting;
-  Farkas farkas;
   Vector direction;
   std::vector<char> put_off;
-  bool proof_sought = false;
   int precision = 0;
 
   template <class T> using Tableau = detail::PrincipalTableau<T>;
@@ -176,7 +173,6 @@ std::string Dantzig::why_not(const Lcp& problem) const {
 
 Status Dantzig::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
-  work_->proof_sought = false;
   work_->precision = 0;
   work_->pivoting.form(problem);
   return work_->attempt(*this, s);
@@ -184,13 +180,6 @@ Status Dantzig::run(const Lcp& problem, Solution& s, Start) {
 
 bool Dantzig::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (problem.size() == 0 || claim == Status::iteration_limit) return false;
-  if (!work_->proof_sought && (s.status == Status::ray || s.status == Status::numerical_error)) {
-    work_->proof_sought = true;
-    if (work_->farkas.propose(problem, s.certificate)) {
-      claim = Status::ray;
-      return true;
-    }
-  }
   if (++work_->precision > (problem.size() <= 100 ? 2 : 1)) return false;
   claim = work_->attempt(*this, s);
   return true;

@@ -460,9 +460,7 @@ Status Enumerate::run(const Lcp& problem, Solution& s, Start) {
     s.z = candidate.z;
     return Status::solved;
   }
-  if (late) return Status::time_limit;
-  farkas_.propose(problem, s.certificate);
-  return Status::ray;
+  return late ? Status::time_limit : Status::ray;
 }
 
 }  // namespace orthant

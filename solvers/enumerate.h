@@ -23,7 +23,6 @@
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.1, 1.4 (complementary cones).
 #pragma once
 
-#include <orthant/solvers/farkas.h>
 #include <orthant/solvers/solver.h>
 
 #include <string>
@@ -66,7 +65,6 @@ class Enumerate final : public Solver {
 
   Options options_;
   Judge candidate_judge_;
-  Farkas farkas_;
 };
 
 }  // namespace orthant

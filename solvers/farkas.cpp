@@ -1,10 +1,14 @@
 #include <orthant/solvers/farkas.h>
 
+#include <orthant/solvers/farkas_simplex.h>
+
 #include <cmath>
 
 namespace orthant {
 
 namespace {
+
+constexpr Index kTableau = 100;  // rows; in pure form up to three times as many
 
 struct Skew {
   const DenseMatrix& M;
@@ -17,10 +21,11 @@ struct Skew {
 
 }  // namespace
 
-bool Farkas::propose(const Lcp& problem, Vector& u) {
+bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
+  if (problem.size() == 0) return false;
+  if (problem.size() > kTableau) return propose_by_simplex(problem, budget, u);
   const Lcp& pure = pyramid_.pure(problem);
   const Index n = pure.size();
-  if (n == 0 || n > 500) return false;
   const auto& M = std::get<DenseMatrix>(pure.A);
   scaling_.fit(M);
   q_.resize(2 * n);

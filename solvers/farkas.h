@@ -4,11 +4,13 @@
 //   The linear program  min cᵀz, M z + q ≥ 0, z ≥ 0  and its dual are one LCP,
 //     w_z = c − Mᵀu ⊥ z,   w_u = M z + q ⊥ u,   c = 1 (0 on free rows),
 //   whose matrix is skew, so that Lemke's method ends on a solution (feasible) or on a ray whose u is the proof.
-//   Long double; n ≤ 500 in pure form (the tableau is 2n × 2n).   certify.h judges what is found, as always.
+//   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it sees what is infeasible by a rounding. Beyond,
+//   a sparse dual simplex method (farkas_simplex.h).   certify.h judges what is found, as always.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
 #pragma once
 
 #include <orthant/core/lcp/pyramid.h>
+#include <orthant/solvers/budget.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/tableau.h>
 
@@ -16,10 +18,10 @@
 
 namespace orthant {
 
-class Farkas {  // reuse it: the second problem of a size allocates nothing
+class Farkas {  // reuse it: the second problem of a size allocates nothing, up to 100 rows
  public:
-  /// True when the linear program is infeasible, as far as long double tells; u is then a proof to be judged.
-  bool propose(const Lcp& problem, Vector& u);
+  /// True when the linear program is infeasible, as far as the arithmetic tells; u is then a proof to be judged.
+  bool propose(const Lcp& problem, Vector& u, const Budget& budget = {});
 
  private:
   Pyramid pyramid_;

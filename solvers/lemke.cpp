@@ -75,13 +75,11 @@ struct Lemke::Work {
   Tableau<long double> long_tableau;
   Tableau<Wide> wide_tableau;
   Tableau<Rational> exact_tableau;
-  Farkas farkas;
   Enumerate enumerate;
   Solution enumerated;
   RevisedLemke revised;
   bool was_revised = false;  // the tableau has not been tried
   int stage = 0;             // of the rescue
-  bool proof_sought = false;
 
   RefinedBasis basis;
 
@@ -267,7 +265,6 @@ std::string Lemke::why_not(const Lcp& problem) const {
 Status Lemke::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
   work_->stage = 0;
-  work_->proof_sought = false;
   work_->was_revised = takes_revised(problem);
   if (work_->was_revised) return work_->attempt_revised(options_.max_pivots, problem, s);
   work_->form(problem, Pyramid::Form::shifted);
@@ -277,14 +274,6 @@ Status Lemke::run(const Lcp& problem, Solution& s, Start) {
 bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (!options_.rescue || problem.size() == 0) return false;
   Work& work = *work_;
-  if (!work.proof_sought && problem.size() <= kTableau &&
-      (s.status == Status::ray || s.status == Status::numerical_error)) {
-    work.proof_sought = true;  // |z| beyond all bounds is a ray too, seen through rounding
-    if (work.farkas.propose(problem, s.certificate)) {
-      claim = Status::ray;
-      return true;
-    }
-  }
   if (work.was_revised) {
     work.was_revised = false;
     if (problem.size() > kRevisedOnly) return false;

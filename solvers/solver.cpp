@@ -4,6 +4,14 @@
 
 namespace orthant {
 
+void Solver::seek_proof(const Lcp& problem, Solution& s) {
+  if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error) return;
+  if (!proof_search_ || !seeks_proof() || budget_.exhausted() || !farkas_.propose(problem, proof_, budget_)) return;
+  if (!judge_.proves_infeasible(problem, proof_)) return;  // a ray's direction stays what it was
+  s.certificate = proof_;
+  judge_.certify(problem, tolerance(), Status::ray, s);
+}
+
 const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   check(problem);
   const Index n = problem.size();
@@ -34,6 +42,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   const double goal_residual = std::min(goal(), tolerance());
   judge_.certify(problem, goal_residual, claim, s);
   const auto open = [&s] { return s.status != Status::solved && s.status != Status::infeasible; };
+  seek_proof(problem, s);
   best_.residual = kInf;
   for (int attempt = 1; open() && !budget_.exhausted(); ++attempt) {
     if (!(s.residual >= best_.residual)) best_ = s;

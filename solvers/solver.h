@@ -4,6 +4,7 @@
 #include <orthant/core/lcp/certify.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/budget.h>
+#include <orthant/solvers/farkas.h>
 #include <orthant/solvers/iteration_log.h>
 
 #include <string>
@@ -30,6 +31,9 @@ class Solver {
   void set_time_limit(double seconds) { time_limit_ = seconds; }
   /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive solves.
   void set_cancel(const std::atomic<bool>* cancel) { cancel_ = cancel; }
+  /// Whether a run that ends on a ray, stalled or lost to rounding is followed by one search for a proof that there is no
+  /// solution (farkas.h: a linear program, which may cost more than the run did). On at first.
+  void set_proof_search(bool on) { proof_search_ = on; }
   /// Where each solve writes its iterations (cleared first); null: nowhere, at no cost.
   void set_log(IterationLog* log) { log_ = log; }
 
@@ -50,6 +54,9 @@ class Solver {
   /// After a verdict other than solved or infeasible (it stands in solution.status): false, or another attempt, made
   /// harder, whose claim is judged in turn. `attempt` counts 1, 2, …
   virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Status& /*claim*/) { return false; }
+  /// Not where a proof would answer another question than the caller's: the plain form of a method, say.
+  virtual bool seeks_proof() const { return true; }
+  void seek_proof(const Lcp& problem, Solution& s);
   virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
   /// Residual below which no further attempt is made. A method that should reach more than is asked for says so here:
   /// an answer between the two is taken only when its further attempts do no better.
@@ -57,7 +64,9 @@ class Solver {
 
   Judge judge_;
   Solution best_;  // over the attempts of one solve
-  Vector scratch_;
+  Vector scratch_, proof_;
+  Farkas farkas_;
+  bool proof_search_ = true;
   Budget budget_;
   double time_limit_ = kInf;
   const std::atomic<bool>* cancel_ = nullptr;

@@ -5,16 +5,16 @@
 //   do not, at some 60 times the cost of double. Rationals round nothing at all: for small problems the path is exact.
 #pragma once
 
+#include <orthant/core/support/exact.h>
 #include <orthant/solvers/tableau.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/gmp.hpp>
 
 namespace orthant::detail {
 
 namespace mp = boost::multiprecision;
 using Wide = mp::number<mp::cpp_bin_float<256, mp::digit_base_2>, mp::et_off>;
-using Rational = mp::number<mp::gmp_rational, mp::et_off>;
+using exact::Rational;
 
 template <> struct Roundings<Wide> {
   inline static const Wide unit = ldexp(Wide(1), -256), snap = ldexp(Wide(1), -249), tie = ldexp(Wide(1), -192),

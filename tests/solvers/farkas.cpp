@@ -1,0 +1,128 @@
+// Proofs that there is no solution, on problems too large for a dense tableau.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/farkas.h>
+#include <orthant/solvers/lemke.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+
+using namespace orthant;
+
+namespace {
+
+Eigen::SparseMatrix<double, Eigen::RowMajor> laplace(Index n) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 2.0);
+    if (i > 0) entries.emplace_back(i, i - 1, -1.0);
+    if (i + 1 < n) entries.emplace_back(i, i + 1, -1.0);
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+bool proved(const Lcp& p) {
+  Vector u;
+  const auto begin = std::chrono::steady_clock::now();
+  const bool found = Farkas().propose(p, u);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (p.size() >= 600) MESSAGE("n = ", p.size(), ": ", (found ? "a proof" : "none"), " in ", seconds, " s");
+  return found && Judge().proves_infeasible(p, u);
+}
+
+}  // namespace
+
+TEST_CASE("sparse grids of 2000 rows: proved where one row contradicts the rest, and only there") {
+  const Index n = 2000;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A = laplace(n);
+  Vector b(-Eigen::VectorXd::Ones(n));
+  CHECK_FALSE(proved(Lcp::standard(RowSparse::from(A), b)));
+  // A middle row that says the opposite of what its neighbours' sums force: −(sum of rows 900 … 1100)ᵀz ≥ 5.
+  for (Index j = 0; j < n; ++j) {
+    double sum = 0;
+    for (Index i = 900; i <= 1100; ++i)
+      if (i != 1000) sum += A.coeff(i, j);
+    if (sum != 0 || A.coeff(1000, j) != 0) A.coeffRef(1000, j) = -sum;
+  }
+  A.prune(0.0);
+  b[1000] = -5;
+  const Lcp contradiction = Lcp::standard(RowSparse::from(A), b);
+  CHECK(proved(contradiction));
+
+  Eigen::SparseMatrix<double, Eigen::RowMajor> neumann = laplace(n);  // singular: constants in the kernel
+  neumann.coeffRef(0, 0) = neumann.coeffRef(n - 1, n - 1) = 1;
+  CHECK(proved(Lcp::standard(RowSparse::from(neumann), b)));
+  CHECK_FALSE(proved(Lcp::standard(RowSparse::from(neumann), Vector(Eigen::VectorXd::Ones(n)))));
+}
+
+TEST_CASE("a dense semidefinite matrix of 600 rows, rank 300: Lemke says infeasible with a proof") {
+  Random random(5);
+  const Index n = 600;
+  Eigen::MatrixXd B(n, n / 2);
+  for (double& entry : B.reshaped()) entry = random.integer(-2, 2);
+  const Eigen::MatrixXd M = B * B.transpose();
+  CHECK_FALSE(proved(Lcp::standard(DenseMatrix(M), Vector(M * Eigen::VectorXd::Ones(n)))));
+  // u ≥ 0 in the kernel of Bᵀ: the last row is minus the sum of the others.
+  B.row(n - 1) = -B.topRows(n - 1).colwise().sum();
+  Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd(B * B.transpose())), Vector(-Eigen::VectorXd::Ones(n)));
+  for (double& b : p.b) b = random.integer(-1000, 900);
+  CHECK(proved(p));
+  Solution s;
+  CHECK(Lemke().solve(p, s).status == Status::infeasible);
+  CHECK(Judge().proves_infeasible(p, s.certificate));
+}
+
+TEST_CASE(
+    "boxes, free rows, friction and upper bounds in a large problem: the proof leaves out what may have any sign") {
+  const Index n = 400;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A = laplace(n);
+  Vector b(Eigen::VectorXd::Ones(n));
+  Lcp p = Lcp::standard(RowSparse::from(A), b);
+  for (Index i = 0; i < n; i += 7) p.hi[i] = 1;
+  for (Index i = 1; i < n; i += 7) p.lo[i] = -kInf;
+  for (Index i = 2; i < n; i += 7) p.lo[i] = -kInf, p.hi[i] = 0;
+  for (Index i = 3; i < n; i += 7) p.lo[i] = -kInf, p.friction.push_back({.row = i, .normal = i + 1, .mu = 0.5});
+  CHECK_FALSE(proved(p));
+  Lcp q = p;
+  for (Index j = 0; j < n; ++j) A.coeffRef(204, j) = 0;  // row 204, complementary: w = −1 whatever z
+  A.prune(0.0);
+  q.A = RowSparse::from(A);
+  q.b[204] = -1;
+  CHECK(proved(q));
+}
+
+TEST_CASE("small and large path agree on random problems of 101 rows made of small ones") {
+  Random random(6);
+  int infeasible = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Kinds kinds{.free = trial % 4 == 1, .box = trial % 4 == 2, .friction = trial % 4 == 3};
+    const Lcp block = random_integer_problem(random.integer(2, 5), kinds, random);
+    const Index m = block.size(), n = 101 + m;
+    Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(n, n)), Vector(Eigen::VectorXd::Ones(n)));
+    std::get<DenseMatrix>(p.A).topLeftCorner(m, m) = std::get<DenseMatrix>(block.A);
+    p.b.head(m) = block.b;
+    p.lo.head(m) = block.lo;
+    p.hi.head(m) = block.hi;
+    p.friction = block.friction;
+    INFO("trial ", trial);
+    CHECK(proved(p) == proved(block));
+    infeasible += proved(block);
+  }
+  CHECK(infeasible > 5);
+}
+
+TEST_CASE("a proof search that is switched off, or out of time, is not made") {
+  const Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Constant(1, 1, -1)), Vector{-1});
+  Solution s;
+  Lemke lemke;
+  CHECK(lemke.solve(p, s).status == Status::infeasible);
+  lemke.set_proof_search(false);
+  CHECK(lemke.solve(p, s).status == Status::infeasible);  // its own ray proves it
+  const auto newton = make_solver("newton-fb");
+  CHECK(newton->solve(p, s).status == Status::infeasible);
+  newton->set_proof_search(false);
+  CHECK(newton->solve(p, s).status == Status::stalled);
+}
