@@ -8,8 +8,6 @@ namespace orthant {
 
 namespace {
 
-constexpr Index kTableau = 100;  // rows; in pure form up to three times as many
-
 struct Skew {
   const DenseMatrix& M;
   double operator()(Index i, Index j) const {

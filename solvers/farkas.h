@@ -20,6 +20,8 @@ namespace orthant {
 
 class Farkas {  // reuse it: the second problem of a size allocates nothing, up to 100 rows
  public:
+  static constexpr Index kTableau = 100;  // rows that the tableau takes; in pure form up to three times as many
+
   /// True when the linear program is infeasible, as far as the arithmetic tells; u is then a proof to be judged.
   bool propose(const Lcp& problem, Vector& u, const Budget& budget = {});
 

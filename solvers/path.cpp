@@ -54,9 +54,8 @@ struct Path::Work {
   explicit Work(Path& owner) : path(owner) {}
   Path& path;
   Pyramid pyramid;
-  Farkas farkas;
   const Lcp* pure = nullptr;
-  bool reduced = false, proof_sought = false;
+  bool reduced = false;
   std::size_t variation = 0;
   Model model;
   Matrix J;
@@ -323,7 +322,7 @@ struct Path::Work {
       }
     }
     z = best_z;
-    return Status::iteration_limit;
+    return linear() ? Status::stalled : Status::iteration_limit;
   }
   double reference() const { return *std::max_element(merits.begin(), merits.end()); }
   void remember(double value) {
@@ -347,7 +346,6 @@ Status Path::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
   Work& work = *work_;
   work.variation = 0;
-  work.proof_sought = false;
   work.iterations = 0;
   work.reduced = !problem.friction.empty();
   work.pure = work.reduced ? &work.pyramid.pure(problem, Pyramid::Form::stewart_trinkle) : &problem;
@@ -372,16 +370,9 @@ Status Path::run(const Lcp& problem, Solution& s, Start) {
   return claim;
 }
 
-bool Path::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+bool Path::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (problem.size() == 0) return false;
   Work& work = *work_;
-  if (attempt > 0 && !work.proof_sought) {
-    work.proof_sought = true;
-    if (work.farkas.propose(problem, s.certificate)) {
-      claim = Status::ray;
-      return true;
-    }
-  }
   if (work.variation > static_cast<std::size_t>(options_.restarts)) return false;
   while (kVariations[work.variation].extended && work.pure->size() > kExtended)
     if (++work.variation > static_cast<std::size_t>(options_.restarts)) return false;

@@ -5,7 +5,10 @@
 namespace orthant {
 
 void Solver::seek_proof(const Lcp& problem, Solution& s) {
-  if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error) return;
+  const bool cheap = problem.size() <= Farkas::kTableau;  // then worth it after a run that was only too short
+  if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error &&
+      !(cheap && s.status == Status::iteration_limit))
+    return;
   if (!proof_search_ || !seeks_proof() || budget_.exhausted() || !farkas_.propose(problem, proof_, budget_)) return;
   if (!judge_.proves_infeasible(problem, proof_)) return;  // a ray's direction stays what it was
   s.certificate = proof_;

@@ -31,8 +31,9 @@ class Solver {
   void set_time_limit(double seconds) { time_limit_ = seconds; }
   /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive solves.
   void set_cancel(const std::atomic<bool>* cancel) { cancel_ = cancel; }
-  /// Whether a run that ends on a ray, stalled or lost to rounding is followed by one search for a proof that there is no
-  /// solution (farkas.h: a linear program, which may cost more than the run did). On at first.
+  /// Whether a run that ends on a ray, stalled or lost to rounding (small problems: or at its limit) is followed by one
+  /// search for a proof that there is no solution (farkas.h: a linear program, which may cost more than the run did).
+  /// On at first.
   void set_proof_search(bool on) { proof_search_ = on; }
   /// Where each solve writes its iterations (cleared first); null: nowhere, at no cost.
   void set_log(IterationLog* log) { log_ = log; }

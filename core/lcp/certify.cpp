@@ -230,8 +230,13 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
   const auto error = [&](Index j) { return terms_[at(j)] <= 1 ? 0 : gamma * g_abs_[at(j)]; };
 
   // Friction rows take part through their normal: sup over |z_t| ≤ μ z_n of g_n z_n + g_t z_t = (g_n + μ |g_t|) z_n.
+  // A z that uses the slack of the sum has at least one of its terms: the least of them is what κ is relative to.
+  least_ = g_abs_;
+  for (const Friction& f : problem.friction)
+    if (g_[at(f.normal)] + error(f.normal) <= 0) least_[at(f.normal)] = std::numeric_limits<long double>::infinity();
   for (const Friction& f : problem.friction) {
     if (f.mu == 0 || g_abs_[at(f.row)] == 0) continue;
+    least_[at(f.normal)] = std::min(least_[at(f.normal)], f.mu * g_abs_[at(f.row)]);
     const long double push = f.mu * (std::abs(g_[at(f.row)]) + error(f.row));
     g_[at(f.normal)] += push;
     g_abs_[at(f.normal)] += push;
@@ -251,8 +256,8 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
   for (Index j = 0; j < n; ++j) {
     if (g_abs_[at(j)] == 0) continue;
     const long double g = g_[at(j)], e = error(j);
-    if (hi[j] == kInf && g + e > 0) kappa = std::max(kappa, (g + e) / g_abs_[at(j)]);
-    if (lo[j] == -kInf && g - e < 0) kappa = std::max(kappa, (e - g) / g_abs_[at(j)]);
+    if (hi[j] == kInf && g + e > 0) kappa = std::max(kappa, (g + e) / least_[at(j)]);
+    if (lo[j] == -kInf && g - e < 0) kappa = std::max(kappa, (e - g) / least_[at(j)]);
     // The supremum lies at a finite bound; where the sign of g is not certain, both candidates count.
     long double best = -std::numeric_limits<long double>::infinity();
     if (lo[j] != -kInf) best = std::max({best, (g - e) * lo[j], (g + e) * lo[j]});

@@ -51,6 +51,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
   double scale_ = 0;                    // β
   std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|
+  std::vector<long double> least_;      // what a slack in g_j is measured by
   std::vector<long double> inner_ld_, inner_abs_ld_;
   std::vector<int> terms_;  // nonzero products in g_j: a single one has an exact sign
 };

@@ -166,6 +166,14 @@ TEST_CASE("proofs with free rows, boxes and friction") {
   slides.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
   CHECK(verdict(slides, Vector{1, 0.5}) == Status::solved);
   CHECK(verdict_on_proof(slides, Vector{0, 1}) == Status::ray);
+
+  // u = (1, 0, 1): the friction column cancels, 1 − 1, which rounding could have moved: slack relative to its own terms.
+  const Eigen::Matrix3d A{{0, 1, -1}, {0, 0, 0}, {0, -1, -1}};
+  Lcp cancels = Lcp::standard(DenseMatrix(A), Vector{-1, 0, 0});
+  cancels.lo[1] = -kInf;
+  cancels.friction = {{.row = 1, .normal = 0, .mu = 1}};
+  CHECK(verdict_on_proof(cancels, Vector{1, 0, 1}) == Status::infeasible);
+  CHECK(verdict_on_proof(cancels, Vector{1, 0, 0.5}) == Status::ray);
 }
 
 TEST_CASE("a proof cannot stand beside a solution: random u on solvable problems") {
