@@ -2,6 +2,7 @@
 
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/farkas.h>
+#include <orthant/solvers/normal_path.h>
 #include <orthant/solvers/refined_basis.h>
 #include <orthant/solvers/revised_lemke.h>
 #include <orthant/solvers/scaling.h>
@@ -28,24 +29,25 @@ using detail::Wide;
 
 constexpr int kRestarts = 12;      // with other covering vectors
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
+constexpr Index kExtended = 100;   // rows beyond which refinement comes sooner to the same
 constexpr Index kExact = 24;       // rows up to which rationals stay short
 constexpr Index kTableau = 10000;
 constexpr Index kRevisedOnly = 2000;  // rows beyond which no tableau is tried after the revised form
 constexpr Index kWide = 500;          // rows up to which 256 bits take seconds
 
 // The attempts of the rescue, in turn. After the last: every basis, or other covering vectors.
-enum class Arithmetic { plain, extended, wide, exact };
+enum class Arithmetic { plain, refined, extended, wide, exact };
 struct Attempt {
   Arithmetic arithmetic;
   bool nearby;      // on a matrix within rounding of the given one (Nearby)
   bool other_form;  // Stewart and Trinkle's, where there is friction
 };
 constexpr Attempt kAttempts[] = {
-    {Arithmetic::extended, false, false}, {Arithmetic::exact, false, false}, {Arithmetic::wide, true, false},
-    {Arithmetic::wide, false, false},     {Arithmetic::plain, false, true},  {Arithmetic::extended, false, true},
-    {Arithmetic::wide, true, true},       {Arithmetic::wide, false, true},
+    {Arithmetic::extended, false, false}, {Arithmetic::exact, false, false}, {Arithmetic::refined, false, false},
+    {Arithmetic::wide, true, false},      {Arithmetic::wide, false, false},  {Arithmetic::plain, false, true},
+    {Arithmetic::extended, false, true},  {Arithmetic::wide, true, true},    {Arithmetic::wide, false, true},
 };
-constexpr int kFirstAttempts = 4;  // the rest take the other form
+constexpr int kFirstAttempts = 5;  // the rest take the other form
 constexpr int kLastAttempt = static_cast<int>(std::size(kAttempts));
 
 // M with a few roundings of its row added to each positive diagonal entry. A Delassus matrix of redundant contacts is
@@ -78,6 +80,9 @@ struct Lemke::Work {
   Enumerate enumerate;
   Solution enumerated;
   RevisedLemke revised;
+  Pyramid copositive;
+  Columns columns;
+  NormalPath<double> normal_path;
   bool was_revised = false;  // the tableau has not been tried
   int stage = 0;             // of the rescue
 
@@ -198,6 +203,48 @@ struct Lemke::Work {
     }
   }
 
+  // On factors, refined at every pivot: M z + t q, t from 0 to 1, by normal_path.h, whose random perturbation covers. It
+  // ends where Lemke's ray does not in some ill-conditioned problems. Bounds are native, friction is copositive.
+  Status attempt_refined(int max_pivots, const Lcp& problem, Solution& s) {
+    const bool friction = !problem.friction.empty();
+    const Lcp& p = friction ? copositive.pure(problem, Pyramid::Form::stewart_trinkle) : problem;
+    columns.load(p.A);
+    normal_path.load(columns, p.b, p.lo, p.hi,
+                     std::holds_alternative<RowSparse>(p.A) ? BasisStorage::sparse : BasisStorage::dense);
+    y.resize(p.size());
+    for (Index i = 0; i < p.size(); ++i) y[i] = p.lo[i] != -kInf ? p.lo[i] : p.hi[i] != kInf ? p.hi[i] : 0;
+    if (!normal_path.start(y)) return Status::numerical_error;
+    const auto end = normal_path.follow(max_pivots, [&](double t) {
+      lemke.log(normal_path.pivots(), 1 - t, 0, "refined");
+      return lemke.budget().exhausted();
+    });
+    s.iterations = normal_path.pivots();
+    normal_path.point(y, direction);
+    if (end == PathEnd::ray) {
+      normal_path.direction(direction);
+      tidy_certificate(p, direction);
+    }
+    if (friction) {
+      copositive.restore(problem, y, s.z);
+      if (end == PathEnd::ray) copositive.restore_certificate(problem, direction, s.certificate);
+    } else {
+      s.z = y;
+      if (end == PathEnd::ray) s.certificate = direction;
+    }
+    switch (end) {
+      case PathEnd::solved:
+        return Status::solved;
+      case PathEnd::ray:
+        return Status::ray;
+      case PathEnd::limit:
+        return Status::iteration_limit;
+      case PathEnd::stopped:
+        return Status::time_limit;
+      default:
+        return Status::numerical_error;
+    }
+  }
+
   const Vector& shift_of(const DenseMatrix& M) {
     const Index n = M.rows();
     shift.resize(n);
@@ -309,7 +356,11 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
       case Arithmetic::plain:
         claim = work.attempt(work.tableau, limit, problem, s);
         return true;
+      case Arithmetic::refined:
+        claim = work.attempt_refined(limit > 0 ? limit : 20000 + 100 * static_cast<int>(n), problem, s);
+        return true;
       case Arithmetic::extended:
+        if (rows > kExtended) break;
         claim = work.attempt(work.long_tableau, limit, problem, s);
         return true;
       case Arithmetic::wide:

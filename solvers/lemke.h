@@ -9,10 +9,11 @@
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.
 //     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is looked for (farkas.h); then again in
-//                 long double, in rationals (up to 24 rows) and in 256 bits (up to 500 rows; wide.h says why), there
-//                 first on a matrix within rounding of the given one that redundant contacts leave solvable; in the
-//                 copositive form, where there is friction; at last every basis (enumerate.h, up to 12 rows) or other
-//                 covering vectors. rescue=false is the plain method.
+//                 long double (up to 100 rows), in rationals (up to 24), on factors refined at every pivot
+//                 (normal_path.h) and in 256 bits (up to 500 rows; wide.h says why), there first on a matrix within
+//                 rounding of the given one that redundant contacts leave solvable; in the copositive form, where there
+//                 is friction; at last every basis (enumerate.h, up to 12 rows) or other covering vectors.
+//                 rescue=false is the plain method.
 //   No polynomial bound: Murty's problem takes 2ⁿ pivots. The plain method ends on a solution, where there is one, for
 //   P-matrices and for xᵀM x ≥ 0; elsewhere it may end on a ray although a solution exists (status ray).
 //   A ray's direction is handed to the judge, which calls it a proof (status infeasible) or not (ray).

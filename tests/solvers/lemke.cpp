@@ -83,12 +83,14 @@ TEST_CASE("Lemke takes 2^n pivots on Murty's and Fathi's problems and 2 on the t
   }
 }
 
-TEST_CASE("Lemke ends honestly at its pivot limit") {
-  Lemke lemke;
+TEST_CASE("Lemke ends honestly at its pivot limit; its rescue takes other paths") {
+  Lemke plain(LemkeOptions{.rescue = false}), lemke;
   Solution s;
-  lemke.solve(minus_ones(murty(60)), s);
+  plain.solve(minus_ones(murty(60)), s);
   CHECK(s.status == Status::iteration_limit);
   CHECK(s.residual > 0.1);
+  lemke.solve(minus_ones(murty(60)), s);
+  CHECK(s.status == Status::solved);
   Lemke brief(LemkeOptions{.max_pivots = 3});
   brief.solve(minus_ones(murty(4)), s);
   CHECK(s.status == Status::iteration_limit);
