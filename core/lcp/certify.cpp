@@ -8,7 +8,8 @@ namespace orthant {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kRunaway = 1e-6;  // ρ above this share of β: w is unknown
+// ρ above this: w is unknown. Up to 2e-6 of β where β ≤ 1, 1e-6 where β is large.
+double runaway(double beta) { return 1e-6 * (beta + std::min(beta, 1.0)); }
 constexpr double kRoundings = 20;  // residuals below this many ρ are noise
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -152,7 +153,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
     s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   evaluate(problem, s);
-  const bool known = s.rounding < kInf && s.rounding <= kRunaway * scale_;
+  const bool known = s.rounding < kInf && s.rounding <= runaway(scale_);
   if (known && s.residual <= std::max(tolerance * scale_, kRoundings * s.rounding)) {
     s.status = Status::solved;
   } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
@@ -281,7 +282,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
       apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
       scale = abs_.maxCoeff();
     }
-    threshold += 2 * kappa / kEpsilon * kRunaway * scale * norm1;
+    threshold += 2 * kappa / kEpsilon * runaway(scale) * norm1;
   }
   return sum + threshold < 0;
 }

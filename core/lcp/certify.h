@@ -6,12 +6,12 @@
 //   that is δ away from its bound costs d_i δ because moving it there changes some w by that much, else |w_i|. d_i ≥ 1
 //   makes r at least as strict as the textbook |min(z, w)|.
 //   Accepted when
-//     r ≤ max(tolerance · β, 20 ρ)   and   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ 1e-6 β:
+//     r ≤ max(tolerance · β, 20 ρ)   and   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ 1e-6 (β + min(β, 1)):
 //   below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
 //   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
 //   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
-//   All is relative to β, so that the verdict does not depend on the unit of w: z = 0 does not pass for
-//   A = [−1e-12], b = [−1e-12].
+//   All is relative to β (but for a factor of two on ρ), so that the verdict does not depend on the unit of w: z = 0 does
+//   not pass for A = [−1e-12], b = [−1e-12].
 //
 //   A proof of infeasibility is a vector u with, for every feasible z (lo ≤ z ≤ hi, |z_t| ≤ μ z_n),
 //     uᵀ(A z + b) < 0,  although the rows demand uᵀw ≥ 0:
@@ -21,7 +21,7 @@
 //     bᵀu + Σ_j sup g_j z_j:   g_j + Σ μ_t |g_t| (over its friction rows t) ≤ 0 on [lo, ∞), g_j = 0 on free rows.
 //   Rounding: sums run in long double with their error bounds on the wrong side. A g_j that misses its sign by no more
 //   than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
-//   have ρ > 1e-6 β. So no z could be called solved where a proof stands.
+//   have a larger ρ than that. So no z could be called solved where a proof stands.
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.5, 3.1, 3.7.
 #pragma once
 
