@@ -8,8 +8,8 @@ namespace orthant {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// ρ above this: w is unknown. Up to 2e-6 of β where β ≤ 1, 1e-6 where β is large.
-double runaway(double beta) { return 1e-6 * (beta + std::min(beta, 1.0)); }
+constexpr double kCoarsest = 4e-5;  // residual beside β that rounding may excuse
+double runaway(double beta) { return std::min(1e-6 * (1 + beta), 1e-4 * beta); }  // ρ above this: w is unknown
 constexpr double kRoundings = 20;  // residuals below this many ρ are noise
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -154,7 +154,8 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
   }
   evaluate(problem, s);
   const bool known = s.rounding < kInf && s.rounding <= runaway(scale_);
-  if (known && s.residual <= std::max(tolerance * scale_, kRoundings * s.rounding)) {
+  const double excused = std::min(kRoundings * s.rounding, kCoarsest * scale_);
+  if (known && s.residual <= std::max(tolerance * scale_, excused)) {
     s.status = Status::solved;
   } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
              proves_infeasible(problem, s.certificate)) {

@@ -6,11 +6,11 @@
 //   that is δ away from its bound costs d_i δ because moving it there changes some w by that much, else |w_i|. d_i ≥ 1
 //   makes r at least as strict as the textbook |min(z, w)|.
 //   Accepted when
-//     r ≤ max(tolerance · β, 20 ρ)   and   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ 1e-6 (β + min(β, 1)):
+//     r ≤ max(tolerance · β, min(20 ρ, 4e-5 β)),   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ min(1e-6 (1 + β), 1e-4 β):
 //   below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
 //   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
 //   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
-//   All is relative to β (but for a factor of two on ρ), so that the verdict does not depend on the unit of w: z = 0 does
+//   All is relative to β (but for ρ where β is near 1), so that the verdict does not depend on the unit of w: z = 0 does
 //   not pass for A = [−1e-12], b = [−1e-12].
 //
 //   A proof of infeasibility is a vector u with, for every feasible z (lo ≤ z ≤ hi, |z_t| ≤ μ z_n),

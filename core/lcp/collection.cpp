@@ -227,6 +227,11 @@ std::vector<Known> known_problems() {
   return std::move(collector.all);
 }
 
+Lcp murty_problem(Index n, bool transposed) {
+  const MatrixXd M = murty(n);
+  return Lcp::standard(DenseMatrix(transposed ? MatrixXd(M.transpose()) : M), Vector(-ones(n)));
+}
+
 Lcp as_sparse(const Lcp& problem) {
   Lcp result = problem;
   DenseMatrix dense;

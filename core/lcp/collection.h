@@ -33,6 +33,10 @@ struct Known {
 /// All of them, n ≤ 60, dense. Built anew at each call.
 std::vector<Known> known_problems();
 
+/// M with 1 on the diagonal and 2 below, q = −e: z = e₁. Lemke's method takes 2ⁿ pivots (Murty 1978); on the
+/// transposed (z = eₙ) 2, where pivoting by the least index takes 2ⁿ − 1; on M Mᵀ (Fathi 1979, z = e₁) 2ⁿ again.
+Lcp murty_problem(Index n, bool transposed = false);
+
 /// The same problem with A stored as rows.
 Lcp as_sparse(const Lcp& problem);
 

@@ -1,5 +1,6 @@
 // Methods that search for the right active rows: murty, block-pivot, newton-min, newton-fb.
 #include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/obstacles.h>
 #include <orthant/solvers/block_pivot.h>
 #include <orthant/solvers/murty.h>
 #include <orthant/solvers/newton_fb.h>
@@ -12,37 +13,10 @@
 
 using namespace orthant;
 
-namespace {
-
-Lcp murty_problem(Index n, bool transposed) {
-  Eigen::MatrixXd L = Eigen::MatrixXd::Identity(n, n);
-  L.triangularView<Eigen::StrictlyLower>().setConstant(2);
-  if (transposed) L.transposeInPlace();
-  return Lcp::standard(DenseMatrix(L), Vector(Eigen::VectorXd::Constant(n, -1)));
-}
-
-/// String over an obstacle on n inner nodes of (0, 1), sparse: u'' ≤ 8, contact on [1/4, 3/4] exactly.
-Lcp string_problem(Index n) {
-  const double h = 1.0 / static_cast<double>(n + 1), gap = 0.25;
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 2 / (h * h));
-    if (i > 0) entries.emplace_back(i, i - 1, -1 / (h * h));
-    if (i + 1 < n) entries.emplace_back(i, i + 1, -1 / (h * h));
-  }
-  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
-  A.setFromTriplets(entries.begin(), entries.end());
-  Vector q(Eigen::VectorXd::Constant(n, 8));
-  q[0] -= gap / (h * h), q[n - 1] -= gap / (h * h);
-  return Lcp::standard(RowSparse::from(A), q);
-}
-
-}  // namespace
-
 TEST_CASE("Murty's problem: least-index pivoting takes 1 pivot, on the transpose 2^n - 1") {
   for (Index n = 2; n <= 10; ++n) {
     Solution s;
-    CHECK(Murty().solve(murty_problem(n, false), s).status == Status::solved);
+    CHECK(Murty().solve(murty_problem(n), s).status == Status::solved);
     CHECK(s.iterations == 1);
     CHECK(Murty().solve(murty_problem(n, true), s).status == Status::solved);
     CHECK(s.iterations == (1 << n) - 1);
@@ -65,7 +39,7 @@ TEST_CASE("circulant P-matrix: every start support ends, none cycles") {
 }
 
 TEST_CASE("string over an obstacle, sparse: the exact contact set (from far in a number of iterations that grows)") {
-  const Lcp p = string_problem(255);
+  const Lcp p = string_on_obstacle(256);
   for (const std::string name : {"block-pivot:coarse_start=0", "newton-min:coarse_start=0", "newton-fb"}) {
     INFO(name);
     Solution s;
@@ -84,7 +58,7 @@ TEST_CASE("string over an obstacle: from coarse problems a few iterations, whate
     for (const Index n : {127, 1023, 16383}) {
       INFO(name, ", n = ", n);
       Solution s;
-      CHECK(make_solver(name)->solve(string_problem(n), s).status == Status::solved);
+      CHECK(make_solver(name)->solve(string_on_obstacle(n + 1), s).status == Status::solved);
       CHECK(s.iterations <= 4);
       CHECK(s.z[(n + 1) / 4 - 2] > 0);  // the last free node
       CHECK(s.z[(n + 1) / 4] == 0);

@@ -1,0 +1,101 @@
+#include <orthant/core/lcp/american_put.h>
+#include <orthant/core/lcp/certify.h>
+#include <orthant/core/lcp/contact_piles.h>
+#include <orthant/core/lcp/families.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <set>
+
+#include "tests/support/judge.h"
+
+using namespace orthant;
+
+namespace {
+
+bool same(const Lcp& a, const Lcp& b) {
+  DenseMatrix A, B;
+  to_dense(a.A, A);
+  to_dense(b.A, B);
+  return A == B && a.b == b.b && a.lo == b.lo && a.hi == b.hi && a.friction.size() == b.friction.size();
+}
+
+}  // namespace
+
+TEST_CASE("families: well formed, the same from the same seed, and what is said of their answers holds") {
+  std::set<std::string_view> names;
+  for (const Family& family : families()) {
+    INFO(family.name);
+    CHECK(names.insert(family.name).second);
+    CHECK(find_family(family.name) == &family);
+    REQUIRE(!family.sizes.empty());
+    REQUIRE(!family.hardness.empty());
+    for (const double hardness : family.hardness) {
+      const Known k = family.make(family.sizes[0], hardness, 1);
+      INFO("hardness ", hardness, ", n = ", k.problem.size());
+      check(k.problem);
+      CHECK(k.answer == family.answer);
+      CHECK(k.problem.size() <= 2 * family.sizes[0]);
+      CHECK(k.problem.size() >= family.sizes[0] / 2);
+      CHECK(same(k.problem, family.make(family.sizes[0], hardness, 1).problem));
+      if (k.z.size() > 0) CHECK(independent_residual(k.problem, k.z) < 1e-15);
+      Solution s;
+      make_solver("lemke")->solve(k.problem, s);
+      CHECK(s.status == (k.answer == Answer::infeasible ? Status::infeasible : Status::solved));
+    }
+  }
+  CHECK(find_family("no such family") == nullptr);
+}
+
+TEST_CASE("contact piles: rows a contact, redundancy, forces that carry the weight") {
+  Solution s;
+  const auto solver = make_solver("lemke");
+  for (const bool spatial : {false, true})
+    for (const double mu : {0.0, 0.5}) {
+      const Lcp p = box_column(3, {.mu = mu, .spatial = spatial});
+      const Index rows = mu == 0 ? 1 : spatial ? 3 : 2;
+      CHECK(p.size() == 3 * (spatial ? 4 : 2) * rows);
+      REQUIRE(solver->solve(p, s).status == Status::solved);
+      double ground = 0;
+      for (Index i = 0; i < (spatial ? 4 : 2); ++i) ground += s.z[i * rows];
+      CHECK(ground == doctest::Approx(3 * 9.81e-3).epsilon(1e-12));  // three boxes of 1 kg, a step of 1 ms
+    }
+  // On a slope boxes slide when tan(slope) > mu, and only then.
+  for (const double slope : {0.2, 0.3}) {
+    const Lcp p = box_column(1, {.mu = 0.25, .slope = slope});
+    REQUIRE(solver->solve(p, s).status == Status::solved);
+    CHECK((s.w[1] > 1e-6) == (std::tan(slope) > 0.25));
+  }
+  CHECK_THROWS_WITH(box_column(0, {}), "boxes = 0: must be ≥ 1");
+  CHECK_THROWS(box_column(2, {.mu = -1}));
+  CHECK_THROWS(brick_wall(2, {.spatial = true}));
+}
+
+TEST_CASE("American put: the value of the literature, second order with implicit steps at the start") {
+  const auto solver = make_solver("block-pivot");
+  const auto price = [&](AmericanPut put, double S, Index steps) {
+    Vector V = put.payoff();
+    const Vector psi = V;
+    const double h = put.maturity / static_cast<double>(steps);
+    Solution s;
+    const auto step = [&](double length, double theta) {
+      REQUIRE(solver->solve(american_put_step(put, V, length, theta), s).status == Status::solved);
+      V = s.z + psi;
+    };
+    for (int k = 0; k < 4; ++k) step(h / 4, 1);
+    for (Index k = 1; k < steps; ++k) step(h, 0.5);
+    return put.value(V, S);
+  };
+  // Binomial trees with 10^5 steps and more, both parameter sets.
+  constexpr double exact = 6.0903706;
+  double errors[3];
+  for (int k = 0; k < 3; ++k) {
+    const Index n = 100 << k;
+    errors[k] = std::abs(price({.nodes = n - 1}, 100, n) - exact);
+  }
+  CHECK(errors[1] < 1e-2);
+  CHECK(std::log2(errors[0] / errors[2]) / 2 > 1.5);
+  CHECK(std::abs(price({.strike = 40, .rate = 0.06, .largest = 120, .nodes = 399}, 36, 400) - 4.4866744) < 2e-3);
+}
