@@ -38,8 +38,8 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
     free_[static_cast<std::size_t>(i)] = free_[static_cast<std::size_t>(n + i)] = free;
   }
   tableau_.load(Skew{M}, q_, free_, scale_, scale_);
-  const auto never = [](long double) { return false; };
-  if (tableau_.run(20000 + 200 * static_cast<int>(n), never) != detail::Tableau<long double>::End::ray) return false;
+  const auto late = [&budget](long double) { return budget.exhausted(); };
+  if (tableau_.run(20000 + 200 * static_cast<int>(n), late) != detail::Tableau<long double>::End::ray) return false;
   ray_.resize(2 * n);
   ray_.setZero();
   tableau_.ray(ray_);
