@@ -16,16 +16,37 @@ using detail::Slope;
 
 Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;
-  if (problem.friction.empty()) {
-    const Status claim = iterate(problem, s, s.z);
-    s.z = s.z.cwiseMax(problem.lo).cwiseMin(problem.hi);  // a rounding outside is none of the answer's
-    return claim;
-  }
-  const Lcp& pure = pyramid_.pure(problem);
-  pyramid_.guess(problem, s.z, y_);
-  const Status claim = iterate(pure, s, y_);
+  const bool reduced = !problem.friction.empty();
+  const Lcp& pure = reduced ? pyramid_.pure(problem) : problem;
+  if (reduced)
+    pyramid_.guess(problem, s.z, y_);
+  else
+    y_ = s.z;
+  const Status claim = in_good_units(pure, s);
   y_ = y_.cwiseMax(pure.lo).cwiseMin(pure.hi);  // a rounding outside is none of the answer's
-  pyramid_.restore(problem, y_, s.z);
+  if (reduced)
+    pyramid_.restore(problem, y_, s.z);
+  else
+    s.z = y_;
+  return claim;
+}
+
+/// The merit adds up rows: where their units lie far apart (dense storage), they are brought together first.
+Status NewtonFb::in_good_units(const Lcp& p, Solution& s) {
+  const auto* A = std::get_if<DenseMatrix>(&p.A);
+  if (A == nullptr) return iterate(p, s, y_);
+  scaling_.fit(*A);
+  const auto row = scaling_.row.array(), col = scaling_.col.array();
+  if ((row == 1).all() && (col == 1).all()) return iterate(p, s, y_);
+  auto& scaled = std::get<DenseMatrix>(scaled_.A);
+  scaled.resize(A->rows(), A->cols());
+  scaled.noalias() = scaling_.row.asDiagonal() * *A * scaling_.col.asDiagonal();
+  scaled_.b = p.b.array() * row;
+  scaled_.lo = p.lo.array() / col;
+  scaled_.hi = p.hi.array() / col;
+  y_.array() /= col;
+  const Status claim = iterate(scaled_, s, y_);
+  y_.array() *= col;
   return claim;
 }
 

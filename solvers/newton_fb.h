@@ -7,7 +7,8 @@
 //   step that is no descent (or a singular V) is replaced by a Levenberg–Marquardt step; Armijo line search,
 //   nonmonotone over `memory` iterations. Near the end the active rows are named and solved for (active_rows.h), which
 //   gives the last digits; the judge decides.
-//   Friction rows through the pure form (pyramid.h). The start value is used.  A stationary point of the merit that is
+//   Friction rows through the pure form (pyramid.h); dense rows and columns scaled by powers of 2 where the entries span
+//   many orders (scaling.h). The start value is used.  A stationary point of the merit that is
 //   no solution → stalled (for P0-matrices there is none).
 //   Source: Fischer, Optimization 24 (1992); De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407-439;
 //   Billups, PhD thesis, Univ. of Wisconsin (1995).
@@ -17,6 +18,7 @@
 #include <orthant/solvers/active_rows.h>
 #include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/dense_lu.h>
+#include <orthant/solvers/scaling.h>
 #include <orthant/solvers/solver.h>
 
 #include <vector>
@@ -40,6 +42,7 @@ class NewtonFb final : public Solver {
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  Status in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
   Status iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ½‖Φ‖²; fills w_, phi_
   void element(const Lcp& problem, const Vector& z);  // da_, db_ at z
@@ -48,6 +51,8 @@ class NewtonFb final : public Solver {
 
   Options options_;
   Pyramid pyramid_;
+  detail::Scaling scaling_;
+  Lcp scaled_;
   ActiveRows rows_;
   Vector y_, w_, phi_, da_, db_, trial_, scratch_, d_, gradient_, scale_;
   DenseMatrix dense_;

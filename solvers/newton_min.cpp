@@ -48,16 +48,23 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
   double best = now;
   Vector& kept = s.w;  // free until the judge writes w: the best point so far
   kept = z;
+  bool full = false;
   while (s.iterations < options_.max_iterations) {
     ++s.iterations;
     rows_.z = z;
     rows_.w = w_;
-    for (Index i = 0; i < n; ++i) rows_.side[at(i)] = rows_.target(i);
+    bool same = full;  // the choice that led here by a full step: what is left is rounding
+    for (Index i = 0; i < n; ++i) {
+      const Side side = rows_.target(i);
+      same = same && side == rows_.side[at(i)];
+      rows_.side[at(i)] = side;
+    }
     const double limit = *std::max_element(recent_.begin(), recent_.end());
     double length = 0;
     if (rows_.solve()) {
       direction_ = rows_.z - z;
-      if (direction_.lpNorm<Eigen::Infinity>() == 0) {
+      const bool rounding = (direction_.array().abs() <= 0x1p-50 * z.array().abs()).all();
+      if (rounding || (same && !(merit(p, rows_.z) < now))) {
         z = kept;
         return Status::solved;  // a fixed point: to be judged
       }
@@ -77,6 +84,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
     }
     z = trial_;
     now = merit(p, z);
+    full = length == 1;
     log(s.iterations, std::sqrt(now), length, length > 0 ? "newton" : "levenberg-marquardt");
     if (now < best) best = now, kept = z;
     if (now == 0) return Status::solved;
