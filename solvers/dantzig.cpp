@@ -165,11 +165,7 @@ struct Dantzig::Work {
 Dantzig::Dantzig(const Options& options) : options_(options), work_(std::make_unique<Work>()) {}
 Dantzig::~Dantzig() = default;
 
-std::string Dantzig::why_not(const Lcp& problem) const {
-  const Index n = problem.size() + static_cast<Index>(problem.friction.size());
-  if (n <= 10000) return {};
-  return "n = " + std::to_string(n) + ": the dense tableau takes at most 10000 rows";
-}
+std::string Dantzig::why_not(const Lcp& problem) const { return detail::too_large(problem); }
 
 Status Dantzig::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Status::solved;

@@ -180,11 +180,8 @@ struct Lemke::Work {
 
   Status attempt_revised(int max_pivots, const Lcp& problem, Solution& s) {
     if (!revised.load(problem, cover_of(problem.A))) return Status::numerical_error;
-    const auto end =
-        revised.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(problem.size()), [&](double z0) {
-          lemke.log(revised.iterations(), z0);
-          return lemke.budget().exhausted();
-        });
+    const auto end = revised.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(problem.size()),
+                                 lemke.budget(), [&](double z0) { lemke.log(revised.iterations(), z0); });
     s.iterations = revised.iterations();
     switch (end) {
       case RevisedLemke::End::solved:

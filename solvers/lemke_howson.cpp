@@ -157,6 +157,7 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
   for (Index i = 0; i < n; ++i)
     if (p.lo[i] != 0 || p.hi[i] != kInf || p.b[i] != -1)
       return "row " + std::to_string(i) + ": a bimatrix game has bounds [0, inf) and b = -1";
+  if (n > 10000) return "n = " + std::to_string(n) + ": the dense tableaus take at most 10000 rows";
   DenseMatrix M;
   to_dense(p.A, M);
   Index m = 0;  // the first row's leading zeros are the strategies of player 1

@@ -3,7 +3,8 @@
 namespace orthant {
 
 std::string Murty::why_not(const Lcp& problem) const {
-  return problem.friction.empty() ? "" : "friction rows: the method needs bounds that do not depend on z";
+  if (!problem.friction.empty()) return "friction rows: the method needs bounds that do not depend on z";
+  return detail::too_large(problem);
 }
 
 template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {

@@ -11,7 +11,15 @@
 #include <orthant/solvers/refined_basis.h>
 #include <orthant/solvers/scaling.h>
 
+#include <string>
+
 namespace orthant::detail {
+
+/// Empty where the dense tableau has room for the problem in pure form.
+inline std::string too_large(const Lcp& problem) {
+  const Index n = problem.size() + static_cast<Index>(problem.friction.size());
+  return n <= 10000 ? "" : "n = " + std::to_string(n) + ": the dense tableau takes at most 10000 rows";
+}
 
 class PrincipalPivoting {  // reuse it: the second problem of a size allocates nothing
  public:

@@ -171,26 +171,26 @@ int RevisedLemke::ratio_test() {
   return ties_.size() == 1 ? ties_[0] : lexicographic();
 }
 
-// The lexicographically least row of B⁻¹ / u among the tied.
+// The lexicographically least row of B⁻¹ / u among the tied; the one found so far when the time is over.
 int RevisedLemke::lexicographic() {
-  inverse_rows_.resize(n_ * static_cast<Index>(ties_.size()));
-  inverse_rows_.setZero();
-  for (std::size_t k = 0; k < ties_.size(); ++k) {
-    auto row = inverse_rows_.segment(static_cast<Index>(k) * n_, n_);
-    row[ties_[k]] = 1 / u_[ties_[k]];
+  const auto inverse_row = [this](int i, Vector& row) {
+    row.resize(n_);
+    row.setZero();
+    row[i] = 1 / u_[i];
     basis_.solve_transposed(row);
-  }
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < ties_.size(); ++k) {
-    const auto a = inverse_rows_.segment(static_cast<Index>(k) * n_, n_),
-               b = inverse_rows_.segment(static_cast<Index>(best) * n_, n_);
+  };
+  int best = ties_[0];
+  inverse_row(best, best_row_);
+  for (std::size_t k = 1; k < ties_.size() && !budget_->exhausted(); ++k) {
+    inverse_row(ties_[k], tied_row_);
     for (int c = 0; c < n_; ++c) {
-      if (std::abs(a[c] - b[c]) <= kTie * std::max(std::abs(a[c]), std::abs(b[c]))) continue;
-      if (a[c] < b[c]) best = k;
+      const double a = tied_row_[c], b = best_row_[c];
+      if (std::abs(a - b) <= kTie * std::max(std::abs(a), std::abs(b))) continue;
+      if (a < b) best = ties_[k], best_row_.swap(tied_row_);
       break;
     }
   }
-  return ties_[best];
+  return best;
 }
 
 void RevisedLemke::add(int variable, double amount, Vector& z) const {

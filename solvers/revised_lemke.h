@@ -12,6 +12,7 @@
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/solvers/basis.h>
+#include <orthant/solvers/budget.h>
 
 #include <vector>
 
@@ -24,15 +25,17 @@ class RevisedLemke {  // reuse it
   /// Rows [0, ∞) and free ones, dense or sparse storage. cover: d > 0, n entries. False when not finite.
   bool load(const Lcp& problem, const Vector& cover);
 
-  /// At most `limit` pivots. After each, stop(z₀) is asked: true ends the run.
-  template <class Stop> End run(int limit, const Stop& stop) {
+  /// At most `limit` pivots, log(z₀) after each; the budget is asked in every loop whose length grows with n.
+  template <class Log> End run(int limit, const Budget& budget, const Log& log) {
+    budget_ = &budget;
     if (!enter_covering()) return End::solved;
     for (;;) {
       if (iterations_ >= limit) return End::limit;
       const int leaving = exchange();
       if (leaving == kLost) return End::lost;
       if (leaving == covering()) return End::solved;
-      if (stop(x_[covering_row_])) return End::stopped;
+      log(x_[covering_row_]);
+      if (budget.exhausted()) return End::stopped;
       entering_ = leaving < n_ ? leaving + n_ : leaving - n_;
       if (!price()) return End::lost;
       if (leaving_row_ < 0) return End::ray;
@@ -63,10 +66,11 @@ class RevisedLemke {  // reuse it
   std::vector<double> value_;
   std::vector<char> free_;
   Eigen::VectorXd q_, cover_;
-  Vector x_, u_, residual_, inverse_rows_;
+  Vector x_, u_, residual_, best_row_, tied_row_;
   std::vector<int> basic_, ties_, twin_, origin_;
   std::vector<long double> exact_;
   Basis<double> basis_;
+  const Budget* budget_ = nullptr;  // of the run
 };
 
 }  // namespace orthant::detail
