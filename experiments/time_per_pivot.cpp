@@ -1,0 +1,69 @@
+// What does a pivot cost, beside the least it could cost: one rank-1 update of an n × n matrix?
+//
+// Pivoting methods on random positive definite problems, dense: time of a solve over its pivots, so with the share of
+// loading, refining and judging; the best of several repeats. Printed as a Markdown table, µs and multiples.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/registry.h>
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <iomanip>
+#include <iostream>
+
+using namespace orthant;
+
+namespace {
+
+/// The least time of work() [s] over at least 3 calls and `seconds` in all.
+template <class Work> double best(double seconds, const Work& work) {
+  double least = kInf, total = 0;
+  for (int k = 0; k < 3 || total < seconds; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    least = std::min(least, spent), total += spent;
+  }
+  return least;
+}
+
+double rank_one(Index n, double seconds) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Ones(n, n);
+  const Eigen::VectorXd u = Eigen::VectorXd::Constant(n, 1e-9), v = Eigen::VectorXd::Constant(n, 1.0);
+  const int calls = static_cast<int>(1 + 1000000 / (n * n));  // beyond the clock's resolution
+  const double spent = best(seconds, [&] {
+    for (int k = 0; k < calls; ++k) A.noalias() += u * v.transpose();
+  });
+  return A.allFinite() ? spent / calls : kInf;  // looked at: else nothing need be computed
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Time per pivot of the pivoting methods, beside one rank-1 update of the same size");
+  std::vector<Index> sizes{8, 16, 64, 256, 1024};
+  std::vector<std::string> specs{"lemke:form=tableau", "lemke:form=revised", "murty:max_pivots=2000",
+                                 "dantzig:max_pivots=2000", "path:max_crash=0"};
+  double seconds = 0.3;
+  app.add_option("--sizes", sizes, "rows n")->capture_default_str();
+  app.add_option("--solvers", specs, "as in orthant list, with options")->capture_default_str();
+  app.add_option("--seconds", seconds, "of repeats for each number, at least 3")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+
+  std::cout << "| n | rank-1 update, µs | solver | pivots | µs a pivot | rank-1 updates a pivot "
+               "|\n|---|---|---|---|---|---|\n"
+            << std::fixed;
+  for (const Index n : sizes) {
+    const double update = rank_one(n, seconds);
+    Random random(1);
+    const Lcp problem = random_spd_problem(n, random);
+    for (const std::string& spec : specs) {
+      const auto solver = make_solver(spec);
+      Solution s;
+      const double pivot = best(seconds, [&] { solver->solve(problem, s); }) / std::max(1, s.iterations);
+      std::cout << "| " << n << " | " << std::setprecision(3) << 1e6 * update << " | `" << spec << "` | "
+                << s.iterations << " | " << 1e6 * pivot << " | " << std::setprecision(1) << pivot / update << " |"
+                << std::endl;
+    }
+  }
+}
