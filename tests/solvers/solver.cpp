@@ -18,12 +18,6 @@ template <class F> std::string error(const F& f) {
   return "";
 }
 
-Lcp murty(Index n) {
-  Eigen::MatrixXd L = Eigen::MatrixXd::Identity(n, n);
-  L.triangularView<Eigen::StrictlyLower>().setConstant(2);
-  return Lcp::standard(DenseMatrix(L), Vector(Eigen::VectorXd::Constant(n, -1)));
-}
-
 }  // namespace
 
 TEST_CASE("solvers are made by name; a wrong name or option is answered with the right ones") {
@@ -46,20 +40,20 @@ TEST_CASE("data that are not finite give numerical_error, a malformed problem th
     const auto solver = make_solver(entry.name);
     Solution s;
     for (const double bad : {kNaN, kInf, -kInf}) {
-      Lcp p = murty(3);
+      Lcp p = murty_problem(3);
       p.b[1] = bad;
       CHECK(solver->solve(p, s).status == Status::numerical_error);
-      p = murty(3);
+      p = murty_problem(3);
       std::get<DenseMatrix>(p.A)(2, 0) = bad;
       CHECK(solver->solve(p, s).status == Status::numerical_error);
       CHECK(solver->solve(as_sparse(p), s).status == Status::numerical_error);
       CHECK(s.z.size() == 3);
     }
-    Lcp p = murty(3);
+    Lcp p = murty_problem(3);
     p.lo = Vector{0};
     CHECK(error([&] { solver->solve(p, s); }).find("lo has 1 entries") != std::string::npos);
-    const Status after = solver->solve(murty(3), s).status;  // and is none the worse for it
-    CHECK(after == (solver->why_not(murty(3)).empty() ? Status::solved : Status::unsupported));
+    const Status after = solver->solve(murty_problem(3), s).status;  // and is none the worse for it
+    CHECK(after == (solver->why_not(murty_problem(3)).empty() ? Status::solved : Status::unsupported));
   }
 }
 
@@ -71,7 +65,7 @@ TEST_CASE("no rows: solved; huge numbers: solved or an error, never NaN called s
     if (const Lcp none = Lcp::standard(DenseMatrix(), Vector()); solver->why_not(none).empty())
       CHECK(solver->solve(none, s).status == Status::solved);
     for (const double size : {1e-300, 1e-160, 1e160, 1e300}) {
-      Lcp p = murty(3);
+      Lcp p = murty_problem(3);
       std::get<DenseMatrix>(p.A) *= size;
       solver->solve(p, s);
       if (s.status == Status::solved) CHECK(s.z.allFinite());
@@ -88,7 +82,7 @@ TEST_CASE("a time limit and a raised flag end a run") {
   const struct {
     std::string spec;
     Lcp problem;
-  } cases[] = {{"lemke:max_pivots=1000000000", murty(40)},
+  } cases[] = {{"lemke:max_pivots=1000000000", murty_problem(40)},
                {"pgs:max_sweeps=1000000000", Lcp::standard(DenseMatrix(slow), Vector{-1, 0})}};
   for (const auto& [spec, problem] : cases) {
     INFO(spec);
