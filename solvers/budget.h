@@ -1,8 +1,10 @@
 // solvers/budget.h — time limit and cancellation: asked once an iteration, free when neither is set.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <limits>
 
 namespace orthant {
 
@@ -17,6 +19,11 @@ class Budget {
   }
   /// True once the time is over or the caller has cancelled.
   bool exhausted() const { return cancelled() || (timed_ && Clock::now() >= end_); }
+  double remaining() const {  // [s]; infinity without a limit
+    if (!timed_) return std::numeric_limits<double>::infinity();
+    return std::max(0.0, std::chrono::duration<double>(end_ - Clock::now()).count());
+  }
+  const std::atomic<bool>* cancel() const { return cancel_; }
   bool cancelled() const { return cancel_ != nullptr && cancel_->load(std::memory_order_relaxed); }
 
  private:

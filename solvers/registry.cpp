@@ -1,6 +1,7 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
+#include <orthant/solvers/automatic.h>
 #include <orthant/solvers/block_pivot.h>
 #include <orthant/solvers/dantzig.h>
 #include <orthant/solvers/enumerate.h>
@@ -27,6 +28,8 @@ template <class S> std::unique_ptr<Solver> make(std::string_view text) {
 template <class S> std::string options() { return describe(typename S::Options{}); }
 
 constexpr SolverEntry kSolvers[] = {
+    {"auto", "looks at the problem, picks solvers in turn, seeks proofs; its log says which and why", &make<Automatic>,
+     &options<Automatic>},
     {"lemke",
      "lexicographic Lemke pivoting, dense tableau or revised and sparse; friction; rescue up to exact arithmetic",
      &make<Lemke>, &options<Lemke>},

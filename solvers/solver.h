@@ -45,6 +45,7 @@ class Solver {
     if (log_ != nullptr) log_->clear();
   }
   const Budget& budget() const { return budget_; }  // run() asks it once an iteration
+  bool logging() const { return log_ != nullptr; }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }

@@ -1,0 +1,154 @@
+#include <orthant/solvers/automatic.h>
+#include <orthant/solvers/registry.h>
+
+#include <algorithm>
+#include <array>
+
+namespace orthant {
+
+namespace {
+
+struct Look {
+  Index n = 0;
+  bool sparse = false, applied = false;  // storage: rows, or an operator that is only applied
+  bool friction = false, symmetric = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
+};
+
+struct Step {
+  const char* solver;
+  const char* why;
+  bool (*when)(const Look&);
+};
+
+bool always(const Look&) { return true; }
+bool smooth(const Look& p) { return !p.friction; }
+
+constexpr Index kSmall = 400;   // rows up to which a tableau is quickest
+constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
+
+// In this order; a solver that says why_not() is passed over.
+constexpr Step kSteps[] = {
+    {"block-pivot", "sparse, no positive entry off the diagonal",
+     [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
+    {"newton-min", "sparse, no positive entry off the diagonal",
+     [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
+    {"lemke-howson", "no diagonal: a game?", [](const Look& p) { return smooth(p) && p.no_diagonal && p.n > 1; }},
+    {"lemke:rescue=false", "small", [](const Look& p) { return p.n <= kSmall; }},
+    {"block-pivot", "symmetric, positive diagonal",
+     [](const Look& p) { return smooth(p) && !p.applied && p.symmetric && p.positive_diagonal && p.n > kSmall; }},
+    //{"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
+    {"path", "any kind", [](const Look& p) { return p.sparse || p.n <= kDense; }},
+    //{"interior-point", "perhaps monotone", smooth},
+    {"lemke", "small enough for more digits", [](const Look& p) { return p.n <= kDense; }},
+    {"newton-fb", "any kind, from the start value", [](const Look& p) { return p.sparse || p.n <= kDense; }},
+    //{"apgd", "nothing that factorizes was left", smooth},
+    {"pgs", "nothing that factorizes was left", always},
+};
+constexpr std::size_t kCount = std::size(kSteps);
+
+Look look(const Lcp& problem) {
+  Look p;
+  p.n = problem.size();
+  p.friction = !problem.friction.empty();
+  if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
+    for (Index j = 0; j < p.n; ++j) {
+      for (Index i = 0; i < j; ++i) {
+        const double a = (*dense)(i, j), b = (*dense)(j, i);
+        p.symmetric = p.symmetric && a == b;
+        p.z_matrix = p.z_matrix && a <= 0 && b <= 0;
+      }
+      p.positive_diagonal = p.positive_diagonal && (*dense)(j, j) > 0;
+      p.no_diagonal = p.no_diagonal && (*dense)(j, j) == 0;
+    }
+  } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
+    p.sparse = true;
+    const auto find = [rows](int i, int j) {
+      const auto begin = rows->column.begin() + rows->start[static_cast<std::size_t>(i)];
+      const auto end = rows->column.begin() + rows->start[static_cast<std::size_t>(i) + 1];
+      const auto place = std::lower_bound(begin, end, j);
+      return place != end && *place == j ? rows->value[static_cast<std::size_t>(place - rows->column.begin())] : 0.0;
+    };
+    for (int i = 0; i < p.n; ++i) {
+      const double diagonal = find(i, i);
+      p.positive_diagonal = p.positive_diagonal && diagonal > 0;
+      p.no_diagonal = p.no_diagonal && diagonal == 0;
+      for (int k = rows->start[static_cast<std::size_t>(i)]; k < rows->start[static_cast<std::size_t>(i) + 1]; ++k) {
+        const int j = rows->column[static_cast<std::size_t>(k)];
+        const double value = rows->value[static_cast<std::size_t>(k)];
+        if (j == i) continue;
+        p.z_matrix = p.z_matrix && value <= 0;
+        p.symmetric = p.symmetric && find(j, i) == value;
+      }
+    }
+  } else {
+    p.applied = true;
+    p.no_diagonal = p.z_matrix = false;
+  }
+  return p;
+}
+
+}  // namespace
+
+struct Automatic::Work {
+  Look look;
+  std::size_t next = 0;
+  std::array<std::unique_ptr<Solver>, kCount> solvers;  // made when first needed, kept
+  Vector start;
+  bool warm = false;
+  Solution inner;
+  int iterations = 0;
+
+  Solver* step(std::size_t k, const Lcp& problem) {
+    if (!kSteps[k].when(look)) return nullptr;
+    for (std::size_t before = 0; before < k; ++before)
+      if (std::string_view(kSteps[before].solver) == kSteps[k].solver && kSteps[before].when(look)) return nullptr;
+    auto& solver = solvers[k];
+    if (!solver) {
+      solver = make_solver(kSteps[k].solver);
+      solver->set_proof_search(false);  // once, here, is enough
+    }
+    return solver->why_not(problem).empty() ? solver.get() : nullptr;
+  }
+};
+
+Automatic::Automatic(const Options& options) : options_(options), work_(std::make_unique<Work>()) {}
+Automatic::~Automatic() = default;
+
+Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
+  Work& work = *work_;
+  work.look = look(problem);
+  work.next = 0;
+  work.iterations = 0;
+  work.warm = start == Start::warm;
+  work.start = s.z;
+  Status claim = Status::stalled;
+  run_again(problem, s, 0, claim);
+  return claim;
+}
+
+bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+  Work& work = *work_;
+  Solver* solver = nullptr;
+  std::size_t k = work.next;
+  for (; k < kCount && solver == nullptr; ++k) solver = work.step(k, problem);
+  if (solver == nullptr) return false;
+  work.next = k--;
+  bool last = true;
+  for (std::size_t later = k + 1; later < kCount && last; ++later) last = work.step(later, problem) == nullptr;
+  solver->set_time_limit(last ? budget().remaining() : budget().remaining() / 2);
+  solver->set_cancel(budget().cancel());
+  if (work.warm) work.inner.z = work.start;
+  solver->solve(problem, work.inner, work.warm ? Start::warm : Start::cold);
+  claim = work.inner.status;
+  s.z = work.inner.z;
+  if (claim == Status::infeasible) claim = Status::ray;  // the judge looks at the proof again
+  if (claim == Status::ray) s.certificate = work.inner.certificate;
+  if (claim == Status::time_limit || claim == Status::unsupported) claim = Status::stalled;  // its share, not the whole
+  s.iterations = work.iterations += work.inner.iterations;
+  if (logging())
+    log(attempt, work.inner.residual, 0,
+        (std::string(kSteps[k].solver) + " (" + kSteps[k].why + "): " + std::string(name(work.inner.status))).c_str());
+  return true;
+}
+
+}  // namespace orthant

@@ -1,0 +1,44 @@
+// solvers/automatic.h — picks a solver by what the problem shows at a glance, and the next one when it gives up.
+//
+//   One look at the entries, cheaper than any solve (O(nonzeros)): size, storage, friction, free rows, symmetry, signs.
+//   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with what it is for and what a problem
+//   must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there is no
+//   solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
+//     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
+//     obstacles (sparse Z) block-pivot and newton-min from coarse grids
+//     large, frictionless  block-pivot where symmetric with A_ii > 0, interior-point
+//     else                 path; first-order methods where nothing else will hold the matrix
+//   With a time limit each step may take half of what is left, the last all of it.
+//   A start value is passed on. Guarantees: those of the solver that answered.
+#pragma once
+
+#include <orthant/solvers/solver.h>
+
+#include <memory>
+#include <vector>
+
+namespace orthant {
+
+struct AutomaticOptions {
+  double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
+  template <class V> void visit(V&& v) { v("tolerance", tolerance, 0.0, 1.0); }
+};
+
+class Automatic final : public Solver {
+ public:
+  using Options = AutomaticOptions;
+  explicit Automatic(const Options& options = {});
+  ~Automatic() override;
+  std::string why_not(const Lcp&) const override { return {}; }
+
+ private:
+  Status run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  double tolerance() const override { return options_.tolerance; }
+
+  Options options_;
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace orthant
