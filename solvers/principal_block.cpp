@@ -16,8 +16,11 @@ constexpr double kGrowth = 1e4;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// Pivots below this part of the largest are what rounding leaves of a singular block of m rows.
-double zero(Index m) { return static_cast<double>(m) * 2 * std::numeric_limits<double>::epsilon(); }
+/// Pivots below this part of the largest are what rounding leaves of a singular block of m rows. The entries of a shift
+/// span many powers of ten by intention: nothing but 0 is small then.
+double zero(Index m, const Vector* shift) {
+  return shift != nullptr ? 0 : static_cast<double>(m) * 2 * std::numeric_limits<double>::epsilon();
+}
 
 }  // namespace
 
@@ -30,6 +33,7 @@ struct PrincipalBlock::Dense {
   DenseLu<double> partial;
   Eigen::FullPivLU<Eigen::MatrixXd> complete;
   enum class Kind { cholesky, partial, complete } kind = Kind::partial;
+  const Vector* shift = nullptr;
   Vector rhs;
 
   void load(const Matrix& matrix) {
@@ -47,6 +51,8 @@ struct PrincipalBlock::Dense {
     for (Index j = 0; j < block.cols(); ++j)
       for (Index i = 0; i < block.rows(); ++i)
         block(i, j) = (*A)(F[at(i)], F[at(j)]) * scaling.row[F[at(i)]] * scaling.col[F[at(j)]];
+    for (Index i = 0; shift != nullptr && i < block.rows(); ++i)
+      block(i, i) += (*shift)[F[at(i)]] * scaling.row[F[at(i)]] * scaling.col[F[at(i)]];
   }
   bool factorize(const std::vector<Index>& F) {
     const Index m = static_cast<Index>(F.size());
@@ -55,14 +61,14 @@ struct PrincipalBlock::Dense {
       kind = Kind::cholesky;
       cholesky.A.resize(m, m);
       fill(F, cholesky.A);
-      if (cholesky.factorize(zero(m))) return true;
+      if (cholesky.factorize(zero(m, shift))) return true;
     }
     kind = Kind::partial;
     auto block = partial.reset(m);
     fill(F, block);
     if (!block.allFinite()) return false;
     const double size = block.cwiseAbs().maxCoeff();
-    const bool regular = partial.factorize(zero(m) * size) == m;
+    const bool regular = partial.factorize(zero(m, shift) * size) == m;
     if (block.cwiseAbs().maxCoeff() <= kGrowth * size) return regular;
     kind = Kind::complete;  // partial pivoting lets entries grow, up to 2ᵐ⁻¹ (Wilkinson): complete pivoting does not
     fill(F, block);
@@ -78,6 +84,7 @@ struct PrincipalBlock::Dense {
       for (Index i = 0; i < m; ++i) {
         long double sum = r[i];
         for (Index j = 0; round > 0 && j < m; ++j) sum -= static_cast<long double>((*A)(F[at(i)], F[at(j)])) * x[j];
+        if (round > 0 && shift != nullptr) sum -= static_cast<long double>((*shift)[F[at(i)]]) * x[i];
         rhs[i] = static_cast<double>(sum) * scaling.row[F[at(i)]];
       }
       if (m > 0) apply();
@@ -105,7 +112,8 @@ struct PrincipalBlock::Sparse {
   SparseCholesky cholesky;
   Eigen::SparseMatrix<double> columns;
   Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu;
-  std::vector<int> position;  // row of A → row of the block, or −1
+  std::vector<int> position;       // row of A → row of the block, or −1
+  std::vector<int> start, column;  // the pattern that `lu` was last analysed for
   Vector rhs;
 
   void load(const RowSparse& matrix) {
@@ -121,21 +129,35 @@ struct PrincipalBlock::Sparse {
             mirrored < A->start[j + 1] && A->column[at(mirrored)] == i && A->value[at(mirrored)] == A->value[at(k)];
       }
   }
-  bool factorize(const std::vector<Index>& F) {
+  bool factorize(const std::vector<Index>& F, const Vector* shift) {
     block.rows = block.cols = static_cast<Index>(F.size());
     position.assign(at(A->rows), -1);
     for (std::size_t k = 0; k < F.size(); ++k) position[at(F[k])] = static_cast<int>(k);
     block.start.assign(1, 0), block.column.clear(), block.value.clear();
     for (const Index i : F) {
-      for (std::size_t k = at(A->start[at(i)]); k < at(A->start[at(i + 1)]); ++k)
-        if (const int j = position[at(A->column[k])]; j >= 0)
-          block.column.push_back(j), block.value.push_back(A->value[k]);
+      double add = shift != nullptr ? (*shift)[i] : 0;
+      bool placed = shift == nullptr;  // a shift needs the diagonal in the pattern
+      const int row = position[at(i)];
+      const auto put = [this](int j, double value) { block.column.push_back(j), block.value.push_back(value); };
+      for (std::size_t k = at(A->start[at(i)]); k < at(A->start[at(i + 1)]); ++k) {
+        const int j = position[at(A->column[k])];
+        if (j < 0) continue;
+        if (!placed && j > row) put(row, add), placed = true;
+        put(j, A->value[k] + (!placed && j == row ? add : 0.0));
+        placed = placed || j == row;
+      }
+      if (!placed) put(row, add);
       block.start.push_back(static_cast<int>(block.value.size()));
     }
-    positive = F.empty() || (symmetric && cholesky.factorize(block, zero(block.rows)));
+    positive = F.empty() || (symmetric && cholesky.factorize(block, zero(block.rows, shift)));
     if (positive) return true;
     columns = block.view();
-    lu.compute(columns);
+    if (start != block.start || column != block.column) {
+      lu.analyzePattern(columns);
+      if (lu.info() != Eigen::Success) return start.clear(), false;
+      start = block.start, column = block.column;
+    }
+    lu.factorize(columns);
     return lu.info() == Eigen::Success;
   }
   void solve(const Vector& r, Vector& x) {
@@ -168,9 +190,11 @@ void PrincipalBlock::load(const Matrix& A) {
   }
 }
 
-bool PrincipalBlock::factorize(const std::vector<Index>& F) {
+bool PrincipalBlock::factorize(const std::vector<Index>& F, const Vector* shift) {
   F_ = F;
-  return is_sparse_ ? sparse_->factorize(F) : dense_->factorize(F);
+  if (is_sparse_) return sparse_->factorize(F, shift);
+  dense_->shift = shift;
+  return dense_->factorize(F);
 }
 
 void PrincipalBlock::solve(const Vector& r, Vector& x) {

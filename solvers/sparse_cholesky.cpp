@@ -21,7 +21,6 @@ SparseCholesky::~SparseCholesky() {
 }
 
 bool SparseCholesky::factorize(const RowSparse& A, double zero) {
-  cholmod_free_factor(&factor_, &common_);
   if (A.rows == 0) return true;
   if (A.value.empty()) return false;
   cholmod_sparse view{};  // compressed rows of a symmetric matrix are its compressed columns; CHOLMOD only reads them
@@ -33,7 +32,11 @@ bool SparseCholesky::factorize(const RowSparse& A, double zero) {
   view.stype = 1;
   view.itype = CHOLMOD_INT, view.xtype = CHOLMOD_REAL, view.dtype = CHOLMOD_DOUBLE;
   view.sorted = view.packed = 1;
-  factor_ = cholmod_analyze(&view, &common_);
+  if (factor_ == nullptr || A.start != start_ || A.column != column_) {
+    cholmod_free_factor(&factor_, &common_);
+    factor_ = cholmod_analyze(&view, &common_);
+    start_ = A.start, column_ = A.column;
+  }
   return factor_ != nullptr && cholmod_factorize(&view, factor_, &common_) != 0 && common_.status == CHOLMOD_OK &&
          factor_->minor == factor_->n && cholmod_rcond(factor_, &common_) > zero;
 }

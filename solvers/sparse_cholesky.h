@@ -19,7 +19,7 @@ class SparseCholesky {
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   /// A symmetric (only its upper triangle is read), columns ascending. False when it is not positive definite, with NaN
-  /// too, or a pivot is ≤ zero times the largest.
+  /// too, or a pivot is ≤ zero times the largest. The pattern is analysed only when it is not that of the last call.
   bool factorize(const RowSparse& A, double zero);
 
   /// x ← A⁻¹ x, |A| numbers, after a factorize() that was true. False when there is no memory left.
@@ -27,6 +27,7 @@ class SparseCholesky {
 
  private:
   cholmod_common common_{};
+  std::vector<int> start_, column_;  // what factor_ was analysed for
   cholmod_factor* factor_ = nullptr;
   cholmod_dense *solution_ = nullptr, *work1_ = nullptr, *work2_ = nullptr;
 };

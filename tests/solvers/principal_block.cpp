@@ -117,3 +117,33 @@ TEST_CASE("dense principal blocks: units change nothing, near-singular ones are 
       CHECK(!block.factorize(F));
     }
 }
+
+TEST_CASE("principal blocks with a diagonal added: both storages solve the shifted system, pattern reused or not") {
+  Random random(62);
+  PrincipalBlock dense, packed;
+  Vector x, y;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Index n = random.integer(1, 30);
+    Eigen::MatrixXd A = random_matrix(n, trial % 2 == 0, 0, random);
+    A = (trial % 2 == 0 ? (A * A.transpose()).eval() : (A - A.transpose()).eval());  // semidefinite or skew
+    const Matrix full = DenseMatrix(A), rows = sparse(A);
+    dense.load(full);
+    packed.load(rows);
+    std::vector<Index> F;
+    for (Index i = 0; i < n; ++i)
+      if (random.integer(0, 2) > 0) F.push_back(i);
+    const auto m = static_cast<Index>(F.size());
+    for (const double size : {1.0, 1e-3, 1e6}) {  // entries far apart are no sign of a singular block
+      Vector shift(Eigen::VectorXd::Zero(n)), r(Eigen::VectorXd::Zero(m));
+      for (double& entry : shift) entry = random.integer(0, 1) == 0 ? size : 1 / size;
+      for (double& entry : r) entry = random.normal();
+      const Eigen::VectorXd D = shift;
+      const Eigen::MatrixXd block = A(F, F) + Eigen::MatrixXd(D(F).asDiagonal());
+      for (PrincipalBlock* each : {&dense, &packed}) {
+        REQUIRE(each->factorize(F, &shift));
+        each->solve(r, x);
+        CHECK((block * x - r).norm() <= 1e-9 * (r.norm() + x.norm()));
+      }
+    }
+  }
+}
