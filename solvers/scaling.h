@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace orthant::detail {
 
@@ -17,52 +19,71 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
 
   void fit(const DenseMatrix& M) {
     const Index n = M.rows();
+    fit(n, [&](const auto& use) {
+      for (Index j = 0; j < n; ++j) {
+        const double* const column = M.data() + j * n;
+        for (Index i = 0; i < n; ++i) use(i, j, column[i]);
+      }
+    });
+  }
+  void fit(const RowSparse& M) {
+    fit(M.rows, [&](const auto& use) {
+      for (Index i = 0; i < M.rows; ++i)
+        for (auto k = at(M.start[at(i)]); k < at(M.start[at(i + 1)]); ++k) use(i, Index{M.column[k]}, M.value[k]);
+    });
+  }
+  void clear() { trivial_ = true; }
+  bool trivial() const { return trivial_; }  // all ones
+
+ private:
+  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+  /// each(use) calls use(i, j, M_ij) for all entries.
+  template <class Each> void fit(Index n, const Each& each) {
     row.resize(n);
     col.resize(n);
     row.setOnes();
     col.setOnes();
-    largest_.resize(n);
+    largest_.resize(2 * n);  // of each row, of each column
     largest_.setZero();
+    double* const in_row = largest_.data();
+    double* const in_column = in_row + n;
+    each([&](Index i, Index j, double value) {
+      const double entry = std::abs(value);
+      in_row[i] = std::max(in_row[i], entry);
+      in_column[j] = std::max(in_column[j], entry);
+    });
     double low = kInf, high = 0;
-    const auto count = [&](double size) {
-      if (size == 0) return;
+    for (const double size : largest_) {
+      if (size == 0) continue;
       low = std::min(low, size);
       high = std::max(high, size);
-    };
-    for (Index j = 0; j < n; ++j) {
-      double size = 0;
-      const double* const column = M.data() + j * n;
-      for (Index i = 0; i < n; ++i) {
-        const double entry = std::abs(column[i]);
-        size = std::max(size, entry);
-        largest_[i] = std::max(largest_[i], entry);
-      }
-      count(size);
     }
-    for (Index i = 0; i < n; ++i) count(largest_[i]);
-    if (high <= low * 0x1p24) return;
-    for (int sweep = 0; sweep < 4; ++sweep) {  // middle of the exponents of each column, then of each row
-      for (Index j = 0; j < n; ++j)
-        center(
-            col[j], [&](Index i) { return M(i, j) * row[i]; }, n);
-      for (Index i = 0; i < n; ++i)
-        center(
-            row[i], [&](Index j) { return M(i, j) * col[j]; }, n);
+    trivial_ = high <= low * 0x1p24;
+    if (trivial_) return;
+    for (int sweep = 0; sweep < 4; ++sweep) {
+      center(col, each, [&](Index i, Index j, double value) { return std::pair(j, value * row[i]); });
+      center(row, each, [&](Index i, Index j, double value) { return std::pair(i, value * col[j]); });
     }
   }
-
- private:
-  template <class Entry> static void center(double& scale, const Entry& entry, Index n) {
-    int low = 5000, high = -5000;
-    for (Index k = 0; k < n; ++k) {
-      const double value = entry(k);
-      if (value == 0 || !std::isfinite(value)) continue;
-      low = std::min(low, std::ilogb(value));
-      high = std::max(high, std::ilogb(value));
-    }
-    if (low <= high) scale = std::ldexp(1.0, std::clamp(-(low + high) / 2, -500, 500));
+  /// The middle of the exponents of each column, or of each row: term(i, j, M_ij) is its index and a scaled entry.
+  template <class Each, class Term> void center(Vector& scale, const Each& each, const Term& term) {
+    range_.assign(at(scale.size()), {5000, -5000});
+    each([&](Index i, Index j, double entry) {
+      const auto [k, value] = term(i, j, entry);
+      if (value == 0 || !std::isfinite(value)) return;
+      auto& [low, high] = range_[at(k)];
+      const int exponent = std::ilogb(value);
+      low = std::min(low, exponent);
+      high = std::max(high, exponent);
+    });
+    for (Index k = 0; k < scale.size(); ++k)
+      if (const auto [low, high] = range_[at(k)]; low <= high)
+        scale[k] = std::ldexp(1.0, std::clamp(-(low + high) / 2, -500, 500));
   }
   Vector largest_;
+  std::vector<std::pair<int, int>> range_;
+  bool trivial_ = true;
 };
 
 }  // namespace orthant::detail
