@@ -5,6 +5,7 @@
 #include <orthant/solvers/block_pivot.h>
 #include <orthant/solvers/dantzig.h>
 #include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/interior_point.h>
 #include <orthant/solvers/lemke.h>
 #include <orthant/solvers/lemke_howson.h>
 #include <orthant/solvers/murty.h>
@@ -46,6 +47,9 @@ constexpr SolverEntry kSolvers[] = {
      &make<NewtonMin>, &options<NewtonMin>},
     {"newton-fb", "semismooth Newton on Fischer-Burmeister, dense and sparse; line search, Levenberg-Marquardt",
      &make<NewtonFb>, &options<NewtonFb>},
+    {"interior-point",
+     "predictor-corrector, then the exact active set; dense and sparse, monotone; boxes and free rows",
+     &make<InteriorPoint>, &options<InteriorPoint>},
     {"lemke-howson", "equilibria of bimatrix games [0, A; B^T, 0] with costs > 0", &make<LemkeHowson>,
      &options<LemkeHowson>},
     {"enumerate", "every choice of sides, exact, at most 2^20 of them; the oracle of the tests", &make<Enumerate>,
