@@ -15,6 +15,11 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   judge_.certify(problem, tolerance(), Status::ray, s);
 }
 
+bool Solver::passes(const Lcp& problem, Solution& s) {
+  judge_.certify(problem, std::min(goal(), tolerance()), Status::not_run, s);
+  return s.status == Status::solved;
+}
+
 const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   check(problem);
   const Index n = problem.size();

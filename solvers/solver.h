@@ -46,6 +46,10 @@ class Solver {
   }
   const Budget& budget() const { return budget_; }  // run() asks it once an iteration
   bool logging() const { return log_ != nullptr; }
+  /// The judge asked before the end: true when s.z would be accepted as it stands. One product with A; fills w, residual
+  /// and rounding of s. accepted(): the residual up to which this z would have been.
+  bool passes(const Lcp& problem, Solution& s);
+  double accepted() const { return judge_.accepted(); }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }

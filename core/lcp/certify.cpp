@@ -98,6 +98,7 @@ double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi 
 
 void Judge::evaluate(const Lcp& problem, Solution& s) {
   const Index n = problem.size();
+  for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);  // needed or not: a later z must find them there
   apply(problem.A, problem.b, s.z, s.w, abs_, inner_, inner_abs_);
 
   const double* lo = problem.lo.data();
@@ -154,8 +155,8 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
   }
   evaluate(problem, s);
   const bool known = s.rounding < kInf && s.rounding <= runaway(scale_);
-  const double excused = std::min(kRoundings * s.rounding, kCoarsest * scale_);
-  if (known && s.residual <= std::max(tolerance * scale_, excused)) {
+  accepted_ = std::max(tolerance * scale_, std::min(kRoundings * s.rounding, kCoarsest * scale_));
+  if (known && s.residual <= accepted_) {
     s.status = Status::solved;
   } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
              proves_infeasible(problem, s.certificate)) {

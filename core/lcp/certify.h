@@ -41,6 +41,9 @@ class Judge {  // the members are scratch: after the first problem of a size not
   ///   stalled          when the claim was solved and r is too large (or the claim was `infeasible`: not its to make).
   void certify(const Lcp& problem, double tolerance, Status claim, Solution& solution);
 
+  /// The residual up to which the z last judged would have been accepted.
+  double accepted() const { return accepted_; }
+
   /// True when u proves that no z in the bounds has the signs of w that its rows demand.
   bool proves_infeasible(const Lcp& problem, const Vector& u);
 
@@ -50,6 +53,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
   double scale_ = 0;                    // β
+  double accepted_ = 0;
   std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|
   std::vector<long double> least_;      // what a slack in g_j is measured by
   std::vector<long double> inner_ld_, inner_abs_ld_;
