@@ -41,7 +41,7 @@ constexpr Step kSteps[] = {
     {"interior-point", "perhaps monotone", smooth},
     {"lemke", "small enough for more digits", [](const Look& p) { return p.n <= kDense; }},
     {"newton-fb", "any kind, from the start value", [](const Look& p) { return p.sparse || p.n <= kDense; }},
-    //{"apgd", "nothing that factorizes was left", smooth},
+    {"apgd", "nothing that factorizes was left", smooth},
     {"pgs", "nothing that factorizes was left", always},
 };
 constexpr std::size_t kCount = std::size(kSteps);

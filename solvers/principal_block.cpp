@@ -75,12 +75,12 @@ struct PrincipalBlock::Dense {
     complete.compute(block);
     return complete.isInvertible();
   }
-  void solve(const std::vector<Index>& F, const Vector& r, Vector& x) {
+  void solve(const std::vector<Index>& F, const Vector& r, Vector& x, bool refine) {
     const Index m = r.size();
     x.resize(m);
     x.setZero();
     rhs.resize(m);
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < (refine ? 2 : 1); ++round) {
       for (Index i = 0; i < m; ++i) {
         long double sum = r[i];
         for (Index j = 0; round > 0 && j < m; ++j) sum -= static_cast<long double>((*A)(F[at(i)], F[at(j)])) * x[j];
@@ -160,9 +160,10 @@ struct PrincipalBlock::Sparse {
     lu.factorize(columns);
     return lu.info() == Eigen::Success;
   }
-  void solve(const Vector& r, Vector& x) {
+  void solve(const Vector& r, Vector& x, bool refine) {
     x = r;
     apply(x);
+    if (!refine) return;
     rhs = r - block.view() * x;
     apply(rhs);
     x += rhs;
@@ -197,11 +198,11 @@ bool PrincipalBlock::factorize(const std::vector<Index>& F, const Vector* shift)
   return dense_->factorize(F);
 }
 
-void PrincipalBlock::solve(const Vector& r, Vector& x) {
+void PrincipalBlock::solve(const Vector& r, Vector& x, bool refine) {
   if (is_sparse_)
-    sparse_->solve(r, x);
+    sparse_->solve(r, x, refine);
   else
-    dense_->solve(F_, r, x);
+    dense_->solve(F_, r, x, refine);
 }
 
 }  // namespace orthant

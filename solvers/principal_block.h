@@ -33,8 +33,8 @@ class PrincipalBlock {
   bool factorize(const std::vector<Index>& F, const Vector* shift = nullptr);
 
   /// x ← (A_FF + D)⁻¹ r for the last block, both of |F| entries; one step of refinement, dense with the residual in long
-  /// double.
-  void solve(const Vector& r, Vector& x);
+  /// double, unless the caller's own iteration corrects x.
+  void solve(const Vector& r, Vector& x, bool refine = true);
 
  private:
   struct Dense;

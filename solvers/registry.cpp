@@ -1,18 +1,25 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
+#include <orthant/solvers/admm.h>
+#include <orthant/solvers/apgd.h>
 #include <orthant/solvers/automatic.h>
 #include <orthant/solvers/block_pivot.h>
 #include <orthant/solvers/dantzig.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/interior_point.h>
+#include <orthant/solvers/jacobi.h>
 #include <orthant/solvers/lemke.h>
 #include <orthant/solvers/lemke_howson.h>
+#include <orthant/solvers/mprgp.h>
 #include <orthant/solvers/murty.h>
 #include <orthant/solvers/newton_fb.h>
 #include <orthant/solvers/newton_min.h>
+#include <orthant/solvers/nncg.h>
 #include <orthant/solvers/path.h>
 #include <orthant/solvers/pgs.h>
+#include <orthant/solvers/psor.h>
+#include <orthant/solvers/sgs.h>
 
 #include <stdexcept>
 
@@ -37,6 +44,16 @@ constexpr SolverEntry kSolvers[] = {
     {"path", "Newton steps by pivotal paths on the normal map, dense and sparse; boxes, free rows, restarts",
      &make<Path>, &options<Path>},
     {"pgs", "projected Gauss-Seidel sweeps, friction rows included; A_ii > 0", &make<Pgs>, &options<Pgs>},
+    {"psor", "projected Gauss-Seidel with over-relaxation found on the way; A_ii > 0", &make<Psor>, &options<Psor>},
+    {"sgs", "projected Gauss-Seidel sweeps forward and backward; A_ii > 0", &make<Sgs>, &options<Sgs>},
+    {"jacobi", "projected Jacobi, damped by l1 row sums or as asked; A_ii > 0", &make<Jacobi>, &options<Jacobi>},
+    {"nncg", "nonsmooth nonlinear conjugate gradients over Gauss-Seidel sweeps; A_ii > 0", &make<Nncg>, &options<Nncg>},
+    {"apgd", "accelerated projected gradient, adaptive step and restarts; symmetric semidefinite", &make<Apgd>,
+     &options<Apgd>},
+    {"mprgp", "conjugate gradients with proportioning and gradient projections; symmetric semidefinite", &make<Mprgp>,
+     &options<Mprgp>},
+    {"admm", "operator splitting, one factorization a penalty, unsymmetric too; semidefinite", &make<Admm>,
+     &options<Admm>},
     {"dantzig", "principal pivoting with a driving variable; finite for monotone problems, boxes and free rows",
      &make<Dantzig>, &options<Dantzig>},
     {"murty", "principal pivoting by the least index; finite for P-matrices, boxes and free rows", &make<Murty>,

@@ -52,7 +52,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void transposed(const Matrix& A, const Vector& u);
 
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
-  double scale_ = 0;                    // β
+  double scale_ = 0;  // β
   double accepted_ = 0;
   std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|
   std::vector<long double> least_;      // what a slack in g_j is measured by
