@@ -28,6 +28,7 @@ class ActiveRows {  // reuse it
     diagonal(problem.A, scale_);
     const Index n = problem.size();
     side.resize(at(n));
+    shift_known_ = false;
     z = guess;
     multiply(problem.A, z, w, scratch_);
     w += problem.b;
@@ -43,27 +44,25 @@ class ActiveRows {  // reuse it
 
   /// z and w of the present choice; false when its block is singular.
   bool solve() {
-    const Lcp& p = *problem_;
-    const Index n = p.size();
-    inside_.clear();
-    for (Index i = 0; i < n; ++i) {
-      if (side[at(i)] == Side::inside) inside_.push_back(i);
-      z[i] = side[at(i)] == Side::lower ? p.lo[i] : side[at(i)] == Side::upper ? p.hi[i] : 0.0;
-    }
-    multiply(p.A, z, w, scratch_);
+    choose(nullptr);
     if (!block_.factorize(inside_)) return false;
-    const auto m = static_cast<Index>(inside_.size());
-    rhs_.resize(m);
-    for (Index k = 0; k < m; ++k) rhs_[k] = -(p.b[inside_[at(k)]] + w[inside_[at(k)]]);
-    block_.solve(rhs_, part_);
-    for (Index k = 0; k < m; ++k) z[inside_[at(k)]] = part_[k];
-    multiply(p.A, z, w, scratch_);
-    size_ = p.b.cwiseAbs() + w.cwiseAbs();
-    for (Index i = 0; i < n; ++i) size_[i] += scale(i) * std::abs(z[i]);
-    reach_ = n > 0 ? z.lpNorm<Eigen::Infinity>() * std::numeric_limits<double>::epsilon() : 0;
-    w += p.b;
-    for (const Index i : inside_) w[i] = 0;  // by choice; the judge computes it anew
-    return part_.allFinite();
+    multiply(problem_->A, z, w, scratch_);
+    step(block_);
+    return finish();
+  }
+
+  /// The same where the block is singular but its rows can be met, as in monotone problems: the proximal iteration
+  ///   z_F ← z_F − (A_FF + ε D)⁻¹ w_F,   D_i = |A_ii| or 1,   ε = 1e-8, from z = `near`.
+  /// Ends at the solution next to it. False when even that block is singular, or nothing is finite.
+  bool solve_near(const Vector& near) {
+    choose(&near);
+    if (!shift_known_) shift(problem_->A);
+    if (!shifted_block_.factorize(inside_)) return false;
+    for (int k = 0; k < 4; ++k) {
+      multiply(problem_->A, z, w, scratch_);
+      step(shifted_block_);
+    }
+    return finish();
   }
 
   /// The side on which row i would be right: where z or w breaks its sign by more than rounding, the other one.
@@ -93,8 +92,60 @@ class ActiveRows {  // reuse it
 
  private:
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+  /// The inside rows; z on the bounds elsewhere, `near` (0 when null) inside.
+  void choose(const Vector* near) {
+    inside_.clear();
+    for (Index i = 0; i < problem_->size(); ++i) {
+      if (side[at(i)] == Side::inside) inside_.push_back(i);
+      z[i] = side[at(i)] == Side::lower   ? problem_->lo[i]
+             : side[at(i)] == Side::upper ? problem_->hi[i]
+             : near == nullptr            ? 0.0
+                                          : (*near)[i];
+    }
+  }
+  /// z_F ← z_F − block⁻¹ (b + w)_F, w = A z.
+  void step(PrincipalBlock& block) {
+    const auto m = static_cast<Index>(inside_.size());
+    rhs_.resize(m);
+    for (Index k = 0; k < m; ++k) rhs_[k] = -(problem_->b[inside_[at(k)]] + w[inside_[at(k)]]);
+    block.solve(rhs_, part_);
+    for (Index k = 0; k < m; ++k) z[inside_[at(k)]] += part_[k];
+  }
+  bool finish() {
+    const Lcp& p = *problem_;
+    multiply(p.A, z, w, scratch_);
+    size_ = p.b.cwiseAbs() + w.cwiseAbs();
+    for (Index i = 0; i < p.size(); ++i) size_[i] += scale(i) * std::abs(z[i]);
+    reach_ = p.size() > 0 ? z.lpNorm<Eigen::Infinity>() * std::numeric_limits<double>::epsilon() : 0;
+    w += p.b;
+    for (const Index i : inside_) w[i] = 0;  // by choice; the judge computes it anew
+    return z.allFinite();
+  }
+  void shift(const Matrix& A) {
+    constexpr double kShift = 1e-8;  // an error outside the null space falls by kShift · condition a step
+    shifted_ = A;
+    if (auto* dense = std::get_if<DenseMatrix>(&shifted_)) {
+      for (Index i = 0; i < dense->rows(); ++i) (*dense)(i, i) += kShift * scale(i);
+    } else if (auto* delassus = std::get_if<Delassus>(&shifted_)) {
+      if (delassus->regularization.size() == 0) delassus->regularization = Eigen::VectorXd::Zero(scale_.size());
+      for (Index i = 0; i < scale_.size(); ++i) delassus->regularization[i] += kShift * scale(i);
+    } else {
+      Eigen::SparseMatrix<double, Eigen::RowMajor> sum = std::get<RowSparse>(A).view(),
+                                                   diagonal(sum.rows(), sum.cols());
+      diagonal.setIdentity();
+      for (Index i = 0; i < sum.rows(); ++i) diagonal.coeffRef(i, i) = kShift * scale(i);
+      sum += diagonal;
+      shifted_ = RowSparse::from(sum);
+    }
+    shifted_block_.load(shifted_);
+    shift_known_ = true;
+  }
+
   const Lcp* problem_ = nullptr;
-  PrincipalBlock block_;
+  PrincipalBlock block_, shifted_block_;
+  Matrix shifted_;
+  bool shift_known_ = false;
   std::vector<Index> inside_;
   Vector rhs_, part_, scratch_, scale_, size_;
   double reach_ = 0;

@@ -1,0 +1,66 @@
+#include <orthant/solvers/polish.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+
+namespace {
+
+constexpr int kGuesses = 3, kRounds = 8;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// By the judge's own allowance for rounding (certify.h).
+bool exact(const Solution& s) { return s.residual <= 20 * s.rounding; }
+
+}  // namespace
+
+/// Judges z, clamped to the bounds; the best so far is kept.
+bool Polish::better(const Lcp& p, const Vector& z) {
+  trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
+  judge_.certify(p, 0, Status::stalled, trial_);
+  if (!(trial_.residual < best_.residual)) return false;
+  best_.z = trial_.z, best_.w = trial_.w;
+  best_.residual = trial_.residual, best_.rounding = trial_.rounding;
+  return true;
+}
+
+/// Sides from the best z and its w.
+void Polish::guess(const Lcp& p, int kind) {
+  rows_.load(p, best_.z);
+  if (kind == 0) return;
+  const double clear = kind == 1 ? 1e-4 : 1e-9;
+  const double size = p.size() > 0 ? best_.z.lpNorm<Eigen::Infinity>() : 0;
+  for (Index i = 0; i < p.size(); ++i) {
+    const double low = best_.z[i] - p.lo[i], high = p.hi[i] - best_.z[i];
+    const double gap = clear * std::max(size, std::abs(best_.w[i]) / rows_.scale(i));
+    rows_.side[at(i)] = std::min(low, high) > gap ? Side::inside : low <= high ? Side::lower : Side::upper;
+  }
+}
+
+bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget) {
+  best_.residual = kInf;
+  better(p, z);
+  const double before = best_.residual;
+  if (!(before < kInf)) return false;
+  for (int kind = 0; kind < kGuesses && !exact(best_) && !budget.exhausted(); ++kind) {
+    guess(p, kind);
+    for (int round = 0; round < kRounds && !budget.exhausted(); ++round) {
+      if (!rows_.solve() && !rows_.solve_near(best_.z)) break;
+      better(p, rows_.z);
+      if (best_.residual <= best_.rounding) break;
+      bool moved = false;
+      for (Index i = 0; i < p.size(); ++i) {
+        const Side side = rows_.better(i);
+        moved = moved || side != rows_.side[at(i)];
+        rows_.side[at(i)] = side;
+      }
+      if (!moved) break;
+    }
+  }
+  z = best_.z;
+  return best_.residual < before;
+}
+
+}  // namespace orthant
