@@ -37,6 +37,26 @@ struct Columns {  // reuse it; column j: (row[e], value[e]), start[j] ≤ e < st
     }
   }
 
+  /// Equal to the transpose, but for rounding (64 ε of the larger entry, or of √|A_ii A_jj|), zeros in equal places.
+  bool symmetric() {
+    const auto u = [](Index i) { return static_cast<std::size_t>(i); };
+    diagonal_.resize(u(size()));
+    for (Index j = 0; j < size(); ++j)
+      each(j, [&](int i, double v) {
+        if (i == j) diagonal_[u(j)] = std::sqrt(std::abs(v));
+      });
+    next_.assign(start.begin(),
+                 start.end());  // column by column, the entries met in row i are the next ones of column i
+    bool same = true;
+    for (Index j = 0; j < size() && same; ++j)
+      each(j, [&](int i, double v) {
+        const auto mirrored = u(next_[u(i)]++);
+        same = same && mirrored < u(start[u(i) + 1]) && row[mirrored] == j &&
+               std::abs(value[mirrored] - v) <= 0x1p-46 * std::max(std::abs(v), diagonal_[u(i)] * diagonal_[u(j)]);
+      });
+    return same;
+  }
+
   /// use(row, value) for column j.
   template <class Use> void each(Index j, const Use& use) const {
     const auto end = static_cast<std::size_t>(start[static_cast<std::size_t>(j) + 1]);
@@ -81,6 +101,7 @@ struct Columns {  // reuse it; column j: (row[e], value[e]), start[j] ≤ e < st
   }
   DenseMatrix formed_;
   std::vector<int> next_;
+  std::vector<double> diagonal_;
 };
 
 }  // namespace orthant

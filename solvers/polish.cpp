@@ -7,12 +7,15 @@ namespace orthant {
 
 namespace {
 
-constexpr int kGuesses = 3, kRounds = 8;
+constexpr int kGuesses = 4, kRounds = 8;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// By the judge's own allowance for rounding (certify.h).
-bool exact(const Solution& s) { return s.residual <= 20 * s.rounding; }
+bool exact(const Solution& s) { return s.status == Status::solved; }
+
+/// What is not known of w counts as wrong, or else a runaway z would do.
+double error(const Solution& s) { return std::max(s.residual, s.rounding); }
 
 }  // namespace
 
@@ -20,16 +23,15 @@ bool exact(const Solution& s) { return s.residual <= 20 * s.rounding; }
 bool Polish::better(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
   judge_.certify(p, 0, Status::stalled, trial_);
-  if (!(trial_.residual < best_.residual)) return false;
-  best_.z = trial_.z, best_.w = trial_.w;
-  best_.residual = trial_.residual, best_.rounding = trial_.rounding;
+  if (!(error(trial_) < error(best_))) return false;
+  best_ = trial_;
   return true;
 }
 
 /// Sides from the best z and its w.
 void Polish::guess(const Lcp& p, int kind) {
   rows_.load(p, best_.z);
-  if (kind == 0) return;
+  if (kind == 0 || kind == 3) return;
   const double clear = kind == 1 ? 1e-4 : 1e-9;
   const double size = p.size() > 0 ? best_.z.lpNorm<Eigen::Infinity>() : 0;
   for (Index i = 0; i < p.size(); ++i) {
@@ -40,16 +42,16 @@ void Polish::guess(const Lcp& p, int kind) {
 }
 
 bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget) {
-  best_.residual = kInf;
+  best_.residual = best_.rounding = kInf;
   better(p, z);
-  const double before = best_.residual;
-  if (!(before < kInf)) return false;
+  zero_ = Eigen::VectorXd::Zero(p.size());
+  if (!(error(best_) < kInf)) return false;
   for (int kind = 0; kind < kGuesses && !exact(best_) && !budget.exhausted(); ++kind) {
     guess(p, kind);
     for (int round = 0; round < kRounds && !budget.exhausted(); ++round) {
-      if (!rows_.solve() && !rows_.solve_near(best_.z)) break;
+      if (!rows_.solve() && !rows_.solve_near(kind == 3 ? zero_ : best_.z)) break;
       better(p, rows_.z);
-      if (best_.residual <= best_.rounding) break;
+      if (exact(best_) && best_.residual <= best_.rounding) break;
       bool moved = false;
       for (Index i = 0; i < p.size(); ++i) {
         const Side side = rows_.better(i);
@@ -60,7 +62,7 @@ bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget) {
     }
   }
   z = best_.z;
-  return best_.residual < before;
+  return exact(best_);
 }
 
 }  // namespace orthant

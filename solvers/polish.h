@@ -3,10 +3,11 @@
 //   An optimization method ends near a solution, with z_i and w_i both small but neither zero. Here each row is given its
 //   side (active_rows.h), the system of that choice is solved, rows that come out wrong change sides, a few times over.
 //   Where the system is singular the point next to the guess is taken. What is better by the judge's residual is kept.
-//   Guesses, until one is exact: the minimum map's choice; only rows clearly inside; all rows not clearly outside (the
-//   last two differ on degenerate rows, z_i = w_i = 0).
+//   Guesses, until one is exact: the minimum map's choice; only rows clearly inside; all rows not clearly outside (these
+//   two differ on degenerate rows, z_i = w_i = 0); the first one again, the point next to 0 (z may have run away along a
+//   face of solutions).
 //   Local by design: started far from a solution it ends there, or improves little.
-//   Cost: 1 to 24 factorizations of a principal block, O(n³) dense. Problems without friction rows.
+//   Cost: 1 to 32 factorizations of a principal block, O(n³) dense. Problems without friction rows.
 //   Source: Mehrotra & Ye, Math. Programming 62 (1993) 497-515 (the optimal face from an interior point).
 #pragma once
 
@@ -18,8 +19,8 @@ namespace orthant {
 
 class Polish {  // reuse it
  public:
-  /// z n, moved into the bounds; true when the judge's residual of z fell, to rounding or on the way. A z that is not
-  /// finite stays what it is. `problem` without friction rows.
+  /// z n: replaced by what is better by the judge's residual and rounding, within the bounds; not finite, it stays what
+  /// it is. True when the judge, allowing for rounding only, calls the end solved. `problem` without friction rows.
   bool improve(const Lcp& problem, Vector& z, const Budget& budget);
 
  private:
@@ -29,6 +30,7 @@ class Polish {  // reuse it
   Judge judge_;
   Solution trial_, best_;
   ActiveRows rows_;
+  Vector zero_;
 };
 
 }  // namespace orthant

@@ -8,6 +8,7 @@
 #include <orthant/solvers/dantzig.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/interior_point.h>
+#include <orthant/solvers/ipopt.h>
 #include <orthant/solvers/jacobi.h>
 #include <orthant/solvers/lemke.h>
 #include <orthant/solvers/lemke_howson.h>
@@ -15,6 +16,7 @@
 #include <orthant/solvers/murty.h>
 #include <orthant/solvers/newton_fb.h>
 #include <orthant/solvers/newton_min.h>
+#include <orthant/solvers/nlopt.h>
 #include <orthant/solvers/nncg.h>
 #include <orthant/solvers/path.h>
 #include <orthant/solvers/pgs.h>
@@ -67,6 +69,11 @@ constexpr SolverEntry kSolvers[] = {
     {"interior-point",
      "predictor-corrector, then the exact active set; dense and sparse, monotone; boxes and free rows",
      &make<InteriorPoint>, &options<InteriorPoint>},
+    {"ipopt", "quadratic programs by Ipopt's interior-point method, polished; boxes, free rows, friction; sparse",
+     &make<IpoptSolver>, &options<IpoptSolver>},
+    {"nlopt",
+     "quadratic form or Fischer-Burmeister merit by NLopt's gradient methods, polished; small or well conditioned",
+     &make<NloptSolver>, &options<NloptSolver>},
     {"lemke-howson", "equilibria of bimatrix games [0, A; B^T, 0] with costs > 0", &make<LemkeHowson>,
      &options<LemkeHowson>},
     {"enumerate", "every choice of sides, exact, at most 2^20 of them; the oracle of the tests", &make<Enumerate>,

@@ -32,12 +32,6 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
         for (auto k = at(M.start[at(i)]); k < at(M.start[at(i + 1)]); ++k) use(i, Index{M.column[k]}, M.value[k]);
     });
   }
-  void clear() { trivial_ = true; }
-  bool trivial() const { return trivial_; }  // all ones
-
- private:
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
   /// each(use) calls use(i, j, M_ij) for all entries.
   template <class Each> void fit(Index n, const Each& each) {
     row.resize(n);
@@ -66,6 +60,12 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
       center(row, each, [&](Index i, Index j, double value) { return std::pair(i, value * col[j]); });
     }
   }
+  void clear() { trivial_ = true; }
+  bool trivial() const { return trivial_; }  // all ones
+
+ private:
+  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
   /// The middle of the exponents of each column, or of each row: term(i, j, M_ij) is its index and a scaled entry.
   template <class Each, class Term> void center(Vector& scale, const Each& each, const Term& term) {
     range_.assign(at(scale.size()), {5000, -5000});
