@@ -28,7 +28,6 @@ class ActiveRows {  // reuse it
     diagonal(problem.A, scale_);
     const Index n = problem.size();
     side.resize(at(n));
-    shift_known_ = false;
     z = guess;
     multiply(problem.A, z, w, scratch_);
     w += problem.b;
@@ -47,20 +46,22 @@ class ActiveRows {  // reuse it
     choose(nullptr);
     if (!block_.factorize(inside_)) return false;
     multiply(problem_->A, z, w, scratch_);
-    step(block_);
+    step();
     return finish();
   }
 
   /// The same where the block is singular but its rows can be met, as in monotone problems: the proximal iteration
-  ///   z_F ← z_F − (A_FF + ε D)⁻¹ w_F,   D_i = |A_ii| or 1,   ε = 1e-8, from z = `near`.
+  ///   z_F ← z_F − (A_FF + ε D)⁻¹ w_F,   D_i = A_ii where that is > 0, else 1,   ε = 1e-8, from z = `near`.
   /// Ends at the solution next to it. False when even that block is singular, or nothing is finite.
   bool solve_near(const Vector& near) {
     choose(&near);
-    if (!shift_known_) shift(problem_->A);
-    if (!shifted_block_.factorize(inside_)) return false;
+    constexpr double kShift = 1e-8;  // an error outside the null space falls by kShift · condition a step
+    shift_.resize(z.size());
+    for (Index i = 0; i < z.size(); ++i) shift_[i] = kShift * scale(i);
+    if (!block_.factorize(inside_, &shift_)) return false;
     for (int k = 0; k < 4; ++k) {
       multiply(problem_->A, z, w, scratch_);
-      step(shifted_block_);
+      step();
     }
     return finish();
   }
@@ -105,11 +106,11 @@ class ActiveRows {  // reuse it
     }
   }
   /// z_F ← z_F − block⁻¹ (b + w)_F, w = A z.
-  void step(PrincipalBlock& block) {
+  void step() {
     const auto m = static_cast<Index>(inside_.size());
     rhs_.resize(m);
     for (Index k = 0; k < m; ++k) rhs_[k] = -(problem_->b[inside_[at(k)]] + w[inside_[at(k)]]);
-    block.solve(rhs_, part_);
+    block_.solve(rhs_, part_);
     for (Index k = 0; k < m; ++k) z[inside_[at(k)]] += part_[k];
   }
   bool finish() {
@@ -122,32 +123,11 @@ class ActiveRows {  // reuse it
     for (const Index i : inside_) w[i] = 0;  // by choice; the judge computes it anew
     return z.allFinite();
   }
-  void shift(const Matrix& A) {
-    constexpr double kShift = 1e-8;  // an error outside the null space falls by kShift · condition a step
-    shifted_ = A;
-    if (auto* dense = std::get_if<DenseMatrix>(&shifted_)) {
-      for (Index i = 0; i < dense->rows(); ++i) (*dense)(i, i) += kShift * scale(i);
-    } else if (auto* delassus = std::get_if<Delassus>(&shifted_)) {
-      if (delassus->regularization.size() == 0) delassus->regularization = Eigen::VectorXd::Zero(scale_.size());
-      for (Index i = 0; i < scale_.size(); ++i) delassus->regularization[i] += kShift * scale(i);
-    } else {
-      Eigen::SparseMatrix<double, Eigen::RowMajor> sum = std::get<RowSparse>(A).view(),
-                                                   diagonal(sum.rows(), sum.cols());
-      diagonal.setIdentity();
-      for (Index i = 0; i < sum.rows(); ++i) diagonal.coeffRef(i, i) = kShift * scale(i);
-      sum += diagonal;
-      shifted_ = RowSparse::from(sum);
-    }
-    shifted_block_.load(shifted_);
-    shift_known_ = true;
-  }
 
   const Lcp* problem_ = nullptr;
-  PrincipalBlock block_, shifted_block_;
-  Matrix shifted_;
-  bool shift_known_ = false;
+  PrincipalBlock block_;
   std::vector<Index> inside_;
-  Vector rhs_, part_, scratch_, scale_, size_;
+  Vector rhs_, part_, scratch_, scale_, size_, shift_;
   double reach_ = 0;
 };
 
