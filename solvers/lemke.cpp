@@ -312,16 +312,19 @@ Status Lemke::run(const Lcp& problem, Solution& s, Start) {
   work_->was_revised = takes_revised(problem);
   if (work_->was_revised) return work_->attempt_revised(options_.max_pivots, problem, s);
   work_->form(problem, Pyramid::Form::shifted);
+  if (!finite(*work_->pure)) return Status::numerical_error;  // overflow in shifting the bounds
   return work_->attempt(work_->tableau, options_.max_pivots, problem, s);
 }
 
 bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (!options_.rescue || problem.size() == 0) return false;
   Work& work = *work_;
+  if (!work.was_revised && !finite(*work.pure)) return false;
   if (work.was_revised) {
     work.was_revised = false;
     if (problem.size() > kRevisedOnly) return false;
     work.form(problem, Pyramid::Form::shifted);
+    if (!finite(*work.pure)) return false;
     claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
     return true;
   }

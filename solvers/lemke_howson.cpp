@@ -90,12 +90,14 @@ struct Game {
     const double high = costs.maxCoeff(), span = std::max(high - costs.minCoeff(), std::numeric_limits<double>::min());
     return ((high - costs.array()) / span + 1).matrix();
   }
-  /// Drops a label and goes on until it is there again.
-  void follow(int label) {
+  /// Drops a label and goes on until it is there again. stop(pivots) is asked at each: false when it said true.
+  template <class Stop> bool follow(int label, const Stop& stop) {
     Polytope* turn = p.rests(label) ? &p : &q;
+    int pivots = 0;
     for (int entering = label;;) {
+      if (stop(pivots++)) return false;
       const int leaving = turn->enter(entering);
-      if (leaving == label) return;
+      if (leaving == label) return true;
       turn = turn == &p ? &q : &p;
       entering = leaving;
     }
@@ -110,6 +112,8 @@ struct Game {
     return e;
   }
 };
+
+bool never(int) { return false; }
 
 void check_game(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   if (A.rows() != B.rows() || A.cols() != B.cols() || A.size() == 0)
@@ -127,7 +131,7 @@ Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int
   if (label < 0 || label >= game.m + game.k)
     throw std::invalid_argument("lemke_howson: label = " + std::to_string(label) + ": must be in [0, " +
                                 std::to_string(game.m + game.k - 1) + "]");
-  game.follow(label);
+  game.follow(label, never);
   return game.equilibrium(label);
 }
 
@@ -138,7 +142,7 @@ std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen:
   for (std::size_t from = 0; from < open.size(); ++from)
     for (int label = 0; label < open[from].m + open[from].k; ++label) {
       Game game = open[from];
-      game.follow(label);
+      game.follow(label, never);
       if (game.at_origin()) continue;
       const Equilibrium e = game.equilibrium(label);
       const bool known = std::any_of(found.begin(), found.end(), [&](const Equilibrium& f) {
@@ -173,22 +177,24 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
   return {};
 }
 
-void LemkeHowson::follow(int label, Solution& s) {
-  const Equilibrium e = lemke_howson(A_, B_, label);
+Status LemkeHowson::follow(int label, Solution& s) {
+  Game game(A_, B_);
+  const bool there = game.follow(label, [&](int) {
+    log(++s.iterations, 0, 0, "pivot");
+    return budget().exhausted();
+  });
+  if (!there) return Status::time_limit;
+  const Equilibrium e = game.equilibrium(label);
   s.z.head(A_.rows()) = e.x / e.cost_2;
   s.z.tail(A_.cols()) = e.y / e.cost_1;
-  s.iterations = label + 1;
-}
-
-Status LemkeHowson::run(const Lcp&, Solution& s, Start) {
-  follow(std::max(0, options_.label), s);
   return Status::solved;
 }
 
+Status LemkeHowson::run(const Lcp&, Solution& s, Start) { return follow(std::max(0, options_.label), s); }
+
 bool LemkeHowson::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
   if (options_.label >= 0 || attempt >= problem.size()) return false;
-  follow(attempt, s);
-  claim = Status::solved;
+  claim = follow(attempt, s);
   return true;
 }
 

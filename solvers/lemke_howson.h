@@ -47,7 +47,7 @@ class LemkeHowson final : public Solver {
   Status run(const Lcp& problem, Solution& s, Start start) override;
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   double tolerance() const override { return options_.tolerance; }
-  void follow(int label, Solution& s);
+  Status follow(int label, Solution& s);
 
   Options options_;
   mutable Eigen::MatrixXd A_, B_;  // of the problem that why_not() has looked at

@@ -34,9 +34,10 @@ constexpr Variation kVariations[] = {
     {"on the ray, other covering", false, true, true, 0, 7},
     {"from another start, proximal", true, false, false, 1, 8},
 };
-constexpr Index kExtended = 1000;  // rows up to which long double is worth its time
-constexpr double kTrusted = 1e4;   // growth of the merit up to which a step is taken on trust
-constexpr double kDescent = 1e-4;  // share of the promised decrease that must be had
+constexpr Index kExtended = 1000;   // rows up to which long double is worth its time
+constexpr double kTrusted = 1e4;    // growth of the merit up to which a step is taken on trust
+constexpr int kCrashNonlinear = 2;  // a step costs a Jacobian there, and is counted as one
+constexpr double kDescent = 1e-4;   // share of the promised decrease that must be had
 
 /// The problem as the method sees it, linear or not.
 struct Model {
@@ -120,7 +121,8 @@ struct Path::Work {
   // Projected Newton steps while they do some good. z, F: start and result.
   void crash() {
     double now = merit(z, F);
-    for (int k = 0; k < path.options_.max_crash && !stop(); ++k) {
+    const int most = linear() ? path.options_.max_crash : std::min(path.options_.max_crash, kCrashNonlinear);
+    for (int k = 0; k < most && !stop(); ++k) {
       if (natural_residual(z, F) <= model.goal) return;
       const Matrix* A = nullptr;
       if (!model.J(z, A)) return;
@@ -136,6 +138,7 @@ struct Path::Work {
               columns.each(i, add);
           }))
         return;
+      if (!linear()) ++iterations;
       step = -F;
       basis.solve(step);
       bool moved = false;

@@ -9,7 +9,10 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error &&
       !(cheap && s.status == Status::iteration_limit))
     return;
-  if (!proof_search_ || !seeks_proof() || budget_.exhausted() || !farkas_.propose(problem, proof_, budget_)) return;
+  if (!proof_search_ || !seeks_proof() || budget_.exhausted()) return;
+  Budget share;  // a quarter of what is left
+  share.start(budget_.remaining() / 4, budget_.cancel());
+  if (!farkas_.propose(problem, proof_, share)) return;
   if (!judge_.proves_infeasible(problem, proof_)) return;  // a ray's direction stays what it was
   s.certificate = proof_;
   judge_.certify(problem, tolerance(), Status::ray, s);

@@ -359,7 +359,8 @@ Analysis analyse(const Matrix& A) {
   if (n <= kElimination) exactly = exact::table(A);
 
   // Signs of entries.
-  result.symmetric = verdict(delassus || Sparse(f.value - Sparse(f.value.transpose())).norm() == 0);
+  const Sparse skew = f.value - Sparse(f.value.transpose());
+  result.symmetric = verdict(delassus || skew.nonZeros() == 0 || skew.coeffs().abs().maxCoeff() == 0);
   result.z = Verdict::yes;
   bool nonnegative = true, diagonal_positive = true;
   result.smallest = kInf;

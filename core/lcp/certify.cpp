@@ -114,13 +114,17 @@ void Judge::evaluate(const Lcp& problem, Solution& s) {
     hi = hi_.data();
   }
 
-  double residual = 0, size = 0, scale = 0, checksum = 0;
+  double residual = 0, size = 0, scale = 0, least = kInf, checksum = 0;
   bool bounded = false, weighed = false;
+  rows_.resize(at(n));
+  settled_ = true;
   for (Index i = 0; i < n; ++i) {
     const double z = s.z[i], w = s.w[i];
     checksum += 0.0 * z + 0.0 * w;  // NaN when one of them is not finite
     size = std::max(size, abs_[i]);
-    scale = std::max(scale, std::abs(problem.b[i]));
+    const double data = std::abs(problem.b[i]);
+    scale = std::max(scale, data);
+    if (data > 0) least = std::min(least, data);
     bounded = bounded || nearest_to_zero(problem.lo[i], problem.hi[i]) != 0 ||
               (z != 0 && on_bound(z, problem.lo[i], problem.hi[i]));
     // d |z − clamp(z − w/d)| = min(d · distance to the bound that w pushes against, |w|) while z is within the bounds.
@@ -133,6 +137,8 @@ void Judge::evaluate(const Lcp& problem, Solution& s) {
       r = d * std::abs(z - std::clamp(z - w / d, lo[i], hi[i]));
     }
     residual = std::max(residual, r);
+    rows_[at(i)] = {r, kEpsilon * abs_[i], data, std::abs(z)};
+    settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i];
   }
   if (bounded) {
     beta_.resize(n);
@@ -141,11 +147,86 @@ void Judge::evaluate(const Lcp& problem, Solution& s) {
       beta_[i] = on_bound(z, lower, upper) ? z : nearest_to_zero(lower, upper);
     }
     apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
-    scale = abs_.maxCoeff();
+    scale = 0, least = kInf;
+    for (Index i = 0; i < n; ++i) {
+      rows_[at(i)].data = abs_[i];
+      scale = std::max(scale, abs_[i]);
+      if (abs_[i] > 0) least = std::min(least, abs_[i]);
+    }
   }
   s.residual = checksum == 0.0 && residual < kInf ? residual : kInf;
   s.rounding = checksum == 0.0 ? kEpsilon * size : kInf;
   scale_ = scale;
+  least_scale_ = least;
+}
+
+double Judge::allowed(double tolerance, double rounding, double beta) {
+  return std::max(tolerance * beta, std::min(kRoundings * rounding, kCoarsest * beta));
+}
+
+// Which rows belong together: path-halving union of the rows that an entry of A, a body or a friction bound couples.
+void Judge::label_parts(const Lcp& problem) {
+  const Index n = problem.size();
+  part_.resize(at(n));
+  for (Index i = 0; i < n; ++i) part_[at(i)] = static_cast<int>(i);
+  const auto root = [this](Index i) {
+    auto k = static_cast<std::size_t>(i);
+    while (part_[k] != static_cast<int>(k)) {
+      part_[k] = part_[at(part_[k])];
+      k = at(part_[k]);
+    }
+    return static_cast<int>(k);
+  };
+  const auto join = [&](Index i, Index j) {
+    const int a = root(i), b = root(j);
+    part_[at(std::max(a, b))] = std::min(a, b);
+  };
+  if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
+    for (Index j = 0; j < n; ++j)
+      for (Index i = 0; i < n; ++i)
+        if ((*dense)(i, j) != 0 && i != j) join(i, j);
+  } else if (const auto* sparse = std::get_if<RowSparse>(&problem.A)) {
+    for (Index i = 0; i < n; ++i)
+      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
+        if (sparse->value[k] != 0) join(i, sparse->column[k]);
+  } else {
+    const RowSparse& W = std::get<Delassus>(problem.A).W;
+    first_.assign(at(W.cols), -1);
+    for (Index i = 0; i < n; ++i)
+      for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
+        int& first = first_[at(W.column[k])];
+        if (first < 0) first = static_cast<int>(i);
+        join(i, first);
+      }
+  }
+  for (const Friction& f : problem.friction) join(f.row, f.normal);
+  for (Index i = 0; i < n; ++i) part_[at(i)] = root(i);
+}
+
+// The rule for each part by itself, and for each row in its own unit: s_i = |b_i| + Σ_j |A_ij| max |z|, the maximum over
+// the part.
+bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
+  if (settled_ && s.rounding <= runaway(least_scale_)) return true;
+  label_parts(problem);
+  const Index n = problem.size();
+  for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
+    Row& whole = rows_[at(part_[at(i)])];
+    whole.rounding = std::max(whole.rounding, rows_[at(i)].rounding);
+    whole.data = std::max(whole.data, rows_[at(i)].data);
+    whole.z = std::max(whole.z, rows_[at(i)].z);
+  }
+  beta_.resize(n);
+  for (Index i = 0; i < n; ++i) beta_[i] = rows_[at(part_[at(i)])].z;
+  apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
+  for (Index i = 0; i < n; ++i) {
+    const Row& whole = rows_[at(part_[at(i)])];
+    const double beta = whole.data > 0 ? whole.data : scale_;
+    const double allowance = std::max(tolerance * std::min(beta, abs_[i]), kRoundings * kEpsilon * abs_[i]);
+    if (!(whole.rounding <= runaway(beta) &&
+          rows_[at(i)].residual <= std::min(allowance, allowed(tolerance, whole.rounding, beta))))
+      return false;
+  }
+  return true;
 }
 
 void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution& s) {
@@ -154,9 +235,9 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
     s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   evaluate(problem, s);
-  const bool known = s.rounding < kInf && s.rounding <= runaway(scale_);
-  accepted_ = std::max(tolerance * scale_, std::min(kRoundings * s.rounding, kCoarsest * scale_));
-  if (known && s.residual <= accepted_) {
+  const bool known = scale_ < kInf && s.rounding < kInf && s.rounding <= runaway(scale_);
+  accepted_ = allowed(tolerance, s.rounding, scale_);
+  if (known && s.residual <= accepted_ && rows_pass(problem, tolerance, s)) {
     s.status = Status::solved;
   } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
              proves_infeasible(problem, s.certificate)) {
@@ -271,18 +352,24 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
 
   long double threshold = terms <= 1 ? 0 : static_cast<long double>(n + 4) * 2 * unit * sum_abs;
   if (kappa > 0) {
-    double scale = 0;
+    double scale = 0;  // of the rows that the proof speaks of, and of those they are coupled with
     bool bounded = false;
     beta_.resize(n);
+    label_parts(problem);
+    spoken_.assign(at(n), 0);
+    for (Index i = 0; i < n; ++i)
+      if (u[i] != 0) spoken_[at(part_[at(i)])] = 1;
+    const auto spoken = [this](Index i) { return spoken_[at(part_[at(i)])] != 0; };
     for (Index i = 0; i < n; ++i) {
       const double low = std::abs(lo[i]), high = std::abs(hi[i]);
       beta_[i] = std::max(low < kInf ? low : 0, high < kInf ? high : 0);
       bounded = bounded || beta_[i] != 0;
-      scale = std::max(scale, std::abs(problem.b[i]));
+      if (spoken(i)) scale = std::max(scale, std::abs(problem.b[i]));
     }
     if (bounded) {
       apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
-      scale = abs_.maxCoeff();
+      for (Index i = 0; i < n; ++i)
+        if (spoken(i)) scale = std::max(scale, abs_[i]);
     }
     threshold += 2 * kappa / kEpsilon * runaway(scale) * norm1;
   }

@@ -7,7 +7,9 @@
 //   makes r at least as strict as the textbook |min(z, w)|.
 //   Accepted when
 //     r ≤ max(tolerance · β, min(20 ρ, 4e-5 β)),   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ min(1e-6 (1 + β), 1e-4 β):
-//   below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
+//   by each part of the problem, a set of rows that A couples: one part's large numbers excuse nothing in another; and by
+//   each row in its own unit,  r_i ≤ max(tolerance · min(β, s_i), 20 ε s_i),  s_i = |b_i| + Σ_j |A_ij| max |z|.
+//   Below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
 //   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
 //   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
 //   All is relative to β (but for ρ where β is near 1), so that the verdict does not depend on the unit of w: z = 0 does
@@ -48,11 +50,22 @@ class Judge {  // the members are scratch: after the first problem of a size not
   bool proves_infeasible(const Lcp& problem, const Vector& u);
 
  private:
+  struct Row {
+    double residual = 0, rounding = 0, data = 0, z = 0;  // r_i, ρ_i, what β takes of it, |z_i|
+  };
   void evaluate(const Lcp& problem, Solution& solution);
+  static double allowed(double tolerance, double rounding, double beta);
+  void label_parts(const Lcp& problem);
+  bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
   void transposed(const Matrix& A, const Vector& u);
 
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
-  double scale_ = 0;  // β
+  std::vector<Row> rows_;
+  std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
+  std::vector<char> spoken_;
+  bool settled_ = false;    // every r_i is at the rounding level of its own row
+  double least_scale_ = 0;  // the smallest |b_i| > 0, or what stands for it
+  double scale_ = 0;        // β
   double accepted_ = 0;
   std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|
   std::vector<long double> least_;      // what a slack in g_j is measured by

@@ -41,6 +41,7 @@ bool evaluate(const Mcp& p, const Vector& z, Matrix& J) {
     throw std::invalid_argument("Mcp: jacobian gave " + std::to_string(rows) + " x " + std::to_string(cols) +
                                 ": must be " + std::to_string(p.size()) + " x " + std::to_string(p.size()));
   if (dense != nullptr) return dense->allFinite();
+  check(J);
   return std::all_of(sparse->value.begin(), sparse->value.end(), [](double v) { return std::isfinite(v); });
 }
 
@@ -71,7 +72,7 @@ void certify(const Mcp& p, double tolerance, Status claim, Solution& s) {
     for (Index i = 0; i < p.size(); ++i)
       s.residual = std::max(s.residual, d[i] * std::abs(s.z[i] - std::clamp(s.z[i] - s.w[i] / d[i], p.lo[i], p.hi[i])));
     s.rounding = p.size() > 0 ? eps * size.maxCoeff() : 0;
-    if (s.residual <= std::max(tolerance, 20 * s.rounding) && s.rounding <= 1e-6) {
+    if (s.residual <= tolerance || (s.residual <= 20 * s.rounding && s.rounding <= 1e-6)) {
       s.status = Status::solved;
       return;
     }

@@ -133,6 +133,8 @@ Lcp Lcp::standard(Matrix M, const Vector& q) {
   return problem;
 }
 
+void check(const Matrix& A) { std::visit(CheckMatrix{}, A); }
+
 void check(const Lcp& problem) {
   std::visit(CheckMatrix{}, problem.A);
   const Index n = order(problem.A);

@@ -62,6 +62,9 @@ struct Lcp {
 /// lo ≥ 0 that has no friction itself). What A and b hold is not looked at: that is finite()'s question.
 void check(const Lcp& problem);
 
+/// The same for a square matrix by itself.
+void check(const Matrix& A);
+
 /// Every number of A and b is finite.
 bool finite(const Lcp& problem);
 

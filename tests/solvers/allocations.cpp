@@ -68,7 +68,6 @@ constexpr Exception kExceptions[] = {
     {"newton-min", "sparse", "the same"},
     {"newton-fb", "sparse", "the same, and the Jacobian"},
     {"interior-point", "sparse", "blocks cut out and factorized as Eigen's sparse matrices"},
-    {"auto", "sparse", "the sparse solvers it tries"},
     {"admm", "sparse", "factors of CHOLMOD and UMFPACK"},
     {"admm", "contacts", "its inner matrix"},
     {"ipopt", "dense", "Ipopt's own"},
