@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/folder.h"
+
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,42 +14,19 @@
 #include <string>
 
 namespace fs = std::filesystem;
+using orthant::Folder, orthant::Reply, orthant::lines, orthant::slurp;
 
 namespace {
 
-struct Answer {
-  int exit_code = -1;
-  std::string out, err;
+struct Cli : Folder {
+  Reply orthant(const std::string& arguments) const { return run("'" ORTHANT_CLI "' " + arguments); }
 };
-
-std::string slurp(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-struct Folder {  // a place of its own for each test, gone afterwards
-  fs::path path = fs::temp_directory_path() / ("orthant_cli_" + std::to_string(std::rand()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const char* file) const { return (path / file).string(); }
-  std::string write(const char* file, const std::string& text) const {
-    std::ofstream(path / file) << text;
-    return *this / file;
-  }
-  Answer orthant(const std::string& arguments) const {
-    const std::string command = "cd '" + path.string() + "' && '" ORTHANT_CLI "' " + arguments + " >out.txt 2>err.txt";
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), slurp(path / "out.txt"), slurp(path / "err.txt")};
-  }
-};
-
-long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 }  // namespace
 
 TEST_CASE("orthant simulate: summary and trajectory of the slider-crank") {
-  const Folder folder;
-  const Answer a = folder.orthant("simulate slider_crank --step 1e-5 --output run.csv --every 100 --json");
+  const Cli folder;
+  const Reply a = folder.orthant("simulate slider_crank --step 1e-5 --output run.csv --every 100 --json");
   CHECK(a.exit_code == 0);
   CHECK(a.err.empty());
   const auto json = nlohmann::json::parse(a.out);
@@ -68,7 +47,7 @@ TEST_CASE("orthant simulate: summary and trajectory of the slider-crank") {
 }
 
 TEST_CASE("orthant simulate: parameters by --set change the run; same input gives the same bytes") {
-  const Folder folder;
+  const Cli folder;
   folder.orthant("simulate slider_crank --step 1e-4 --output a.csv");
   folder.orthant("simulate slider_crank --step 1e-4 --output b.csv");
   folder.orthant("simulate slider_crank --step 1e-4 --output c.csv --set mu=0.1 --set e=0");
@@ -77,20 +56,20 @@ TEST_CASE("orthant simulate: parameters by --set change the run; same input give
 }
 
 TEST_CASE("orthant simulate: a failed step stops the run and leaves its problem to replay") {
-  const Folder folder;
-  const Answer a = folder.orthant("simulate slider_crank --solver pgs:max_sweeps=1 --step 1e-5 --json");
+  const Cli folder;
+  const Reply a = folder.orthant("simulate slider_crank --solver pgs:max_sweeps=1 --step 1e-5 --json");
   CHECK(a.exit_code == 3);
   const auto json = nlohmann::json::parse(a.out);
   CHECK(json.at("status") != "solved");
   const long failed = json.at("steps").get<long>() + 1;
   CHECK(a.err.find("failed_step_" + std::to_string(failed) + ".json") != std::string::npos);
-  const Answer replay = folder.orthant("solve failed_step_" + std::to_string(failed) + ".json --json");
+  const Reply replay = folder.orthant("solve failed_step_" + std::to_string(failed) + ".json --json");
   CHECK(replay.exit_code == 0);
   CHECK(nlohmann::json::parse(replay.out).at("status") == "solved");
 }
 
 TEST_CASE("bad input: exit code 1, one line that says what and where, nothing half-written") {
-  const Folder folder;
+  const Cli folder;
   const std::string body = "[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n";
   folder.write("negative.toml", "[[body]]\nname = 'b'\nmass = -1\ninertia = 1\n");
   folder.write("unknown.toml", body + "masss = 2\n");
@@ -129,7 +108,7 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   }};
   for (const auto& [arguments, word] : bad) {
     CAPTURE(arguments);
-    const Answer a = folder.orthant(arguments + " --json");
+    const Reply a = folder.orthant(arguments + " --json");
     CAPTURE(a.err);
     CHECK(a.exit_code == 1);
     CHECK(a.out.empty());
@@ -139,14 +118,14 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   }
   for (const char* arguments : {"", "sing", "simulate", "solve", "list cats"}) {
     CAPTURE(arguments);
-    const Answer a = folder.orthant(arguments);
+    const Reply a = folder.orthant(arguments);
     CHECK(a.exit_code == 1);
     CHECK(lines(a.err) == 1);
   }
 }
 
 TEST_CASE("files that are taken for something else are refused, or read as what they say") {
-  const Folder folder;
+  const Cli folder;
   const std::string banner = "%%MatrixMarket matrix coordinate real ";
   folder.write("long.mtx", banner + "general\n%" + std::string(1100, ' ') + "9 9 9\n1 1 1\n1 1 2\n");
   folder.write("upper.mtx", banner + "symmetric\n2 2 3\n1 1 2\n1 2 1\n2 2 2\n");
@@ -159,31 +138,31 @@ TEST_CASE("files that are taken for something else are refused, or read as what 
                                 "solve --matrix skew.mtx --vector q.mtx", "solve nested.json", "solve twice.json",
                                 "solve /dev/zero", "solve .", "simulate slider_crank --set 'a\nb=1'"}) {
     CAPTURE(arguments);
-    const Answer a = folder.orthant(arguments);
+    const Reply a = folder.orthant(arguments);
     CAPTURE(a.err);
     CHECK(a.exit_code == 1);
     CHECK(lines(a.err) == 1);
   }
-  const Answer good = folder.orthant("solve --matrix M.mtx --vector q.mtx --json");
+  const Reply good = folder.orthant("solve --matrix M.mtx --vector q.mtx --json");
   CHECK(good.exit_code == 0);
   CHECK(nlohmann::json::parse(good.out).at("z") == nlohmann::json::parse("[1.5, 0.0]"));
 }
 
 TEST_CASE("output goes through a link to its target, and never replaces a device") {
-  const Folder folder;
+  const Cli folder;
   folder.write("target.csv", "old");
   fs::create_symlink("target.csv", folder.path / "link.csv");
   CHECK(folder.orthant("simulate slider_crank --step 1e-3 --output link.csv").exit_code == 0);
   CHECK(fs::is_symlink(folder.path / "link.csv"));
   CHECK(slurp(folder / "target.csv").starts_with("t,crank.x"));
-  const Answer a = folder.orthant("simulate slider_crank --step 1e-3 --output /dev/null");
+  const Reply a = folder.orthant("simulate slider_crank --step 1e-3 --output /dev/null");
   CHECK(a.exit_code == 1);
   CHECK(fs::is_character_file("/dev/null"));
 }
 
 TEST_CASE("a failed run ends its record with the state it reached") {
-  const Folder folder;
-  const Answer a =
+  const Cli folder;
+  const Reply a =
       folder.orthant("simulate slider_crank --solver pgs:max_sweeps=1 --step 1e-5 --every 1000 --output x.csv --json");
   CHECK(a.exit_code == 3);
   const auto json = nlohmann::json::parse(a.out);
@@ -194,19 +173,19 @@ TEST_CASE("a failed run ends its record with the state it reached") {
 }
 
 TEST_CASE("a start that breaks its own joints is run, with a warning") {
-  const Folder folder;
+  const Cli folder;
   folder.write("apart.toml",
                "duration = 0.01\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n"
                "[[joint]]\ntype = 'revolute'\nbodies = ['ground', 'b']\npoint_a = [5, 0]\npoint_b = [0, 0]\n");
-  const Answer a = folder.orthant("simulate apart.toml --json");
+  const Reply a = folder.orthant("simulate apart.toml --json");
   CHECK(a.exit_code == 0);
   CHECK(a.err.find("warning: at the start joints are off by 5 m") != std::string::npos);
   CHECK(folder.orthant("simulate slider_crank --step 1e-3").err.empty());
 }
 
 TEST_CASE("orthant list names everything, with options") {
-  const Folder folder;
-  const Answer a = folder.orthant("list");
+  const Cli folder;
+  const Reply a = folder.orthant("list");
   CHECK(a.exit_code == 0);
   for (const char* word : {"lemke", "pgs", "enumerate", "moreau-jean", "slider_crank", "slider_crank_ideal", "omega",
                            "joints", "clearance"})
@@ -215,10 +194,10 @@ TEST_CASE("orthant list names everything, with options") {
 }
 
 TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the error bound") {
-  const Folder folder;
+  const Cli folder;
   folder.write("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n-1\n-1\n2\n");
   folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n5\n");
-  const Answer kind = folder.orthant("analyse M.mtx --json");
+  const Reply kind = folder.orthant("analyse M.mtx --json");
   CHECK(kind.exit_code == 0);
   const auto json = nlohmann::json::parse(kind.out);
   CHECK(json.at("K") == "yes");
@@ -227,7 +206,7 @@ TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the 
   CHECK(folder.orthant("analyse M.mtx").out.find("positive definite       yes") != std::string::npos);
   CHECK(folder.orthant("analyse missing.mtx").exit_code == 1);
 
-  const Answer solved = folder.orthant("solve --matrix M.mtx --vector q.mtx --error-bound --json");
+  const Reply solved = folder.orthant("solve --matrix M.mtx --vector q.mtx --error-bound --json");
   const auto answer = nlohmann::json::parse(solved.out);
   CHECK(answer.at("active_set").at("inside") == std::vector<int>{0});
   CHECK(answer.at("active_set").at("lower") == std::vector<int>{1});
@@ -236,8 +215,8 @@ TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the 
 }
 
 TEST_CASE("the README's table of solvers is what orthant list --markdown prints") {
-  const Folder folder;
-  const Answer a = folder.orthant("list --markdown");
+  const Cli folder;
+  const Reply a = folder.orthant("list --markdown");
   CHECK(a.exit_code == 0);
   CHECK(lines(a.out) > 5);
   CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../README.md").find(a.out) != std::string::npos);
