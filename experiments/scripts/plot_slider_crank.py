@@ -1,16 +1,10 @@
 """Draws the slider-crank experiment: reads the tables slider_crank_sweep wrote into a folder; puts PNG, SVG there."""
-import argparse
-import csv
-import json
-import sys
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-# Okabe & Ito: told apart by colour-blind readers too.
-ORANGE, GREEN, BLUE, RED, PINK, GREY = "#E69F00", "#009E73", "#0072B2", "#D55E00", "#CC79A7", "#666666"
+from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, read_table, save, select
+
 FREE, TOP, BOTTOM = 0, 1, 2
 PHASES = {FREE: ("free flight", GREY), TOP: ("top contact", RED), BOTTOM: ("bottom contact", BLUE)}
 FACES = {TOP: ("corner1", "corner2", 1.0), BOTTOM: ("corner3", "corner4", -1.0)}  # corners, y of centre at contact [mm]
@@ -19,35 +13,12 @@ INTEGRATORS = {"moreau-jean:joints=position": ("classical joints", ORANGE, "o"),
                "moreau-jean:joints=symmetric": ("symmetric joints", BLUE, "s"),
                "moreau-jean:joints=symmetric,form=full": ("symmetric joints, full form", GREEN, "v")}
 ERROR = "|error of θ₁(0.2 s)| [rad]"
-STYLE = {
-    "font.size": 9.5, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.spines.top": False,
-    "axes.spines.right": False, "axes.edgecolor": GREY, "axes.axisbelow": True, "axes.grid": True,
-    "grid.color": "#e3e3e3", "grid.linewidth": 0.6, "legend.fontsize": 8.5, "legend.frameon": False,
-    "figure.titlesize": 12.5, "savefig.dpi": 170, "svg.hashsalt": "orthant", "lines.solid_capstyle": "butt",
-}
-
-
-def read_table(path, columns):
-    """The named columns of a CSV file as arrays; an empty number reads as nan."""
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
-    if not rows:
-        raise ValueError(f"{path}: no rows")
-    for column in columns:
-        if any(row.get(column) is None for row in rows):
-            raise ValueError(f"{path}: no column '{column}', or a row is cut short")
-    texts = {"integrator", "solver", "status"}
-    return {c: np.array([r[c] if c in texts else float(r[c] or "nan") for r in rows]) for c in columns}
-
-
-def select(table, keep):
-    return {column: values[keep] for column, values in table.items()}
 
 
 def read_sweep(folder):
     """The runs with a time, and those without."""
-    columns = ["integrator", "solver", "mu", "e", "h", "error", "seconds", "us_per_step", "status"]
-    table = read_table(folder / "sweep.csv", columns)
+    table = read_table(folder / "sweep.csv", ["integrator", "solver", "status"],
+                       ["mu", "e", "h", "error", "seconds", "us_per_step"])
     parts = select(table, table["seconds"] > 0), select(table, np.isnan(table["seconds"]))
     if not all((part["error"] > 0).any() for part in parts):
         raise ValueError(f"{folder / 'sweep.csv'}: no errors of runs with a time, or none of runs without")
@@ -57,7 +28,7 @@ def read_sweep(folder):
 def read_trajectory(folder, mu):
     """Adds contact phases and the list of touches: (first record, last record, phase, impulse on arrival [N s])."""
     parts = [corner + part for face in FACES.values() for corner in face[:2] for part in (".gap", ".impulse_n")]
-    path = read_table(folder / f"trajectory_mu{mu:g}_e0.4.csv", ["t", "slider.y", "crank.theta", "energy", *parts])
+    path = read_table(folder / f"trajectory_mu{mu:g}_e0.4.csv", [], ["t", "slider.y", "crank.theta", "energy", *parts])
     path |= {"ms": 1e3 * path["t"], "mm": 1e3 * path["slider.y"], "turns": path["crank.theta"] / (2 * np.pi)}
     path |= {"phase": np.full(path["t"].size, FREE), "touches": []}
     for phase, (left, right, _) in FACES.items():
@@ -71,15 +42,6 @@ def read_trajectory(folder, mu):
                 path["touches"].append((hits[0], hits[-1], phase, impulse[hits[:2]].sum()))  # records may split it
                 path["phase"][hits[0]:hits[-1] + 1] = phase
     return path
-
-
-def save(figure, path, title, about, handles=(), columns=5):
-    figure.suptitle(title, x=0.06, ha="left")
-    figure.legend(handles=handles, loc="lower center", ncol=columns, bbox_to_anchor=(0.5, 0.015))
-    figure.text(0.995, 0.006, f"Orthant {about['revision']}, {about['cpu']}", ha="right", fontsize=6.5, color=GREY)
-    figure.savefig(path.with_suffix(".png"))
-    figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})  # same data, same bytes
-    plt.close(figure)
 
 
 def draw_mechanism(axes):
@@ -150,7 +112,7 @@ def draw_errors(axes, runs, orders):
 
 def plot_error_vs_step(folder, about):
     _, table = read_sweep(folder)
-    orders = read_table(folder / "orders.csv", ["integrator", "mu", "e", "order"])
+    orders = read_table(folder / "orders.csv", ["integrator"], ["mu", "e", "order"])
     errors = table["error"][table["error"] > 0]
     low, high = np.quantile(errors, 0.005) / 20, 300 * errors.max()  # the few luckiest runs set no scale; room on top
     mus, es, start = np.unique(table["mu"]), np.unique(table["e"]), 1e6 * table["h"].max() / 12
@@ -230,19 +192,5 @@ def plot_energy(folder, about):
     save(figure, folder / "energy", title, about, handles)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path, help="for example results/slider_crank")
-    folder = parser.parse_args().folder
-    plt.switch_backend("Agg")  # no display needed
-    plt.rcParams.update(STYLE)
-    try:
-        about = {"revision": "of unknown revision", "cpu": "", **json.loads((folder / "manifest.json").read_text())}
-        for plot in (plot_slider_path, plot_error_vs_step, plot_error_vs_time, plot_energy):
-            plot(folder, about)
-    except (OSError, ValueError) as error:
-        sys.exit(f"plot_slider_crank: {error}")
-
-
 if __name__ == "__main__":
-    main()
+    main(__doc__, "results/slider_crank", (plot_slider_path, plot_error_vs_step, plot_error_vs_time, plot_energy))
