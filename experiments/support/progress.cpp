@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace orthant {
@@ -31,7 +32,7 @@ void Progress::add(double work, bool failed) {
 
 void Progress::draw(bool last) {
   const double share = total_ > 0 ? done_ / total_ : 1;
-  const double spent = since(begin_), left = share > 0 ? spent * (1 - share) / share : 0;
+  const double spent = since(begin_), left = share > 0 ? spent * std::max(0.0, 1 - share) / share : 0;
   const char* fail = failures_ == 1 ? "failure" : "failures";
   if (terminal_) {
     if (!last && since(drawn_) < 0.1) return;

@@ -1,0 +1,42 @@
+// experiments/support/lcp_trial.h — one solver on one problem: what it claims, what that is worth, what it cost.
+#pragma once
+
+#include <orthant/core/lcp/collection.h>
+
+#include <optional>
+#include <string>
+
+namespace orthant {
+
+struct Trial {
+  std::string status = "skipped";  // the solver's claim, or: crashed, killed, exception, skipped
+  int iterations = 0, runs = 0;
+  double seconds = kInf;   // processor time of a solve, the median of `runs`
+  double residual = kInf;  // as independent_judge.h measures it                                      [units of w]
+  double rounding = kInf;  // ρ                                                                       [units of w]
+  bool holds = false;  // r ≤ max(1e-10 (1 + ‖b‖∞), 20 ρ) and ρ ≤ 1e-6 (1 + ‖b‖∞); claimed infeasible: the proof does
+  std::string stages;  // what the iteration log says happened, the last stage last: "crash > on trust"; fast paths too
+  std::string note;    // why refused, the signal, the exception
+};
+
+/// Solves once with the iteration log on; a solve shorter than 0.1 s is repeated without it, the solver object reused,
+/// until 0.1 s are over or 5 runs done, never past the time limit (wall time, s).
+Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit);
+
+std::string to_text(const Trial& trial);
+Trial trial_from_text(const std::string& text);
+
+/// certified   an acceptable solution, or the proof that there is none
+/// refused     the solver said beforehand that it does not take the problem
+/// failed      no answer, and none claimed
+/// wrong       a claim that does not hold
+/// crashed     ended by a signal, by an exception, or by us, long after its time was over
+/// skipped     out of time on a smaller problem of the kind
+enum class Result { certified, refused, failed, wrong, crashed, skipped };
+inline constexpr int kResults = 6;
+const char* name(Result result);
+
+/// `answer`: what is known of the problem; empty: nothing.
+Result judge(const Trial& trial, std::optional<Answer> answer);
+
+}  // namespace orthant
