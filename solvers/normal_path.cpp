@@ -29,7 +29,7 @@ void NormalPath<T>::load(const Columns& M, const Vector& q, const Vector& lo, co
   int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
   for (const double value : M.value)
     if (value != 0) least = std::min(least, std::ilogb(value)), most = std::max(most, std::ilogb(value));
-  for (int sweep = 0; sweep < 8 && most - least > 24; ++sweep) {
+  for (int sweep = 0; sweep < 8 && most > least && most - least > 24; ++sweep) {
     auto& scale = sweep % 2 == 0 ? col_ : row_;
     std::fill(low_.begin(), low_.end(), std::numeric_limits<int>::max());
     std::fill(high_.begin(), high_.end(), std::numeric_limits<int>::min());

@@ -152,6 +152,8 @@ TEST_CASE("copositive and sufficient: no counterexample on a grid where yes, the
 }
 
 TEST_CASE("decisions near rounding are exact") {
+  CHECK(analyse(dense({1, 1e-200, 0, 1})).symmetric == no);
+  CHECK(analyse(dense({1, 1e-200, 1e-200, 1})).symmetric == yes);
   const double e = std::numeric_limits<double>::epsilon();
   CHECK(analyse(dense({1, 1, 1, 1})).p == no);
   CHECK(analyse(dense({1, 1, 1, 1 + e})).p == yes);

@@ -122,6 +122,34 @@ TEST_CASE("solved is judged whatever the claim; other claims stand when z fails"
   CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::infeasible) == Status::stalled);  // not a solver's word to say
 }
 
+TEST_CASE("numbers of one part of a problem excuse nothing in another") {
+  for (const double far : {1e9, 3e13, 1e20}) {  // a far bound, reached: beside it −1 + 2 z ≥ 0 is still not met by 0
+    Lcp p = pair({-1, 0, 0, 2}, Vector{-1, -1});
+    p.hi[0] = far;
+    CHECK(verdict(p, Vector{far, 0}) != Status::solved);
+    CHECK(verdict(p, Vector{far, 0.5}) == Status::solved);
+  }
+  const Eigen::Matrix3d A{{1, -1, 0}, {-1, 1, 0}, {0, 0, 1}};
+  for (const double far : {1e3, 1e9, 1e12}) {  // rows 1 and 2 sum to −2, whatever row 3 is about
+    const Lcp p = Lcp::standard(DenseMatrix(A), Vector{-1, -1, -far});
+    for (const double z : {1e10, 1.1e15, 1e18}) CHECK(verdict(p, Vector{z, z, far}) != Status::solved);
+    CHECK(verdict_on_proof(p, Vector{1, 1, 0}) == Status::infeasible);
+  }
+}
+
+TEST_CASE("a row is judged in its own unit") {
+  for (const double unit : {1.0, 0x1p-40, 0x1p-80}) {
+    const Lcp p = pair({2, 1, unit, 2 * unit}, Vector{-1, -unit});
+    CHECK(verdict(p, Vector{1 / 3.0, 1 / 3.0}) == Status::solved);
+    CHECK(verdict(p, Vector{0.5, 0}) != Status::solved);
+  }
+}
+
+TEST_CASE("data that overflow are never solved") {
+  CHECK(verdict(scalar(1e307, -1, 50), Vector{0}) != Status::solved);
+  CHECK(verdict(scalar(1e308, -1, 100), Vector{100}) != Status::solved);
+}
+
 TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
   const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});
   CHECK(verdict_on_proof(p, Vector{1, 1}) == Status::infeasible);

@@ -83,6 +83,29 @@ TEST_CASE("degenerate games with tied costs end too") {
   }
 }
 
+TEST_CASE("large games: time limit, cancellation and log") {
+  Random random(3);
+  Eigen::MatrixXd A(150, 150), B(150, 150);
+  for (double& cost : A.reshaped()) cost = random.uniform(1, 2);
+  for (double& cost : B.reshaped()) cost = random.uniform(1, 2);
+  const Lcp p = as_lcp(A, B);
+  Solution s;
+  LemkeHowson solver;
+  solver.set_time_limit(1e-4);
+  CHECK(solver.solve(p, s).status == Status::time_limit);
+  solver.set_time_limit(kInf);
+  const std::atomic<bool> cancel = true;
+  solver.set_cancel(&cancel);
+  CHECK(solver.solve(p, s).status == Status::cancelled);
+  solver.set_cancel(nullptr);
+  IterationLog log;
+  solver.set_log(&log);
+  const Eigen::Matrix2d C{{10, 20}, {30, 15}};
+  solver.solve(as_lcp(C, C), s);
+  CHECK(log.size() == static_cast<std::size_t>(s.iterations));
+  CHECK(s.iterations > 0);
+}
+
 TEST_CASE("what is no game is refused in words") {
   const Eigen::Matrix2d one = Eigen::Matrix2d::Ones();
   CHECK_THROWS_WITH_AS(lemke_howson(one, Eigen::MatrixXd::Ones(2, 3), 0), doctest::Contains("same shape"),

@@ -65,6 +65,16 @@ TEST_CASE("Lemke ends honestly at its pivot limit; its rescue takes other paths"
   CHECK(s.status == Status::iteration_limit);
 }
 
+TEST_CASE("Lemke: bounds that overflow when shifted end honestly, in every stage") {
+  for (const double lo : {5.0, 50.0, 100.0}) {
+    Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Constant(1, 1, 1e308)), Vector{-1});
+    p.lo[0] = lo;
+    Lemke lemke;
+    Solution s;
+    CHECK(lemke.solve(p, s).status == Status::numerical_error);
+  }
+}
+
 TEST_CASE("Lemke solves the circulant problem, where all ratios tie, in 4 pivots") {
   Eigen::MatrixXd M(3, 3);
   M << 1, 2, 0, 0, 1, 2, 2, 0, 1;

@@ -245,6 +245,20 @@ TEST_CASE("path: callbacks that return rubbish end honestly, malformed problems 
   q = kojima_shindo(false);
   q.jacobian = [](const Vector&, Matrix& J) { J = DenseMatrix(Eigen::MatrixXd::Identity(3, 4)); };
   CHECK_THROWS_WITH_AS(path.solve(q, s), "Mcp: jacobian gave 3 x 4: must be 4 x 4", std::invalid_argument);
+  for (const int column : {-1, 4, 1000000}) {
+    q.jacobian = [column](const Vector&, Matrix& J) {
+      RowSparse rows = RowSparse::from(Eigen::MatrixXd::Identity(4, 4).sparseView());
+      rows.column[2] = column;
+      J = rows;
+    };
+    CHECK_THROWS_AS(path.solve(q, s), std::invalid_argument);
+  }
+  // F in large units: an exact zero is one, whatever rounding its terms could have.
+  const Mcp r = complementarity(
+      1, [](const Vector& z, Vector& F) { F[0] = 1e8 * (z[0] - 1000.1); },
+      [](const Vector&, DenseMatrix& J) { J(0, 0) = 1e8; });
+  s.z = Vector{1000.1};
+  CHECK(path.solve(r, s, Start::warm).status == Status::solved);
 }
 
 TEST_CASE("path: a system without a solution is not called solved") {
