@@ -31,7 +31,7 @@ struct PathOptions {
   double tolerance = 1e-10;  // [b], relative to the problem's scale (certify.h); for an Mcp absolute, in units of F
   int max_steps = 60;        // linearizations, over one variation of a nonlinear problem
   int max_pivots = 0;        // of one path; 0: 3000 + 50 n
-  int max_crash = 50;        // projected Newton steps before the first path; 0: none
+  int max_crash = 50;        // projected Newton steps before the first path, nonlinear at most 2; 0: none
   int memory = 5;            // merits the search compares with: 1 is monotone
   int watchdog = 3;          // steps taken on trust
   int restarts = 12;         // variations tried after the first
