@@ -2,26 +2,38 @@
 #pragma once
 
 #include <orthant/core/mechanics/system.h>
+#include <orthant/integrators/event.h>
 #include <orthant/solvers/solver.h>
 
+#include <span>
+#include <string>
 #include <vector>
 
 namespace orthant {
 
+/// Of one call of step(): a scheme of fixed step takes it as it is, one that controls its step divides it.
 struct StepReport {
-  Status status = Status::solved;  // of the step's complementarity problem; solved when there was none
-  double lcp_residual = 0;         // [m/s] as certify() measures it
-  int lcp_rows = 0;                // rows of the problem; 0: none was solved
-  int lcp_iterations = 0;
+  Status status = Status::solved;  // of the last complementarity problem; solved when there was none
+  double lcp_residual = 0;         // [m/s] the largest of those solved, as certify() measures it
+  int lcp_rows = 0;                // rows of the largest problem; 0: none was solved
+  int lcp_solves = 0;
+  int lcp_iterations = 0;     // of all of them
+  int accepted = 1;           // inner steps
+  int rejected = 0;           // inner steps done again with a smaller one
   double joint_residual = 0;  // max |Φ| at the end of the step [m, rad]
+  double joint_rate = 0;      // max |G v| at the end of the step [m/s, rad/s], of schemes that satisfy it
   double penetration = 0;     // max(0, −gap) at the end of the step [m]
+
+  /// Takes one more problem in; true: it is solved.
+  bool note(const Lcp& problem, const Solution& solution);
 };
 
 struct Impulse {
   double normal = 0, tangent = 0;  // [N s]
 };
 
-/// Bound to one system, which must outlive it. Members are scratch: they never change an answer.
+/// Bound to one system, which must outlive it. What a scheme remembers from one step to the next (an acceleration, a
+/// step size) counts only when it is given the very q and v that it returned last; any other state starts it anew.
 class Integrator {
  public:
   explicit Integrator(const System& system)
@@ -32,20 +44,27 @@ class Integrator {
   Integrator& operator=(const Integrator&) = delete;
   virtual ~Integrator() = default;
 
-  /// Advances `x` by h > 0 [s]. Unless the report says `solved`, x is exactly as it was.
+  /// Advances `x` by h > 0 [s]. Unless the report says `solved`, a scheme of fixed step leaves x exactly as it was, one
+  /// that controls its step leaves it at the last time it reached.
   virtual StepReport step(double h, Solver& solver, State& x) = 0;
 
-  /// The last step's complementarity problem, to dump and replay; of size 0 when there was none.
+  /// The last complementarity problem, to dump and replay; of size 0 when there was none.
   virtual const Lcp& problem() const = 0;
+
+  /// In words, why the last step did not end as `solved` ("no acceleration-level solution: …"); empty: the solver's
+  /// status says it.
+  virtual std::string why() const { return {}; }
 
   const System& system() const { return system_; }
   const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
   const std::vector<Impulse>& impulses() const { return impulses_; }  // of the last step, one per contact
+  std::span<const Event> events() const { return events_; }           // located in the last step, in order of time
 
  protected:
   const System& system_;
   Eigen::VectorXd gaps_;
   std::vector<Impulse> impulses_;
+  std::vector<Event> events_;
 };
 
 }  // namespace orthant

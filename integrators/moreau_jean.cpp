@@ -12,7 +12,6 @@ MoreauJean::MoreauJean(const System& system, const Options& options)
       q_mid_(system.dof()),
       q_new_(system.dof()),
       v_new_(system.dof()),
-      step_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {}
@@ -29,11 +28,7 @@ StepReport MoreauJean::step(double h, Solver& solver, State& x) {
   formulation_.formulate(terms_, basic_, x.v, v_new_, rate_);
   if (problem().size() > 0) {
     solver.solve(problem(), solution_, Start::warm);
-    report.status = solution_.status;
-    report.lcp_residual = solution_.residual;
-    report.lcp_rows = static_cast<int>(problem().size());
-    report.lcp_iterations = solution_.iterations;
-    if (report.status != Status::solved) return report;
+    if (!report.note(problem(), solution_)) return report;
   }
   formulation_.advance(terms_, solution_.z, v_new_, impulses_);
   q_new_ = x.q + h * (options_.theta * v_new_ + (1 - options_.theta) * x.v);
@@ -68,36 +63,9 @@ bool MoreauJean::free_flight(double h, const State& x) {
 }
 
 bool MoreauJean::settle(StepReport& report) {
-  constexpr int kIterations = 20;
-  set_poses(system_, q_new_, terms_.at);
-  evaluate_joint_residual(system_, terms_);
-  double residual = terms_.phi.lpNorm<Eigen::Infinity>();
-  if (projection_.joint_rows() > 0) {
-    // Simplified Newton: the matrix at the first iterate serves all, the step is a small one.
-    evaluate_joint_rows(system_, terms_);
-    if (!projection_.factorize(system_, terms_)) return false;
-    const double tolerance = 1e-15 * (1 + q_new_.lpNorm<Eigen::Infinity>());
-    for (int i = 0; i < kIterations && residual > tolerance; ++i) {
-      force_.setZero();
-      rate_ = -terms_.phi;
-      projection_.solve(force_.data(), rate_.data(), step_.data(), lambda_.data());
-      q_mid_ = q_new_ + step_;
-      set_poses(system_, q_mid_, terms_.at);
-      evaluate_joint_residual(system_, terms_);
-      const double next = terms_.phi.lpNorm<Eigen::Infinity>();
-      if (!(next < residual)) break;  // rounding level reached, or the iteration diverges: q_new_ is the better one
-      q_new_.swap(q_mid_);
-      residual = next;
-    }
-    if (options_.joints == Joints::symmetric) {
-      evaluate_joint_rows(system_, terms_);
-      force_.setZero();
-      for (Index i = 0; i < rate_.size(); ++i) rate_[i] = -apply(terms_.G[static_cast<std::size_t>(i)], v_new_.data());
-      projection_.solve(force_.data(), rate_.data(), step_.data(), lambda_.data());
-      v_new_ += step_;
-    }
-  }
-  report.joint_residual = residual;
+  report.joint_residual = projection_.position(terms_, q_new_);
+  if (!(report.joint_residual < kInf)) return false;
+  if (options_.joints == Joints::symmetric) report.joint_rate = projection_.velocity(terms_, v_new_);
   evaluate_gaps(system_, terms_);
   gaps_ = terms_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;

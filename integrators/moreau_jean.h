@@ -16,6 +16,7 @@
 
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/projection.h>
 
 #include <array>
 #include <string_view>
@@ -48,11 +49,11 @@ class MoreauJean final : public Integrator {
 
   Options options_;
   Terms terms_;
-  BasicSystem basic_;       // of the step: with joints in the reduced form
-  BasicSystem projection_;  // at the new position
+  BasicSystem basic_;  // of the step: with joints in the reduced form
+  Projection projection_;
   Formulation formulation_;
   Solution solution_;
-  Eigen::VectorXd q_mid_, q_new_, v_new_, step_, force_, rate_, lambda_;
+  Eigen::VectorXd q_mid_, q_new_, v_new_, force_, rate_, lambda_;
 };
 
 }  // namespace orthant

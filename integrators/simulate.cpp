@@ -19,32 +19,50 @@ class Recording {
   void add(long steps, bool last, const State& x, const StepReport& report, const Integrator& integrator) {
     if (!record_) return;
     const auto begin = WallClock::now();
-    for (std::size_t i = 0; i < sum_.size(); ++i) {
-      sum_[i].normal += integrator.impulses()[i].normal;
-      sum_[i].tangent += integrator.impulses()[i].tangent;
-    }
+    take(integrator);
     if (steps % every_ == 0 || last) write(x, report, integrator.gaps());
     seconds += std::chrono::duration<double>(WallClock::now() - begin).count();
   }
+  /// Where a failed step left the run, if that is not there already.
+  void end(bool moved, const State& x, const StepReport& report, const Integrator& integrator) {
+    if (!record_ || x.t == written_) return;
+    if (moved) take(integrator);
+    write(x, report, integrator.gaps());
+  }
   void write(const State& x, const StepReport& report, const Eigen::VectorXd& gaps) {
     if (!record_) return;
-    record_({x, report, gaps, sum_});
+    record_({x, report, gaps, sum_, events_});
+    written_ = x.t;
+    events_.clear();
     std::fill(sum_.begin(), sum_.end(), Impulse{});
   }
 
   double seconds = 0;
 
  private:
+  void take(const Integrator& integrator) {
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+      sum_[i].normal += integrator.impulses()[i].normal;
+      sum_[i].tangent += integrator.impulses()[i].tangent;
+    }
+    events_.insert(events_.end(), integrator.events().begin(), integrator.events().end());
+  }
+
   const Recorder& record_;
   long every_;
+  double written_ = -kInf;  // [s] time of the last record
   std::vector<Impulse> sum_;
+  std::vector<Event> events_;
 };
 
 void note(const StepReport& report, Run& run) {
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
   run.max_penetration = std::max(run.max_penetration, report.penetration);
   run.max_lcp_residual = std::max(run.max_lcp_residual, report.lcp_residual);
-  run.lcp_solves += report.lcp_rows > 0;
+  run.max_joint_rate = std::max(run.max_joint_rate, report.joint_rate);
+  run.accepted += report.accepted;
+  run.rejected += report.rejected;
+  run.lcp_solves += report.lcp_solves;
   run.lcp_iterations += report.lcp_iterations;
 }
 
@@ -83,15 +101,20 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   const long total = whole + (rest > 1e-9 * clock.step ? 1 : 0);
   const auto begin = WallClock::now();
   for (long k = 0; k < total; ++k) {
+    const double t = x.t;
     const StepReport report = integrator.step(k < whole ? clock.step : rest, solver, x);
     if (report.status != Status::solved) {
       run.status = report.status;
-      if (k % clock.every != 0) recording.write(x, report, integrator.gaps());  // where it ended, if not there already
+      run.why = integrator.why();
+      const bool moved = x.t != t;  // a scheme that controls its step came some way
+      if (moved) note(report, run);
+      recording.end(moved, x, report, integrator);
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding
     run.steps = k + 1;
     note(report, run);
+    run.events += static_cast<long>(integrator.events().size());
     recording.add(run.steps, run.steps == total, x, report, integrator);
   }
   run.seconds = std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;

@@ -9,6 +9,7 @@ namespace orthant {
 
 struct Run {
   Status status = Status::solved;               // of the last step
+  std::string why;                              // in words, where the status does not say it all
   State final;                                  // where the run ended; on failure the state before the failed step
   long steps = 0;                               // completed
   double seconds = 0;                           // wall time of the steps alone, recording excluded
@@ -16,15 +17,19 @@ struct Run {
   double max_joint_residual = 0;                // [m, rad] over all ends of steps
   double max_penetration = 0;                   // [m]
   double max_lcp_residual = 0;                  // [m/s]
+  double max_joint_rate = 0;                    // [m/s, rad/s], of schemes that satisfy the joints at velocity level
+  long accepted = 0, rejected = 0;              // inner steps
   long lcp_solves = 0, lcp_iterations = 0;
+  long events = 0;  // located
 };
 
-/// A moment of the run. Impulses are summed since the moment before, so that none is lost between records.
+/// A moment of the run. Impulses and events are those since the moment before, so that none is lost between records.
 struct Moment {
   const State& state;
   const StepReport& report;
   const Eigen::VectorXd& gaps;           // one per contact [m]
   const std::vector<Impulse>& impulses;  // one per contact [N s]
+  std::span<const Event> events;         // located, in order of time
 };
 
 using Recorder = std::function<void(const Moment&)>;

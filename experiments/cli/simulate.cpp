@@ -31,22 +31,30 @@ nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& c
                                const std::vector<double>& last) {
   nlohmann::ordered_json final;
   for (std::size_t i = 0; i < columns.size(); ++i) final[columns[i]] = last[i];
-  return {{"status", name(run.status)},
-          {"final", final},
-          {"steps", run.steps},
-          {"seconds", run.seconds},
-          {"energy_initial", run.energy_initial},
-          {"energy_final", run.energy_final},
-          {"max_joint_residual", run.max_joint_residual},
-          {"max_penetration", run.max_penetration},
-          {"max_lcp_residual", run.max_lcp_residual},
-          {"lcp_solves", run.lcp_solves},
-          {"lcp_iterations", run.lcp_iterations}};
+  nlohmann::ordered_json json = {{"status", name(run.status)},
+                                 {"why", run.why},
+                                 {"final", final},
+                                 {"steps", run.steps},
+                                 {"seconds", run.seconds},
+                                 {"energy_initial", run.energy_initial},
+                                 {"energy_final", run.energy_final},
+                                 {"max_joint_residual", run.max_joint_residual},
+                                 {"max_joint_rate", run.max_joint_rate},
+                                 {"max_penetration", run.max_penetration},
+                                 {"max_lcp_residual", run.max_lcp_residual},
+                                 {"accepted", run.accepted},
+                                 {"rejected", run.rejected},
+                                 {"events", run.events},
+                                 {"lcp_solves", run.lcp_solves},
+                                 {"lcp_iterations", run.lcp_iterations}};
+  if (run.why.empty()) json.erase("why");
+  return json;
 }
 
 /// The problem that stopped the run, beside the output file (or here); its name is told.
 void dump_failed_step(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
   std::cerr << "orthant: step " << run.steps + 1 << " at t = " << run.final.t << " s failed: " << name(run.status);
+  if (!run.why.empty()) std::cerr << ": " << run.why;
   if (integrator.problem().size() == 0) {
     std::cerr << " (the basic system could not be solved; there was no complementarity problem)\n";
     return;

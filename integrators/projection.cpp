@@ -1,0 +1,56 @@
+#include <orthant/integrators/projection.h>
+
+#include <limits>
+
+namespace orthant {
+
+Projection::Projection(const System& system, bool with_joints)
+    : system_(system),
+      basic_(system, with_joints),
+      trial_(system.dof()),
+      step_(system.dof()),
+      zero_(Eigen::VectorXd::Zero(system.dof())),
+      rate_(system.joint_rows()),
+      lambda_(system.joint_rows()) {}
+
+double Projection::position(Terms& terms, Eigen::VectorXd& q) {
+  constexpr int kIterations = 20;
+  set_poses(system_, q, terms.at);
+  evaluate_joint_residual(system_, terms);
+  if (terms.phi.size() == 0) return 0;
+  double residual = terms.phi.lpNorm<Eigen::Infinity>();
+  if (basic_.joint_rows() == 0) return residual;
+  evaluate_joint_rows(system_, terms);
+  if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
+  const double tolerance = 1e-15 * (1 + q.lpNorm<Eigen::Infinity>());
+  for (int i = 0; i < kIterations && residual > tolerance; ++i) {
+    rate_ = -terms.phi;
+    basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
+    trial_ = q + step_;
+    set_poses(system_, trial_, terms.at);
+    evaluate_joint_residual(system_, terms);
+    const double next = terms.phi.lpNorm<Eigen::Infinity>();
+    if (!(next < residual)) {  // rounding level reached, or the iteration diverges: q is the better one
+      set_poses(system_, q, terms.at);
+      evaluate_joint_residual(system_, terms);
+      break;
+    }
+    q.swap(trial_);
+    residual = next;
+  }
+  return residual;
+}
+
+double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
+  if (basic_.joint_rows() == 0) return 0;
+  evaluate_joint_rows(system_, terms);
+  const auto rate = [&](Index i) { return apply(terms.G[static_cast<std::size_t>(i)], v.data()); };
+  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = -rate(i);
+  basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
+  v += step_;
+  double left = 0;
+  for (Index i = 0; i < rate_.size(); ++i) left = std::max(left, std::abs(rate(i)));
+  return left;
+}
+
+}  // namespace orthant
