@@ -15,6 +15,7 @@ Formulation::Formulation(const System& system, Form form) : system_(system), for
   rows_.reserve(most);
   lcp_.friction.reserve(contacts);
   const auto size = static_cast<Index>(most);
+  slip_.resize(static_cast<Index>(contacts));
   target_.resize(size), lcp_.b.resize(size), lcp_.lo.resize(size), lcp_.hi.resize(size);
   if (diagonal && most > kFormedRows) {
     lcp_.A.emplace<Delassus>().inverse_mass = system.inverse_mass();
@@ -44,9 +45,9 @@ void Formulation::collect(const Terms& terms, const Eigen::VectorXd& v, const Ei
   const auto joints = form_ == Form::full ? terms.G.size() : 0;
   const auto contacts = terms.closed.size();
   std::size_t tangents = 0;
-  for (const ClosedContact& c : terms.closed) tangents += system_.law(c.contact).mu > 0;
+  for (const ClosedContact& c : terms.closed) tangents += system_.law(c.contact).frictional();
   const auto n = static_cast<Index>(joints + contacts + tangents);
-  target_.resize(n), lcp_.lo.resize(n), lcp_.hi.resize(n);
+  target_.resize(n), lcp_.lo.resize(n), lcp_.hi.resize(n), slip_.resize(static_cast<Index>(tangents));
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
 
   rows_.insert(rows_.end(), terms.G.begin(), terms.G.begin() + static_cast<std::ptrdiff_t>(joints));
@@ -60,12 +61,27 @@ void Formulation::collect(const Terms& terms, const Eigen::VectorXd& v, const Ei
   for (std::size_t k = 0; k < contacts; ++k) {
     const ClosedContact& c = terms.closed[k];
     const ContactLaw& law = system_.law(c.contact);
-    if (law.mu <= 0) continue;
+    if (!law.frictional()) continue;
     const auto i = static_cast<Index>(rows_.size());
-    target_[i] = -law.e_t * apply(c.rows.tangent, v.data());
-    lcp_.friction.push_back({i, static_cast<Index>(joints + k), law.mu});
+    const double slip = apply(c.rows.tangent, v.data()) - law.belt;
+    slip_[static_cast<Index>(lcp_.friction.size())] = slip;
+    target_[i] = law.belt - law.e_t * slip;
+    lcp_.friction.push_back({i, static_cast<Index>(joints + k), law.mu_at(slip)});
     rows_.push_back(c.rows.tangent);
   }
+}
+
+bool Formulation::hold(const Terms& terms, const Solution& solution) {
+  bool any = false;
+  const Index first = lcp_.size() - slip_.size(), normals = first - static_cast<Index>(terms.closed.size());
+  for (Index k = 0; k < slip_.size(); ++k) {
+    Friction& friction = lcp_.friction[static_cast<std::size_t>(k)];
+    const ContactLaw& law = system_.law(terms.closed[static_cast<std::size_t>(friction.normal - normals)].contact);
+    if (law.mu_static <= friction.mu || solution.w[first + k] * slip_[k] >= 0) continue;
+    friction.mu = law.mu_static;
+    any = true;
+  }
+  return any;
 }
 
 void Formulation::fill_dense(const BasicSystem& basic, DenseMatrix& A) {
@@ -116,7 +132,7 @@ void Formulation::advance(const Terms& terms, const Vector& z, Eigen::VectorXd& 
   auto i = static_cast<Index>(form_ == Form::full ? terms.G.size() : 0);
   for (const ClosedContact& c : terms.closed) impulses[static_cast<std::size_t>(c.contact)].normal = z[i++];
   for (const ClosedContact& c : terms.closed)
-    if (system_.law(c.contact).mu > 0) impulses[static_cast<std::size_t>(c.contact)].tangent = z[i++];
+    if (system_.law(c.contact).frictional()) impulses[static_cast<std::size_t>(c.contact)].tangent = z[i++];
 }
 
 }  // namespace orthant

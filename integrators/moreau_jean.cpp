@@ -29,6 +29,10 @@ StepReport MoreauJean::step(double h, Solver& solver, State& x) {
   if (problem().size() > 0) {
     solver.solve(problem(), solution_, Start::warm);
     if (!report.note(problem(), solution_)) return report;
+    if (formulation_.hold(terms_, solution_)) {
+      solver.solve(problem(), solution_, Start::warm);
+      if (!report.note(problem(), solution_)) return report;
+    }
   }
   formulation_.advance(terms_, solution_.z, v_new_, impulses_);
   q_new_ = x.q + h * (options_.theta * v_new_ + (1 - options_.theta) * x.v);

@@ -64,6 +64,8 @@ class Element {
   }
   void law(const ContactLaw& law) const {
     not_negative("mu", law.mu), within("e_n", law.e, 0, 1), within("e_t", law.e_t, -1, 1);
+    not_negative("mu_static", law.mu_static), finite("belt", law.belt);
+    require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", law.mu_static, ">= mu = " + text(law.mu));
   }
 
  private:

@@ -365,7 +365,10 @@ class Reader {
     }
   }
 
-  static void law(Fields& f, ContactLaw& law) { f.maybe("mu", law.mu), f.maybe("e_n", law.e), f.maybe("e_t", law.e_t); }
+  static void law(Fields& f, ContactLaw& law) {
+    f.maybe("mu", law.mu), f.maybe("e_n", law.e), f.maybe("e_t", law.e_t);
+    f.maybe("mu_static", law.mu_static), f.maybe("belt", law.belt);
+  }
 
   template <class T> void wall(Fields& f, T& c) const {
     const toml::table* table = f.inner("wall");

@@ -115,6 +115,11 @@ const Mistake kMistakes[] = {
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = -0.1; }, "contact \"corner\": mu = -0.1: must be >= 0"},
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = kHuge; }, "contact \"corner\": mu = inf: must be finite"},
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = kNan; }, "contact \"corner\": mu = nan: must be finite"},
+    {[](Scene& s) { at<CornerWall>(s.contacts, 0).law = {.mu = 0.5, .mu_static = 0.4}; },
+     "contact \"corner\": mu_static = 0.4: must be >= mu = 0.5"},
+    {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu_static = kNan; },
+     "contact \"corner\": mu_static = nan: must be finite"},
+    {[](Scene& s) { at<DiscDisc>(s.contacts, 2).law.belt = kHuge; }, "contact \"discs\": belt = inf: must be finite"},
     {[](Scene& s) { at<DiscWall>(s.contacts, 1).law.e = 1.5; }, "contact \"disc\": e_n = 1.5: must be in [0, 1]"},
     {[](Scene& s) { at<DiscWall>(s.contacts, 1).law.e = kNan; }, "contact \"disc\": e_n = nan: must be in [0, 1]"},
     {[](Scene& s) { at<DiscDisc>(s.contacts, 2).law.e_t = -2; }, "contact \"discs\": e_t = -2: must be in [-1, 1]"},
@@ -144,7 +149,7 @@ TEST_CASE("scenes that keep the rules pass, on their borders too") {
   CHECK_NOTHROW(check(slider_crank_ideal()));
   Scene s = everything();
   at<PointSpring>(s.springs, 0).rest = 0;
-  at<DiscWall>(s.contacts, 1).law = {.mu = 0, .e = 1, .e_t = -1};
+  at<DiscWall>(s.contacts, 1).law = {.mu = 0, .e = 1, .e_t = -1, .mu_static = 1, .belt = -1};
   at<TorsionSpring>(s.springs, 1).rest = -3;
   s.bodies[0].name = "A-Z_09";
   at<Revolute>(s.joints, 0).name = "rod";  // names are distinct within a kind, not between kinds
