@@ -66,7 +66,7 @@ class Dump {
   void one(const Vector2d& v) { one(v.x()), one(v.y()); }
   void one(const std::string& s) { out_ << s << ' '; }
   void one(const char* s) { out_ << s << ' '; }
-  void one(const ContactLaw& law) { one(law.mu), one(law.e), one(law.e_t); }
+  void one(const ContactLaw& law) { one(law.mu), one(law.e), one(law.e_t), one(law.mu_static), one(law.belt); }
 
   std::ostringstream out_;
 };
@@ -181,6 +181,9 @@ const Mistake kMistakes[] = {
      "s.toml:18: contact \"contact1\": wall.body = 'rood': must be the name of a body: ground, rod, cart, ball"},
     {kCorner + "mu = -0.1", "s.toml:20: contact \"foot\": mu = -0.1: must be >= 0"},
     {kCorner + "mu = \"much\"", "s.toml:20: contact \"foot\": mu = 'much': must be a number"},
+    {kCorner + "mu = 0.3\nmu_static = 0.2", "s.toml:21: contact \"foot\": mu_static = 0.2: must be >= mu = 0.3"},
+    {kCorner + "mu_static = -1", "s.toml:20: contact \"foot\": mu_static = -1: must be >= 0"},
+    {kCorner + "belt = inf", "s.toml:20: contact \"foot\": belt = inf: must be finite"},
     {kCorner + "e_n = 2", "s.toml:20: contact \"foot\": e_n = 2: must be in [0, 1]"},
     {kCorner + "e_t = -2", "s.toml:20: contact \"foot\": e_t = -2: must be in [-1, 1]"},
     {kCorner + "radius = 1",
@@ -471,8 +474,9 @@ TEST_CASE("built-in scenes take options, files take overrides, anything else lis
     }
     return {};
   };
-  CHECK(error("slidercrank", {}) ==
-        "unknown scene 'slidercrank': must be a TOML file that exists or one of slider_crank, slider_crank_ideal");
+  const std::string unknown = error("slidercrank", {});
+  CHECK(contains(unknown, "unknown scene 'slidercrank': must be a TOML file that exists or one of bouncing_ball, "));
+  for (const SceneEntry& entry : scenes()) CHECK(contains(unknown, std::string(entry.name)));
   CHECK(contains(error("slider_crank", {"muu=1"}), "unknown option 'muu': must be one of mu, e, e_t, clearance"));
   CHECK(contains(error("slider_crank", {"e=2"}), "option e = 2: must be in [0, 1]"));
   CHECK(contains(error("slider_crank", {"mu=nan"}), "option mu = nan: must be in"));

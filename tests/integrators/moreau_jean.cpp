@@ -3,6 +3,11 @@
 #include "tests/support/allocations.h"
 #include "tests/support/runs.h"
 
+#include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/impact_oscillator.h>
+#include <orthant/core/scenes/incline.h>
+#include <orthant/core/scenes/stick_slip.h>
 #include <orthant/integrators/moreau_jean.h>
 
 #include <doctest/doctest.h>
@@ -12,26 +17,6 @@
 using namespace orthant;
 
 namespace {
-
-constexpr double kG = 9.81;
-
-/// A point-like disc above the ground y = 0.
-Scene ball(double height, double restitution, double mu = 0) {
-  Scene s;
-  s.gravity = {0, -kG};
-  const auto b = s.body({.name = "ball", .mass = 2, .inertia = 0.3, .position = {0, height}});
-  s.contact(CornerWall{"floor", b, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu, .e = restitution}});
-  return s;
-}
-
-/// A block that cannot turn in effect (great inertia) on a slope, gravity turned instead of the floor.
-Scene block(double slope, double mu, double speed) {
-  Scene s;
-  s.gravity = {-kG * std::sin(slope), -kG * std::cos(slope)};  // +x is up the slope
-  const auto b = s.body({.name = "block", .mass = 1, .inertia = 1e6, .position = {0, 0}, .velocity = {speed, 0}});
-  s.contact(CornerWall{"floor", b, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
-  return s;
-}
 
 Run run_for(Scene scene, double duration, std::string_view integrator, double h, const Recorder& record = {}) {
   scene.duration = duration;
@@ -47,17 +32,11 @@ class GivesUp final : public Solver {
 }  // namespace
 
 TEST_CASE("bouncing ball: L1 position error is first order in h") {
-  const double e = 0.5, fall = std::sqrt(2 / kG);
-  const auto height = [&](double t) {  // flights between impacts, until the accumulation point
-    double begin = 0, speed = 0, from = 1;
-    double end = fall, next = e * kG * fall;
-    for (int n = 0; n < 60 && t > end; ++n) begin = end, from = 0, speed = next, end += 2 * next / kG, next *= e;
-    return t > end ? 0.0 : from + speed * (t - begin) - kG / 2 * (t - begin) * (t - begin);
-  };
+  const BouncingBall ball;
   const auto error = [&](double h) {
     double sum = 0;
-    run_for(ball(1, e), 1.5, "moreau-jean", h,
-            [&](const Moment& m) { sum += h * std::abs(m.state.q[1] - height(m.state.t)); });
+    run_for(bouncing_ball(ball), 1.5, "moreau-jean", h,
+            [&](const Moment& m) { sum += h * std::abs(m.state.q[1] - ball.at(m.state.t).x); });
     return sum;
   };
   const Fit fit = fit_order({.coarsest = 1e-2, .octaves = 6, .steps_per_octave = 16}, error);
@@ -67,15 +46,15 @@ TEST_CASE("bouncing ball: L1 position error is first order in h") {
 }
 
 TEST_CASE("elastic ball: theta = 1/2 keeps the energy") {
-  const Run r = run_for(ball(1, 1), 100, "moreau-jean", 1e-3);
+  const Run r = run_for(bouncing_ball({.e = 1}), 100, "moreau-jean", 1e-3);
   CHECK(r.lcp_solves > 90);
   CHECK(std::abs(r.energy_final - r.energy_initial) < 1e-11 * r.energy_initial);
 }
 
 TEST_CASE("free fall: theta > 1/2 loses (theta - 1/2) m g² h a second") {
   const double h = 1e-3, theta = 0.8;
-  const Run r = run_for(ball(1000, 0), 1, "moreau-jean:theta=0.8", h);
-  CHECK(r.energy_final - r.energy_initial == doctest::Approx(-2 * (theta - 0.5) * kG * kG * h).epsilon(1e-9));
+  const Run r = run_for(bouncing_ball({.height = 1000}), 1, "moreau-jean:theta=0.8", h);
+  CHECK(r.energy_final - r.energy_initial == doctest::Approx(-(theta - 0.5) * kGravity * kGravity * h).epsilon(1e-9));
 }
 
 TEST_CASE("oscillator: one step multiplies the energy by (1 + (1-theta)² w² h²) / (1 + theta² w² h²)") {
@@ -91,14 +70,14 @@ TEST_CASE("oscillator: one step multiplies the energy by (1 + (1-theta)² w² h�
 }
 
 TEST_CASE("block on a slope: sticks below the friction angle without creep, slides above it at the right rate") {
-  const double slope = std::acos(-1.0) / 6, critical = std::tan(slope);
-  const Run stick = run_for(block(slope, critical + 1e-6, 0), 1, "moreau-jean", 1e-3);
+  const double critical = std::tan(Incline{}.slope);
+  const Run stick = run_for(incline({.mu = critical + 1e-6, .speed = 0}), 1, "moreau-jean", 1e-3);
   CHECK(std::abs(stick.final.v[0]) <= 1e-12);
-  const Run slide = run_for(block(slope, critical - 1e-6, 0), 1, "moreau-jean", 1e-3);
-  CHECK(slide.final.v[0] == doctest::Approx(-kG * std::cos(slope) * 1e-6).epsilon(1e-6));
-  const Run down = run_for(block(slope, 0.8, -2), 2, "moreau-jean", 1e-4);
-  CHECK(down.final.q[0] == doctest::Approx(-1.0573242237535354).epsilon(1e-3));
-  CHECK(down.final.v[0] == doctest::Approx(0.0));
+  const Incline creep{.mu = critical - 1e-6, .speed = 0}, stop{.mu = 0.8, .speed = -2};
+  CHECK(run_for(incline(creep), 1, "moreau-jean", 1e-3).final.v[0] == doctest::Approx(creep.at(1).v).epsilon(1e-6));
+  const Run down = run_for(incline(stop), 2, "moreau-jean", 1e-4);
+  CHECK(down.final.q[0] == doctest::Approx(stop.at(2).x).epsilon(1e-3));
+  CHECK(std::abs(down.final.v[0]) <= 1e-12);
 }
 
 TEST_CASE("reduced and full form give the same step to rounding") {
@@ -125,7 +104,8 @@ TEST_CASE("reduced and full form give the same step to rounding") {
 
 TEST_CASE("a scene is charged only for what it contains") {
   const auto rows_at_rest = [](double mu, double height, bool joints) {
-    Scene s = ball(height, 0, mu);
+    Scene s = bouncing_ball({.height = height});
+    std::get<CornerWall>(s.contacts[0]).law = {.mu = mu};
     s.contact(CornerWall{"ceiling", 0, {0, 0}, kGround, {0, 10}, {0, -1}, {.mu = 0.5}});  // open for ever
     if (joints) s.joint(Distance{"rope", 0, kGround, {0, 0}, {0, 5}, 5 - height});
     const System system(s);
@@ -138,13 +118,13 @@ TEST_CASE("a scene is charged only for what it contains") {
   CHECK(rows_at_rest(0, 0, false) == 1);    // no friction row where mu = 0
   CHECK(rows_at_rest(0.3, 0, false) == 2);  // the open contact's friction is not there either
   CHECK(rows_at_rest(0.3, 0, true) == 2);   // joints are eliminated, not added
-  const System free(ball(0, 0));
+  const System free(bouncing_ball());
   CHECK(free.joint_rows() == 0);
   CHECK(BasicSystem(free).joint_rows() == 0);
 }
 
 TEST_CASE("a failed solve leaves the state as it was and keeps the problem") {
-  const System system(ball(0, 0));
+  const System system(bouncing_ball({.height = 0, .e = 0}));
   MoreauJean scheme(system);
   GivesUp solver;
   State x = system.initial_state();
@@ -185,14 +165,15 @@ TEST_CASE("the step loop allocates nothing after its first step") {
 }
 
 TEST_CASE("the last step ends at the duration, the clock refuses nonsense") {
-  CHECK(run_for(ball(1, 0), 0.25, "moreau-jean", 0.1).steps == 3);
-  CHECK(run_for(ball(1, 0), 0.25, "moreau-jean", 0.1).final.t == 0.25);
-  CHECK(run_for(ball(1, 0), 0.3, "moreau-jean", 0.1).steps == 3);
+  CHECK(run_for(bouncing_ball(), 0.25, "moreau-jean", 0.1).steps == 3);
+  CHECK(run_for(bouncing_ball(), 0.25, "moreau-jean", 0.1).final.t == 0.25);
+  CHECK(run_for(bouncing_ball(), 0.3, "moreau-jean", 0.1).steps == 3);
   for (const double h : {0.0, -1.0, std::nan(""), kInf})
-    CHECK_THROWS_WITH_AS(run_for(ball(1, 0), 1, "moreau-jean", h), doctest::Contains("step = "), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(run_for(ball(1, 0), -1, "moreau-jean", 0.1), doctest::Contains("duration = -1"),
+    CHECK_THROWS_WITH_AS(run_for(bouncing_ball(), 1, "moreau-jean", h), doctest::Contains("step = "),
+                         std::invalid_argument);
+  CHECK_THROWS_WITH_AS(run_for(bouncing_ball(), -1, "moreau-jean", 0.1), doctest::Contains("duration = -1"),
                        std::invalid_argument);
-  const System system(ball(1, 0));
+  const System system(bouncing_ball());
   CHECK_THROWS_WITH_AS(make_integrator("euler", system), doctest::Contains("moreau-jean"), std::invalid_argument);
   CHECK_THROWS_WITH_AS(make_integrator("moreau-jean:theta=2", system), doctest::Contains("[0.5, 1]"),
                        std::invalid_argument);

@@ -1,0 +1,40 @@
+#include <orthant/core/scenes/elliptic.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace orthant {
+namespace {
+
+constexpr std::size_t kSteps = 10;
+
+}  // namespace
+
+double agm(double a, double b) {
+  for (std::size_t n = 0; n < kSteps; ++n) {
+    const double mean = (a + b) / 2;
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return a;
+}
+
+double quarter_period(double k_prime) { return std::numbers::pi / (2 * agm(1, k_prime)); }
+
+double amplitude(double u, double k_prime) {
+  std::array<double, kSteps> ratio{};  // c_n / a_n
+  double a = 1, b = k_prime, scale = 1;
+  for (double& r : ratio) {
+    const double mean = (a + b) / 2, c = (a - b) / 2;
+    b = std::sqrt(a * b);
+    a = mean;
+    r = c / a;
+    scale *= 2;
+  }
+  double phi = scale * a * u;
+  for (std::size_t n = kSteps; n-- > 0;) phi = (phi + std::asin(ratio[n] * std::sin(phi))) / 2;
+  return phi;
+}
+
+}  // namespace orthant

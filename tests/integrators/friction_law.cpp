@@ -1,0 +1,73 @@
+// Static friction above kinetic, and surfaces that move: what Moreau–Jean stepping makes of them.
+#include "experiments/support/fit_order.h"
+#include "tests/support/runs.h"
+
+#include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/incline.h>
+#include <orthant/core/scenes/stick_slip.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace orthant;
+
+namespace {
+
+template <class Answer> double L1_error(Scene scene, double duration, const Answer& exact, double h) {
+  scene.duration = duration;
+  double sum = 0;
+  run(scene, kSymmetric, h, [&](const Moment& m) { sum += h * std::abs(m.state.q[0] - exact.at(m.state.t).x); });
+  return sum;
+}
+
+ContactLaw& law_of(Scene& scene) { return std::get<CornerWall>(scene.contacts[0]).law; }
+
+}  // namespace
+
+TEST_CASE("stick-slip: two periods, first order in h") {
+  const StickSlip p;
+  const auto error = [&](double h) { return L1_error(stick_slip(p), 2 * p.period(), p, h); };
+  const Fit fit = fit_order({.coarsest = 2e-2, .octaves = 5, .steps_per_octave = 6}, error);
+  MESSAGE("order " << fit.order << ", scatter " << fit.scatter << ", error " << fit.worst.back().error);
+  CHECK(std::abs(fit.order - 1) < 0.15);
+  CHECK(fit.scatter < 0.3);
+}
+
+TEST_CASE("Coulomb decay: stops where it should, and stays to the last bit") {
+  const CoulombDecay p;
+  Scene scene = coulomb_decay(p);
+  double last = 0;
+  const Run r = run(scene, kSymmetric, 1e-3, [&](const Moment& m) {
+    if (m.state.t > 8 * p.half_swing()) CHECK(m.state.q[0] == doctest::Approx(last).epsilon(1e-15));
+    last = m.state.q[0];
+  });
+  CHECK(std::abs(r.final.q[0] + 0.2) < 5e-3);
+  CHECK(std::abs(r.final.v[0]) < 1e-15);
+}
+
+TEST_CASE("static friction holds what kinetic friction cannot, at the start and after a stop") {
+  for (const double speed : {0.0, 1.0}) {
+    const Incline p{.mu = 0.3, .mu_static = 0.6, .speed = speed};  // tan 30° = 0.577
+    const Run r = run(incline(p), kSymmetric, 1e-3);
+    CHECK(std::abs(r.final.v[0]) <= 1e-12);
+    CHECK(std::abs(r.final.q[0] - p.at(2).x) < 2e-3);
+  }
+  const Incline slides{.mu = 0.3, .mu_static = 0.57, .speed = 1};
+  CHECK(run(incline(slides), kSymmetric, 1e-3).final.v[0] == doctest::Approx(slides.at(2).v).epsilon(1e-2));
+}
+
+TEST_CASE("a belt takes a block along: the motion is that on a resting floor, seen from the belt") {
+  Scene moving = incline({.mu = 0.5, .speed = 2}), resting = incline({.mu = 0.5, .speed = 1.3});
+  law_of(moving).belt = 0.7;
+  const Run a = run(moving, kSymmetric, 1e-3), b = run(resting, kSymmetric, 1e-3);
+  CHECK(a.final.v[0] == doctest::Approx(b.final.v[0] + 0.7).epsilon(1e-12));
+  CHECK(a.final.q[0] == doctest::Approx(b.final.q[0] + 0.7 * 2).epsilon(1e-12));
+}
+
+TEST_CASE("mu_static equal to mu, and friction given as static alone") {
+  Scene plain = incline({.mu = 0.5}), same = incline({.mu = 0.5, .mu_static = 0.5});
+  CHECK(run(plain, kSymmetric, 1e-3).final.q == run(same, kSymmetric, 1e-3).final.q);
+  const Run r = run(incline({.mu = 0, .mu_static = 0.6, .speed = 0}), kSymmetric, 1e-3);
+  CHECK(std::abs(r.final.v[0]) <= 1e-12);
+}
