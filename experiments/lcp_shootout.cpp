@@ -2,7 +2,8 @@
 //
 // Every solver of the registry on problem families, known problems, steps of simulations, and files. Each case is a
 // process of its own with a time limit; the residual is recomputed by a second judge; failures are rows too. Writes a row
-// per case, a summary per solver, a manifest. Times are processor time.
+// per case (what there is, every minute), a summary per solver, a table of what really answered, a manifest. Times are
+// processor time.
 #include "experiments/support/isolated.h"
 #include "experiments/support/lcp_cases.h"
 #include "experiments/support/lcp_trial.h"
@@ -16,6 +17,8 @@
 #include <CLI/CLI.hpp>
 
 #include <array>
+#include <chrono>
+#include <functional>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -74,7 +77,8 @@ Trial trial_of(const Outcome& outcome) {
   return t;
 }
 
-std::vector<Row> run_all(const Plan& plan, const std::vector<LcpCase>& cases, std::vector<Problem>& problems) {
+std::vector<Row> run_all(const Plan& plan, const std::vector<LcpCase>& cases, std::vector<Problem>& problems,
+                         const std::function<void(const std::vector<Row>&)>& save) {
   const auto work_of = [](const LcpCase& c) { return std::sqrt(static_cast<double>(c.size)); };  // a rough guess
   double work = 0;
   for (const LcpCase& c : cases) work += work_of(c) * static_cast<double>(plan.solvers.size());
@@ -83,7 +87,12 @@ std::vector<Row> run_all(const Plan& plan, const std::vector<LcpCase>& cases, st
   rows.reserve(cases.size() * plan.solvers.size());
   OutOfTime out_of_time;
   Isolated processes(plan.jobs, static_cast<std::size_t>(plan.memory * 0x1p30));
+  auto saved = std::chrono::steady_clock::now();
   for (std::size_t p = 0; p < cases.size(); ++p) {
+    if (std::chrono::steady_clock::now() - saved > std::chrono::minutes(1)) {
+      save(rows);
+      saved = std::chrono::steady_clock::now();
+    }
     const LcpCase& c = cases[p];
     const Lcp problem = c.make();
     problems.push_back({c, group(c, problem), problem.size(), 1 + problem.b.lpNorm<Eigen::Infinity>()});
@@ -167,6 +176,20 @@ Summary summary(const Plan& plan, const std::vector<Row>& rows, const std::vecto
   return table;
 }
 
+/// What really answered, by solver and family: a method that hands a problem on, or has shortcuts, is seen here.
+std::string paths(const Plan& plan, const std::vector<Row>& rows, const std::vector<Problem>& problems) {
+  std::map<std::array<std::string, 3>, std::array<int, 2>> count;  // certified, others
+  for (const Row& row : rows)
+    if (row.result != Result::refused && row.result != Result::skipped)
+      ++count[{plan.solvers[row.solver], problems[row.problem].about.family, row.trial.stages}]
+             [row.result == Result::certified ? 0 : 1];
+  std::string text = "solver,family,stages,certified,not_certified\n";
+  for (const auto& [key, n] : count)
+    text += quoted(key[0]) + ',' + key[1] + ',' + quoted(key[2]) + ',' + std::to_string(n[0]) + ',' +
+            std::to_string(n[1]) + '\n';
+  return text;
+}
+
 void print(const Summary& table) {
   for (const auto& line : table) {
     std::cout << std::left << std::setw(16) << line[0] << std::right;
@@ -188,11 +211,14 @@ void run(const Plan& plan, const std::string& command_line) {
   std::filesystem::create_directories(plan.output);
   check_writable(plan.output / "shootout.csv");
   std::vector<Problem> problems;
-  std::vector<Row> rows = run_all(plan, lcp_cases(plan.choice), problems);
+  std::vector<Row> rows = run_all(plan, lcp_cases(plan.choice), problems, [&](const std::vector<Row>& so_far) {
+    write_whole(plan.output / "shootout.csv", table(plan, so_far, problems));
+  });
   compare(rows, problems);
   const Summary result = summary(plan, rows, problems);
   write_whole(plan.output / "shootout.csv", table(plan, rows, problems));
   write_whole(plan.output / "summary.csv", csv(result));
+  write_whole(plan.output / "paths.csv", paths(plan, rows, problems));
   auto about = manifest();
   about["command"] = command_line;
   about["options"] = {{"solvers", plan.solvers},

@@ -133,9 +133,13 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
   for (; k < kCount && solver == nullptr; ++k) solver = work.step(k, problem);
   if (solver == nullptr) return false;
   work.next = k--;
-  bool last = true;
-  for (std::size_t later = k + 1; later < kCount && last; ++later) last = work.step(later, problem) == nullptr;
-  solver->set_time_limit(last ? budget().remaining() : budget().remaining() / 2);
+  double share = budget().remaining();
+  if (share < kInf) {
+    bool last = true;
+    for (std::size_t later = k + 1; later < kCount && last; ++later) last = work.step(later, problem) == nullptr;
+    if (!last) share /= 2;
+  }
+  solver->set_time_limit(share);
   solver->set_cancel(budget().cancel());
   if (work.warm) work.inner.z = work.start;
   solver->solve(problem, work.inner, work.warm ? Start::warm : Start::cold);

@@ -1,5 +1,7 @@
 #include <orthant/solvers/basis.h>
 
+#include <orthant/solvers/effort.h>
+
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -9,8 +11,10 @@ namespace {
 
 constexpr Index kDiagnosed = 2000;  // columns of a sparse core that a dense factorization looks at when it is singular
 
-template <class T> constexpr T kZero = 64 * std::numeric_limits<T>::epsilon();     // a pivot of a scaled core
-template <class T> constexpr T kUpdate = 1e5 * std::numeric_limits<T>::epsilon();  // |x_k| beside ‖x‖∞
+using std::abs, std::ilogb, std::isfinite, std::ldexp;  // those of Wide are found by its namespace
+
+template <class T> const T kZero = 64 * std::numeric_limits<T>::epsilon();     // a pivot of a scaled core
+template <class T> const T kUpdate = 1e5 * std::numeric_limits<T>::epsilon();  // |x_k| beside ‖x‖∞
 
 }  // namespace
 
@@ -29,7 +33,7 @@ template <class T> bool Basis<T>::factorize_gathered() {
   missing_.clear();
   whole_.resize(at(n_));
   for (const T& value : value_)
-    if (!std::isfinite(value)) return false;
+    if (!isfinite(value)) return false;
   gather_core();
   const auto m = static_cast<Index>(core_row_.size());
   core_.resize(at(m));
@@ -47,18 +51,19 @@ template <class T> bool Basis<T>::factorize_gathered() {
     low_.assign(at(m), std::numeric_limits<int>::max());
     high_.assign(at(m), std::numeric_limits<int>::min());
     for_each_entry([&](Index r, Index c, T value) {
-      const int exponent = std::ilogb(value * row_scale_[at(r)] * col_scale_[at(c)]);
+      const int exponent = ilogb(value * row_scale_[at(r)] * col_scale_[at(c)]);
       int& low = low_[at(rows ? r : c)];
       int& high = high_[at(rows ? r : c)];
       low = std::min(low, exponent), high = std::max(high, exponent);
     });
     for (Index i = 0; i < m; ++i)
       if (low_[at(i)] <= high_[at(i)])
-        scale[at(i)] = std::ldexp(scale[at(i)], middle ? -(low_[at(i)] + high_[at(i)]) / 2 : -high_[at(i)]);
+        scale[at(i)] = ldexp(scale[at(i)], middle ? -(low_[at(i)] + high_[at(i)]) / 2 : -high_[at(i)]);
   };
   for (int sweep = 0; sweep < 2; ++sweep) center(row_scale_, true, true), center(col_scale_, false, true);
   center(col_scale_, false, false);
 
+  count_factorization(m);
   if (sparse_) {
     klu_start_.assign(1, 0);
     klu_row_.clear();
@@ -161,7 +166,7 @@ template <class T> void Basis<T>::solve_transposed(View y) {
 }
 
 template <class T> bool Basis<T>::replace(Index k, ConstView x) {
-  const T size = x.cwiseAbs().maxCoeff(), pivot = std::abs(x[k]);
+  const T size = x.cwiseAbs().maxCoeff(), pivot = abs(x[k]);
   if (updates() >= update_limit_ || !(pivot > kUpdate<T> * size)) return false;
   pivot_ratio_ = std::min(pivot_ratio_, pivot / size);
   for (Index i = 0; i < n_; ++i) {
@@ -177,5 +182,6 @@ template <class T> bool Basis<T>::replace(Index k, ConstView x) {
 
 template class Basis<double>;
 template class Basis<long double>;
+template class Basis<detail::Wide>;
 
 }  // namespace orthant

@@ -8,7 +8,7 @@
 //        of the inverse). A solve then applies one E⁻¹ an update, O(nonzeros of x).
 //     3. After `update_limit` updates, or when x_k is so small that dividing by it would lose the digits, replace()
 //        refuses and the caller factorizes anew, whatever it was about to replace included.
-//   T = double or long double; a sparse core in long double is factorized densely.
+//   T = double, long double or 256 bits (wide.h); a sparse core in the last two is factorized densely.
 //   Sources: Dantzig & Orchard-Hays, Math. Tables Aids Comput. 8 (1954) 64-67 (product form); Chvátal, Linear
 //   Programming (1983), ch. 7, 24.
 #pragma once
@@ -16,6 +16,7 @@
 #include <orthant/core/support/reusable.h>
 #include <orthant/solvers/dense_lu.h>
 #include <orthant/solvers/sparse_lu.h>
+#include <orthant/solvers/wide.h>
 
 #include <vector>
 
@@ -99,5 +100,6 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
 
 extern template class Basis<double>;
 extern template class Basis<long double>;
+extern template class Basis<detail::Wide>;
 
 }  // namespace orthant

@@ -34,6 +34,7 @@ template <class T> class DenseLu {  // reuse it
 
   /// The rank found; solves are for full rank only.
   Index factorize(T zero) {
+    using std::abs;
     row_.resize(u(m_)), column_.resize(u(m_)), scratch_.resize(u(m_));
     for (Index i = 0; i < m_; ++i) row_[u(i)] = column_[u(i)] = i;
     Dense A(storage_.data(), m_, m_);
@@ -64,10 +65,10 @@ template <class T> class DenseLu {  // reuse it
         ++k;
       }
     }
-    least_ = largest_ = m_ > 0 ? std::abs(A(0, 0)) : T(1);
+    least_ = largest_ = m_ > 0 ? abs(A(0, 0)) : T(1);
     for (Index k = 0; k < end; ++k) {
-      least_ = std::min(least_, std::abs(A(k, k)));
-      largest_ = std::max(largest_, std::abs(A(k, k)));
+      least_ = std::min(least_, abs(A(k, k)));
+      largest_ = std::max(largest_, abs(A(k, k)));
     }
     return end;
   }

@@ -3,6 +3,7 @@
 #include <orthant/core/lcp/definite.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orthant {
@@ -11,6 +12,7 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kExact = 1e-13;  // residual, relative as certify() has it, at which crossover is done
 constexpr double kNoise = 16;     // ρ (solution.h) times this: what rounding explains
+constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start beside Mehrotra's
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -125,8 +127,8 @@ double InteriorPoint::step_length() const {
   return step;
 }
 
-/// (A + diag) z = −b, then Mehrotra's shifts.
-bool InteriorPoint::start(const Lcp& p) {
+/// (A + diag) z = −b, then Mehrotra's shifts, the slacks `farther` from the boundary.
+bool InteriorPoint::start(const Lcp& p, double farther) {
   shift_ = scale_;
   for (int attempt = 0; !block_.factorize(open_, &shift_); ++attempt) {  // A = −diag, say
     if (attempt == 3) return false;
@@ -160,6 +162,7 @@ bool InteriorPoint::start(const Lcp& p) {
     s_[k] += more_s, l_[k] += more_l;
     if (!(s_[k] > 0)) s_[k] = unit_l > 0 ? unit_l / scale : 1;
     if (!(l_[k] > 0)) l_[k] = unit_l > 0 ? unit_l : scale;
+    if (farther > 1) s_[k] = farther * std::max(s_[k], more_s);
   }
   return z_.allFinite();
 }
@@ -266,8 +269,9 @@ bool InteriorPoint::prove(const Lcp& p, Vector& u) {
   return false;
 }
 
-Status InteriorPoint::iterate(const Lcp& p, Solution& s) {
-  if (!start(p)) return Status::numerical_error;
+Status InteriorPoint::iterate(const Lcp& p, Solution& s, double farther) {
+  if (!start(p, farther)) return Status::numerical_error;
+  const int patience = farther < kStarts.back() ? 8 : 20;
   const double unit = std::max(z_.lpNorm<Eigen::Infinity>(), s_.size() > 0 ? s_.lpNorm<Eigen::Infinity>() : 0.0);
   // Crossover is worth its factorizations once the guess stands still, and then again when it moved less or μ fell.
   Index changed = s_.size(), few = changed / 200;
@@ -278,7 +282,7 @@ Status InteriorPoint::iterate(const Lcp& p, Solution& s) {
     stuck = error_ < 0.9 * least ? 0 : stuck + 1;
     least = std::min(least, error_);
     const double size = z_.lpNorm<Eigen::Infinity>();
-    const bool last = error_ <= 1e-14 || bounds_.empty() || stuck > 20 || size > 1e12 * unit;
+    const bool last = error_ <= 1e-14 || bounds_.empty() || stuck > patience || size > 1e12 * unit;
     if (!options_.crossover) {
       if (keep(p, z_)) return Status::solved;
     } else if (last || error_ <= tried || (error_ <= 1e-3 && changed <= few)) {
@@ -356,18 +360,7 @@ const Lcp& InteriorPoint::prepared(const Lcp& given) {
   if (high - low <= 24)  // not clearly a D₁ M D₂: only D M D surely keeps it monotone
     for (Index i = 0; i < p.size(); ++i)
       row[i] = col[i] = std::ldexp(1.0, (std::ilogb(row[i]) + std::ilogb(col[i])) / 2);
-  if (from == &given) scaled_ = p;
-  if (auto* dense = std::get_if<DenseMatrix>(&scaled_.A)) {
-    for (Index j = 0; j < p.size(); ++j) dense->col(j).array() *= row.array() * col[j];
-  } else {
-    auto& sparse = std::get<RowSparse>(scaled_.A);
-    for (Index i = 0; i < p.size(); ++i)
-      for (auto k = at(sparse.start[at(i)]); k < at(sparse.start[at(i) + 1]); ++k)
-        sparse.value[k] *= row[i] * col[sparse.column[k]];
-  }
-  scaled_.b.array() *= row.array();
-  scaled_.lo.array() /= col.array();
-  scaled_.hi.array() /= col.array();
+  scaling_.apply(p, scaled_);
   return scaled_;
 }
 
@@ -397,7 +390,15 @@ Status InteriorPoint::method(const Lcp& p, Solution& s, Start start) {
     }
     if (cross(p, 0)) return Status::solved;
   }
-  return iterate(p, s);
+  Status claim = Status::stalled;
+  for (const double farther : kStarts) {
+    if (farther > 1) log(s.iterations, best_.residual, 0, "farther start");
+    claim = iterate(p, s, farther);
+    if (claim == Status::time_limit || s.certificate.size() > 0 || s.iterations >= options_.max_iterations) break;
+    judge_.certify(p, options_.tolerance, Status::solved, best_);
+    if (best_.status == Status::solved) break;
+  }
+  return claim;
 }
 
 }  // namespace orthant

@@ -10,7 +10,9 @@
 //   and one step length for s, z and l: with A not zero, steps of their own would spoil A z + b − Σ σ l. The start is
 //   infeasible: (A + diag) z = −b, then s and l shifted until positive. A + D may be singular on free rows, or to
 //   rounding: D is kept above 1e-14 of A's entries, more where that is not enough.
-//   Where that allows no step of 0.3, one with the second-order term times α_a², then one of centring alone is tried.
+//   A start that is much closer to the boundary than the solution makes steps short: no progress in 8 iterations, and it
+//   begins anew with slacks 1e3, 1e6, 1e9 times as large (mass ratios of 1e10 need that).
+//   Where the corrector allows no step of 0.3, one with the second-order term times α_a², then one of centring alone is tried.
 //   Crossover: once the rows' sides stand still from one iteration to the next (the predictor tells them: ds/s + dl/l = −1,
 //   and the one of s, l that vanishes is near −1), the equations w_F = 0 of the rows inside are solved by
 //     z_F ← z_F − (A_FF + t D_F)⁻¹ w_F,   t D at most 1e-8 of A's entries (smaller where that is slow),
@@ -62,8 +64,8 @@ class InteriorPoint final : public Solver {
   const Lcp& prepared(const Lcp& problem);
   Status method(const Lcp& problem, Solution& s, Start start);
   void load(const Lcp& problem);
-  bool start(const Lcp& problem);
-  Status iterate(const Lcp& problem, Solution& s);
+  bool start(const Lcp& problem, double farther);
+  Status iterate(const Lcp& problem, Solution& s, double farther);
   void residuals(const Lcp& problem);  // w_, r_, gap_, error_, mu_ at the iterate
   void barrier();                      // D_
   bool factorize();

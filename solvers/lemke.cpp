@@ -33,7 +33,7 @@ constexpr Index kExtended = 100;   // rows beyond which refinement comes sooner 
 constexpr Index kExact = 24;       // rows up to which rationals stay short
 constexpr Index kTableau = 10000;
 constexpr Index kRevisedOnly = 2000;  // rows beyond which no tableau is tried after the revised form
-constexpr Index kWide = 500;          // rows up to which 256 bits take seconds
+constexpr Index kWide = 600;          // rows up to which 256 bits take seconds
 
 // The attempts of the rescue, in turn. After the last: every basis, or other covering vectors.
 enum class Arithmetic { plain, refined, extended, wide, exact };

@@ -1,5 +1,6 @@
 #include <orthant/solvers/newton_fb.h>
 
+#include <orthant/solvers/effort.h>
 #include <orthant/solvers/fischer_burmeister.h>
 
 #include <Eigen/SparseCholesky>
@@ -7,6 +8,7 @@
 #include <Eigen/UmfPackSupport>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orthant {
@@ -14,7 +16,31 @@ namespace orthant {
 using detail::complementarity_row;
 using detail::Slope;
 
+namespace {
+
+constexpr std::array kWeights = {1.0, 1e-3, 1e-6, 1e-9};  // of d z beside w
+constexpr int kPatience = 40;                             // iterations in which ‖Φ‖ should halve
+
+}  // namespace
+
 Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
+  weight_of_z_ = kWeights[0];
+  patient_ = false;
+  start_ = s.z;
+  return attempt(problem, s);
+}
+
+bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+  if (attempt > static_cast<int>(kWeights.size()) || problem.size() == 0) return false;
+  patient_ = attempt == static_cast<int>(kWeights.size());
+  weight_of_z_ = patient_ ? kWeights[0] : kWeights[static_cast<std::size_t>(attempt)];
+  s.z = start_;
+  log(s.iterations, s.residual, 0, patient_ ? "patiently" : "z weighs less");
+  claim = this->attempt(problem, s);
+  return true;
+}
+
+Status NewtonFb::attempt(const Lcp& problem, Solution& s) {
   if (problem.size() == 0) return Status::solved;
   const bool reduced = !problem.friction.empty();
   const Lcp& pure = reduced ? pyramid_.pure(problem) : problem;
@@ -31,22 +57,19 @@ Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
   return claim;
 }
 
-/// The merit adds up rows: where their units lie far apart (dense storage), they are brought together first.
+/// The merit adds up rows: where their units lie far apart, they are brought together first.
 Status NewtonFb::in_good_units(const Lcp& p, Solution& s) {
-  const auto* A = std::get_if<DenseMatrix>(&p.A);
-  if (A == nullptr) return iterate(p, s, y_);
-  scaling_.fit(*A);
-  const auto row = scaling_.row.array(), col = scaling_.col.array();
-  if ((row == 1).all() && (col == 1).all()) return iterate(p, s, y_);
-  auto& scaled = std::get<DenseMatrix>(scaled_.A);
-  scaled.resize(A->rows(), A->cols());
-  scaled.noalias() = scaling_.row.asDiagonal() * *A * scaling_.col.asDiagonal();
-  scaled_.b = p.b.array() * row;
-  scaled_.lo = p.lo.array() / col;
-  scaled_.hi = p.hi.array() / col;
-  y_.array() /= col;
+  scaling_.clear();
+  std::visit(
+      [this](const auto& A) {
+        if constexpr (requires { scaling_.fit(A); }) scaling_.fit(A);  // not a Delassus operator
+      },
+      p.A);
+  if (scaling_.trivial()) return iterate(p, s, y_);
+  scaling_.apply(p, scaled_);
+  y_.array() /= scaling_.col.array();
   const Status claim = iterate(scaled_, s, y_);
-  y_.array() *= col;
+  y_.array() *= scaling_.col.array();
   return claim;
 }
 
@@ -67,6 +90,7 @@ void NewtonFb::element(const Lcp& p, const Vector& z) {
 }
 
 bool NewtonFb::direction(const Lcp& p, double weight) {
+  count_factorization(p.size());
   if (const auto* sparse = std::get_if<RowSparse>(&p.A)) {
     Eigen::SparseMatrix<double, Eigen::RowMajor> V = db_.asDiagonal() * sparse->view();
     Eigen::SparseMatrix<double, Eigen::RowMajor> diagonal_part(p.size(), p.size());
@@ -132,11 +156,16 @@ bool NewtonFb::polish(const Lcp& p, Vector& z) {
 Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
   rows_.load(p, z);
   scale_.resize(p.size());
-  for (Index i = 0; i < p.size(); ++i) scale_[i] = rows_.scale(i);
+  for (Index i = 0; i < p.size(); ++i) scale_[i] = weight_of_z_ * rows_.scale(i);
   double now = merit(p, z);
   const double size = p.size() > 0 ? p.b.lpNorm<Eigen::Infinity>() : 0;
   recent_.assign(1, now);
-  while (s.iterations < options_.max_iterations) {
+  double best = kInf;
+  int creeping = 0;
+  for (int begun = s.iterations; s.iterations - begun < options_.max_iterations;) {
+    creeping = now < 0.25 * best ? 0 : creeping + 1;
+    best = creeping == 0 ? now : best;
+    if (!patient_ && creeping > kPatience) return Status::stalled;
     if (std::sqrt(now) <= 1e-15 * size) return Status::solved;
     if (std::sqrt(now) <= 1e-4 * size && polish(p, z)) {
       const double polished = merit(p, z);

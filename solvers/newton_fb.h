@@ -7,8 +7,11 @@
 //   step that is no descent (or a singular V) is replaced by a Levenberg–Marquardt step; Armijo line search,
 //   nonmonotone over `memory` iterations. Near the end the active rows are named and solved for (active_rows.h), which
 //   gives the last digits; the judge decides.
-//   Friction rows through the pure form (pyramid.h); dense rows and columns scaled by powers of 2 where the entries span
-//   many orders (scaling.h). The start value is used.  A stationary point of the merit that is
+//   d_i is A's largest entry in the row. Where z is much larger than w/d (mass ratios of 1e10), w alone counts in Φ and
+//   the iteration creeps: a run that creeps or fails is made again with d 1e-3, 1e-6, 1e-9 times that, at
+//   last patiently with d.
+//   Friction rows through the pure form (pyramid.h); rows and columns scaled by powers of 2 where the entries span many
+//   orders (scaling.h). The start value is used.  A stationary point of the merit that is
 //   no solution → stalled (for P0-matrices there is none).
 //   Source: Fischer, Optimization 24 (1992); De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407-439;
 //   Billups, PhD thesis, Univ. of Wisconsin (1995).
@@ -42,6 +45,8 @@ class NewtonFb final : public Solver {
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Status attempt(const Lcp& problem, Solution& s);
   Status in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
   Status iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ½‖Φ‖²; fills w_, phi_
@@ -54,7 +59,9 @@ class NewtonFb final : public Solver {
   detail::Scaling scaling_;
   Lcp scaled_;
   ActiveRows rows_;
-  Vector y_, w_, phi_, da_, db_, trial_, scratch_, d_, gradient_, scale_;
+  double weight_of_z_ = 1;  // beside w in φ
+  bool patient_ = false;    // also where the merit creeps
+  Vector start_, y_, w_, phi_, da_, db_, trial_, scratch_, d_, gradient_, scale_;
   DenseMatrix dense_;
   std::vector<double> recent_;
   DenseLu<double> lu_;

@@ -6,8 +6,12 @@
 namespace orthant {
 namespace {
 
-template <class T> constexpr T kEps = std::numeric_limits<T>::epsilon();
-template <class T> constexpr T kPivot = std::is_same_v<T, double> ? T(0x1p-36) : T(0x1p-47);  // beside its column
+using std::abs, std::ilogb, std::ldexp;  // those of Wide are found by its namespace
+
+template <class T> const T kEps = std::numeric_limits<T>::epsilon();
+template <class T> const T kPivot = std::is_same_v<T, double>        ? T(0x1p-36)
+                                    : std::is_same_v<T, long double> ? T(0x1p-47)
+                                                                     : T(0x1p-192);  // beside its column
 // What refinement changes shows how far rounding reaches, that of the data included: an entry of the entering column no
 // larger than kNoise of it is a zero, as cancellation leaves it in the degenerate problems of contact mechanics; ratios
 // that differ by no more than kTie of it are tied.
@@ -28,7 +32,7 @@ void NormalPath<T>::load(const Columns& M, const Vector& q, const Vector& lo, co
   low_.assign(n, 0), high_.assign(n, 0);
   int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
   for (const double value : M.value)
-    if (value != 0) least = std::min(least, std::ilogb(value)), most = std::max(most, std::ilogb(value));
+    if (value != 0) least = std::min(least, ilogb(value)), most = std::max(most, ilogb(value));
   for (int sweep = 0; sweep < 8 && most > least && most - least > 24; ++sweep) {
     auto& scale = sweep % 2 == 0 ? col_ : row_;
     std::fill(low_.begin(), low_.end(), std::numeric_limits<int>::max());
@@ -37,11 +41,11 @@ void NormalPath<T>::load(const Columns& M, const Vector& q, const Vector& lo, co
       M.each(j, [&](Index i, double value) {
         if (value == 0) return;
         const std::size_t k = at(sweep % 2 == 0 ? j : i);
-        const int exponent = std::ilogb(static_cast<T>(value) * row_[at(i)] * col_[at(j)]);
+        const int exponent = ilogb(static_cast<T>(value) * row_[at(i)] * col_[at(j)]);
         low_[k] = std::min(low_[k], exponent), high_[k] = std::max(high_[k], exponent);
       });
     for (std::size_t k = 0; k < n; ++k)
-      if (low_[k] <= high_[k]) scale[k] = std::ldexp(scale[k], -(low_[k] + high_[k]) / 2);
+      if (low_[k] <= high_[k]) scale[k] = ldexp(scale[k], -(low_[k] + high_[k]) / 2);
   }
   q_.resize(n), lo_.resize(n), hi_.resize(n), r_.resize(n), right_.resize(n), tilted_right_.resize(n);
   for (Index i = 0; i < n_; ++i) {
@@ -107,7 +111,7 @@ template <class T> bool NormalPath<T>::start(const Vector& x) {
                : x[i] > z || (x[i] == z && hi_[k] * col_[k] == x[i]) ? Side::upper
                                                                      : Side::inside;
     a_[i] = static_cast<T>(z) / col_[k];
-    d_[i] = std::abs(static_cast<T>(x[i]) - static_cast<T>(z)) * row_[k];  // w or v
+    d_[i] = abs(static_cast<T>(x[i]) - static_cast<T>(z)) * row_[k];  // w or v
   }
   if (!choose_basis()) return false;
   std::fill(right_.begin(), right_.end(), T(0));
@@ -181,10 +185,10 @@ template <class T> bool NormalPath<T>::recompute(bool with_t) {
   return a_.allFinite();
 }
 
-// long_ ← long_ − value · column, the sum in long double.
+// long_ ← long_ − value · column.
 template <class T> void NormalPath<T>::subtract(int code, T value) {
   if (value == T(0)) return;
-  column(code, [&](Index row, T entry) { long_[at(row)] -= static_cast<long double>(entry) * value; });
+  column(code, [&](Index row, T entry) { long_[at(row)] -= static_cast<Sum>(entry) * value; });
 }
 
 // values ← values + B⁻¹ (long_ − B values): the correction tells how wrong they were.
@@ -205,13 +209,13 @@ template <class T> void NormalPath<T>::refine_values(bool with_t) {
 
 // The entering column in terms of the basis.
 template <class T> bool NormalPath<T>::solve_entering() {
-  std::fill(long_.begin(), long_.end(), 0.0L);
+  std::fill(long_.begin(), long_.end(), Sum(0));
   d_.setZero();
   column(entering_, [this](Index row, T value) { d_[row] += value, long_[at(row)] += value; });
   basis_.solve(d_);
   refine(d_);
   for (Index k = 0; k < n_; ++k)
-    if (std::abs(d_[k]) <= kNoise * std::abs(correction_[k])) d_[k] = 0;
+    if (abs(d_[k]) <= kNoise * abs(correction_[k])) d_[k] = 0;
   return d_.allFinite();
 }
 
@@ -226,17 +230,17 @@ template <class T> int NormalPath<T>::ratio_test(int entering, T sign, T& step, 
   };
   for (Index k = 0; k < n_; ++k) {
     const T slope = sign * d_[k];
-    if (!(std::abs(slope) > tiny)) continue;
+    if (!(abs(slope) > tiny)) continue;
     const T room = slack(k, slope);
     if (room == T(kInf)) continue;
-    limit = std::min(limit, (std::max(room, T(0)) + kTie * error_[k]) / std::abs(slope));
+    limit = std::min(limit, (std::max(room, T(0)) + kTie * error_[k]) / abs(slope));
     tied_.push_back(static_cast<int>(k));
   }
   const T range = kind_of(entering) == 3 ? T(1) : upper(entering) - lower(entering);
   step = kInf;
   int best = -1;
   for (const int k : tied_) {
-    const T slope = sign * d_[k], ratio = std::max(slack(k, slope), T(0)) / std::abs(slope);
+    const T slope = sign * d_[k], ratio = std::max(slack(k, slope), T(0)) / abs(slope);
     if (ratio > limit) continue;
     const T lean = b_[k] / slope;
     if (code_[at(k)] == t_code()) {
@@ -271,7 +275,7 @@ template <class T> typename NormalPath<T>::End NormalPath<T>::follow(int max_piv
     const int k = ratio_test(entering_, sign_, step, tilt);
     if (k == -1) return End::ray;
     ++pivots_;
-    const T blur = k >= 0 ? error_[k] / std::abs(d_[k]) : T(0);
+    const T blur = k >= 0 ? error_[k] / abs(d_[k]) : T(0);
     error_ += blur * d_.cwiseAbs() + kEps<T> * (a_.cwiseAbs() + step * d_.cwiseAbs());
     a_ -= (sign_ * step) * d_;
     b_ -= (sign_ * tilt) * d_;
@@ -288,7 +292,7 @@ template <class T> typename NormalPath<T>::End NormalPath<T>::follow(int max_piv
     const T origin = kind_of(entering_) == 0 ? bound(i) : T(0);
     a_[k] = origin + sign_ * step;
     b_[k] = sign_ * tilt;
-    error_[k] = blur + kEps<T> * std::abs(a_[k]);
+    error_[k] = blur + kEps<T> * abs(a_[k]);
     code_[at(k)] = entering_;
     if (kind_of(entering_) == 0) side_[at(i)] = Side::inside;
     const int l = index_of(leaving), kind = kind_of(leaving);
@@ -352,5 +356,6 @@ template <class T> void NormalPath<T>::record(PathPoints& points) const {
 
 template class NormalPath<double>;
 template class NormalPath<long double>;
+template class NormalPath<detail::Wide>;
 
 }  // namespace orthant

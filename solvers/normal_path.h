@@ -15,7 +15,7 @@
 //   basis.h holds the factors, refactorized every 64 pivots. At each pivot the entering column and the basic values are
 //   refined with residuals in long double: in the problems of contact mechanics a basis may be so ill conditioned that
 //   the path is lost otherwise.   O(n²) a pivot when dense: four solves, two products with B.
-//   T = double or long double. Rows and columns are scaled by powers of 2.
+//   T = double, long double or 256 bits (wide.h). Rows and columns are scaled by powers of 2.
 //   Sources: Ralph, Math. Oper. Res. 19 (1994) 352-389; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156; Cottle,
 //   Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4, 4.9.
 #pragma once
@@ -65,6 +65,7 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
 
  private:
   enum class Side : char { lower, upper, inside };
+  using Sum = std::conditional_t<std::is_floating_point_v<T>, long double, T>;
   using Values = Reusable<Eigen::Matrix<T, Eigen::Dynamic, 1>>;  // by position
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   int t_code() const { return static_cast<int>(3 * n_); }
@@ -98,11 +99,12 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
   std::vector<int> code_;                        // by position: which variable is basic
   std::vector<Side> side_;                       // of each z
   Values a_, b_, d_, error_, rhs_, correction_;  // values a + b ε; bounds of a's error
-  std::vector<long double> long_;
+  std::vector<Sum> long_;
   std::vector<int> low_, high_, tied_;
 };
 
 extern template class NormalPath<double>;
 extern template class NormalPath<long double>;
+extern template class NormalPath<detail::Wide>;
 
 }  // namespace orthant

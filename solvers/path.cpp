@@ -1,6 +1,8 @@
 #include <orthant/solvers/path.h>
 
 #include <orthant/core/lcp/pyramid.h>
+#include <orthant/solvers/coarse_start.h>
+#include <orthant/solvers/effort.h>
 #include <orthant/solvers/farkas.h>
 #include <orthant/solvers/fischer_burmeister.h>
 #include <orthant/solvers/normal_path.h>
@@ -13,31 +15,39 @@ namespace orthant {
 namespace {
 
 /// What a restart changes. The first is the method as it stands in path.h; the others go where theory promises most.
+enum class Digits { plain, extended, wide };  // double, long double, 256 bits (wide.h)
 struct Variation {
   const char* name;
-  bool crash, ray, extended;  // crash first; paths start on the ray; pivot in long double
-  double proximal;            // ε beside the largest entry of J
-  unsigned seed;              // 0: the given start and e as covering vector; else random ones
+  bool crash, ray;  // crash first; paths start on the ray
+  Digits digits;    // to pivot in
+  double proximal;  // ε beside the largest entry of J
+  unsigned seed;    // 0: the given start and e as covering vector; else random ones
 };
 constexpr Variation kVariations[] = {
-    {"from the crash point", true, false, false, 0, 0},
-    {"on the ray", false, true, false, 0, 0},
-    {"from the start, long double", false, false, true, 0, 0},
-    {"on the ray, long double", false, true, true, 0, 0},
-    {"from the start, proximal", false, false, false, 1e-4, 0},
-    {"on the ray, other covering", false, true, true, 0, 1},
-    {"from another start", true, false, false, 0, 2},
-    {"on the ray, other covering", false, true, true, 0, 3},
-    {"from another start, proximal", true, false, false, 1e-2, 4},
-    {"on the ray, other covering", false, true, true, 0, 5},
-    {"from another start", false, false, true, 0, 6},
-    {"on the ray, other covering", false, true, true, 0, 7},
-    {"from another start, proximal", true, false, false, 1, 8},
+    {"from the crash point", true, false, Digits::plain, 0, 0},
+    {"on the ray", false, true, Digits::plain, 0, 0},
+    {"from the start, long double", false, false, Digits::extended, 0, 0},
+    {"on the ray, long double", false, true, Digits::extended, 0, 0},
+    {"on the ray, 256 bits", false, true, Digits::wide, 0, 0},
+    {"from the start, proximal", false, false, Digits::plain, 1e-4, 0},
+    {"on the ray, other covering", false, true, Digits::extended, 0, 1},
+    {"from another start", true, false, Digits::plain, 0, 2},
+    {"on the ray, other covering", false, true, Digits::extended, 0, 3},
+    {"from another start, proximal", true, false, Digits::plain, 1e-2, 4},
+    {"on the ray, other covering", false, true, Digits::extended, 0, 5},
+    {"from another start", false, false, Digits::extended, 0, 6},
+    {"on the ray, other covering", false, true, Digits::extended, 0, 7},
+    {"from another start, proximal", true, false, Digits::plain, 1, 8},
 };
 constexpr Index kExtended = 1000;   // rows up to which long double is worth its time
+constexpr Index kWide = 600;        // and 256 bits, of linear problems
 constexpr double kTrusted = 1e4;    // growth of the merit up to which a step is taken on trust
 constexpr int kCrashNonlinear = 2;  // a step costs a Jacobian there, and is counted as one
 constexpr double kDescent = 1e-4;   // share of the promised decrease that must be had
+
+bool worth(const Variation& v, Index n, bool linear) {
+  return v.digits == Digits::plain || (v.digits == Digits::extended && n <= kExtended) || (linear && n <= kWide);
+}
 
 /// The problem as the method sees it, linear or not.
 struct Model {
@@ -64,8 +74,10 @@ struct Path::Work {
 
   Columns columns;
   Basis<double> basis;  // of the crash
+  CoarseStart coarse;
   NormalPath<double> normal_path;
   NormalPath<long double> long_path;
+  NormalPath<detail::Wide> wide_path;
   PathPoints points, good_points;  // of the last step; of the one from good_x, while steps are taken on trust
   Vector z, x, F, q, trial_z, trial_x, trial_F, good_x, ray, cover, step, gradient;
   std::vector<double> merits;
@@ -264,14 +276,18 @@ struct Path::Work {
       ++iterations;
       const bool on_ray = v.ray && (k == 0 || !linear());
       const auto pursue = [&](bool from_ray) {
-        return v.extended ? follow(long_path, *A, from_ray) : follow(normal_path, *A, from_ray);
+        return v.digits == Digits::plain      ? follow(normal_path, *A, from_ray)
+               : v.digits == Digits::extended ? follow(long_path, *A, from_ray)
+                                              : follow(wide_path, *A, from_ray);
       };
       End end = pursue(on_ray);
       if (!linear() && !on_ray && (end == End::ray || end == End::singular)) {  // Lemke's start for the same step
         path.log(iterations, residual, 0, "on the ray");
         if (const End other = pursue(true); other == End::solved) end = other, points.clear();
       }
-      const int pivots = v.extended ? long_path.pivots() : normal_path.pivots();
+      const int pivots = v.digits == Digits::plain      ? normal_path.pivots()
+                         : v.digits == Digits::extended ? long_path.pivots()
+                                                        : wide_path.pivots();
       if (linear()) iterations += pivots - 1;
       if (end == End::stopped) return z = best_z, Status::time_limit;
       if (end == End::singular || (end == End::ray && !linear() && proximal < 1e-3)) {
@@ -345,7 +361,7 @@ std::string Path::why_not(const Lcp& problem) const {
   return "n = " + std::to_string(n) + ": dense problems take at most 5000 rows";
 }
 
-Status Path::run(const Lcp& problem, Solution& s, Start) {
+Status Path::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   Work& work = *work_;
   work.variation = 0;
@@ -356,6 +372,9 @@ Status Path::run(const Lcp& problem, Solution& s, Start) {
     work.pyramid.guess(problem, s.z, work.start);
   else
     work.start = s.z;
+  if (start == Start::cold && options_.max_crash > 0 && !work.reduced &&
+      work.coarse.guess(problem, budget(), work.start))
+    log(0, kInf, 0, "coarse grids");
   const Lcp* pure = work.pure;
   work.model = {.lo = &pure->lo,
                 .hi = &pure->hi,
@@ -377,7 +396,7 @@ bool Path::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   if (problem.size() == 0) return false;
   Work& work = *work_;
   if (work.variation > static_cast<std::size_t>(options_.restarts)) return false;
-  while (kVariations[work.variation].extended && work.pure->size() > kExtended)
+  while (!worth(kVariations[work.variation], work.pure->size(), true))
     if (++work.variation > static_cast<std::size_t>(options_.restarts)) return false;
   work.tie_breaker = static_cast<unsigned>(work.variation);
   const Variation& v = kVariations[work.variation++];
@@ -400,6 +419,7 @@ bool Path::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
 const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
   check(problem);
   begin();
+  const Effort before = effort();
   const Index n = problem.size();
   Work& work = *work_;
   s.status = Status::not_run;
@@ -419,11 +439,13 @@ const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
   Solution best;
   for (int k = 0; k <= options_.restarts; ++k) {
     const Variation& v = kVariations[k];
-    if (v.extended && n > kExtended) continue;
+    if (!worth(v, n, false)) continue;
     if (k > 0) log(work.iterations, s.residual, 0, v.name);
     Status claim = n == 0 ? Status::solved : work.iterate(v);
     if (claim == Status::ray) claim = Status::stalled;
     s.iterations = work.iterations;
+    s.factorizations = effort().factorizations - before.factorizations;
+    s.factorized_rows = effort().rows - before.rows;
     s.z = n == 0 ? s.z : work.z;
     certify(problem, options_.tolerance, claim, s);
     if (s.status == Status::solved) return s;

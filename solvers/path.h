@@ -4,12 +4,14 @@
 //   boxes alike. From a start value:
 //     1. crash     projected Newton steps, z ← π(z + α d), d solving the rows that are not at a bound they press
 //                  against: finds most of the active set in a few factorizations. [Dirkse & Ferris 1995]
+//                  Cold, linear, sparse Z-matrices (obstacle problems) begin on coarse problems (coarse_start.h).
 //     2. step      F replaced by its linearization at z; normal_path.h follows the path from x to a zero of that map.
 //     3. search    the end of the path is taken when the merit ½‖Φ‖² (fischer_burmeister.h) falls below the largest of the
 //                  last few; up to `watchdog` steps may be taken on trust; else back to the last good point, and along
 //                  the breakpoints of its path; else along the gradient of the merit.
 //     4. proximal  where a basis is singular in free variables, or a path ends on a ray, ε (z − z_k) is added to F.
-//     5. restarts  a table of variations, in path.cpp: other starts, Lemke's ray, long double, other coverings.
+//     5. restarts  a table of variations, in path.cpp: other starts, Lemke's ray, long double, 256 bits (wide.h; up to 600 rows,
+//                  linear), other coverings.
 //   A linear problem takes one step, from the crash point or (variation 2) as Lemke's method in revised form.
 //   Friction rows take the copositive pure form (pyramid.h, stewart_trinkle); all else is native. Dense: O(n²) a pivot;
 //   RowSparse: factors by KLU. A linear problem that ends on a ray is searched for a proof (farkas.h).
@@ -34,11 +36,11 @@ struct PathOptions {
   int max_crash = 50;        // projected Newton steps before the first path, nonlinear at most 2; 0: none
   int memory = 5;            // merits the search compares with: 1 is monotone
   int watchdog = 3;          // steps taken on trust
-  int restarts = 12;         // variations tried after the first
+  int restarts = 13;         // variations tried after the first
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_steps", max_steps, 1, 1000000),
         v("max_pivots", max_pivots, 0, 1000000000), v("max_crash", max_crash, 0, 1000000), v("memory", memory, 1, 100),
-        v("watchdog", watchdog, 0, 100), v("restarts", restarts, 0, 12);
+        v("watchdog", watchdog, 0, 100), v("restarts", restarts, 0, 13);
   }
 };
 

@@ -1,5 +1,6 @@
 #include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/dense_lu.h>
+#include <orthant/solvers/effort.h>
 #include <orthant/solvers/principal_block.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/sparse_cholesky.h>
@@ -193,6 +194,7 @@ void PrincipalBlock::load(const Matrix& A) {
 
 bool PrincipalBlock::factorize(const std::vector<Index>& F, const Vector* shift) {
   F_ = F;
+  count_factorization(static_cast<Index>(F.size()));
   if (is_sparse_) return sparse_->factorize(F, shift);
   dense_->shift = shift;
   return dense_->factorize(F);

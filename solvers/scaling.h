@@ -60,6 +60,21 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
       center(row, each, [&](Index i, Index j, double value) { return std::pair(i, value * col[j]); });
     }
   }
+  /// diag(row) A diag(col), diag(row) b and the bounds over col, of dense A or rows. `scaled` may be `p` itself.
+  void apply(const Lcp& p, Lcp& scaled) const {
+    if (&scaled != &p) scaled = p;
+    if (auto* dense = std::get_if<DenseMatrix>(&scaled.A)) {
+      for (Index j = 0; j < dense->cols(); ++j) dense->col(j).array() *= row.array() * col[j];
+    } else {
+      auto& rows = std::get<RowSparse>(scaled.A);
+      for (Index i = 0; i < rows.rows; ++i)
+        for (auto k = at(rows.start[at(i)]); k < at(rows.start[at(i + 1)]); ++k)
+          rows.value[k] *= row[i] * col[rows.column[k]];
+    }
+    scaled.b.array() *= row.array();
+    scaled.lo.array() /= col.array();
+    scaled.hi.array() /= col.array();
+  }
   void clear() { trivial_ = true; }
   bool trivial() const { return trivial_; }  // all ones
 

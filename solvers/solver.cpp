@@ -1,3 +1,4 @@
+#include <orthant/solvers/effort.h>
 #include <orthant/solvers/solver.h>
 
 #include <algorithm>
@@ -30,6 +31,8 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   s.residual = kInf;
   s.rounding = 0;
   s.iterations = 0;
+  s.factorizations = 0;
+  s.factorized_rows = 0;
   s.certificate.resize(0);
   if (start == Start::cold || s.z.size() != n || !s.z.allFinite()) {
     start = Start::cold;
@@ -49,6 +52,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
     return s;
   }
   begin();
+  const Effort before = effort();
   Status claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
   judge_.certify(problem, goal_residual, claim, s);
@@ -67,6 +71,8 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   if (open() && goal_residual < tolerance()) judge_.certify(problem, tolerance(), s.status, s);
   if (s.status == Status::solved) s.certificate.resize(0);
   if (open() && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
+  s.factorizations = effort().factorizations - before.factorizations;
+  s.factorized_rows = effort().rows - before.rows;
   return s;
 }
 

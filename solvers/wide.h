@@ -9,6 +9,7 @@
 #include <orthant/solvers/tableau.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/eigen.hpp>
 
 namespace orthant::detail {
 

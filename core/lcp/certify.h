@@ -1,6 +1,6 @@
 // core/lcp/certify.h — the one judge. Nothing else may write Status::solved or Status::infeasible.
 //
-//   w = A z + b is recomputed from the caller's data. The natural residual, in units of w,
+//   w = A z + b is recomputed from the caller's data, in long double where double is what stands in the way. The natural residual, in units of w,
 //     r = max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|,   d_i = max(1, max_j |A_ji|),
 //   is zero exactly at a solution (friction rows take the bounds ∓μ z_n at the given z). It is a backward error: a z_i
 //   that is δ away from its bound costs d_i δ because moving it there changes some w by that much, else |w_i|. d_i ≥ 1
@@ -53,12 +53,13 @@ class Judge {  // the members are scratch: after the first problem of a size not
   struct Row {
     double residual = 0, rounding = 0, data = 0, z = 0;  // r_i, ρ_i, what β takes of it, |z_i|
   };
-  void evaluate(const Lcp& problem, Solution& solution);
+  void evaluate(const Lcp& problem, Solution& solution, bool extended);
   static double allowed(double tolerance, double rounding, double beta);
   void label_parts(const Lcp& problem);
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
-  void transposed(const Matrix& A, const Vector& u);
+  void product(const Matrix& A, const Vector& u, bool transposed);
 
+  DenseMatrix formed_;
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
   std::vector<Row> rows_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
@@ -67,7 +68,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   double least_scale_ = 0;  // the smallest |b_i| > 0, or what stands for it
   double scale_ = 0;        // β
   double accepted_ = 0;
-  std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|
+  std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|, or A z and |A| |z|
   std::vector<long double> least_;      // what a slack in g_j is measured by
   std::vector<long double> inner_ld_, inner_abs_ld_;
   std::vector<int> terms_;  // nonzero products in g_j: a single one has an exact sign

@@ -27,8 +27,10 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
       kInf;  // max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|, d_i = max(1, max_j |A_ji|)  [units of w]
   double rounding = 0;  // ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|): w cannot be known below it            [units of w]
   int iterations = 0;
-  Vector z, w;         // n; w = A z + b recomputed from the caller's data
-  Vector certificate;  // n: u that proves infeasibility (or the ray's direction, a hint); else empty
+  long factorizations = 0;     // of matrices, by the library's own methods (effort.h)
+  double factorized_rows = 0;  // their rows in all: over n, the same in units of a whole matrix
+  Vector z, w;                 // n; w = A z + b recomputed from the caller's data
+  Vector certificate;          // n: u that proves infeasibility (or the ray's direction, a hint); else empty
 };
 
 }  // namespace orthant

@@ -54,10 +54,16 @@ int run_solve(const SolveArguments& a) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::string reason = s.status == Status::unsupported ? solver->why_not(problem) : "";
 
-  nlohmann::ordered_json json = {
-      {"status", name(s.status)}, {"residual", s.residual}, {"rounding", s.rounding}, {"iterations", s.iterations},
-      {"seconds", seconds},       {"solver", a.solver},     {"z", list(s.z)},         {"w", list(s.w)},
-      {"certificate", nullptr}};
+  nlohmann::ordered_json json = {{"status", name(s.status)},
+                                 {"residual", s.residual},
+                                 {"rounding", s.rounding},
+                                 {"iterations", s.iterations},
+                                 {"factorizations", s.factorizations},
+                                 {"seconds", seconds},
+                                 {"solver", a.solver},
+                                 {"z", list(s.z)},
+                                 {"w", list(s.w)},
+                                 {"certificate", nullptr}};
   if (s.certificate.size() > 0) json["certificate"] = list(s.certificate);
   if (s.status == Status::solved) {  // rows count from 0
     const ActiveSet active = active_set(problem, s);

@@ -13,6 +13,12 @@ int main() {
   const Lcp problem = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(2, 2)), Vector{-1, 2});
   Solution solution;
   if (make_solver("lemke")->solve(problem, solution).status != Status::solved || solution.z[0] != 1) return 1;
+#ifdef WITHOUT_OPTIONAL  // the names stay, and say how to get what they stand for
+  for (const char* name : {"ipopt", "nlopt"})
+    if (make_solver(name)->why_not(problem).find("install") == std::string::npos ||
+        make_solver(name)->solve(problem, solution).status != Status::unsupported)
+      return 2;
+#endif
 
   const System system(slider_crank({.mu = 0.1}));
   const auto integrator = make_integrator("moreau-jean", system);

@@ -275,3 +275,24 @@ TEST_CASE("check() names field, value and rule") {
   CHECK_FALSE(finite(pair({2, 0, kInf, 1}, Vector{0, 0})));
   CHECK(finite(p));
 }
+
+TEST_CASE("certify: where the rounding of its own sums stands in the way, they are done with more digits") {
+  // Row 0 in double: ten terms of less than half an ulp of 2^27 are lost one after the other, in long double none is.
+  const Index n = 13;
+  const double big = 0x1p27, small = 0x1.f8p-27, rest = 0x1p-10;
+  DenseMatrix A = DenseMatrix::Zero(n, n);
+  A(0, 0) = big, A(0, n - 2) = -big, A(0, n - 1) = rest;
+  for (Index j = 1; j < n - 2; ++j) A(0, j) = small;
+  Vector b = Vector::Zero(n);
+  b[0] = -(rest + 10 * small);
+  Lcp problem = Lcp::standard(A, b);
+  Solution s;
+  s.z = Vector::Ones(n);
+  Judge judge;
+  judge.certify(problem, 1e-10, Status::solved, s);
+  CHECK(s.status == Status::solved);
+  CHECK(s.residual <= 1e-18);
+  problem.b[0] += 10 * small;  // now it is off by that much
+  judge.certify(problem, 1e-10, Status::solved, s);
+  CHECK(s.status == Status::stalled);
+}

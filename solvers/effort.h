@@ -1,0 +1,27 @@
+// solvers/effort.h — matrix factorizations counted where they are made, so that no method can forget one.
+//
+//   Every factorization of a method of this library adds to its thread's tally: one, and its rows (those of a basis
+//   without its unit columns). Solver::solve() takes the difference into the solution, those of solvers it calls
+//   included. Inside Ipopt and NLopt nothing is counted.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+
+namespace orthant {
+
+struct Effort {
+  long factorizations = 0;
+  double rows = 0;  // factorized, in all
+};
+
+inline Effort& effort() {  // of this thread, since it began
+  static thread_local Effort tally;
+  return tally;
+}
+
+inline void count_factorization(Index rows) {
+  ++effort().factorizations;
+  effort().rows += static_cast<double>(rows);
+}
+
+}  // namespace orthant
