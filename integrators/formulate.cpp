@@ -5,18 +5,34 @@ namespace {
 
 constexpr std::size_t kFormedRows = 64;  // up to here a dense A is cheaper than applying the operator again and again
 
+/// n + μ t of a contact.
+Row edge(const ContactRows& rows, double mu) {
+  Row row = rows.normal;
+  for (std::size_t k = 0; k < 3; ++k) row.ja[k] += mu * rows.tangent.ja[k], row.jb[k] += mu * rows.tangent.jb[k];
+  return row;
+}
+
 }  // namespace
 
-Formulation::Formulation(const System& system, Form form) : system_(system), form_(form) {
+void newtons_law(const System& system, const Terms& terms, const Eigen::VectorXd& v, std::vector<Wanted>& wanted) {
+  wanted.clear();
+  for (const ClosedContact& c : terms.closed) {
+    const ContactLaw& law = system.law(c.contact);
+    const double slip = law.frictional() ? apply(c.rows.tangent, v.data()) - law.belt : 0;
+    wanted.push_back({-law.e * apply(c.rows.normal, v.data()), law.belt - law.e_t * slip, slip});
+  }
+}
+
+Formulation::Formulation(const System& system, Form form, Cone cone) : system_(system), form_(form), cone_(cone) {
   const auto contacts = system.scene().contacts.size();
   const auto most = 2 * contacts + static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
   rows_.reserve(most);
+  contacts_.reserve(contacts);
   lcp_.friction.reserve(contacts);
   const auto size = static_cast<Index>(most);
-  slip_.resize(static_cast<Index>(contacts));
-  target_.resize(size), lcp_.b.resize(size), lcp_.lo.resize(size), lcp_.hi.resize(size);
+  lcp_.b.resize(size), lcp_.lo.resize(size), lcp_.hi.resize(size);
   if (diagonal && most > kFormedRows) {
     lcp_.A.emplace<Delassus>().inverse_mass = system.inverse_mass();
   } else if (most <= kFormedRows) {
@@ -26,59 +42,80 @@ Formulation::Formulation(const System& system, Form form) : system_(system), for
   lcp_.b.resize(0);
 }
 
-void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& v,
+void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
                             const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
-  collect(terms, v, joint_rate);
-  const auto n = static_cast<Index>(rows_.size());
-  lcp_.b.resize(n);
-  for (Index i = 0; i < n; ++i) lcp_.b[i] = apply(rows_[static_cast<std::size_t>(i)], v_free.data()) - target_[i];
+  collect(terms, wanted);
+  retarget(wanted, v_free, joint_rate);
   if (auto* delassus = std::get_if<Delassus>(&lcp_.A))
     fill_delassus(*delassus);
   else
     fill_dense(basic, std::get<DenseMatrix>(lcp_.A));
 }
 
-/// Rows in the order joints, normals, tangents, with their targets and bounds.
-void Formulation::collect(const Terms& terms, const Eigen::VectorXd& v, const Eigen::VectorXd& joint_rate) {
-  rows_.clear();
+/// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed).
+void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted) {
+  rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
-  const auto joints = form_ == Form::full ? terms.G.size() : 0;
-  const auto contacts = terms.closed.size();
-  std::size_t tangents = 0;
-  for (const ClosedContact& c : terms.closed) tangents += system_.law(c.contact).frictional();
-  const auto n = static_cast<Index>(joints + contacts + tangents);
-  target_.resize(n), lcp_.lo.resize(n), lcp_.hi.resize(n), slip_.resize(static_cast<Index>(tangents));
-  lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
-
-  rows_.insert(rows_.end(), terms.G.begin(), terms.G.begin() + static_cast<std::ptrdiff_t>(joints));
-  if (joints > 0) target_.head(static_cast<Index>(joints)) = joint_rate;
-  for (const ClosedContact& c : terms.closed) {
-    const auto i = static_cast<Index>(rows_.size());
-    target_[i] = -system_.law(c.contact).e * apply(c.rows.normal, v.data());
-    lcp_.lo[i] = 0;
-    rows_.push_back(c.rows.normal);
-  }
-  for (std::size_t k = 0; k < contacts; ++k) {
+  if (form_ == Form::full) rows_.insert(rows_.end(), terms.G.begin(), terms.G.end());
+  const auto joints = static_cast<Index>(rows_.size());
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
     const ClosedContact& c = terms.closed[k];
-    const ContactLaw& law = system_.law(c.contact);
-    if (!law.frictional()) continue;
-    const auto i = static_cast<Index>(rows_.size());
-    const double slip = apply(c.rows.tangent, v.data()) - law.belt;
-    slip_[static_cast<Index>(lcp_.friction.size())] = slip;
-    target_[i] = law.belt - law.e_t * slip;
-    lcp_.friction.push_back({i, static_cast<Index>(joints + k), law.mu_at(slip)});
-    rows_.push_back(c.rows.tangent);
+    const double mu = system_.law(c.contact).mu_at(wanted[k].slip);
+    contacts_.push_back({c.contact, mu, wanted[k].slip});
+    const bool edges = cone_ == Cone::relaxed && mu > 0;
+    rows_.push_back(edges ? edge(c.rows, mu) : c.rows.normal);
+    if (edges) rows_.push_back(edge(c.rows, -mu));
   }
+  const auto unilateral = static_cast<Index>(rows_.size()) - joints;
+  if (cone_ == Cone::coulomb)
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      if (!system_.law(contacts_[k].index).frictional()) continue;
+      lcp_.friction.push_back({static_cast<Index>(rows_.size()), joints + static_cast<Index>(k), contacts_[k].mu});
+      rows_.push_back(terms.closed[k].rows.tangent);
+    }
+  const auto n = static_cast<Index>(rows_.size());
+  lcp_.lo.resize(n), lcp_.hi.resize(n);
+  lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
+  lcp_.lo.segment(joints, unilateral).setZero();
 }
 
-bool Formulation::hold(const Terms& terms, const Solution& solution) {
+void Formulation::retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free,
+                           const Eigen::VectorXd& joint_rate) {
+  lcp_.b.resize(static_cast<Index>(rows_.size()));
+  Index i = 0;
+  const auto hold_against = [&](double target) {
+    lcp_.b[i] = apply(rows_[static_cast<std::size_t>(i)], v_free.data()) - target;
+    ++i;
+  };
+  if (form_ == Form::full)
+    for (const double target : joint_rate) hold_against(target);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const double mu = cone_ == Cone::relaxed ? contacts_[k].mu : 0;
+    hold_against(wanted[k].normal + mu * wanted[k].tangent);
+    if (mu > 0) hold_against(wanted[k].normal - mu * wanted[k].tangent);
+  }
+  if (cone_ == Cone::coulomb)
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      if (system_.law(contacts_[k].index).frictional()) hold_against(wanted[k].tangent);
+}
+
+bool Formulation::solve(Solver& solver, StepReport& report) {
+  if (lcp_.size() == 0) return true;
+  do {
+    solver.solve(lcp_, solution_, Start::warm);
+    if (!report.note(lcp_, solution_)) return false;
+  } while (hold());
+  return true;
+}
+
+bool Formulation::hold() {
+  const Index joints = form_ == Form::full ? system_.joint_rows() : 0;
   bool any = false;
-  const Index first = lcp_.size() - slip_.size(), normals = first - static_cast<Index>(terms.closed.size());
-  for (Index k = 0; k < slip_.size(); ++k) {
-    Friction& friction = lcp_.friction[static_cast<std::size_t>(k)];
-    const ContactLaw& law = system_.law(terms.closed[static_cast<std::size_t>(friction.normal - normals)].contact);
-    if (law.mu_static <= friction.mu || solution.w[first + k] * slip_[k] >= 0) continue;
-    friction.mu = law.mu_static;
+  for (Friction& friction : lcp_.friction) {
+    const Contact& c = contacts_[static_cast<std::size_t>(friction.normal - joints)];
+    const double mu_static = system_.law(c.index).mu_static;
+    if (mu_static <= friction.mu || solution_.w[friction.row] * c.slip >= 0) continue;
+    friction.mu = mu_static;
     any = true;
   }
   return any;
@@ -112,10 +149,10 @@ void Formulation::fill_delassus(Delassus& A) {
   }
 }
 
-void Formulation::advance(const Terms& terms, const Vector& z, Eigen::VectorXd& v,
-                          std::vector<Impulse>& impulses) const {
+void Formulation::advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) const {
   std::fill(impulses.begin(), impulses.end(), Impulse{});
   if (rows_.empty()) return;
+  const Vector& z = solution_.z;
   if (std::holds_alternative<DenseMatrix>(lcp_.A)) {
     v.noalias() += columns_ * z;
   } else {
@@ -129,10 +166,18 @@ void Formulation::advance(const Terms& terms, const Vector& z, Eigen::VectorXd& 
       add(rows_[i].a, rows_[i].ja), add(rows_[i].b, rows_[i].jb);
     }
   }
-  auto i = static_cast<Index>(form_ == Form::full ? terms.G.size() : 0);
-  for (const ClosedContact& c : terms.closed) impulses[static_cast<std::size_t>(c.contact)].normal = z[i++];
-  for (const ClosedContact& c : terms.closed)
-    if (system_.law(c.contact).frictional()) impulses[static_cast<std::size_t>(c.contact)].tangent = z[i++];
+  Index i = form_ == Form::full ? system_.joint_rows() : 0;
+  for (const Contact& c : contacts_) {
+    Impulse& impulse = impulses[static_cast<std::size_t>(c.index)];
+    impulse.normal = z[i++];
+    if (cone_ == Cone::coulomb || c.mu <= 0) continue;
+    const double other = z[i++];  // of the edge n − μ t
+    impulse.tangent = c.mu * (impulse.normal - other);
+    impulse.normal += other;
+  }
+  if (cone_ == Cone::coulomb)
+    for (const Contact& c : contacts_)
+      if (system_.law(c.index).frictional()) impulses[static_cast<std::size_t>(c.index)].tangent = z[i++];
 }
 
 }  // namespace orthant

@@ -1,15 +1,22 @@
 // integrators/formulate.h — one step's complementarity problem at velocity level, and its impulses' effect.
 //
 //   Unknown impulses z = [Λ_G; Λ_N; Λ_T] of the rows J = [G; W_N; W_T];  w = J v⁺ − target,  v⁺ = v_free + B Jᵀ z:
-//     A = J B Jᵀ,  b = J v_free − target,    target: γ_N⁺ ≥ −e γ_N⁻,  γ_T⁺ → −e_T γ_T⁻,  G v⁺ = given.
+//     A = J B Jᵀ,  b = J v_free − target.    Wanted by the scheme: γ_N⁺ ≥ target, γ_T⁺ → target, G v⁺ = target;
+//     by Newton's law −e γ_N⁻ and −e_T γ_T⁻.
 //   Slip γ_T is against the moving surface. μ is the static one for a contact that sticks at the step's start, and for
-//   one whose slip turns round within the step, as it passes through rest (a second solve: see hold).
+//   one whose slip turns round within the step, as it passes through rest (solved a second time, coulomb only).
 //   reduced: B is the inverse of the basic system with its joints (block elimination of Λ_G: the Schur complement onto
 //            the contacts through one factorization of the saddle matrix); no joint rows in J.
 //   full:    B = M̂⁻¹; the joints stay as equality rows.
 //   Only closed contacts have rows, and only frictional ones a tangent row. Where B is diagonal and a scene has many
 //   contacts, A is kept as a Delassus operator and never formed.
-//   Both give the same step. Source: Brogliato & Acary (2008), ch. 10; Glocker, Set-Valued Force Laws (2001).
+//   Both give the same step.
+// Friction, by Cone:
+//   coulomb  |Λ_T| ≤ μ Λ_N against the slip; the matrix of the pure problem is not symmetric.
+//   relaxed  the cone's edges n ± μ t are the rows, impulses β± ≥ 0:  0 ≤ β± ⊥ (γ_N − target_N) ± μ (γ_T − target_T) ≥ 0,
+//            Λ_N = β₊ + β₋, Λ_T = μ (β₊ − β₋). A is symmetric positive semidefinite, the problem a convex program; its
+//            price: a contact that slides opens at the speed μ |γ_T|.
+// Source: Brogliato & Acary (2008), ch. 10; Glocker, Set-Valued Force Laws (2001); Anitescu, Math. Program. 105 (2006).
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
@@ -17,41 +24,64 @@
 #include <orthant/core/mechanics/basic_system.h>
 #include <orthant/integrators/integrator.h>
 
+#include <array>
+#include <string_view>
+
 namespace orthant {
 
 enum class Form { reduced, full };
+inline constexpr std::array<std::string_view, 2> kFormNames = {"reduced", "full"};
+enum class Cone { coulomb, relaxed };
+
+/// What a closed contact's rates after the step are held against, and the slip γ_T⁻ that chooses μ [m/s].
+struct Wanted {
+  double normal = 0, tangent = 0, slip = 0;
+};
+
+/// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step.
+void newtons_law(const System& system, const Terms& terms, const Eigen::VectorXd& v, std::vector<Wanted>& wanted);
 
 class Formulation {
  public:
-  Formulation(const System& system, Form form);
+  explicit Formulation(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);
 
-  /// Builds the problem from terms.closed (and terms.G for the full form). v and v_free: velocities before the step
-  /// and after it without the impulses z; joint_rate: the wanted G v⁺ (full form only), joint_rows entries.
-  /// `basic` is factorized already, with joints for the reduced and without for the full form.
-  void formulate(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& v, const Eigen::VectorXd& v_free,
-                 const Eigen::VectorXd& joint_rate);
+  /// Builds the problem from terms.closed (and terms.G for the full form). v_free: velocities after the step without
+  /// the impulses z; wanted: one entry a closed contact; joint_rate: the wanted G v⁺ (full form only), joint_rows
+  /// entries. `basic` is factorized already, with joints for the reduced and without for the full form.
+  void formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
+                 const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
 
-  /// Static friction for contacts whose slip the solution turned round. True: there were some, solve again.
-  bool hold(const Terms& terms, const Solution& solution);
+  /// The same rows and matrix again with another v_free and other targets.
+  void retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
+
+  /// Finds z, from the last one as the first guess; true: solved, or nothing to solve.
+  bool solve(Solver& solver, StepReport& report);
 
   const Lcp& problem() const { return lcp_; }
+  const Solution& solution() const { return solution_; }
   void clear() { lcp_.b.resize(0); }  // no problem, until the next is built
 
   /// v += B Jᵀ z, and the contacts' impulses; those of open contacts are zero.
-  void advance(const Terms& terms, const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;
+  void advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;
 
  private:
-  void collect(const Terms& terms, const Eigen::VectorXd& v, const Eigen::VectorXd& joint_rate);
+  struct Contact {  // a closed one, in the order of its normal row
+    int index = 0;  // in the scene
+    double mu = 0, slip = 0;
+  };
+  void collect(const Terms& terms, const std::vector<Wanted>& wanted);
+  bool hold();  // static friction for contacts whose slip z turned round; true: there were some
   void fill_dense(const BasicSystem& basic, DenseMatrix& A);
   void fill_delassus(Delassus& A);
 
   const System& system_;
   Form form_;
+  Cone cone_;
   std::vector<Row> rows_;  // J
-  Vector target_;          // n
-  Vector slip_;            // γ_T⁻ of each tangent row
-  DenseMatrix columns_;    // dof × n: B Jᵀ, dense storage only
+  std::vector<Contact> contacts_;
+  DenseMatrix columns_;  // dof × n: B Jᵀ, dense storage only
   Lcp lcp_;
+  Solution solution_;
 };
 
 }  // namespace orthant

@@ -13,4 +13,10 @@ bool StepReport::note(const Lcp& problem, const Solution& solution) {
   return status == Status::solved;
 }
 
+bool Integrator::fail(StepReport& report, Status status, std::string why) {
+  report.status = status;
+  why_ = std::move(why);
+  return false;
+}
+
 }  // namespace orthant

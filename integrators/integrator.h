@@ -53,7 +53,7 @@ class Integrator {
 
   /// In words, why the last step did not end as `solved` ("no acceleration-level solution: …"); empty: the solver's
   /// status says it.
-  virtual std::string why() const { return {}; }
+  virtual std::string why() const { return why_; }
 
   const System& system() const { return system_; }
   const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
@@ -61,10 +61,14 @@ class Integrator {
   std::span<const Event> events() const { return events_; }           // located in the last step, in order of time
 
  protected:
+  /// The step ends as `status`, why() has the words. Returns false.
+  bool fail(StepReport& report, Status status, std::string why);
+
   const System& system_;
   Eigen::VectorXd gaps_;
   std::vector<Impulse> impulses_;
   std::vector<Event> events_;
+  std::string why_;
 };
 
 }  // namespace orthant

@@ -79,9 +79,12 @@ void evaluate_gaps(const System& system, Terms& terms) {
 void evaluate_closed(const System& system, double threshold, Terms& terms) {
   terms.closed.clear();
   for (int i = 0; i < system.contacts(); ++i)
-    if (terms.gap[i] <= threshold)
-      terms.closed.push_back({i, std::visit([&](const auto& c) { return c.rows(terms.at); },
-                                            system.scene().contacts[static_cast<std::size_t>(i)])});
+    if (terms.gap[i] <= threshold) add_closed(system, i, terms);
+}
+
+void add_closed(const System& system, int contact, Terms& terms) {
+  terms.closed.push_back({contact, std::visit([&](const auto& c) { return c.rows(terms.at); },
+                                              system.scene().contacts[static_cast<std::size_t>(contact)])});
 }
 
 void evaluate_biases(const System& system, Terms& terms) {

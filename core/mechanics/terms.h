@@ -40,6 +40,8 @@ void evaluate_joint_rows(const System& system, Terms& terms);
 void evaluate_gaps(const System& system, Terms& terms);
 /// The contacts with gap ≤ threshold become `closed`, with their rows; evaluate_gaps comes first.
 void evaluate_closed(const System& system, double threshold, Terms& terms);
+/// One more closed contact, whatever its gap.
+void add_closed(const System& system, int contact, Terms& terms);
 /// Ġ v and the biases of the closed contacts.
 void evaluate_biases(const System& system, Terms& terms);
 

@@ -1,0 +1,73 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/velocity_stepping.h>
+
+namespace orthant {
+
+VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
+    : Integrator(system),
+      terms_(system),
+      v_new_(system.dof()),
+      plan_(plan),
+      basic_(system, plan.form == Form::reduced),
+      projection_(system, plan.joints != Joints::none),
+      formulation_(system, plan.form, plan.cone),
+      q_mid_(system.dof()),
+      q_new_(system.dof()),
+      force_(system.dof()),
+      rate_(system.joint_rows()),
+      lambda_(system.joint_rows()) {
+  wanted_.reserve(system.scene().contacts.size());
+}
+
+StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
+  StepReport report;
+  formulation_.clear();
+  why_.clear();
+  if (!free_flight(h, x, report)) return report;
+  close(h, x);
+  formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
+  if (!formulation_.solve(solver, report)) return report;
+  formulation_.advance(v_new_, impulses_);
+  q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
+  if (!settle(report)) return report;
+  x.t += h;
+  x.q.swap(q_new_);
+  x.v.swap(v_new_);
+  return report;
+}
+
+bool VelocityStepping::free_flight(double h, const State& x, StepReport& report) {
+  const double at = plan_.at;
+  q_mid_ = x.q + at * h * x.v;
+  set_poses(system_, q_mid_, terms_.at);
+  evaluate_forces(system_, x.t + at * h, x.v, terms_);
+  evaluate_joint_rows(system_, terms_);
+  if (!basic_.factorize(system_, terms_, h * h * at * at, h * at))
+    return fail(report, Status::numerical_error, "the basic system is not finite");
+
+  // Wanted G v⁺: 0, or such that the mean velocity of the step satisfies the joints.
+  const double keep = plan_.joints == Joints::symmetric ? 1 - 1 / at : 0;
+  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = keep * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+  force_ = h * terms_.f;
+  if (basic_.joint_rows() > 0)
+    for (Index i = 0; i < rate_.size(); ++i)
+      lambda_[i] = rate_[i] - apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+  basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
+  v_new_ += x.v;
+  return v_new_.allFinite() || fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+bool VelocityStepping::settle(StepReport& report) {
+  report.joint_residual = projection_.position(terms_, q_new_);
+  if (plan_.joints != Joints::none && !(report.joint_residual <= 1e-8 * (1 + q_new_.lpNorm<Eigen::Infinity>())))
+    return fail(report, Status::numerical_error,
+                "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
+  if (plan_.joints == Joints::symmetric) report.joint_rate = projection_.velocity(terms_, v_new_);
+  evaluate_gaps(system_, terms_);
+  gaps_ = terms_.gap;
+  report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
+  return (q_new_.allFinite() && v_new_.allFinite()) ||
+         fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+}  // namespace orthant

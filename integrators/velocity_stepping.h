@@ -1,0 +1,82 @@
+// integrators/velocity_stepping.h — the story of a step that the schemes with one problem at velocity level share.
+//
+//   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme names the closed contacts and what it wants of their rates
+//   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²a² K + h a C   (springs, dampers: linearly implicit)
+//   q⁺ = q + h (θ v⁺ + (1−θ) v)
+// Joints, by the option `joints`:
+//   none       G v⁺ = 0                      positions drift by O(h) over a fixed time
+//   position   G v⁺ = 0, then q⁺ is projected onto Φ = 0 (in the metric of M)
+//   symmetric  G (a v⁺ + (1−a) v) = 0, then q⁺ and v⁺ are projected onto Φ = 0, G v⁺ = 0. For a = θ = ½ the smooth
+//              motion is of second order; contact impulses act through the constrained inverse and leave G v⁺ as it was.
+// A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long.
+#pragma once
+
+#include <orthant/integrators/formulate.h>
+#include <orthant/integrators/integrator.h>
+#include <orthant/integrators/projection.h>
+
+#include <array>
+#include <string_view>
+
+namespace orthant {
+
+enum class Joints { none, position, symmetric };
+inline constexpr std::array<std::string_view, 3> kJointsNames = {"none", "position", "symmetric"};
+
+/// Of the schemes that have no others.
+struct VelocitySteppingOptions {
+  Joints joints = Joints::symmetric;
+  Form form = Form::reduced;
+  template <class V> void visit(V&& v) { v("joints", joints, kJointsNames), v("form", form, kFormNames); }
+};
+
+class VelocityStepping : public Integrator {
+ public:
+  StepReport step(double h, Solver& solver, State& x) final;
+  const Lcp& problem() const final { return formulation_.problem(); }
+
+ protected:
+  struct Plan {
+    double at, theta;  // a, θ
+    Joints joints;
+    Form form;
+    Cone cone = Cone::coulomb;
+  };
+  VelocityStepping(const System& system, const Plan& plan);
+
+  /// terms_ is at q_a, v_new_ is v_free: sets terms_.closed and wanted_.
+  virtual void close(double h, const State& x) = 0;
+
+  /// For schemes that hold the gap at the end of the step. Rows at the end of free flight, q + h v_free, of the contacts
+  /// whose gap there is at most `threshold` and of which keep(contact) says so; wanted_ is Newton's law.
+  template <class Keep> void close_at_end_of_flight(double h, const State& x, double threshold, Keep&& keep) {
+    q_new_ = x.q + h * v_new_;
+    set_poses(system_, q_new_, terms_.at);
+    evaluate_gaps(system_, terms_);
+    evaluate_closed(system_, threshold, terms_);
+    std::erase_if(terms_.closed, [&](const ClosedContact& c) { return !keep(c); });
+    newtons_law(system_, terms_, x.v, wanted_);
+  }
+  /// γ_N⁺ that just closes the gap at the end of the step, to first order: g_N = 0 at q + h v⁺.
+  double closing(const ClosedContact& c, double h) const {
+    return apply(c.rows.normal, v_new_.data()) - terms_.gap[c.contact] / h;
+  }
+
+  Terms terms_;
+  std::vector<Wanted> wanted_;  // one per closed contact
+  Eigen::VectorXd v_new_;       // before the contacts act: v_free
+
+ private:
+  /// v_new_ without contact impulses (full form: without any).
+  bool free_flight(double h, const State& x, StepReport& report);
+  /// Projection; joint residual and penetration at the end.
+  bool settle(StepReport& report);
+
+  Plan plan_;
+  BasicSystem basic_;  // of the step: with joints in the reduced form
+  Projection projection_;
+  Formulation formulation_;
+  Eigen::VectorXd q_mid_, q_new_, force_, rate_, lambda_;
+};
+
+}  // namespace orthant
