@@ -1,6 +1,9 @@
 #include <orthant/core/support/options.h>
+#include <orthant/integrators/anitescu_potra.h>
 #include <orthant/integrators/moreau_jean.h>
+#include <orthant/integrators/paoli_schatzman.h>
 #include <orthant/integrators/registry.h>
+#include <orthant/integrators/stewart_trinkle.h>
 
 namespace orthant {
 namespace {
@@ -16,6 +19,12 @@ template <class Scheme> std::string options_of() { return describe(typename Sche
 constexpr IntegratorEntry kIntegrators[] = {
     {"moreau-jean", "theta stepping at velocity level; order 1 with impacts, 2 on smooth motion", &make<MoreauJean>,
      &options_of<MoreauJean>},
+    {"stewart-trinkle", "the linearized gap at the end of the step is unilateral; order 1", &make<StewartTrinkle>,
+     &options_of<StewartTrinkle>},
+    {"anitescu-potra", "as stewart-trinkle, with convex relaxed friction; order 1", &make<AnitescuPotra>,
+     &options_of<AnitescuPotra>},
+    {"paoli-schatzman", "three positions, restitution between the outer two; order 1", &make<PaoliSchatzman>,
+     &options_of<PaoliSchatzman>},
 };
 
 }  // namespace
