@@ -1,7 +1,9 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/anitescu_potra.h>
+#include <orthant/integrators/generalized_alpha.h>
 #include <orthant/integrators/moreau_jean.h>
 #include <orthant/integrators/paoli_schatzman.h>
+#include <orthant/integrators/rattle.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/stewart_trinkle.h>
 
@@ -25,6 +27,10 @@ constexpr IntegratorEntry kIntegrators[] = {
      &options_of<AnitescuPotra>},
     {"paoli-schatzman", "three positions, restitution between the outer two; order 1", &make<PaoliSchatzman>,
      &options_of<PaoliSchatzman>},
+    {"generalized-alpha", "joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs",
+     &make<GeneralizedAlpha>, &options_of<GeneralizedAlpha>},
+    {"rattle", "joints and gaps at both levels, symplectic; order 2 on smooth motion", &make<Rattle>,
+     &options_of<Rattle>},
 };
 
 }  // namespace

@@ -1,0 +1,154 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/two_level.h>
+
+#include <algorithm>
+
+namespace orthant {
+
+TwoLevel::TwoLevel(const System& system)
+    : Integrator(system),
+      start_(system),
+      end_(system),
+      basic_(system),
+      force_(system.dof()),
+      rate_(system.joint_rows()),
+      lambda_(system.joint_rows()),
+      has_rows_(system.scene().contacts.size()),
+      positions_(system),
+      velocities_(system),
+      problem_(&velocities_.problem()),
+      q_end_(system.dof()),
+      free_(system.dof()),
+      correction_(system.dof()),
+      zero_(Eigen::VectorXd::Zero(system.dof())) {
+  wanted_.reserve(system.scene().contacts.size());
+  carrying_.reserve(system.scene().contacts.size());
+}
+
+void TwoLevel::begin() {
+  velocities_.clear();
+  problem_ = &velocities_.problem();
+  why_.clear();
+}
+
+bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report) {
+  evaluate_joint_rows(system_, terms);
+  stiffness_weight_ = stiffness_weight, damping_weight_ = damping_weight;
+  return basic_.factorize(system_, terms, stiffness_weight, damping_weight) ||
+         fail(report, Status::numerical_error, "the joints' matrix is not finite");
+}
+
+bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
+  constexpr int kIterations = 50;
+  const double enough = 1e-14 * (1 + x.q.lpNorm<Eigen::Infinity>());
+  start_.closed.clear();
+  std::fill(has_rows_.begin(), has_rows_.end(), false);
+  std::fill(impulses_.begin(), impulses_.end(), Impulse{});
+  free_ = path;                        // p without what the contacts add
+  double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
+  for (int i = 0; i < kIterations; ++i) {
+    q_end_ = x.q + path;
+    set_poses(system_, q_end_, end_.at);
+    evaluate_joint_residual(system_, end_);
+    evaluate_gaps(system_, end_);
+    bool more = close_gaps();
+    const double joints = joint_mismatch(), gaps = gap_mismatch(), left = std::max(joints, gaps);
+    if (!more && joints <= enough && gaps <= 10 * enough + 2 * accuracy) return true;
+    if (left > before / 2 && !more) {
+      if (!freeze_here(report)) return false;
+      more = true;
+    }
+    before = left;
+
+    if (rate_.size() > 0) {
+      rate_ = -end_.phi;
+      basic_.solve(zero_.data(), rate_.data(), correction_.data(), lambda_.data());
+      free_ += correction_;
+    }
+    if (!start_.closed.empty()) {
+      newtons_law(system_, start_, x.v, wanted_);  // for the slip that chooses μ
+      for (std::size_t k = 0; k < wanted_.size(); ++k) {
+        const ClosedContact& c = start_.closed[k];
+        wanted_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
+        wanted_[k].tangent = h * system_.law(c.contact).belt;
+      }
+      if (more)
+        positions_.formulate(start_, basic_, wanted_, free_, rate_);
+      else
+        positions_.retarget(wanted_, free_, rate_);
+      if (!solve(positions_, solver, report)) return false;
+      accuracy = positions_.solution().residual;
+    }
+    path = free_;
+    if (!start_.closed.empty()) positions_.advance(path, impulses_);
+  }
+  return fail(report, Status::numerical_error,
+              "the position stage does not converge: joints and gaps are left at " + detail::text_of(before) + " m");
+}
+
+bool TwoLevel::freeze_here(StepReport& report) {
+  start_.at.pose = end_.at.pose;
+  start_.closed.swap(end_.closed);
+  start_.closed.clear();
+  for (const ClosedContact& c : end_.closed) add_closed(system_, c.contact, start_);
+  return factorize(start_, stiffness_weight_, damping_weight_, report);
+}
+
+bool TwoLevel::close_gaps() {
+  bool more = false;
+  for (int i = 0; i < system_.contacts(); ++i)
+    if (end_.gap[i] < 0 && !has_rows_[static_cast<std::size_t>(i)]) {
+      add_closed(system_, i, start_);
+      has_rows_[static_cast<std::size_t>(i)] = more = true;
+    }
+  return more;
+}
+
+double TwoLevel::joint_mismatch() const { return end_.phi.size() > 0 ? end_.phi.lpNorm<Eigen::Infinity>() : 0; }
+
+double TwoLevel::gap_mismatch() const {
+  double left = 0;
+  for (const ClosedContact& c : start_.closed) {
+    const double gap = end_.gap[c.contact];
+    left = std::max(left, impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap);
+  }
+  return left;
+}
+
+bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
+  if (formulation.problem().size() > 0) problem_ = &formulation.problem();
+  return formulation.solve(solver, report);
+}
+
+void TwoLevel::hand_over(const State& x) {
+  carrying_.clear();
+  for (const ClosedContact& c : start_.closed)
+    if (impulses_[static_cast<std::size_t>(c.contact)].normal > 0) carrying_.push_back(c.contact);
+  start_.closed.clear(), end_.closed.clear();
+  if (!carrying_.empty()) set_poses(system_, x.q, start_.at);
+  for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
+  newtons_law(system_, start_, x.v, wanted_);
+}
+
+bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  velocities_.formulate(end_, basic_, wanted_, v, rate_);
+  if (!solve(velocities_, solver, report)) return false;
+  velocities_.advance(v, impulses_);
+  return true;
+}
+
+void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report) {
+  if (!q_end_.allFinite() || !v.allFinite()) {
+    fail(report, Status::numerical_error, "the motion is not finite");
+    return;
+  }
+  report.joint_residual = joint_mismatch();
+  for (const Row& row : end_.G) report.joint_rate = std::max(report.joint_rate, std::abs(apply(row, v.data())));
+  gaps_ = end_.gap;
+  report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
+  x.t += h;
+  x.q.swap(q_end_);
+  x.v.swap(v);
+}
+
+}  // namespace orthant

@@ -1,0 +1,66 @@
+// integrators/two_level.h — what the schemes share that satisfy joints and contacts at position and at velocity level.
+//
+//   Position stage: from a predicted displacement p of the step and rows G, W frozen where `start` stands, find
+//     p⁺ = p + M̂⁻¹ (Gᵀ μ_G + W_Nᵀ μ_N + W_Tᵀ μ_T)  with  Φ(q + p⁺) = 0,   0 ≤ μ_N ⊥ g_N(q + p⁺) ≥ 0,
+//     and Coulomb's law between μ_T and the slip W_T p⁺.
+//   By simplified Newton steps (the matrix stays, Φ and g_N are evaluated anew), each one solve with the joints and, where
+//   a gap would close, one complementarity problem, until Φ is at rounding and g_N too, or as near as the solver comes. Contacts whose gap is negative at an iterate get
+//   rows, the others have none. Where that converges slowly (next to a singular pose; a step much too large) the rows
+//   are frozen anew at the iterate. μ [kg m] is an impulse times a time.
+//   Velocity stage: impulses P at the end of the step, its contacts those of the position stage with μ_N > 0:
+//     0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,   P_T ∈ −μ P_N Sgn(γ_T⁺ + e_T γ_T⁻),   G v⁺ = 0,
+//   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths too.
+#pragma once
+
+#include <orthant/core/mechanics/basic_system.h>
+#include <orthant/integrators/formulate.h>
+#include <orthant/integrators/integrator.h>
+
+namespace orthant {
+
+class TwoLevel : public Integrator {
+ public:
+  const Lcp& problem() const final { return *problem_; }
+
+ protected:
+  explicit TwoLevel(const System& system);
+
+  void begin();  // nothing solved, nothing said
+
+  /// G at terms.at, factorized with the springs' weights: basic_, which both stages work with.
+  bool factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report);
+
+  /// Position stage about basic_ and start_.at: `path` from predicted to p⁺. end_.at, phi and gap are then those at
+  /// q + p⁺, and impulses_ holds μ. False: the report and why() tell the reason.
+  bool reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report);
+
+  /// Closes in end_ the contacts that carry μ_N > 0, and sets what is wanted of their rates, from x.
+  void hand_over(const State& x);
+
+  /// Velocity stage about basic_, factorized at end_.at: adds to v what P does; impulses_ holds P.
+  bool strike(Eigen::VectorXd& v, Solver& solver, StepReport& report);
+
+  /// Takes the step: x is at q + p⁺ with v, and the report says how well it fits there.
+  void arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report);
+
+  Terms start_, end_;  // where rows are frozen; q + path
+  BasicSystem basic_;
+  Eigen::VectorXd force_, rate_, lambda_;
+
+ private:
+  bool close_gaps();                     // more contacts than before
+  bool freeze_here(StepReport& report);  // start_ and basic_ move to end_.at
+  double joint_mismatch() const;         // at end_ [m, rad]
+  double gap_mismatch() const;           // of the closed contacts: open ones that push, negative gaps [m]
+  bool solve(Formulation& formulation, Solver& solver, StepReport& report);
+
+  std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
+  Formulation positions_, velocities_;
+  const Lcp* problem_ = nullptr;
+  double stiffness_weight_ = 0, damping_weight_ = 0;
+  std::vector<Wanted> wanted_;
+  std::vector<int> carrying_;
+  Eigen::VectorXd q_end_, free_, correction_, zero_;
+};
+
+}  // namespace orthant
