@@ -1,10 +1,8 @@
 // Static friction above kinetic, and surfaces that move: what Moreau–Jean stepping makes of them.
-#include "experiments/support/fit_order.h"
 #include "tests/support/runs.h"
 
 #include <orthant/core/scenes/coulomb_decay.h>
 #include <orthant/core/scenes/incline.h>
-#include <orthant/core/scenes/stick_slip.h>
 
 #include <doctest/doctest.h>
 
@@ -14,25 +12,9 @@ using namespace orthant;
 
 namespace {
 
-template <class Answer> double L1_error(Scene scene, double duration, const Answer& exact, double h) {
-  scene.duration = duration;
-  double sum = 0;
-  run(scene, kSymmetric, h, [&](const Moment& m) { sum += h * std::abs(m.state.q[0] - exact.at(m.state.t).x); });
-  return sum;
-}
-
 ContactLaw& law_of(Scene& scene) { return std::get<CornerWall>(scene.contacts[0]).law; }
 
 }  // namespace
-
-TEST_CASE("stick-slip: two periods, first order in h") {
-  const StickSlip p;
-  const auto error = [&](double h) { return L1_error(stick_slip(p), 2 * p.period(), p, h); };
-  const Fit fit = fit_order({.coarsest = 2e-2, .octaves = 5, .steps_per_octave = 6}, error);
-  MESSAGE("order " << fit.order << ", scatter " << fit.scatter << ", error " << fit.worst.back().error);
-  CHECK(std::abs(fit.order - 1) < 0.15);
-  CHECK(fit.scatter < 0.3);
-}
 
 TEST_CASE("Coulomb decay: stops where it should, and stays to the last bit") {
   const CoulombDecay p;

@@ -1,13 +1,8 @@
 // Moreau–Jean stepping on small scenes with exact answers, and the promises of one step.
-#include "experiments/support/fit_order.h"
-#include "tests/support/allocations.h"
 #include "tests/support/runs.h"
 
 #include <orthant/core/scenes/bouncing_ball.h>
-#include <orthant/core/scenes/coulomb_decay.h>
-#include <orthant/core/scenes/impact_oscillator.h>
 #include <orthant/core/scenes/incline.h>
-#include <orthant/core/scenes/stick_slip.h>
 #include <orthant/integrators/moreau_jean.h>
 
 #include <doctest/doctest.h>
@@ -15,41 +10,6 @@
 #include <cmath>
 
 using namespace orthant;
-
-namespace {
-
-Run run_for(Scene scene, double duration, std::string_view integrator, double h, const Recorder& record = {}) {
-  scene.duration = duration;
-  return run(scene, integrator, h, record);
-}
-
-/// A solver that always gives up: what becomes of the step?
-class GivesUp final : public Solver {
-  Status run(const Lcp&, Solution&, Start) override { return Status::stalled; }
-  double tolerance() const override { return 1e-10; }
-};
-
-}  // namespace
-
-TEST_CASE("bouncing ball: L1 position error is first order in h") {
-  const BouncingBall ball;
-  const auto error = [&](double h) {
-    double sum = 0;
-    run_for(bouncing_ball(ball), 1.5, "moreau-jean", h,
-            [&](const Moment& m) { sum += h * std::abs(m.state.q[1] - ball.at(m.state.t).x); });
-    return sum;
-  };
-  const Fit fit = fit_order({.coarsest = 1e-2, .octaves = 6, .steps_per_octave = 16}, error);
-  MESSAGE("order " << fit.order << ", scatter " << fit.scatter);
-  CHECK(std::abs(fit.order - 1) < 0.15);
-  CHECK(fit.scatter < 0.3);
-}
-
-TEST_CASE("elastic ball: theta = 1/2 keeps the energy") {
-  const Run r = run_for(bouncing_ball({.e = 1}), 100, "moreau-jean", 1e-3);
-  CHECK(r.lcp_solves > 90);
-  CHECK(std::abs(r.energy_final - r.energy_initial) < 1e-11 * r.energy_initial);
-}
 
 TEST_CASE("free fall: theta > 1/2 loses (theta - 1/2) m g² h a second") {
   const double h = 1e-3, theta = 0.8;
@@ -121,47 +81,6 @@ TEST_CASE("a scene is charged only for what it contains") {
   const System free(bouncing_ball());
   CHECK(free.joint_rows() == 0);
   CHECK(BasicSystem(free).joint_rows() == 0);
-}
-
-TEST_CASE("a failed solve leaves the state as it was and keeps the problem") {
-  const System system(bouncing_ball({.height = 0, .e = 0}));
-  MoreauJean scheme(system);
-  GivesUp solver;
-  State x = system.initial_state();
-  x.v << 1, -2, 3;
-  const State before = x;
-  CHECK(scheme.step(1e-3, solver, x).status == Status::stalled);
-  CHECK(x.t == before.t);
-  CHECK(x.q == before.q);
-  CHECK(x.v == before.v);
-  REQUIRE(scheme.problem().size() == 1);
-  Solution replay;
-  CHECK(make_solver("lemke")->solve(scheme.problem(), replay).status == Status::solved);
-
-  x.q[1] = 5;  // open: a step without a problem does not show the one before
-  REQUIRE(scheme.step(1e-3, solver, x).status == Status::solved);
-  CHECK(scheme.problem().size() == 0);
-
-  const Run r = simulate(scheme, solver, {.step = 1e-3, .duration = 1, .every = 1});
-  CHECK(r.status == Status::stalled);
-  CHECK(r.steps == 0);
-}
-
-TEST_CASE("the step loop allocates nothing after its first step") {
-  for (const char* spec : {"lemke", "pgs"})
-    for (const char* integrator : {"moreau-jean", "moreau-jean:joints=position", "moreau-jean:form=full"}) {
-      CAPTURE(spec);
-      CAPTURE(integrator);
-      const System system(slider_crank({.mu = 0.1}));
-      const auto scheme = make_integrator(integrator, system);
-      const auto solver = make_solver(spec);
-      State x = system.initial_state();
-      // The first step with a contact is the first that calls the solver: 3 ms cover it.
-      for (int k = 0; k < 300; ++k) scheme->step(1e-5, *solver, x);
-      const auto before = AllocationCount::now();
-      for (int k = 0; k < 2000; ++k) scheme->step(1e-5, *solver, x);
-      CHECK(AllocationCount::now() == before);
-    }
 }
 
 TEST_CASE("the last step ends at the duration, the clock refuses nonsense") {

@@ -1,4 +1,4 @@
-// tests/support/runs.h — runs of the slider-crank in one call.
+// tests/support/runs.h — runs of scenes in one call.
 #pragma once
 
 #include <orthant/core/scenes/slider_crank.h>
@@ -16,6 +16,11 @@ inline Run run(const Scene& scene, std::string_view integrator, double h, const 
   const auto scheme = make_integrator(integrator, system);
   const auto lcp = make_solver(solver);
   return simulate(*scheme, *lcp, {.step = h, .duration = scene.duration, .every = 1}, record);
+}
+
+inline Run run_for(Scene scene, double duration, std::string_view integrator, double h, const Recorder& record = {}) {
+  scene.duration = duration;
+  return run(scene, integrator, h, record);
 }
 
 inline constexpr std::string_view kPosition = "moreau-jean:joints=position";

@@ -1,0 +1,409 @@
+// What the schemes promise besides their order: joints, impacts, stability, and the manners of a step.
+#include "tests/support/allocations.h"
+#include "tests/support/mechanics.h"
+#include "tests/support/runs.h"
+
+#include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/chain.h>
+#include <orthant/core/scenes/incline.h>
+#include <orthant/core/scenes/n_four_bar.h>
+#include <orthant/core/scenes/oscillator.h>
+#include <orthant/core/scenes/slider_crank_exact.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace orthant;
+
+namespace {
+
+constexpr std::string_view kFixedStep[] = {"moreau-jean",     "stewart-trinkle",   "anitescu-potra",
+                                           "paoli-schatzman", "generalized-alpha", "rattle"};
+constexpr std::string_view kTwoLevel[] = {"rattle", "generalized-alpha", "generalized-alpha:rho_inf=0",
+                                          "generalized-alpha:rho_inf=1"};
+
+/// A disc above a floor, thrown, no gravity unless told.
+Scene thrown_disc(const ContactLaw& law, double gap, const Vector2d& velocity, double omega = 0, double g = 0) {
+  Scene s{.gravity = {0, -g}};
+  s.body({.mass = 2, .inertia = 0.3, .position = {0, 0.5 + gap}, .velocity = velocity, .omega = omega});
+  s.contact(DiscWall{"floor", 0, {0, 0}, 0.5, kGround, {0, 0}, {0, 1}, law});
+  return s;
+}
+
+struct Momentum {
+  Vector2d linear{0, 0};
+  double angular = 0;
+};
+Momentum momentum(const System& system, const State& x) {
+  Momentum sum;
+  for (int i = 0; i < system.bodies(); ++i) {
+    const Vector2d p = system.mass()[3 * i] * x.v.segment<2>(3 * i);
+    sum.linear += p;
+    sum.angular += cross(x.q.segment<2>(3 * i), p) + system.mass()[3 * i + 2] * x.v[3 * i + 2];
+  }
+  return sum;
+}
+
+/// By how much a step shrinks an oscillation of frequency ω: from the decay over many steps of length 1.
+double decay(std::string_view spec, double omega) {
+  const Scene scene = oscillator(1, omega * omega, {1e130, 0.3e130 * omega});  // so that nothing is near rounding
+  const int early = 200, late = 400;
+  double before = 0, after = 0;  // the largest of 20 steps each: oscillations pass through zero
+  int k = 0;
+  run_for(scene, late, spec, 1, [&](const Moment& m) {
+    const double size = std::hypot(m.state.q[0] * omega, m.state.v[0]);
+    if (k <= early && k > early - 20) before = std::max(before, size);
+    if (k > late - 20) after = std::max(after, size);
+    ++k;
+  });
+  return std::pow(after / before, 1.0 / (late - early));
+}
+
+class GivesUp final : public Solver {
+  Status run(const Lcp&, Solution&, Start) override { return Status::stalled; }
+  double tolerance() const override { return 1e-10; }
+};
+
+}  // namespace
+
+TEST_CASE("two levels: joints hold to 1e-12 in position and velocity throughout, no gap is negative") {
+  for (const std::string_view spec : kTwoLevel)
+    for (const SliderCrankExact& exact : slider_crank_exact())
+      for (const double h : {1e-4, 1e-3}) {
+        CAPTURE(spec);
+        CAPTURE(h);
+        const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), spec, h);
+        CHECK(r.status == Status::solved);
+        CHECK(r.max_joint_residual <= 1e-12);
+        CHECK(r.max_joint_rate <= 1e-12);
+        CHECK(r.max_penetration <= 1e-12);
+      }
+}
+
+TEST_CASE("generalized-alpha: the spectral radius is rho_inf for stiff springs, 1 for soft ones") {
+  for (const double rho : {0.5, 0.8, 1.0}) {
+    const std::string spec = "generalized-alpha:rho_inf=" + std::to_string(rho);
+    CHECK(decay(spec, 1e4) == doctest::Approx(rho).epsilon(0.01));  // a double root: n ρⁿ
+    CHECK(decay(spec, 1e-2) == doctest::Approx(1).epsilon(1e-6));
+  }
+  const Run r = run_for(oscillator(1, 1e8, {1, 0}), 5, "generalized-alpha:rho_inf=0", 1);
+  CHECK(std::abs(r.final.q[0]) < 1e-6);
+}
+
+TEST_CASE("rattle: no drift of energy, within (wh)²/4 of it") {
+  for (const double omega : {0.05, 0.5}) {
+    const Scene scene = oscillator(1, omega * omega, {1, 0});
+    double worst = 0;
+    const double start = omega * omega / 2;
+    run_for(scene, 20000, "rattle", 1, [&](const Moment& m) {
+      const double now = (omega * omega * m.state.q[0] * m.state.q[0] + m.state.v[0] * m.state.v[0]) / 2;
+      worst = std::max(worst, std::abs(now / start - 1));
+    });
+    CHECK(worst / (omega * omega / 4) == doctest::Approx(1).epsilon(0.02));
+  }
+}
+
+TEST_CASE("an impact: Newton's law, Coulomb's cone, friction against the slip, the energy it takes") {
+  for (const std::string_view spec : {"moreau-jean", "stewart-trinkle", "generalized-alpha", "rattle"})
+    for (const double mu : {0.0, 0.1, 2.0})
+      for (const double e : {0.2, 0.7, 1.0}) {
+        CAPTURE(spec);
+        CAPTURE(mu);
+        CAPTURE(e);
+        const Scene scene = thrown_disc({.mu = mu, .e = e}, 0.0137, {3, -4}, 1);
+        const System system(scene);
+        Eigen::VectorXd before = system.initial_state().v;
+        int impacts = 0;
+        run_for(scene, 0.05, spec, 1e-3, [&](const Moment& m) {
+          const Impulse& p = m.impulses[0];
+          const Eigen::VectorXd& v = m.state.v;
+          if (p.normal > 0) {
+            ++impacts;
+            const double slip = v[0] + 0.5 * v[2];
+            CHECK(v[1] == doctest::Approx(-e * before[1]).epsilon(1e-13));
+            CHECK(std::abs(p.tangent) <= mu * p.normal * (1 + 1e-14));
+            CHECK(p.tangent * slip <= 1e-14);
+            if (std::abs(slip) > 1e-12) CHECK(std::abs(p.tangent) == doctest::Approx(mu * p.normal).epsilon(1e-13));
+            const Eigen::VectorXd jump = v - before, M = system.mass();
+            const double lost = (before.dot(M.cwiseProduct(before)) - v.dot(M.cwiseProduct(v))) / 2;
+            const double frictionless = (1 - e) / (1 + e) * jump.dot(M.cwiseProduct(jump)) / 2;
+            if (mu == 0) CHECK(lost == doctest::Approx(frictionless).epsilon(1e-12));
+            CHECK(lost >= -1e-12);
+          }
+          before = v;
+        });
+        CHECK(impacts == 1);
+      }
+}
+
+TEST_CASE("free bodies that collide: linear momentum to 1e-13, angular where the rows stand where the bodies are") {
+  for (const std::string_view spec : kFixedStep)
+    for (const double mu : {0.0, 0.5}) {
+      CAPTURE(spec);
+      CAPTURE(mu);
+      Scene s;
+      const ContactLaw law{.mu = mu, .e = 0.5};
+      const auto a = s.body({.mass = 1, .inertia = 0.4, .velocity = {2, 0.1}, .omega = 3});
+      const auto b = s.body({.mass = 3, .inertia = 0.2, .position = {1.5, 0.3}, .velocity = {-1, 0}});
+      const auto c = s.body({.mass = 2, .inertia = 0.3, .position = {2.6, 0.2}, .velocity = {-2, 0.2}, .omega = -1});
+      for (const auto& [one, other] : {std::pair(a, b), std::pair(b, c), std::pair(a, c)})
+        s.contact(DiscDisc{"", one, {0, 0}, 0.5, other, {0, 0}, 0.5, law});
+      const System system(s);
+      const Momentum before = momentum(system, system.initial_state());
+      const Run r = run_for(s, 1, spec, 1e-3);
+      REQUIRE(r.status == Status::solved);
+      CHECK(r.lcp_solves >= 2);
+      const Momentum after = momentum(system, r.final);
+      CHECK((after.linear - before.linear).norm() <= 1e-13);
+      const double turned = std::abs(after.angular - before.angular);
+      if (mu == 0 && (spec == "moreau-jean" || spec == "rattle"))
+        CHECK(turned <= 1e-12);
+      else
+        CHECK(turned <= 2e-2);  // O(h)
+      MESSAGE(spec << ", mu = " << mu << ": angular momentum off by " << turned << " of " << before.angular);
+    }
+}
+
+TEST_CASE("stewart-trinkle: a body lands on the surface and stays there, nothing penetrates") {
+  for (const double gap : {0.0101, 0.0137, 0.0199}) {
+    const Run r = run_for(thrown_disc({.mu = 0.3}, gap, {1, -4}, 0, kGravity), 0.1, "stewart-trinkle", 1e-3);
+    CHECK(r.max_penetration <= 1e-15);
+    CHECK(std::abs(r.final.q[1] - 0.5) <= 1e-15);
+    CHECK(std::abs(r.final.v[1]) <= 1e-12);
+  }
+}
+
+TEST_CASE("anitescu-potra: a symmetric problem without friction rows; what slides hovers mu h |slip| high") {
+  const double h = 1e-3, mu = 0.3;
+  const Scene scene = thrown_disc({.mu = mu}, 0.0137, {20, -4}, 0, kGravity);
+  const System system(scene);
+  const auto scheme = make_integrator("anitescu-potra", system);
+  const auto solver = make_solver("lemke");
+  State x = system.initial_state();
+  int closed = 0;
+  for (int k = 0; k < 40; ++k) {
+    REQUIRE(scheme->step(h, *solver, x).status == Status::solved);
+    const Lcp& problem = scheme->problem();
+    if (problem.size() == 0) continue;
+    const auto& A = std::get<DenseMatrix>(problem.A);
+    CHECK(problem.friction.empty());
+    CHECK(problem.size() == 2);
+    CHECK(A == A.transpose());
+    CHECK(A.determinant() >= 0);
+    const double slip = std::abs(x.v[0] + 0.5 * x.v[2]);
+    if (++closed > 2) CHECK(scheme->gaps()[0] / (mu * h * slip) == doctest::Approx(1).epsilon(0.01));
+  }
+  CHECK(closed > 20);
+}
+
+TEST_CASE("paoli-schatzman: the rebound is e, wherever in a step the impact falls") {
+  for (const double e : {0.0, 0.3, 0.8, 1.0})
+    for (int i = 0; i < 50; ++i) {
+      CAPTURE(e);
+      CAPTURE(i);
+      const Run r = run_for(thrown_disc({.e = e}, 0.02 + 1e-4 * i, {0, -5}), 0.02, "paoli-schatzman", 1e-3);
+      CHECK(r.final.v[1] == doctest::Approx(5 * e).epsilon(1e-12).scale(1));
+    }
+}
+
+TEST_CASE("N-four-bar at h = 1e-3: singular poses passed on the right branch, no drift of energy above 1e-4 J") {
+  const NFourBar p;
+  for (const std::string_view spec : {"moreau-jean", "generalized-alpha", "rattle"}) {
+    CAPTURE(spec);
+    double worst = 0;
+    const System system(n_four_bar(p));
+    const Run r = run_for(n_four_bar(p), 10, spec, 1e-3, [&](const Moment& m) {
+      worst = std::max(worst, std::abs(energy(system, m.state) - p.energy()));
+    });
+    REQUIRE(r.status == Status::solved);
+    CHECK(std::abs(r.energy_final - r.energy_initial) <= 1e-4);
+    CHECK(worst <= 1e-3);  // within a turn
+    CHECK(r.max_joint_residual <= 1e-12);
+    for (int crank = 0; crank < 3; ++crank)
+      CHECK(std::abs(std::abs(r.final.q[3 * crank + 2] - system.initial_state().q[3 * crank + 2]) - p.at(10).x) < 1e-3);
+    MESSAGE(spec << ": energy off by " << r.energy_final - r.energy_initial << " J at the end, " << worst
+                 << " J on the way");
+  }
+}
+
+TEST_CASE("chains keep their links, and order-2 schemes come near the exact end") {
+  for (const std::string_view spec : kFixedStep)
+    for (const ChainExact& exact : chain_exact()) {
+      CAPTURE(spec);
+      const Run r = run_for(chain({.links = exact.links}), exact.t, spec, 1e-3);
+      REQUIRE(r.status == Status::solved);
+      CHECK(r.max_joint_residual <= 1e-10);
+      const Eigen::Vector2d tip = r.final.q.segment<2>(3 * (exact.links - 1));
+      const double off = (tip - Eigen::Vector2d(exact.tip[0], exact.tip[1])).norm();
+      if (spec == "moreau-jean" || spec == "rattle" || spec == "generalized-alpha") CHECK(off < 2e-2);
+      MESSAGE(spec << ", " << exact.links << " links: " << off << " m off, energy " << r.energy_final - r.energy_initial
+                   << " J");
+    }
+}
+
+TEST_CASE("elastic ball: moreau-jean keeps the energy over 1e6 steps; what the others do in 1e5") {
+  const auto change = [](std::string_view spec, double duration) {
+    const Run r = run_for(bouncing_ball({.e = 1}), duration, spec, 1e-3);
+    REQUIRE(r.status == Status::solved);
+    return (r.energy_final - r.energy_initial) / r.energy_initial;
+  };
+  CHECK(std::abs(change("moreau-jean", 1000)) <= 1e-12);
+  for (const std::string_view spec : kFixedStep)  // an impact costs or gains them O(h) of height
+    MESSAGE(spec << ": relative change of energy " << change(spec, 100));
+}
+
+TEST_CASE("the manners of a step, scheme by scheme") {
+  for (const IntegratorEntry& entry : integrators()) {
+    CAPTURE(entry.name);
+    const System system(slider_crank({.mu = 0.1}));
+    const auto solver = make_solver("lemke");
+
+    SUBCASE("a state that is not the one returned last starts it anew, bit for bit") {
+      const auto used = entry.make(system, ""), fresh = entry.make(system, "");
+      State x = system.initial_state(), y = x;
+      for (int k = 0; k < 100; ++k) used->step(1e-4, *solver, x);
+      x = system.initial_state();
+      for (int k = 0; k < 100; ++k) used->step(1e-4, *solver, x), fresh->step(1e-4, *make_solver("lemke"), y);
+      CHECK(x.q == y.q);
+      CHECK(x.v == y.v);
+    }
+    SUBCASE("a failed solve leaves the state as it was and keeps the problem") {
+      const System ball(bouncing_ball());
+      const auto scheme = entry.make(ball, "");
+      GivesUp gives_up;
+      State x = ball.initial_state();
+      x.q[1] = 0, x.v << 1, -2, 3;
+      const State before = x;
+      CHECK(scheme->step(1e-3, gives_up, x).status == Status::stalled);
+      CHECK(x.t == before.t);
+      CHECK(x.q == before.q);
+      CHECK(x.v == before.v);
+      REQUIRE(scheme->problem().size() >= 1);
+      Solution replay;
+      CHECK(solver->solve(scheme->problem(), replay).status == Status::solved);
+      x.q[1] = 5;
+      REQUIRE(scheme->step(1e-3, gives_up, x).status == Status::solved);
+      CHECK(scheme->problem().size() == 0);  // not the one before
+
+      const Run r = simulate(*scheme, gives_up, {.step = 1e-3, .duration = 1, .every = 1});
+      CHECK(r.status == Status::stalled);
+      CHECK(r.final.t < 1);
+    }
+    SUBCASE("a step much too long ends with a status, never with a joint that is open") {
+      const auto scheme = entry.make(system, "");
+      State x = system.initial_state();
+      for (const double h : {3e-3, 1e-2, 0.1, 10.0}) {
+        x = system.initial_state();
+        for (int k = 0; k < 20; ++k) {
+          const StepReport report = scheme->step(h, *solver, x);
+          if (report.status != Status::solved) break;
+          CHECK(report.joint_residual < 1e-6);
+        }
+        CHECK(x.q.allFinite());
+        CHECK(x.v.allFinite());
+      }
+    }
+  }
+}
+
+TEST_CASE("any solver may be given to any scheme: the same motion, or a status and the state as it was") {
+  const System system(slider_crank({.mu = 0.1}));
+  for (const std::string_view spec : kFixedStep) {
+    const auto scheme = make_integrator(spec, system);
+    const auto lemke = make_solver("lemke");
+    State start = system.initial_state();
+    for (int k = 0; k < 25; ++k) REQUIRE(scheme->step(1e-4, *lemke, start).status == Status::solved);
+    State expected = start;  // past the first impact, of two corners at once
+    for (int k = 0; k < 5; ++k) REQUIRE(scheme->step(1e-4, *lemke, expected).status == Status::solved);
+    int solved = 0;
+    for (const SolverEntry& entry : solvers()) {
+      CAPTURE(spec);
+      CAPTURE(entry.name);
+      const auto solver = make_solver(entry.name);
+      solver->set_time_limit(1);
+      State x = start;
+      int steps = 0;
+      for (; steps < 5; ++steps) {
+        const State before = x;
+        if (scheme->step(1e-4, *solver, x).status == Status::solved) continue;
+        CHECK(x.q == before.q);
+        CHECK(x.v == before.v);
+        break;
+      }
+      if (steps < 5) continue;
+      ++solved;
+      CHECK((x.q - expected.q).lpNorm<Eigen::Infinity>() < 1e-6);
+    }
+    MESSAGE(spec << ": " << solved << " solvers");
+    CHECK(solved >= 15);
+  }
+}
+
+TEST_CASE("static friction and moving surfaces mean the same to every scheme") {
+  for (const std::string_view spec : kFixedStep) {
+    CAPTURE(spec);
+    for (const double speed : {0.0, 1.0}) {
+      if (spec == "anitescu-potra" && speed > 0) continue;           // its problem is solved once: see formulate.h
+      const Incline p{.mu = 0.3, .mu_static = 0.6, .speed = speed};  // tan 30° = 0.577
+      const Run r = run_for(incline(p), 2, spec, 1e-3);
+      CHECK(std::abs(r.final.v[0]) <= 1e-12);
+      CHECK(std::abs(r.final.q[0] - p.at(2).x) < 2e-3);
+    }
+    Scene moving = incline({.mu = 0.5, .speed = 2}), resting = incline({.mu = 0.5, .speed = 1.3});
+    std::get<CornerWall>(moving.contacts[0]).law.belt = 0.7;
+    const Run a = run_for(moving, 1, spec, 1e-3), b = run_for(resting, 1, spec, 1e-3);
+    CHECK(a.final.v[0] == doctest::Approx(b.final.v[0] + 0.7).epsilon(1e-11));
+    CHECK(a.final.q[0] == doctest::Approx(b.final.q[0] + 0.7).epsilon(1e-11));
+  }
+}
+
+TEST_CASE("forty balls side by side move as one does, their problem as an operator") {
+  for (const std::string_view spec : kFixedStep) {
+    CAPTURE(spec);
+    const Scene one = thrown_disc({.mu = 0.2, .e = 0.5}, 0.1, {1, 0}, 2, kGravity);
+    Scene many = one;
+    for (int i = 1; i < 40; ++i) {
+      const auto b = many.body(one.bodies[0]);
+      many.bodies.back().name = "ball" + std::to_string(i);
+      many.bodies.back().position.x() += 2 * i;
+      many.contact(DiscWall{"", b, {0, 0}, 0.5, kGround, {0, 0}, {0, 1}, {.mu = 0.2, .e = 0.5}});
+    }
+    const Run a = run_for(one, 0.5, spec, 1e-3), b = run_for(many, 0.5, spec, 1e-3);
+    REQUIRE(b.status == Status::solved);
+    const System system(many);
+    for (int i = 0; i < 40; ++i) {
+      Eigen::Vector3d off = b.final.q.segment<3>(3 * i) - a.final.q;
+      off.x() -= 2 * i;
+      CHECK(off.lpNorm<Eigen::Infinity>() < 1e-11);
+      CHECK((b.final.v.segment<3>(3 * i) - a.final.v).lpNorm<Eigen::Infinity>() < 1e-9);
+    }
+  }
+}
+
+TEST_CASE("the step loop of every scheme allocates nothing after its first steps") {
+  std::vector<std::string_view> specs(std::begin(kFixedStep), std::end(kFixedStep));
+  specs.insert(specs.end(), {"moreau-jean:joints=position", "moreau-jean:form=full"});
+  for (const std::string_view spec : specs)
+    for (const char* lcp : {"lemke", "pgs"}) {
+      CAPTURE(spec);
+      CAPTURE(lcp);
+      const System system(slider_crank({.mu = 0.1}));
+      const auto scheme = make_integrator(spec, system);
+      const auto solver = make_solver(lcp);
+      State x = system.initial_state();
+      for (int k = 0; k < 400; ++k) scheme->step(1e-5, *solver, x);  // past the first impact
+      const auto before = AllocationCount::now();
+      for (int k = 0; k < 2000; ++k) scheme->step(1e-5, *solver, x);
+      CHECK(AllocationCount::now() == before);
+    }
+}
+
+TEST_CASE("options outside their range are refused by name") {
+  const System system(bouncing_ball());
+  CHECK_THROWS_WITH_AS(make_integrator("generalized-alpha:rho_inf=1.5", system), doctest::Contains("rho_inf = 1.5"),
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("rattle:theta=1", system), doctest::Contains("theta"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("stewart-trinkle:joints=soft", system), doctest::Contains("symmetric"),
+                       std::invalid_argument);
+}
