@@ -4,7 +4,7 @@
 // This is the DAE's matrix that is left when contact and friction are removed; contacts enter through its inverse.
 // Three ways, by what the scene contains:
 //   no joints, no springs   x = M⁻¹ f
-//   few joint rows, no springs  S = G M⁻¹ Gᵀ by dense Cholesky (Eigen)
+//   few joint rows, no springs  S = G M⁻¹ Gᵀ by dense Cholesky
 //   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
 // Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken (copies
 // of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S, whose
@@ -45,6 +45,7 @@ class BasicSystem {
     int i, j, side_i, side_j, body;
   };
   bool factorize_dense(const Terms& terms);
+  bool find_least_norm(bool finite);
   void multiply_G(const double* x, double* y) const;
 
   int dof_ = 0, rows_ = 0;
@@ -52,8 +53,7 @@ class BasicSystem {
   Eigen::VectorXd inverse_mass_;
   std::vector<Row> G_;  // those of the last factorization
   std::vector<Shared> shared_;
-  Eigen::MatrixXd S_;
-  Eigen::LLT<Eigen::MatrixXd> llt_;
+  Eigen::MatrixXd S_;  // below and on the diagonal its Cholesky factor
   std::unique_ptr<LeastNorm> least_norm_;
   std::unique_ptr<Sparse> sparse_;
   mutable Eigen::VectorXd y_, f_, force_, zero_, lambda_;
