@@ -14,12 +14,13 @@ Row edge(const ContactRows& rows, double mu) {
 
 }  // namespace
 
-void newtons_law(const System& system, const Terms& terms, const Eigen::VectorXd& v, std::vector<Wanted>& wanted) {
+void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const Eigen::VectorXd& v,
+                 std::vector<Wanted>& wanted) {
   wanted.clear();
   for (const ClosedContact& c : terms.closed) {
-    const ContactLaw& law = system.law(c.contact);
+    const ContactLaw& law = laws[static_cast<std::size_t>(c.contact)];
     const double slip = law.frictional() ? apply(c.rows.tangent, v.data()) - law.belt : 0;
-    wanted.push_back({-law.e * apply(c.rows.normal, v.data()), law.belt - law.e_t * slip, slip});
+    wanted.push_back({-law.e * apply(c.rows.normal, v.data()), law.belt - law.e_t * slip, slip, &law});
   }
 }
 
@@ -60,8 +61,8 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
   const auto joints = static_cast<Index>(rows_.size());
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const ClosedContact& c = terms.closed[k];
-    const double mu = system_.law(c.contact).mu_at(wanted[k].slip);
-    contacts_.push_back({c.contact, mu, wanted[k].slip});
+    const double mu = wanted[k].law->mu_at(wanted[k].slip);
+    contacts_.push_back({c.contact, wanted[k].law, mu, wanted[k].slip});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
     rows_.push_back(edges ? edge(c.rows, mu) : c.rows.normal);
     if (edges) rows_.push_back(edge(c.rows, -mu));
@@ -69,7 +70,7 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
   const auto unilateral = static_cast<Index>(rows_.size()) - joints;
   if (cone_ == Cone::coulomb)
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-      if (!system_.law(contacts_[k].index).frictional()) continue;
+      if (!contacts_[k].law->frictional()) continue;
       lcp_.friction.push_back({static_cast<Index>(rows_.size()), joints + static_cast<Index>(k), contacts_[k].mu});
       rows_.push_back(terms.closed[k].rows.tangent);
     }
@@ -96,26 +97,37 @@ void Formulation::retarget(const std::vector<Wanted>& wanted, const Eigen::Vecto
   }
   if (cone_ == Cone::coulomb)
     for (std::size_t k = 0; k < contacts_.size(); ++k)
-      if (system_.law(contacts_[k].index).frictional()) hold_against(wanted[k].tangent);
+      if (contacts_[k].law->frictional()) hold_against(wanted[k].tangent);
+}
+
+void Formulation::bind() {
+  lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
+  lcp_.friction.clear();
 }
 
 bool Formulation::solve(Solver& solver, StepReport& report) {
   if (lcp_.size() == 0) return true;
-  do {
+  const auto solved = [&] {
     solver.solve(lcp_, solution_, Start::warm);
-    if (!report.note(lcp_, solution_)) return false;
-  } while (hold());
-  return true;
+    return report.note(lcp_, solution_);
+  };
+  return solved() && (!regrade() || solved());
 }
 
-bool Formulation::hold() {
+bool Formulation::regrade() {
+  constexpr double kBound = 1 - 1e-9;  // of the bound: at it
   const Index joints = form_ == Form::full ? system_.joint_rows() : 0;
   bool any = false;
   for (Friction& friction : lcp_.friction) {
     const Contact& c = contacts_[static_cast<std::size_t>(friction.normal - joints)];
-    const double mu_static = system_.law(c.index).mu_static;
-    if (mu_static <= friction.mu || solution_.w[friction.row] * c.slip >= 0) continue;
-    friction.mu = mu_static;
+    if (c.law->mu_static <= c.law->mu) continue;
+    const double pressure = solution_.z[friction.normal];
+    const bool sticks = friction.mu > c.law->mu;
+    const bool changes =
+        sticks ? pressure > 0 && std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
+               : solution_.w[friction.row] * c.slip < 0;
+    if (!changes) continue;
+    friction.mu = sticks ? c.law->mu : c.law->mu_static;
     any = true;
   }
   return any;
@@ -177,7 +189,7 @@ void Formulation::advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) co
   }
   if (cone_ == Cone::coulomb)
     for (const Contact& c : contacts_)
-      if (system_.law(c.index).frictional()) impulses[static_cast<std::size_t>(c.index)].tangent = z[i++];
+      if (c.law->frictional()) impulses[static_cast<std::size_t>(c.index)].tangent = z[i++];
 }
 
 }  // namespace orthant

@@ -3,8 +3,9 @@
 //   Unknown impulses z = [Λ_G; Λ_N; Λ_T] of the rows J = [G; W_N; W_T];  w = J v⁺ − target,  v⁺ = v_free + B Jᵀ z:
 //     A = J B Jᵀ,  b = J v_free − target.    Wanted by the scheme: γ_N⁺ ≥ target, γ_T⁺ → target, G v⁺ = target;
 //     by Newton's law −e γ_N⁻ and −e_T γ_T⁻.
-//   Slip γ_T is against the moving surface. μ is the static one for a contact that sticks at the step's start, and for
-//   one whose slip turns round within the step, as it passes through rest (solved a second time, coulomb only).
+//   Slip γ_T is against the moving surface. μ is the static one for a contact that sticks at the step's start and is held
+//   by it, and for one whose slip would turn round within the step, as it passes through rest (a second solve, coulomb
+//   only).
 //   reduced: B is the inverse of the basic system with its joints (block elimination of Λ_G: the Schur complement onto
 //            the contacts through one factorization of the saddle matrix); no joint rows in J.
 //   full:    B = M̂⁻¹; the joints stay as equality rows.
@@ -33,13 +34,16 @@ enum class Form { reduced, full };
 inline constexpr std::array<std::string_view, 2> kFormNames = {"reduced", "full"};
 enum class Cone { coulomb, relaxed };
 
-/// What a closed contact's rates after the step are held against, and the slip γ_T⁻ that chooses μ [m/s].
+/// What a closed contact's rates after the step are held against, the slip γ_T⁻ that chooses μ [m/s], and its law.
 struct Wanted {
   double normal = 0, tangent = 0, slip = 0;
+  const ContactLaw* law = nullptr;  // stays where it is until the step is done
 };
 
-/// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step.
-void newtons_law(const System& system, const Terms& terms, const Eigen::VectorXd& v, std::vector<Wanted>& wanted);
+/// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`, one
+/// per contact of the scene: the system's, or others of a scheme's own.
+void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const Eigen::VectorXd& v,
+                 std::vector<Wanted>& wanted);
 
 class Formulation {
  public:
@@ -54,6 +58,9 @@ class Formulation {
   /// The same rows and matrix again with another v_free and other targets.
   void retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
 
+  /// All rows become equations, w = 0.
+  void bind();
+
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve.
   bool solve(Solver& solver, StepReport& report);
 
@@ -67,10 +74,13 @@ class Formulation {
  private:
   struct Contact {  // a closed one, in the order of its normal row
     int index = 0;  // in the scene
+    const ContactLaw* law = nullptr;
     double mu = 0, slip = 0;
   };
   void collect(const Terms& terms, const std::vector<Wanted>& wanted);
-  bool hold();  // static friction for contacts whose slip z turned round; true: there were some
+  /// Where static friction exceeds kinetic: kinetic for contacts that static friction did not hold, static for those
+  /// whose slip z turned round. True: there were some, solve once more.
+  bool regrade();
   void fill_dense(const BasicSystem& basic, DenseMatrix& A);
   void fill_delassus(Delassus& A);
 

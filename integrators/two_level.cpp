@@ -66,7 +66,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
       free_ += correction_;
     }
     if (!start_.closed.empty()) {
-      newtons_law(system_, start_, x.v, wanted_);  // for the slip that chooses μ
+      newtons_law(system_.laws(), start_, x.v, wanted_);  // for the slip that chooses μ
       for (std::size_t k = 0; k < wanted_.size(); ++k) {
         const ClosedContact& c = start_.closed[k];
         wanted_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
@@ -127,7 +127,7 @@ void TwoLevel::hand_over(const State& x) {
   start_.closed.clear(), end_.closed.clear();
   if (!carrying_.empty()) set_poses(system_, x.q, start_.at);
   for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
-  newtons_law(system_, start_, x.v, wanted_);
+  newtons_law(system_.laws(), start_, x.v, wanted_);
 }
 
 bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {

@@ -21,6 +21,7 @@ class System {
   const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
   const Eigen::VectorXd& weight() const { return weight_; }              // dof: M g [N, N, 0]
+  const std::vector<ContactLaw>& laws() const { return laws_; }          // one per contact
   const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
 
   State initial_state() const;
