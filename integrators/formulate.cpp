@@ -123,9 +123,8 @@ bool Formulation::regrade() {
     if (c.law->mu_static <= c.law->mu) continue;
     const double pressure = solution_.z[friction.normal];
     const bool sticks = friction.mu > c.law->mu;
-    const bool changes =
-        sticks ? pressure > 0 && std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
-               : solution_.w[friction.row] * c.slip < 0;
+    const bool changes = sticks ? pressure > 0 && std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
+                                : solution_.w[friction.row] * c.slip < 0;
     if (!changes) continue;
     friction.mu = sticks ? c.law->mu : c.law->mu_static;
     any = true;

@@ -1,4 +1,5 @@
 #include <orthant/core/support/options.h>
+#include <orthant/integrators/adaptive.h>
 #include <orthant/integrators/anitescu_potra.h>
 #include <orthant/integrators/generalized_alpha.h>
 #include <orthant/integrators/moreau_jean.h>
@@ -31,6 +32,8 @@ constexpr IntegratorEntry kIntegrators[] = {
      &make<GeneralizedAlpha>, &options_of<GeneralizedAlpha>},
     {"rattle", "joints and gaps at both levels, symplectic; order 2 on smooth motion", &make<Rattle>,
      &options_of<Rattle>},
+    {"adaptive", "to a tolerance: extrapolated between events, first order across them", &make<Adaptive>,
+     &options_of<Adaptive>},
 };
 
 }  // namespace

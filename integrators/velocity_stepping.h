@@ -55,7 +55,7 @@ class VelocityStepping : public Integrator {
     evaluate_gaps(system_, terms_);
     evaluate_closed(system_, threshold, terms_);
     std::erase_if(terms_.closed, [&](const ClosedContact& c) { return !keep(c); });
-    newtons_law(system_, terms_, x.v, wanted_);
+    newtons_law(system_.laws(), terms_, x.v, wanted_);
   }
   /// γ_N⁺ that just closes the gap at the end of the step, to first order: g_N = 0 at q + h v⁺.
   double closing(const ClosedContact& c, double h) const {

@@ -1,0 +1,300 @@
+// The adaptive scheme: errors follow the tolerance on every scene with an exact answer, and the promises of a step.
+#include "tests/support/allocations.h"
+#include "tests/support/mechanics.h"
+#include "tests/support/runs.h"
+
+#include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/chain.h>
+#include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/impact_oscillator.h>
+#include <orthant/core/scenes/incline.h>
+#include <orthant/core/scenes/n_four_bar.h>
+#include <orthant/core/scenes/pendulum.h>
+#include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/scenes/stick_slip.h>
+#include <orthant/integrators/adaptive.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace orthant;
+
+namespace {
+
+/// In calls of `step`; 0: one call for all of it.
+Run run_to(Scene scene, double duration, double tolerance, const Recorder& record = {}, double step = 0) {
+  scene.duration = duration;
+  const System system(scene);
+  Adaptive scheme(system, {.rtol = tolerance, .atol = tolerance / 100});
+  const auto solver = make_solver("lemke");
+  Run r = simulate(scheme, *solver, {.step = step > 0 ? step : duration, .duration = duration}, record);
+  REQUIRE(r.status == Status::solved);
+  return r;
+}
+
+double slider_crank_error(const SliderCrankExact& exact, double tolerance, long* steps = nullptr) {
+  const Run r = run_to(slider_crank({.mu = exact.mu, .e = exact.e}), 0.2, tolerance);
+  if (steps != nullptr) *steps = r.accepted + r.rejected;
+  CHECK(r.max_joint_residual <= 1e-12);
+  CHECK(r.max_joint_rate <= 1e-11);  // |v| reaches 150
+  CHECK(std::abs(r.final.q[kTheta3]) <= 1e-9);
+  return std::abs(r.final.q[kTheta1] - exact.theta1);
+}
+
+/// A solver that gives up from its nth problem on.
+class GivesUp final : public Solver {
+ public:
+  explicit GivesUp(int after) : left_(after), lemke_(make_solver("lemke")) {}
+
+ private:
+  Status run(const Lcp& problem, Solution& s, Start) override {
+    return left_-- > 0 ? lemke_->solve(problem, s).status : Status::stalled;
+  }
+  double tolerance() const override { return 1e-10; }
+  int left_;
+  std::unique_ptr<Solver> lemke_;
+};
+
+}  // namespace
+
+TEST_CASE("slider-crank, e <= 0.4: the error is the tolerance, over six decades") {
+  for (const double tolerance : {1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+    double worst = 0;
+    long most = 0;
+    for (const SliderCrankExact& exact : slider_crank_exact())
+      if (exact.e <= 0.4) {
+        long steps = 0;
+        worst = std::max(worst, slider_crank_error(exact, tolerance, &steps));
+        most = std::max(most, steps);
+      }
+    MESSAGE("tolerance " << tolerance << ": worst error " << worst << " rad, steps taken and rejected " << most);
+    CHECK(worst <= 3 * tolerance + 5e-8);  // the last flights of an accumulation, no higher than rounding
+    CHECK(worst >= 0.1 * tolerance);       // a scheme that did better would waste
+    CHECK(static_cast<double>(most) <= 800 + 250 * std::log10(1e-3 / tolerance));
+  }
+}
+
+TEST_CASE("slider-crank, e = 0.9: the motion's sensitivity multiplies the tolerance") {
+  for (const SliderCrankExact& exact : slider_crank_exact())
+    if (exact.e > 0.4) CHECK(slider_crank_error(exact, 1e-9) <= (exact.mu < 0.1 ? 1e-7 : 3e-6));
+}
+
+TEST_CASE("slider-crank with other friction and restitution: two tolerances agree") {
+  for (const auto& [mu, e] : {std::pair{0.003, 0.1}, {0.03, 0.25}, {0.2, 0.35}, {0.5, 0.0}}) {
+    const Scene scene = slider_crank({.mu = mu, .e = e});
+    const double coarse = run_to(scene, 0.2, 1e-6).final.q[kTheta1], fine = run_to(scene, 0.2, 1e-9).final.q[kTheta1];
+    CHECK(std::abs(coarse - fine) <= 1e-5);
+  }
+}
+
+TEST_CASE("scenes with contacts: the error follows the tolerance") {
+  const auto error = [](const Scene& scene, double duration, const Motion& exact, double tolerance, Index i = 0) {
+    const Run r = run_to(scene, duration, tolerance);
+    return std::max(std::abs(r.final.q[i] - exact.x), std::abs(r.final.v[i] - exact.v));
+  };
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    CAPTURE(tolerance);
+    const BouncingBall half, lively{.e = 0.9}, elastic{.e = 1}, dead{.e = 0};
+    CHECK(error(bouncing_ball(half), 1.3, half.at(1.3), tolerance, 1) <= 10 * tolerance);
+    CHECK(error(bouncing_ball(half), 2, {}, tolerance, 1) <= tolerance);  // past the accumulation: rests
+    CHECK(error(bouncing_ball(lively), 10, {}, tolerance, 1) <= tolerance);
+    CHECK(error(bouncing_ball(dead), 2, {}, tolerance, 1) <= tolerance);
+    CHECK(error(bouncing_ball(elastic), 20, elastic.at(20), tolerance, 1) <= 20 * tolerance);
+    const ImpactOscillator driven, off{.disturbance = 0.1};
+    CHECK(error(impact_oscillator(driven), 100.3, driven.at(100.3), tolerance) <= 10 * tolerance);
+    CHECK(error(impact_oscillator(off), 300.3, off.at(300.3), tolerance) <=
+          10 * tolerance);  // the disturbance dies out
+    const StickSlip belt;
+    CHECK(error(stick_slip(belt), 16, belt.at(16), tolerance) <= 10 * tolerance + 1e-6);  // see the header's limits
+    const CoulombDecay decay;
+    CHECK(error(coulomb_decay(decay), 20, decay.at(20), tolerance) <= 10 * tolerance);
+    CHECK(error(coulomb_decay(decay), 30, decay.at(30), tolerance) <= 10 * tolerance);
+    for (const Incline& p : {Incline{}, Incline{.mu = 0.8, .speed = -2},
+                             Incline{.mu = 0.3, .mu_static = 0.6, .speed = 1}, Incline{.mu = 0.4, .speed = 0}})
+      CHECK(error(incline(p), 1.5, p.at(1.5), tolerance) <= 10 * tolerance);
+  }
+}
+
+TEST_CASE("smooth scenes: the error follows the tolerance, joints hold to rounding") {
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+    CAPTURE(tolerance);
+    const auto check = [&](const Run& r, double error, double factor) {
+      CHECK(error <= factor * tolerance + 1e-10);
+      CHECK(r.max_joint_residual <= 1e-13);
+      CHECK(r.max_joint_rate <= 1e-12);
+    };
+    const Pendulum p;
+    const Run swing = run_to(pendulum(p), 4, tolerance);
+    const double theta = p.at(4).x;
+    check(swing, (swing.final.q.head<2>() - Vector2d(std::sin(theta), -std::cos(theta))).norm(), 100);
+    for (const ChainExact& exact : chain_exact()) {
+      const Run r = run_to(chain({.links = exact.links}), exact.t, tolerance);
+      check(r, (r.final.q.segment<2>(3 * (exact.links - 1)) - Vector2d(exact.tip[0], exact.tip[1])).norm(), 50);
+    }
+    const NFourBar bars;
+    const Run turns =
+        run_to(n_four_bar(bars), 10, tolerance);  // ten times through the poses where all rods are in line
+    check(turns, std::abs(turns.final.q[2] + bars.at(10).x), 50);
+    CHECK(std::abs(turns.energy_final - bars.energy()) <= 500 * tolerance + 1e-9);
+  }
+}
+
+TEST_CASE("arcs are of high order, lasting contacts included") {
+  const auto steps = [](const Scene& scene, double duration, double tolerance) {
+    return run_to(scene, duration, tolerance).accepted;
+  };
+  CHECK(steps(pendulum(), 4, 1e-10) <= 8 * steps(pendulum(), 4, 1e-5));
+  CHECK(steps(coulomb_decay(), 3, 1e-10) <= 4 * steps(coulomb_decay(), 3, 1e-5));  // slides all the time
+  CHECK(steps(coulomb_decay(), 3, 1e-10) <= 60);
+}
+
+TEST_CASE("the ball's impacts are reported, with the impulses that gravity asks for") {
+  const BouncingBall p;
+  std::vector<Event> events;
+  double impulse = 0;
+  run_to(bouncing_ball(p), 2, 1e-8, [&](const Moment& m) {
+    events.insert(events.end(), m.events.begin(), m.events.end());
+    for (const Impulse& i : m.impulses) impulse += i.normal;
+  });
+  CHECK(impulse == doctest::Approx(2 * kGravity).epsilon(1e-9));
+  REQUIRE(events.size() >= 10);
+  for (int n = 0; n < 10; ++n) {
+    CHECK(events[static_cast<std::size_t>(n)].kind == EventKind::impact);
+    CHECK(std::abs(events[static_cast<std::size_t>(n)].t - p.impact_time(n + 1)) <= 1e-7);
+    CHECK(events[static_cast<std::size_t>(n)].normal ==
+          doctest::Approx((1 + p.e) * std::sqrt(2 * kGravity) * std::pow(p.e, n)).epsilon(1e-5));
+  }
+  CHECK(events.back().kind == EventKind::accumulation);
+  CHECK(std::abs(events.back().t - p.zeno_time()) <= 1e-7);
+}
+
+TEST_CASE("a call advances by exactly h, and what is known of step sizes outlasts it") {
+  const System system(slider_crank());
+  const auto solver = make_solver("lemke");
+  Adaptive whole(system), parts(system);
+  State x = system.initial_state(), y = x;
+  const StepReport once = whole.step(0.1, *solver, x);
+  CHECK(x.t == 0.1);
+  int accepted = 0;
+  for (int k = 0; k < 50; ++k) {
+    const double t = y.t;
+    const StepReport report = parts.step(0.002, *solver, y);
+    CHECK(y.t == t + 0.002);
+    accepted += report.accepted;
+  }
+  CHECK(accepted <= 2 * once.accepted);
+  CHECK((x.q - y.q).lpNorm<Eigen::Infinity>() <= 1e-5);
+
+  State z = system.initial_state();  // another state starts anew: the same as a new object
+  whole.step(0.1, *solver, z);
+  CHECK(z.q == x.q);
+  CHECK(z.v == x.v);
+}
+
+TEST_CASE("where it cannot go on, the last time reached is kept, with a reason") {
+  const System system(bouncing_ball({.e = 0.5}));
+  const double first = BouncingBall{}.impact_time(1);
+  {
+    GivesUp solver(0);
+    Adaptive scheme(system);
+    State x = system.initial_state();
+    CHECK(scheme.step(1, solver, x).status == Status::stalled);
+    CHECK(x.t == doctest::Approx(first).epsilon(1e-3));
+    CHECK(x.q[1] == doctest::Approx(BouncingBall{}.at(x.t).x).epsilon(1e-9));
+    CHECK(scheme.why().find("from t = 0.45") != std::string::npos);
+    CHECK(scheme.problem().size() == 1);
+  }
+  const auto lemke = make_solver("lemke");
+  Adaptive scheme(system, {.max_steps = 20});
+  State x = system.initial_state();
+  CHECK(scheme.step(1.3, *lemke, x).status == Status::iteration_limit);
+  CHECK(x.t > first);
+  CHECK(x.t < 1.3);
+  CHECK(scheme.why().find("max_steps") != std::string::npos);
+  while (x.t < 1.3) scheme.step(1.3 - x.t, *lemke, x);  // and the next call goes on from there
+  CHECK(x.q[1] == doctest::Approx(BouncingBall{}.at(1.3).x).epsilon(1e-4));
+  CHECK(scheme.why().empty());
+}
+
+TEST_CASE("corners that strike almost together: followed to the end, within what the exact motion allows") {
+  for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) {
+    const Run r = run_to(slider_crank({.omega3 = -0.01}), 0.2, tolerance);
+    CHECK(r.final.q[kTheta1] > 18.078);
+    CHECK(r.final.q[kTheta1] < 18.084);
+    CHECK(r.accepted + r.rejected < 5000);
+  }
+}
+
+TEST_CASE("boxes and balls fall, tumble and come to lie: energy falls, nothing sinks in") {
+  testing::Random random(5);
+  for (int trial = 0; trial < 12; ++trial) {
+    CAPTURE(trial);
+    Scene s{.gravity = {0, -kGravity}};
+    const ContactLaw law{.mu = random(0, 0.8), .e = random(0, 0.8)};
+    for (int i = 0; i < 2; ++i) {
+      const auto body = s.body({.inertia = 0.1,
+                                .position = {random(-0.1, 0.1), 0.6 + 1.1 * i},
+                                .angle = random(-0.5, 0.5),
+                                .velocity = random.point(),
+                                .omega = random(-3, 3)});
+      for (const double x : {-0.4, 0.4})
+        for (const double y : {-0.3, 0.3}) s.contact(CornerWall{"", body, {x, y}, kGround, {0, 0}, {0, 1}, law});
+    }
+    s.contact(DiscDisc{"", 0, {0, 0}, 0.5, 1, {0, 0}, 0.5, law});
+    double before = kInf, rise = 0;
+    const System system(s);
+    const Run r = run_to(
+        s, 1.5, 1e-5,
+        [&](const Moment& m) {
+          const double now = energy(system, m.state);
+          rise = std::max(rise, now - before), before = now;
+        },
+        0.02);
+    CHECK(rise <= 1e-3);
+    CHECK(r.max_penetration <= 1e-4);
+    CHECK(r.accepted + r.rejected <= 20000);
+  }
+}
+
+TEST_CASE("adaptive: any solver may be asked; it solves or it says why") {
+  const System system(slider_crank({.mu = 0.1}));
+  const double theta1 = run_to(slider_crank({.mu = 0.1}), 0.01, 1e-7).final.q[kTheta1];
+  for (const SolverEntry& entry : solvers()) {
+    CAPTURE(entry.name);
+    if (entry.name == "ipopt" || entry.name == "nlopt" || entry.name == "admm" || entry.name == "jacobi")
+      continue;  // slow
+    Adaptive scheme(system, {.rtol = 1e-4, .max_steps = 2000});
+    const auto solver = make_solver(entry.name);
+    State x = system.initial_state();
+    const StepReport report = scheme.step(0.01, *solver, x);
+    CHECK(scheme.why().empty() == (report.status == Status::solved));
+    CHECK(x.q.allFinite());
+    if (report.status != Status::solved) continue;
+    CHECK(x.t == 0.01);
+    CHECK(std::abs(x.q[kTheta1] - theta1) <= 1e-4);
+  }
+}
+
+TEST_CASE("adaptive: no allocation after the first milliseconds, the same bits twice") {
+  const System system(slider_crank({.mu = 0.1}));
+  const auto solver = make_solver("lemke");
+  Adaptive scheme(system, {.rtol = 1e-5});
+  State x = system.initial_state();
+  for (int k = 0; k < 20; ++k) scheme.step(1e-3, *solver, x);
+  const auto before = AllocationCount::now();
+  for (int k = 0; k < 100; ++k) scheme.step(1e-3, *solver, x);
+  CHECK(AllocationCount::now() == before);
+
+  const Run a = run_to(slider_crank({.mu = 0.1}), 0.2, 1e-4), b = run_to(slider_crank({.mu = 0.1}), 0.2, 1e-4);
+  CHECK(a.final.q == b.final.q);
+  CHECK(a.final.v == b.final.v);
+}
+
+TEST_CASE("adaptive: options out of range are refused") {
+  const System system(bouncing_ball());
+  CHECK_THROWS_WITH_AS(make_integrator("adaptive:rtol=2", system), doctest::Contains("[0, 1]"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("adaptive:atol=0", system), doctest::Contains("atol"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("adaptive:columns=1", system), doctest::Contains("[2, 5]"),
+                       std::invalid_argument);
+}
