@@ -106,7 +106,7 @@ TEST_CASE("impact oscillator: order 1") {
 TEST_CASE("stick-slip: order 1") {
   const StickSlip p;
   for (const Scheme& scheme : kSchemes)
-    expect_order(scheme.spec, 1, {.coarsest = 2e-2, .octaves = 5, .steps_per_octave = 6}, [&](double h) {
+    expect_order(scheme.spec, 1, {.coarsest = 1e-2, .octaves = 6, .steps_per_octave = 8}, [&](double h) {
       return mean_error(
           stick_slip(p), 2 * p.period(), scheme.spec, h, [&](double t) { return p.at(t).x; },
           [](const State& x) { return x.q[0]; });
