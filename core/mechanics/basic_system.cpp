@@ -227,6 +227,7 @@ BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
 
 bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
   redundant_ = false;
+  independence_ = 1;
   if (rows_ > 0) std::copy(terms.G.begin(), terms.G.begin() + rows_, G_.begin());
   if (sparse_) {
     if (sparse_->factorize(system, terms, stiffness_weight, damping_weight)) return true;
@@ -253,8 +254,8 @@ bool BasicSystem::factorize_dense(const Terms& terms) {
       for (int k = 0; k < j; ++k) left -= S_(i, k) * S_(j, k);
       if (j < i) {
         S_(i, j) = left * S_(j, j);
-      } else if (left >
-                 kDependent * S_(i, i)) {  // each pivot against its own diagonal: independent of mass ratios, units
+      } else if (left > kDependent * S_(i, i)) {  // pivot against diagonal: independent of mass ratios, units
+        independence_ = std::min(independence_, left / S_(i, i));
         S_(i, i) = 1 / std::sqrt(left);
       } else {
         return find_least_norm(std::isfinite(left));

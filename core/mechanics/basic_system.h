@@ -37,6 +37,9 @@ class BasicSystem {
 
   int joint_rows() const { return rows_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
+  /// What is left of the most dependent joint row of the last factorization, squared over its S_ii, in (0, 1]: near 0 next
+  /// to a singular pose. 1 where it is not known (redundant rows, the sparse matrix).
+  double independence() const { return independence_; }
 
  private:
   struct Sparse;     // KLU and the pattern
@@ -50,6 +53,7 @@ class BasicSystem {
 
   int dof_ = 0, rows_ = 0;
   bool redundant_ = false;
+  double independence_ = 1;
   Eigen::VectorXd inverse_mass_;
   std::vector<Row> G_;  // those of the last factorization
   std::vector<Shared> shared_;

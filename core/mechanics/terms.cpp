@@ -82,6 +82,11 @@ void evaluate_closed(const System& system, double threshold, Terms& terms) {
     if (terms.gap[i] <= threshold) add_closed(system, i, terms);
 }
 
+void evaluate_closed(const System& system, std::span<const int> contacts, Terms& terms) {
+  terms.closed.clear();
+  for (const int i : contacts) add_closed(system, i, terms);
+}
+
 void add_closed(const System& system, int contact, Terms& terms) {
   terms.closed.push_back({contact, std::visit([&](const auto& c) { return c.rows(terms.at); },
                                               system.scene().contacts[static_cast<std::size_t>(contact)])});

@@ -8,6 +8,8 @@
 #include <orthant/core/mechanics/system.h>
 #include <orthant/core/support/reusable.h>
 
+#include <span>
+
 namespace orthant {
 
 struct ClosedContact {
@@ -42,6 +44,8 @@ void evaluate_gaps(const System& system, Terms& terms);
 void evaluate_closed(const System& system, double threshold, Terms& terms);
 /// One more closed contact, whatever its gap.
 void add_closed(const System& system, int contact, Terms& terms);
+/// These contacts become `closed`, whatever their gaps.
+void evaluate_closed(const System& system, std::span<const int> contacts, Terms& terms);
 /// Ġ v and the biases of the closed contacts.
 void evaluate_biases(const System& system, Terms& terms);
 
