@@ -1,6 +1,7 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive.h>
 #include <orthant/integrators/anitescu_potra.h>
+#include <orthant/integrators/event_driven.h>
 #include <orthant/integrators/generalized_alpha.h>
 #include <orthant/integrators/moreau_jean.h>
 #include <orthant/integrators/paoli_schatzman.h>
@@ -34,6 +35,8 @@ constexpr IntegratorEntry kIntegrators[] = {
      &options_of<Rattle>},
     {"adaptive", "to a tolerance: extrapolated between events, first order across them", &make<Adaptive>,
      &options_of<Adaptive>},
+    {"event-driven", "Runge-Kutta of order 8 between located events; for references", &make<EventDriven>,
+     &options_of<EventDriven>},
 };
 
 }  // namespace

@@ -1,0 +1,444 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/event_driven.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr int kBounces = 2;           // in a row, each interval shorter: an accumulation
+constexpr double kShrinking = 0.999;  // by at least this factor
+constexpr double kForceZero =
+    1e-8;                           // of the largest force: contacts this near to opening or sliding off do so together
+constexpr double kSingular = 1e-2;  // independence of the joint rows below which a pose counts as next to singular
+constexpr double kSmallTurn = 0.1;  // [rad] of a body in a step whose stages are near enough to project them there
+constexpr double kPressed = 1e-6;   // of the accelerations: a contact let go that comes back faster does not open
+constexpr int kStandstill = 100;    // events at one time, per contact, after which they are taken to repeat for ever
+
+std::size_t at(int contact) { return static_cast<std::size_t>(contact); }
+
+}  // namespace
+
+EventDriven::Point::Point(const System& system)
+    : q(Eigen::VectorXd::Zero(system.dof())), v(q), a(q), w(system.contacts()) {}
+
+EventDriven::EventDriven(const System& system, const Options& options)
+    : Integrator(system),
+      options_(options),
+      motion_(system),
+      transition_(system),
+      formulation_(system),
+      rk_(system.dof()),
+      now_(system),
+      trial_(system),
+      middle_(system),
+      q_scale_(system.dof()),
+      v_scale_(system.dof()),
+      none_(Eigen::VectorXd::Zero(system.dof())),
+      bounces_(impulses_.size()),
+      touching_(impulses_.size()),
+      released_(impulses_.size()),
+      slides_(impulses_.size()),
+      push_(impulses_.size()),
+      hit_(impulses_.size()),
+      before_(impulses_.size()),
+      problem_(&formulation_.problem()) {
+  events_.reserve(64 * impulses_.size());
+}
+
+StepReport EventDriven::step(double h, Solver& solver, State& x) {
+  StepReport report;
+  report.accepted = 0;
+  events_.clear(), why_.clear();
+  std::fill(impulses_.begin(), impulses_.end(), Impulse{});
+  formulation_.clear(), problem_ = &formulation_.problem();
+  start_ = x.t, elapsed_ = 0, standstill_ = 0;
+  const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
+  good_ = known || begin(solver, x, report);
+  while (good_ && elapsed_ < h) good_ = advance(solver, h, report);
+  x.t = start_ + elapsed_, x.q = now_.q, x.v = now_.v;
+  gaps_ = now_.w.gap;
+  report.joint_residual = residual_.joint, report.joint_rate = residual_.rate;
+  report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
+  sort_events();
+  last_q_ = x.q, last_v_ = x.v;
+  return report;
+}
+
+/// Those of accumulations lie a little ahead of their place.
+void EventDriven::sort_events() {
+  const auto earlier = [](const Event& a, const Event& b) { return a.t < b.t; };
+  for (auto end = events_.begin(); end != events_.end(); ++end)
+    std::rotate(std::upper_bound(events_.begin(), end, *end, earlier), end, end + 1);
+}
+
+bool EventDriven::fail(StepReport& report, Status status, std::string why) {
+  report.status = status, why_ = std::move(why);
+  return false;
+}
+
+bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
+  now_.q = x.q, now_.v = x.v, h_ = options_.first_step;
+  std::fill(bounces_.begin(), bounces_.end(), Bounces{});
+  std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
+  motion_.modes_changed();
+  residual_ = motion_.project(now_.q, now_.v);
+  if (!observe(now_, x.t)) return fail(report, Status::numerical_error, "no accelerations at the start");
+  return change_modes(solver, {}, report);
+}
+
+/// One accepted step, of at most h − elapsed_, and the event at its end if there is one.
+bool EventDriven::advance(Solver& solver, double h, StepReport& report) {
+  const double rest = h - elapsed_;
+  if (!(h_ > 0)) h_ = first_guess(rest);
+  double s = std::min(h_, rest);
+  for (;;) {
+    const bool possible = try_step(s);
+    const double error = possible ? rk_.error(s, q_scale_, v_scale_) / allowed_error() : kInf;
+    const double factor = std::clamp(0.9 * std::pow(error, -1 / DormandPrince::kErrorOrder), 0.2, 6.0);
+    if (error <= 1) {
+      h_ = s < h_ ? std::max(h_, factor * s) : factor * s;
+      break;
+    }
+    ++report.rejected;
+    h_ = s *= error < kInf ? factor : 0.1;
+    if (s < 1e-3 * kRounding * (std::abs(start_) + elapsed_) + 1e-30)
+      return fail(report, Status::stalled,
+                  "step size below rounding at t = " + detail::text_of(start_ + elapsed_) +
+                      ": the forces grow without bound, or tolerances are too small");
+  }
+  pass_over(s, rest);
+  std::optional<Sign> event;
+  while (std::optional<Sign> next = first_sign(s)) {
+    event.reset();
+    if (land(*next, s)) event = next;
+  }
+  ++report.accepted;
+  accept(s, rest);
+  if (standstill_ > kStandstill * (1 + system_.contacts()))
+    return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_));
+  return !event || change_modes(solver, event, report);
+}
+
+/// Next to a singular pose (joint rows lose their independence δ²) accelerations depend on ε / δ of what stages are off
+/// the joints: the error estimate is then no reason to divide the step further, which would only look closer.
+double EventDriven::allowed_error() const {
+  return least_independence_ < kSingular ? std::max(1.0, 1e-8 / options_.rtol) : 1;
+}
+
+/// A step that would end next to a singular pose is made as long again as it takes to get there, and passes over it.
+void EventDriven::pass_over(double& s, double rest) {
+  const double there = trial_.independence, here = now_.independence;
+  if (there >= kSingular || there >= here) return;
+  const double before = std::sqrt(here), far = 2 * s * before / (before - std::sqrt(there));
+  if (far <= rest && try_step(far) && rk_.error(far, q_scale_, v_scale_) <= allowed_error())
+    s = far;
+  else
+    try_step(s);
+}
+
+double EventDriven::first_guess(double rest) const {
+  const double fast = now_.v.norm() > 0 ? now_.q.norm() / now_.v.norm() : kInf;
+  const double turn = now_.a.norm() > 0 ? now_.v.norm() / now_.a.norm() : kInf;
+  const double guess = 0.05 * std::min(fast, turn);
+  return guess > 0 ? std::min(guess, rest) : rest;
+}
+
+bool EventDriven::observe(Point& p, double t) {
+  if (!motion_.accelerations(t, p.q, p.v, p.a)) return false;
+  p.independence = motion_.basic().independence();
+  motion_.watch(p.q, p.v, p.a, p.w);
+  return true;
+}
+
+/// trial_, and push_: the lasting forces' impulses.
+bool EventDriven::try_step(double s) {
+  for (const int c : motion_.lasting())
+    push_[at(c)] = {rk_.first_weight() * now_.w.normal[c], rk_.first_weight() * now_.w.tangent[c]};
+  const double t = start_ + elapsed_;
+  double turn = 0;
+  for (Index i = 2; i < now_.v.size(); i += 3) turn = std::max(turn, s * std::abs(now_.v[i]));
+  const bool close = turn < kSmallTurn;
+  const auto acceleration = [&](double time, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
+    bool possible = motion_.accelerations(time, q, v, a);
+    if (close && motion_.basic().independence() < kSingular) {
+      stage_q_ = q, stage_v_ = v;
+      motion_.project(stage_q_, stage_v_);
+      possible = motion_.accelerations(time, stage_q_, stage_v_, a);
+    }
+    least_independence_ = std::min(least_independence_, motion_.basic().independence());
+    return possible;
+  };
+  least_independence_ = 1;
+  const auto add_push = [&](double weight) {
+    for (std::size_t i = 0; i < motion_.lasting().size(); ++i) {
+      Impulse& push = push_[at(motion_.lasting()[i])];
+      push.normal += weight * motion_.normal_force(i), push.tangent += weight * motion_.tangent_force(i);
+    }
+  };
+  if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, add_push)) return false;
+  q_scale_ = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
+  v_scale_ = options_.atol + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
+  trial_residual_ = motion_.project(trial_.q, trial_.v);
+  return trial_residual_.joint < kInf && observe(trial_, t + s);
+}
+
+/// Forces in the middle of the step from now_ to trial_, where Hermite polynomials say it is.
+bool EventDriven::observe_middle(double s) {
+  middle_.q = (now_.q + trial_.q) / 2 + s * ((now_.v - trial_.v) * (5.0 / 32) + s / 64 * (now_.a + trial_.a));
+  middle_.v = (now_.v + trial_.v) / 2 + s / 8 * (now_.a - trial_.a);
+  if (!motion_.accelerations(start_ + elapsed_ + s / 2, middle_.q, middle_.v, middle_.a)) return false;
+  motion_.forces(middle_.w);
+  return true;
+}
+
+double EventDriven::slack(Watch watch, int contact) const {
+  if (watch == Watch::gap) return 2 * gap_zero(contact);
+  if (watch == Watch::slip) return speed_zero(now_.w.slip_scale[contact]);
+  return 10 * kSame * std::max(now_.w.normal.lpNorm<Eigen::Infinity>(), trial_.w.normal.lpNorm<Eigen::Infinity>());
+}
+
+/// The event function; ≥ 0 before the event.
+double EventDriven::value(const Sign& sign, const Watched& w) const {
+  const int c = sign.contact;
+  const double bound = static_mu(system_.law(c)) * w.normal[c];
+  switch (sign.watch) {
+    case Watch::gap:
+      return w.gap[c] - std::min(0.0, now_.w.gap[c]);  // a start with overlap is let be
+    case Watch::force:
+      return w.normal[c];
+    case Watch::cone_up:
+      return bound - w.tangent[c];
+    case Watch::cone_down:
+      return bound + w.tangent[c];
+    case Watch::slip:
+      return motion_.modes[at(c)].slip * w.slip[c];
+  }
+  return 0;
+}
+
+std::optional<EventDriven::Sign> EventDriven::first_sign(double s) {
+  std::optional<Sign> first;
+  if (s <= 0) return first;
+  const bool forces = !motion_.lasting().empty() && observe_middle(s);
+  const Watched &a = now_.w, &b = trial_.w;
+  const auto look = [&](Sign sign, const auto& polynomial) {
+    const auto found = first_crossing(polynomial, slack(sign.watch, sign.contact));
+    if (!found || (first && first->crossing.x <= found->x)) return;
+    sign.crossing = *found;
+    first = sign;
+  };
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const ContactMode& mode = motion_.modes[at(c)];
+    if (!mode.lasting) {
+      const double shift = std::min(0.0, a.gap[c]);
+      look({Watch::gap, c, {}}, quintic(a.gap[c] - shift, a.gap_rate[c], a.gap_acceleration[c], b.gap[c] - shift,
+                                        b.gap_rate[c], b.gap_acceleration[c], s));
+      continue;
+    }
+    if (forces)
+      for (const Watch watch : {Watch::force, Watch::cone_up, Watch::cone_down}) {
+        const Sign sign{watch, c, {}};
+        if (watch == Watch::force || mode.sticks)
+          look(sign, quadratic(value(sign, a), value(sign, middle_.w), value(sign, b)));
+      }
+    if (mode.slip != 0)
+      look({Watch::slip, c, {}}, cubic(mode.slip * a.slip[c], mode.slip * a.slip_acceleration[c], mode.slip * b.slip[c],
+                                       mode.slip * b.slip_acceleration[c], s));
+  }
+  return first;
+}
+
+/// Shortens the step to where the function is zero. False: it is not there, it only came near; s is shortened all the same.
+bool EventDriven::land(const Sign& sign, double& s) {
+  const double tiny = slack(sign.watch, sign.contact) / 2;
+  double low = 0, high = s, x = sign.crossing.x * s, slope = sign.crossing.slope / s, last_x = 0, last = 0;
+  bool bracketed = value(sign, trial_.w) < 0;
+  for (int i = 0; i < 80; ++i) {
+    if (!try_step(x)) break;
+    s = x;
+    const double f = value(sign, trial_.w);
+    if (sign.watch == Watch::gap)
+      slope = trial_.w.gap_rate[sign.contact];
+    else if (sign.watch == Watch::slip)
+      slope = motion_.modes[at(sign.contact)].slip * trial_.w.slip_acceleration[sign.contact];
+    else if (i > 0 && x != last_x)
+      slope = (f - last) / (x - last_x);
+    if (std::abs(f) <= tiny) return true;
+    (f > 0 ? low : high) = x;
+    bracketed = bracketed || f < 0;
+    if (f > 0 && !(slope < 0) && !bracketed) return false;
+    last_x = x, last = f;
+    double next = x - f / slope;
+    if (!(slope < 0) || !(next > low && next < high)) next = (low + high) / 2;
+    if (std::abs(next - x) <= kRounding * x) return true;
+    x = next;
+  }
+  return true;
+}
+
+void EventDriven::accept(double s, double rest) {
+  const double before = elapsed_;
+  std::swap(now_, trial_);
+  residual_ = trial_residual_;
+  elapsed_ = s < rest ? elapsed_ + s : elapsed_ + rest;
+  standstill_ = elapsed_ > before ? 0 : standstill_ + 1;
+  for (const int c : motion_.lasting())
+    impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;
+}
+
+/// At now_: impacts, then the modes; their events.
+bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
+  const double t = start_ + elapsed_;
+  if (static_cast<int>(events_.size()) >= options_.max_events)
+    return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
+  before_ = motion_.modes;
+  std::fill(released_.begin(), released_.end(), false);
+  std::fill(slides_.begin(), slides_.end(), 0.0);
+  for (Bounces& b : bounces_) b.over = false;
+  bool struck = false;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const ContactMode& mode = motion_.modes[at(c)];
+    const bool hit = event && event->watch == Watch::gap && event->contact == c;
+    touching_[at(c)] = hit || mode.lasting || now_.w.gap[c] <= std::max(options_.touching, 16 * gap_zero(c));
+    if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
+    struck = true;
+    note_bounce(c);
+  }
+  if (struck && !impact(solver, accumulates(), report)) return false;
+  return settle(solver, event, struck, report);
+}
+
+bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
+  Terms& terms = motion_.terms();
+  if (!motion_.accelerations(start_ + elapsed_, now_.q, now_.v, now_.a))
+    return fail(report, Status::numerical_error, "no accelerations at an impact");
+  struck_.clear();
+  for (int c = 0; c < system_.contacts(); ++c)
+    if (plastic ? bounces_[at(c)].over || motion_.modes[at(c)].lasting : touching_[at(c)]) struck_.push_back(c);
+  evaluate_closed(system_, struck_, terms);
+  // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
+  now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
+  newtons_law(system_.laws(), terms, now_.v, wanted_);
+  if (plastic)
+    for (Wanted& wanted : wanted_) wanted.normal = 0;
+  formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
+  problem_ = &formulation_.problem();
+  if (!formulation_.solve(solver, report)) return fail(report, report.status, "the impact was not solved");
+  formulation_.advance(now_.v, hit_);
+  const double t = start_ + elapsed_;
+  for (const ClosedContact& closed : terms.closed) {
+    const int c = closed.contact;
+    const Impulse& hit = hit_[at(c)];
+    impulses_[at(c)].normal += hit.normal, impulses_[at(c)].tangent += hit.tangent;
+    if (plastic && bounces_[at(c)].over)
+      events_.push_back({t + bounces_[at(c)].rest, EventKind::accumulation, c, hit.normal, hit.tangent});
+    else if (hit.normal > 0)
+      events_.push_back({t, EventKind::impact, c, hit.normal, hit.tangent});
+  }
+  return true;
+}
+
+/// Before an impact at contact c.
+void EventDriven::note_bounce(int c) {
+  Bounces& b = bounces_[at(c)];
+  const double t = start_ + elapsed_, interval = t - b.last, ratio = interval / b.interval;
+  b.shrinking = ratio < kShrinking ? b.shrinking + 1 : 0;
+  b.rest = ratio < 1 ? interval * ratio / (1 - ratio) : 0;
+  const double height = -now_.w.gap_rate[c] * interval / 4;  // of the last one, a parabola of this speed
+  b.height = height * ratio;
+  b.rounding = height <= 16 * gap_zero(c);
+  b.interval = interval, b.last = t;
+}
+
+/// Marks the contacts whose bounces need not be resolved any more, if there are any at this time.
+bool EventDriven::accumulates() {
+  const double t = start_ + elapsed_;
+  const auto low = [&](int c) { return std::max(options_.accumulation, 32 * gap_zero(c)); };
+  bool any = false;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const Bounces& b = bounces_[at(c)];
+    any = any || (b.last == t && (b.rounding || (b.shrinking >= kBounces && b.height <= low(c))));
+  }
+  for (int c = 0; c < system_.contacts(); ++c) {
+    Bounces& b = bounces_[at(c)];
+    b.over = any && (b.rounding || b.shrinking >= kBounces) && t - b.last <= b.interval && now_.w.gap[c] <= low(c);
+    touching_[at(c)] = touching_[at(c)] || b.over;
+  }
+  return any;
+}
+
+/// The modes at now_, after an impact or an event of the motion.
+bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
+  const double t = start_ + elapsed_;
+  if (event && !struck) let_go(*event);
+  const auto open_all = [&] {
+    std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
+    motion_.modes_changed();
+    return observe(now_, t);
+  };
+  for (bool again = true; again;) {
+    if (!open_all()) return fail(report, Status::numerical_error, "no accelerations after an event");
+    gather_candidates();
+    const Status status = transition_.decide(motion_, solver, report);
+    if (status != Status::solved) {
+      problem_ = &transition_.problem();
+      return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
+    }
+    residual_ = motion_.project(now_.q, now_.v);
+    if (!observe(now_, t)) return fail(report, Status::numerical_error, "no accelerations after an event");
+    again = false;
+    for (int c = 0; c < system_.contacts(); ++c)
+      if (released_[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+        released_[at(c)] = false, again = true;  // pressed back by what else changes here
+  }
+  note_changes(event.has_value() && !struck);
+  return true;
+}
+
+/// Which contacts open (released_) or slide off (slides_) because their force has come to its end. trial_ is the start of
+/// the step that led here: its forces are the scale for "at the same time".
+void EventDriven::let_go(const Sign& event) {
+  if (event.watch == Watch::gap || event.watch == Watch::slip) return;
+  const Watched& w = now_.w;
+  const double zero = kForceZero * trial_.w.normal.lpNorm<Eigen::Infinity>();
+  for (const int c : motion_.lasting()) {
+    if (event.watch == Watch::force) {
+      released_[at(c)] = c == event.contact || w.normal[c] <= zero;
+    } else if (before_[at(c)].sticks) {
+      const double room = static_mu(system_.law(c)) * w.normal[c] - std::abs(w.tangent[c]);
+      if (c == event.contact || room <= zero) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
+    }
+  }
+}
+
+/// Contacts that touch and neither separate nor were let go.
+void EventDriven::gather_candidates() {
+  transition_.candidates.clear();
+  const Watched& w = now_.w;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    if (!touching_[at(c)] || released_[at(c)]) continue;
+    if (w.gap_rate[c] > speed_zero(w.gap_rate_scale[c]) && !bounces_[at(c)].over) continue;
+    double slip = 0;
+    if (system_.law(c).frictional())
+      slip = std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c]) ? slides_[at(c)] : w.slip[c] > 0 ? 1 : -1;
+    transition_.candidates.push_back({c, slip});
+  }
+}
+
+void EventDriven::note_changes(bool touched) {
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const ContactMode &old = before_[at(c)], &mode = motion_.modes[at(c)];
+    if (old == mode) continue;
+    const auto emit = [&](EventKind kind) { events_.push_back({start_ + elapsed_, kind, c, 0, 0}); };
+    if (!mode.lasting)
+      emit(EventKind::release);
+    else if (old.lasting)
+      emit(mode.sticks ? EventKind::stick : EventKind::slip);
+    else if (touched)
+      emit(EventKind::touch);
+  }
+}
+
+}  // namespace orthant

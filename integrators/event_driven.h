@@ -1,0 +1,136 @@
+// integrators/event_driven.h — the smooth motion by a Runge–Kutta method of order 8, impacts and changes of contact
+// located and landed on.
+//
+//   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with error
+//   control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched are
+//     open contact: g           → closing, quintic Hermite polynomial from g, ġ, g̈ at the ends of a step
+//     lasting:      λ_N         → opening, quadratic from both ends and the middle
+//     sticking:     μ λ_N ∓ λ_T → sliding off, likewise
+//     sliding:      σ γ_T       → stopping, cubic Hermite polynomial.
+//   The first one to turn negative is landed on by steps from the same start, their length by secant steps: nothing is
+//   interpolated, so that the state there has the full order. Then
+//     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at velocity
+//                                       level (formulate.h, reduced form)
+//     after every event:                the modes by the problem at acceleration level (contact_transition.h).
+//   Contacts nearer than `touching` count as touching, so that what is simultaneous stays so under rounding.
+//   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one before)
+//   and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact without
+//   restitution takes the place of all that follow, for all contacts in this state, and they last. The event has the time
+//   extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as zero, and the
+//   impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some 10 times
+//   `accumulation`. Infinitely many alternate impacts of several contacts end likewise.
+//   Smooth error per step: rtol |y_i| + atol, y = (q, v). An event's time is found to rounding of the event function.
+//   Next to singular poses of the joints (dependent rows) accelerations are known to ε/δ only, δ the distance: such poses
+//   are passed over in one step where the output allows it, with an error of about 1e-8; output points that lie closer
+//   than that cost accuracy (1e-4 has been seen).
+//   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
+//   acceleration-level problem without solution or with several ends the run, see why(). Every contact's row is looked at
+//   in every step. Cost: 13 evaluations a step, some 3 steps an event.
+//   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996); Brogliato & Acary (2008), ch. 8;
+//   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6.
+#pragma once
+
+#include <orthant/integrators/contact_transition.h>
+#include <orthant/integrators/dormand_prince.h>
+#include <orthant/integrators/first_crossing.h>
+#include <orthant/integrators/formulate.h>
+
+namespace orthant {
+
+inline constexpr double kRounding = 0x1p-52;
+
+struct EventDrivenOptions {
+  double rtol = 1e-13,
+         atol = 1e-14;          // error of a step, per entry of q and v; atol is also the slip [m/s] taken as none
+  double first_step = 0;        // [s]; 0: from the accelerations
+  double touching = 1e-15;      // [m] gap taken as closed where another contact is struck
+  double accumulation = 1e-14;  // [m] height of bounces that are not resolved any more
+  int max_events = 1000000;     // in one call of step()
+  template <class V> void visit(V&& v) {
+    v("rtol", rtol, 1e-15, 1e-2), v("atol", atol, 1e-30, 1e-2), v("first_step", first_step, 0.0, 1e6);
+    v("touching", touching, 0.0, 1e-3), v("accumulation", accumulation, 0.0, 1e-3);
+    v("max_events", max_events, 1, 1000000000);
+  }
+};
+
+class EventDriven final : public Integrator {
+ public:
+  using Options = EventDrivenOptions;
+  explicit EventDriven(const System& system, const Options& options = {});
+  StepReport step(double h, Solver& solver, State& x) override;
+  const Lcp& problem() const override { return *problem_; }
+  std::string why() const override { return why_; }
+
+ private:
+  enum class Watch { gap, force, cone_up, cone_down, slip };
+  struct Sign {  // of an event: this function turned negative
+    Watch watch = Watch::gap;
+    int contact = 0;
+    Crossing crossing;  // x: of the step
+  };
+  struct Bounces {                         // a contact's impacts
+    double last = -kInf, interval = kInf;  // [s]
+    int shrinking = 0;                     // intervals in a row
+    double rest = 0, height = 0;           // [s] what is left of the series; [m] bound of the next bounce
+    bool rounding = false;                 // the last bounce was of the size of rounding
+    bool over = false;                     // accumulated, just now
+  };
+  struct Point {  // of the motion: everything known there
+    Eigen::VectorXd q, v, a;
+    Watched w;
+    double independence = 1;  // of the joint rows
+    explicit Point(const System& system);
+  };
+
+  void sort_events();
+  bool begin(Solver& solver, const State& x, StepReport& report);
+  bool advance(Solver& solver, double h, StepReport& report);
+  double allowed_error() const;
+  void pass_over(double& s, double rest);
+  double first_guess(double rest) const;
+  bool observe(Point& p, double t);
+  bool observe_middle(double s);
+  bool try_step(double s);
+  void accept(double s, double rest);
+
+  double value(const Sign& sign, const Watched& w) const;
+  double slack(Watch watch, int contact) const;
+  std::optional<Sign> first_sign(double s);
+  bool land(const Sign& sign, double& s);
+
+  bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
+  bool impact(Solver& solver, bool plastic, StepReport& report);
+  void note_bounce(int contact);
+  bool accumulates();
+  bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
+  void let_go(const Sign& event);
+  void gather_candidates();
+  void note_changes(bool touched);
+  bool fail(StepReport& report, Status status, std::string why);
+  double gap_zero(int contact) const { return kRounding * now_.w.gap_scale[contact]; }  // [m]
+  double speed_zero(double scale) const { return options_.atol + kSame * scale; }
+
+  Options options_;
+  ContactMotion motion_;
+  ContactTransition transition_;
+  Formulation formulation_;
+  DormandPrince rk_;
+  Point now_, trial_, middle_;
+  double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
+  double least_independence_ = 1;           // of the joints in the trial step
+  int standstill_ = 0;                      // steps since time moved
+  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_, none_;
+  bool good_ = false;  // the last call ended at last_q_, last_v_
+  ContactMotion::Residual residual_, trial_residual_;
+  std::vector<Bounces> bounces_;
+  std::vector<char> touching_, released_;
+  std::vector<double> slides_;
+  std::vector<int> struck_;
+  std::vector<Impulse> push_, hit_;  // mean force of the trial step [N]; of an impact [N s]
+  std::vector<ContactMode> before_;
+  std::vector<Wanted> wanted_;
+  const Lcp* problem_;
+  std::string why_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,394 @@
+// Event-driven integration against exact motions and the golden slider-crank, and what it does where there is none.
+#include "tests/support/allocations.h"
+#include "tests/support/runs.h"
+
+#include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/chain.h>
+#include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/impact_oscillator.h>
+#include <orthant/core/scenes/incline.h>
+#include <orthant/core/scenes/n_four_bar.h>
+#include <orthant/core/scenes/pendulum.h>
+#include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/scenes/stick_slip.h>
+#include <orthant/integrators/dormand_prince.h>
+#include <orthant/integrators/first_crossing.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+using namespace orthant;
+
+namespace {
+
+constexpr std::string_view kScheme = "event-driven";
+
+struct Story {  // of a run: its events and sums of impulses
+  Run run;
+  std::vector<Event> events;
+  std::vector<Impulse> sum;
+  double tilt = 0;  // largest |θ| of the last body [rad]
+
+  std::vector<Event> of(EventKind kind) const {
+    std::vector<Event> found;
+    std::copy_if(events.begin(), events.end(), std::back_inserter(found),
+                 [&](const Event& e) { return e.kind == kind; });
+    return found;
+  }
+};
+
+Story tell(Scene scene, double duration, double step, std::string_view solver = "lemke",
+           std::string_view scheme = kScheme) {
+  Story story;
+  scene.duration = duration;
+  story.sum.resize(scene.contacts.size());
+  story.run = run(
+      scene, scheme, step,
+      [&](const Moment& m) {
+        story.events.insert(story.events.end(), m.events.begin(), m.events.end());
+        for (std::size_t i = 0; i < story.sum.size(); ++i)
+          story.sum[i].normal += m.impulses[i].normal, story.sum[i].tangent += m.impulses[i].tangent;
+        story.tilt = std::max(story.tilt, std::abs(m.state.q[m.state.q.size() - 1]));
+      },
+      solver);
+  return story;
+}
+
+struct Golden {
+  double mu, e, omega3;
+  std::string event;
+  double t;
+};
+
+std::vector<Golden> golden_events() {
+  std::ifstream in(ORTHANT_TEST_DATA "/slider_crank_events.csv");
+  std::vector<Golden> events;
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    Golden g;
+    words >> g.mu >> g.e >> g.omega3 >> g.event >> g.t;
+    events.push_back(g);
+  }
+  return events;
+}
+
+bool same_kind(const std::string& golden, EventKind kind) {
+  if (golden == "impact") return kind == EventKind::impact || kind == EventKind::accumulation;
+  if (golden == "release") return kind == EventKind::release;
+  return kind == EventKind::slip || kind == EventKind::stick;
+}
+
+/// The largest relative distance of a golden event's time from the nearest one of the story.
+double worst_time(const Story& story, double mu, double e, double omega3, int& count) {
+  double worst = 0;
+  for (const Golden& g : golden_events()) {
+    if (g.mu != mu || g.e != e || g.omega3 != omega3) continue;
+    double nearest = 1;
+    for (const Event& event : story.events)
+      if (same_kind(g.event, event.kind)) nearest = std::min(nearest, std::abs(event.t - g.t) / g.t);
+    worst = std::max(worst, nearest);
+    ++count;
+  }
+  return worst;
+}
+
+/// A rod's lower tip slides on the floor, in the sense in which friction presses it down.
+Scene sliding_rod(double mu, double omega, double phi = std::atan(2.0)) {
+  Scene s;
+  s.gravity = {0, -kGravity};
+  const auto rod = s.body({.name = "rod",
+                           .mass = 1,
+                           .inertia = 1.0 / 3,
+                           .position = {std::cos(phi), std::sin(phi)},
+                           .angle = phi,
+                           .velocity = {-1 - omega * std::sin(phi), omega * std::cos(phi)},
+                           .omega = omega});
+  s.contact(CornerWall{"tip", rod, {-1, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("Dormand-Prince: a step of order 8, exact on what order 8 integrates") {
+  // q'' = −q from (1, 0): the error of one step goes with h⁹.
+  DormandPrince rk(1);
+  const auto error = [&](double h) {
+    Eigen::VectorXd q = Eigen::VectorXd::Ones(1), v = Eigen::VectorXd::Zero(1), a = -q, q_next(1), v_next(1);
+    const auto f = [](double, const Eigen::VectorXd& x, const Eigen::VectorXd&, Eigen::VectorXd& acceleration) {
+      acceleration = -x;
+      return true;
+    };
+    REQUIRE(rk.step(f, 0, q, v, a, h, q_next, v_next, [](double) {}));
+    return std::hypot(q_next[0] - std::cos(h), v_next[0] + std::sin(h));
+  };
+  const double order = std::log2(error(0.6) / error(0.3));
+  MESSAGE("one step: order " << order);
+  CHECK(std::abs(order - 9) < 0.3);
+  CHECK(error(1.0) < 1e-6);
+}
+
+TEST_CASE("first crossing: the first of two roots is found, a touch is none") {
+  const auto bow = [](double depth) {  // x² − x + ¼ − depth, its minimum at ½
+    return quadratic(0.25 - depth, -depth, 0.25 - depth);
+  };
+  const auto found = first_crossing(bow(0.01), 0);
+  REQUIRE(found);
+  CHECK(found->x == doctest::Approx(0.4).epsilon(1e-12));
+  CHECK(found->slope == doctest::Approx(-0.2).epsilon(1e-3));
+  CHECK(!first_crossing(bow(0), 0));
+  CHECK(!first_crossing(bow(-1e-3), 0));
+  // sin over [0, 4]: both forms find π to what their degree can.
+  const auto five = first_crossing(quintic(0, 1, 0, std::sin(4), std::cos(4), -std::sin(4), 4), 0);
+  const auto three = first_crossing(cubic(0, 1, std::sin(4), std::cos(4), 4), 0);
+  REQUIRE((five && three));
+  CHECK(4 * five->x == doctest::Approx(std::numbers::pi).epsilon(1e-2));
+  CHECK(4 * three->x == doctest::Approx(std::numbers::pi).epsilon(0.1));
+}
+
+TEST_CASE("slider-crank: every golden event to 1e-9, the crank's angle to 1e-9, joints to rounding") {
+  for (const SliderCrankExact& exact : slider_crank_exact())
+    for (const double step : {0.2, 2e-3}) {
+      CAPTURE(exact.mu);
+      CAPTURE(exact.e);
+      CAPTURE(step);
+      const bool sensitive = exact.e > 0.5 && exact.mu > 0.05;  // errors grow some 280 times in 0.2 s
+      const Story story = tell(slider_crank({.mu = exact.mu, .e = exact.e}), 0.2, step);
+      REQUIRE(story.run.status == Status::solved);
+      int events = 0;
+      const double worst = worst_time(story, exact.mu, exact.e, 0, events);
+      const double theta1 = std::abs(story.run.final.q[kTheta1] - exact.theta1);
+      MESSAGE("mu = " << exact.mu << ", e = " << exact.e << ", step " << step << ": " << events << " events to "
+                      << worst << ", theta1 to " << theta1 << ", " << story.run.seconds * 1e3 << " ms");
+      CHECK(events > 20);
+      CHECK(worst <= (sensitive ? 1e-6 : 1e-9));
+      CHECK(theta1 <= (sensitive ? 1e-6 : 1e-9));
+      CHECK(std::abs(story.run.energy_final - exact.energy) <= 1e-9);
+      CHECK(story.run.max_joint_residual <= 1e-12);
+      CHECK(story.run.max_joint_rate <= 1e-12);
+      CHECK(story.tilt <= 1e-12);
+    }
+}
+
+TEST_CASE("slider-crank from a tilt: infinitely many alternate impacts within 1.6 microseconds are passed") {
+  const Story story = tell(slider_crank({.omega3 = -0.01}), 0.2, 0.2);
+  REQUIRE(story.run.status == Status::solved);
+  CHECK(story.events.front().t == doctest::Approx(2.69090364840784e-3).epsilon(1e-12));
+  CHECK(story.run.final.q[kTheta1] == doctest::Approx(18.0811239872).epsilon(1e-10 / 18));
+  int events = 0;
+  CHECK(worst_time(story, 0.01, 0.4, -0.01, events) <= 1e-9);
+  CHECK(events > 80);
+  const auto accumulation = story.of(EventKind::accumulation);
+  REQUIRE(accumulation.size() > 2);
+  CHECK(accumulation[0].t == doctest::Approx(2.6925481074359572e-3).epsilon(1e-9));
+}
+
+TEST_CASE("bouncing ball: passes the accumulation, rests exactly, all impulses counted") {
+  for (const double e : {0.5, 0.9})
+    for (const double step : {10.0, 0.01}) {
+      CAPTURE(e);
+      CAPTURE(step);
+      const BouncingBall ball{.e = e};
+      const Story story = tell(bouncing_ball(ball), 10, step);
+      REQUIRE(story.run.status == Status::solved);
+      const auto impacts = story.of(EventKind::impact), accumulation = story.of(EventKind::accumulation);
+      REQUIRE(accumulation.size() == 1);
+      CHECK(accumulation[0].t == doctest::Approx(ball.zeno_time()).epsilon(1e-12));
+      double sum = accumulation[0].normal;
+      for (std::size_t i = 0; i < impacts.size(); ++i) {
+        sum += impacts[i].normal;
+        CHECK(impacts[i].t == doctest::Approx(ball.impact_time(static_cast<int>(i) + 1)).epsilon(1e-12));
+      }
+      CHECK(sum == doctest::Approx(kGravity * ball.zeno_time()).epsilon(1e-6));  // what is left of the series is lost
+      CHECK(story.sum[0].normal == doctest::Approx(kGravity * 10).epsilon(1e-12));  // but not to the contact
+      CHECK(story.run.final.q[1] == 0);
+      CHECK(story.run.final.v[1] == 0);
+    }
+  CHECK(tell(bouncing_ball(), 1.3, 1.3).run.final.q[1] == doctest::Approx(2.4163733329496484e-4).epsilon(1e-12));
+}
+
+TEST_CASE("elastic ball: ten thousand impacts keep the energy and their times") {
+  const BouncingBall ball{.e = 1};
+  const Story story = tell(bouncing_ball(ball), 9031, 9031);
+  REQUIRE(story.events.size() == 10001);
+  CHECK(story.events[9999].t == doctest::Approx(9030.0212960736324).epsilon(1e-12));
+  CHECK(std::abs(story.run.energy_final / story.run.energy_initial - 1) <= 1e-12);
+}
+
+TEST_CASE("incline: sticks without creep, slides at the right rate, stops and turns back") {
+  const double critical = std::tan(std::numbers::pi / 6);
+  CHECK(std::abs(tell(incline({.mu = critical + 1e-6, .speed = 0}), 1, 0.1).run.final.v[0]) <= 1e-12);
+  const double v = tell(incline({.mu = critical - 1e-6, .speed = 0}), 1, 0.1).run.final.v[0];
+  CHECK(v == doctest::Approx(-kGravity * std::cos(std::numbers::pi / 6) * 1e-6).epsilon(1e-9));
+  for (const Incline& p : {Incline{.mu = 0.5, .speed = 2}, Incline{.mu = 0.8, .speed = -2}}) {
+    const Story story = tell(incline(p), 2, 2);
+    REQUIRE(story.events.size() == 1);
+    CHECK(story.events[0].kind == (p.speed > 0 ? EventKind::slip : EventKind::stick));
+    CHECK(story.events[0].t == doctest::Approx(p.stop_time()).epsilon(1e-13));
+    CHECK(story.run.final.q[0] == doctest::Approx(p.at(2).x).epsilon(1e-12));
+    CHECK(std::abs(story.run.final.v[0] - p.at(2).v) <= 1e-12);
+  }
+}
+
+TEST_CASE("a block on two corners: redundant friction, both corners change together") {
+  Scene s;
+  const double slope = std::numbers::pi / 6, mu = 0.8;
+  s.gravity = {-kGravity * std::sin(slope), -kGravity * std::cos(slope)};
+  const auto block = s.body({.name = "block", .mass = 1, .inertia = 0.1, .position = {0, 0.1}, .velocity = {-2, 0}});
+  for (const double x : {-0.3, 0.3}) s.contact(CornerWall{"", block, {x, -0.1}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
+  for (const std::string_view solver : {"lemke", "pgs", "newton-fb"}) {
+    CAPTURE(solver);
+    const Story story = tell(s, 2, 0.5, solver);
+    const Incline exact{.mu = mu, .speed = -2};
+    REQUIRE(story.run.status == Status::solved);
+    REQUIRE(story.events.size() == 2);
+    CHECK(story.events[0].t == doctest::Approx(exact.stop_time()).epsilon(1e-12));
+    CHECK(story.events[0].kind == EventKind::stick);
+    CHECK(story.events[1].kind == EventKind::stick);
+    CHECK(story.run.final.q[0] == doctest::Approx(exact.at(2).x).epsilon(1e-12));
+    CHECK(std::abs(story.run.final.v[0]) <= 1e-12);
+    const double weight = kGravity * std::cos(slope), pull = kGravity * std::sin(slope);
+    CHECK(story.sum[0].normal + story.sum[1].normal == doctest::Approx(2 * weight).epsilon(1e-12));
+    const double stop = exact.stop_time();
+    CHECK(story.sum[0].tangent + story.sum[1].tangent ==
+          doctest::Approx(mu * weight * stop + pull * (2 - stop)).epsilon(1e-11));
+  }
+}
+
+TEST_CASE("stick-slip on a belt: both phases end on time, for ten periods") {
+  const StickSlip p;
+  const Story story = tell(stick_slip(p), 10 * p.period(), 1);
+  REQUIRE(story.run.status == Status::solved);
+  const auto slips = story.of(EventKind::slip), sticks = story.of(EventKind::stick);
+  REQUIRE(slips.size() == 10);
+  REQUIRE(sticks.size() >= 9);
+  for (std::size_t i = 0; i < 9; ++i) {
+    CHECK(slips[i].t == doctest::Approx(static_cast<double>(i) * p.period() + p.stick_time()).epsilon(1e-11));
+    CHECK(sticks[i].t == doctest::Approx(static_cast<double>(i + 1) * p.period()).epsilon(1e-11));
+  }
+  const Story half = tell(stick_slip(p), p.stick_time() + 2, 1);
+  CHECK(half.run.final.q[0] == doctest::Approx(p.at(p.stick_time() + 2).x).epsilon(1e-11));
+}
+
+TEST_CASE("Coulomb decay: turning points on time, stops exactly and stays") {
+  const CoulombDecay p;
+  const Story story = tell(coulomb_decay(p), 40, 40);
+  REQUIRE(story.events.size() == 7);
+  for (std::size_t i = 0; i < 7; ++i)
+    CHECK(story.events[i].t == doctest::Approx(static_cast<double>(i + 1) * std::numbers::pi).epsilon(1e-12));
+  CHECK(story.events[6].kind == EventKind::stick);
+  CHECK(story.run.final.q[0] == doctest::Approx(-0.2).epsilon(1e-11));
+  CHECK(story.run.final.v[0] == 0);
+}
+
+TEST_CASE("impact oscillator: a disturbance has died out after 200 periods") {
+  for (const double omega : {1.4, 1.6, 2.4}) {
+    const ImpactOscillator p{.omega = omega, .disturbance = 1e-3};
+    const Story story = tell(impact_oscillator(p), 200.5 * p.period(), 200.5 * p.period());
+    const auto impacts = story.of(EventKind::impact);
+    REQUIRE(impacts.size() == 200);
+    CHECK(std::abs(impacts.back().t - 200 * p.period()) <= 1e-10);
+    CHECK(std::abs(impacts.back().normal / (1 + p.e) - p.impact_speed()) <= 1e-10);
+  }
+}
+
+TEST_CASE("smooth references: pendulum, chains, a mechanism through singular poses") {
+  const Pendulum p;
+  const Story swing = tell(pendulum(p), 0.75 * p.period(), 1);
+  const Motion exact = p.at(0.75 * p.period());
+  CHECK(std::abs(swing.run.final.q[0] - std::sin(exact.x)) <= 1e-10);
+  CHECK(swing.run.max_joint_residual <= 1e-12);
+  for (const ChainExact& c : chain_exact()) {
+    const Story story = tell(chain({.links = c.links}), c.t, c.t);
+    CHECK((story.run.final.q.tail<3>().head<2>() - Eigen::Vector2d(c.tip[0], c.tip[1])).norm() <= 1e-9);
+    CHECK(story.run.max_joint_rate <= 1e-12);
+  }
+  const NFourBar bar;
+  const Story turns = tell(n_four_bar(bar), 10, 10);
+  REQUIRE(turns.run.status == Status::solved);
+  MESSAGE("four-bar: energy off by " << turns.run.energy_final - bar.energy() << " J after five turns");
+  CHECK(std::abs(turns.run.energy_final - bar.energy()) <= 1e-6);
+  CHECK(turns.run.max_joint_residual <= 1e-12);
+}
+
+TEST_CASE("Painlevé: a rod's tip has one solution, none, or several, and the run says which") {
+  for (const std::string_view solver : {"lemke", "pgs", "enumerate"}) {
+    CAPTURE(solver);
+    const double h = 1e-6;
+    const Story pressed = tell(sliding_rod(1, 0), h, h, solver);
+    CHECK(pressed.sum[0].normal / h == doctest::Approx(24.525).epsilon(1e-5));
+    const Story lifted = tell(sliding_rod(1, 4), h, h, solver);
+    CHECK(lifted.run.status == Status::solved);
+    CHECK(lifted.sum[0].normal == 0);
+    const Story none = tell(sliding_rod(1.5, 0), h, h, solver);
+    CHECK(none.run.status != Status::solved);
+    CHECK(none.run.why.find("none") != std::string::npos);
+    const Story several = tell(sliding_rod(1.5, 4), h, h, solver);
+    CHECK(several.run.status == Status::unsupported);
+    CHECK(several.run.why.find("several") != std::string::npos);
+    CHECK(several.run.why.find("22.50417527999") != std::string::npos);
+    CHECK(several.run.final.t == 0);
+  }
+}
+
+TEST_CASE("rocking block: impacts without slip on time, and it comes to rest") {
+  const double b = 0.1, h = 0.4, radius = std::hypot(b, h), alpha = std::atan2(b, h), tilt = alpha / 2;
+  Scene s;
+  s.gravity = {0, -kGravity};
+  // Tilted about the left lower corner, which lies in the origin.
+  const double up = std::numbers::pi / 2 - alpha + tilt;
+  const auto block = s.body({.name = "block",
+                             .mass = 1,
+                             .inertia = radius * radius / 3,
+                             .position = {radius * std::cos(up), radius * std::sin(up)},
+                             .angle = tilt});
+  s.contact(CornerWall{"left", block, {-b, -h}, kGround, {0, 0}, {0, 1}, {.mu = 1}});
+  s.contact(CornerWall{"right", block, {b, -h}, kGround, {0, 0}, {0, 1}, {.mu = 1}});
+  const Story story = tell(s, 8, 1);
+  REQUIRE(story.run.status == Status::solved);
+  std::vector<double> times;
+  for (const Event& e : story.of(EventKind::impact))
+    if (times.empty() || e.t > times.back() + 1e-6) times.push_back(e.t);
+  REQUIRE(times.size() > 10);
+  const double exact[] = {0.31230857511262229, 0.82059222908260084, 1.251876744461843, 1.625866613309982};
+  for (std::size_t i = 0; i < 4; ++i) CHECK(times[i] == doctest::Approx(exact[i]).epsilon(1e-10));
+  CHECK(story.run.final.q[2] == doctest::Approx(0).epsilon(1e-10));
+  CHECK(story.run.final.v.lpNorm<Eigen::Infinity>() <= 1e-12);
+}
+
+TEST_CASE("event-driven steps allocate nothing once everything has been seen") {
+  const System system(slider_crank({.mu = 0.1}));
+  const auto scheme = make_integrator(kScheme, system);
+  const auto solver = make_solver("lemke");
+  State x = system.initial_state();
+  for (int k = 0; k < 100; ++k) REQUIRE(scheme->step(1e-3, *solver, x).status == Status::solved);
+  const auto before = AllocationCount::now();
+  for (int k = 0; k < 100; ++k) scheme->step(1e-3, *solver, x);
+  CHECK(AllocationCount::now() == before);
+}
+
+TEST_CASE("event-driven: same bits, a foreign state starts anew, bad options are refused") {
+  const auto angle = [] { return tell(slider_crank({.mu = 0.1, .omega3 = -0.01}), 0.02, 1e-3).run.final.q; };
+  CHECK(angle() == angle());
+
+  const System system(bouncing_ball());
+  const auto scheme = make_integrator(kScheme, system);
+  const auto solver = make_solver("lemke");
+  State x = system.initial_state();
+  REQUIRE(scheme->step(5, *solver, x).status == Status::solved);  // at rest, in lasting contact
+  x.q[1] = 1, x.v[1] = 0;
+  REQUIRE(scheme->step(0.1, *solver, x).status == Status::solved);
+  CHECK(x.q[1] == doctest::Approx(1 - kGravity * 0.005));
+
+  for (const char* option : {"rtol=0", "atol=-1", "max_events=0", "touching=1", "accumulation=-1", "first_step=-1"})
+    CHECK_THROWS_AS(make_integrator(std::string(kScheme) + ":" + option, system), std::invalid_argument);
+  const Story few = tell(bouncing_ball({.e = 1}), 100, 100, "lemke", "event-driven:max_events=5");
+  CHECK(few.run.status == Status::iteration_limit);
+  CHECK(few.run.why.find("max_events") != std::string::npos);
+  CHECK(few.events.size() <= 6);
+}
