@@ -118,7 +118,9 @@ struct Dantzig::Work {
 
   template <class T> Status method(Dantzig& solver, Tableau<T>& t, int limit, Solution& s) {
     put_off.assign(u(t.size()), 0);
-    for (;;) {
+    for (int drives = 0;; ++drives) {  // one that ends on a bound makes no pivot
+      if (drives > limit) return Status::iteration_limit;
+      if (solver.budget().exhausted()) return Status::time_limit;
       int r = -1, waiting = -1;
       bool free = false;  // free rows first: what they make basic never leaves
       for (int i = 0; i < t.size(); ++i) {

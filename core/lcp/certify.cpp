@@ -10,8 +10,9 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kCoarsest = 4e-5;  // residual beside β that rounding may excuse
 double runaway(double beta) { return std::min(1e-6 * (1 + beta), 1e-4 * beta); }  // ρ above this: w is unknown
-constexpr double kRoundings = 20;  // residuals below this many ρ are noise
-constexpr Index kFormed = 500;     // rows up to which a Delassus operator may be formed
+constexpr double kRoundings = 20;   // residuals below this many ρ are noise
+constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
+constexpr double kFormed = 7e7;     // products up to which an operator's entries are formed
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -97,6 +98,23 @@ double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi 
 
 }  // namespace
 
+// The entries of an operator, where that is not too much work.
+bool Judge::entries_of(const Delassus& A) {
+  std::vector<double> uses(at(A.W.cols));
+  for (const int k : A.W.column) uses[at(k)] += 1;
+  double work = 0;
+  for (const double u : uses) work += u * u;
+  if (work > kFormed) return false;
+  const Entries W = A.W.view();
+  entries_ = W * A.inverse_mass.asDiagonal() * Entries(W.transpose());
+  if (A.regularization.size() != 0) {
+    Entries R(A.W.rows, A.W.rows);
+    R.setIdentity();
+    entries_ += Entries(A.regularization.asDiagonal() * R);
+  }
+  return true;
+}
+
 void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
   const Index n = problem.size();
   for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);  // needed or not: a later z must find them there
@@ -163,11 +181,13 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
       if (abs_[i] > 0) least = std::min(least, abs_[i]);
     }
   }
-  if (std::holds_alternative<Delassus>(problem.A) && n <= kFormed && kEpsilon * size > runaway(scale)) {
-    to_dense(problem.A, formed_);  // the factors bound Σ_j |A_ij z_j| from above: before z is refused, the sum itself
+  if (extended && std::holds_alternative<Delassus>(problem.A) && entries_of(std::get<Delassus>(problem.A))) {
+    // The factors bound Σ_j |A_ij z_j| from above, by far where they cancel: here the sum itself is the measure.
     size = 0;
     for (Index i = 0; i < n; ++i) {
-      const double sum = std::abs(problem.b[i]) + formed_.row(i).cwiseAbs().dot(s.z.cwiseAbs().transpose());
+      double sum = std::abs(problem.b[i]);
+      for (Entries::InnerIterator entry(entries_, i); entry; ++entry)
+        sum += std::abs(entry.value() * s.z[entry.index()]);
       rows_[at(i)].rounding = kEpsilon * sum;
       size = std::max(size, sum);
     }
@@ -253,14 +273,22 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
     s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   bool known = false;
-  const auto passes = [&](bool extended) {
-    evaluate(problem, s, extended);
+  const auto passes = [&] {
     known = scale_ < kInf && s.rounding < kInf && s.rounding <= runaway(scale_);
     accepted_ = allowed(tolerance, s.rounding, scale_);
     return known && s.residual <= accepted_ && rows_pass(problem, tolerance, s);
   };
-  // Where rounding of the sums may be what stands in the way, they are done again with more digits.
-  if (passes(false) || (known && s.residual <= kRoundings * s.rounding && passes(true))) {
+  // Where rounding of the sums may be what decides, they are done with more digits: what stands in the way of a z, and
+  // all of an operator's, whose factors may cancel far below their own size.
+  evaluate(problem, s, false);
+  const bool cancels = std::holds_alternative<Delassus>(problem.A) &&
+                       !(kRoundings * s.rounding <= std::max(tolerance, kTelling) * scale_);
+  bool accepted = !cancels && passes();
+  if (cancels || (!accepted && known && s.residual <= kRoundings * s.rounding)) {
+    evaluate(problem, s, true);
+    accepted = passes();
+  }
+  if (accepted) {
     s.status = Status::solved;
   } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
              proves_infeasible(problem, s.certificate)) {

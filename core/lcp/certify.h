@@ -1,6 +1,6 @@
 // core/lcp/certify.h — the one judge. Nothing else may write Status::solved or Status::infeasible.
 //
-//   w = A z + b is recomputed from the caller's data, in long double where double is what stands in the way. The natural residual, in units of w,
+//   w = A z + b is recomputed from the caller's data, in long double where rounding in double may decide. The natural residual, in units of w,
 //     r = max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|,   d_i = max(1, max_j |A_ji|),
 //   is zero exactly at a solution (friction rows take the bounds ∓μ z_n at the given z). It is a backward error: a z_i
 //   that is δ away from its bound costs d_i δ because moving it there changes some w by that much, else |w_i|. d_i ≥ 1
@@ -28,6 +28,8 @@
 #pragma once
 
 #include <orthant/core/lcp/solution.h>
+
+#include <Eigen/SparseCore>
 
 #include <vector>
 
@@ -59,7 +61,9 @@ class Judge {  // the members are scratch: after the first problem of a size not
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
   void product(const Matrix& A, const Vector& u, bool transposed);
 
-  DenseMatrix formed_;
+  using Entries = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  bool entries_of(const Delassus& A);
+  Entries entries_;
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
   std::vector<Row> rows_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row

@@ -296,3 +296,13 @@ TEST_CASE("certify: where the rounding of its own sums stands in the way, they a
   judge.certify(problem, 1e-10, Status::solved, s);
   CHECK(s.status == Status::stalled);
 }
+
+TEST_CASE("certify: an operator whose factors cancel is judged by its entries, not by what the factors round to") {
+  const double big = 0x1p50;
+  Eigen::MatrixXd W(2, 3);
+  W << big, 1, big, 1, 1, -1;
+  const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1, 1}, {}};
+  const Lcp problem = Lcp::standard(A, Vector{-1.0625, -3});
+  CHECK(verdict(problem, Vector{0, 1}) != Status::solved);              // w_0 = -1/16, which the factors' sum absorbs
+  CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);
+}

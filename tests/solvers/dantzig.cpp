@@ -139,3 +139,16 @@ TEST_CASE("Murty's problem of 60 rows: the least-index rules end on their limit 
     CHECK(s.iterations == 20000);
   }
 }
+
+TEST_CASE("dantzig: rows that go from bound to bound without a pivot come to an end") {
+  DenseMatrix A(Eigen::MatrixXd{{1.051899045809419e-250, -9.17982169270183e-251},
+                                {-9.17982169270183e-251, 9.87716023861245e-251}});
+  Lcp problem = Lcp::standard(A, Vector{3.726851886426955e-271, 6.796236466334077e-271});
+  problem.lo = Vector{-kInf, -2};
+  problem.hi = Vector{kInf, 2};
+  const auto solver = make_solver("dantzig");
+  solver->set_time_limit(5);
+  Solution s;
+  solver->solve(problem, s);  // returns
+  CHECK(s.status != Status::infeasible);
+}
