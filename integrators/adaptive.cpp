@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive.h>
+#include <orthant/integrators/horizon.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,7 +80,12 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   const double end = x.t + h;
   least_ = 8 * kEps * (std::abs(x.t) + h), limit_ = kInf;
   while (end - x.t > least_) {
-    const double left = end - x.t, wanted = std::min(arc_, limit_);
+    const double left = end - x.t;
+    double wanted = std::min(arc_, limit_);
+    if (system_.contacts() > 0) {
+      set_poses(system_, x.q, terms_.at);
+      wanted = std::min(wanted, std::max(horizon(system_, terms_.at, x.v, none_), least_));
+    }
     const double taken = wanted > 0.9 * left ? left : std::min(wanted, left / 2);
     limit_ = kInf;
     scale(x);

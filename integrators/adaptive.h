@@ -103,6 +103,7 @@ class Adaptive final : public Integrator {
   Eigen::VectorXd q_, v_, v_new_, v_half_, force_, lambda_;
   std::vector<Impulse> sum_;
   std::vector<Impulse> kick_;
+  Eigen::VectorXd none_;
   State last_;                                // what was returned
   double arc_ = 0, impact_ = 0, change_ = 0;  // [s] step sizes to try next: of arcs and of crossings
   int aim_ = 2;                               // columns

@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven.h>
+#include <orthant/integrators/horizon.h>
 
 #include <algorithm>
 #include <cmath>
@@ -80,6 +81,7 @@ bool EventDriven::fail(StepReport& report, Status status, std::string why) {
 
 bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   now_.q = x.q, now_.v = x.v, h_ = options_.first_step;
+  flight_ = 0;
   std::fill(bounces_.begin(), bounces_.end(), Bounces{});
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
@@ -93,6 +95,10 @@ bool EventDriven::advance(Solver& solver, double h, StepReport& report) {
   const double rest = h - elapsed_;
   if (!(h_ > 0)) h_ = first_guess(rest);
   double s = std::min(h_, rest);
+  if (system_.contacts() > 0) {
+    set_poses(system_, now_.q, poses_);
+    s = std::min(s, horizon(system_, poses_, now_.v, now_.a));
+  }
   for (;;) {
     const bool possible = try_step(s);
     const double error = possible ? rk_.error(s, q_scale_, v_scale_) / allowed_error() : kInf;
@@ -114,7 +120,7 @@ bool EventDriven::advance(Solver& solver, double h, StepReport& report) {
     event.reset();
     if (land(*next, s)) event = next;
   }
-  ++report.accepted;
+  ++report.accepted, ++flight_;
   accept(s, rest);
   if (standstill_ > kStandstill * (1 + system_.contacts()))
     return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_));
@@ -298,10 +304,13 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   std::fill(slides_.begin(), slides_.end(), 0.0);
   for (Bounces& b : bounces_) b.over = false;
   bool struck = false;
+  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event.
+  const double tie = 16 + 64.0 * flight_;
+  flight_ = 0;
   for (int c = 0; c < system_.contacts(); ++c) {
     const ContactMode& mode = motion_.modes[at(c)];
     const bool hit = event && event->watch == Watch::gap && event->contact == c;
-    touching_[at(c)] = hit || mode.lasting || now_.w.gap[c] <= std::max(options_.touching, 16 * gap_zero(c));
+    touching_[at(c)] = hit || mode.lasting || now_.w.gap[c] <= tie * gap_zero(c) + options_.touching;
     if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
     struck = true;
     note_bounce(c);

@@ -118,7 +118,9 @@ class EventDriven final : public Integrator {
   Point now_, trial_, middle_;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
   double least_independence_ = 1;           // of the joints in the trial step
-  int standstill_ = 0;                      // steps since time moved
+  int flight_ = 0;                          // steps since the last event
+  Kinematics poses_;
+  int standstill_ = 0;  // steps since time moved
   Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_, none_;
   bool good_ = false;  // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;

@@ -98,7 +98,7 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   // A remainder below a billionth of a step is the rounding of duration / step.
   const auto whole = static_cast<long>(std::floor(clock.duration / clock.step * (1 + 1e-12) + 1e-9));
   const double rest = clock.duration - static_cast<double>(whole) * clock.step;
-  const long total = whole + (rest > 1e-9 * clock.step ? 1 : 0);
+  const long total = whole + (whole == 0 || rest > 1e-9 * clock.step ? 1 : 0);
   const auto begin = WallClock::now();
   for (long k = 0; k < total; ++k) {
     const double t = x.t;

@@ -56,7 +56,8 @@ void dump_failed_step(const SimulateArguments& arguments, const Integrator& inte
   std::cerr << "orthant: step " << run.steps + 1 << " at t = " << run.final.t << " s failed: " << name(run.status);
   if (!run.why.empty()) std::cerr << ": " << run.why;
   if (integrator.problem().size() == 0) {
-    std::cerr << " (the basic system could not be solved; there was no complementarity problem)\n";
+    std::cerr << (run.why.empty() ? " (the basic system could not be solved; there was no complementarity problem)\n"
+                                  : "\n");
     return;
   }
   const auto folder = std::filesystem::path(arguments.output).parent_path();

@@ -392,3 +392,37 @@ TEST_CASE("event-driven: same bits, a foreign state starts anew, bad options are
   CHECK(few.run.why.find("max_events") != std::string::npos);
   CHECK(few.events.size() <= 6);
 }
+
+TEST_CASE("what meets within one long step is seen: discs head-on, a turning box, by event-driven and adaptive") {
+  Scene discs;
+  for (const double x : {-1.0, 1.0}) {
+    const auto disc = discs.body({.mass = 1, .inertia = 1, .position = {x, 0}, .velocity = {-20 * x, 0}});
+    if (disc == 1) discs.contact(DiscDisc{"pair", 0, {0, 0}, 0.1, 1, {0, 0}, 0.1, {.e = 1}});
+  }
+  Scene box;  // the corner's speed is 100 rad/s times 0.1414 m, the wall 1 m away
+  box.body({.mass = 1, .inertia = 1.0 / 600, .velocity = {2, 0}, .omega = 100});
+  for (const Vector2d& corner : {Vector2d{0.1, 0.1}, Vector2d{-0.1, 0.1}, Vector2d{-0.1, -0.1}, Vector2d{0.1, -0.1}})
+    box.contact(CornerWall{"", 0, corner, kGround, {1, 0}, {-1, 0}, {.e = 0.5}});
+  for (const char* spec : {"event-driven", "adaptive"}) {
+    CAPTURE(spec);
+    const Run met = run_for(discs, 0.2, spec, 0.2);
+    REQUIRE(met.status == Status::solved);
+    CHECK(met.final.q[0] == doctest::Approx(-3.2).epsilon(1e-5));  // 0.9 m, then back at the same speed for 0.155 s
+    CHECK(met.final.q[3] == doctest::Approx(3.2).epsilon(1e-5));
+    const Run long_call = run_for(box, 0.6, spec, 0.6), short_calls = run_for(box, 0.6, spec, 1e-2);
+    REQUIRE(long_call.status == Status::solved);
+    CHECK(long_call.events > 0);
+    CHECK((long_call.final.q - short_calls.final.q).norm() < 1e-4);
+  }
+}
+
+TEST_CASE("corners that strike together stay together, however often the run is looked at") {
+  const Scene wide = slider_crank({.clearance = 0.01});
+  const double theta1 = run_for(wide, 0.2, "event-driven", 0.2).final.q[2];
+  for (const double step : {1e-2, 1e-3, 1e-4}) {
+    const Run r = run_for(wide, 0.2, "event-driven", step);
+    CAPTURE(step);
+    CHECK(std::abs(r.final.q[2] - theta1) < 1e-9);
+    CHECK(std::abs(r.final.q[8]) < 1e-11);
+  }
+}

@@ -87,6 +87,7 @@ TEST_CASE("the last step ends at the duration, the clock refuses nonsense") {
   CHECK(run_for(bouncing_ball(), 0.25, "moreau-jean", 0.1).steps == 3);
   CHECK(run_for(bouncing_ball(), 0.25, "moreau-jean", 0.1).final.t == 0.25);
   CHECK(run_for(bouncing_ball(), 0.3, "moreau-jean", 0.1).steps == 3);
+  CHECK(run_for(bouncing_ball(), 0.25, "moreau-jean", 1e9).steps == 1);  // and not none
   for (const double h : {0.0, -1.0, std::nan(""), kInf})
     CHECK_THROWS_WITH_AS(run_for(bouncing_ball(), 1, "moreau-jean", h), doctest::Contains("step = "),
                          std::invalid_argument);
