@@ -1,6 +1,8 @@
 #include <orthant/solvers/automatic.h>
 #include <orthant/solvers/registry.h>
 
+#include <orthant/core/support/options.h>
+
 #include <algorithm>
 #include <array>
 
@@ -98,20 +100,25 @@ struct Automatic::Work {
   Solution inner;
   int iterations = 0;
 
+  std::string tolerance;  // "tolerance=1e-6" where the caller asks for another than is usual
+
   Solver* step(std::size_t k, const Lcp& problem) {
     if (!kSteps[k].when(look)) return nullptr;
     for (std::size_t before = 0; before < k; ++before)
       if (std::string_view(kSteps[before].solver) == kSteps[k].solver && kSteps[before].when(look)) return nullptr;
     auto& solver = solvers[k];
     if (!solver) {
-      solver = make_solver(kSteps[k].solver);
+      const std::string spec = kSteps[k].solver;
+      solver = make_solver(tolerance.empty() ? spec : spec + (spec.find(':') == spec.npos ? ":" : ",") + tolerance);
       solver->set_proof_search(false);  // once, here, is enough
     }
     return solver->why_not(problem).empty() ? solver.get() : nullptr;
   }
 };
 
-Automatic::Automatic(const Options& options) : options_(options), work_(std::make_unique<Work>()) {}
+Automatic::Automatic(const Options& options) : options_(options), work_(std::make_unique<Work>()) {
+  if (options.tolerance != Options{}.tolerance) work_->tolerance = "tolerance=" + detail::text_of(options.tolerance);
+}
 Automatic::~Automatic() = default;
 
 Status Automatic::run(const Lcp& problem, Solution& s, Start start) {

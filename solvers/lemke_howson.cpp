@@ -164,11 +164,17 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
   if (n > 10000) return "n = " + std::to_string(n) + ": the dense tableaus take at most 10000 rows";
   DenseMatrix M;
   to_dense(p.A, M);
-  Index m = 0;  // the first row's leading zeros are the strategies of player 1
-  while (m < n && M(0, m) == 0) ++m;
+  // The first row's zeros are the strategies of player 1, wherever they stand.
+  order_.clear();
+  for (Index j = 0; j < n; ++j)
+    if (M(0, j) == 0) order_.push_back(j);
+  const auto m = static_cast<Index>(order_.size());
+  for (Index j = 0; j < n; ++j)
+    if (M(0, j) != 0) order_.push_back(j);
+  M = M(order_, order_).eval();
   if (m == 0 || m == n || (M.topLeftCorner(m, m).array() != 0).any() ||
       (M.bottomRightCorner(n - m, n - m).array() != 0).any())
-    return "A has no zero blocks on its diagonal: it is no bimatrix game [0, A; B^T, 0]";
+    return "A has no zero blocks on its diagonal, in whatever order: it is no bimatrix game [0, A; B^T, 0]";
   if (!(M.topRightCorner(m, n - m).array() > 0).all() || !(M.bottomLeftCorner(n - m, m).array() > 0).all())
     return "costs must be > 0 (add a constant: the equilibria stay)";
   A_ = M.topRightCorner(m, n - m);
@@ -185,8 +191,8 @@ Status LemkeHowson::follow(int label, Solution& s) {
   });
   if (!there) return Status::time_limit;
   const Equilibrium e = game.equilibrium(label);
-  s.z.head(A_.rows()) = e.x / e.cost_2;
-  s.z.tail(A_.cols()) = e.y / e.cost_1;
+  for (Index i = 0; i < s.z.size(); ++i)
+    s.z[order_[static_cast<std::size_t>(i)]] = i < A_.rows() ? e.x[i] / e.cost_2 : e.y[i - A_.rows()] / e.cost_1;
   return Status::solved;
 }
 

@@ -50,7 +50,8 @@ class LemkeHowson final : public Solver {
   Status follow(int label, Solution& s);
 
   Options options_;
-  mutable Eigen::MatrixXd A_, B_;  // of the problem that why_not() has looked at
+  mutable Eigen::MatrixXd A_, B_;     // of the problem that why_not() has looked at
+  mutable std::vector<Index> order_;  // its strategies: those of player 1, then of player 2
 };
 
 }  // namespace orthant

@@ -19,9 +19,16 @@ using detail::Slope;
 namespace {
 
 constexpr std::array kWeights = {1.0, 1e-3, 1e-6, 1e-9};  // of d z beside w
+constexpr Index kDense = 5000;                            // rows of a dense factorization, friction in its pure form
 constexpr int kPatience = 40;                             // iterations in which ‖Φ‖ should halve
 
 }  // namespace
+
+std::string NewtonFb::why_not(const Lcp& problem) const {
+  const Index n = problem.size() + 3 * static_cast<Index>(problem.friction.size());
+  if (n <= kDense || (std::holds_alternative<RowSparse>(problem.A) && problem.friction.empty())) return {};
+  return "n = " + std::to_string(n) + ": dense problems take at most " + std::to_string(kDense) + " rows";
+}
 
 Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
   weight_of_z_ = kWeights[0];

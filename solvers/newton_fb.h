@@ -41,6 +41,7 @@ class NewtonFb final : public Solver {
  public:
   using Options = NewtonFbOptions;
   explicit NewtonFb(const Options& options = {}) : options_(options) {}
+  std::string why_not(const Lcp& problem) const override;
 
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;

@@ -1,7 +1,9 @@
 // Bimatrix games: equilibria in game terms, by every label and on from each equilibrium found.
 #include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/families.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/lemke_howson.h>
+#include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
 
@@ -116,4 +118,20 @@ TEST_CASE("what is no game is refused in words") {
         std::string::npos);
   CHECK(LemkeHowson().why_not(as_lcp(one, -one)).find("> 0") != std::string::npos);
   CHECK(LemkeHowson().why_not(as_lcp(one, one)).empty());
+}
+
+TEST_CASE("a game is known in whatever order its strategies stand") {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Lcp game = find_family("bimatrix")->make(40, 0, seed).problem;
+    const auto& M = std::get<DenseMatrix>(game.A);
+    std::vector<Index> order;
+    for (Index i = 0; i < game.size(); ++i) order.push_back((7 * i + 3) % game.size());  // 7 and 40 share no factor
+    REQUIRE(game.size() == 40);
+    const Lcp mixed = Lcp::standard(DenseMatrix(M(order, order).eval()), Vector(game.b));
+    Solution a, b;
+    REQUIRE(make_solver("lemke-howson")->solve(game, a).status == Status::solved);
+    for (const char* spec : {"lemke-howson", "auto"})
+      CHECK(make_solver(spec)->solve(mixed, b).status == Status::solved);
+    CHECK(independent_residual(mixed, b.z) <= 1e-12);
+  }
 }
