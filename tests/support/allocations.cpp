@@ -42,6 +42,8 @@ void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
 
 void* operator new(std::size_t size) { return checked(__wrap_malloc(size > 0 ? size : 1)); }
 void* operator new[](std::size_t size) { return operator new(size); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return __wrap_malloc(size > 0 ? size : 1); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return __wrap_malloc(size > 0 ? size : 1); }
 void* operator new(std::size_t size, std::align_val_t align) {
   const auto alignment = static_cast<std::size_t>(align);
   return checked(__wrap_aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment));
