@@ -16,7 +16,7 @@
 //   atol is in m, rad, m/s, rad/s alike. Measured on the slider-crank: |Δθ₁| after 3 turns is about rtol, from 1e-3
 //   (2 ms) over 1e-6 (5 ms) to 3e-8 (10 ms), where rounding of the gaps ends it.
 //   Cost: an arc of k columns k (k + 1) steps, each one factorization and one small complementarity problem.
-//   Limits: a contact shorter than the intervals between the points looked at can be missed. Flights no higher than
+//   Limits: a contact shorter than the intervals between the points looked at (horizon.h) can be missed. Flights no higher than
 //   rounding of the coordinates are not told from rest. Where static friction exceeds kinetic, the instant of letting go
 //   is known to some 1e-7 s at best. Lasting contacts keep the gap at which they were made (within the tolerance); joints
 //   hold to rounding. Motion that depends discontinuously on its start (corners that strike almost together) is followed,

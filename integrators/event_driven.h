@@ -12,7 +12,8 @@
 //     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at velocity
 //                                       level (formulate.h, reduced form)
 //     after every event:                the modes by the problem at acceleration level (contact_transition.h).
-//   Contacts nearer than `touching` count as touching, so that what is simultaneous stays so under rounding.
+//   Contacts nearer than `touching`, and than the rounding of the steps since the last event, count as touching, so that
+//   what is simultaneous stays so. No step is longer than horizon.h allows, so that what meets within it is seen.
 //   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one before)
 //   and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact without
 //   restitution takes the place of all that follow, for all contacts in this state, and they last. The event has the time

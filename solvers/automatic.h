@@ -9,7 +9,7 @@
 //     large, frictionless  block-pivot where symmetric with A_ii > 0, interior-point
 //     else                 path; first-order methods where nothing else will hold the matrix
 //   With a time limit each step may take half of what is left, the last all of it.
-//   A start value is passed on. Guarantees: those of the solver that answered.
+//   A start value is passed on, and a tolerance other than the default. Guarantees: those of the solver that answered.
 #pragma once
 
 #include <orthant/solvers/solver.h>

@@ -1,6 +1,7 @@
 // core/lcp/certify.h — the one judge. Nothing else may write Status::solved or Status::infeasible.
 //
-//   w = A z + b is recomputed from the caller's data, in long double where rounding in double may decide. The natural residual, in units of w,
+//   w = A z + b is recomputed from the caller's data, in long double where rounding in double may decide; ρ of a Delassus
+//   operator is then that of its entries, where these are not too many to form. The natural residual, in units of w,
 //     r = max_i d_i |z_i − clamp(z_i − w_i / d_i, lo_i, hi_i)|,   d_i = max(1, max_j |A_ji|),
 //   is zero exactly at a solution (friction rows take the bounds ∓μ z_n at the given z). It is a backward error: a z_i
 //   that is δ away from its bound costs d_i δ because moving it there changes some w by that much, else |w_i|. d_i ≥ 1
