@@ -40,8 +40,9 @@ std::vector<Setting> ladder(const std::string& name, bool quick) {
   std::vector<Setting> settings;
   if (name == "adaptive" || name == "event-driven")
     for (double tolerance = 1e-3; tolerance > 0.9e-13; tolerance /= quick ? 100 : 10)
-      settings.push_back({name + ":rtol=" + detail::text_of(tolerance) + ",atol=" + detail::text_of(std::max(1e-3 * tolerance, 1e-15)),
-                          tolerance, kDuration});
+      settings.push_back(
+          {name + ":rtol=" + detail::text_of(tolerance) + ",atol=" + detail::text_of(std::max(1e-3 * tolerance, 1e-15)),
+           tolerance, kDuration});
   else
     for (double steps = 250; steps < (quick ? 9e3 : 2.6e5); steps *= 2)
       settings.push_back({name, kDuration / steps, kDuration / steps});

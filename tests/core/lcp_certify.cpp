@@ -303,6 +303,6 @@ TEST_CASE("certify: an operator whose factors cancel is judged by its entries, n
   W << big, 1, big, 1, 1, -1;
   const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1, 1}, {}};
   const Lcp problem = Lcp::standard(A, Vector{-1.0625, -3});
-  CHECK(verdict(problem, Vector{0, 1}) != Status::solved);              // w_0 = -1/16, which the factors' sum absorbs
+  CHECK(verdict(problem, Vector{0, 1}) != Status::solved);  // w_0 = -1/16, which the factors' sum absorbs
   CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);
 }
