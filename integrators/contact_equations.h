@@ -37,8 +37,8 @@ class ContactEquations {
       b[i] = apply(row_[static_cast<std::size_t>(i)], x.data()) + c_[static_cast<std::size_t>(i)];
   }
 
-  /// A z = −b. Where rows depend on each other, the z of least Σ (z_i / share_i)²: forces share the load in that
-  /// proportion. share: n, > 0.
+  /// A z = −b. Where rows depend on each other, the z of least Σ z_i² / share_i: equal forces share a load in proportion
+  /// to their shares. share: n, > 0.
   void solve(const Vector& share) {
     if (size() <= kSmall)
       solve_as<Eigen::Matrix<double, -1, -1, 0, kSmall, kSmall>>(share);
@@ -58,10 +58,10 @@ class ContactEquations {
   template <class Dense> void solve_as(const Vector& share) {
     Eigen::CompleteOrthogonalDecomposition<Dense> decomposition;
     decomposition.setThreshold(1e-10);
-    decomposition.compute(Dense(A * share.asDiagonal()));
     using Column = Eigen::Matrix<double, -1, 1, 0, Dense::MaxRowsAtCompileTime, 1>;
-    const Column y = decomposition.solve(Column(-b));
-    z = share.cwiseProduct(y);
+    const Column root = share.cwiseSqrt();
+    decomposition.compute(Dense(A * root.asDiagonal()));
+    z = root.cwiseProduct(decomposition.solve(Column(-b)));
   }
 
   Index dof_;

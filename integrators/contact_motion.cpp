@@ -143,7 +143,7 @@ ContactMotion::Residual ContactMotion::project(Eigen::VectorXd& q, Eigen::Vector
     }
     share_.resize(equations_.size());
     equations_.assemble(basic_, zero_);
-    for (Index i = 0; i < share_.size(); ++i) share_[i] = 1 / std::sqrt(equations_.A(i, i));
+    for (Index i = 0; i < share_.size(); ++i) share_[i] = 1 / equations_.A(i, i);
     equations_.solve(share_);
     equations_.act(equations_.z, x);
   };

@@ -412,14 +412,27 @@ void EventDriven::let_go(const Sign& event) {
   if (event.watch == Watch::gap || event.watch == Watch::slip) return;
   const Watched& w = now_.w;
   const double zero = kForceZero * trial_.w.normal.lpNorm<Eigen::Infinity>();
-  for (const int c : motion_.lasting()) {
-    if (event.watch == Watch::force) {
-      released_[at(c)] = c == event.contact || w.normal[c] <= zero;
-    } else if (before_[at(c)].sticks) {
-      const double room = static_mu(system_.law(c)) * w.normal[c] - std::abs(w.tangent[c]);
-      if (c == event.contact || room <= zero) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
-    }
+  if (event.watch == Watch::force) {
+    for (const int c : motion_.lasting()) released_[at(c)] = c == event.contact || w.normal[c] <= zero;
+    return;
   }
+  const auto room = [&](int c) { return static_mu(system_.law(c)) * w.normal[c] - std::abs(w.tangent[c]); };
+  const double before = room(event.contact);
+  share_anew();
+  if (room(event.contact) > before + slack(event.watch, event.contact)) return;  // others beside it can bear more
+  for (const int c : motion_.lasting())
+    if (before_[at(c)].sticks && (c == event.contact || room(c) <= zero)) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
+}
+
+/// Contacts that bear a load together take it in proportion to what each can bear now, so that they come to their bounds
+/// together: friction of redundant contacts has no other meaning.
+void EventDriven::share_anew() {
+  for (const int c : motion_.lasting()) {
+    ContactMode& mode = motion_.modes[at(c)];
+    mode.share_normal = std::max(now_.w.normal[c], 1e-3 * now_.w.normal.maxCoeff());
+    mode.share_tangent = static_mu(system_.law(c)) * mode.share_normal;
+  }
+  observe(now_, start_ + elapsed_);
 }
 
 /// Contacts that touch and neither separate nor were let go.

@@ -105,6 +105,7 @@ class EventDriven final : public Integrator {
   bool accumulates();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   void let_go(const Sign& event);
+  void share_anew();
   void gather_candidates();
   void note_changes(bool touched);
   bool fail(StepReport& report, Status status, std::string why);

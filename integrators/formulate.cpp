@@ -123,7 +123,9 @@ bool Formulation::regrade() {
     if (c.law->mu_static <= c.law->mu) continue;
     const double pressure = solution_.z[friction.normal];
     const bool sticks = friction.mu > c.law->mu;
-    const bool changes = sticks ? pressure > 0 && std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
+    // At the bound alone is no slip: of contacts that share a load one may be there by the split that the solver took.
+    const bool changes = sticks ? std::abs(solution_.w[friction.row]) > kStickSpeed && pressure > 0 &&
+                                      std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
                                 : solution_.w[friction.row] * c.slip < 0;
     if (!changes) continue;
     friction.mu = sticks ? c.law->mu : c.law->mu_static;
