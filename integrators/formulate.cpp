@@ -116,6 +116,7 @@ bool Formulation::solve(Solver& solver, StepReport& report) {
 
 bool Formulation::regrade() {
   constexpr double kBound = 1 - 1e-9;  // of the bound: at it
+  const double none = 1e-9 * lcp_.b.lpNorm<Eigen::Infinity>();
   const Index joints = form_ == Form::full ? system_.joint_rows() : 0;
   bool any = false;
   for (Friction& friction : lcp_.friction) {
@@ -124,7 +125,7 @@ bool Formulation::regrade() {
     const double pressure = solution_.z[friction.normal];
     const bool sticks = friction.mu > c.law->mu;
     // At the bound alone is no slip: of contacts that share a load one may be there by the split that the solver took.
-    const bool changes = sticks ? std::abs(solution_.w[friction.row]) > kStickSpeed && pressure > 0 &&
+    const bool changes = sticks ? std::abs(solution_.w[friction.row]) > none && pressure > 0 &&
                                       std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
                                 : solution_.w[friction.row] * c.slip < 0;
     if (!changes) continue;
