@@ -1,0 +1,29 @@
+// experiments/museum/exhibit.h — a hard case: a scene, its exact answer, and what counts as an error.
+#pragma once
+
+#include <orthant/integrators/simulate.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+struct Exhibit {
+  std::string id, title;  // "B1", "bouncing ball: ..."
+  std::string measure;    // what `error` is, with its unit
+  Scene scene;
+  double duration = 1, h = 1e-2;  // [s]; h: the coarsest step, halved from there
+  /// Against the exact answer, at each recorded moment of one run; may remember what it saw (each run gets a fresh copy).
+  std::function<double(const Moment&)> error;
+  bool throughout = false;  // the worst of all moments counts, else the last one
+
+  enum class Motion { smooth, events, instant } motion = Motion::events;  // instant: decided in one step, no order in h
+  enum class Energy { conserved, falls, driven } energy = Energy::falls;
+  double exact = 1e-9;  // error at which an answer counts as exact, whatever the order
+};
+
+/// The planar cases, in the order of their numbers.
+std::vector<Exhibit> exhibits();
+
+}  // namespace orthant

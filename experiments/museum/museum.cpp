@@ -1,0 +1,316 @@
+// The museum of hard cases: every exhibit by every integrator with several solvers, beside its exact answer.
+//
+// Schemes of fixed step run at h, h/2, …; the order is the slope of log(error) over the ladder by least squares.
+// `adaptive` and `event-driven` run over tolerances instead. Each run is a process of its own, under a time limit, so that
+// a crash or an endless loop is a row as well. An answer passes
+//   when its error is at most the exhibit's `exact`, or
+//   fixed step  when it converges: order ≥ 0.85 with events (0.5: least rate of the θ-schemes at impacts is 1, scatter
+//               aside), ≥ 1.85 or 0.85 (by scheme) without;
+//   tolerances  when the finest error is at most 1e-6.
+// Nothing is left out: what does not pass says why.
+#include "experiments/museum/exhibit.h"
+#include "experiments/support/isolated.h"
+#include "experiments/support/manifest.h"
+#include "experiments/support/progress.h"
+
+#include <orthant/core/support/file.h>
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <thread>
+
+using namespace orthant;
+
+namespace {
+
+struct Setting {
+  double value = 0;  // step size [s], or tolerance
+  std::string spec;  // of the integrator
+  double step = 0;   // of the calls [s]
+};
+
+struct Row {
+  std::size_t exhibit = 0;
+  std::string integrator, solver;
+  double setting = 0;
+  std::string status, why;
+  double error = kInf, seconds = kInf;
+  double lcp_solves = 0, lcp_iterations = 0, residual = 0, penetration = 0, joint_residual = 0, energy_defect = 0;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Row, exhibit, integrator, solver, setting, status, why, error, seconds, lcp_solves,
+                                   lcp_iterations, residual, penetration, joint_residual, energy_defect)
+
+bool by_tolerance(std::string_view integrator) { return integrator == "adaptive" || integrator == "event-driven"; }
+
+std::vector<Setting> ladder(const Exhibit& exhibit, const std::string& integrator, int levels) {
+  std::vector<Setting> settings;
+  for (int k = 0; k < levels; ++k) {
+    if (by_tolerance(integrator)) {
+      const double tolerance = std::pow(10.0, levels == 1 ? -8 : -3 - 6.0 * k / (levels - 1));
+      const std::string spec =
+          integrator + ":rtol=" + detail::text_of(tolerance) + ",atol=" + detail::text_of(tolerance / 1000);
+      settings.push_back({tolerance, spec, exhibit.duration / 100});
+    } else {
+      const double h = exhibit.h / std::pow(2, k);
+      settings.push_back({h, integrator, h});
+    }
+    if (exhibit.motion == Exhibit::Motion::instant) break;  // no step size, no tolerance in it
+  }
+  return settings;
+}
+
+/// What the energy does that it must not [J]: leaves its first value, or rises.
+class EnergyDefect {
+ public:
+  EnergyDefect(const System& system, Exhibit::Energy kind) : system_(system), kind_(kind) {}
+  void see(const State& x) {
+    if (kind_ == Exhibit::Energy::driven) return;
+    const double e = energy(system_, x);
+    if (!seen_) least_ = e;
+    defect_ = std::max(defect_, kind_ == Exhibit::Energy::conserved ? std::abs(e - least_) : e - least_);
+    if (kind_ == Exhibit::Energy::falls) least_ = std::min(least_, e);
+    seen_ = true;
+  }
+  double value() const { return defect_; }
+
+ private:
+  const System& system_;
+  Exhibit::Energy kind_;
+  double least_ = 0, defect_ = 0;
+  bool seen_ = false;
+};
+
+Row visit(const Exhibit& exhibit, const std::string& solver, const Setting& setting) {
+  const System system(exhibit.scene);
+  const auto scheme = make_integrator(setting.spec, system);
+  const auto lcp = make_solver(solver);
+  auto error = exhibit.error;
+  EnergyDefect defect(system, exhibit.energy);
+  double last = 0;
+  const Run run = simulate(*scheme, *lcp, {.step = setting.step, .duration = exhibit.duration}, [&](const Moment& m) {
+    const double now = error(m);
+    last = exhibit.throughout ? std::max(last, now) : now;
+    defect.see(m.state);
+  });
+  Row row;
+  row.status = name(run.status), row.why = run.why;
+  row.seconds = run.seconds;
+  if (run.status == Status::solved) row.error = last;
+  row.lcp_solves = static_cast<double>(run.lcp_solves), row.lcp_iterations = static_cast<double>(run.lcp_iterations);
+  row.residual = run.max_lcp_residual, row.penetration = run.max_penetration;
+  row.joint_residual = run.max_joint_residual, row.energy_defect = defect.value();
+  return row;
+}
+
+struct Plan {
+  std::vector<std::string> solvers, only;
+  int levels = 6;
+  double time_limit = 20;
+  unsigned jobs = 1;
+};
+
+std::vector<Row> visit_all(const Plan& plan, const std::vector<Exhibit>& all) {
+  struct Ticket {
+    std::size_t exhibit;
+    std::string integrator, solver;
+    Setting setting;
+  };
+  std::vector<Ticket> tickets;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (const IntegratorEntry& entry : integrators())
+      for (const std::string& solver : plan.solvers) {
+        if (all[i].scene.contacts.empty() && solver != plan.solvers.front()) continue;  // there is nothing to solve
+        for (const Setting& setting : ladder(all[i], std::string(entry.name), plan.levels))
+          tickets.push_back({i, std::string(entry.name), solver, setting});
+      }
+  std::vector<Row> rows(tickets.size());
+  Progress progress("museum", static_cast<double>(tickets.size()));
+  Isolated processes(plan.jobs, std::size_t{4} << 30);
+  for (std::size_t k = 0; k < tickets.size(); ++k) {
+    const Ticket& t = tickets[k];
+    processes.start([&] { return nlohmann::json(visit(all[t.exhibit], t.solver, t.setting)).dump(); },
+                    plan.time_limit,
+                    [&rows, &progress, &tickets, k](const Outcome& outcome) {
+                      const Ticket& ticket = tickets[k];
+                      Row& row = rows[k];
+                      if (outcome.kind == Outcome::finished) {
+                        // JSON has no infinity: null there
+                        auto json = nlohmann::json::parse(outcome.text);
+                        for (auto& [key, value] : json.items())
+                          if (value.is_null()) value = std::numeric_limits<double>::max();
+                        row = json.get<Row>();
+                        if (row.error == std::numeric_limits<double>::max()) row.error = kInf;
+                      } else {
+                        row.status = outcome.kind == Outcome::killed ? "out of time" : "crashed";
+                        row.why = outcome.text;
+                      }
+                      row.exhibit = ticket.exhibit, row.integrator = ticket.integrator, row.solver = ticket.solver;
+                      row.setting = ticket.setting.value;
+                      progress.add(1, row.status != "solved");
+                    });
+  }
+  processes.wait_for_all();
+  return rows;
+}
+
+/// The runs of one integrator with one solver on one exhibit, coarse to fine.
+struct Series {
+  std::vector<const Row*> rows;
+  double order() const {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (const Row* r : rows) {
+      if (!(r->error > 1e-13) || !(r->error < kInf)) continue;
+      const double a = std::log(r->setting), b = std::log(r->error);
+      n += 1, x += a, y += b, xx += a * a, xy += a * b;
+    }
+    return n < 3 ? std::nan("") : (n * xy - x * y) / (n * xx - x * x);
+  }
+};
+
+double expected_order(const Exhibit& exhibit, const std::string& integrator) {
+  if (exhibit.motion != Exhibit::Motion::smooth) return 1;
+  return integrator == "moreau-jean" || integrator == "rattle" || integrator == "generalized-alpha" ? 2 : 1;
+}
+
+std::string verdict(const Exhibit& exhibit, const Series& series) {
+  for (const Row* r : series.rows)
+    if (r->status != "solved")
+      return r->status + " at " + detail::text_of(r->setting) + (r->why.empty() ? "" : ": " + r->why);
+  const Row& finest = *series.rows.back();
+  if (finest.error <= exhibit.exact) return "pass";
+  if (by_tolerance(finest.integrator)) return finest.error <= 1e-6 ? "pass" : "error above 1e-6";
+  if (exhibit.motion == Exhibit::Motion::instant) return "another answer";
+  const double order = series.order(), wanted = expected_order(exhibit, finest.integrator) - 0.15;
+  if (order >= wanted) return "pass";
+  return "order below " + detail::text_of(wanted);
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", x);
+  return std::isfinite(x) ? text : "";
+}
+
+void report(const std::filesystem::path& output, const std::vector<Exhibit>& all, const std::vector<Row>& rows) {
+  std::string csv =
+      "case,title,measure,integrator,solver,setting,status,error,seconds,lcp_solves,lcp_iterations,lcp_residual,"
+      "penetration,"
+      "joint_residual,energy_defect,why\n";
+  const auto quoted = [](std::string text) {
+    std::erase(text, '"');
+    return '"' + text + '"';
+  };
+  for (const Row& r : rows) {
+    const Exhibit& exhibit = all[r.exhibit];
+    csv += exhibit.id + ',' + quoted(exhibit.title) + ',' + quoted(exhibit.measure) + ',' + r.integrator + ',' +
+           r.solver + ',' + detail::text_of(r.setting) + ',' + r.status;
+    for (const double x : {r.error, r.seconds, r.lcp_solves, r.lcp_iterations, r.residual, r.penetration,
+                           r.joint_residual, r.energy_defect})
+      csv += ',' + (std::isfinite(x) ? detail::text_of(x) : "");
+    csv += ',' + quoted(r.why) + '\n';
+  }
+  write_whole(output / "runs.csv", csv);
+
+  std::string table =
+      "| case | integrator | solvers | coarsest | finest error | order | ms | residual | penetration | joints | energy "
+      "| |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  int passed = 0, total = 0;
+  for (std::size_t k = 0; k < rows.size();) {
+    // One line for all solvers that agree to rounding.
+    std::vector<std::pair<std::string, Series>> by_solver;
+    const std::size_t first = k;
+    for (; k < rows.size() && rows[k].exhibit == rows[first].exhibit && rows[k].integrator == rows[first].integrator;
+         ++k) {
+      if (by_solver.empty() || by_solver.back().first != rows[k].solver) by_solver.push_back({rows[k].solver, {}});
+      by_solver.back().second.rows.push_back(&rows[k]);
+    }
+    const Exhibit& exhibit = all[rows[first].exhibit];
+    const auto same = [](const Series& a, const Series& b) {
+      for (std::size_t i = 0; i < a.rows.size(); ++i)
+        if (a.rows[i]->status != b.rows[i]->status ||
+            !(std::abs(a.rows[i]->error - b.rows[i]->error) <= 1e-3 * a.rows[i]->error + 1e-12))
+          return false;
+      return true;
+    };
+    std::vector<bool> told(by_solver.size());
+    for (std::size_t i = 0; i < by_solver.size(); ++i) {
+      ++total, passed += verdict(exhibit, by_solver[i].second) == "pass";
+      if (told[i]) continue;
+      std::string names;
+      for (std::size_t j = i; j < by_solver.size(); ++j) {
+        if (told[j] || (j > i && !same(by_solver[i].second, by_solver[j].second))) continue;
+        told[j] = true;
+        names += (names.empty() ? "" : " ") + by_solver[j].first;
+      }
+      if (exhibit.scene.contacts.empty()) names = "(none)";
+      const Series& series = by_solver[i].second;
+      const Row &coarse = *series.rows.front(), &fine = *series.rows.back();
+      const auto worst = [&](double Row::*field) {
+        double most = 0;
+        for (const Row* r : series.rows) most = std::max(most, r->*field);
+        return number(most);
+      };
+      table += "| " + exhibit.id + " " + exhibit.title + " | `" + fine.integrator + "` | " + names + " | " +
+               number(coarse.error) + " | " + number(fine.error) + " | " +
+               (by_tolerance(fine.integrator) ? "" : number(series.order())) + " | " + number(1e3 * fine.seconds) +
+               " | " + worst(&Row::residual) + " | " + worst(&Row::penetration) + " | " + worst(&Row::joint_residual) +
+               " | " + (exhibit.energy == Exhibit::Energy::driven ? "" : worst(&Row::energy_defect)) + " | " +
+               verdict(exhibit, series) + " |\n";
+    }
+  }
+  table += "\n" + std::to_string(passed) + " of " + std::to_string(total) + " pass.\n";
+  write_whole(output / "table.md", table);
+  std::cout << table;
+}
+
+void run(const std::filesystem::path& output, const Plan& plan, const std::string& command_line) {
+  std::filesystem::create_directories(output);
+  for (const std::string& solver : plan.solvers) make_solver(solver);  // bad names before hours of work
+  std::vector<Exhibit> all = exhibits();
+  if (!plan.only.empty())
+    std::erase_if(
+        all, [&](const Exhibit& e) { return std::find(plan.only.begin(), plan.only.end(), e.id) == plan.only.end(); });
+  if (all.empty()) throw std::invalid_argument("--cases: no exhibit has this number");
+  report(output, all, visit_all(plan, all));
+  auto about = manifest();
+  about["command"] = command_line;
+  write_whole(output / "manifest.json", about.dump(2) + "\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::filesystem::path output = "results/museum";
+  Plan plan{.solvers = {"lemke", "path", "pgs", "newton-fb", "auto"}, .only = {}};
+  bool quick = false;
+  CLI::App app("The museum of hard cases: every case by every integrator, beside its exact answer");
+  app.add_option("--output", output, "folder for tables and manifest")->capture_default_str();
+  app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...")->capture_default_str();
+  app.add_option("--cases", plan.only, "numbers of cases (B1 B13 ...); all when not given");
+  app.add_option("--levels", plan.levels, "step sizes, each half of the one before")
+      ->check(CLI::Range(1, 12))
+      ->capture_default_str();
+  app.add_option("--time-limit", plan.time_limit, "of a run [s]")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--jobs", plan.jobs, "runs at a time")->check(CLI::Range(1, 256));
+  app.add_flag("--quick", quick, "three step sizes, two seconds a run");
+  plan.jobs = std::max(1U, std::thread::hardware_concurrency());
+  CLI11_PARSE(app, argc, argv);
+  if (quick) plan.levels = std::min(plan.levels, 3), plan.time_limit = std::min(plan.time_limit, 2.0);
+  std::string command_line;
+  for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+  try {
+    run(output, plan, command_line);
+  } catch (const std::exception& error) {
+    std::cerr << "museum: " << error.what() << '\n';
+    return 1;
+  }
+}
