@@ -93,11 +93,17 @@ template <class Rows> Sweeps::Change Sweeps::run(const Rows& rows, Vector& z, do
 }
 
 Sweeps::Change Sweeps::sweep(Vector& z, double omega, Order order) {
+  const auto once = [&] {
+    const Matrix& A = problem_->A;
+    if (const auto* dense = std::get_if<DenseMatrix>(&A)) return run(DenseRows{*dense, state_}, z, omega, order);
+    if (const auto* sparse = std::get_if<RowSparse>(&A)) return run(SparseRows{*sparse, problem_->b}, z, omega, order);
+    return run(DelassusRows{std::get<Delassus>(A), problem_->b, state_}, z, omega, order);
+  };
   if (++since_refresh_ > 64) refresh(z);
-  const Matrix& A = problem_->A;
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) return run(DenseRows{*dense, state_}, z, omega, order);
-  if (const auto* sparse = std::get_if<RowSparse>(&A)) return run(SparseRows{*sparse, problem_->b}, z, omega, order);
-  return run(DelassusRows{std::get<Delassus>(A), problem_->b, state_}, z, omega, order);
+  const Change change = once();
+  if (change.moved || since_refresh_ == 1) return change;
+  refresh(z);  // nothing moves any more: but is w what it is said to be? A start far from z leaves its rounding in it
+  return once();
 }
 
 }  // namespace orthant

@@ -162,12 +162,13 @@ void Pyramid::restore_certificate(const Lcp& p, const Vector& pure_u, Vector& u)
 }
 
 void Pyramid::guess(const Lcp& p, const Vector& z, Vector& y) const {
+  const double some = p.size() > 0 ? p.b.lpNorm<Eigen::Infinity>() : 0;  // of the size of w
   y.resize(pure_.size());
   y.setZero();
   for (Index i = 0; i < p.size(); ++i) {
     const int kind = kind_[at(i)];
     y[i] = kind == free_row ? z[i] : kind == upper ? p.hi[i] - z[i] : z[i] - p.lo[i];
-    if (kind == box && z[i] >= p.hi[i]) y[added_[at(i)]] = 1;
+    if (kind == box && z[i] >= p.hi[i]) y[added_[at(i)]] = some;
   }
   for (const Friction& f : p.friction) {
     const double bound = f.mu * std::max(z[f.normal], 0.0);
@@ -175,11 +176,11 @@ void Pyramid::guess(const Lcp& p, const Vector& z, Vector& y) const {
     if (form_ == Form::shifted) {
       const double forward = turned_[at(f.row)] ? -z[f.row] : z[f.row];
       y[f.row] = forward + bound;
-      y[a] = forward >= bound;
+      y[a] = bound > 0 && forward >= bound ? some : 0;  // without a bound its turned row says 0
     } else {
       y[f.row] = std::max(z[f.row], 0.0);
       y[a] = std::max(-z[f.row], 0.0);
-      y[a + 1] = std::abs(z[f.row]) >= bound;
+      y[a + 1] = std::abs(z[f.row]) >= bound ? some : 0;
     }
   }
 }

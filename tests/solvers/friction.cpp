@@ -51,3 +51,42 @@ TEST_SUITE("slow") {
     }
   }
 }
+
+TEST_CASE(
+    "a slider's two corners on one wall: Newton's methods from zero, whatever the units and however fast it slides") {
+  // Recorded from the slider-crank with clearance: rank 2, normal rates of 1e-3 m/s beside slips of 1e-3 to 1e3 m/s.
+  Lcp problem;
+  problem.A = Eigen::MatrixXd{{936.5690960531347, -915.2827557987175, 464.2642915134531, 464.2642915134531},
+                              {-915.2827557987175, 936.5690960531347, -461.661634412473, -461.661634412473},
+                              {464.2642915134531, -461.661634412473, 236.3730545533902, 236.3730545533902},
+                              {464.2642915134531, -461.661634412473, 236.3730545533902, 236.3730545533902}};
+  problem.lo = Eigen::VectorXd{{0, 0, -kInf, -kInf}};
+  problem.hi = Vector::Constant(4, kInf);
+  problem.friction = {{2, 0, 0.01}, {3, 1, 0.01}};
+  for (const char* spec : {"newton-fb", "newton-min"})
+    for (const double slip : {1e-3, 1.0, 1e3, -1e3})
+      for (const double unit : {1.0, 0x1p-40, 0x1p40}) {
+        problem.b = unit * Eigen::VectorXd{{-1e-3, -1e-3, slip, slip}};
+        Solution s;
+        make_solver(spec)->solve(problem, s);
+        CAPTURE(spec);
+        CAPTURE(slip);
+        CAPTURE(unit);
+        CHECK(s.status == Status::solved);
+      }
+}
+
+TEST_CASE("a start far from the answer leaves no rounding in it") {
+  Lcp problem;
+  problem.A = Eigen::MatrixXd{{1.0}};
+  problem.b = Vector::Constant(1, -9.39352762241441e-16);
+  problem.lo = Vector::Zero(1), problem.hi = Vector::Constant(1, kInf);
+  for (const char* spec : {"pgs", "psor", "sgs", "jacobi"})
+    for (const double start : {9.18, 0.0918, 1e-3}) {
+      Solution s;
+      s.z = Vector::Constant(1, start);
+      make_solver(spec)->solve(problem, s, Start::warm);
+      CAPTURE(spec);
+      CHECK(s.status == Status::solved);
+    }
+}
