@@ -56,6 +56,11 @@ class Recording {
 };
 
 void note(const StepReport& report, Run& run) {
+  run.energy_rises += report.energy_rise > 0;
+  if (report.energy_rise > run.max_energy_rise) {
+    run.max_energy_rise = report.energy_rise;
+    run.max_rise_time = run.final.t;
+  }
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
   run.max_penetration = std::max(run.max_penetration, report.penetration);
   run.max_lcp_residual = std::max(run.max_lcp_residual, report.lcp_residual);

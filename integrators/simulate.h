@@ -20,7 +20,9 @@ struct Run {
   double max_joint_rate = 0;                    // [m/s, rad/s], of schemes that satisfy the joints at velocity level
   long accepted = 0, rejected = 0;              // inner steps
   long lcp_solves = 0, lcp_iterations = 0;
-  long events = 0;  // located
+  long events = 0;                                // located
+  long energy_rises = 0;                          // steps in which impacts raised the energy (impact.h)
+  double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
 };
 
 /// A moment of the run. Impulses and events are those since the moment before, so that none is lost between records.

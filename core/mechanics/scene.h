@@ -10,6 +10,7 @@
 #include <orthant/core/mechanics/disc_wall.h>
 #include <orthant/core/mechanics/distance.h>
 #include <orthant/core/mechanics/fixed.h>
+#include <orthant/core/mechanics/impact_law.h>
 #include <orthant/core/mechanics/load.h>
 #include <orthant/core/mechanics/prismatic.h>
 #include <orthant/core/mechanics/revolute.h>
@@ -43,6 +44,8 @@ struct Scene {
   std::vector<Contact> contacts;
   std::vector<Spring> springs;
   std::vector<Load> loads;
+  Restitution restitution = Restitution::newton;
+  Impacts impacts = Impacts::simultaneous;
   double duration = 1, step = 1e-3;  // [s] what `simulate` takes when it is not told
 
   /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.

@@ -189,6 +189,14 @@ class Fields {
     unit = unit.stableNormalized().eval();
     return true;
   }
+  template <class Enum, std::size_t N>
+  void choice(std::string_view key, Enum& value, const std::array<std::string_view, N>& names) {
+    std::string word;
+    if (!maybe(key, word)) return;
+    const auto found = std::find(names.begin(), names.end(), word);
+    if (found == names.end()) refuse(key, *table_.get(key), "one of " + join({names.begin(), names.end()}));
+    value = static_cast<Enum>(found - names.begin());
+  }
   void done() const {
     for (const auto& [key, node] : table_)
       if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
@@ -259,6 +267,8 @@ class Reader {
   Scene scene() {
     Fields top(root_, "", file_);
     top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
+    top.choice("restitution", scene_.restitution, kRestitutionNames);
+    top.choice("impacts", scene_.impacts, kImpactsNames);
     each(top, "body", [&](Fields& f) { body(f); });
     pose_bodies();
     each(top, "joint", [&](Fields& f) { joint(f); });

@@ -1,5 +1,6 @@
 #include <orthant/core/scenes/elliptic.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -35,6 +36,19 @@ double amplitude(double u, double k_prime) {
   double phi = scale * a * u;
   for (std::size_t n = kSteps; n-- > 0;) phi = (phi + std::asin(ratio[n] * std::sin(phi))) / 2;
   return phi;
+}
+
+double elliptic_integral(double phi, double k_prime) {
+  const double s = std::sin(phi), k2 = 1 - k_prime * k_prime;
+  const double slope_at_end = std::sqrt(1 - k2 * s * s);  // dam/du is no less before
+  double u = phi;
+  for (int i = 0; i < 60; ++i) {
+    const double am = amplitude(u, k_prime), sine = std::sin(am);
+    const double step = (phi - am) / std::max(std::sqrt(1 - k2 * sine * sine), slope_at_end);
+    u += step;
+    if (!(std::abs(step) > 1e-16 * u)) break;
+  }
+  return u;
 }
 
 }  // namespace orthant

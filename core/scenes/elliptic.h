@@ -16,4 +16,7 @@ double quarter_period(double k_prime);
 /// am(u, k) for k' in (0, 1]; sn = sin am. Loses digits as |u| eps.
 double amplitude(double u, double k_prime);
 
+/// u = F(φ, k) for φ in [0, π/2], k' in (0, 1]: the inverse of am, by Newton's method from below (am is concave there).
+double elliptic_integral(double phi, double k_prime);
+
 }  // namespace orthant

@@ -1,14 +1,25 @@
 #include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/scenes/arch.h>
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/cradle.h>
+#include <orthant/core/scenes/grain_column.h>
 #include <orthant/core/scenes/impact_oscillator.h>
 #include <orthant/core/scenes/incline.h>
 #include <orthant/core/scenes/n_four_bar.h>
+#include <orthant/core/scenes/painleve_rod.h>
 #include <orthant/core/scenes/pendulum.h>
 #include <orthant/core/scenes/registry.h>
+#include <orthant/core/scenes/rocking_block.h>
+#include <orthant/core/scenes/rod_drop.h>
+#include <orthant/core/scenes/roll.h>
 #include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/scenes/sphere_bounce.h>
 #include <orthant/core/scenes/stick_slip.h>
+#include <orthant/core/scenes/superball.h>
+#include <orthant/core/scenes/table.h>
+#include <orthant/core/scenes/tower.h>
 #include <orthant/core/support/options.h>
 
 namespace orthant {
@@ -42,6 +53,22 @@ constexpr SceneEntry kScenes[] = {
     {"chain", "point masses on links, released", &make<Chain, chain>, &options_of<Chain>},
     {"n_four_bar", "parallelograms in a row, turning through their singular poses", &make<NFourBar, n_four_bar>,
      &options_of<NFourBar>},
+    {"superball", "a light ball above a heavy one strikes the floor", &make<SuperBall, superball>,
+     &options_of<SuperBall>},
+    {"cradle", "equal balls in a row, the first strikes the others", &make<Cradle, cradle>, &options_of<Cradle>},
+    {"roll", "a ball slides, then rolls", &make<Roll, roll>, &options_of<Roll>},
+    {"rocking_block", "a block rocks from corner to corner", &make<RockingBlock, rocking_block>,
+     &options_of<RockingBlock>},
+    {"painleve_rod", "a rod slides on a rough floor: one, no or two contact forces", &make<PainleveRod, painleve_rod>,
+     &options_of<PainleveRod>},
+    {"table", "more legs than the weight can tell apart", &make<Table, table>, &options_of<Table>},
+    {"tower", "blocks one on the other, the heavy on the light", &make<Tower, tower>, &options_of<Tower>},
+    {"sphere_bounce", "a ball strikes a rough floor at a slant", &make<SphereBounce, sphere_bounce>,
+     &options_of<SphereBounce>},
+    {"rod_drop", "a slanting rod falls onto a smooth floor", &make<RodDrop, rod_drop>, &options_of<RodDrop>},
+    {"grain_column", "grains one on the other fall onto the floor together", &make<GrainColumn, grain_column>,
+     &options_of<GrainColumn>},
+    {"arch", "a semicircular arch of voussoirs without mortar", &make<Arch, arch>, &options_of<Arch>},
     {"slider_crank", "slider-crank whose slider has clearance in its guide: four corners, two walls",
      &make<SliderCrank, slider_crank>, &options_of<SliderCrank>},
     {"slider_crank_ideal", "the same without clearance and friction: a prismatic joint, no contacts",
