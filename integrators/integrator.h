@@ -62,6 +62,10 @@ class Integrator {
   std::span<const Event> events() const { return events_; }           // located in the last step, in order of time
 
  protected:
+  /// [m] A gap up to this is the rounding of positions as far out as these: bodies that touch would else come apart for a
+  /// step now and then.
+  static double touching(const Eigen::VectorXd& q) { return 0x1p-48 * q.lpNorm<Eigen::Infinity>(); }
+
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);
 

@@ -4,7 +4,7 @@ namespace orthant {
 
 void MoreauJean::close(double /*h*/, const State& x) {
   evaluate_gaps(system_, terms_);
-  evaluate_closed(system_, 0.0, terms_);
+  evaluate_closed(system_, touching(x.q), terms_);
   newtons_law(system_.laws(), terms_, x.v, wanted_);
 }
 

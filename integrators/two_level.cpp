@@ -46,12 +46,13 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   free_ = path;                        // p without what the contacts add
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kIterations;) {
     q_end_ = x.q + path;
     set_poses(system_, q_end_, end_.at);
     evaluate_joint_residual(system_, end_);
     evaluate_gaps(system_, end_);
     bool more = close_gaps();
+    i += !more;  // rows that join are as many as the contacts at the most
     const double joints = joint_mismatch(), gaps = gap_mismatch(), left = std::max(joints, gaps);
     if (!more && joints <= enough && gaps <= 10 * enough + 2 * accuracy) return true;
     if (left > before / 2 && !more) {
@@ -95,9 +96,10 @@ bool TwoLevel::freeze_here(StepReport& report) {
 }
 
 bool TwoLevel::close_gaps() {
+  const double zero = touching(q_end_);
   bool more = false;
   for (int i = 0; i < system_.contacts(); ++i)
-    if (end_.gap[i] < 0 && !has_rows_[static_cast<std::size_t>(i)]) {
+    if (end_.gap[i] <= zero && !has_rows_[static_cast<std::size_t>(i)]) {
       add_closed(system_, i, start_);
       has_rows_[static_cast<std::size_t>(i)] = more = true;
     }

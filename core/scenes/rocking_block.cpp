@@ -37,11 +37,11 @@ double RockingBlock::impact_speed(int n) const {
 }
 
 Motion RockingBlock::at(double t) const {
-  constexpr int kMost = 1000;  // η^2000 is nothing: it stands
-  double turn = 0;             // [s] the turning point of this arc
+  constexpr double kNone = 1e-12;  // of t: arcs that short are the last ones, it stands
+  double turn = 0;                 // [s] the turning point of this arc
   int n = 0;
-  for (double end = fall(0); t > end; turn = end + fall(n), end = turn + fall(n))
-    if (++n == kMost || ratio() == 0) return {0, 0};
+  for (double end = fall(0), half; t > end; turn = end + half, end = turn + half)
+    if (half = fall(++n); !(half > kNone * t) || ratio() == 0) return {0, 0};
   const double k_prime = std::sin(turning(n) / 2), k = std::cos(turning(n) / 2), after = t - turn;
   const double x = 2 * std::asin(k * std::sin(amplitude(quarter_period(k_prime) - rate() * std::abs(after), k_prime)));
   const double theta = slenderness() - (std::numbers::pi - x), side = n % 2 == 0 ? 1 : -1;

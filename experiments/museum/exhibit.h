@@ -20,6 +20,8 @@ struct Exhibit {
 
   enum class Motion { smooth, events, instant } motion = Motion::events;  // instant: decided in one step, no order in h
   enum class Energy { conserved, falls, driven } energy = Energy::falls;
+  std::string
+      word{};  // a scheme at acceleration level ends with this word and is right to: there is no, or no one, motion
   double exact = 1e-9;  // error at which an answer counts as exact, whatever the order
 };
 

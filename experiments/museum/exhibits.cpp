@@ -1,18 +1,31 @@
 #include "experiments/museum/exhibit.h"
 
+#include <orthant/core/scenes/arch.h>
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/cradle.h>
+#include <orthant/core/scenes/grain_column.h>
 #include <orthant/core/scenes/impact_oscillator.h>
 #include <orthant/core/scenes/incline.h>
 #include <orthant/core/scenes/n_four_bar.h>
+#include <orthant/core/scenes/painleve_rod.h>
 #include <orthant/core/scenes/pendulum.h>
+#include <orthant/core/scenes/rocking_block.h>
+#include <orthant/core/scenes/rod_drop.h>
+#include <orthant/core/scenes/roll.h>
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/scenes/sphere_bounce.h>
 #include <orthant/core/scenes/stick_slip.h>
+#include <orthant/core/scenes/superball.h>
+#include <orthant/core/scenes/table.h>
+#include <orthant/core/scenes/tower.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace orthant {
 namespace {
@@ -97,6 +110,204 @@ void friction(std::vector<Exhibit>& all) {
                  .error = [](const Moment& m) { return std::abs(m.state.q[kX] + 0.2) + std::abs(m.state.v[kX]); }});
 }
 
+void rolling(std::vector<Exhibit>& all) {
+  const auto add = [&all](const char* title, const Roll& p) {
+    all.push_back({.id = "B5",
+                   .title = title,
+                   .measure = "largest position error [m]",
+                   .scene = roll(p),
+                   .duration = 1.5,
+                   .h = 1e-2,
+                   .error = along(p, kX),
+                   .throughout = true});
+  };
+  const double slope = std::numbers::pi / 6;
+  add("sphere slides, then rolls", {});
+  add("sphere rolls down 30 degrees, friction just enough", {.mu = 0.165, .speed = 0, .slope = slope});
+  add("sphere slides down 30 degrees", {.mu = 0.1, .speed = 0, .slope = slope});
+}
+
+void painleve(std::vector<Exhibit>& all) {
+  const auto add = [&all](const char* title, const char* word, double omega) {
+    all.push_back({.id = "B6",
+                   .title = title,
+                   .measure = "steps that could not be solved",
+                   .scene = painleve_rod({.omega = omega}),
+                   .duration = 1e-3,
+                   .h = 1e-4,
+                   .error = [](const Moment&) { return 0.0; },
+                   .motion = Kind::instant,
+                   .word = word});
+  };
+  add("Painleve's rod, no consistent acceleration: named, and velocity-level steps go on", "none", 0);
+  add("Painleve's rod, two consistent accelerations: named, and velocity-level steps go on", "several", 4);
+}
+
+void rocking(std::vector<Exhibit>& all) {
+  const auto add = [&all](const char* title, const RockingBlock& p, double duration, double h) {
+    all.push_back({.id = "B7",
+                   .title = title,
+                   .measure = "largest angle error [rad]",
+                   .scene = rocking_block(p),
+                   .duration = duration,
+                   .h = h,
+                   .error = along(p, kTheta),
+                   .throughout = true});
+  };
+  add("rocking block, four impacts", {}, 1.7, 4e-3);
+  const RockingBlock stops{.half_height = 0.07}, lifts{.half_height = 0.072};
+  add("block of h/b = 0.70 stops dead", stops, 2 * stops.impact_time(1), stops.impact_time(1) / 50);
+  add("block of h/b = 0.72 lifts its other corner", lifts, 1.5 * lifts.impact_time(1), lifts.impact_time(1) / 100);
+}
+
+/// Velocities after impacts, against the law's.
+Exhibit impact(std::string id, std::string title, Scene scene, std::vector<std::pair<Index, double>> after) {
+  const double duration = scene.duration, step = scene.step;
+  return {.id = std::move(id),
+          .title = std::move(title),
+          .measure = "largest error of the velocities afterwards [m/s, rad/s]",
+          .scene = std::move(scene),
+          .duration = duration,
+          .h = step,
+          .error =
+              [after = std::move(after)](const Moment& m) {
+                double worst = 0;
+                for (const auto& [k, v] : after) worst = std::max(worst, std::abs(m.state.v[k] - v));
+                return worst;
+              },
+          .motion = Kind::instant,
+          .exact = 1e-8};
+}
+
+std::vector<std::pair<Index, double>> along_x(const std::vector<double>& after) {
+  std::vector<std::pair<Index, double>> all;
+  for (const double v : after) all.emplace_back(3 * static_cast<Index>(all.size()), v);
+  return all;
+}
+
+void impacts(std::vector<Exhibit>& all) {
+  for (const double ratio : {3.0, 1e6}) {
+    const SuperBall p{.ratio = ratio};
+    all.push_back(impact("B8", "super-ball, mass ratio " + std::string(ratio > 3 ? "1e6" : "3"), superball(p),
+                         {{1, p.after().lower}, {4, p.after().upper}}));
+  }
+  const Cradle three, half{.e = 0.5}, four{.balls = 4}, in_turn{.balls = 5, .gap = 1e-3};
+  all.push_back(impact("B9", "cradle of 3, e = 1, at once", cradle(three), along_x(three.after())));
+  all.push_back(impact("B9", "cradle of 3, e = 1/2, at once", cradle(half), along_x(half.after())));
+  all.push_back(impact("B9", "cradle of 4, e = 1, at once", cradle(four), along_x(four.after())));
+  all.push_back(impact("B9", "cradle of 5, e = 1, gaps", cradle(in_turn), along_x(in_turn.after())));
+}
+
+void slanting_impacts(std::vector<Exhibit>& all) {
+  for (const double mu : {0.5, 0.1}) {
+    const SphereBounce p{.mu = mu};
+    const auto v = p.after();
+    all.push_back(impact("B17", "sphere strikes a rough floor, " + std::string(mu > 0.3 ? "sticks" : "slides"),
+                         sphere_bounce(p), {{0, v.vx}, {1, v.vy}, {2, v.omega}}));
+  }
+  const RodDrop p;
+  all.push_back(
+      impact("B18", "slanting rod strikes a smooth floor", rod_drop(p), {{1, p.after().vy}, {2, p.after().omega}}));
+  all.back().exact = 1e-3;  // within a step the rod goes down by up to 1 mm before or after it strikes
+}
+
+/// Mean contact forces since the start.
+class Forces {
+ public:
+  std::span<const double> operator()(const Moment& m) {
+    impulses_.resize(m.impulses.size()), forces_.resize(m.impulses.size());
+    for (std::size_t i = 0; i < impulses_.size(); ++i) {
+      impulses_[i] += m.impulses[i].normal;
+      forces_[i] = m.state.t > 0 ? impulses_[i] / m.state.t : 0;
+    }
+    return forces_;
+  }
+
+ private:
+  std::vector<double> impulses_, forces_;
+};
+
+void at_rest(std::vector<Exhibit>& all) {
+  const Table legs;
+  all.push_back({.id = "B11",
+                 .title = "table on four legs, weight off the middle: any true answer",
+                 .measure = "misfit of the legs' forces [N, N m]",
+                 .scene = table(legs),
+                 .duration = 0.125,
+                 .h = 0x1p-7,
+                 .error =
+                     [legs, forces = Forces()](const Moment& m) mutable {
+                       const auto f = forces(m);
+                       return m.state.t > 0 ? legs.misfit(f) : 0;
+                     },
+                 .motion = Kind::instant});
+  for (const Tower& p : {Tower{}, Tower{.blocks = 8, .ratio = 10}, Tower{.blocks = 8, .ratio = 0.1},
+                         Tower{.blocks = 8, .ratio = 10, .corners = 2}})
+    all.push_back({.id = "B12",
+                   .title = "tower of " + std::to_string(p.blocks) + ", masses by " +
+                            (p.ratio > 1e3 ? "1e6"
+                             : p.ratio > 1 ? "10"
+                                           : "1/10") +
+                            (p.corners == 2 ? ", two corners" : ""),
+                   .measure = "largest relative error of a level's force",
+                   .scene = tower(p),
+                   .duration = 0.125,
+                   .h = 0x1p-7,
+                   .error =
+                       [p, forces = Forces()](const Moment& m) mutable {
+                         const auto f = forces(m);
+                         double worst = 0;
+                         for (int k = 1; k <= p.blocks && m.state.t > 0; ++k) {
+                           double sum = 0;
+                           for (int c = 0; c < p.corners; ++c)
+                             sum += f[static_cast<std::size_t>(p.corners * (k - 1) + c)];
+                           worst = std::max(worst, std::abs(sum / p.force(k) - 1));
+                         }
+                         return worst;
+                       },
+                   .motion = Kind::instant});
+  for (const int grains : {10, 100}) {
+    const GrainColumn p{.grains = grains};
+    all.push_back({.id = "B20",
+                   .title = "column of " + std::to_string(grains) + " grains stops at once",
+                   .measure = "largest relative error of a level's impulse",
+                   .scene = grain_column(p),
+                   .duration = 0.125,
+                   .h = 0x1p-7,
+                   .error =
+                       [p, sum = std::vector<double>(static_cast<std::size_t>(grains))](const Moment& m) mutable {
+                         double worst = 0;
+                         for (int k = 1; k <= p.grains; ++k) {
+                           double& impulse = sum[static_cast<std::size_t>(k - 1)];
+                           impulse += m.impulses[static_cast<std::size_t>(k - 1)].normal;
+                           if (m.state.t > 0) worst = std::max(worst, std::abs(impulse / p.impulse(k, m.state.t) - 1));
+                         }
+                         return worst;
+                       },
+                   .motion = Kind::instant});
+  }
+}
+
+void arches(std::vector<Exhibit>& all) {
+  for (const bool stands : {true, false}) {
+    Arch p;
+    p.thickness = (stands ? 1.02 : 0.98) * p.least_thickness();
+    all.push_back(
+        {.id = "B13",
+         .title = stands ? "arch 2 % thicker than the least: stands" : "arch 2 % thinner than the least: falls",
+         .measure = stands ? "largest speed [m/s]" : "0 when it moves faster than 1e-3 m/s, else 1",
+         .scene = arch(p),
+         .duration = 0.02,
+         .h = 1e-3,
+         .error =
+             [stands](const Moment& m) {
+               const double speed = m.state.v.lpNorm<Eigen::Infinity>();
+               return stands ? speed : speed > 1e-3 ? 0 : 1;
+             },
+         .motion = Kind::instant});
+  }
+}
+
 void driven(std::vector<Exhibit>& all) {
   const ImpactOscillator oscillator;
   all.push_back({.id = "B10",
@@ -170,9 +381,18 @@ std::vector<Exhibit> exhibits() {
   std::vector<Exhibit> all;
   balls(all);
   friction(all);
+  rolling(all);
+  painleve(all);
+  rocking(all);
+  impacts(all);
   driven(all);
+  at_rest(all);
+  arches(all);
   loops_and_chains(all);
+  slanting_impacts(all);
   slider_cranks(all);
+  const auto number = [](const Exhibit& e) { return e.id[0] == 'B' ? std::stoi(e.id.substr(1)) : 1000; };
+  std::stable_sort(all.begin(), all.end(), [&](const Exhibit& a, const Exhibit& b) { return number(a) < number(b); });
   return all;
 }
 

@@ -9,6 +9,7 @@
 //   tolerances  when the finest error is at most 1e-6.
 // Nothing is left out: what does not pass says why.
 #include "experiments/museum/exhibit.h"
+#include "experiments/support/fit_order.h"
 #include "experiments/support/isolated.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
@@ -48,8 +49,16 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Row, exhibit, integrator, solver, setting, st
 
 bool by_tolerance(std::string_view integrator) { return integrator == "adaptive" || integrator == "event-driven"; }
 
+constexpr int kStepsPerOctave = 4;  // where events make the error a sawtooth in h
+
 std::vector<Setting> ladder(const Exhibit& exhibit, const std::string& integrator, int levels) {
   std::vector<Setting> settings;
+  if (exhibit.motion == Exhibit::Motion::instant) levels = 1;
+  if (exhibit.motion == Exhibit::Motion::events && !by_tolerance(integrator)) {
+    for (const double h : step_sizes({exhibit.h, levels, kStepsPerOctave, exhibit.duration}))
+      settings.push_back({h, integrator, h});
+    return settings;
+  }
   for (int k = 0; k < levels; ++k) {
     if (by_tolerance(integrator)) {
       const double tolerance = std::pow(10.0, levels == 1 ? -8 : -3 - 6.0 * k / (levels - 1));
@@ -60,7 +69,6 @@ std::vector<Setting> ladder(const Exhibit& exhibit, const std::string& integrato
       const double h = exhibit.h / std::pow(2, k);
       settings.push_back({h, integrator, h});
     }
-    if (exhibit.motion == Exhibit::Motion::instant) break;  // no step size, no tolerance in it
   }
   return settings;
 }
@@ -134,8 +142,7 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<Exhibit>& all) {
   Isolated processes(plan.jobs, std::size_t{4} << 30);
   for (std::size_t k = 0; k < tickets.size(); ++k) {
     const Ticket& t = tickets[k];
-    processes.start([&] { return nlohmann::json(visit(all[t.exhibit], t.solver, t.setting)).dump(); },
-                    plan.time_limit,
+    processes.start([&] { return nlohmann::json(visit(all[t.exhibit], t.solver, t.setting)).dump(); }, plan.time_limit,
                     [&rows, &progress, &tickets, k](const Outcome& outcome) {
                       const Ticket& ticket = tickets[k];
                       Row& row = rows[k];
@@ -162,14 +169,24 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<Exhibit>& all) {
 /// The runs of one integrator with one solver on one exhibit, coarse to fine.
 struct Series {
   std::vector<const Row*> rows;
+  /// By the worst error of each octave; not a number where errors are 0, infinite or too few.
   double order() const {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (const Row* r : rows) {
-      if (!(r->error > 1e-13) || !(r->error < kInf)) continue;
-      const double a = std::log(r->setting), b = std::log(r->error);
-      n += 1, x += a, y += b, xx += a * a, xy += a * b;
+    std::vector<Sample> samples;
+    for (const Row* r : rows)
+      if (r->error > 1e-13 && r->error < kInf) samples.push_back({r->setting, r->error});
+    try {
+      return fit_order(samples).order;
+    } catch (const std::invalid_argument&) {
+      return std::nan("");
     }
-    return n < 3 ? std::nan("") : (n * xy - x * y) / (n * xx - x * x);
+  }
+  /// Of the last octave, the worst.
+  double finest_error() const {
+    double worst = 0;
+    for (const Row* r : rows)
+      if (r == rows.back() || (!by_tolerance(r->integrator) && r->setting < 1.9 * rows.back()->setting))
+        worst = std::max(worst, r->error);
+    return worst;
   }
 };
 
@@ -179,17 +196,21 @@ double expected_order(const Exhibit& exhibit, const std::string& integrator) {
 }
 
 std::string verdict(const Exhibit& exhibit, const Series& series) {
+  if (const Row& r = *series.rows.front(); !exhibit.word.empty() && r.why.find(exhibit.word) != std::string::npos)
+    return "pass";
   for (const Row* r : series.rows)
     if (r->status != "solved")
       return r->status + " at " + detail::text_of(r->setting) + (r->why.empty() ? "" : ": " + r->why);
   const Row& finest = *series.rows.back();
-  if (finest.error <= exhibit.exact) return "pass";
+  if (series.finest_error() <= exhibit.exact) return "pass";
   if (by_tolerance(finest.integrator)) return finest.error <= 1e-6 ? "pass" : "error above 1e-6";
   if (exhibit.motion == Exhibit::Motion::instant) return "another answer";
   const double order = series.order(), wanted = expected_order(exhibit, finest.integrator) - 0.15;
   if (order >= wanted) return "pass";
   return "order below " + detail::text_of(wanted);
 }
+
+constexpr const char* kMotions[] = {"smooth", "events", "instant"};
 
 std::string number(double x) {
   char text[32];
@@ -199,7 +220,7 @@ std::string number(double x) {
 
 void report(const std::filesystem::path& output, const std::vector<Exhibit>& all, const std::vector<Row>& rows) {
   std::string csv =
-      "case,title,measure,integrator,solver,setting,status,error,seconds,lcp_solves,lcp_iterations,lcp_residual,"
+      "case,title,motion,measure,integrator,solver,setting,status,error,seconds,lcp_solves,lcp_iterations,lcp_residual,"
       "penetration,"
       "joint_residual,energy_defect,why\n";
   const auto quoted = [](std::string text) {
@@ -208,8 +229,9 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
   };
   for (const Row& r : rows) {
     const Exhibit& exhibit = all[r.exhibit];
-    csv += exhibit.id + ',' + quoted(exhibit.title) + ',' + quoted(exhibit.measure) + ',' + r.integrator + ',' +
-           r.solver + ',' + detail::text_of(r.setting) + ',' + r.status;
+    csv += exhibit.id + ',' + quoted(exhibit.title) + ',' + kMotions[static_cast<int>(exhibit.motion)] + ',' +
+           quoted(exhibit.measure) + ',' + r.integrator + ',' + r.solver + ',' + detail::text_of(r.setting) + ',' +
+           r.status;
     for (const double x : {r.error, r.seconds, r.lcp_solves, r.lcp_iterations, r.residual, r.penetration,
                            r.joint_residual, r.energy_defect})
       csv += ',' + (std::isfinite(x) ? detail::text_of(x) : "");
