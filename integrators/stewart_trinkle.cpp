@@ -4,12 +4,12 @@ namespace orthant {
 
 void StewartTrinkle::close(double h, const State& x) {
   if (cone_ == Cone::coulomb)
-    close_at_end_of_flight(h, x, touching(x.q), [](const ClosedContact&) { return true; });
+    close_at_end_of_flight(h, x, nearly(h, x), [](const ClosedContact&) { return true; });
   else
     close_at_end_of_flight(h, x, kInf, [&](const ClosedContact& c) {
       const ContactLaw& law = system_.law(c.contact);
       const double slip = apply(c.rows.tangent, v_new_.data()) - law.belt;
-      return terms_.gap[c.contact] <= touching(x.q) + h * law.mu_at(slip) * std::abs(slip);
+      return terms_.gap[c.contact] <= nearly(h, x) + h * law.mu_at(slip) * std::abs(slip);
     });
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
     const double approach = closing(terms_.closed[k], h);

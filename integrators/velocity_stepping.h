@@ -57,6 +57,8 @@ class VelocityStepping : public Integrator {
     std::erase_if(terms_.closed, [&](const ClosedContact& c) { return !keep(c); });
     newtons_law(system_.laws(), terms_, x.v, wanted_);
   }
+  /// [m] Gaps at the end of free flight up to this may be the rounding of positions and of the last step's impulses.
+  double nearly(double h, const State& x) const { return touching(x.q) + 1e-8 * h * v_new_.lpNorm<Eigen::Infinity>(); }
   /// γ_N⁺ that just closes the gap at the end of the step, to first order: g_N = 0 at q + h v⁺.
   double closing(const ClosedContact& c, double h) const {
     return apply(c.rows.normal, v_new_.data()) - terms_.gap[c.contact] / h;
