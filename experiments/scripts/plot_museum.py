@@ -26,10 +26,12 @@ def draw_case(axes, runs):
         solved = part["status"] == "solved"
         axes.plot(part["seconds"][solved], np.maximum(part["error"][solved], FLOOR), marker=marker, markersize=3.5,
                   linewidth=0.8, linestyle="-" if solved.sum() < 8 else "none", color=colour, label=integrator)
-        for _ in range((~solved).sum() > 0):
+        if not solved.all():
             axes.plot([0.5], [0.97 - 0.06 * list(INTEGRATORS).index(integrator)], marker="x", color=colour,
                       transform=axes.transAxes, clip_on=False)
     axes.set(xscale="log", yscale="log")
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 1e-9), max(high, 1e-6))
     axes.tick_params(labelsize=7)
 
 
@@ -46,7 +48,7 @@ def draw_instants(axes, runs):
     axes.axhline(3, color="0.6", linewidth=0.8)
     axes.text(-0.6, 30, "no answer", va="center", ha="right", fontsize=8)
     axes.set(yscale="log", ylabel="error", xlim=(-0.6, len(names) - 0.4), ylim=(FLOOR / 5, 200))
-    axes.set_xticks(range(len(names)), [label(case, title, 22) for case, title in names], rotation=60, ha="right",
+    axes.set_xticks(range(len(names)), [label(case, title, 30) for case, title in names], rotation=60, ha="right",
                     rotation_mode="anchor", fontsize=7)
     axes.grid(axis="x", alpha=0.3)
 
@@ -57,9 +59,11 @@ def plot_museum(folder, about):
     instant = runs["motion"] == "instant"
     laddered = select(runs, ~instant)
     names = list(dict.fromkeys(zip(laddered["case"], laddered["title"])))
-    rows = -(-len(names) // COLUMNS)
-    figure = plt.figure(figsize=(13, 2.6 * rows + 5.5))
-    upper, lower = figure.subfigures(2, 1, height_ratios=(2.6 * rows, 5.5))
+    rows = max(1, -(-len(names) // COLUMNS))
+    figure = plt.figure(figsize=(13, 2.6 * rows + 6))
+    upper, lower = figure.subfigures(2, 1, height_ratios=(2.6 * rows, 6))
+    for part in (upper, lower):
+        part.set_facecolor("none")  # lest it cover the figure's title and legend
     grid = upper.subplots(rows, COLUMNS, squeeze=False)
     for axes in grid.flat[len(names):]:
         axes.remove()
@@ -69,12 +73,12 @@ def plot_museum(folder, about):
     for axes in grid[:, 0]:
         axes.set_ylabel("error", fontsize=8)
     upper.supxlabel("wall time of the run [s]", fontsize=8)
-    upper.subplots_adjust(left=0.06, right=0.99, top=0.93, bottom=0.07, wspace=0.28, hspace=0.55)
+    upper.subplots_adjust(left=0.06, right=0.99, top=0.91, bottom=0.07, wspace=0.28, hspace=0.55)
     if instant.any():
         draw_instants(lower.subplots(), select(runs, instant))
-        lower.subplots_adjust(left=0.1, right=0.99, top=0.97, bottom=0.52)
-    save(figure, folder / "museum", "The museum of hard cases: errors against exact answers", about,
-         grid.flat[0].get_legend_handles_labels()[0], columns=8)
+        lower.subplots_adjust(left=0.1, right=0.99, top=0.97, bottom=0.42)
+    handles = [plt.Line2D([], [], color=colour, marker=marker, label=name) for name, (colour, marker) in INTEGRATORS.items()]
+    save(figure, folder / "museum", "The museum of hard cases: errors against exact answers", about, handles, columns=8)
 
 
 if __name__ == "__main__":

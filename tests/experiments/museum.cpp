@@ -1,0 +1,61 @@
+// The museum of hard cases: what it shows, and that nothing is left out.
+#include <orthant/integrators/registry.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/folder.h"
+
+using namespace orthant;
+
+namespace {
+
+struct Museum : Folder {
+  Reply visit(const std::string& options) const {
+    return run("'" ORTHANT_EXPERIMENTS "/museum' --quick --output out " + options);
+  }
+};
+
+long count(const std::string& text, const std::string& word) {
+  long n = 0;
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+  return n;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "museum: a row for every integrator, its error beside its time; what does not pass says why; a page of pictures") {
+  const Museum museum;
+  const Reply a = museum.visit("--cases B1 B9 B6 B14 --solvers lemke path");
+  CAPTURE(a.err);
+  CAPTURE(a.out);
+  REQUIRE(a.exit_code == 0);
+  for (const IntegratorEntry& entry :
+       integrators())  // one of B1, two of B6, four of B9, three of B14: at least a line each
+    CHECK(count(a.out, "| `" + std::string(entry.name) + "` |") >= 10);
+  CHECK(a.out.find("cradle of 3, e = 1, at once | `moreau-jean` | lemke path |") != std::string::npos);
+  CHECK(count(a.out, "another answer") == 0);
+  const std::string runs = slurp(museum.path / "out/runs.csv");
+  CHECK(count(runs, "no acceleration-level solution (none") == 2);  // event-driven, two solvers
+  CHECK(lines(runs) > 8 * (2 * 12 + 2 * 4 + 2 * 2 + 3 * 3));
+  CHECK(std::filesystem::exists(museum.path / "out/manifest.json"));
+
+  if (museum.run("/usr/bin/python3 -s -E -c 'import matplotlib'").exit_code != 0) {
+    MESSAGE("no matplotlib: pictures not tested");
+    return;
+  }
+  const Reply drawn = museum.run("/usr/bin/python3 -s -E '" ORTHANT_SCRIPTS "/plot_museum.py' out");
+  CAPTURE(drawn.err);
+  CHECK(drawn.exit_code == 0);
+  CHECK(std::filesystem::file_size(museum.path / "out/museum.png") > 10000);
+}
+
+TEST_CASE("museum: bad options are one line of words") {
+  const Museum museum;
+  for (const char* bad : {"--cases B99", "--solvers nobody", "--levels 0"}) {
+    CAPTURE(bad);
+    const Reply b = museum.visit(bad);
+    CHECK(b.exit_code != 0);
+    CHECK(!b.err.empty());
+  }
+}
