@@ -17,6 +17,8 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 // half as if at 1/2, and by the whole step as if at 0 or 1: so the error shows.
 constexpr double kAheadOfImpact = 0.2, kLatestImpact = 0.4, kAheadOfChange = 0.55, kLatestChange = 0.7;
 constexpr double kTelling = 0.01;  // below, the error of an arc that was cut short may be rounding
+constexpr int kCrowd = 200;        // inner steps, rejected ones too, after which is looked how far they came
+constexpr double kLeastFloor = 1e-6, kMostFloor = 1e-4;  // [s]
 constexpr double kCrossing = 0.2;  // of the tolerance: an event's error is of one sign, and comes on top of the arcs'
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -80,7 +82,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   const double end = x.t + h;
   least_ = 8 * kEps * (std::abs(x.t) + h), limit_ = kInf;
   while (end - x.t > least_) {
-    const double left = end - x.t;
+    const double left = std::min(end, system_.next_breakpoint(x.t + least_)) - x.t;
     double wanted = std::min(arc_, limit_);
     if (system_.contacts() > 0) {
       set_poses(system_, x.q, terms_.at);
@@ -94,6 +96,8 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
         !(outcome == Outcome::done ? finish(taken, x, report)
                                    : pass(outcome == Outcome::impact, taken, left, solver, x, report)))
       limit_ = taken / 4, ++report.rejected;
+    watch_crowd(x.t);
+    if (limit_ < least_ && floor_ < kMostFloor) floor_ = std::max(2 * floor_, kLeastFloor), limit_ = kInf;
     if (limit_ < least_ || report.accepted + report.rejected >= options_.max_steps) {
       give_up(x, report);
       break;
@@ -103,6 +107,18 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   if (report.status == Status::solved) x.t = end;
   last_ = x;
   return report;
+}
+
+/// Where more steps are done in a time than could be wanted, crossings are not made shorter than floor_ any more; where
+/// that goes on, it grows.
+void Adaptive::watch_crowd(double t) {
+  if (++crowd_ < kCrowd) return;
+  const double pace = (t - crowd_since_) / kCrowd;
+  if (pace < std::max(2 * floor_, kLeastFloor / 2))
+    floor_ = std::clamp(2 * floor_, kLeastFloor, kMostFloor);
+  else if (pace > 20 * floor_)
+    floor_ = 0;
+  crowd_ = 0, crowd_since_ = t;
 }
 
 void Adaptive::give_up(const State& x, StepReport& report) {
@@ -136,9 +152,9 @@ bool Adaptive::pass(bool jumps, double taken, double left, Solver& solver, State
     return true;
   }
   if (!jumps && event_ > 0) width = std::min(width, event_ / ahead);
-  width = std::max(width, least_);
+  width = std::max(width, std::min(std::max(floor_, least_), left));
   if (!cross(width, jumps, solver, x, report)) return false;
-  if (error_ > 1 && width > least_) {
+  if (error_ > 1 && width > std::max(floor_, least_)) {
     wish = width * std::max(0.7 / error_, 1e-3);
     ++report.rejected;
     return true;
@@ -164,6 +180,7 @@ double Adaptive::plan(double taken) {
 
 void Adaptive::restart(double h) {
   arc_ = h;
+  floor_ = 0, crowd_ = 0, crowd_since_ = -kInf;
   impact_ = change_ = h / 100;  // nothing is known of the error yet: crossings grow when it allows
   aim_ = 2;
   std::fill(lasting_.begin(), lasting_.end(), Lasting{});

@@ -129,6 +129,18 @@ void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
   }
 }
 
+ContactMotion::Residual ContactMotion::residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  set_poses(system_, q, terms_.at);
+  evaluate_joint_residual(system_, terms_);
+  evaluate_joint_rows(system_, terms_);
+  Residual left;
+  for (Index i = 0; i < terms_.phi.size(); ++i) {
+    left.joint = std::max(left.joint, std::abs(terms_.phi[i]));
+    left.rate = std::max(left.rate, std::abs(apply(terms_.G[static_cast<std::size_t>(i)], v.data())));
+  }
+  return left;
+}
+
 ContactMotion::Residual ContactMotion::project(Eigen::VectorXd& q, Eigen::VectorXd& v) {
   Residual left;
   left.joint = projection_.position(terms_, q);

@@ -54,6 +54,7 @@ class ContactMotion {
   struct Residual {
     double joint = 0, rate = 0;
   };
+  Residual residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // of the joints
   /// Infinite residual: no usable matrix.
   Residual project(Eigen::VectorXd& q, Eigen::VectorXd& v);
 

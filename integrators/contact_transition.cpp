@@ -60,6 +60,7 @@ bool ContactTransition::doubtful() const {
 Status ContactTransition::examine(Status status, const Eigen::VectorXd& free) {
   constexpr Index kMostRows = 12;
   why_.clear();
+  undecided_ = status != Status::solved && lcp_.size() > kMostRows;
   if (status == Status::solved && !doubtful()) return status;
   if (status != Status::solved) why_ = "the problem at acceleration level was not solved";
   if (lcp_.size() > kMostRows || !finite(lcp_)) return status;

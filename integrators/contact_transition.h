@@ -32,6 +32,7 @@ class ContactTransition {
 
   const Lcp& problem() const { return lcp_; }
   const std::string& why() const { return why_; }
+  bool undecided() const { return undecided_; }  // not solved, and not known whether it can be
 
  private:
   void formulate(ContactMotion& motion);
@@ -45,6 +46,7 @@ class ContactTransition {
   Solution solution_;
   std::vector<ContactRows> rows_;
   std::string why_;
+  bool undecided_ = false;
 };
 
 }  // namespace orthant

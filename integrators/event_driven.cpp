@@ -13,9 +13,15 @@ constexpr double kShrinking = 0.999;  // by at least this factor
 constexpr double kForceZero =
     1e-8;                           // of the largest force: contacts this near to opening or sliding off do so together
 constexpr double kSingular = 1e-2;  // independence of the joint rows below which a pose counts as next to singular
-constexpr double kSmallTurn = 0.1;  // [rad] of a body in a step whose stages are near enough to project them there
-constexpr double kPressed = 1e-6;   // of the accelerations: a contact let go that comes back faster does not open
-constexpr int kStandstill = 100;    // events at one time, per contact, after which they are taken to repeat for ever
+constexpr double kNearest = 1e-4;   // likewise: a state is better found from both sides
+constexpr double kBlurred = 1e-6;   // likewise: but not from steps with a stage as near as this
+constexpr double kFewStages = 0.467;  // of a step: the widest interval without a stage of the method is around it
+constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages are near enough to project them there
+constexpr double kPressed = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
+constexpr double kLongestCrossing = 1e-4;  // [s]
+constexpr int kCrowd = 15;                 // steps in a row, each shorter than
+constexpr double kSoon = 50;               // crossings: no calm has come since the last one
+constexpr double kCrowded = 1e-4;          // of a crossing: events are taken to have no end
 
 std::size_t at(int contact) { return static_cast<std::size_t>(contact); }
 
@@ -34,6 +40,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
       now_(system),
       trial_(system),
       middle_(system),
+      earlier_(system),
       q_scale_(system.dof()),
       v_scale_(system.dof()),
       none_(Eigen::VectorXd::Zero(system.dof())),
@@ -41,9 +48,11 @@ EventDriven::EventDriven(const System& system, const Options& options)
       touching_(impulses_.size()),
       released_(impulses_.size()),
       slides_(impulses_.size()),
+      held_(impulses_.size()),
       push_(impulses_.size()),
       hit_(impulses_.size()),
       before_(impulses_.size()),
+      stepping_(system),
       problem_(&formulation_.problem()) {
   events_.reserve(64 * impulses_.size());
 }
@@ -54,13 +63,20 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
   events_.clear(), why_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   formulation_.clear(), problem_ = &formulation_.problem();
-  start_ = x.t, elapsed_ = 0, standstill_ = 0;
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
+  crossed_ = known ? crossed_ - (x.t - start_) : -kInf;
+  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = 0;
   good_ = known || begin(solver, x, report);
-  while (good_ && elapsed_ < h) good_ = advance(solver, h, report);
-  x.t = start_ + elapsed_, x.q = now_.q, x.v = now_.v;
-  gaps_ = now_.w.gap;
-  report.joint_residual = residual_.joint, report.joint_rate = residual_.rate;
+  while (good_ && lead_ == 0 && elapsed_ < h) {
+    const double stop = next_stop() - start_;
+    good_ = advance(solver, std::min(h, stop), stop > h, report);
+    if (good_ && elapsed_ == stop) good_ = renew(solver, report);
+  }
+  const Point& end = lead_ > 0 ? trial_ : now_;
+  x.t = start_ + (lead_ > 0 ? h : elapsed_), x.q = end.q, x.v = end.v;
+  gaps_ = end.w.gap;
+  const ContactMotion::Residual& residual = lead_ > 0 ? trial_residual_ : residual_;
+  report.joint_residual = residual.joint, report.joint_rate = residual.rate;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
   sort_events();
   last_q_ = x.q, last_v_ = x.v;
@@ -86,13 +102,28 @@ bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   residual_ = motion_.project(now_.q, now_.v);
+  redundant_ = motion_.basic().redundant();
   if (!observe(now_, x.t)) return fail(report, Status::numerical_error, "no accelerations at the start");
   return change_modes(solver, {}, report);
 }
 
-/// One accepted step, of at most h − elapsed_, and the event at its end if there is one.
-bool EventDriven::advance(Solver& solver, double h, StepReport& report) {
-  const double rest = h - elapsed_;
+/// Where a force or its slope jumps next [s]; what is no farther than rounding of the time has been passed.
+double EventDriven::next_stop() const {
+  return system_.next_breakpoint(start_ + elapsed_ + 4 * kRounding * (std::abs(start_) + std::abs(elapsed_)));
+}
+
+/// At a breakpoint: accelerations as they are from now on, and the modes that go with them.
+bool EventDriven::renew(Solver& solver, StepReport& report) {
+  stop_ = kInf;
+  return observe(now_, start_ + elapsed_) ? change_modes(solver, {}, report)
+                                          : fail(report, Status::numerical_error, "no accelerations");
+}
+
+/// One accepted step, to the time `end` after the start at most, and the event at its end if there is one. last: nothing
+/// ends there but the call.
+bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& report) {
+  const double rest = end - elapsed_;
+  stop_ = last ? kInf : std::nextafter(start_ + end, -kInf);
   if (!(h_ > 0)) h_ = first_guess(rest);
   double s = std::min(h_, rest);
   if (system_.contacts() > 0) {
@@ -100,9 +131,8 @@ bool EventDriven::advance(Solver& solver, double h, StepReport& report) {
     s = std::min(s, horizon(system_, poses_, now_.v, now_.a));
   }
   for (;;) {
-    const bool possible = try_step(s);
-    const double error = possible ? rk_.error(s, q_scale_, v_scale_) / allowed_error() : kInf;
-    const double factor = std::clamp(0.9 * std::pow(error, -1 / DormandPrince::kErrorOrder), 0.2, 6.0);
+    const double error = error_of_step(s),
+                 factor = std::clamp(0.9 * std::pow(error, -1 / DormandPrince::kErrorOrder), 0.2, 6.0);
     if (error <= 1) {
       h_ = s < h_ ? std::max(h_, factor * s) : factor * s;
       break;
@@ -114,34 +144,79 @@ bool EventDriven::advance(Solver& solver, double h, StepReport& report) {
                   "step size below rounding at t = " + detail::text_of(start_ + elapsed_) +
                       ": the forces grow without bound, or tolerances are too small");
   }
-  pass_over(s, rest);
+  const bool early = pass_over(s, rest);
   std::optional<Sign> event;
   while (std::optional<Sign> next = first_sign(s)) {
+    const double before = s;
     event.reset();
     if (land(*next, s)) event = next;
+    if (!(s < before)) break;  // rounding: found again where the step ends already
   }
-  ++report.accepted, ++flight_;
-  accept(s, rest);
-  if (standstill_ > kStandstill * (1 + system_.contacts()))
-    return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_));
-  return !event || change_modes(solver, event, report);
+  ++report.accepted;
+  if (early && last && !event && motion_.lasting().empty()) return look_ahead(rest);
+  ++flight_;
+  accept(s, end);
+  if (crowded_ > (elapsed_ - crossed_ < kSoon * crossing_ ? kCrowd / 4 : kCrowd))
+    return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_)) ||
+           cross(solver, end, report);
+  return !event || change_modes(solver, event, report) || (no_answer_ && cross(solver, end, report));
 }
 
-/// Next to a singular pose (joint rows lose their independence δ²) accelerations depend on ε / δ of what stages are off
-/// the joints: the error estimate is then no reason to divide the step further, which would only look closer.
-double EventDriven::allowed_error() const {
-  return least_independence_ < kSingular ? std::max(1.0, 1e-8 / options_.rtol) : 1;
+/// Of a step of s from now_, to trial_, over what is allowed. Next to a singular pose what stages are off the joints by
+/// rounding shows in accelerations by 1/δ³: no reason to divide the step further, which would only look closer.
+double EventDriven::error_of_step(double s) {
+  if (!try_step(s)) return kInf;
+  const double blur = 1e-16 * std::pow(least_independence_, -1.5);
+  return rk_.error(s, q_scale_, v_scale_) / (least_independence_ < kSingular ? std::max(1.0, blur / options_.rtol) : 1);
 }
 
-/// A step that would end next to a singular pose is made as long again as it takes to get there, and passes over it.
-void EventDriven::pass_over(double& s, double rest) {
-  const double there = trial_.independence, here = now_.independence;
-  if (there >= kSingular || there >= here) return;
-  const double before = std::sqrt(here), far = 2 * s * before / (before - std::sqrt(there));
-  if (far <= rest && try_step(far) && rk_.error(far, q_scale_, v_scale_) <= allowed_error())
-    s = far;
-  else
-    try_step(s);
+/// When a singular pose is met, if it is in this step or soon after: δ, the root of the joint rows' independence, goes
+/// linearly to zero there and up again.
+std::optional<double> EventDriven::pose_in(double s) const {
+  const double here = std::sqrt(now_.independence), there = std::sqrt(trial_.independence);
+  const double least = std::sqrt(least_independence_);
+  if (least_independence_ >= kSingular) return {};
+  if (least < there && least < here / 2) return s * here / (here + there);
+  if (there < here) return s * here / (here - there);
+  return {};
+}
+
+/// No step that is gone on from begins or ends next to a singular pose: it ends before, or passes over it with the pose
+/// where stages are few. True: the call ends too early for that.
+bool EventDriven::pass_over(double& s, double rest) {
+  const double first = s;
+  std::optional<double> pose = pose_in(s);
+  for (int i = 0; i < 8 && pose; ++i) {
+    const double clear = 0.4 * h_, across = *pose / kFewStages;
+    if (s <= *pose - clear || std::abs(s - across) <= 0.06 * across) return false;
+    const double wish = std::min(rest, across <= 1.1 * h_ ? across : *pose - clear);
+    if (wish == rest && s == rest) return true;
+    s = wish;
+    if (error_of_step(s) > 1)
+      h_ *= 0.7;
+    else
+      pose = pose_in(s);
+  }
+  if (pose) error_of_step(s = first);
+  return false;
+}
+
+/// Hands out the state at the call's end, next to a singular pose, without going on from it: it is known to ε/δ² only.
+/// Very near, it is better known from both sides.
+bool EventDriven::look_ahead(double s) {
+  lead_ = s;
+  for (const double part : {8, 7, 9}) {
+    if (least_independence_ >= kNearest) return true;
+    const double aside = s / part;
+    if (!try_step(s - aside) || least_independence_ < kBlurred) continue;
+    std::swap(earlier_, trial_);
+    if (!try_step(s + aside) || least_independence_ < kBlurred) continue;
+    halfway(earlier_, trial_, 2 * aside, middle_);
+    trial_.q = middle_.q, trial_.v = middle_.v;
+    trial_residual_ = motion_.residual(trial_.q, trial_.v);
+    return observe(trial_, start_ + elapsed_ + s);
+  }
+  return try_step(s);
 }
 
 double EventDriven::first_guess(double rest) const {
@@ -151,9 +226,14 @@ double EventDriven::first_guess(double rest) const {
   return guess > 0 ? std::min(guess, rest) : rest;
 }
 
+/// Of the joint rows, where the accelerations were evaluated last. What is redundant everywhere is no singular pose.
+double EventDriven::independence() const {
+  return motion_.basic().redundant() && !redundant_ ? 0 : motion_.basic().independence();
+}
+
 bool EventDriven::observe(Point& p, double t) {
   if (!motion_.accelerations(t, p.q, p.v, p.a)) return false;
-  p.independence = motion_.basic().independence();
+  p.independence = independence();
   motion_.watch(p.q, p.v, p.a, p.w);
   return true;
 }
@@ -167,13 +247,14 @@ bool EventDriven::try_step(double s) {
   for (Index i = 2; i < now_.v.size(); i += 3) turn = std::max(turn, s * std::abs(now_.v[i]));
   const bool close = turn < kSmallTurn;
   const auto acceleration = [&](double time, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
+    time = std::min(time, stop_);
     bool possible = motion_.accelerations(time, q, v, a);
-    if (close && motion_.basic().independence() < kSingular) {
+    if (close && independence() < kSingular) {
       stage_q_ = q, stage_v_ = v;
       motion_.project(stage_q_, stage_v_);
       possible = motion_.accelerations(time, stage_q_, stage_v_, a);
     }
-    least_independence_ = std::min(least_independence_, motion_.basic().independence());
+    least_independence_ = std::min(least_independence_, independence());
     return possible;
   };
   least_independence_ = 1;
@@ -187,13 +268,18 @@ bool EventDriven::try_step(double s) {
   q_scale_ = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
   v_scale_ = options_.atol + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
   trial_residual_ = motion_.project(trial_.q, trial_.v);
-  return trial_residual_.joint < kInf && observe(trial_, t + s);
+  return trial_residual_.joint < kInf && observe(trial_, std::min(t + s, stop_));
 }
 
-/// Forces in the middle of the step from now_ to trial_, where Hermite polynomials say it is.
+/// Between two points s apart: the quintic Hermite polynomial, and its rate.
+void EventDriven::halfway(const Point& a, const Point& b, double s, Point& middle) {
+  middle.q = (a.q + b.q) / 2 + s * ((a.v - b.v) * (5.0 / 32) + s / 64 * (a.a + b.a));
+  middle.v = 15 / (8 * s) * (b.q - a.q) - 7.0 / 16 * (a.v + b.v) + s / 32 * (b.a - a.a);
+}
+
+/// Forces in the middle of the step from now_ to trial_.
 bool EventDriven::observe_middle(double s) {
-  middle_.q = (now_.q + trial_.q) / 2 + s * ((now_.v - trial_.v) * (5.0 / 32) + s / 64 * (now_.a + trial_.a));
-  middle_.v = (now_.v + trial_.v) / 2 + s / 8 * (now_.a - trial_.a);
+  halfway(now_, trial_, s, middle_);
   if (!motion_.accelerations(start_ + elapsed_ + s / 2, middle_.q, middle_.v, middle_.a)) return false;
   motion_.forces(middle_.w);
   return true;
@@ -284,12 +370,13 @@ bool EventDriven::land(const Sign& sign, double& s) {
   return true;
 }
 
-void EventDriven::accept(double s, double rest) {
+void EventDriven::accept(double s, double end) {
   const double before = elapsed_;
   std::swap(now_, trial_);
   residual_ = trial_residual_;
-  elapsed_ = s < rest ? elapsed_ + s : elapsed_ + rest;
+  elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
   standstill_ = elapsed_ > before ? 0 : standstill_ + 1;
+  crowded_ = s < kCrowded * options_.crossing ? crowded_ + 1 : 0;
   for (const int c : motion_.lasting())
     impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;
 }
@@ -299,9 +386,12 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   const double t = start_ + elapsed_;
   if (static_cast<int>(events_.size()) >= options_.max_events)
     return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
+  if (event && standstill_ == 0 && shares_anew(*event)) return true;
+  no_answer_ = false;
   before_ = motion_.modes;
   std::fill(released_.begin(), released_.end(), false);
   std::fill(slides_.begin(), slides_.end(), 0.0);
+  std::fill(held_.begin(), held_.end(), false);
   for (Bounces& b : bounces_) b.over = false;
   bool struck = false;
   // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event.
@@ -334,7 +424,8 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
     for (Wanted& wanted : wanted_) wanted.normal = 0;
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
   problem_ = &formulation_.problem();
-  if (!formulation_.solve(solver, report)) return fail(report, report.status, "the impact was not solved");
+  no_answer_ = !formulation_.solve(solver, report);
+  if (no_answer_) return fail(report, report.status, "the impact was not solved");
   formulation_.advance(now_.v, hit_);
   const double t = start_ + elapsed_;
   for (const ClosedContact& closed : terms.closed) {
@@ -378,6 +469,45 @@ bool EventDriven::accumulates() {
   return any;
 }
 
+/// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
+/// leaves no faster than it falls within the step lasts. Where that does not help either the next one is twice as long.
+bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
+  const Status status = report.status;
+  const std::string words = why_;
+  for (bool calm = false; !calm;) {
+    crossing_ = elapsed_ - crossed_ < kSoon * crossing_ ? std::min(2 * crossing_, kLongestCrossing) : options_.crossing;
+    const double s = std::min(crossing_, end - elapsed_);
+    if (!(s > 0)) return fail(report, status, words);
+    crossing_state_.t = start_ + elapsed_, crossing_state_.q = now_.q, crossing_state_.v = now_.v;
+    const StepReport step = stepping_.step(s, solver, crossing_state_);
+    report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations, ++report.accepted;
+    if (step.status != Status::solved) return fail(report, status, words);
+    now_.q = crossing_state_.q, now_.v = crossing_state_.v;
+    elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
+    crossed_ = elapsed_, standstill_ = crowded_ = flight_ = 0;
+    std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
+    motion_.modes_changed();
+    if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");
+    const double slow = s * now_.a.lpNorm<Eigen::Infinity>();
+    bool any = false;
+    for (int c = 0; c < system_.contacts(); ++c) {
+      const Impulse& push = stepping_.impulses()[at(c)];
+      impulses_[at(c)].normal += push.normal, impulses_[at(c)].tangent += push.tangent;
+      bounces_[at(c)] = {};
+      touching_[at(c)] = bounces_[at(c)].over = push.normal > 0 && now_.w.gap_rate[c] <= slow;
+      any = any || bounces_[at(c)].over;
+    }
+    std::fill(released_.begin(), released_.end(), false);
+    std::fill(slides_.begin(), slides_.end(), 0.0);
+    std::fill(held_.begin(), held_.end(), false);
+    no_answer_ = false;
+    calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    if (!calm && !no_answer_) return false;
+    if (calm) why_.clear(), report.status = Status::solved;
+  }
+  return true;
+}
+
 /// The modes at now_, after an impact or an event of the motion.
 bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
   const double t = start_ + elapsed_;
@@ -393,6 +523,7 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
     const Status status = transition_.decide(motion_, solver, report);
     if (status != Status::solved) {
       problem_ = &transition_.problem();
+      no_answer_ = transition_.undecided();
       return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
     }
     residual_ = motion_.project(now_.q, now_.v);
@@ -401,38 +532,51 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
     for (int c = 0; c < system_.contacts(); ++c)
       if (released_[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
         released_[at(c)] = false, again = true;  // pressed back by what else changes here
+      else if (held_[at(c)] &&
+               slides_[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+        held_[at(c)] = false, slides_[at(c)] = 0, again = true;
   }
   note_changes(event.has_value() && !struck);
   return true;
 }
 
-/// Which contacts open (released_) or slide off (slides_) because their force has come to its end. trial_ is the start of
-/// the step that led here: its forces are the scale for "at the same time".
+/// Contacts that share a force do so in the proportion of the normal forces when their modes were decided. One that comes
+/// to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
+bool EventDriven::shares_anew(const Sign& event) {
+  if (event.watch != Watch::cone_up && event.watch != Watch::cone_down) return false;
+  const double most = now_.w.normal.maxCoeff();
+  for (const int c : motion_.lasting()) {
+    ContactMode& mode = motion_.modes[at(c)];
+    mode.share_normal = std::max(now_.w.normal[c], 1e-3 * most);
+    mode.share_tangent = static_mu(system_.law(c)) * mode.share_normal;
+  }
+  return observe(now_, start_ + elapsed_) && room(event.contact) > force_zero();
+}
+
+/// What is "at the same time" in forces [N]: trial_ is the start of the step that led here.
+/// When events repeat at one time it is no better known than that.
+double EventDriven::force_zero() const {
+  return kForceZero * (1 + 1e3 * standstill_) * trial_.w.normal.lpNorm<Eigen::Infinity>();
+}
+
+double EventDriven::room(int contact) const {
+  return static_mu(system_.law(contact)) * now_.w.normal[contact] - std::abs(now_.w.tangent[contact]);
+}
+
+/// Which contacts open (released_) or slide off (slides_) because their force has come to its end.
 void EventDriven::let_go(const Sign& event) {
   if (event.watch == Watch::gap || event.watch == Watch::slip) return;
   const Watched& w = now_.w;
-  const double zero = kForceZero * trial_.w.normal.lpNorm<Eigen::Infinity>();
-  if (event.watch == Watch::force) {
-    for (const int c : motion_.lasting()) released_[at(c)] = c == event.contact || w.normal[c] <= zero;
-    return;
-  }
-  const auto room = [&](int c) { return static_mu(system_.law(c)) * w.normal[c] - std::abs(w.tangent[c]); };
-  const double before = room(event.contact);
-  share_anew();
-  if (room(event.contact) > before + slack(event.watch, event.contact)) return;  // others beside it can bear more
-  for (const int c : motion_.lasting())
-    if (before_[at(c)].sticks && (c == event.contact || room(c) <= zero)) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
-}
-
-/// Contacts that bear a load together take it in proportion to what each can bear now, so that they come to their bounds
-/// together: friction of redundant contacts has no other meaning.
-void EventDriven::share_anew() {
+  const double zero = force_zero();
   for (const int c : motion_.lasting()) {
-    ContactMode& mode = motion_.modes[at(c)];
-    mode.share_normal = std::max(now_.w.normal[c], 1e-3 * now_.w.normal.maxCoeff());
-    mode.share_tangent = static_mu(system_.law(c)) * mode.share_normal;
+    if (event.watch == Watch::force) {
+      released_[at(c)] = c == event.contact || w.normal[c] <= zero;
+    } else if (before_[at(c)].slip != 0 && std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c])) {
+      held_[at(c)] = true, slides_[at(c)] = before_[at(c)].slip;  // at its bound while others hold it: let it be
+    } else if (before_[at(c)].sticks) {
+      if (c == event.contact || room(c) <= zero) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
+    }
   }
-  observe(now_, start_ + elapsed_);
 }
 
 /// Contacts that touch and neither separate nor were let go.

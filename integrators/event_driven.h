@@ -20,12 +20,20 @@
 //   extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as zero, and the
 //   impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some 10 times
 //   `accumulation`. Infinitely many alternate impacts of several contacts end likewise.
+//   Contacts that bear a load together share it in proportion to what each can bear; one at the bound of its friction
+//   stays there while others hold it.
+//   Crowds: where events go on without end (steps in a row that lead nowhere: chatter, hyperstatic friction) or an instant
+//   has no answer that could be computed, a step of Moreau-Jean's method of `crossing` goes across, or of twice the last one
+//   where no calm has come since, up to 1e-4 s. What it leaves no faster than it falls within it lasts. Its error is of
+//   first order: speeds times its length. Runs without crowds have none.
 //   Smooth error per step: rtol |y_i| + atol, y = (q, v). An event's time is found to rounding of the event function.
-//   Next to singular poses of the joints (dependent rows) accelerations are known to ε/δ only, δ the distance: such poses
-//   are passed over in one step where the output allows it, with an error of about 1e-8; output points that lie closer
-//   than that cost accuracy (1e-4 has been seen).
+//   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³, δ
+//   the distance: such poses are passed over in one step, no stage of which is very near. A state there that the caller
+//   asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from there).
+//   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided anew.
 //   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
-//   acceleration-level problem without solution or with several ends the run, see why(). Every contact's row is looked at
+//   acceleration-level problem proved to be without solution, or with several, ends the run, see why(). Rounding decides in
+//   crowds: piles come to rest, but not always in the same places. Every contact's row is looked at
 //   in every step. Cost: 13 evaluations a step, some 3 steps an event.
 //   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996); Brogliato & Acary (2008), ch. 8;
 //   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6.
@@ -35,6 +43,7 @@
 #include <orthant/integrators/dormand_prince.h>
 #include <orthant/integrators/first_crossing.h>
 #include <orthant/integrators/formulate.h>
+#include <orthant/integrators/moreau_jean.h>
 
 namespace orthant {
 
@@ -46,11 +55,12 @@ struct EventDrivenOptions {
   double first_step = 0;        // [s]; 0: from the accelerations
   double touching = 1e-15;      // [m] gap taken as closed where another contact is struck
   double accumulation = 1e-14;  // [m] height of bounces that are not resolved any more
+  double crossing = 1e-6;       // [s] first step of Moreau–Jean's method where events have no end or no answer
   int max_events = 1000000;     // in one call of step()
   template <class V> void visit(V&& v) {
     v("rtol", rtol, 1e-15, 1e-2), v("atol", atol, 1e-30, 1e-2), v("first_step", first_step, 0.0, 1e6);
     v("touching", touching, 0.0, 1e-3), v("accumulation", accumulation, 0.0, 1e-3);
-    v("max_events", max_events, 1, 1000000000);
+    v("crossing", crossing, 1e-9, 1e-4), v("max_events", max_events, 1, 1000000000);
   }
 };
 
@@ -85,14 +95,20 @@ class EventDriven final : public Integrator {
 
   void sort_events();
   bool begin(Solver& solver, const State& x, StepReport& report);
-  bool advance(Solver& solver, double h, StepReport& report);
-  double allowed_error() const;
-  void pass_over(double& s, double rest);
+  double next_stop() const;
+  bool renew(Solver& solver, StepReport& report);
+  bool advance(Solver& solver, double end, bool last, StepReport& report);
+  double error_of_step(double s);
+  std::optional<double> pose_in(double s) const;
+  bool pass_over(double& s, double rest);
+  bool look_ahead(double s);
   double first_guess(double rest) const;
+  double independence() const;
   bool observe(Point& p, double t);
+  static void halfway(const Point& a, const Point& b, double s, Point& middle);
   bool observe_middle(double s);
   bool try_step(double s);
-  void accept(double s, double rest);
+  void accept(double s, double end);
 
   double value(const Sign& sign, const Watched& w) const;
   double slack(Watch watch, int contact) const;
@@ -101,11 +117,14 @@ class EventDriven final : public Integrator {
 
   bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
   bool impact(Solver& solver, bool plastic, StepReport& report);
+  bool cross(Solver& solver, double end, StepReport& report);
   void note_bounce(int contact);
   bool accumulates();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
+  bool shares_anew(const Sign& event);
+  double force_zero() const;
+  double room(int contact) const;
   void let_go(const Sign& event);
-  void share_anew();
   void gather_candidates();
   void note_changes(bool touched);
   bool fail(StepReport& report, Status status, std::string why);
@@ -117,22 +136,31 @@ class EventDriven final : public Integrator {
   ContactTransition transition_;
   Formulation formulation_;
   DormandPrince rk_;
-  Point now_, trial_, middle_;
+  Point now_, trial_, middle_, earlier_;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
+  double lead_ = 0;                         // [s] of the state that was handed out before now_
+  double stop_ = kInf;                      // [s] forces are not looked at later in this step
+  bool redundant_ = false;                  // the joints are, at the start
   double least_independence_ = 1;           // of the joints in the trial step
   int flight_ = 0;                          // steps since the last event
   Kinematics poses_;
   int standstill_ = 0;  // steps since time moved
+  int crowded_ = 0;     // steps since it moved by more than next to nothing
   Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_, none_;
   bool good_ = false;  // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;
   std::vector<Bounces> bounces_;
   std::vector<char> touching_, released_;
   std::vector<double> slides_;
+  std::vector<char> held_;
   std::vector<int> struck_;
   std::vector<Impulse> push_, hit_;  // mean force of the trial step [N]; of an impact [N s]
   std::vector<ContactMode> before_;
   std::vector<Wanted> wanted_;
+  MoreauJean stepping_;
+  State crossing_state_;
+  double crossing_ = 0, crossed_ = -kInf;  // [s] the last of its steps, and its end
+  bool no_answer_ = false;                 // an impact or an acceleration-level problem was not solved
   const Lcp* problem_;
   std::string why_;
 };

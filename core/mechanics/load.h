@@ -5,10 +5,12 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace orthant {
 
 /// force(t) = force · factor(t), likewise torque; an empty factor means 1. The force keeps its world direction.
+/// Schemes that choose their own steps look at factor only here and there: they stop at its breakpoints.
 struct Load {
   std::string name;
   BodyId body = 0;
@@ -16,6 +18,8 @@ struct Load {
   Vector2d force{0, 0};  // [N] in the world's frame
   double torque = 0;     // [N m]
   std::function<double(double)> factor;
+  std::vector<double>
+      breakpoints;  // [s] ascending: where factor or its slope jumps (factor(t) is what holds from t on)
 
   void add(const Kinematics& k, double t, double* f) const {
     const double scale = factor ? factor(t) : 1.0;

@@ -132,6 +132,10 @@ void examine(const Element& e, const Load& l) {
   e.exists(l.body);
   if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
   e.finite("point", l.point), e.finite("force", l.force), e.finite("torque", l.torque);
+  for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {
+    e.finite("breakpoints", l.breakpoints[i]);
+    e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", l.breakpoints[i], "ascending");
+  }
 }
 
 template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {

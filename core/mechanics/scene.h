@@ -82,7 +82,7 @@ struct SceneError : std::invalid_argument {
 
 /// Throws SceneError naming element, field, value and rule: masses and inertias > 0, finite numbers, two different
 /// bodies that exist, unit directions, radii and lengths > 0, μ ≥ 0, μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1],
-/// stiffness and damping ≥ 0, at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
+/// stiffness and damping ≥ 0, breakpoints ascending, at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 
 }  // namespace orthant

@@ -435,19 +435,20 @@ class Reader {
     l.body = body_of(f), f.maybe("point", l.point), f.maybe("force", l.force), f.maybe("torque", l.torque);
     if (const toml::table* table = f.inner("factor")) {
       Fields g = f.fields("factor", *table);
-      l.factor = factor(g);
+      set_factor(g, l);
       g.done();
     }
     scene_.load(l);
   }
 
-  static std::function<double(double)> factor(Fields& f) {
+  static void set_factor(Fields& f, Load& l) {
     std::string type;
     f.need("type", type);
     if (type == "cosine") {
       double amplitude = 1, omega = 0, phase = 0;
       f.maybe("amplitude", amplitude), f.need("omega", omega), f.maybe("phase", phase);
-      return [=](double t) { return cosine(amplitude, omega, phase, t); };
+      l.factor = [=](double t) { return cosine(amplitude, omega, phase, t); };
+      return;
     }
     if (type != "table") f.refuse("type", *f.table().get("type"), "cosine or table");
     std::vector<double> times, values;
@@ -457,7 +458,8 @@ class Reader {
     if (times.size() != values.size()) f.refuse("times", written, "as many as values");
     if (std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) != times.end())
       f.refuse("times", written, "ascending");
-    return [times, values](double t) { return interpolate(times, values, t); };
+    l.breakpoints = times;
+    l.factor = [times, values](double t) { return interpolate(times, values, t); };
   }
 
   /// What check() was unhappy with: the key if it is written, else its element, else the file.

@@ -1,6 +1,9 @@
 #include <orthant/core/mechanics/system.h>
 #include <orthant/core/mechanics/terms.h>
 
+#include <algorithm>
+#include <limits>
+
 namespace orthant {
 
 System::System(Scene scene) : scene_(std::move(scene)) {
@@ -16,6 +19,14 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   for (const Joint& joint : scene_.joints) joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
   for (const Contact& contact : scene_.contacts)
     laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
+  for (const Load& load : scene_.loads)
+    breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());
+  std::sort(breakpoints_.begin(), breakpoints_.end());
+}
+
+double System::next_breakpoint(double t) const {
+  const auto next = std::upper_bound(breakpoints_.begin(), breakpoints_.end(), t);
+  return next == breakpoints_.end() ? std::numeric_limits<double>::infinity() : *next;
 }
 
 State System::initial_state() const {

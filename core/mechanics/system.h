@@ -24,6 +24,9 @@ class System {
   const std::vector<ContactLaw>& laws() const { return laws_; }          // one per contact
   const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
 
+  /// The first time > t [s] at which an applied force or its slope jumps; infinity.
+  double next_breakpoint(double t) const;
+
   State initial_state() const;
 
  private:
@@ -31,6 +34,7 @@ class System {
   int joint_rows_ = 0;
   Eigen::VectorXd mass_, inverse_mass_, weight_;
   std::vector<ContactLaw> laws_;
+  std::vector<double> breakpoints_;  // [s] ascending, of all loads
 };
 
 /// Kinetic energy + potential of gravity (zero at the origin) and springs [J].

@@ -135,6 +135,10 @@ const Mistake kMistakes[] = {
      "spring \"hinge\": joins the ground to itself: must be two different bodies"},
 
     {[](Scene& s) { s.loads[0].body = 9; }, "load \"push\": body 9 does not exist (the scene has 3 bodies)"},
+    {[](Scene& s) {
+       s.loads[0].breakpoints = {1, 1};
+     },
+     "load \"push\": breakpoints = 1: must be ascending"},
     {[](Scene& s) { s.loads[0].body = kGround; }, "load \"push\": acts on the ground: must act on a body"},
     {[](Scene& s) { s.loads[0].point.x() = kNan; }, "load \"push\": point = (nan, 0): must be finite"},
     {[](Scene& s) { s.loads[0].force.y() = kNan; }, "load \"push\": force = (0, nan): must be finite"},
