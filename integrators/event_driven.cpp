@@ -97,7 +97,7 @@ bool EventDriven::fail(StepReport& report, Status status, std::string why) {
 
 bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   now_.q = x.q, now_.v = x.v, h_ = options_.first_step;
-  flight_ = 0;
+  flight_ = 0, flight_time_ = 0;
   std::fill(bounces_.begin(), bounces_.end(), Bounces{});
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
@@ -154,7 +154,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
   }
   ++report.accepted;
   if (early && last && !event && motion_.lasting().empty()) return look_ahead(rest);
-  ++flight_;
+  ++flight_, flight_time_ += s;
   accept(s, end);
   if (crowded_ > (elapsed_ - crossed_ < kSoon * crossing_ ? kCrowd / 4 : kCrowd))
     return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_)) ||
@@ -394,13 +394,16 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   std::fill(held_.begin(), held_.end(), false);
   for (Bounces& b : bounces_) b.over = false;
   bool struck = false;
-  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event.
-  const double tie = 16 + 64.0 * flight_;
-  flight_ = 0;
+  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and of
+  // the velocities that it left.
+  const double tie = 16 + 64.0 * flight_, since = flight_time_;
+  flight_ = 0, flight_time_ = 0;
   for (int c = 0; c < system_.contacts(); ++c) {
     const ContactMode& mode = motion_.modes[at(c)];
     const bool hit = event && event->watch == Watch::gap && event->contact == c;
-    touching_[at(c)] = hit || mode.lasting || now_.w.gap[c] <= tie * gap_zero(c) + options_.touching;
+    touching_[at(c)] =
+        hit || mode.lasting ||
+        now_.w.gap[c] <= tie * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
     if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
     struck = true;
     note_bounce(c);
@@ -484,7 +487,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     if (step.status != Status::solved) return fail(report, status, words);
     now_.q = crossing_state_.q, now_.v = crossing_state_.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
-    crossed_ = elapsed_, standstill_ = crowded_ = flight_ = 0;
+    crossed_ = elapsed_, standstill_ = crowded_ = flight_ = 0, flight_time_ = 0;
     std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
     motion_.modes_changed();
     if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");

@@ -12,7 +12,7 @@
 //     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at velocity
 //                                       level (formulate.h, reduced form)
 //     after every event:                the modes by the problem at acceleration level (contact_transition.h).
-//   Contacts nearer than `touching`, and than the rounding of the steps since the last event, count as touching, so that
+//   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as touching, so that
 //   what is simultaneous stays so. No step is longer than horizon.h allows, so that what meets within it is seen.
 //   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one before)
 //   and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact without
@@ -143,6 +143,7 @@ class EventDriven final : public Integrator {
   bool redundant_ = false;                  // the joints are, at the start
   double least_independence_ = 1;           // of the joints in the trial step
   int flight_ = 0;                          // steps since the last event
+  double flight_time_ = 0;                  // [s]
   Kinematics poses_;
   int standstill_ = 0;  // steps since time moved
   int crowded_ = 0;     // steps since it moved by more than next to nothing

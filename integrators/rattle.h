@@ -8,6 +8,8 @@
 // Order 2 on smooth motion and in contacts that last. With impacts 1: each ends on the surface and rebounds at the end of
 // its step, wherever it fell (e = 1 loses m g times the height left, O(h) an impact); inelastic ones, though, get just
 // the impulse that their place within the step asks for: order 2 is observed on the slider-crank for e = 0.
+// Energy swings with h² while a mechanism turns, and comes back: N-four-bar, h = 1e-3, 3.9e-4 J of 36 J within a turn, 5e-6 J
+// after five; not a matter of its singular poses.
 // Explicit: a spring's ω h must stay below 2. Dampers: implicit in the first half, explicit in the second.
 // A step without contact: 1 factorization, 2 evaluations of forces, 3 or 4 of Φ.
 // Source: Breuling, Capobianco, Eugster & Leine, Nonlinear Analysis: Hybrid Systems 52 (2024) 101469; Andersen, J. Comput.

@@ -542,3 +542,20 @@ TEST_CASE("corners that strike together stay together, however often the run is 
     CHECK(std::abs(r.final.q[8]) < 1e-11);
   }
 }
+
+TEST_CASE("a box thrown up by a driven table stays level, however often the run is looked at") {
+  Scene s{.gravity = {0, -kGravity}};
+  s.body({.name = "table", .mass = 100, .inertia = 10});
+  s.body({.name = "box", .mass = 1, .inertia = 1.0 / 150, .position = {0, 0.1}});
+  s.joint(Prismatic{"guide", kGround, 0, {0, 0}, {0, 0}, {0, 1}});
+  s.spring(PointSpring{"bed", kGround, 0, {0, -5}, {0, 0}, 1e5, 10, 5});
+  s.load({.name = "drive", .body = 0, .force = {0, 3000}, .factor = [](double t) { return std::cos(20 * t); }});
+  for (const double x : {-0.1, 0.1}) s.contact(CornerWall{"", 1, {x, -0.1}, 0, {0, 0}, {0, 1}, {.mu = 0.3, .e = 0.5}});
+  for (const double step : {5.0, 0.1, 1e-2}) {
+    const Run r = run_for(s, 5, kScheme, step);
+    CAPTURE(step);
+    REQUIRE(r.status == Status::solved);
+    CHECK(std::abs(r.final.q[5]) < 1e-9);
+    CHECK(r.final.q[4] == doctest::Approx(0.120587513).epsilon(1e-6));  // adaptive at 1e-9: 0.12058749
+  }
+}
