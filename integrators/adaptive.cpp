@@ -64,6 +64,7 @@ Adaptive::Adaptive(const System& system, const Options& options)
       lambda_(system.joint_rows()),
       sum_(system.laws().size()),
       kick_(system.laws().size()) {
+  refuse_joint_friction("adaptive");
   const Index size = 2 * system.dof() + 2 * system.contacts();
   at_start_ = terms_.at;
   events_.reserve(64);  // of one call; more are taken as they come
@@ -85,7 +86,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
     const double left = std::min(end, system_.next_breakpoint(x.t + least_)) - x.t;
     double wanted = std::min(arc_, limit_);
     if (system_.contacts() > 0) {
-      set_poses(system_, x.q, terms_.at);
+      set_poses(system_, x.t, x.q, terms_.at);
       wanted = std::min(wanted, std::max(horizon(system_, terms_.at, x.v, none_), least_));
     }
     const double taken = wanted > 0.9 * left ? left : std::min(wanted, left / 2);
@@ -231,7 +232,7 @@ Adaptive::Outcome Adaptive::arc(double h, Solver& solver, const State& x, StepRe
   for (std::size_t i = 0; i < sum_.size(); ++i)
     sum_[i] = {row_[0][2 * n + 2 * static_cast<Index>(i)], row_[0][2 * n + 2 * static_cast<Index>(i) + 1]};
   if (error_ > 1 || lasting_.empty()) return Outcome::done;
-  set_poses(system_, q_, terms_.at);
+  set_poses(system_, x.t + h, q_, terms_.at);
   return closes(x, h) ? Outcome::impact : ends(x, h) ? Outcome::change : Outcome::done;
 }
 
@@ -263,7 +264,7 @@ bool Adaptive::closes(const State& x, double offset) {
     const double gap = terms_.gap[c], rate = apply(rows(c).normal, v_.data());
     if (rate > 0) continue;
     at_start_ = terms_.at;
-    set_poses(system_, x.q, at_start_);
+    set_poses(system_, x.t, x.q, at_start_);
     std::swap(at_start_, terms_.at);
     const double before = std::visit([&](const auto& s) { return s.gap(terms_.at); }, system_.scene().contacts[at(c)]);
     const double rate_before = apply(rows(c).normal, x.v.data());
@@ -282,12 +283,12 @@ ContactRows Adaptive::rows(int contact) const {
 
 bool Adaptive::predict(double t, double h) {
   q_ += h / 2 * v_;
-  set_poses(system_, q_, terms_.at);
+  set_poses(system_, t + h / 2, q_, terms_.at);
   evaluate_forces(system_, t + h / 2, v_, terms_);
   evaluate_joint_rows(system_, terms_);
   if (!basic_.factorize(system_, terms_, h * h / 4, h / 2)) return false;
   force_ = h * terms_.f;
-  for (Index i = 0; i < lambda_.size(); ++i) lambda_[i] = -2 * apply(terms_.G[static_cast<std::size_t>(i)], v_.data());
+  for (Index i = 0; i < lambda_.size(); ++i) lambda_[i] = 2 * terms_.missing_rate(i, v_);
   basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
   v_new_ += v_;
   return v_new_.allFinite();
@@ -433,7 +434,7 @@ bool Adaptive::settle_modes(double h, const State& x) {
 
 /// Takes q_, v_ as the end of a step of h: onto the joints, and into x.
 bool Adaptive::accept(double h, State& x, StepReport& report) {
-  report.joint_residual = projection_.position(terms_, q_);
+  report.joint_residual = projection_.position(x.t + h, terms_, q_);
   report.joint_rate = projection_.velocity(terms_, v_);
   if (report.joint_rate > kEps * v_.lpNorm<Eigen::Infinity>()) report.joint_rate = projection_.velocity(terms_, v_);
   if (!(report.joint_residual < kInf) || !q_.allFinite() || !v_.allFinite()) return false;

@@ -52,7 +52,7 @@ void ContactMotion::modes_changed() {
 }
 
 bool ContactMotion::accelerations(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
-  set_poses(system_, q, terms_.at);
+  set_poses(system_, t, q, terms_.at);
   set_twists(system_, v, terms_.at);
   evaluate_forces(system_, t, v, terms_);
   evaluate_joint_rows(system_, terms_);
@@ -129,21 +129,27 @@ void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
   }
 }
 
-ContactMotion::Residual ContactMotion::residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-  set_poses(system_, q, terms_.at);
+ContactMotion::Residual ContactMotion::residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  set_poses(system_, t, q, terms_.at);
   evaluate_joint_residual(system_, terms_);
   evaluate_joint_rows(system_, terms_);
   Residual left;
   for (Index i = 0; i < terms_.phi.size(); ++i) {
     left.joint = std::max(left.joint, std::abs(terms_.phi[i]));
-    left.rate = std::max(left.rate, std::abs(apply(terms_.G[static_cast<std::size_t>(i)], v.data())));
+    left.rate = std::max(left.rate, std::abs(terms_.missing_rate(i, v)));
   }
   return left;
 }
 
-ContactMotion::Residual ContactMotion::project(Eigen::VectorXd& q, Eigen::VectorXd& v) {
+/// A lasting point of two polygons that is suddenly far away stands for another corner now.
+bool ContactMotion::changed_places(int contact) const {
+  const auto* pair = std::get_if<PolygonPolygon>(&system_.scene().contacts[static_cast<std::size_t>(contact)]);
+  return pair != nullptr && terms_.gap[contact] > 1e-3 * (pair->corners_a[1] - pair->corners_a[0]).norm();
+}
+
+ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
   Residual left;
-  left.joint = projection_.position(terms_, q);
+  left.joint = projection_.position(t, terms_, q);
   if (!(left.joint < kInf)) return left;
   const auto correct = [&](bool position, Eigen::VectorXd& x) {
     equations_.clear();
@@ -161,11 +167,13 @@ ContactMotion::Residual ContactMotion::project(Eigen::VectorXd& q, Eigen::Vector
   };
   if (!lasting_.empty()) {
     evaluate_gaps(system_, terms_);
+    for (const int c : lasting_)
+      if (changed_places(c)) return {kInf, kInf};
     evaluate_joint_rows(system_, terms_);
     evaluate_closed(system_, lasting_, terms_);
     if (!basic_.factorize(system_, terms_)) return {kInf, kInf};
     correct(true, q);
-    left.joint = projection_.position(terms_, q);
+    left.joint = projection_.position(t, terms_, q);
   }
   left.rate = projection_.velocity(terms_, v);
   if (!lasting_.empty()) correct(false, v);

@@ -54,9 +54,9 @@ class ContactMotion {
   struct Residual {
     double joint = 0, rate = 0;
   };
-  Residual residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // of the joints
+  Residual residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // of the joints
   /// Infinite residual: no usable matrix.
-  Residual project(Eigen::VectorXd& q, Eigen::VectorXd& v);
+  Residual project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v);
 
   const System& system() const { return system_; }
   const BasicSystem& basic() const { return basic_; }    // as factorized last
@@ -65,6 +65,8 @@ class ContactMotion {
   Terms& terms() { return terms_; }
 
  private:
+  bool changed_places(int contact) const;
+
   const System& system_;
   Terms terms_;
   BasicSystem basic_;

@@ -54,6 +54,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
       before_(impulses_.size()),
       stepping_(system),
       problem_(&formulation_.problem()) {
+  refuse_joint_friction("event-driven");
   events_.reserve(64 * impulses_.size());
 }
 
@@ -101,7 +102,7 @@ bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   std::fill(bounces_.begin(), bounces_.end(), Bounces{});
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
-  residual_ = motion_.project(now_.q, now_.v);
+  residual_ = motion_.project(x.t, now_.q, now_.v);
   redundant_ = motion_.basic().redundant();
   if (!observe(now_, x.t)) return fail(report, Status::numerical_error, "no accelerations at the start");
   return change_modes(solver, {}, report);
@@ -127,7 +128,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
   if (!(h_ > 0)) h_ = first_guess(rest);
   double s = std::min(h_, rest);
   if (system_.contacts() > 0) {
-    set_poses(system_, now_.q, poses_);
+    set_poses(system_, start_ + elapsed_, now_.q, poses_);
     s = std::min(s, horizon(system_, poses_, now_.v, now_.a));
   }
   for (;;) {
@@ -213,7 +214,7 @@ bool EventDriven::look_ahead(double s) {
     if (!try_step(s + aside) || least_independence_ < kBlurred) continue;
     halfway(earlier_, trial_, 2 * aside, middle_);
     trial_.q = middle_.q, trial_.v = middle_.v;
-    trial_residual_ = motion_.residual(trial_.q, trial_.v);
+    trial_residual_ = motion_.residual(start_ + elapsed_ + s, trial_.q, trial_.v);
     return observe(trial_, start_ + elapsed_ + s);
   }
   return try_step(s);
@@ -251,7 +252,7 @@ bool EventDriven::try_step(double s) {
     bool possible = motion_.accelerations(time, q, v, a);
     if (close && independence() < kSingular) {
       stage_q_ = q, stage_v_ = v;
-      motion_.project(stage_q_, stage_v_);
+      motion_.project(time, stage_q_, stage_v_);
       possible = motion_.accelerations(time, stage_q_, stage_v_, a);
     }
     least_independence_ = std::min(least_independence_, independence());
@@ -267,8 +268,9 @@ bool EventDriven::try_step(double s) {
   if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, add_push)) return false;
   q_scale_ = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
   v_scale_ = options_.atol + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
-  trial_residual_ = motion_.project(trial_.q, trial_.v);
-  return trial_residual_.joint < kInf && observe(trial_, std::min(t + s, stop_));
+  const double end = std::min(t + s, stop_);
+  trial_residual_ = motion_.project(end, trial_.q, trial_.v);
+  return trial_residual_.joint < kInf && observe(trial_, end);
 }
 
 /// Between two points s apart: the quintic Hermite polynomial, and its rate.
@@ -529,7 +531,7 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
       no_answer_ = transition_.undecided();
       return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
     }
-    residual_ = motion_.project(now_.q, now_.v);
+    residual_ = motion_.project(t, now_.q, now_.v);
     if (!observe(now_, t)) return fail(report, Status::numerical_error, "no accelerations after an event");
     again = false;
     for (int c = 0; c < system_.contacts(); ++c)

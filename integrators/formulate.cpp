@@ -26,7 +26,8 @@ void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const 
 
 Formulation::Formulation(const System& system, Form form, Cone cone) : system_(system), form_(form), cone_(cone) {
   const auto contacts = system.scene().contacts.size();
-  const auto most = 2 * contacts + static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
+  const auto most = 2 * contacts + system.scene().frictions.size() +
+                    static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
   rows_.reserve(most);
@@ -53,7 +54,8 @@ void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const 
     fill_dense(basic, std::get<DenseMatrix>(lcp_.A));
 }
 
-/// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed).
+/// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed), then
+/// joint friction.
 void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted) {
   rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
@@ -74,10 +76,17 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
       lcp_.friction.push_back({static_cast<Index>(rows_.size()), joints + static_cast<Index>(k), contacts_[k].mu});
       rows_.push_back(terms.closed[k].rows.tangent);
     }
+  const auto resisted = static_cast<Index>(rows_.size());
+  if (duration_ > 0)
+    for (const JointFriction& f : system_.scene().frictions) rows_.push_back(f.of.row(terms.at));
   const auto n = static_cast<Index>(rows_.size());
   lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
   lcp_.lo.segment(joints, unilateral).setZero();
+  for (Index i = resisted; i < n; ++i) {
+    lcp_.hi[i] = duration_ * system_.scene().frictions[static_cast<std::size_t>(i - resisted)].bound;
+    lcp_.lo[i] = -lcp_.hi[i];
+  }
 }
 
 void Formulation::retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free,
@@ -98,6 +107,7 @@ void Formulation::retarget(const std::vector<Wanted>& wanted, const Eigen::Vecto
   if (cone_ == Cone::coulomb)
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       if (contacts_[k].law->frictional()) hold_against(wanted[k].tangent);
+  while (i < lcp_.b.size()) hold_against(0);
 }
 
 void Formulation::bind() {

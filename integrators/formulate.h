@@ -12,6 +12,7 @@
 //   Only closed contacts have rows, and only frictional ones a tangent row. Where B is diagonal and a scene has many
 //   contacts, A is kept as a Delassus operator and never formed.
 //   Both give the same step.
+// Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the coordinate.
 // Friction, by Cone:
 //   coulomb  |Λ_T| ≤ μ Λ_N against the slip; the matrix of the pure problem is not symmetric.
 //   relaxed  the cone's edges n ± μ t are the rows, impulses β± ≥ 0:  0 ≤ β± ⊥ (γ_N − target_N) ± μ (γ_T − target_T) ≥ 0,
@@ -49,6 +50,9 @@ class Formulation {
  public:
   explicit Formulation(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);
 
+  /// From now on dry friction in joints acts for `duration` [s] (of displacements: [s²]); 0, as at first: it has no rows.
+  void resist(double duration) { duration_ = duration; }
+
   /// Builds the problem from terms.closed (and terms.G for the full form). v_free: velocities after the step without
   /// the impulses z; wanted: one entry a closed contact; joint_rate: the wanted G v⁺ (full form only), joint_rows
   /// entries. `basic` is factorized already, with joints for the reduced and without for the full form.
@@ -67,6 +71,11 @@ class Formulation {
   const Lcp& problem() const { return lcp_; }
   const Solution& solution() const { return solution_; }
   void clear() { lcp_.b.resize(0); }  // no problem, until the next is built
+
+  /// The impulse of dry friction i of the scene, where it has rows.
+  double joint_friction(std::size_t i) const {
+    return solution_.z[solution_.z.size() - static_cast<Index>(system_.scene().frictions.size() - i)];
+  }
 
   /// v += B Jᵀ z, and the contacts' impulses; those of open contacts are zero.
   void advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;
@@ -87,6 +96,7 @@ class Formulation {
   const System& system_;
   Form form_;
   Cone cone_;
+  double duration_ = 0;
   std::vector<Row> rows_;  // J
   std::vector<Contact> contacts_;
   DenseMatrix columns_;  // dof × n: B Jᵀ, dense storage only

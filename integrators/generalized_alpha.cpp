@@ -29,7 +29,7 @@ StepReport GeneralizedAlpha::step(double h, Solver& solver, State& x) {
 
 bool GeneralizedAlpha::start(const State& x, StepReport& report) {
   if (q_last_.size() > 0 && x.q == q_last_ && x.v == v_last_) return true;
-  set_poses(system_, x.q, start_.at);
+  set_poses(system_, x.t, x.q, start_.at);
   set_twists(system_, x.v, start_.at);
   evaluate_forces(system_, x.t, x.v, start_);
   if (!factorize(start_, 0, 0, report)) return false;
@@ -51,7 +51,7 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
   path_known_ = h * x.v + h * h * (0.5 - beta_) * a_ + h * h * beta_ * (keep_s * s_ - keep_a * a_);
   s_new_ = s_;
   path_ = x.q + path_known_ + by_s2 * s_new_;
-  set_poses(system_, path_, start_.at);
+  set_poses(system_, x.t + h, path_, start_.at);
   if (!factorize(start_, by_s2, by_s, report)) return false;
   double before = kInf;
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -61,7 +61,7 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
     evaluate_forces(system_, x.t + h, v_, end_);
     if (!factorize(end_, by_s2, by_s, report)) return false;
     force_ = end_.f - system_.mass().cwiseProduct(s_new_);
-    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = -apply(end_.G[static_cast<std::size_t>(i)], v_.data()) / by_s;
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = end_.missing_rate(i, v_) / by_s;
     basic_.solve(force_.data(), rate_.data(), change_.data(), lambda_.data());
     s_new_ += change_;
     v_ += by_s * change_;

@@ -12,6 +12,12 @@ double time_for(double way, double speed, double acceleration) {
   return root > 0 ? 2 * way / root : std::numeric_limits<double>::infinity();
 }
 
+Vector2d middle(const Polygon& corners) {
+  Vector2d sum(0, 0);
+  for (const Vector2d& corner : corners) sum += corner;
+  return sum / static_cast<double>(corners.size());
+}
+
 }  // namespace
 
 double horizon(const System& system, const Kinematics& poses, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
@@ -23,23 +29,39 @@ double horizon(const System& system, const Kinematics& poses, const Eigen::Vecto
   const auto turning = [&](BodyId body) {
     least = std::min(least, time_for(kTurn, std::abs(of(v, body).z()), std::abs(of(a, body).z())));
   };
-  for (const Contact& contact : system.scene().contacts) {
-    if (const auto* corner = std::get_if<CornerWall>(&contact)) {
-      if (corner->point.squaredNorm() > 0) turning(corner->a);
-      turning(corner->b);
-    } else if (const auto* wall = std::get_if<DiscWall>(&contact)) {
-      if (wall->centre.squaredNorm() > 0) turning(wall->a);
-      turning(wall->b);
-    } else if (const auto* discs = std::get_if<DiscDisc>(&contact)) {
-      if (discs->centre_a.squaredNorm() > 0) turning(discs->a);
-      if (discs->centre_b.squaredNorm() > 0) turning(discs->b);
-      const double distance = discs->gap(poses) + discs->radius_a + discs->radius_b;
-      const auto relative = [&](const Eigen::VectorXd& x) {
-        return (of(x, discs->a) - of(x, discs->b)).head<2>().norm();
-      };
-      least = std::min(least, time_for(distance / 2, relative(v), relative(a)));
+  const auto turning_about = [&](BodyId body, const Vector2d& point) {
+    if (point.squaredNorm() > 0) turning(body);
+  };
+  const auto moving = [&](BodyId one, BodyId other, double way) {
+    const auto relative = [&](const Eigen::VectorXd& x) { return (of(x, one) - of(x, other)).head<2>().norm(); };
+    least = std::min(least, time_for(way, relative(v), relative(a)));
+  };
+  const auto centres = [&](BodyId one, const Vector2d& p, BodyId other, const Vector2d& q) {
+    return (poses.at(one).x + poses.at(one).turn(p) - poses.at(other).x - poses.at(other).turn(q)).norm();
+  };
+  const auto look = [&](const auto& c) {
+    using Kind = std::decay_t<decltype(c)>;
+    if constexpr (std::is_same_v<Kind, CornerWall>) {
+      turning_about(c.a, c.point), turning(c.b);
+    } else if constexpr (std::is_same_v<Kind, DiscWall>) {
+      turning_about(c.a, c.centre), turning(c.b);
+    } else if constexpr (std::is_same_v<Kind, DiscDisc> || std::is_same_v<Kind, Journal>) {
+      turning_about(c.a, c.centre_a), turning_about(c.b, c.centre_b);
+      if constexpr (std::is_same_v<Kind, DiscDisc>)
+        moving(c.a, c.b, centres(c.a, c.centre_a, c.b, c.centre_b) / 2);
+      else
+        moving(c.a, c.b, (c.radius_b - c.radius_a) / 2);
+    } else if constexpr (std::is_same_v<Kind, DiscPolygon>) {
+      turning_about(c.a, c.centre), turning(c.b);
+      moving(c.a, c.b, centres(c.a, c.centre, c.b, middle(c.corners)) / 2);
+    } else if constexpr (std::is_same_v<Kind, PolygonPolygon>) {
+      turning(c.a), turning(c.b);
+      moving(c.a, c.b, centres(c.a, middle(c.corners_a), c.b, middle(c.corners_b)) / 2);
+    } else if (!std::holds_alternative<Angle>(c.of.kind())) {
+      std::visit([&](const auto& along) { turning(along.a), turning(along.b); }, c.of.kind());
     }
-  }
+  };
+  for (const Contact& contact : system.scene().contacts) std::visit(look, contact);
   return least;
 }
 

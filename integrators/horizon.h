@@ -1,9 +1,10 @@
 // integrators/horizon.h — how far a step may look ahead and still see every contact that is made on the way.
 //
 //   A gap is looked at at a step's end, or along a polynomial. Discs that pass through each other, and corners that turn by
-//   a revolution, would show neither. So within a step no body of a corner's contact, and no wall, turns by more than half a
-//   radian, and two discs move by no more than half the distance of their centres. Infinite where nothing of that kind
-//   moves: contacts of points and discs with the ground cost no step.   O(contacts).
+//   a revolution, would show neither. So within a step no body of a corner's or polygon's contact, and no wall, turns by more
+//   than half a radian; two discs (a disc and a polygon, two polygons) move by no more than half the distance of their
+//   centres, and a journal by no more than half its clearance. Infinite where nothing of that kind moves: contacts of
+//   points and discs with the ground cost no step.   O(contacts).
 #pragma once
 
 #include <orthant/core/mechanics/terms.h>

@@ -1,6 +1,7 @@
 #include <orthant/integrators/integrator.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace orthant {
 
@@ -11,6 +12,13 @@ bool StepReport::note(const Lcp& problem, const Solution& solution) {
   lcp_iterations += solution.iterations;
   ++lcp_solves;
   return status == Status::solved;
+}
+
+void Integrator::refuse_joint_friction(std::string_view scheme) const {
+  if (system_.scene().frictions.empty()) return;
+  throw std::invalid_argument("integrator " + std::string(scheme) + ": has no dry friction in joints (friction \"" +
+                              system_.scene().frictions[0].name +
+                              "\"): must be one that has, such as moreau-jean or stewart-trinkle");
 }
 
 bool Integrator::fail(StepReport& report, Status status, std::string why) {

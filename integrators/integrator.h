@@ -7,6 +7,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace orthant {
@@ -65,6 +66,9 @@ class Integrator {
   /// [m] A gap up to this is the rounding of positions as far out as these: bodies that touch would else come apart for a
   /// step now and then.
   static double touching(const Eigen::VectorXd& q) { return 0x1p-48 * q.lpNorm<Eigen::Infinity>(); }
+
+  /// For schemes that have none: throws std::invalid_argument when the scene has dry friction in joints.
+  void refuse_joint_friction(std::string_view scheme) const;
 
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);

@@ -13,9 +13,9 @@ Projection::Projection(const System& system, bool with_joints)
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {}
 
-double Projection::position(Terms& terms, Eigen::VectorXd& q) {
+double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   constexpr int kIterations = 20;
-  set_poses(system_, q, terms.at);
+  set_poses(system_, t, q, terms.at);
   evaluate_joint_residual(system_, terms);
   if (terms.phi.size() == 0) return 0;
   double residual = terms.phi.lpNorm<Eigen::Infinity>();
@@ -27,11 +27,11 @@ double Projection::position(Terms& terms, Eigen::VectorXd& q) {
     rate_ = -terms.phi;
     basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
     trial_ = q + step_;
-    set_poses(system_, trial_, terms.at);
+    set_poses(system_, t, trial_, terms.at);
     evaluate_joint_residual(system_, terms);
     const double next = terms.phi.lpNorm<Eigen::Infinity>();
     if (!(next < residual)) {  // rounding level reached, or the iteration diverges: q is the better one
-      set_poses(system_, q, terms.at);
+      set_poses(system_, t, q, terms.at);
       evaluate_joint_residual(system_, terms);
       break;
     }
@@ -44,12 +44,23 @@ double Projection::position(Terms& terms, Eigen::VectorXd& q) {
 double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
   if (basic_.joint_rows() == 0) return 0;
   evaluate_joint_rows(system_, terms);
-  const auto rate = [&](Index i) { return apply(terms.G[static_cast<std::size_t>(i)], v.data()); };
-  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = -rate(i);
-  basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
-  v += step_;
-  double left = 0;
-  for (Index i = 0; i < rate_.size(); ++i) left = std::max(left, std::abs(rate(i)));
+  const auto missing = [&] {
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms.missing_rate(i, v);
+    return rate_.lpNorm<Eigen::Infinity>();
+  };
+  const auto correct = [&] {
+    basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
+    v += step_;
+    return missing();
+  };
+  constexpr int kIterations = 10;
+  double left = (missing(), correct());
+  const double tolerance = 1e-15 * (1 + v.lpNorm<Eigen::Infinity>());
+  for (int i = 1; system_.driven() && i < kIterations && left > tolerance; ++i) {
+    const double next = correct();
+    if (!(next < left)) return next;  // rounding level reached
+    left = next;
+  }
   return left;
 }
 

@@ -2,7 +2,8 @@
 //
 //   position:  min |Δq|_M with Φ(q + Δq) = 0, by simplified Newton: M Δq = Gᵀ λ, G Δq = −Φ, the matrix of the first
 //              iterate serving all (the step is a small one), until rounding.
-//   velocity:  min |Δv|_M with G(q)(v + Δv) = 0, one solve.
+//   velocity:  min |Δv|_M with G(q)(v + Δv) = ṡ (0 but for driven joints), one solve; with driven joints,
+//              whose rates may be far off, as many as rounding asks for.
 // Source: Hairer & Wanner, Solving Ordinary Differential Equations II (1996), VII.2; Eich, SINUM 30 (1993) 1467-1482.
 #pragma once
 
@@ -14,11 +15,11 @@ class Projection {
  public:
   explicit Projection(const System& system, bool with_joints = true);
 
-  /// Moves q; afterwards terms.at and terms.phi are those at q, and terms.G those at the first iterate. Returns max |Φ|
+  /// Moves q at the time t; afterwards terms.at and terms.phi are those at q, and terms.G those at the first iterate. Returns max |Φ|
   /// left [m, rad], infinity when the joint matrix is not usable. Without joints: sets the poses, 0.
-  double position(Terms& terms, Eigen::VectorXd& q);
+  double position(double t, Terms& terms, Eigen::VectorXd& q);
 
-  /// Moves v at the coordinates that position() ended at, and evaluates terms.G there. Returns max |G v| left
+  /// Moves v at the coordinates that position() ended at, and evaluates terms.G there. Returns max |G v − ṡ| left
   /// [m/s, rad/s].
   double velocity(Terms& terms, Eigen::VectorXd& v);
 

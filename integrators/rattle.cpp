@@ -22,7 +22,7 @@ bool Rattle::half_kick(double h, const State& x, StepReport& report) {
   if (factorized_there_ && x.q == last_) {  // where the step before ended: nothing to do again
     std::swap(start_, end_);
   } else {
-    set_poses(system_, x.q, start_.at);
+    set_poses(system_, x.t, x.q, start_.at);
     if (!factorize(start_, 0, h / 2, report)) return false;
   }
   factorized_there_ = false;
@@ -31,8 +31,7 @@ bool Rattle::half_kick(double h, const State& x, StepReport& report) {
   // A guess at G u that leaves Φ = O(h³): u is tangent half a step ahead. Any other would end at the same q⁺.
   start_.closed.clear();
   evaluate_biases(system_, start_);
-  for (Index i = 0; i < rate_.size(); ++i)
-    rate_[i] = -h / 2 * start_.joint_bias[i] - apply(start_.G[static_cast<std::size_t>(i)], x.v.data());
+  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = start_.missing_rate(i, x.v) - h / 2 * start_.joint_bias[i];
   force_ = h / 2 * start_.f;
   basic_.solve(force_.data(), rate_.data(), path_.data(), lambda_.data());
   path_ = h * (x.v + path_);
@@ -48,7 +47,9 @@ bool Rattle::other_half(double h, const State& x, StepReport& report) {
     apply_transposed(c.rows.normal, -carried.normal / h, force_.data());
     apply_transposed(c.rows.tangent, -carried.tangent / h, force_.data());
   }
-  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = -apply(end_.G[static_cast<std::size_t>(i)], v_.data());
+  for (std::size_t i = 0; i < system_.scene().frictions.size(); ++i)
+    apply_transposed(system_.scene().frictions[i].of.row(end_.at), -friction_carried(i) / h, force_.data());
+  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = end_.missing_rate(i, v_);
   basic_.solve(force_.data(), rate_.data(), path_.data(), lambda_.data());
   v_ += path_;
   return true;

@@ -96,7 +96,7 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
 
   Recording recording(record, clock.every, system.scene().contacts.size());
   Terms start(system);
-  set_poses(system, x.q, start.at);
+  set_poses(system, x.t, x.q, start.at);
   evaluate_gaps(system, start);
   recording.write(x, {}, start.gap);
 

@@ -44,14 +44,18 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
   start_.closed.clear();
   std::fill(has_rows_.begin(), has_rows_.end(), false);
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
+  const bool resists = !system_.scene().frictions.empty();
+  bool joins = resists;  // its rows have to be built once
+  positions_.resist(h * h / 2), velocities_.resist(h);
   free_ = path;                        // p without what the contacts add
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
   for (int i = 0; i < kIterations;) {
     q_end_ = x.q + path;
-    set_poses(system_, q_end_, end_.at);
+    set_poses(system_, x.t + h, q_end_, end_.at);
     evaluate_joint_residual(system_, end_);
     evaluate_gaps(system_, end_);
-    bool more = close_gaps();
+    bool more = close_gaps() || joins;
+    joins = false;
     i += !more;  // rows that join are as many as the contacts at the most
     const double joints = joint_mismatch(), gaps = gap_mismatch(), left = std::max(joints, gaps);
     if (!more && joints <= enough && gaps <= 10 * enough + 2 * accuracy) return true;
@@ -66,7 +70,8 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
       basic_.solve(zero_.data(), rate_.data(), correction_.data(), lambda_.data());
       free_ += correction_;
     }
-    if (!start_.closed.empty()) {
+    const bool rows = resists || !start_.closed.empty();
+    if (rows) {
       newtons_law(system_.laws(), start_, x.v, wanted_);  // for the slip that chooses μ
       for (std::size_t k = 0; k < wanted_.size(); ++k) {
         const ClosedContact& c = start_.closed[k];
@@ -81,14 +86,14 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
       accuracy = positions_.solution().residual;
     }
     path = free_;
-    if (!start_.closed.empty()) positions_.advance(path, impulses_);
+    if (rows) positions_.advance(path, impulses_);
   }
   return fail(report, Status::numerical_error,
               "the position stage does not converge: joints and gaps are left at " + detail::text_of(before) + " m");
 }
 
 bool TwoLevel::freeze_here(StepReport& report) {
-  start_.at.pose = end_.at.pose;
+  start_.at.pose = end_.at.pose, start_.at.t = end_.at.t;
   start_.closed.swap(end_.closed);
   start_.closed.clear();
   for (const ClosedContact& c : end_.closed) add_closed(system_, c.contact, start_);
@@ -127,7 +132,7 @@ void TwoLevel::hand_over(const State& x) {
   for (const ClosedContact& c : start_.closed)
     if (impulses_[static_cast<std::size_t>(c.contact)].normal > 0) carrying_.push_back(c.contact);
   start_.closed.clear(), end_.closed.clear();
-  if (!carrying_.empty()) set_poses(system_, x.q, start_.at);
+  if (!carrying_.empty()) set_poses(system_, x.t, x.q, start_.at);
   for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
   newtons_law(system_.laws(), start_, x.v, wanted_);
 }
@@ -145,7 +150,8 @@ void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report
     return;
   }
   report.joint_residual = joint_mismatch();
-  for (const Row& row : end_.G) report.joint_rate = std::max(report.joint_rate, std::abs(apply(row, v.data())));
+  for (Index i = 0; i < rate_.size(); ++i)
+    report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
   x.t += h;

@@ -2,7 +2,7 @@
 //
 //   Position stage: from a predicted displacement p of the step and rows G, W frozen where `start` stands, find
 //     p⁺ = p + M̂⁻¹ (Gᵀ μ_G + W_Nᵀ μ_N + W_Tᵀ μ_T)  with  Φ(q + p⁺) = 0,   0 ≤ μ_N ⊥ g_N(q + p⁺) ≥ 0,
-//     and Coulomb's law between μ_T and the slip W_T p⁺.
+//     and Coulomb's law between μ_T and the slip W_T p⁺; dry friction in joints up to h²/2 times its bound.
 //   By simplified Newton steps (the matrix stays, Φ and g_N are evaluated anew), each one solve with the joints and, where
 //   a gap would close, one complementarity problem, until Φ is at rounding and g_N too, or as near as the solver comes. Contacts whose gap is negative at an iterate get
 //   rows, the others have none. Where that converges slowly (next to a singular pose; a step much too large) the rows
@@ -33,6 +33,9 @@ class TwoLevel : public Integrator {
   /// Position stage about basic_ and start_.at: `path` from predicted to p⁺. end_.at, phi and gap are then those at
   /// q + p⁺, and impulses_ holds μ. False: the report and why() tell the reason.
   bool reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report);
+
+  /// μ of dry friction i of the scene, of the last reach() [kg m] or [kg m²].
+  double friction_carried(std::size_t i) const { return positions_.joint_friction(i); }
 
   /// Closes in end_ the contacts that carry μ_N > 0, and sets what is wanted of their rates, from x.
   void hand_over(const State& x);

@@ -25,11 +25,12 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   why_.clear();
   if (!free_flight(h, x, report)) return report;
   close(h, x);
+  formulation_.resist(h);
   formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
   if (!formulation_.solve(solver, report)) return report;
   formulation_.advance(v_new_, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
-  if (!settle(report)) return report;
+  if (!settle(x.t + h, report)) return report;
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
@@ -39,15 +40,16 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
 bool VelocityStepping::free_flight(double h, const State& x, StepReport& report) {
   const double at = plan_.at;
   q_mid_ = x.q + at * h * x.v;
-  set_poses(system_, q_mid_, terms_.at);
+  set_poses(system_, x.t + at * h, q_mid_, terms_.at);
   evaluate_forces(system_, x.t + at * h, x.v, terms_);
   evaluate_joint_rows(system_, terms_);
   if (!basic_.factorize(system_, terms_, h * h * at * at, h * at))
     return fail(report, Status::numerical_error, "the basic system is not finite");
 
-  // Wanted G v⁺: 0, or such that the mean velocity of the step satisfies the joints.
-  const double keep = plan_.joints == Joints::symmetric ? 1 - 1 / at : 0;
-  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = keep * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+  // Wanted G v⁺: ṡ, or such that the mean velocity of the step satisfies the joints.
+  const double share = plan_.joints == Joints::symmetric ? 1 / at : 1;
+  for (Index i = 0; i < rate_.size(); ++i)
+    rate_[i] = share * terms_.joint_rate[i] + (1 - share) * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
   force_ = h * terms_.f;
   if (basic_.joint_rows() > 0)
     for (Index i = 0; i < rate_.size(); ++i)
@@ -57,8 +59,8 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   return v_new_.allFinite() || fail(report, Status::numerical_error, "the motion is not finite");
 }
 
-bool VelocityStepping::settle(StepReport& report) {
-  report.joint_residual = projection_.position(terms_, q_new_);
+bool VelocityStepping::settle(double t, StepReport& report) {
+  report.joint_residual = projection_.position(t, terms_, q_new_);
   if (plan_.joints != Joints::none && !(report.joint_residual <= 1e-8 * (1 + q_new_.lpNorm<Eigen::Infinity>())))
     return fail(report, Status::numerical_error,
                 "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");

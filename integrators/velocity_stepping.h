@@ -4,9 +4,9 @@
 //   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²a² K + h a C   (springs, dampers: linearly implicit)
 //   q⁺ = q + h (θ v⁺ + (1−θ) v)
 // Joints, by the option `joints`:
-//   none       G v⁺ = 0                      positions drift by O(h) over a fixed time
-//   position   G v⁺ = 0, then q⁺ is projected onto Φ = 0 (in the metric of M)
-//   symmetric  G (a v⁺ + (1−a) v) = 0, then q⁺ and v⁺ are projected onto Φ = 0, G v⁺ = 0. For a = θ = ½ the smooth
+//   none       G v⁺ = ṡ                      positions drift by O(h) over a fixed time; ṡ = 0 but for driven joints
+//   position   G v⁺ = ṡ, then q⁺ is projected onto Φ = 0 (in the metric of M)
+//   symmetric  G (a v⁺ + (1−a) v) = ṡ, then q⁺ and v⁺ are projected onto Φ = 0, G v⁺ = ṡ. For a = θ = ½ the smooth
 //              motion is of second order; contact impulses act through the constrained inverse and leave G v⁺ as it was.
 // A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long.
 #pragma once
@@ -51,7 +51,7 @@ class VelocityStepping : public Integrator {
   /// whose gap there is at most `threshold` and of which keep(contact) says so; wanted_ is Newton's law.
   template <class Keep> void close_at_end_of_flight(double h, const State& x, double threshold, Keep&& keep) {
     q_new_ = x.q + h * v_new_;
-    set_poses(system_, q_new_, terms_.at);
+    set_poses(system_, x.t + h, q_new_, terms_.at);
     evaluate_gaps(system_, terms_);
     evaluate_closed(system_, threshold, terms_);
     std::erase_if(terms_.closed, [&](const ClosedContact& c) { return !keep(c); });
@@ -72,7 +72,7 @@ class VelocityStepping : public Integrator {
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
   /// Projection; joint residual and penetration at the end.
-  bool settle(StepReport& report);
+  bool settle(double t, StepReport& report);
 
   Plan plan_;
   BasicSystem basic_;  // of the step: with joints in the reduced form

@@ -20,7 +20,7 @@ int body(const Row& row, int which) { return which == 0 ? row.a : row.b; }
 Terms topology(const System& system) {
   Terms terms(system);
   const State x = system.initial_state();
-  set_poses(system, x.q, terms.at);
+  set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_rows(system, terms);
   evaluate_forces(system, x.t, x.v, terms);
   return terms;

@@ -1,5 +1,5 @@
 // core/mechanics/disc_disc.h — two discs, each fixed in a body (or one of them in the ground).
-//   g = |d| − radius_a − radius_b,  d = C_a − C_b, n = d / |d|   [m]. Two centres in one place have no normal.
+//   g = |d| − radius_a − radius_b,  d = C_a − C_b, n = d / |d|   [m]. Two centres in one place have no normal: rows of zeros.
 #pragma once
 
 #include <orthant/core/mechanics/contact_law.h>
@@ -29,7 +29,7 @@ struct DiscDisc {
     const Vector2d r_a = k.at(a).turn(centre_a), r_b = k.at(b).turn(centre_b);
     const double wa = k.rate(a).omega, wb = k.rate(b).omega;
     const Vector2d rate = k.rate(a).at(r_a) - k.rate(b).at(r_b), pull = wb * wb * r_b - wa * wa * r_a;
-    const double turn = perp(n).dot(rate) / d.norm();  // angular velocity of n
+    const double length = d.norm(), turn = length > 0 ? perp(n).dot(rate) / length : 0;  // angular velocity of n
     return {n.dot(pull) + turn * perp(n).dot(rate), turn * perp(t).dot(rate) + t.dot(pull)};
   }
 

@@ -22,6 +22,7 @@ struct Pose {
   Vector2d x{0, 0};
   double theta = 0, c = 1, s = 0;
   Vector2d turn(const Vector2d& p) const { return {c * p.x() - s * p.y(), s * p.x() + c * p.y()}; }
+  Vector2d turn_back(const Vector2d& p) const { return {c * p.x() + s * p.y(), c * p.y() - s * p.x()}; }
 };
 
 /// Velocity of a body's centre and its angular velocity.
@@ -69,6 +70,7 @@ inline void apply_transposed(const Row& row, double lambda, double* f) {
 struct Kinematics {
   std::vector<Pose> pose;    // bodies + 1; the last is the ground
   std::vector<Twist> twist;  // likewise; filled when velocities are asked for
+  double t = 0;              // [s] what driving constraints read
   const Pose& at(BodyId i) const { return i < 0 ? pose.back() : pose[static_cast<std::size_t>(i)]; }
   const Twist& rate(BodyId i) const { return i < 0 ? twist.back() : twist[static_cast<std::size_t>(i)]; }
 };

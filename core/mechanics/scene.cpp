@@ -106,6 +106,19 @@ void examine(const Element& e, const Prismatic& j) {
 void examine(const Element& e, const Fixed& j) { examine_points(e, j), e.finite("angle", j.angle); }
 void examine(const Element& e, const Distance& j) { examine_points(e, j), e.positive("length", j.length); }
 
+void examine(const Element& e, const Coordinate& c) {
+  const auto one = [&](const auto& of) {
+    e.pair(of.a, of.b);
+    if constexpr (requires { of.point_a; }) e.finite("point_a", of.point_a), e.finite("point_b", of.point_b);
+    if constexpr (requires { of.axis; }) e.unit("axis", of.axis);
+  };
+  std::visit(one, c.kind());
+}
+void examine(const Element& e, const Drive& j) {
+  examine(e, j.of), e.finite("offset", j.law.offset), e.finite("rate", j.law.rate_of_change);
+  e.finite("amplitude", j.law.amplitude), e.finite("omega", j.law.omega), e.finite("phase", j.law.phase);
+}
+
 void examine(const Element& e, const CornerWall& c) {
   e.pair(c.a, c.b), e.finite("point", c.point);
   e.finite("wall_point", c.wall_point), e.unit("normal", c.normal), e.law(c.law);
@@ -118,6 +131,31 @@ void examine(const Element& e, const DiscDisc& c) {
   e.pair(c.a, c.b), e.finite("centre_a", c.centre_a), e.finite("centre_b", c.centre_b);
   e.positive("radius_a", c.radius_a), e.positive("radius_b", c.radius_b), e.law(c.law);
 }
+void examine(const Element& e, const std::string& field, const Polygon& corners) {
+  for (const Vector2d& corner : corners) e.finite(field, corner);
+  if (!convex(corners))
+    e.fail(field, field + " (" + std::to_string(corners.size()) +
+                      "): must be the corners of a convex polygon, counter-clockwise, no three in a line");
+}
+void examine(const Element& e, const DiscPolygon& c) {
+  e.pair(c.a, c.b), e.finite("centre", c.centre), e.positive("radius", c.radius);
+  examine(e, "corners", c.corners), e.law(c.law);
+}
+void examine(const Element& e, const PolygonPolygon& c) {
+  e.pair(c.a, c.b), examine(e, "corners_a", c.corners_a), examine(e, "corners_b", c.corners_b), e.law(c.law);
+  if (c.point != 0 && c.point != 1) e.fail("point", "point = " + std::to_string(c.point) + ": must be 0 or 1");
+}
+void examine(const Element& e, const Journal& c) {
+  e.pair(c.a, c.b), e.finite("centre_a", c.centre_a), e.finite("centre_b", c.centre_b);
+  e.positive("radius_a", c.radius_a), e.positive("radius_b", c.radius_b), e.law(c.law);
+  e.require(c.radius_b > c.radius_a, "radius_b", c.radius_b, "> radius_a = " + text(c.radius_a));
+}
+void examine(const Element& e, const Limit& c) {
+  examine(e, c.of), e.finite("bound", c.bound), e.law(c.law);
+  e.require(!c.law.frictional(), "mu", std::max(c.law.mu, c.law.mu_static), "0: a limit has no friction");
+}
+
+void examine(const Element& e, const JointFriction& f) { examine(e, f.of), e.not_negative("bound", f.bound); }
 
 void examine(const Element& e, const PointSpring& s) {
   examine_points(e, s), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
@@ -125,6 +163,10 @@ void examine(const Element& e, const PointSpring& s) {
 }
 void examine(const Element& e, const TorsionSpring& s) {
   e.pair(s.a, s.b), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
+  e.finite("rest", s.rest);
+}
+void examine(const Element& e, const JointSpring& s) {
+  examine(e, s.of), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
   e.finite("rest", s.rest);
 }
 
@@ -163,6 +205,7 @@ void check(const Scene& scene) {
   examine_all(scene, "body", scene.bodies);
   examine_all(scene, "joint", scene.joints);
   examine_all(scene, "contact", scene.contacts);
+  examine_all(scene, "friction", scene.frictions);
   examine_all(scene, "spring", scene.springs);
   examine_all(scene, "load", scene.loads);
 }

@@ -1,16 +1,19 @@
-// core/mechanics/scene.h — a mechanism as plain data: bodies, joints, contacts, springs, loads. SI units.
+// core/mechanics/scene.h — a mechanism as plain data: bodies, joints, contacts, friction, springs, loads. SI units.
 //
 //   Scene s;
 //   const auto rod = s.body({.name = "rod", .mass = 1, .inertia = 1.0 / 12, .position = {0.5, 0}});
 //   s.joint(Revolute{"pin", kGround, rod, {0, 0}, {-0.5, 0}});
 #pragma once
 
-#include <orthant/core/mechanics/corner_wall.h>
-#include <orthant/core/mechanics/disc_disc.h>
-#include <orthant/core/mechanics/disc_wall.h>
+#include <orthant/core/mechanics/contact_sets.h>
+#include <orthant/core/mechanics/disc_polygon.h>
 #include <orthant/core/mechanics/distance.h>
+#include <orthant/core/mechanics/drive.h>
 #include <orthant/core/mechanics/fixed.h>
 #include <orthant/core/mechanics/impact_law.h>
+#include <orthant/core/mechanics/joint_friction.h>
+#include <orthant/core/mechanics/journal.h>
+#include <orthant/core/mechanics/limit.h>
 #include <orthant/core/mechanics/load.h>
 #include <orthant/core/mechanics/prismatic.h>
 #include <orthant/core/mechanics/revolute.h>
@@ -33,15 +36,16 @@ struct Body {
   double omega = 0;              // [rad/s]
 };
 
-using Joint = std::variant<Revolute, Prismatic, Fixed, Distance>;
-using Contact = std::variant<CornerWall, DiscWall, DiscDisc>;
-using Spring = std::variant<PointSpring, TorsionSpring>;
+using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive>;
+using Contact = std::variant<CornerWall, DiscWall, DiscDisc, DiscPolygon, PolygonPolygon, Journal, Limit>;
+using Spring = std::variant<PointSpring, TorsionSpring, JointSpring>;
 
 struct Scene {
   Vector2d gravity{0, 0};  // [m/s²]
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<Contact> contacts;
+  std::vector<JointFriction> frictions;
   std::vector<Spring> springs;
   std::vector<Load> loads;
   Restitution restitution = Restitution::newton;
@@ -55,6 +59,11 @@ struct Scene {
   }
   void joint(Joint j) { add(joints, std::move(j), "joint"); }
   void contact(Contact c) { add(contacts, std::move(c), "contact"); }
+  /// What contact_sets.h makes: contact_set(guide({…})), contact_set(polygon_polygon({…})).
+  template <class Set> void contact_set(const Set& contacts_of_it) {
+    for (const auto& c : contacts_of_it) contact(c);
+  }
+  void friction(JointFriction f) { add(frictions, std::move(f), "friction"); }
   void spring(Spring s) { add(springs, std::move(s), "spring"); }
   void load(Load l) { add(loads, std::move(l), "load"); }
 
@@ -75,14 +84,15 @@ struct Scene {
 struct SceneError : std::invalid_argument {
   SceneError(const std::string& what, std::string kind_, std::size_t index_, std::string field_)
       : std::invalid_argument(what), kind(std::move(kind_)), index(index_), field(std::move(field_)) {}
-  std::string kind;  // "body", "joint", "contact", "spring", "load"; empty: the scene itself
+  std::string kind;  // "body", "joint", "contact", "friction", "spring", "load"; empty: the scene itself
   std::size_t index = 0;
   std::string field;
 };
 
 /// Throws SceneError naming element, field, value and rule: masses and inertias > 0, finite numbers, two different
-/// bodies that exist, unit directions, radii and lengths > 0, μ ≥ 0, μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1],
-/// stiffness and damping ≥ 0, breakpoints ascending, at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
+/// bodies that exist, unit directions, radii and lengths > 0, convex polygons, bearings wider than their journals, μ ≥ 0,
+/// μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints ascending, at
+/// least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 
 }  // namespace orthant

@@ -18,7 +18,7 @@ namespace {
 constexpr std::uintmax_t kMaxFile = 16 << 20;  // [bytes]
 constexpr int kMaxNesting = 16;                // brackets around a value, and dots in a key
 constexpr std::string_view kOverride = "override ";
-constexpr std::array<std::string_view, 5> kKinds = {"body", "joint", "contact", "spring", "load"};
+constexpr std::array<std::string_view, 6> kKinds = {"body", "joint", "contact", "friction", "spring", "load"};
 
 std::string in_quotes(std::string_view s) { return std::string("\"").append(s).append("\""); }
 
@@ -234,6 +234,12 @@ class Fields {
     if (array == nullptr || array->size() != 2) refuse(key, node, "two numbers [x, y]");
     convert(key, *array->get(0), value.x()), convert(key, *array->get(1), value.y());
   }
+  void convert(std::string_view key, const toml::node& node, std::vector<Vector2d>& points) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) refuse(key, node, "a list of points [[x, y], ...]");
+    points.resize(array->size());
+    for (std::size_t i = 0; i < points.size(); ++i) convert(key, *array->get(i), points[i]);
+  }
   void convert(std::string_view key, const toml::node& node, std::string& value) const {
     const auto words = node.value_exact<std::string>();
     if (!words) refuse(key, node, "a string in quotes");
@@ -273,6 +279,7 @@ class Reader {
     pose_bodies();
     each(top, "joint", [&](Fields& f) { joint(f); });
     each(top, "contact", [&](Fields& f) { contact(f); });
+    each(top, "friction", [&](Fields& f) { friction(f); });
     each(top, "spring", [&](Fields& f) { spring(f); });
     each(top, "load", [&](Fields& f) { load(f); });
     top.done();
@@ -296,6 +303,7 @@ class Reader {
       Fields fields(*table, std::string(kind) + " " + in_quotes(name_of(*table, kind, i)) + ": ", file_);
       read(fields);
       fields.done();
+      if (kind == "contact") written_.resize(scene_.contacts.size(), i);
     }
   }
 
@@ -370,9 +378,62 @@ class Reader {
       points_of(f, j);
       if (!f.maybe("length", j.length)) j.length = initial_length(j);
       scene_.joint(j);
+    } else if (type == "drive") {
+      Drive j{name, coordinate(f), {}};
+      const bool placed = time_law(f, j.law);
+      if (!placed) j.law.offset = j.of.value(initial_) - j.law.value(0);
+      scene_.joint(j);
     } else {
-      f.refuse("type", *f.table().get("type"), "revolute, prismatic, fixed or distance");
+      f.refuse("type", *f.table().get("type"), "revolute, prismatic, fixed, distance or drive");
     }
+  }
+
+  /// False: without an offset.
+  static bool time_law(Fields& f, TimeLaw& law) {
+    const bool placed = f.maybe("offset", law.offset);
+    f.maybe("rate", law.rate_of_change), f.maybe("amplitude", law.amplitude);
+    f.maybe("omega", law.omega), f.maybe("phase", law.phase);
+    if (const toml::table* table = f.inner("table")) {
+      Fields g = f.fields("table", *table);
+      const auto [times, values] = points_in_time(g);
+      law.table = Spline(times, values);
+      g.done();
+    }
+    return placed;
+  }
+
+  /// What is free at a joint that is named, or what is written: two bodies and what is measured between them.
+  Coordinate coordinate(Fields& f) const {
+    const toml::node* joint = f.find("joint");
+    const toml::node* of = f.find("of");
+    if (joint != nullptr) return free_at(f, *joint);
+    if (of == nullptr) f.fail(f.table(), "missing key \"joint\" or \"of\"");
+    const auto kind = of->value_exact<std::string>();
+    if (kind == "angle") {
+      Angle c;
+      bodies_of(f, c);
+      return c;
+    }
+    if (kind == "slide") {
+      Slide c;
+      points_of(f, c), f.direction("axis", c.axis);
+      return c;
+    }
+    if (kind != "distance") f.refuse("of", *of, "angle, slide or distance");
+    Span c;
+    points_of(f, c);
+    return c;
+  }
+  Coordinate free_at(const Fields& f, const toml::node& joint) const {
+    const auto name = joint.value_exact<std::string>();
+    for (const Joint& one : scene_.joints) {
+      if (!name || std::visit([](const auto& j) { return j.name; }, one) != *name) continue;
+      if (const auto* pin = std::get_if<Revolute>(&one)) return Angle{pin->a, pin->b};
+      if (const auto* rail = std::get_if<Prismatic>(&one))
+        return Slide{rail->a, rail->b, rail->point_a, rail->point_b, rail->axis};
+      f.refuse("joint", joint, "a revolute or prismatic joint: others leave nothing free to name");
+    }
+    f.refuse("joint", joint, "the name of a joint written before");
   }
 
   static void law(Fields& f, ContactLaw& law) {
@@ -406,9 +467,96 @@ class Reader {
       bodies_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
       f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), law(f, c.law);
       scene_.contact(c);
+    } else if (type == "polygon-wall") {
+      CornerWall c{.name = name};
+      Polygon corners;
+      c.a = body_of(f), f.need("corners", corners), wall(f, c), law(f, c.law);
+      convex_corners(f, "corners", corners);
+      scene_.contact_set(polygon_wall(named(c), corners));
+    } else if (type == "disc-polygon") {
+      DiscPolygon c{.name = name};
+      bodies_of(f, c), f.maybe("centre", c.centre), f.need("radius", c.radius);
+      f.need("corners", c.corners), law(f, c.law);
+      scene_.contact(c);
+    } else if (type == "polygon-polygon") {
+      PolygonPolygon c{.name = name};
+      bodies_of(f, c), f.need("corners_a", c.corners_a), f.need("corners_b", c.corners_b), law(f, c.law);
+      scene_.contact_set(polygon_polygon(named(c)));
+    } else if (type == "journal") {
+      Journal c{.name = name};
+      bodies_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
+      f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), law(f, c.law);
+      scene_.contact(c);
+    } else if (type == "guide") {
+      guide_of(f, name);
+    } else if (type == "limit") {
+      limit(f, name);
+    } else if (type == "rope") {
+      Span span;
+      Limit c{.name = name, .side = Limit::Side::upper};
+      points_of(f, span), f.maybe("e_n", c.law.e), f.need("length", c.bound);
+      if (!(c.bound > 0)) f.refuse("length", *f.table().get("length"), "> 0");
+      c.of = span;
+      scene_.contact(c);
     } else {
-      f.refuse("type", *f.table().get("type"), "corner-wall, disc-wall or disc-disc");
+      f.refuse("type", *f.table().get("type"),
+               "corner-wall, disc-wall, disc-disc, polygon-wall, disc-polygon, polygon-polygon, journal, guide, limit "
+               "or rope");
     }
+  }
+
+  /// A name for what becomes several contacts: by place, when none is written.
+  template <class T> T named(T set) const {
+    if (set.name.empty()) set.name = "contact" + std::to_string(scene_.contacts.size() + 1);
+    return set;
+  }
+
+  static void convex_corners(const Fields& f, std::string_view key, const Polygon& corners) {
+    if (!convex(corners))
+      f.refuse(key, *f.table().get(key), "the corners of a convex polygon, counter-clockwise, no three in a line");
+  }
+
+  void guide_of(Fields& f, const std::string& name) {
+    Guide g{.name = name};
+    g.a = body_of(f), f.maybe("centre", g.centre), f.need("width", g.width), f.need("height", g.height);
+    f.need("clearance", g.clearance), law(f, g.law);
+    const auto at_least = [&](std::string_view key, bool holds, const std::string& rule) {
+      if (!holds) f.refuse(key, *f.table().get(key), rule);
+    };
+    at_least("width", g.width > 0, "> 0"), at_least("height", g.height > 0, "> 0");
+    at_least("clearance", g.clearance >= 0, ">= 0");
+    if (const toml::table* table = f.inner("walls")) {
+      Fields w = f.fields("walls", *table);
+      if (const toml::node* node = w.find("body")) g.b = id(w, "body", *node);
+      w.maybe("point", g.point), w.direction("axis", g.axis);
+      w.done();
+    }
+    scene_.contact_set(guide(named(g)));
+  }
+
+  void limit(Fields& f, const std::string& name) {
+    Limit c{.name = name, .of = coordinate(f)};
+    f.maybe("e_n", c.law.e);
+    double lower = 0, upper = 0;
+    const bool below = f.maybe("lower", lower), above = f.maybe("upper", upper);
+    if (!below && !above) f.fail(f.table(), "missing key \"lower\" or \"upper\"");
+    if (below && above && lower > upper) f.refuse("lower", *f.table().get("lower"), "at most upper");
+    if (below && above) c = named(c);
+    const auto add = [&](Limit::Side side, double bound, const char* suffix) {
+      Limit one = c;
+      one.side = side, one.bound = bound;
+      if (below && above) one.name += suffix;
+      scene_.contact(one);
+    };
+    if (below) add(Limit::Side::lower, lower, "_lower");
+    if (above) add(Limit::Side::upper, upper, "_upper");
+  }
+
+  void friction(Fields& f) {
+    JointFriction friction;
+    f.maybe("name", friction.name);
+    friction.of = coordinate(f), f.need("bound", friction.bound);
+    scene_.friction(friction);
   }
 
   void spring(Fields& f) {
@@ -424,8 +572,13 @@ class Reader {
       bodies_of(f, s), f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
       if (!f.maybe("rest", s.rest)) s.rest = initial_angle(s.a, s.b);
       scene_.spring(s);
+    } else if (type == "joint") {
+      JointSpring s{.name = name, .of = coordinate(f)};
+      f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
+      if (!f.maybe("rest", s.rest)) s.rest = s.of.value(initial_);
+      scene_.spring(s);
     } else {
-      f.refuse("type", *f.table().get("type"), "point or torsion");
+      f.refuse("type", *f.table().get("type"), "point, torsion or joint");
     }
   }
 
@@ -451,6 +604,11 @@ class Reader {
       return;
     }
     if (type != "table") f.refuse("type", *f.table().get("type"), "cosine or table");
+    const auto [times, values] = points_in_time(f);
+    l.breakpoints = times;
+    l.factor = [times = times, values = values](double t) { return interpolate(times, values, t); };
+  }
+  static std::pair<std::vector<double>, std::vector<double>> points_in_time(Fields& f) {
     std::vector<double> times, values;
     f.need("times", times), f.need("values", values);
     const toml::node& written = *f.table().get("times");
@@ -458,8 +616,7 @@ class Reader {
     if (times.size() != values.size()) f.refuse("times", written, "as many as values");
     if (std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) != times.end())
       f.refuse("times", written, "ascending");
-    l.breakpoints = times;
-    l.factor = [times, values](double t) { return interpolate(times, values, t); };
+    return {times, values};
   }
 
   /// What check() was unhappy with: the key if it is written, else its element, else the file.
@@ -468,7 +625,8 @@ class Reader {
       const toml::node* key = root_.get(error.field);
       return key != nullptr ? *key : root_;
     }
-    const toml::table& element = *root_.get(error.kind)->as_array()->get(error.index)->as_table();
+    const std::size_t index = error.kind == "contact" ? written_[error.index] : error.index;
+    const toml::table& element = *root_.get(error.kind)->as_array()->get(index)->as_table();
     const toml::node* key = element.get(error.field);
     return key != nullptr ? *key : element;
   }
@@ -477,6 +635,7 @@ class Reader {
   std::string file_;
   Scene scene_;
   Kinematics initial_;
+  std::vector<std::size_t> written_;  // of each contact, which element of the file it comes from
   std::map<std::string, BodyId, std::less<>> ids_;
 };
 

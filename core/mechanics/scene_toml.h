@@ -1,4 +1,4 @@
-// core/mechanics/scene_toml.h — scenes from TOML text. README.md beside this file is the format: every element and key.
+// core/mechanics/scene_toml.h — scenes from TOML text. core/scenes/README.md is the format: every element and key.
 //
 //   Scene s = read_scene("door.toml", std::vector<std::string>{"gravity=[0, 0]", "contact.corner1.mu=0.1"});
 //

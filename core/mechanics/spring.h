@@ -1,13 +1,14 @@
-// core/mechanics/spring.h — springs with dampers: between two points, and between two angles.
+// core/mechanics/spring.h — springs with dampers: between two points, between two angles, along a joint.
 //
 //   Point spring: tension  T = k (|d| − rest) + c n · ḋ along n = d / |d|,  d = P_a − P_b.
 //   Torsion spring: torque τ = k (θ_a − θ_b − rest) + c (ω_a − ω_b).
-// Both are a force law along one Row, which is all that the rest of the code knows of them:
+//   Joint spring: T = k (c − rest) + d ċ along a relative coordinate c of coordinate.h, against its growth.
+// All are a force law along one Row, which is all that the rest of the code knows of them:
 //   generalized force −rowᵀ T, and to first order ΔT = k row Δq + c row Δv. (The geometric stiffness T/|d| across
 //   the spring is left out: it is of the order of the change of direction within a step.)
 #pragma once
 
-#include <orthant/core/mechanics/geometry.h>
+#include <orthant/core/mechanics/coordinate.h>
 
 #include <string>
 
@@ -45,6 +46,20 @@ struct TorsionSpring {
   SpringState evaluate(const Kinematics& k, const double* v) const {
     SpringState s{{a, b, {0, 0, 1}, {0, 0, -1}}};
     const double stretch = k.at(a).theta - k.at(b).theta - rest;
+    s.tension = stiffness * stretch + damping * apply(s.row, v);
+    s.energy = stiffness * stretch * stretch / 2;
+    return s;
+  }
+};
+
+struct JointSpring {
+  std::string name;
+  Coordinate of;
+  double stiffness = 0, damping = 0, rest = 0;  // of an Angle as for torsion springs; else as for point springs
+
+  SpringState evaluate(const Kinematics& k, const double* v) const {
+    SpringState s{of.row(k)};
+    const double stretch = of.value(k) - rest;
     s.tension = stiffness * stretch + damping * apply(s.row, v);
     s.energy = stiffness * stretch * stretch / 2;
     return s;

@@ -16,7 +16,14 @@ System::System(Scene scene) : scene_(std::move(scene)) {
     weight_.segment<2>(3 * i) = body.mass * scene_.gravity;
   }
   inverse_mass_ = mass_.cwiseInverse();
-  for (const Joint& joint : scene_.joints) joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
+  for (const Joint& joint : scene_.joints) {
+    joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
+    if (const auto* drive = std::get_if<Drive>(&joint)) {
+      driven_ = true;
+      const std::vector<double>& times = drive->law.table.times();
+      breakpoints_.insert(breakpoints_.end(), times.begin(), times.end());
+    }
+  }
   for (const Contact& contact : scene_.contacts)
     laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
   for (const Load& load : scene_.loads)
@@ -43,7 +50,7 @@ double energy(const System& system, const State& state) {
   double sum = 0.5 * state.v.dot(system.mass().cwiseProduct(state.v)) - system.weight().dot(state.q);
   if (system.scene().springs.empty()) return sum;
   Kinematics at;
-  set_poses(system, state.q, at);
+  set_poses(system, state.t, state.q, at);
   for (const Spring& spring : system.scene().springs)
     sum += std::visit([&](const auto& s) { return s.evaluate(at, state.v.data()).energy; }, spring);
   return sum;

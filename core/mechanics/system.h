@@ -16,6 +16,7 @@ class System {
   int bodies() const { return static_cast<int>(scene_.bodies.size()); }
   int dof() const { return 3 * bodies(); }
   int joint_rows() const { return joint_rows_; }
+  bool driven() const { return driven_; }  // some joint is given in time
   int contacts() const { return static_cast<int>(scene_.contacts.size()); }
 
   const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body
@@ -32,9 +33,10 @@ class System {
  private:
   Scene scene_;
   int joint_rows_ = 0;
+  bool driven_ = false;
   Eigen::VectorXd mass_, inverse_mass_, weight_;
   std::vector<ContactLaw> laws_;
-  std::vector<double> breakpoints_;  // [s] ascending, of all loads
+  std::vector<double> breakpoints_;  // [s] ascending, of all loads and drives
 };
 
 /// Kinetic energy + potential of gravity (zero at the origin) and springs [J].

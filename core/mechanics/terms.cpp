@@ -12,19 +12,21 @@ Terms::Terms(const System& system) {
   springs.resize(system.scene().springs.size());
   G.resize(static_cast<std::size_t>(system.joint_rows()));
   phi.setZero(system.joint_rows());
+  joint_rate.setZero(system.joint_rows());
   joint_bias.setZero(system.joint_rows());
   gap.setConstant(system.contacts(), 0.0);
   closed.reserve(system.scene().contacts.size());
   contact_bias.reserve(system.scene().contacts.size());
 }
 
-void set_poses(const System& system, const Eigen::VectorXd& q, Kinematics& at) {
+void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at) {
   const auto bodies = static_cast<std::size_t>(system.bodies());
   at.pose.resize(bodies + 1);
   for (std::size_t i = 0; i < bodies; ++i) {
     const double* qi = q.data() + 3 * i;
     at.pose[i] = {{qi[0], qi[1]}, qi[2], std::cos(qi[2]), std::sin(qi[2])};
   }
+  at.t = t;
 }
 
 void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at) {
@@ -67,7 +69,10 @@ void evaluate_joint_residual(const System& system, Terms& terms) {
 }
 
 void evaluate_joint_rows(const System& system, Terms& terms) {
-  each_joint(system, [&](const auto& joint, int row) { joint.rows(terms.at, terms.G.data() + row); });
+  each_joint(system, [&](const auto& joint, int row) {
+    joint.rows(terms.at, terms.G.data() + row);
+    if constexpr (requires { joint.law; }) joint.rate(terms.at, terms.joint_rate.data() + row);
+  });
 }
 
 void evaluate_gaps(const System& system, Terms& terms) {

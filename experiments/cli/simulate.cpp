@@ -76,12 +76,12 @@ void warn_of_start(const System& system) {
   constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
   const State x = system.initial_state();
   Terms terms(system);
-  set_poses(system, x.q, terms.at);
+  set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_residual(system, terms);
   evaluate_joint_rows(system, terms);
   evaluate_gaps(system, terms);
   double rate = 0;
-  for (const Row& row : terms.G) rate = std::max(rate, std::abs(apply(row, x.v.data())));
+  for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
   const auto warn = [](const char* what, double size, const char* unit, const char* then) {
     std::cerr << "orthant: warning: at the start " << what << " by " << size << " " << unit << ": " << then << '\n';
   };

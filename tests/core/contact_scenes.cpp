@@ -141,7 +141,7 @@ TEST_CASE("Painleve's rod: none, one or two contact forces") {
     const System system(painleve_rod(p));
     const State x = system.initial_state();
     Terms terms(system);
-    set_poses(system, x.q, terms.at), set_twists(system, x.v, terms.at);
+    set_poses(system, x.t, x.q, terms.at), set_twists(system, x.v, terms.at);
     evaluate_gaps(system, terms), evaluate_closed(system, 1e-15, terms), evaluate_biases(system, terms);
     REQUIRE(terms.closed.size() == 1);
     const ContactRows& rows = terms.closed[0].rows;

@@ -19,7 +19,8 @@ constexpr std::pair<BodyId, BodyId> kPairs[] = {{0, 1}, {1, 0}, {kGround, 1}, {0
 
 std::vector<Spring> springs(BodyId a, BodyId b, Random& r) {
   return {PointSpring{"", a, b, r.point(), r.point(), r(1, 9), r(1, 9), r(0, 1)},
-          TorsionSpring{"", a, b, r(1, 9), r(1, 9), r(-1, 1)}};
+          TorsionSpring{"", a, b, r(1, 9), r(1, 9), r(-1, 1)}, JointSpring{"", Angle{a, b}, r(1, 9), r(1, 9), r(-1, 1)},
+          JointSpring{"", Slide{a, b, r.point(), r.point(), r.direction()}, r(1, 9), r(1, 9), r(-1, 1)}};
 }
 
 Spring without_damping(Spring spring) {

@@ -3,6 +3,7 @@
 #include <orthant/core/mechanics/system.h>
 #include <orthant/core/scenes/slider_crank.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,6 +23,13 @@ Scene everything() {
   s.contact(CornerWall{"corner", 0, {1, 0}, kGround, {0, 0}, {0, 1}, {}});
   s.contact(DiscWall{"disc", 2, {0, 0}, 1, 1, {0, 0}, {0.6, 0.8}, {}});
   s.contact(DiscDisc{"discs", 2, {0, 0}, 1, 0, {0, 0}, 1, {}});
+  s.contact(DiscPolygon{"cam", 2, {0, 0}, 1, 0, rectangle(1, 1), {}});
+  s.contact_set(polygon_polygon({"boxes", 1, rectangle(1, 1), 2, rectangle(2, 1), 0, {}}));
+  s.contact(Journal{"bearing", 1, {0, 0}, 1, 0, {0, 0}, 1.1, {}});
+  s.contact(Limit{"stop", Angle{kGround, 0}, Limit::Side::upper, 1, {}});
+  s.joint(Drive{"motor", Slide{kGround, 2}, {}});
+  s.friction({"brake", Angle{kGround, 0}, 1});
+  s.spring(JointSpring{"clock", Angle{kGround, 0}});
   s.spring(PointSpring{"coil", 0, 1});
   s.spring(TorsionSpring{"hinge", kGround, 2});
   s.load({.name = "push", .body = 1});
@@ -62,7 +70,7 @@ const Mistake kMistakes[] = {
      "joint \"pin\": name = \"pin\": must be distinct, is taken"},
     {[](Scene& s) { at<DiscDisc>(s.contacts, 2).name = "disc"; },
      "contact \"disc\": name = \"disc\": must be distinct, is taken"},
-    {[](Scene& s) { at<TorsionSpring>(s.springs, 1).name = "a b"; },
+    {[](Scene& s) { at<TorsionSpring>(s.springs, 2).name = "a b"; },
      "spring \"a b\": name = \"a b\": must be of letters, digits, _ and -"},
     {[](Scene& s) { s.loads.push_back(s.loads[0]); }, "load \"push\": name = \"push\": must be distinct, is taken"},
 
@@ -124,14 +132,55 @@ const Mistake kMistakes[] = {
     {[](Scene& s) { at<DiscWall>(s.contacts, 1).law.e = kNan; }, "contact \"disc\": e_n = nan: must be in [0, 1]"},
     {[](Scene& s) { at<DiscDisc>(s.contacts, 2).law.e_t = -2; }, "contact \"discs\": e_t = -2: must be in [-1, 1]"},
 
-    {[](Scene& s) { at<PointSpring>(s.springs, 0).b = 3; },
+    {[](Scene& s) { at<DiscPolygon>(s.contacts, 3).radius = 0; }, "contact \"cam\": radius = 0: must be > 0"},
+    {[](Scene& s) {
+       at<DiscPolygon>(s.contacts, 3).corners.pop_back(), at<DiscPolygon>(s.contacts, 3).corners.pop_back();
+     },
+     "contact \"cam\": corners (2): must be the corners of a convex polygon, counter-clockwise, no three in a line"},
+    {[](Scene& s) { at<PolygonPolygon>(s.contacts, 4).corners_a[1].x() = kNan; },
+     "contact \"boxes_1\": corners_a = (nan, -0.5): must be finite"},
+    {[](Scene& s) {
+       std::reverse(at<PolygonPolygon>(s.contacts, 5).corners_b.begin(),
+                    at<PolygonPolygon>(s.contacts, 5).corners_b.end());
+     },
+     "contact \"boxes_2\": corners_b (4): must be the corners of a convex polygon, counter-clockwise, no three in a "
+     "line"},
+    {[](Scene& s) {  // a pentagram: every corner a left turn
+       Polygon star;
+       for (int i = 0; i < 5; ++i) star.emplace_back(std::cos(i * 2.513274122871834), std::sin(i * 2.513274122871834));
+       at<PolygonPolygon>(s.contacts, 5).corners_b = star;
+     },
+     "contact \"boxes_2\": corners_b (5): must be the corners of a convex polygon, counter-clockwise, no three in a "
+     "line"},
+    {[](Scene& s) { at<PolygonPolygon>(s.contacts, 5).point = 2; }, "contact \"boxes_2\": point = 2: must be 0 or 1"},
+    {[](Scene& s) { at<Journal>(s.contacts, 6).radius_b = 1; },
+     "contact \"bearing\": radius_b = 1: must be > radius_a = 1"},
+    {[](Scene& s) { at<Journal>(s.contacts, 6).b = 1; },
+     "contact \"bearing\": joins body \"cart\" to itself: must be two different bodies"},
+    {[](Scene& s) { at<Limit>(s.contacts, 7).bound = kNan; }, "contact \"stop\": bound = nan: must be finite"},
+    {[](Scene& s) { at<Limit>(s.contacts, 7).law.mu_static = 0.1; },
+     "contact \"stop\": mu = 0.1: must be 0: a limit has no friction"},
+    {[](Scene& s) { at<Drive>(s.joints, 4).law.rate_of_change = kHuge; },
+     "joint \"motor\": rate = inf: must be finite"},
+    {[](Scene& s) {
+       at<Drive>(s.joints, 4).of = Slide{kGround, 2, {0, 0}, {0, 0}, {1, 1}};
+     },
+     "joint \"motor\": axis = (1, 1): must be a unit vector"},
+    {[](Scene& s) {
+       at<Drive>(s.joints, 4).of = Span{0, 9};
+     },
+     "joint \"motor\": body 9 does not exist (the scene has 3 bodies)"},
+    {[](Scene& s) { s.frictions[0].bound = -1; }, "friction \"brake\": bound = -1: must be >= 0"},
+    {[](Scene& s) { at<JointSpring>(s.springs, 0).rest = kNan; }, "spring \"clock\": rest = nan: must be finite"},
+
+    {[](Scene& s) { at<PointSpring>(s.springs, 1).b = 3; },
      "spring \"coil\": body 3 does not exist (the scene has 3 bodies)"},
-    {[](Scene& s) { at<PointSpring>(s.springs, 0).stiffness = -1; }, "spring \"coil\": stiffness = -1: must be >= 0"},
-    {[](Scene& s) { at<PointSpring>(s.springs, 0).damping = kNan; }, "spring \"coil\": damping = nan: must be finite"},
-    {[](Scene& s) { at<PointSpring>(s.springs, 0).rest = -1; }, "spring \"coil\": rest = -1: must be >= 0"},
-    {[](Scene& s) { at<TorsionSpring>(s.springs, 1).damping = -1; }, "spring \"hinge\": damping = -1: must be >= 0"},
-    {[](Scene& s) { at<TorsionSpring>(s.springs, 1).rest = kHuge; }, "spring \"hinge\": rest = inf: must be finite"},
-    {[](Scene& s) { at<TorsionSpring>(s.springs, 1).b = kGround; },
+    {[](Scene& s) { at<PointSpring>(s.springs, 1).stiffness = -1; }, "spring \"coil\": stiffness = -1: must be >= 0"},
+    {[](Scene& s) { at<PointSpring>(s.springs, 1).damping = kNan; }, "spring \"coil\": damping = nan: must be finite"},
+    {[](Scene& s) { at<PointSpring>(s.springs, 1).rest = -1; }, "spring \"coil\": rest = -1: must be >= 0"},
+    {[](Scene& s) { at<TorsionSpring>(s.springs, 2).damping = -1; }, "spring \"hinge\": damping = -1: must be >= 0"},
+    {[](Scene& s) { at<TorsionSpring>(s.springs, 2).rest = kHuge; }, "spring \"hinge\": rest = inf: must be finite"},
+    {[](Scene& s) { at<TorsionSpring>(s.springs, 2).b = kGround; },
      "spring \"hinge\": joins the ground to itself: must be two different bodies"},
 
     {[](Scene& s) { s.loads[0].body = 9; }, "load \"push\": body 9 does not exist (the scene has 3 bodies)"},
@@ -152,9 +201,9 @@ TEST_CASE("scenes that keep the rules pass, on their borders too") {
   CHECK_NOTHROW(check(slider_crank()));
   CHECK_NOTHROW(check(slider_crank_ideal()));
   Scene s = everything();
-  at<PointSpring>(s.springs, 0).rest = 0;
+  at<PointSpring>(s.springs, 1).rest = 0;
   at<DiscWall>(s.contacts, 1).law = {.mu = 0, .e = 1, .e_t = -1, .mu_static = 1, .belt = -1};
-  at<TorsionSpring>(s.springs, 1).rest = -3;
+  at<TorsionSpring>(s.springs, 2).rest = -3;
   s.bodies[0].name = "A-Z_09";
   at<Revolute>(s.joints, 0).name = "rod";  // names are distinct within a kind, not between kinds
   CHECK_NOTHROW(check(s));

@@ -4,10 +4,15 @@
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank.h>
 
+#include <cctype>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <random>
+#include <set>
 #include <sstream>
+
+#include "tests/support/runs.h"
 
 namespace orthant {
 namespace {
@@ -28,10 +33,11 @@ std::string contents(const std::filesystem::path& file) {
 class Dump {
  public:
   std::string of(const Scene& s) {
-    put(s.gravity, s.duration, s.step);
+    put(s.gravity, s.duration, s.step, static_cast<int>(s.restitution), static_cast<int>(s.impacts));
     for (const Body& b : s.bodies) put("body", b.name, b.mass, b.inertia, b.position, b.angle, b.velocity, b.omega);
     for (const Joint& j : s.joints) std::visit([&](const auto& x) { joint(x); }, j);
     for (const Contact& c : s.contacts) std::visit([&](const auto& x) { contact(x); }, c);
+    for (const JointFriction& f : s.frictions) put("friction", f.name, f.bound), coordinate(f.of);
     for (const Spring& p : s.springs) std::visit([&](const auto& x) { spring(x); }, p);
     for (const Load& l : s.loads) {
       put("load", l.name, l.body, l.point, l.force, l.torque);
@@ -45,6 +51,29 @@ class Dump {
   void joint(const Prismatic& j) { put("prismatic", j.name, j.a, j.b, j.point_a, j.point_b, j.axis, j.angle); }
   void joint(const Fixed& j) { put("fixed", j.name, j.a, j.b, j.point_a, j.point_b, j.angle); }
   void joint(const Distance& j) { put("distance", j.name, j.a, j.b, j.point_a, j.point_b, j.length); }
+  void joint(const Drive& j) {
+    put("drive", j.name), coordinate(j.of);
+    put(j.law.offset, j.law.rate_of_change, j.law.amplitude, j.law.omega, j.law.phase);
+    for (const double t : {-1.0, 0.0, 0.3, 1.0, 7.0}) put(j.law.table.value(t));
+  }
+  void coordinate(const Coordinate& of) {
+    if (const auto* angle = std::get_if<Angle>(&of.kind())) put("angle", angle->a, angle->b);
+    if (const auto* c = std::get_if<Slide>(&of.kind())) put("slide", c->a, c->b, c->point_a, c->point_b, c->axis);
+    if (const auto* c = std::get_if<Span>(&of.kind())) put("span", c->a, c->b, c->point_a, c->point_b);
+  }
+  void contact(const DiscPolygon& c) {
+    put("disc-polygon", c.name, c.a, c.centre, c.radius, c.b, c.law);
+    for (const Vector2d& corner : c.corners) put(corner);
+  }
+  void contact(const PolygonPolygon& c) {
+    put("polygon-polygon", c.name, c.a, c.b, c.point, c.law);
+    for (const Polygon* corners : {&c.corners_a, &c.corners_b})
+      for (const Vector2d& corner : *corners) put(corner);
+  }
+  void contact(const Journal& c) {
+    put("journal", c.name, c.a, c.centre_a, c.radius_a, c.b, c.centre_b, c.radius_b, c.law);
+  }
+  void contact(const Limit& c) { put("limit", c.name, static_cast<int>(c.side), c.bound, c.law), coordinate(c.of); }
   void contact(const CornerWall& c) { put("corner-wall", c.name, c.a, c.point, c.b, c.wall_point, c.normal, c.law); }
   void contact(const DiscWall& c) {
     put("disc-wall", c.name, c.a, c.centre, c.radius, c.b, c.wall_point, c.normal, c.law);
@@ -55,6 +84,7 @@ class Dump {
   void spring(const PointSpring& s) {
     put("point", s.name, s.a, s.b, s.point_a, s.point_b, s.stiffness, s.damping, s.rest);
   }
+  void spring(const JointSpring& s) { put("joint", s.name, s.stiffness, s.damping, s.rest), coordinate(s.of); }
   void spring(const TorsionSpring& s) { put("torsion", s.name, s.a, s.b, s.stiffness, s.damping, s.rest); }
 
   template <class... Ts> void put(const Ts&... values) {
@@ -121,11 +151,14 @@ const Mistake kMistakes[] = {
     // Top level.
     {"", "s.toml:1: scene: has no bodies: must have at least one"},
     {kBodies + "[gravty]",
-     "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, body, joint, contact, spring, load"},
+     "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, restitution, impacts, body, joint, "
+     "contact, friction, "
+     "spring, load"},
     {"gravity = 9.81\n" + kBodies, "s.toml:1: gravity = 9.81: must be two numbers [x, y]"},
     {"gravity = [0, 0, -9.81]\n" + kBodies, "gravity = [0, 0, -9.81]: must be two numbers [x, y]"},
     {"gravity = [0, \"down\"]\n" + kBodies, "s.toml:1: gravity = 'down': must be a number"},
     {"gravity = [0, nan]\n" + kBodies, "s.toml:1: gravity = nan: must be finite"},
+    {"impacts = \"all\"\n" + kBodies, "s.toml:1: impacts = 'all': must be one of simultaneous, sequential"},
     {"step = inf\n" + kBodies, "s.toml:1: step = inf: must be finite"},
     {"step = 0\n" + kBodies, "s.toml:1: scene: step = 0: must be > 0"},
     {"step = true\n" + kBodies, "s.toml:1: step = true: must be a number"},
@@ -151,7 +184,7 @@ const Mistake kMistakes[] = {
     // Joints.
     {kBodies + "[[joint]]\nbodies = [\"ground\", \"rod\"]", "s.toml:15: joint \"joint1\": missing key \"type\""},
     {kBodies + "[[joint]]\ntype = \"ball\"",
-     "s.toml:16: joint \"joint1\": type = 'ball': must be revolute, prismatic, fixed or distance"},
+     "s.toml:16: joint \"joint1\": type = 'ball': must be revolute, prismatic, fixed, distance or drive"},
     {kBodies + "[[joint]]\ntype = \"revolute\"\nname = \"pin\"", "s.toml:15: joint \"pin\": missing key \"bodies\""},
     {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [\"rod\"]",
      "joint \"joint1\": bodies = ['rod']: must be two names"},
@@ -194,9 +227,64 @@ const Mistake kMistakes[] = {
      "s.toml:18: contact \"contact1\": radius = 0: must be > 0"},
     {kBodies + "[[contact]]\ntype = \"disc-disc\"\nbodies = [\"rod\", \"ball\"]\nradius_a = 1",
      "s.toml:15: contact \"contact1\": missing key \"radius_b\""},
-    {kBodies + "[[contact]]\ntype = \"disc\"", "type = 'disc': must be corner-wall, disc-wall or disc-disc"},
+    {kBodies + "[[contact]]\ntype = \"disc\"",
+     "type = 'disc': must be corner-wall, disc-wall, disc-disc, polygon-wall, "},
+    {kBodies + "[[contact]]\ntype = \"polygon-wall\"\nbody = \"rod\"\nwall = {normal = [0, 1]}",
+     "s.toml:15: contact \"contact1\": missing key \"corners\""},
+    {kBodies + "[[contact]]\ntype = \"polygon-wall\"\nbody = \"rod\"\nwall = {normal = [0, 1]}\n"
+               "corners = [[0, 0], [0, 1], [1, 0]]",
+     "s.toml:19: contact \"contact1\": corners = [[0, 0], [0, 1], [1, 0]]: must be the corners of a convex polygon"},
+    {kBodies + "[[contact]]\ntype = \"disc-polygon\"\nbodies = [\"rod\", \"ball\"]\nradius = 1\n"
+               "corners = [[0, 0], [1, 0], [2, 0], [0, 1]]",
+     "s.toml:19: contact \"contact1\": corners (4): must be the corners of a convex polygon"},
+    {kBodies + "[[contact]]\ntype = \"disc-polygon\"\nbodies = [\"rod\", \"ball\"]\nradius = 1\ncorners = [0, 1, 2]",
+     "s.toml:19: contact \"contact1\": corners = 0: must be two numbers [x, y]"},
+    {kBodies + "[[contact]]\ntype = \"polygon-polygon\"\nname = \"p\"\nbodies = [\"rod\", \"ball\"]\n"
+               "corners_a = [[0, 0], [1, 0], [0, 1]]\ncorners_b = []",
+     "s.toml:20: contact \"p_1\": corners_b (0): must be the corners of a convex polygon"},
+    {kBodies + "[[contact]]\ntype = \"journal\"\nbodies = [\"rod\", \"ball\"]\nradius_a = 1\nradius_b = 1",
+     "s.toml:19: contact \"contact1\": radius_b = 1: must be > radius_a = 1"},
+    {kBodies + "[[contact]]\ntype = \"guide\"\nbody = \"rod\"\nwidth = 1\nheight = 0\nclearance = 0",
+     "s.toml:19: contact \"contact1\": height = 0: must be > 0"},
+    {kBodies +
+         "[[contact]]\ntype = \"guide\"\nbody = \"rod\"\nwidth = 1\nheight = 1\nclearance = 0\nwalls = {tilt = 1}",
+     "unknown key \"walls.tilt\": must be one of body, point, axis"},
+    {kBodies + "[[contact]]\ntype = \"guide\"\nbody = \"rod\"\nwidth = 1\nheight = 1\nclearance = 0\nmu = -1",
+     "s.toml:21: contact \"contact1_1\": mu = -1: must be >= 0"},
+    {kCorner + "[[contact]]\ntype = \"limit\"\njoint = \"pin\"\nlower = 0",
+     "s.toml:22: contact \"contact2\": joint = 'pin': must be the name of a joint written before"},
+    {kBodies + "[[joint]]\ntype = \"fixed\"\nname = \"weld\"\nbodies = [\"rod\", \"ball\"]\n"
+               "[[contact]]\ntype = \"limit\"\njoint = \"weld\"\nlower = 0",
+     "contact \"contact1\": joint = 'weld': must be a revolute or prismatic joint"},
+    {kBodies + "[[contact]]\ntype = \"limit\"\nlower = 0",
+     "s.toml:15: contact \"contact1\": missing key \"joint\" or \"of\""},
+    {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angel\"\nbodies = [\"rod\", \"ball\"]\nlower = 0",
+     "s.toml:17: contact \"contact1\": of = 'angel': must be angle, slide or distance"},
+    {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]",
+     "s.toml:15: contact \"contact1\": missing key \"lower\" or \"upper\""},
+    {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nlower = 1\nupper = 0",
+     "s.toml:19: contact \"contact1\": lower = 1: must be at most upper"},
+    {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nlower = 1\nmu = 1",
+     "unknown key \"mu\": must be one of type, name, joint, of, bodies, e_n, lower, upper"},
+    {kBodies + "[[contact]]\ntype = \"rope\"\nbodies = [\"rod\", \"cart\"]\nlength = 0",
+     "s.toml:18: contact \"contact1\": length = 0: must be > 0"},
+    // Drives and dry friction.
+    {kBodies + "[[joint]]\ntype = \"drive\"\nof = \"slide\"\nbodies = [\"rod\", \"cart\"]\nrate = inf",
+     "s.toml:19: joint \"joint1\": rate = inf: must be finite"},
+    {kBodies + "[[joint]]\ntype = \"drive\"\nof = \"angle\"\nbodies = [\"rod\", \"cart\"]\n"
+               "table = {times = [0, 0], values = [1, 2]}",
+     "s.toml:19: joint \"joint1\": table.times = [0, 0]: must be ascending"},
+    {kBodies + "[[joint]]\ntype = \"drive\"\njoint = \"joint1\"",
+     "s.toml:17: joint \"joint1\": joint = 'joint1': must be the name of a joint written before"},
+    {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"cart\"]",
+     "s.toml:15: friction \"friction1\": missing key \"bound\""},
+    {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"cart\"]\nbound = -1",
+     "s.toml:18: friction \"friction1\": bound = -1: must be >= 0"},
+    {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"rod\"]\nbound = 1",
+     "s.toml:17: friction \"friction1\": joins body \"rod\" to itself: must be two different bodies"},
     // Springs and loads.
-    {kBodies + "[[spring]]\ntype = \"coil\"", "s.toml:16: spring \"spring1\": type = 'coil': must be point or torsion"},
+    {kBodies + "[[spring]]\ntype = \"coil\"",
+     "s.toml:16: spring \"spring1\": type = 'coil': must be point, torsion or joint"},
     {kBodies + "[[spring]]\ntype = \"point\"\nbodies = [\"rod\", \"ball\"]\nstiffness = -1",
      "s.toml:18: spring \"spring1\": stiffness = -1: must be >= 0"},
     {kBodies + "[[spring]]\ntype = \"torsion\"\nbodies = [\"rod\", \"ball\"]\npoint_a = [0, 0]",
@@ -256,39 +344,139 @@ TEST_CASE("slider_crank.toml is slider_crank(), bit for bit") {
   CHECK(dump(from_file) != dump(slider_crank({.mu = std::nextafter(0.01, 1)})));  // the dump sees the last bit
 }
 
-TEST_CASE("every example of the format's description is a scene") {
-  std::istringstream readme(contents(kCore / "mechanics" / "README.md"));
-  std::string line, block;
-  int examples = 0;
+namespace {
+
+struct Example {
+  std::string text;
+  Strings elements;  // "contact.foot", "contact.foot.wall"
+};
+
+/// The ```toml blocks of the description.
+std::vector<Example> examples(const std::string& description) {
+  std::vector<Example> found;
+  std::istringstream in(description);
+  std::string line;
   bool inside = false;
-  Scene all;  // what the examples show, counted
-  while (std::getline(readme, line)) {
+  std::map<std::string, int> count;
+  std::string kind;
+  std::size_t element = 0;
+  while (std::getline(in, line)) {
     if (line == "```toml") {
-      inside = true, block.clear();
-    } else if (inside && line == "```") {
-      inside = false, ++examples;
-      CAPTURE(block);
-      Scene scene;
-      REQUIRE_NOTHROW(scene = parse_scene(block));
-      all.joints.insert(all.joints.end(), scene.joints.begin(), scene.joints.end());
-      all.contacts.insert(all.contacts.end(), scene.contacts.begin(), scene.contacts.end());
-      all.springs.insert(all.springs.end(), scene.springs.begin(), scene.springs.end());
-      all.loads.insert(all.loads.end(), scene.loads.begin(), scene.loads.end());
+      inside = true, count.clear(), kind.clear();
+      found.emplace_back();
+    } else if (line == "```") {
+      inside = false;
     } else if (inside) {
-      block += line + "\n";
+      Example& example = found.back();
+      example.text += line + "\n";
+      if (line.starts_with("[[")) {
+        kind = line.substr(2, line.find(']') - 2);
+        element = example.elements.size();
+        example.elements.push_back(kind + "." + kind + std::to_string(++count[kind]));
+      } else if (line.starts_with("name = ")) {
+        example.elements[element] = kind + "." + line.substr(8, line.size() - 9);
+      } else if (const auto brace = line.find(" = {"); brace != std::string::npos) {
+        example.elements.push_back(example.elements[element] + "." + line.substr(0, brace));
+      }
     }
   }
-  CHECK(examples >= 10);
-  const auto kinds = [](const auto& list) {
-    std::vector<std::size_t> seen;
-    for (const auto& x : list)
-      if (std::find(seen.begin(), seen.end(), x.index()) == seen.end()) seen.push_back(x.index());
-    return seen.size();
-  };
-  CHECK(kinds(all.joints) == std::variant_size_v<Joint>);
-  CHECK(kinds(all.contacts) == std::variant_size_v<Contact>);
-  CHECK(kinds(all.springs) == std::variant_size_v<Spring>);
-  CHECK(all.loads.size() >= 2);
+  return found;
+}
+
+/// From "## `[[kind]]`" to the next such headline.
+std::string section(const std::string& description, const std::string& kind) {
+  const auto begin = description.find("## `[[" + kind + "]]`");
+  REQUIRE(begin != std::string::npos);
+  return description.substr(begin, description.find("\n## ", begin) - begin);
+}
+
+Strings words(std::string list) {
+  Strings found;
+  std::replace_if(
+      list.begin(), list.end(),
+      [](char c) { return c != '_' && c != '-' && !std::isalnum(static_cast<unsigned char>(c)); }, ' ');
+  std::istringstream in(list);
+  for (std::string word; in >> word;) found.push_back(word);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("every example of the format's description is a scene that runs") {
+  const auto all = examples(contents(kCore / "scenes" / "README.md"));
+  CHECK(all.size() >= 14);
+  for (const Example& example : all) {
+    CAPTURE(example.text);
+    Scene scene;
+    REQUIRE_NOTHROW(scene = parse_scene(example.text));
+    scene.duration = 5 * scene.step;
+    CHECK(run(scene, "moreau-jean", scene.step, {}, "auto").status == Status::solved);
+  }
+}
+
+TEST_CASE("the complete scenes of the folder run") {
+  int files = 0;
+  for (const auto& file : std::filesystem::directory_iterator(kCore / "scenes")) {
+    if (file.path().extension() != ".toml") continue;
+    CAPTURE(file.path().filename().string());
+    Scene scene = read_scene(file);
+    scene.duration = std::min(scene.duration, 500 * scene.step);
+    CHECK(run(scene, "moreau-jean", scene.step, {}, "auto").status == Status::solved);
+    ++files;
+    CHECK(contains(contents(kCore / "scenes" / "README.md"), file.path().filename().string()));
+  }
+  CHECK(files >= 5);
+}
+
+TEST_CASE("the description shows every type and names every key that the reader knows") {
+  const std::string description = contents(kCore / "scenes" / "README.md");
+  const auto all = examples(description);
+  const auto known = [](const std::string& error) { return words(error.substr(error.rfind("must be ") + 8)); };
+  for (const std::string kind : {"joint", "contact", "spring"})
+    for (const std::string& type : known(error_of(kBodies + "[[" + kind + "]]\ntype = \"?\""))) {
+      if (type == "or") continue;
+      CAPTURE(type);
+      const bool shown = std::any_of(all.begin(), all.end(), [&](const Example& example) {
+        return contains(example.text, "type = \"" + type + "\"");
+      });
+      CHECK(shown);
+    }
+  std::set<std::string> seen;
+  for (const Example& example : all)
+    for (const std::string& element : example.elements) {
+      const std::string error = error_of(example.text, {element + ".no_such_key=1"});
+      INFO("said: " << error);
+      REQUIRE(contains(error, "no_such_key\": must be one of "));
+      const std::string kind = element.substr(0, element.find('.'));
+      const bool inner = std::count(element.begin(), element.end(), '.') == 2;
+      const std::string prefix = inner ? element.substr(element.rfind('.') + 1) + "." : "";
+      Strings keys = known(error);
+      for (const std::string& key : Strings(keys.begin() + 2, keys.end())) {  // after "one of"
+        CAPTURE(element);
+        CAPTURE(key);
+        seen.insert(kind);
+        const auto named = [&](const std::string& text) {
+          return contains(text, "`" + prefix + key + "`") || (inner && contains(text, "`" + key + "`")) ||
+                 contains(text, key + " = ");
+        };
+        // The coordinates' keys are described with the joints.
+        CHECK((named(section(description, kind)) || named(section(description, "joint"))));
+      }
+    }
+  CHECK(seen.size() == 6);
+  const std::string top = error_of("no_such_key = 1\n" + kBodies);
+  for (const std::string& key : known(top)) {
+    CAPTURE(key);
+    if (key != "one" && key != "of")
+      CHECK((contains(description, "`" + key + "`") || contains(description, "`[[" + key + "]]`")));
+  }
+}
+
+TEST_CASE("a guide is the slider-crank's four corners, bit for bit") {
+  Scene expected = slider_crank();
+  for (std::size_t i = 0; i < 4; ++i)
+    std::get<CornerWall>(expected.contacts[i]).name = "guide_" + std::to_string(i + 1);
+  CHECK(dump(read_scene(kCore / "scenes" / "slider_crank_guide.toml")) == dump(expected));
 }
 
 TEST_CASE("every element and key arrives where it belongs") {
@@ -296,6 +484,8 @@ TEST_CASE("every element and key arrives where it belongs") {
     gravity = [0.5, -2]
     duration = 3
     step = 0.25
+    restitution = "poisson"
+    impacts = "sequential"
     [[contact]]            # before the bodies: the order of the kinds is free
     type = "disc-wall"
     body = "ball"
@@ -351,6 +541,80 @@ TEST_CASE("every element and key arrives where it belongs") {
     stiffness = 5
     damping = 6
     rest = -7
+    [[joint]]
+    name = "pin"
+    type = "revolute"
+    bodies = ["ground", "rod"]
+    [[joint]]
+    type = "drive"
+    joint = "pin"
+    offset = 1
+    rate = 2
+    amplitude = 3
+    omega = 4
+    phase = 5
+    table = {times = [0, 1], values = [6, 7]}
+    [[joint]]
+    type = "drive"
+    of = "distance"
+    bodies = ["rod", "ball"]
+    point_a = [1, 2]
+    point_b = [3, 4]
+    rate = 0.5
+    offset = 0
+    [[contact]]
+    name = "stop"
+    type = "limit"
+    joint = "joint1"
+    lower = -1
+    upper = 2
+    e_n = 0.5
+    [[contact]]
+    type = "rope"
+    bodies = ["rod", "ball"]
+    point_a = [1, 2]
+    point_b = [3, 4]
+    length = 5
+    [[contact]]
+    name = "box"
+    type = "polygon-wall"
+    body = "rod"
+    corners = [[0, 0], [1, 0], [0, 1]]
+    wall = {body = "ball", point = [1, 2], normal = [0, 1]}
+    mu = 0.5
+    [[contact]]
+    name = "two_boxes"
+    type = "polygon-polygon"
+    bodies = ["rod", "ball"]
+    corners_a = [[0, 0], [1, 0], [0, 1]]
+    corners_b = [[0, 0], [2, 0], [0, 2]]
+    [[contact]]
+    type = "disc-polygon"
+    bodies = ["rod", "ball"]
+    centre = [1, 2]
+    radius = 3
+    corners = [[0, 0], [2, 0], [0, 2]]
+    [[contact]]
+    type = "journal"
+    bodies = ["rod", "ball"]
+    centre_a = [1, 2]
+    centre_b = [3, 4]
+    radius_a = 5
+    radius_b = 6
+    mu_static = 0.7
+    [[friction]]
+    of = "slide"
+    bodies = ["rod", "ball"]
+    point_a = [1, 2]
+    point_b = [3, 4]
+    axis = [0, 3]
+    bound = 5
+    [[spring]]
+    type = "joint"
+    joint = "pin"
+    stiffness = 5
+    damping = 6
+    rest = 7
     [[load]]
     body = "ball"
     point = [1, 2]
@@ -361,7 +625,11 @@ TEST_CASE("every element and key arrives where it belongs") {
     body = "rod"
     factor = {type = "table", times = [0, 1, 3], values = [2, 4, 0]}
   )");
-  Scene expected{.gravity = {0.5, -2}, .duration = 3, .step = 0.25};
+  Scene expected{.gravity = {0.5, -2},
+                 .restitution = Restitution::poisson,
+                 .impacts = Impacts::sequential,
+                 .duration = 3,
+                 .step = 0.25};
   expected.body({"rod", 1, 2});
   expected.body({"ball", 3, 4, {5, 6}, 7, {8, 9}, 10});
   expected.contact(DiscWall{"", 1, {1, 2}, 3, 0, {4, 5}, {0.6, 0.8}, {0.1, 0.2, 0.3}});
@@ -370,6 +638,23 @@ TEST_CASE("every element and key arrives where it belongs") {
   expected.joint(Prismatic{"", 0, 1, {1, 2}, {3, 4}, {0, 1}, 5});
   expected.spring(PointSpring{"", kGround, 0, {1, 2}, {3, 4}, 5, 6, 7});
   expected.spring(TorsionSpring{"", 1, kGround, 5, 6, -7});
+  expected.joint(Revolute{"pin", kGround, 0});
+  expected.joint(Drive{"", Angle{kGround, 0}, {1, 2, 3, 4, 5, Spline({0, 1}, {6, 7})}});
+  expected.joint(Drive{"", Span{0, 1, {1, 2}, {3, 4}}, {.rate_of_change = 0.5}});
+  const Slide rail{0, 1, {1, 2}, {3, 4}, {0, 1}};
+  expected.contact(Limit{"stop_lower", rail, Limit::Side::lower, -1, {.e = 0.5}});
+  expected.contact(Limit{"stop_upper", rail, Limit::Side::upper, 2, {.e = 0.5}});
+  expected.contact(Limit{"", Span{0, 1, {1, 2}, {3, 4}}, Limit::Side::upper, 5, {}});
+  const Polygon small{{0, 0}, {1, 0}, {0, 1}}, large{{0, 0}, {2, 0}, {0, 2}};
+  for (int i = 0; i < 3; ++i)
+    expected.contact(CornerWall{
+        "box_" + std::to_string(i + 1), 0, small[static_cast<std::size_t>(i)], 1, {1, 2}, {0, 1}, {.mu = 0.5}});
+  expected.contact(PolygonPolygon{"two_boxes_1", 0, small, 1, large, 0, {}});
+  expected.contact(PolygonPolygon{"two_boxes_2", 0, small, 1, large, 1, {}});
+  expected.contact(DiscPolygon{"", 0, {1, 2}, 3, 1, large, {}});
+  expected.contact(Journal{"", 0, {1, 2}, 5, 1, {3, 4}, 6, {.mu_static = 0.7}});
+  expected.friction({"", rail, 5});
+  expected.spring(JointSpring{"", Angle{kGround, 0}, 5, 6, 7});
   expected.load({"", 1, {1, 2}, {3, 4}, 5, [](double t) { return 2 * std::cos(3 * t + 4); }});
   expected.load({"", 0, {0, 0}, {0, 0}, 0, [](double t) {
                    return t < 0 ? 2.0 : t < 1 ? 2 + 2 * t : t < 3 ? 6 - 2 * t : 0;
@@ -399,7 +684,17 @@ TEST_CASE("angles, lengths and rests that are left out are those of the initial 
     [[spring]]
     type = "torsion"
     bodies = ["cart", "rod"]
+    [[spring]]
+    type = "joint"
+    joint = "joint1"
+    [[joint]]
+    type = "drive"
+    joint = "joint1"
+    amplitude = 2
+    phase = 1
   )");
+  CHECK(std::get<JointSpring>(scene.springs[2]).rest == 3);
+  CHECK(std::get<Drive>(scene.joints[3]).law.value(0) == 3);
   CHECK(std::get<Prismatic>(scene.joints[0]).angle == 0.5);
   CHECK(std::get<Fixed>(scene.joints[1]).angle == -0.5);
   CHECK(std::get<Distance>(scene.joints[2]).length == 5);
@@ -518,12 +813,11 @@ TEST_CASE("hostile text is refused: deep, long, binary, cut off") {
 }
 
 TEST_CASE("files with random damage are scenes or errors, never anything else") {
-  const std::string whole = contents(kCore / "scenes" / "slider_crank.toml") +
-                            "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [0, 1], values = [0, 1]}\n";
+  const auto all = examples(contents(kCore / "scenes" / "README.md"));
   std::mt19937 random(1);
   const std::string alphabet = "[]{}=.,\"'#\n\\ -e0\xc3\x01";
-  for (int i = 0; i < 2000; ++i) {
-    std::string text = whole;
+  for (std::size_t i = 0; i < 200 * all.size(); ++i) {
+    std::string text = all[i % all.size()].text;
     for (unsigned k = 0; k <= random() % 3; ++k) {
       const std::size_t at = random() % text.size();
       switch (random() % 3) {

@@ -221,7 +221,7 @@ TEST_CASE("every built-in scene starts with its joints closed, at position and v
     const System system(entry.make({}));
     const State x = system.initial_state();
     Terms terms(system);
-    set_poses(system, x.q, terms.at);
+    set_poses(system, x.t, x.q, terms.at);
     evaluate_joint_residual(system, terms);
     evaluate_joint_rows(system, terms);
     if (system.joint_rows() > 0) CHECK(terms.phi.lpNorm<Eigen::Infinity>() < 1e-14);

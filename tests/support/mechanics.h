@@ -49,7 +49,7 @@ inline MatrixXd dense(const std::vector<Row>& rows, int dof) {
 /// Everything at (t, q, v), all contacts closed.
 inline Terms all_terms(const System& system, const VectorXd& q, const VectorXd& v, double t = 0) {
   Terms terms(system);
-  set_poses(system, q, terms.at);
+  set_poses(system, t, q, terms.at);
   set_twists(system, v, terms.at);
   evaluate_forces(system, t, v, terms);
   evaluate_joint_residual(system, terms);
