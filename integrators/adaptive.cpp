@@ -65,6 +65,7 @@ Adaptive::Adaptive(const System& system, const Options& options)
       sum_(system.laws().size()),
       kick_(system.laws().size()) {
   refuse_joint_friction("adaptive");
+  require_plain_impacts(system, "adaptive");
   const Index size = 2 * system.dof() + 2 * system.contacts();
   at_start_ = terms_.at;
   events_.reserve(64);  // of one call; more are taken as they come
@@ -200,6 +201,7 @@ void Adaptive::store(Eigen::VectorXd& y) const {
 }
 
 Adaptive::Outcome Adaptive::arc(double h, Solver& solver, const State& x, StepReport& report) {
+  rise_ = 0;
   for (std::size_t c = 0; c < laws_.size(); ++c) {
     const ContactLaw& law = system_.laws()[c];
     laws_[c] = law;
@@ -366,6 +368,7 @@ bool Adaptive::plain_step(const State& x, double offset, double h, Solver& solve
     if (terms_.gap[c] <= 4 * slack_ || lasting_[at(c)].mode != Mode::open) terms_.closed.push_back({c, rows(c)});
   if (!solve(solver, system_.laws(), report)) return false;
   drift(h);
+  rise_ += energy_rise(system_, terms_, wanted_, v_, kick_);
   return true;
 }
 
@@ -373,6 +376,7 @@ bool Adaptive::cross(double h, bool jumps, Solver& solver, const State& x, StepR
   load(x);
   if (!plain_step(x, 0, h, solver, report)) return false;
   store(row_[0]);
+  rise_ = 0;
   load(x);
   if (!plain_step(x, 0, h / 2, solver, report)) return false;
   std::fill(closed_.begin(), closed_.end(), false);
@@ -439,6 +443,8 @@ bool Adaptive::accept(double h, State& x, StepReport& report) {
   if (report.joint_rate > kEps * v_.lpNorm<Eigen::Infinity>()) report.joint_rate = projection_.velocity(terms_, v_);
   if (!(report.joint_residual < kInf) || !q_.allFinite() || !v_.allFinite()) return false;
   ++report.accepted;
+  report.energy_rise = std::max(report.energy_rise, rise_);
+  rise_ = 0;
   x.t += h;
   x.q.swap(q_), x.v.swap(v_);
   for (std::size_t i = 0; i < sum_.size(); ++i)

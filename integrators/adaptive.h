@@ -27,7 +27,7 @@
 // Acary, Applied Numerical Mathematics 62 (2012) 1259-1275 (higher order event capturing).
 #pragma once
 
-#include <orthant/integrators/formulate.h>
+#include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/projection.h>
 
@@ -119,6 +119,7 @@ class Adaptive final : public Integrator {
   double event_ = 0;                 // [s] from the start of the step: the event foretold
   double slack_ = 0;  // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
   double error_ = 0;
+  double rise_ = 0;                 // [J] of energy, in the impacts of a crossing
   std::array<double, 4> weight_{};  // lengths, angles, speeds, angular velocities
 };
 

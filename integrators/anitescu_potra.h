@@ -20,7 +20,9 @@ namespace orthant {
 class AnitescuPotra final : public StewartTrinkle {
  public:
   explicit AnitescuPotra(const System& system, const Options& options = {})
-      : StewartTrinkle(system, options, Cone::relaxed) {}
+      : StewartTrinkle(system, options, Cone::relaxed) {
+    require_plain_impacts(system, "anitescu-potra");
+  }
 };
 
 }  // namespace orthant

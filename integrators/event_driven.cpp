@@ -36,6 +36,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
       motion_(system),
       transition_(system),
       formulation_(system),
+      impact_(system),
       rk_(system.dof()),
       now_(system),
       trial_(system),
@@ -425,13 +426,21 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
   now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
   newtons_law(system_.laws(), terms, now_.v, wanted_);
-  if (plastic)
+  if (plastic) {
     for (Wanted& wanted : wanted_) wanted.normal = 0;
+  } else {
+    stage_v_ = now_.v;
+    problem_ = &impact_.problem();
+    no_answer_ = !impact_.strike(terms, motion_.basic(), stage_v_, wanted_, now_.v, solver, report);
+    if (no_answer_) return fail(report, report.status, impact_.why());
+  }
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
   problem_ = &formulation_.problem();
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) return fail(report, report.status, "the impact was not solved");
   formulation_.advance(now_.v, hit_);
+  if (!plastic) impact_.add_to(hit_);
+  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, hit_));
   const double t = start_ + elapsed_;
   for (const ClosedContact& closed : terms.closed) {
     const int c = closed.contact;

@@ -42,7 +42,7 @@
 #include <orthant/integrators/contact_transition.h>
 #include <orthant/integrators/dormand_prince.h>
 #include <orthant/integrators/first_crossing.h>
-#include <orthant/integrators/formulate.h>
+#include <orthant/integrators/impact.h>
 #include <orthant/integrators/moreau_jean.h>
 
 namespace orthant {
@@ -135,6 +135,7 @@ class EventDriven final : public Integrator {
   ContactMotion motion_;
   ContactTransition transition_;
   Formulation formulation_;
+  Impact impact_;
   DormandPrince rk_;
   Point now_, trial_, middle_, earlier_;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step

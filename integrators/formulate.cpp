@@ -20,7 +20,8 @@ void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const 
   for (const ClosedContact& c : terms.closed) {
     const ContactLaw& law = laws[static_cast<std::size_t>(c.contact)];
     const double slip = law.frictional() ? apply(c.rows.tangent, v.data()) - law.belt : 0;
-    wanted.push_back({-law.e * apply(c.rows.normal, v.data()), law.belt - law.e_t * slip, slip, &law});
+    const double approach = apply(c.rows.normal, v.data());
+    wanted.push_back({-law.e * approach, law.belt - law.e_t * slip, slip, &law, approach});
   }
 }
 
@@ -108,6 +109,11 @@ void Formulation::retarget(const std::vector<Wanted>& wanted, const Eigen::Vecto
     for (std::size_t k = 0; k < contacts_.size(); ++k)
       if (contacts_[k].law->frictional()) hold_against(wanted[k].tangent);
   while (i < lcp_.b.size()) hold_against(0);
+}
+
+void Formulation::release(const std::vector<Impulse>& stored) {
+  Index i = form_ == Form::full ? system_.joint_rows() : 0;
+  for (const Contact& c : contacts_) lcp_.lo[i++] = c.law->e * stored[static_cast<std::size_t>(c.index)].normal;
 }
 
 void Formulation::bind() {

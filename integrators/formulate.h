@@ -35,10 +35,13 @@ enum class Form { reduced, full };
 inline constexpr std::array<std::string_view, 2> kFormNames = {"reduced", "full"};
 enum class Cone { coulomb, relaxed };
 
-/// What a closed contact's rates after the step are held against, the slip γ_T⁻ that chooses μ [m/s], and its law.
+/// What a closed contact's rates after the step are held against, its rates before and its law. [m/s]
 struct Wanted {
-  double normal = 0, tangent = 0, slip = 0;
+  double normal = 0, tangent = 0;
+  double slip = 0;                  // γ_T⁻, which chooses μ
   const ContactLaw* law = nullptr;  // stays where it is until the step is done
+  double approach = 0;              // γ_N⁻
+  double least = -kInf;             // of `normal`, whatever the law: asked for by the scheme
 };
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`, one
@@ -61,6 +64,9 @@ class Formulation {
 
   /// The same rows and matrix again with another v_free and other targets.
   void retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
+
+  /// Normal impulses are at least e times those of `stored`, one per contact of the scene. Until the next collection.
+  void release(const std::vector<Impulse>& stored);
 
   /// All rows become equations, w = 0.
   void bind();

@@ -10,7 +10,7 @@ void PaoliSchatzman::close(double h, const State& x) {
   close_at_end_of_flight(h, x, kInf, [&](const ClosedContact& c) {
     return apply(c.rows.normal, v_new_.data()) <= least(c) + nearly(h, x) / h;
   });
-  for (std::size_t k = 0; k < wanted_.size(); ++k) wanted_[k].normal = least(terms_.closed[k]);
+  for (std::size_t k = 0; k < wanted_.size(); ++k) wanted_[k].normal = wanted_[k].least = least(terms_.closed[k]);
 }
 
 }  // namespace orthant

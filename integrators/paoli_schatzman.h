@@ -21,7 +21,9 @@ class PaoliSchatzman final : public VelocityStepping {
  public:
   using Options = VelocitySteppingOptions;
   explicit PaoliSchatzman(const System& system, const Options& options = {})
-      : VelocityStepping(system, {0.5, 1, options.joints, options.form}) {}
+      : VelocityStepping(system, {0.5, 1, options.joints, options.form}) {
+    require_plain_impacts(system, "paoli-schatzman");
+  }
 
  private:
   void close(double h, const State& x) override;

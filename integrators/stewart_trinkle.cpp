@@ -15,6 +15,7 @@ void StewartTrinkle::close(double h, const State& x) {
     const double approach = closing(terms_.closed[k], h);
     const bool rebounds = system_.law(terms_.closed[k].contact).e > 0;
     wanted_[k].normal = rebounds ? std::max(wanted_[k].normal, approach) : approach;
+    wanted_[k].least = approach;
   }
 }
 

@@ -5,7 +5,7 @@
 
 namespace orthant {
 
-TwoLevel::TwoLevel(const System& system)
+TwoLevel::TwoLevel(const System& system, std::string_view name)
     : Integrator(system),
       start_(system),
       end_(system),
@@ -23,6 +23,7 @@ TwoLevel::TwoLevel(const System& system)
       zero_(Eigen::VectorXd::Zero(system.dof())) {
   wanted_.reserve(system.scene().contacts.size());
   carrying_.reserve(system.scene().contacts.size());
+  require_plain_impacts(system, name);
 }
 
 void TwoLevel::begin() {
@@ -141,6 +142,7 @@ bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   velocities_.formulate(end_, basic_, wanted_, v, rate_);
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);
+  report.energy_rise = energy_rise(system_, end_, wanted_, v, impulses_);
   return true;
 }
 

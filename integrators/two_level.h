@@ -13,7 +13,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/basic_system.h>
-#include <orthant/integrators/formulate.h>
+#include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
 
 namespace orthant {
@@ -23,7 +23,7 @@ class TwoLevel : public Integrator {
   const Lcp& problem() const final { return *problem_; }
 
  protected:
-  explicit TwoLevel(const System& system);
+  TwoLevel(const System& system, std::string_view name);
 
   void begin();  // nothing solved, nothing said
 

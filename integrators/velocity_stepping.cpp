@@ -10,7 +10,9 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       plan_(plan),
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
+      impact_(system, plan.form),
       formulation_(system, plan.form, plan.cone),
+      problem_(&formulation_.problem()),
       q_mid_(system.dof()),
       q_new_(system.dof()),
       force_(system.dof()),
@@ -22,13 +24,21 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
 StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   StepReport report;
   formulation_.clear();
+  problem_ = &formulation_.problem();
   why_.clear();
   if (!free_flight(h, x, report)) return report;
   close(h, x);
+  if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
+    problem_ = &impact_.problem();
+    why_ = impact_.why();
+    return report;
+  }
   formulation_.resist(h);
   formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
   if (!formulation_.solve(solver, report)) return report;
   formulation_.advance(v_new_, impulses_);
+  impact_.add_to(impulses_);
+  report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
   if (!settle(x.t + h, report)) return report;
   x.t += h;

@@ -3,6 +3,7 @@
 //   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme names the closed contacts and what it wants of their rates
 //   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²a² K + h a C   (springs, dampers: linearly implicit)
 //   q⁺ = q + h (θ v⁺ + (1−θ) v)
+// Impacts by another law than Newton's on all contacts at once come first, at v (impact.h); v_free has them then.
 // Joints, by the option `joints`:
 //   none       G v⁺ = ṡ                      positions drift by O(h) over a fixed time; ṡ = 0 but for driven joints
 //   position   G v⁺ = ṡ, then q⁺ is projected onto Φ = 0 (in the metric of M)
@@ -12,6 +13,7 @@
 #pragma once
 
 #include <orthant/integrators/formulate.h>
+#include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/projection.h>
 
@@ -33,7 +35,7 @@ struct VelocitySteppingOptions {
 class VelocityStepping : public Integrator {
  public:
   StepReport step(double h, Solver& solver, State& x) final;
-  const Lcp& problem() const final { return formulation_.problem(); }
+  const Lcp& problem() const final { return *problem_; }
 
  protected:
   struct Plan {
@@ -77,7 +79,9 @@ class VelocityStepping : public Integrator {
   Plan plan_;
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
+  Impact impact_;
   Formulation formulation_;
+  const Lcp* problem_;
   Eigen::VectorXd q_mid_, q_new_, force_, rate_, lambda_;
 };
 

@@ -45,6 +45,8 @@ nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& c
                                  {"accepted", run.accepted},
                                  {"rejected", run.rejected},
                                  {"events", run.events},
+                                 {"energy_rises", run.energy_rises},
+                                 {"max_energy_rise", run.max_energy_rise},
                                  {"lcp_solves", run.lcp_solves},
                                  {"lcp_iterations", run.lcp_iterations}};
   if (run.why.empty()) json.erase("why");
@@ -93,6 +95,17 @@ void warn_of_start(const System& system) {
     warn("contacts penetrate", deep, "m", "nothing pushes them apart");
 }
 
+void warn_of_energy(const Scene& scene, const Run& run) {
+  if (run.energy_rises == 0) return;
+  std::cerr << "orthant: warning: impacts raised the energy in " << run.energy_rises
+            << (run.energy_rises == 1 ? " step" : " steps") << ", at most by " << run.max_energy_rise
+            << " J at t = " << run.max_rise_time << " s: "
+            << (scene.restitution == Restitution::newton
+                    ? "Newton's law with friction or several e can; restitution = \"poisson\" is safer there"
+                    : "friction with tangential restitution or several e can")
+            << '\n';
+}
+
 int run_simulate(const SimulateArguments& arguments) {
   for (const std::string& set : arguments.sets)
     if (set.find('=') == std::string::npos)
@@ -113,6 +126,7 @@ int run_simulate(const SimulateArguments& arguments) {
     append_row(system, moment, last);
   });
   if (!arguments.output.empty()) write_whole(arguments.output, to_csv(columns, table));
+  warn_of_energy(scene, run);
   if (run.status != Status::solved) dump_failed_step(arguments, *integrator, run);
 
   const auto json = summary(run, columns, last);

@@ -152,8 +152,9 @@ const Mistake kMistakes[] = {
     {"", "s.toml:1: scene: has no bodies: must have at least one"},
     {kBodies + "[gravty]",
      "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, restitution, impacts, body, joint, "
-     "contact, friction, "
-     "spring, load"},
+     "contact, friction, spring, load"},
+    {"restitution = \"strange\"\n" + kBodies, "s.toml:1: restitution = 'strange': must be one of newton, poisson"},
+    {"impacts = 2\n" + kBodies, "s.toml:1: impacts = 2: must be a string in quotes"},
     {"gravity = 9.81\n" + kBodies, "s.toml:1: gravity = 9.81: must be two numbers [x, y]"},
     {"gravity = [0, 0, -9.81]\n" + kBodies, "gravity = [0, 0, -9.81]: must be two numbers [x, y]"},
     {"gravity = [0, \"down\"]\n" + kBodies, "s.toml:1: gravity = 'down': must be a number"},

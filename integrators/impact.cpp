@@ -1,0 +1,137 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/impact.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr double kRestSpeed = 1e-9;  // [m/s] a slower approach is a contact at rest
+constexpr double kTie = 1e-9;        // of the fastest approach: as fast
+constexpr double kLeft = 1e-10;      // of the first approach: the rest of an infinite sequence
+
+}  // namespace
+
+Impact::Impact(const System& system, Form form)
+    : system_(system),
+      restitution_(system.scene().restitution),
+      impacts_(system.scene().impacts),
+      form_(form),
+      formulation_(system, form),
+      sum_(static_cast<std::size_t>(system.contacts())),
+      one_(sum_),
+      v_(system.dof()),
+      rate_(system.joint_rows()) {
+  struck_.closed.reserve(sum_.size());
+  wanted_.reserve(sum_.size());
+  approach_.reserve(sum_.size());
+}
+
+bool Impact::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
+  newtons_law(system_.laws(), struck_, v_, wanted_);
+  if (form_ == Form::full)  // impulses of contacts leave the joints' rates as they are
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = apply(struck_.G[static_cast<std::size_t>(i)], v_.data());
+  const bool phases = restitution_ == Restitution::poisson;
+  if (phases)
+    for (Wanted& w : wanted_) w.normal = 0, w.tangent = w.law->belt;
+  formulation_.formulate(struck_, basic, wanted_, v_, rate_);
+  if (!solve(solver, report)) return false;
+  if (!phases) return true;
+  for (Wanted& w : wanted_) w.tangent = w.law->belt - w.law->e_t * w.slip;
+  formulation_.retarget(wanted_, v_, rate_);
+  formulation_.release(one_);
+  return solve(solver, report);
+}
+
+bool Impact::solve(Solver& solver, StepReport& report) {
+  if (!formulation_.solve(solver, report)) {
+    why_ = "an impact was not solved";
+    return false;
+  }
+  formulation_.advance(v_, one_);
+  for (const ClosedContact& c : struck_.closed) {
+    const auto i = static_cast<std::size_t>(c.contact);
+    sum_[i].normal += one_[i].normal, sum_[i].tangent += one_[i].tangent;
+  }
+  return true;
+}
+
+bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
+                    std::vector<Wanted>& wanted, Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  any_ = false;
+  why_.clear();
+  double first = 0;
+  for (const Wanted& w : wanted) first = std::max(first, -w.approach);
+  if (!has_law() || first <= kRestSpeed) return true;
+  any_ = true;
+  std::fill(sum_.begin(), sum_.end(), Impulse{});
+  v_ = before;
+  if (form_ == Form::full) struck_.G = terms.G;
+  struck_.closed = terms.closed;
+  if (impacts_ == Impacts::simultaneous) {
+    if (!act(basic, solver, report)) return false;
+  } else {
+    for (int impacts = 0;; ++impacts) {
+      approach_.clear();
+      for (const ClosedContact& c : terms.closed) approach_.push_back(-apply(c.rows.normal, v_.data()));
+      const double fastest = *std::max_element(approach_.begin(), approach_.end());
+      if (fastest <= kLeft * first) break;
+      if (impacts == kMostImpacts) {
+        report.status = Status::iteration_limit;
+        why_ = "impacts one after the other do not end: after " + std::to_string(impacts) +
+               " contacts still approach at " + detail::text_of(fastest) + " m/s";
+        return false;
+      }
+      struck_.closed.clear();
+      for (std::size_t k = 0; k < approach_.size(); ++k)
+        if (approach_[k] >= (1 - kTie) * fastest) struck_.closed.push_back(terms.closed[k]);
+      if (!act(basic, solver, report)) return false;
+    }
+  }
+  v += v_ - before;
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    if (sum_[static_cast<std::size_t>(terms.closed[k].contact)].normal > 0)
+      wanted[k].normal = std::max({0.0, apply(terms.closed[k].rows.normal, v_.data()), wanted[k].least});
+  return true;
+}
+
+void Impact::add_to(std::vector<Impulse>& impulses) const {
+  if (!any_) return;
+  for (std::size_t i = 0; i < sum_.size(); ++i)
+    impulses[i].normal += sum_[i].normal, impulses[i].tangent += sum_[i].tangent;
+}
+
+void require_plain_impacts(const System& system, std::string_view integrator) {
+  const auto refuse = [&](const char* field, std::string_view value, const char* rule) {
+    throw std::invalid_argument(std::string(integrator) + " cannot take " + field + " = \"" + std::string(value) +
+                                "\": must be \"" + rule +
+                                "\" (moreau-jean, stewart-trinkle and event-driven take both)");
+  };
+  if (const auto r = system.scene().restitution; r != Restitution::newton)
+    refuse("restitution", kRestitutionNames[static_cast<std::size_t>(r)], "newton");
+  if (const auto i = system.scene().impacts; i != Impacts::simultaneous)
+    refuse("impacts", kImpactsNames[static_cast<std::size_t>(i)], "simultaneous");
+}
+
+double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
+                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses) {
+  constexpr double kSmall = 1e-9;  // of the works that are added up, and of the kinetic energy: no rise
+  double sum = 0, size = 0;
+  bool struck = false;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const Wanted& w = wanted[k];
+    const Impulse& impulse = impulses[static_cast<std::size_t>(terms.closed[k].contact)];
+    if (impulse.normal == 0) continue;
+    if (w.least >= w.normal) return 0;
+    struck = struck || w.approach < -kRestSpeed;
+    const ContactRows& rows = terms.closed[k].rows;
+    const double normal = impulse.normal * (apply(rows.normal, v.data()) + w.approach) / 2;
+    const double tangent = impulse.tangent * (apply(rows.tangent, v.data()) - w.law->belt + w.slip) / 2;
+    sum += normal + tangent, size += std::abs(normal) + std::abs(tangent);
+  }
+  const bool rises = struck && sum > kSmall * size && sum > kSmall / 2 * v.dot(system.mass().cwiseProduct(v));
+  return rises ? sum : 0;
+}
+
+}  // namespace orthant

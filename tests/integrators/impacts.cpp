@@ -1,0 +1,181 @@
+// Impact laws by name: exact answers of impacts one at a time and together, what each law conserves, and what it costs.
+#include "tests/support/runs.h"
+
+#include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/cradle.h>
+#include <orthant/core/scenes/grain_column.h>
+#include <orthant/core/scenes/rod_drop.h>
+#include <orthant/core/scenes/sphere_bounce.h>
+#include <orthant/core/scenes/superball.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+using namespace orthant;
+
+namespace {
+
+constexpr std::array kWithLaws = {"moreau-jean", "moreau-jean:form=full", "stewart-trinkle", "event-driven"};
+constexpr std::array kRestitutions = {Restitution::newton, Restitution::poisson};
+constexpr std::array kOrders = {Impacts::simultaneous, Impacts::sequential};
+
+State end(const Scene& scene, std::string_view integrator, std::string_view solver = "lemke") {
+  const Run r = run(scene, integrator, scene.step, {}, solver);
+  REQUIRE_MESSAGE(r.status == Status::solved, r.why);
+  return r.final;
+}
+
+/// A rod that strikes a rough floor at a slant, so that normal and tangential directions see each other.
+Scene rough_rod(Restitution restitution, double mu, double e, double vx) {
+  Scene s = rod_drop({.angle = 1.1, .e = e, .restitution = restitution});
+  s.bodies[0].velocity.x() = vx;
+  for (Contact& c : s.contacts) std::get<CornerWall>(c).law.mu = mu;
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("cradle and super-ball: the speeds that each law of impact gives, momentum and energy with them") {
+  for (const char* integrator : kWithLaws)
+    for (const Restitution restitution : kRestitutions)
+      for (const Impacts impacts : kOrders) {
+        CAPTURE(integrator);
+        CAPTURE(static_cast<int>(restitution));
+        CAPTURE(static_cast<int>(impacts));
+        for (const int balls : {2, 3, 4, 7})
+          for (const double e : {0.0, 0.5, 1.0}) {
+            const Cradle p{.balls = balls, .e = e, .impacts = impacts, .restitution = restitution};
+            const State x = end(cradle(p), integrator);
+            const auto exact = p.after();
+            double momentum = 0, energy = 0;
+            for (int i = 0; i < balls; ++i) {
+              CHECK(std::abs(x.v[3 * i] - exact[static_cast<std::size_t>(i)]) < 1e-9);
+              momentum += x.v[3 * i], energy += x.v[3 * i] * x.v[3 * i];
+            }
+            CHECK(std::abs(momentum - 1) < 1e-14);
+            if (e == 1) CHECK(std::abs(energy - 1) < 1e-14);
+          }
+        for (const double ratio : {1.0, 3.0, 1e6}) {
+          const SuperBall p{.ratio = ratio, .gap = 0, .impacts = impacts, .restitution = restitution};
+          const State x = end(superball(p), integrator);
+          CHECK(std::abs(x.v[1] - p.after().lower) < 1e-13);
+          CHECK(std::abs(x.v[4] - p.after().upper) < 1e-13);
+        }
+      }
+  for (const char* integrator : {"moreau-jean", "adaptive", "event-driven"}) {  // by a gap, under the plain law
+    const SuperBall p;
+    const State x = end(superball(p), integrator);
+    CHECK(std::abs(x.v[4] - p.after().upper) < 1e-9);
+  }
+}
+
+TEST_CASE("one contact by itself: both laws give Newton's result, step by step where forces act too") {
+  for (const char* integrator : kWithLaws)
+    for (const Restitution restitution : kRestitutions) {
+      CAPTURE(integrator);
+      for (const double mu : {0.5, 0.1}) {
+        const SphereBounce p{.mu = mu, .restitution = restitution};
+        const State x = end(sphere_bounce(p), integrator);
+        CHECK(std::abs(x.v[0] - p.after().vx) < 1e-14);
+        CHECK(std::abs(x.v[1] - p.after().vy) < 1e-14);
+        CHECK(std::abs(x.v[2] - p.after().omega) < 1e-14);
+      }
+      const RodDrop p{.restitution = restitution};
+      const State x = end(rod_drop(p), integrator);
+      CHECK(std::abs(x.v[1] - p.after().vy) < 1e-12);
+      CHECK(std::abs(x.v[2] - p.after().omega) < 1e-12);
+    }
+  for (const char* integrator : {"moreau-jean", "stewart-trinkle"}) {
+    Scene ball = bouncing_ball({.e = 0.8});
+    const State newton = end(ball, integrator);
+    ball.restitution = Restitution::poisson;
+    const State poisson = end(ball, integrator);
+    CHECK((newton.q - poisson.q).norm() < 1e-13);
+    ball.restitution = Restitution::newton, ball.impacts = Impacts::sequential;
+    CHECK((end(ball, integrator).q - newton.q).norm() < 1e-13);
+  }
+}
+
+TEST_CASE("every solver of the registry carries the laws") {
+  for (const SolverEntry& entry : solvers())
+    for (const Restitution restitution : kRestitutions)
+      for (const Impacts impacts : kOrders) {
+        Scene s = rough_rod(restitution, 0.3, 0.5, 1);
+        s.impacts = impacts;
+        const Run r = run(s, "moreau-jean", s.step, {}, entry.name), by_lemke = run(s, "moreau-jean", s.step);
+        CAPTURE(entry.name);
+        REQUIRE(by_lemke.status == Status::solved);
+        if (r.status == Status::solved) CHECK((r.final.v - by_lemke.final.v).norm() < 1e-6);
+      }
+}
+
+TEST_CASE("column of grains: impulses of all levels, exact for every law") {
+  for (const char* integrator : kWithLaws)
+    for (const Restitution restitution : kRestitutions) {
+      const GrainColumn p{.grains = 10, .g = 0};
+      Scene s = grain_column(p);
+      s.restitution = restitution;
+      std::vector<double> sum(s.contacts.size());
+      const Run r = run(s, integrator, s.step, [&](const Moment& m) {
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m.impulses[i].normal;
+      });
+      CAPTURE(integrator);
+      REQUIRE(r.status == Status::solved);
+      for (int k = 1; k <= p.grains; ++k)
+        CHECK(sum[static_cast<std::size_t>(k - 1)] == doctest::Approx(p.impulse(k, 0)).epsilon(1e-12));
+      CHECK(r.energy_rises == 0);
+    }
+}
+
+TEST_CASE("Newton's law with friction raises the energy, is told on it; Poisson's does not") {
+  // By scanning starts: where normal and tangential directions are coupled, slip that turns round makes the difference.
+  int rises = 0;
+  for (const char* integrator : {"moreau-jean", "event-driven", "rattle", "adaptive"})
+    for (const double vx : {-2.0, -1.0, -0.5, 0.5, 1.0, 2.0})
+      for (const double mu : {0.3, 1.0}) {
+        CAPTURE(integrator);
+        const Run newton = run(rough_rod(Restitution::newton, mu, 0.9, vx), integrator, 1e-3);
+        REQUIRE(newton.status == Status::solved);
+        const double rise = newton.energy_final - newton.energy_initial;
+        CHECK((newton.energy_rises > 0) == (rise > 1e-9));
+        if (newton.energy_rises == 0) continue;
+        ++rises;
+        CHECK(newton.energy_rises == 1);
+        const bool exact =
+            std::string_view(integrator) == "moreau-jean" || std::string_view(integrator) == "event-driven";
+        CHECK(newton.max_energy_rise ==
+              doctest::Approx(rise).epsilon(exact ? 1e-9 : 0.02));  // else: rows of other times
+        CHECK(newton.max_rise_time == doctest::Approx(0.01).epsilon(0.2));
+        if (!exact) continue;
+        const Run poisson = run(rough_rod(Restitution::poisson, mu, 0.9, vx), integrator, 1e-3);
+        REQUIRE(poisson.status == Status::solved);
+        CHECK(poisson.energy_rises == 0);
+        CHECK(poisson.energy_final <= poisson.energy_initial);
+      }
+  CHECK(rises >= 4);
+  // What only the step does is not counted: a ball at rest, one that bounces, a block on a belt.
+  for (const double e : {0.0, 0.9, 1.0}) CHECK(run(bouncing_ball({.e = e}), "moreau-jean", 1e-3).energy_rises == 0);
+}
+
+TEST_CASE("an integrator that cannot take a law says so when it is made") {
+  for (const IntegratorEntry& entry : integrators())
+    for (const auto& [restitution, impacts] :
+         {std::pair{Restitution::poisson, Impacts::simultaneous}, {Restitution::newton, Impacts::sequential}}) {
+      Scene s = cradle({.impacts = impacts, .restitution = restitution});
+      const System system(s);
+      std::string said;
+      try {
+        make_integrator(entry.name, system);
+      } catch (const std::invalid_argument& error) {
+        said = error.what();
+      }
+      const bool takes = entry.name == "moreau-jean" || entry.name == "stewart-trinkle" || entry.name == "event-driven";
+      CHECK(said.empty() == takes);
+      if (takes) continue;
+      CHECK(said.starts_with(entry.name));
+      CHECK(said.find(restitution == Restitution::poisson ? "restitution = \"poisson\"" : "impacts = \"sequential\"") !=
+            std::string::npos);
+    }
+}
