@@ -4,6 +4,7 @@
 #include "../support/trajectory.h"
 
 #include <orthant/core/lcp/io.h>
+#include <orthant/core/mechanics/redundancy.h>
 #include <orthant/core/mechanics/terms.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
@@ -93,6 +94,10 @@ void warn_of_start(const System& system) {
     warn("velocities break joints", rate, "m/s or rad/s", "the first step changes them");
   if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff() : 0; deep > kSmall)
     warn("contacts penetrate", deep, "m", "nothing pushes them apart");
+  constexpr int kMostRows = 600;  // more would take longer than a word is worth
+  if (system.joint_rows() > kMostRows) return;
+  if (const std::string words = describe(find_redundancy(system, x.q), system); !words.empty())
+    std::cerr << "orthant: note: at the start " << words << '\n';
 }
 
 void warn_of_energy(const Scene& scene, const Run& run) {
