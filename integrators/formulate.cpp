@@ -5,6 +5,35 @@ namespace {
 
 constexpr std::size_t kFormedRows = 64;  // up to here a dense A is cheaper than applying the operator again and again
 
+/// J_i M⁻¹ J_jᵀ of two rows.
+double coupling(const Row& i, const Row& j, const Eigen::VectorXd& inverse_mass) {
+  double sum = 0;
+  const auto add = [&](BodyId body, const std::array<double, 3>& u, BodyId other, const std::array<double, 3>& v) {
+    if (body < 0 || body != other) return;
+    for (std::size_t k = 0; k < 3; ++k) sum += u[k] * inverse_mass[3 * body + static_cast<Index>(k)] * v[k];
+  };
+  add(i.a, i.ja, j.a, j.ja), add(i.a, i.ja, j.b, j.jb), add(i.b, i.jb, j.a, j.ja), add(i.b, i.jb, j.b, j.jb);
+  return sum;
+}
+
+/// W from its rows.
+void fill_delassus(const std::vector<Row>& rows, Index dof, Delassus& A) {
+  RowSparse& W = A.W;
+  W.rows = static_cast<Index>(rows.size()), W.cols = dof;
+  W.start.assign(1, 0), W.column.clear(), W.value.clear();
+  const auto push = [&](BodyId body, const std::array<double, 3>& j) {
+    for (int k = 0; body >= 0 && k < 3; ++k)
+      W.column.push_back(3 * body + k), W.value.push_back(j[static_cast<std::size_t>(k)]);
+  };
+  for (const Row& row : rows) {  // columns ascend within a row
+    if (row.a < row.b)
+      push(row.a, row.ja), push(row.b, row.jb);
+    else
+      push(row.b, row.jb), push(row.a, row.ja);
+    W.start.push_back(static_cast<int>(W.column.size()));
+  }
+}
+
 /// n + μ t of a contact.
 Row edge(const ContactRows& rows, double mu) {
   Row row = rows.normal;
@@ -25,13 +54,14 @@ void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const 
   }
 }
 
-Formulation::Formulation(const System& system, Form form, Cone cone) : system_(system), form_(form), cone_(cone) {
+Formulation::Formulation(const System& system, Form form, Cone cone)
+    : system_(system), form_(form), cone_(cone), islands_(system) {
   const auto contacts = system.scene().contacts.size();
   const auto most = 2 * contacts + system.scene().frictions.size() +
                     static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
-  rows_.reserve(most);
+  rows_.reserve(most), island_.reserve(most);
   contacts_.reserve(contacts);
   lcp_.friction.reserve(contacts);
   const auto size = static_cast<Index>(most);
@@ -43,14 +73,17 @@ Formulation::Formulation(const System& system, Form form, Cone cone) : system_(s
     columns_.resize(system.dof(), size);
   }
   lcp_.b.resize(0);
+  large_.A.emplace<Delassus>().inverse_mass = system.inverse_mass();
+  place_.resize(most), friction_of_.resize(most);
 }
 
 void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
                             const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
   collect(terms, wanted);
+  islands_.sort(rows_);
   retarget(wanted, v_free, joint_rate);
   if (auto* delassus = std::get_if<Delassus>(&lcp_.A))
-    fill_delassus(*delassus);
+    fill_delassus(rows_, system_.dof(), *delassus);
   else
     fill_dense(basic, std::get<DenseMatrix>(lcp_.A));
 }
@@ -123,11 +156,69 @@ void Formulation::bind() {
 
 bool Formulation::solve(Solver& solver, StepReport& report) {
   if (lcp_.size() == 0) return true;
-  const auto solved = [&] {
+  return solve_once(solver, report) && (!regrade() || solve_once(solver, report));
+}
+
+bool Formulation::solve_once(Solver& solver, StepReport& report) {
+  if (islands_.count() == 1) {
     solver.solve(lcp_, solution_, Start::warm);
     return report.note(lcp_, solution_);
+  }
+  const Index n = lcp_.size();
+  if (solution_.z.size() != n) solution_.z.resize(n), solution_.z.setZero();
+  solution_.w.resize(n);
+  solution_.residual = 0;
+  std::fill(friction_of_.begin(), friction_of_.end(), nullptr);
+  for (const Friction& f : lcp_.friction) friction_of_[static_cast<std::size_t>(f.row)] = &f;
+  for (int island = 0; island < islands_.count(); ++island) {
+    const auto rows = islands_.rows(island);
+    Lcp& block = rows.size() > kFormedRows && std::holds_alternative<Delassus>(lcp_.A) ? large_ : small_;
+    cut_out(rows, block);
+    solver.solve(block, part_, Start::warm);
+    if (!report.note(block, part_)) {
+      solution_.status = part_.status;
+      return false;
+    }
+    solution_.residual = std::max(solution_.residual, part_.residual);
+    for (Index i = 0; i < block.size(); ++i) {
+      solution_.z[rows[static_cast<std::size_t>(i)]] = part_.z[i];
+      solution_.w[rows[static_cast<std::size_t>(i)]] = part_.w[i];
+    }
+  }
+  solution_.status = Status::solved;
+  return true;
+}
+
+/// Rows and columns of one island, its last z as the guess.
+void Formulation::cut_out(std::span<const int> rows, Lcp& block) {
+  const auto n = static_cast<Index>(rows.size());
+  block.b.resize(n), block.lo.resize(n), block.hi.resize(n), part_.z.resize(n);
+  block.friction.clear();
+  for (Index i = 0; i < n; ++i) {
+    const int row = rows[static_cast<std::size_t>(i)];
+    place_[static_cast<std::size_t>(row)] = static_cast<int>(i);
+    block.b[i] = lcp_.b[row], block.lo[i] = lcp_.lo[row], block.hi[i] = lcp_.hi[row], part_.z[i] = solution_.z[row];
+    if (const Friction* f = friction_of_[static_cast<std::size_t>(row)])  // its normal came before
+      block.friction.push_back({i, place_[static_cast<std::size_t>(f->normal)], f->mu});
+  }
+  const auto at = [&](Index i) -> const Row& {
+    return rows_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])];
   };
-  return solved() && (!regrade() || solved());
+  if (auto* delassus = std::get_if<Delassus>(&block.A)) {
+    island_.clear();
+    for (Index i = 0; i < n; ++i) island_.push_back(at(i));
+    return fill_delassus(island_, system_.dof(), *delassus);
+  }
+  auto& A = std::get<DenseMatrix>(block.A);
+  A.resize(n, n);
+  if (const auto* whole = std::get_if<DenseMatrix>(&lcp_.A)) {
+    for (Index j = 0; j < n; ++j)
+      for (Index i = 0; i < n; ++i)
+        A(i, j) = (*whole)(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+  } else {
+    for (Index j = 0; j < n; ++j)
+      for (Index i = j; i < n; ++i) A(i, j) = A(j, i) = coupling(at(i), at(j), system_.inverse_mass());
+  }
 }
 
 bool Formulation::regrade() {
@@ -159,23 +250,6 @@ void Formulation::fill_dense(const BasicSystem& basic, DenseMatrix& A) {
     basic.solve_row(rows_[static_cast<std::size_t>(j)], columns_.col(j).data());
     for (Index i = j; i < n; ++i)  // B is symmetric; one half is computed, so that A is so to the last bit
       A(i, j) = A(j, i) = apply(rows_[static_cast<std::size_t>(i)], columns_.col(j).data());
-  }
-}
-
-void Formulation::fill_delassus(Delassus& A) {
-  RowSparse& W = A.W;
-  W.rows = static_cast<Index>(rows_.size()), W.cols = system_.dof();
-  W.start.assign(1, 0), W.column.clear(), W.value.clear();
-  const auto push = [&](BodyId body, const std::array<double, 3>& j) {
-    for (int k = 0; body >= 0 && k < 3; ++k)
-      W.column.push_back(3 * body + k), W.value.push_back(j[static_cast<std::size_t>(k)]);
-  };
-  for (const Row& row : rows_) {  // columns ascend within a row
-    if (row.a < row.b)
-      push(row.a, row.ja), push(row.b, row.jb);
-    else
-      push(row.b, row.jb), push(row.a, row.ja);
-    W.start.push_back(static_cast<int>(W.column.size()));
   }
 }
 

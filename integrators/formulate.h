@@ -12,6 +12,8 @@
 //   Only closed contacts have rows, and only frictional ones a tangent row. Where B is diagonal and a scene has many
 //   contacts, A is kept as a Delassus operator and never formed.
 //   Both give the same step.
+//   Bodies that do not act on one another in the step are solved apart, one problem an island (islands.h): the answer of
+//   the whole one, found with fewer pivots. The whole one is formed all the same, for problem() to show.
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the coordinate.
 // Friction, by Cone:
 //   coulomb  |Λ_T| ≤ μ Λ_N against the slip; the matrix of the pure problem is not symmetric.
@@ -25,6 +27,7 @@
 #include <orthant/core/lcp/solution.h>
 #include <orthant/core/mechanics/basic_system.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/islands.h>
 
 #include <array>
 #include <string_view>
@@ -96,8 +99,10 @@ class Formulation {
   /// Where static friction exceeds kinetic: kinetic for contacts that static friction did not hold, static for those
   /// whose slip z turned round. True: there were some, solve once more.
   bool regrade();
+  /// The problem, or one an island, to the solver.
+  bool solve_once(Solver& solver, StepReport& report);
+  void cut_out(std::span<const int> rows, Lcp& block);
   void fill_dense(const BasicSystem& basic, DenseMatrix& A);
-  void fill_delassus(Delassus& A);
 
   const System& system_;
   Form form_;
@@ -108,6 +113,12 @@ class Formulation {
   DenseMatrix columns_;  // dof × n: B Jᵀ, dense storage only
   Lcp lcp_;
   Solution solution_;
+  Islands islands_;
+  Lcp small_, large_;  // of one island: dense; an operator, where the whole one is
+  Solution part_;
+  std::vector<Row> island_;
+  std::vector<int> place_;                    // of a row within its island
+  std::vector<const Friction*> friction_of_;  // a row; null: none
 };
 
 }  // namespace orthant

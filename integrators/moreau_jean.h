@@ -16,8 +16,10 @@ struct MoreauJeanOptions {
   double theta = 0.5;
   Joints joints = Joints::symmetric;
   Form form = Form::reduced;
+  SleepOptions sleep;
   template <class V> void visit(V&& v) {
     v("theta", theta, 0.5, 1.0), v("joints", joints, kJointsNames), v("form", form, kFormNames);
+    v("sleep_after", sleep.after, 0.0, 1e9), v("sleep_speed", sleep.speed, 0.0, 1e3);
   }
 };
 
@@ -25,7 +27,8 @@ class MoreauJean final : public VelocityStepping {
  public:
   using Options = MoreauJeanOptions;
   explicit MoreauJean(const System& system, const Options& options = {})
-      : VelocityStepping(system, {options.theta, options.theta, options.joints, options.form}) {}
+      : VelocityStepping(system,
+                         {options.theta, options.theta, options.joints, options.form, Cone::coulomb, options.sleep}) {}
 
  private:
   void close(double h, const State& x) override;

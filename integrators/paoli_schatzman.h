@@ -21,7 +21,7 @@ class PaoliSchatzman final : public VelocityStepping {
  public:
   using Options = VelocitySteppingOptions;
   explicit PaoliSchatzman(const System& system, const Options& options = {})
-      : VelocityStepping(system, {0.5, 1, options.joints, options.form}) {
+      : VelocityStepping(system, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {
     require_plain_impacts(system, "paoli-schatzman");
   }
 

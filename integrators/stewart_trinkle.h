@@ -24,7 +24,7 @@ class StewartTrinkle : public VelocityStepping {
 
  protected:
   StewartTrinkle(const System& system, const Options& options, Cone cone)
-      : VelocityStepping(system, {0.5, 1, options.joints, options.form, cone}), cone_(cone) {}
+      : VelocityStepping(system, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
 
  private:
   void close(double h, const State& x) final;

@@ -11,6 +11,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
       impact_(system, plan.form),
+      sleep_(system, plan.sleep),
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
       q_mid_(system.dof()),
@@ -27,7 +28,9 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   problem_ = &formulation_.problem();
   why_.clear();
   if (!free_flight(h, x, report)) return report;
-  close(h, x);
+  sleep_.begin(x, terms_, v_new_);
+  do close(h, x);
+  while (sleep_.disturbed(terms_, wanted_, v_new_));
   if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
     problem_ = &impact_.problem();
     why_ = impact_.why();
@@ -39,11 +42,13 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   formulation_.advance(v_new_, impulses_);
   impact_.add_to(impulses_);
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_);
+  sleep_.hold(h, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
   if (!settle(x.t + h, report)) return report;
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
+  sleep_.end(h, terms_, impulses_, x);
   return report;
 }
 

@@ -16,6 +16,7 @@
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/projection.h>
+#include <orthant/integrators/sleep.h>
 
 #include <array>
 #include <string_view>
@@ -29,7 +30,11 @@ inline constexpr std::array<std::string_view, 3> kJointsNames = {"none", "positi
 struct VelocitySteppingOptions {
   Joints joints = Joints::symmetric;
   Form form = Form::reduced;
-  template <class V> void visit(V&& v) { v("joints", joints, kJointsNames), v("form", form, kFormNames); }
+  SleepOptions sleep;
+  template <class V> void visit(V&& v) {
+    v("joints", joints, kJointsNames), v("form", form, kFormNames);
+    v("sleep_after", sleep.after, 0.0, 1e9), v("sleep_speed", sleep.speed, 0.0, 1e3);
+  }
 };
 
 class VelocityStepping : public Integrator {
@@ -43,6 +48,7 @@ class VelocityStepping : public Integrator {
     Joints joints;
     Form form;
     Cone cone = Cone::coulomb;
+    SleepOptions sleep = {};
   };
   VelocityStepping(const System& system, const Plan& plan);
 
@@ -80,6 +86,7 @@ class VelocityStepping : public Integrator {
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
   Impact impact_;
+  Sleep sleep_;
   Formulation formulation_;
   const Lcp* problem_;
   Eigen::VectorXd q_mid_, q_new_, force_, rate_, lambda_;

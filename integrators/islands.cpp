@@ -1,0 +1,49 @@
+#include <orthant/integrators/islands.h>
+
+#include <numeric>
+
+namespace orthant {
+
+Islands::Islands(const System& system) : fixed_(static_cast<std::size_t>(system.bodies())), block_(fixed_.size()) {
+  std::iota(fixed_.begin(), fixed_.end(), 0);
+  parent_ = fixed_;
+  const auto connect = [&](const auto& element) { join(element.a, element.b); };
+  for (const Joint& joint : system.scene().joints) std::visit(connect, joint);
+  for (const Spring& spring : system.scene().springs) std::visit(connect, spring);
+  for (std::size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = find(static_cast<int>(i));
+  const auto most = 2 * system.scene().contacts.size() + static_cast<std::size_t>(system.joint_rows());
+  of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
+}
+
+int Islands::find(int body) {
+  auto i = static_cast<std::size_t>(body);
+  while (parent_[i] != static_cast<int>(i)) {
+    parent_[i] = parent_[static_cast<std::size_t>(parent_[i])];  // halves the way for the next one
+    i = static_cast<std::size_t>(parent_[i]);
+  }
+  return static_cast<int>(i);
+}
+
+void Islands::join(BodyId a, BodyId b) {
+  if (a >= 0 && b >= 0) parent_[static_cast<std::size_t>(find(a))] = find(b);
+}
+
+void Islands::sort(std::span<const Row> rows) {
+  parent_ = fixed_;
+  for (const Row& row : rows) join(row.a, row.b);
+  std::fill(block_.begin(), block_.end(), -1);
+  of_row_.clear(), row_.resize(rows.size()), start_.assign(1, 0);
+  for (const Row& row : rows) {
+    int& block = block_[static_cast<std::size_t>(find(row.a >= 0 ? row.a : row.b))];
+    if (block < 0) block = count(), start_.push_back(0);
+    of_row_.push_back(block);
+    ++start_[static_cast<std::size_t>(block) + 1];
+  }
+  for (std::size_t b = 1; b < start_.size(); ++b) start_[b] += start_[b - 1];
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    row_[start_[static_cast<std::size_t>(of_row_[i])]++] = static_cast<int>(i);
+  for (std::size_t b = start_.size(); b-- > 1;) start_[b] = start_[b - 1];
+  start_[0] = 0;
+}
+
+}  // namespace orthant
