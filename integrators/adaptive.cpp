@@ -367,6 +367,7 @@ bool Adaptive::plain_step(const State& x, double offset, double h, Solver& solve
   for (int c = 0; c < system_.contacts(); ++c)
     if (terms_.gap[c] <= 4 * slack_ || lasting_[at(c)].mode != Mode::open) terms_.closed.push_back({c, rows(c)});
   if (!solve(solver, system_.laws(), report)) return false;
+  note_forces(terms_, v_new_, wanted_);
   drift(h);
   rise_ += energy_rise(system_, terms_, wanted_, v_, kick_);
   return true;

@@ -45,6 +45,7 @@ struct Wanted {
   const ContactLaw* law = nullptr;  // stays where it is until the step is done
   double approach = 0;              // γ_N⁻
   double least = -kInf;             // of `normal`, whatever the law: asked for by the scheme
+  double forced = 0;                // |change| of the rates by the step's forces, see note_forces()
 };
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`, one

@@ -114,10 +114,19 @@ void require_plain_impacts(const System& system, std::string_view integrator) {
     refuse("impacts", kImpactsNames[static_cast<std::size_t>(i)], "simultaneous");
 }
 
+void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted) {
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const ContactRows& rows = terms.closed[k].rows;
+    Wanted& w = wanted[k];
+    w.forced = std::abs(apply(rows.normal, v_free.data()) - w.approach);
+    if (w.law->frictional()) w.forced += std::abs(apply(rows.tangent, v_free.data()) - w.law->belt - w.slip);
+  }
+}
+
 double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
                    const Eigen::VectorXd& v, const std::vector<Impulse>& impulses) {
   constexpr double kSmall = 1e-9;  // of the works that are added up, and of the kinetic energy: no rise
-  double sum = 0, size = 0;
+  double sum = 0, size = 0, forced = 0;
   bool struck = false;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const Wanted& w = wanted[k];
@@ -129,8 +138,10 @@ double energy_rise(const System& system, const Terms& terms, const std::vector<W
     const double normal = impulse.normal * (apply(rows.normal, v.data()) + w.approach) / 2;
     const double tangent = impulse.tangent * (apply(rows.tangent, v.data()) - w.law->belt + w.slip) / 2;
     sum += normal + tangent, size += std::abs(normal) + std::abs(tangent);
+    forced += (std::abs(impulse.normal) + std::abs(impulse.tangent)) * w.forced;
   }
-  const bool rises = struck && sum > kSmall * size && sum > kSmall / 2 * v.dot(system.mass().cwiseProduct(v));
+  const bool rises =
+      struck && sum > forced && sum > kSmall * size && sum > kSmall / 2 * v.dot(system.mass().cwiseProduct(v));
   return rises ? sum : 0;
 }
 

@@ -71,9 +71,13 @@ class Impact {
 /// contacts at once, which `integrator` cannot take.
 void require_plain_impacts(const System& system, std::string_view integrator);
 
-/// What the impulses of a step did to the kinetic energy, ½ Σ (γ⁺ + γ⁻) Λ over the closed contacts, when it is a rise by
-/// more than 1e-9 of the kinetic energy and something struck; else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted, nor a
-/// step in which the scheme itself pushes gaps open (wanted.least).
+/// Sets wanted.forced, from the velocities before contacts act.
+void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted);
+
+/// What the impulses of a step did to the kinetic energy, ½ Σ (γ⁺ + γ⁻) Λ over the closed contacts, when something struck
+/// and that is a rise: by more than Σ |Λ| forced, which is what the step's forces may have to do with it, and than 1e-9
+/// of the kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted,
+/// nor a step in which the scheme itself pushes gaps open (wanted.least).
 double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
                    const Eigen::VectorXd& v, const std::vector<Impulse>& impulses);
 

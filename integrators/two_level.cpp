@@ -139,6 +139,7 @@ void TwoLevel::hand_over(const State& x) {
 }
 
 bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  note_forces(end_, v, wanted_);
   velocities_.formulate(end_, basic_, wanted_, v, rate_);
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);
