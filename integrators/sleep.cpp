@@ -22,7 +22,8 @@ int Sleep::sleeping() const {
 }
 
 bool Sleep::sleeps(std::size_t contact) const {
-  return std::visit([&](const auto& c) { return asleep(c.a) || asleep(c.b); }, system_.scene().contacts[contact]);
+  const auto [a, b] = std::visit([](const auto& c) { return bodies_of(c); }, system_.scene().contacts[contact]);
+  return asleep(a) || asleep(b);
 }
 
 void Sleep::wake(int island) {
@@ -96,6 +97,12 @@ void Sleep::end(double h, const Terms& terms, const std::vector<Impulse>& impuls
     for (const BodyId body : {row.a, row.b})
       if (body >= 0 && system_.law(c.contact).belt != 0) rest_[static_cast<std::size_t>(body)] = 0;
   }
+  for (const Joint& joint : system_.scene().joints)
+    if (const auto* drive = std::get_if<Drive>(&joint)) {
+      const auto [a, b] = bodies_of(*drive);
+      for (const BodyId body : {a, b})
+        if (body >= 0) rest_[static_cast<std::size_t>(body)] = 0;
+    }
   islands_.sort(rows_);
   std::fill(least_.begin(), least_.end(), kInf);
   for (BodyId b = 0; b < system_.bodies(); ++b) {

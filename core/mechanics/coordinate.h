@@ -9,6 +9,7 @@
 
 #include <orthant/core/mechanics/geometry.h>
 
+#include <utility>
 #include <variant>
 
 namespace orthant {
@@ -77,5 +78,13 @@ struct Coordinate : std::variant<Angle, Slide, Span> {
   }
   const variant& kind() const { return *this; }
 };
+
+/// The two bodies of a joint, contact or spring: its own, or those of the coordinate that it acts along.
+template <class Element> std::pair<BodyId, BodyId> bodies_of(const Element& element) {
+  if constexpr (requires { element.of; })
+    return std::visit([](const auto& c) { return std::pair{c.a, c.b}; }, element.of.kind());
+  else
+    return {element.a, element.b};
+}
 
 }  // namespace orthant

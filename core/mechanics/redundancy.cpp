@@ -14,7 +14,7 @@ constexpr double kMove = 0.1;        // [rad], or of the scene's size
 using Repeats = std::vector<std::vector<int>>;  // of each row; empty: independent
 
 void evaluate(const System& system, const Eigen::VectorXd& q, Terms& terms) {
-  set_poses(system, q, terms.at);
+  set_poses(system, system.initial_state().t, q, terms.at);
   evaluate_joint_residual(system, terms);
   evaluate_joint_rows(system, terms);
 }
