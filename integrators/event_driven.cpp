@@ -564,7 +564,7 @@ bool EventDriven::shares_anew(const Sign& event) {
     mode.share_normal = std::max(now_.w.normal[c], 1e-3 * most);
     mode.share_tangent = static_mu(system_.law(c)) * mode.share_normal;
   }
-  return observe(now_, start_ + elapsed_) && room(event.contact) > force_zero();
+  return observe(now_, start_ + elapsed_) && room(event.contact) > slack(event.watch, event.contact);
 }
 
 /// What is "at the same time" in forces [N]: trial_ is the start of the step that led here.
