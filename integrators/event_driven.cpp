@@ -389,7 +389,10 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   const double t = start_ + elapsed_;
   if (static_cast<int>(events_.size()) >= options_.max_events)
     return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
-  if (event && standstill_ == 0 && shares_anew(*event)) return true;
+  if (event && standstill_ == 0 && shares_anew(*event)) {
+    crowded_ = std::max(0, crowded_ - 1);  // no event
+    return true;
+  }
   no_answer_ = false;
   before_ = motion_.modes;
   std::fill(released_.begin(), released_.end(), false);
