@@ -13,7 +13,7 @@
 //   contacts, A is kept as a Delassus operator and never formed.
 //   Both give the same step.
 //   Bodies that do not act on one another in the step are solved apart, one problem an island (islands.h): the answer of
-//   the whole one, found with fewer pivots. The whole one is formed all the same, for problem() to show.
+//   the whole one to rounding, found from smaller problems. The whole one is formed all the same, for problem() to show.
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the coordinate.
 // Friction, by Cone:
 //   coulomb  |Λ_T| ≤ μ Λ_N against the slip; the matrix of the pure problem is not symmetric.

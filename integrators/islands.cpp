@@ -7,13 +7,12 @@ namespace orthant {
 Islands::Islands(const System& system) : fixed_(static_cast<std::size_t>(system.bodies())), block_(fixed_.size()) {
   std::iota(fixed_.begin(), fixed_.end(), 0);
   parent_ = fixed_;
-  Terms terms(system);  // whom rows join does not depend on the pose
-  const State x = system.initial_state();
-  set_poses(system, x.t, x.q, terms.at);
-  evaluate_joint_rows(system, terms);
-  evaluate_forces(system, x.t, x.v, terms);
-  for (const Row& row : terms.G) join(row.a, row.b);
-  for (const SpringState& spring : terms.springs) join(spring.row.a, spring.row.b);
+  const auto connect = [&](const auto& element) {
+    const auto [a, b] = bodies_of(element);
+    join(a, b);
+  };
+  for (const Joint& joint : system.scene().joints) std::visit(connect, joint);
+  for (const Spring& spring : system.scene().springs) std::visit(connect, spring);
   for (std::size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = find(static_cast<int>(i));
   const auto most = 2 * system.scene().contacts.size() + system.scene().frictions.size() +
                     static_cast<std::size_t>(system.joint_rows());
