@@ -24,6 +24,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <thread>
 
 using namespace orthant;
@@ -243,7 +244,8 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
       "| case | integrator | solvers | coarsest | finest error | order | ms | residual | penetration | joints | energy "
       "| |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  int passed = 0, total = 0;
+  std::map<std::string, std::map<std::string, std::pair<int, int>>> tally;  // passed, all: by integrator, by solver
+  std::vector<std::string> columns;
   for (std::size_t k = 0; k < rows.size();) {
     // One line for all solvers that agree to rounding.
     std::vector<std::pair<std::string, Series>> by_solver;
@@ -263,7 +265,10 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
     };
     std::vector<bool> told(by_solver.size());
     for (std::size_t i = 0; i < by_solver.size(); ++i) {
-      ++total, passed += verdict(exhibit, by_solver[i].second) == "pass";
+      const std::string column = exhibit.scene.contacts.empty() ? "no contacts" : by_solver[i].first;
+      if (std::find(columns.begin(), columns.end(), column) == columns.end()) columns.push_back(column);
+      auto& [passed, run] = tally[rows[first].integrator][column];
+      ++run, passed += verdict(exhibit, by_solver[i].second) == "pass";
       if (told[i]) continue;
       std::string names;
       for (std::size_t j = i; j < by_solver.size(); ++j) {
@@ -287,7 +292,18 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
                verdict(exhibit, series) + " |\n";
     }
   }
-  table += "\n" + std::to_string(passed) + " of " + std::to_string(total) + " pass.\n";
+  table += "\nPassed:\n\n| integrator |";
+  for (const std::string& column : columns) table += ' ' + column + " |";
+  table += "\n|---|";
+  for (std::size_t i = 0; i < columns.size(); ++i) table += "---|";
+  for (const IntegratorEntry& entry : integrators()) {
+    table += "\n| `" + std::string(entry.name) + "` |";
+    for (const std::string& column : columns) {
+      const auto [passed, run] = tally[std::string(entry.name)][column];
+      table += ' ' + std::to_string(passed) + " of " + std::to_string(run) + " |";
+    }
+  }
+  table += '\n';
   write_whole(output / "table.md", table);
   std::cout << table;
 }
