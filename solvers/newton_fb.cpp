@@ -147,17 +147,22 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
   return d_.allFinite();
 }
 
-/// The rows' sides as (z, w) shows them, solved for; taken when the merit falls.
+/// The rows' sides as (z, w) shows them, solved for, or where they repeat each other the solution next to z; taken when the
+/// merit falls.
 bool NewtonFb::polish(const Lcp& p, Vector& z) {
   const double before = merit(p, z);
   rows_.z = z;
   rows_.w = w_;
   for (Index i = 0; i < p.size(); ++i) rows_.side[static_cast<std::size_t>(i)] = rows_.target(i);
-  if (!rows_.solve()) return merit(p, z), false;
-  trial_ = rows_.z.cwiseMax(p.lo).cwiseMin(p.hi);
-  if (!(merit(p, trial_) < before)) return merit(p, z), false;
-  z = trial_;
-  return true;
+  for (const bool near : {false, true}) {
+    if (!(near ? rows_.solve_near(z) : rows_.solve())) continue;
+    trial_ = rows_.z.cwiseMax(p.lo).cwiseMin(p.hi);
+    if (merit(p, trial_) < before) {
+      z = trial_;
+      return true;
+    }
+  }
+  return merit(p, z), false;
 }
 
 Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
