@@ -442,7 +442,8 @@ bool Adaptive::accept(double h, State& x, StepReport& report) {
   report.joint_residual = projection_.position(x.t + h, terms_, q_);
   report.joint_rate = projection_.velocity(terms_, v_);
   if (report.joint_rate > kEps * v_.lpNorm<Eigen::Infinity>()) report.joint_rate = projection_.velocity(terms_, v_);
-  if (!(report.joint_residual < kInf) || !q_.allFinite() || !v_.allFinite()) return false;
+  const double close = kJointsHold * (1 + q_.lpNorm<Eigen::Infinity>());
+  if (!(report.joint_residual <= close) || !q_.allFinite() || !v_.allFinite()) return false;
   ++report.accepted;
   report.energy_rise = std::max(report.energy_rise, rise_);
   rise_ = 0;

@@ -2,9 +2,9 @@
 
 namespace orthant {
 
-void MoreauJean::close(double /*h*/, const State& x) {
+void MoreauJean::close(double h, const State& x) {
   evaluate_gaps(system_, terms_);
-  evaluate_closed(system_, touching(x.q), terms_);
+  evaluate_closed(system_, nearly(h, x), terms_);
   newtons_law(system_.laws(), terms_, x.v, wanted_);
 }
 

@@ -11,6 +11,9 @@
 
 namespace orthant {
 
+/// Of 1 m + the largest coordinate: joints left farther than this contradict each other, or the step was much too long.
+inline constexpr double kJointsHold = 1e-8;
+
 class Projection {
  public:
   explicit Projection(const System& system, bool with_joints = true);

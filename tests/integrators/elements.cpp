@@ -307,4 +307,17 @@ TEST_CASE("schemes without dry friction in joints say so when they are made") {
   }
 }
 
+TEST_CASE("joints that contradict each other: no integrator calls that solved") {
+  Scene s{.gravity = {0, -9.81}};
+  const BodyId b = s.body({.name = "b"});
+  s.joint(Distance{"left", kGround, b, {0, 0}, {0, 0}, 1});
+  s.joint(Distance{"right", kGround, b, {5, 0}, {0, 0}, 1});
+  for (const IntegratorEntry& scheme : integrators()) {
+    CAPTURE(scheme.name);
+    const Run r = run_for(s, 0.01, scheme.name, 1e-3);
+    CHECK(r.status == Status::numerical_error);
+    CHECK(!r.why.empty());
+  }
+}
+
 }  // namespace orthant
