@@ -1,11 +1,10 @@
 // The museum of hard cases: every exhibit by every integrator with several solvers, beside its exact answer.
 //
-// Schemes of fixed step run at h, h/2, …; the order is the slope of log(error) over the ladder by least squares.
-// `adaptive` and `event-driven` run over tolerances instead. Each run is a process of its own, under a time limit, so that
-// a crash or an endless loop is a row as well. An answer passes
+// Schemes of fixed step run at h, h/2, … (four steps an octave where events make the error a sawtooth); the order is that
+// of the worst error of each octave (fit_order.h). `adaptive` and `event-driven` run over tolerances instead. Each run is
+// a process of its own, under a time limit, so that a crash or an endless loop is a row as well. An answer passes
 //   when its error is at most the exhibit's `exact`, or
-//   fixed step  when it converges: order ≥ 0.85 with events (0.5: least rate of the θ-schemes at impacts is 1, scatter
-//               aside), ≥ 1.85 or 0.85 (by scheme) without;
+//   fixed step  when it converges: order ≥ 0.85 with events, ≥ 1.85 or 0.85 (by scheme) without;
 //   tolerances  when the finest error is at most 1e-6.
 // Nothing is left out: what does not pass says why.
 #include "experiments/museum/exhibit.h"
