@@ -9,7 +9,6 @@ Projection::Projection(const System& system, bool with_joints)
       basic_(system, with_joints),
       trial_(system.dof()),
       step_(system.dof()),
-      zero_(Eigen::VectorXd::Zero(system.dof())),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {}
 
@@ -25,7 +24,7 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   const double tolerance = 1e-15 * (1 + q.lpNorm<Eigen::Infinity>());
   for (int i = 0; i < kIterations && residual > tolerance; ++i) {
     rate_ = -terms.phi;
-    basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
+    basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());
     trial_ = q + step_;
     set_poses(system_, t, trial_, terms.at);
     evaluate_joint_residual(system_, terms);
@@ -49,7 +48,7 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
     return rate_.lpNorm<Eigen::Infinity>();
   };
   const auto correct = [&] {
-    basic_.solve(zero_.data(), rate_.data(), step_.data(), lambda_.data());
+    basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());
     v += step_;
     return missing();
   };

@@ -29,7 +29,7 @@ class Projection {
  private:
   const System& system_;
   BasicSystem basic_;
-  Eigen::VectorXd trial_, step_, zero_, rate_, lambda_;
+  Eigen::VectorXd trial_, step_, rate_, lambda_;
 };
 
 }  // namespace orthant

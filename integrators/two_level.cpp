@@ -19,8 +19,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       problem_(&velocities_.problem()),
       q_end_(system.dof()),
       free_(system.dof()),
-      correction_(system.dof()),
-      zero_(Eigen::VectorXd::Zero(system.dof())) {
+      correction_(system.dof()) {
   wanted_.reserve(system.scene().contacts.size());
   carrying_.reserve(system.scene().contacts.size());
   require_plain_impacts(system, name);
@@ -68,7 +67,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
 
     if (rate_.size() > 0) {
       rate_ = -end_.phi;
-      basic_.solve(zero_.data(), rate_.data(), correction_.data(), lambda_.data());
+      basic_.solve_rates(rate_.data(), correction_.data(), lambda_.data());
       free_ += correction_;
     }
     const bool rows = resists || !start_.closed.empty();

@@ -63,7 +63,7 @@ class TwoLevel : public Integrator {
   double stiffness_weight_ = 0, damping_weight_ = 0;
   std::vector<Wanted> wanted_;
   std::vector<int> carrying_;
-  Eigen::VectorXd q_end_, free_, correction_, zero_;
+  Eigen::VectorXd q_end_, free_, correction_;
 };
 
 }  // namespace orthant

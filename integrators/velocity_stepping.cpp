@@ -62,14 +62,14 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   if (!basic_.factorize(system_, terms_, h * h * at * at, h * at))
     return fail(report, Status::numerical_error, "the basic system is not finite");
 
-  // Wanted G v⁺: ṡ, or such that the mean velocity of the step satisfies the joints.
+  // Wanted of G v⁺: ṡ, or such that the mean velocity of the step satisfies the joints.
   const double share = plan_.joints == Joints::symmetric ? 1 / at : 1;
-  for (Index i = 0; i < rate_.size(); ++i)
-    rate_[i] = share * terms_.joint_rate[i] + (1 - share) * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+  for (Index i = 0; i < rate_.size(); ++i) {
+    const double rate = apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+    lambda_[i] = share * (terms_.joint_rate[i] - rate);
+    rate_[i] = rate + lambda_[i];
+  }
   force_ = h * terms_.f;
-  if (basic_.joint_rows() > 0)
-    for (Index i = 0; i < rate_.size(); ++i)
-      lambda_[i] = rate_[i] - apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
   basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
   v_new_ += x.v;
   return v_new_.allFinite() || fail(report, Status::numerical_error, "the motion is not finite");

@@ -163,13 +163,12 @@ struct BasicSystem::LeastNorm {
   Eigen::MatrixXd G;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> A;
 
-  LeastNorm(const Eigen::MatrixXd& mass, const std::vector<Row>& rows) : factor(mass) { decompose(rows, mass.rows()); }
-  LeastNorm(const Eigen::VectorXd& inverse_mass, const std::vector<Row>& rows)
-      : inverse_root(inverse_mass.cwiseSqrt()) {
+  LeastNorm(const Eigen::MatrixXd& mass, std::span<const Row> rows) : factor(mass) { decompose(rows, mass.rows()); }
+  LeastNorm(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows) : inverse_root(inverse_mass.cwiseSqrt()) {
     decompose(rows, inverse_mass.size());
   }
 
-  void decompose(const std::vector<Row>& rows, Index dof) {
+  void decompose(std::span<const Row> rows, Index dof) {
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(dof, static_cast<Index>(rows.size()));
     for (Index i = 0; i < columns.cols(); ++i)
       apply_transposed(rows[static_cast<std::size_t>(i)], 1.0, columns.col(i).data());
@@ -199,27 +198,15 @@ BasicSystem::BasicSystem(const System& system, bool with_joints)
     : dof_(system.dof()),
       rows_(with_joints ? system.joint_rows() : 0),
       inverse_mass_(system.inverse_mass()),
-      y_(rows_),
-      f_(dof_),
+      zero_(Eigen::VectorXd::Zero(std::max(rows_, dof_))),
       force_(dof_),
-      zero_(Eigen::VectorXd::Zero(rows_)),
       lambda_(rows_) {
   if (rows_ == 0 && system.scene().springs.empty()) return;
   const Terms terms = topology(system);
-  G_.assign(terms.G.begin(), terms.G.begin() + rows_);
-  if (rows_ > kDenseRows || !system.scene().springs.empty()) {
+  if (rows_ > kDenseRows || !system.scene().springs.empty())
     sparse_ = std::make_unique<Sparse>(system, terms, rows_);
-    return;
-  }
-  for (int i = 0; i < rows_; ++i)
-    for (int j = 0; j <= i; ++j)
-      for (int side_i = 0; side_i < 2; ++side_i)
-        for (int side_j = 0; side_j < 2; ++side_j) {
-          const int shared = body(G_[static_cast<std::size_t>(i)], side_i);
-          if (shared >= 0 && shared == body(G_[static_cast<std::size_t>(j)], side_j))
-            shared_.push_back({i, j, side_i, side_j, shared});
-        }
-  S_.resize(rows_, rows_);
+  else
+    schur_.emplace(inverse_mass_, terms.G);
 }
 
 BasicSystem::~BasicSystem() = default;
@@ -227,56 +214,23 @@ BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
 
 bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
   redundant_ = false;
-  independence_ = 1;
-  if (rows_ > 0) std::copy(terms.G.begin(), terms.G.begin() + rows_, G_.begin());
+  const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
   if (sparse_) {
     if (sparse_->factorize(system, terms, stiffness_weight, damping_weight)) return true;
     if (!sparse_->finite()) return false;
-    redundant_ = true;
-    least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G_);
-    return true;
+    least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
+  } else {
+    if (!schur_ || schur_->factorize(G, kDependent)) return true;
+    if (!schur_->finite()) return false;
+    least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G);
   }
-  return rows_ == 0 || factorize_dense(terms);
-}
-
-bool BasicSystem::factorize_dense(const Terms& terms) {
-  S_.setZero();
-  for (const Shared& s : shared_) {
-    const auto& u = side(terms.G[static_cast<std::size_t>(s.i)], s.side_i);
-    const auto& v = side(terms.G[static_cast<std::size_t>(s.j)], s.side_j);
-    const double* w = inverse_mass_.data() + 3 * s.body;
-    S_(s.i, s.j) += u[0] * w[0] * v[0] + u[1] * w[1] * v[1] + u[2] * w[2] * v[2];
-  }
-  // S = L Lᵀ in place, the diagonal of L inverted. By plain loops: for so few rows they are twice as fast as a library's.
-  for (int i = 0; i < rows_; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double left = S_(i, j);
-      for (int k = 0; k < j; ++k) left -= S_(i, k) * S_(j, k);
-      if (j < i) {
-        S_(i, j) = left * S_(j, j);
-      } else if (left > kDependent * S_(i, i)) {  // pivot against diagonal: independent of mass ratios, units
-        independence_ = std::min(independence_, left / S_(i, i));
-        S_(i, i) = 1 / std::sqrt(left);
-      } else {
-        return find_least_norm(std::isfinite(left));
-      }
-    }
-  return std::isfinite(S_.sum());
-}
-
-bool BasicSystem::find_least_norm(bool finite) {
-  if (!finite) return false;
   redundant_ = true;
-  least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G_);
   return true;
-}
-
-void BasicSystem::multiply_G(const double* x, double* y) const {
-  for (std::size_t i = 0; i < G_.size(); ++i) y[i] = apply(G_[i], x);
 }
 
 void BasicSystem::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
+  if (schur_) return schur_->solve(f, c, x, lambda);
   if (sparse_) {
     Eigen::Map<Eigen::VectorXd> rhs(sparse_->rhs.data(), sparse_->n);
     rhs.head(dof_) = Eigen::Map<const Eigen::VectorXd>(f, dof_);
@@ -286,24 +240,12 @@ void BasicSystem::solve(const double* f, const double* c, double* x, double* lam
     std::copy_n(sparse_->rhs.data() + dof_, rows_, lambda);
     return;
   }
-  Eigen::Map<Eigen::VectorXd> result(x, dof_);
-  result = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
-  if (rows_ == 0) return;
-  // S λ = c − G M⁻¹ f, then x = M⁻¹ (f + Gᵀ λ).
-  Eigen::Map<Eigen::VectorXd> multiplier(lambda, rows_);
-  multiply_G(x, y_.data());
-  multiplier = Eigen::Map<const Eigen::VectorXd>(c, rows_) - y_;
-  for (int i = 0; i < rows_; ++i) {
-    for (int k = 0; k < i; ++k) multiplier[i] -= S_(i, k) * multiplier[k];
-    multiplier[i] *= S_(i, i);
-  }
-  for (int i = rows_ - 1; i >= 0; --i) {
-    for (int k = i + 1; k < rows_; ++k) multiplier[i] -= S_(k, i) * multiplier[k];
-    multiplier[i] *= S_(i, i);
-  }
-  f_.setZero();
-  for (std::size_t i = 0; i < G_.size(); ++i) apply_transposed(G_[i], lambda[i], f_.data());
-  result += inverse_mass_.cwiseProduct(f_);
+  Eigen::Map<Eigen::VectorXd>(x, dof_) = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
+}
+
+void BasicSystem::solve_rates(const double* c, double* x, double* lambda) const {
+  if (schur_ && !redundant_) return schur_->solve_rates(c, x, lambda);
+  solve(zero_.data(), c, x, lambda);
 }
 
 void BasicSystem::solve_row(const Row& row, double* x) const {

@@ -4,7 +4,7 @@
 // This is the DAE's matrix that is left when contact and friction are removed; contacts enter through its inverse.
 // Three ways, by what the scene contains:
 //   no joints, no springs   x = M⁻¹ f
-//   few joint rows, no springs  S = G M⁻¹ Gᵀ by dense Cholesky
+//   few joint rows, no springs  S = G M⁻¹ Gᵀ, dense (schur.h)
 //   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
 // Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken (copies
 // of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S, whose
@@ -12,10 +12,12 @@
 // Source: Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10; Davis, KLU (2010).
 #pragma once
 
+#include <orthant/core/mechanics/schur.h>
 #include <orthant/core/mechanics/terms.h>
 
 #include <Eigen/Dense>
 #include <memory>
+#include <optional>
 
 namespace orthant {
 
@@ -32,6 +34,9 @@ class BasicSystem {
   /// f has dof entries, c joint_rows() entries; λ likewise (both empty without joints). Sizes are not checked.
   void solve(const double* f, const double* c, double* x, double* lambda) const;
 
+  /// f = 0.
+  void solve_rates(const double* c, double* x, double* lambda) const;
+
   /// Right-hand side f = rowᵀ, c = 0.
   void solve_row(const Row& row, double* x) const;
 
@@ -39,28 +44,20 @@ class BasicSystem {
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
   /// What is left of the most dependent joint row of the last factorization, squared over its S_ii, in (0, 1]: near 0 next
   /// to a singular pose. 1 where it is not known (redundant rows, the sparse matrix).
-  double independence() const { return independence_; }
+  double independence() const { return schur_ && !redundant_ ? schur_->independence() : 1; }
 
  private:
   struct Sparse;     // KLU and the pattern
   struct LeastNorm;  // for redundant joints
-  struct Shared {    // rows i ≥ j meet in a body, as side (0: a, 1: b) of each
-    int i, j, side_i, side_j, body;
-  };
-  bool factorize_dense(const Terms& terms);
-  bool find_least_norm(bool finite);
-  void multiply_G(const double* x, double* y) const;
 
   int dof_ = 0, rows_ = 0;
   bool redundant_ = false;
-  double independence_ = 1;
   Eigen::VectorXd inverse_mass_;
-  std::vector<Row> G_;  // those of the last factorization
-  std::vector<Shared> shared_;
-  Eigen::MatrixXd S_;  // below and on the diagonal its Cholesky factor
+  std::optional<Schur> schur_;
   std::unique_ptr<LeastNorm> least_norm_;
   std::unique_ptr<Sparse> sparse_;
-  mutable Eigen::VectorXd y_, f_, force_, zero_, lambda_;
+  Eigen::VectorXd zero_;  // as many as there are joint rows, or coordinates
+  mutable Eigen::VectorXd force_, lambda_;
 };
 
 }  // namespace orthant
