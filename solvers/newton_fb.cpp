@@ -38,6 +38,18 @@ Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
 }
 
 bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+  if (!problem.friction.empty() && (attempt -= 2) <= 0) {
+    log(s.iterations, s.residual, 0, "bounds of friction frozen");
+    s.z = start_;
+    if (attempt == 0) s.z.setZero();
+    claim = frozen_.iterate(problem, s.z, budget(), [this, &s](const Lcp& box, Vector& z) {
+      y_ = z;
+      const Status round = in_good_units(box, s);
+      z = y_.cwiseMax(box.lo).cwiseMin(box.hi);
+      return round;
+    });
+    return true;
+  }
   if (attempt > static_cast<int>(kWeights.size()) || problem.size() == 0) return false;
   patient_ = attempt == static_cast<int>(kWeights.size());
   weight_of_z_ = patient_ ? kWeights[0] : kWeights[static_cast<std::size_t>(attempt)];

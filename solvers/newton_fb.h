@@ -10,7 +10,7 @@
 //   d_i is A's largest entry in the row. Where z is much larger than w/d (mass ratios of 1e10), w alone counts in Φ and
 //   the iteration creeps: a run that creeps or fails is made again with d 1e-3, 1e-6, 1e-9 times that, at
 //   last patiently with d.
-//   Friction rows through the pure form (pyramid.h); rows and columns scaled by powers of 2 where the entries span many
+//   Friction rows through the pure form (pyramid.h), then as a fixed point of box problems (frozen_friction.h); rows and columns scaled by powers of 2 where the entries span many
 //   orders (scaling.h). The start value is used.  A stationary point of the merit that is
 //   no solution → stalled (for P0-matrices there is none).
 //   Source: Fischer, Optimization 24 (1992); De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407-439;
@@ -21,6 +21,7 @@
 #include <orthant/solvers/active_rows.h>
 #include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/dense_lu.h>
+#include <orthant/solvers/frozen_friction.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/solver.h>
 
@@ -57,6 +58,7 @@ class NewtonFb final : public Solver {
 
   Options options_;
   Pyramid pyramid_;
+  FrozenFriction frozen_;
   detail::Scaling scaling_;
   Lcp scaled_;
   ActiveRows rows_;

@@ -12,6 +12,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
+  if (!problem.friction.empty()) start_ = s.z;
   if (problem.friction.empty()) {
     if (start == Start::cold && !(options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z))) {
       rows_.load(problem, s.z);
@@ -27,6 +28,18 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   y_ = y_.cwiseMax(pure.lo).cwiseMin(pure.hi);  // a rounding outside is none of the answer's
   pyramid_.restore(problem, y_, s.z);
   return claim;
+}
+
+bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+  if (attempt > 2 || problem.friction.empty()) return false;
+  s.z = start_;
+  if (attempt == 2) s.z.setZero();
+  claim = frozen_.iterate(problem, s.z, budget(), [this, &s](const Lcp& box, Vector& z) {
+    const Status round = iterate(box, s, z);
+    z = z.cwiseMax(box.lo).cwiseMin(box.hi);
+    return round;
+  });
+  return true;
 }
 
 double NewtonMin::merit(const Lcp& p, const Vector& z) {
@@ -49,7 +62,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
   Vector& kept = s.w;  // free until the judge writes w: the best point so far
   kept = z;
   bool full = false;
-  while (s.iterations < options_.max_iterations) {
+  for (int begun = s.iterations; s.iterations - begun < options_.max_iterations;) {
     ++s.iterations;
     rows_.z = z;
     rows_.w = w_;
@@ -61,7 +74,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
     }
     const double limit = *std::max_element(recent_.begin(), recent_.end());
     double length = 0;
-    if (rows_.solve()) {
+    if (rows_.solve() || rows_.solve_near(z)) {
       direction_ = rows_.z - z;
       const bool rounding = (direction_.array().abs() <= 0x1p-50 * z.array().abs()).all();
       if (rounding || (same && !(merit(p, rows_.z) < now))) {

@@ -6,7 +6,8 @@
 //   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
-//   Friction rows through the pure form (pyramid.h). The start value is used; cold, without friction, it is that of
+//   Friction rows through the pure form (pyramid.h); where that fails, as a fixed point of box problems
+//   (frozen_friction.h). The start value is used; cold, without friction, it is that of
 //   coarse problems for sparse Z-matrices (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
@@ -16,6 +17,7 @@
 #include <orthant/solvers/active_rows.h>
 #include <orthant/solvers/coarse_start.h>
 #include <orthant/solvers/dense_cholesky.h>
+#include <orthant/solvers/frozen_friction.h>
 #include <orthant/solvers/solver.h>
 
 #include <vector>
@@ -41,15 +43,17 @@ class NewtonMin final : public Solver {
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   Status iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ‖D H(z)‖², w_ and sides as a by-product
   bool marquardt(const Lcp& problem, Vector& z, double limit);
 
   Options options_;
   Pyramid pyramid_;
+  FrozenFriction frozen_;
   ActiveRows rows_;
   CoarseStart coarse_;
-  Vector y_, w_, trial_, scratch_, H_, direction_, gradient_, from_;
+  Vector start_, y_, w_, trial_, scratch_, H_, direction_, gradient_, from_;
   std::vector<double> recent_;
   DenseMatrix J_, normal_;
   DenseCholesky shifted_;
