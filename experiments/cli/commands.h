@@ -1,6 +1,8 @@
 // experiments/cli/commands.h — the subcommands of orthant. Each adds itself; exceptions from a run are bad input.
 #pragma once
 
+#include <orthant/core/lcp/solution.h>
+
 #include <CLI/CLI.hpp>
 
 #include <memory>
@@ -14,5 +16,8 @@ void add_solve(CLI::App& app, int& exit_code);
 void add_analyse(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
+
+/// What the shell is told of an answer; 1 is bad input.
+inline int exit_code_of(Status status) { return status == Status::solved ? 0 : status == Status::infeasible ? 2 : 3; }
 
 }  // namespace orthant

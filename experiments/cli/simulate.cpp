@@ -146,7 +146,7 @@ int run_simulate(const SimulateArguments& arguments) {
       for (const auto& [column, number] : value.items()) std::cout << key << "." << column << " = " << number << '\n';
     }
   }
-  return run.status == Status::solved ? 0 : 3;
+  return exit_code_of(run.status);
 }
 
 }  // namespace

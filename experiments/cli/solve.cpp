@@ -82,7 +82,7 @@ int run_solve(const SolveArguments& a) {
     for (const auto& [key, value] : json.items()) std::cout << key << " = " << value << '\n';
   }
   if (!reason.empty()) std::cerr << "orthant: " << a.solver << " cannot take this problem: " << reason << '\n';
-  return s.status == Status::solved ? 0 : s.status == Status::infeasible ? 2 : 3;
+  return exit_code_of(s.status);
 }
 
 }  // namespace

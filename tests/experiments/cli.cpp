@@ -160,6 +160,17 @@ TEST_CASE("output goes through a link to its target, and never replaces a device
   CHECK(fs::is_character_file("/dev/null"));
 }
 
+TEST_CASE("a drive through the floor: proved infeasible, and the shell is told so") {
+  const Cli folder;
+  folder.write("through.toml",
+               "duration = 1\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\nposition = [0, 1]\n"
+               "[[joint]]\ntype = 'drive'\nof = 'slide'\nbodies = ['ground', 'b']\naxis = [0, 1]\nrate = -2\n"
+               "[[contact]]\ntype = 'corner-wall'\nbody = 'b'\nwall = {normal = [0, 1]}\n");
+  const Reply a = folder.orthant("simulate through.toml --step 1e-2 --json");
+  CHECK(a.exit_code == 2);
+  CHECK(nlohmann::json::parse(a.out).at("status") == "infeasible");
+}
+
 TEST_CASE("a failed run ends its record with the state it reached") {
   const Cli folder;
   const Reply a = folder.orthant(
