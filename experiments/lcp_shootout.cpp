@@ -1,6 +1,7 @@
 // Which solver is fast, and how good is what it calls solved?
 //
-// Every solver of the registry on problem families, known problems, steps of simulations, and files. Each case is a
+// Every solver of the registry, and whatever rivals there are (experiments/benchmarks), on problem families, known
+// problems, steps of simulations, and files. Each case is a
 // process of its own with a time limit; the residual is recomputed by a second judge; failures are rows too. Writes a row
 // per case (what there is, every minute), a summary per solver, a table of what really answered, a manifest. Times are
 // processor time.
@@ -9,6 +10,7 @@
 #include "experiments/support/lcp_trial.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
+#include "experiments/support/rivals.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
@@ -30,7 +32,9 @@ namespace {
 struct Plan {
   std::filesystem::path output = "results/lcp_shootout";
   LcpCaseChoice choice;
-  std::vector<std::string> solvers;
+  std::vector<std::string> solvers;  // rivals last
+  std::filesystem::path rivals_folder;
+  std::vector<Rival> rivals;
   double time_limit = 2, memory = 4;  // [s], [GB]
   unsigned jobs = 1;
   bool quick = false;
@@ -106,14 +110,17 @@ std::vector<Row> run_all(const Plan& plan, const std::vector<LcpCase>& cases, st
         progress.add(step, false);
         continue;
       }
-      processes.start([&] { return to_text(try_solver(problem, spec, plan.time_limit)); },
-                      1.5 * plan.time_limit + 0.1,  // [s] the rest: to start, and to be judged
-                      [&row, &c, &spec, &progress, &out_of_time, step](const Outcome& outcome) {
-                        row.trial = trial_of(outcome);
-                        row.result = judge(row.trial, c.answer);
-                        out_of_time.note(spec, c, row.trial);
-                        progress.add(step, row.result == Result::wrong || row.result == Result::crashed);
-                      });
+      const auto rival = std::ranges::find(plan.rivals, spec, &Rival::name);
+      const bool ours = rival == plan.rivals.end();
+      processes.start(
+          [&] { return to_text(ours ? try_solver(problem, spec, plan.time_limit) : try_rival(problem, *rival)); },
+          1.5 * plan.time_limit + (ours ? 0.1 : 3),  // [s] the rest: to start, and to be judged
+          [&row, &c, &spec, &progress, &out_of_time, step](const Outcome& outcome) {
+            row.trial = trial_of(outcome);
+            row.result = judge(row.trial, c.answer);
+            out_of_time.note(spec, c, row.trial);
+            progress.add(step, row.result == Result::wrong || row.result == Result::crashed);
+          });
     }
   }
   processes.wait_for_all();
@@ -221,15 +228,11 @@ void run(const Plan& plan, const std::string& command_line) {
   write_whole(plan.output / "paths.csv", paths(plan, rows, problems));
   auto about = manifest();
   about["command"] = command_line;
-  about["options"] = {{"solvers", plan.solvers},
-                      {"families", plan.choice.families},
-                      {"scenes", plan.choice.scenes},
-                      {"problems", plan.choice.problems},
-                      {"largest", plan.choice.largest},
-                      {"seeds", plan.choice.seeds},
-                      {"time_limit", plan.time_limit},
-                      {"memory", plan.memory},
-                      {"jobs", plan.jobs},
+  about["options"] = {{"solvers", plan.solvers},      {"families", plan.choice.families},
+                      {"scenes", plan.choice.scenes}, {"problems", plan.choice.problems},
+                      {"rivals", plan.rivals_folder}, {"largest", plan.choice.largest},
+                      {"seeds", plan.choice.seeds},   {"time_limit", plan.time_limit},
+                      {"memory", plan.memory},        {"jobs", plan.jobs},
                       {"quick", plan.quick}};
   write_whole(plan.output / "manifest.json", about.dump(2) + "\n");
   print(result);
@@ -242,6 +245,7 @@ int main(int argc, char** argv) {
   CLI::App app("Every solver on families of problems: speed against achieved residual, claims checked");
   app.add_option("--output", plan.output, "folder for tables and manifest")->capture_default_str();
   app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...; default: all of the registry");
+  app.add_option("--rivals", plan.rivals_folder, "folder of rivals' drivers; they take part as well");
   app.add_option("--families", plan.choice.families, "names of core/lcp/families.h, known, steps; default: all");
   app.add_option("--scenes", plan.choice.scenes, "scenes whose steps are recorded")->capture_default_str();
   app.add_option("--problems", plan.choice.problems, "problem files as well");
@@ -264,6 +268,8 @@ int main(int argc, char** argv) {
     if (plan.solvers.empty())
       for (const SolverEntry& entry : solvers()) plan.solvers.emplace_back(entry.name);
     for (const std::string& spec : plan.solvers) make_solver(spec);  // unknown: said at once
+    if (!plan.rivals_folder.empty()) plan.rivals = rivals(plan.rivals_folder);
+    for (const Rival& rival : plan.rivals) plan.solvers.push_back(rival.name);
     run(plan, command_line);
   } catch (const std::exception& error) {
     std::cerr << "lcp_shootout: " << error.what() << '\n';

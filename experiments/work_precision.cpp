@@ -1,10 +1,12 @@
 // What does an error cost on the slider-crank, by every integrator?
 //
-// Each integrator over a ladder of step sizes, or of tolerances, on μ × e; errors of θ₁(0.2 s) against the exact motion,
+// Each integrator, and whatever rivals there are (experiments/benchmarks), over a ladder of step sizes, or of tolerances, on μ × e; errors of θ₁(0.2 s) against the exact motion,
 // the fastest of the repeats. "Time to ε" is that of the cheapest setting from which on every finer one stays below ε, so
 // that no lucky run counts; the table shows the worst over the cases with e ≤ 0.4. Writes all runs and that table.
+#include "experiments/support/isolated.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
+#include "experiments/support/rivals.h"
 
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
@@ -18,6 +20,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <sstream>
 
 using namespace orthant;
 
@@ -26,6 +29,14 @@ namespace {
 constexpr double kDuration = 0.2;                        // [s]
 constexpr double kTargets[] = {1e-2, 1e-3, 1e-6, 1e-9};  // [rad]
 
+struct Plan {
+  std::filesystem::path output = "results/work_precision", rivals;
+  std::vector<std::string> names;  // of integrators
+  std::string solver = "lemke";
+  int repeats = 3;
+  double time_limit = 10;  // [s] of a rival's run
+  bool quick = false;
+};
 struct Setting {
   std::string spec;  // integrator
   double value = 0;  // step size [s] or tolerance
@@ -36,9 +47,9 @@ struct Result {
   Run run;
 };
 
-std::vector<Setting> ladder(const std::string& name, bool quick) {
+std::vector<Setting> ladder(const std::string& name, bool tolerances, bool quick) {
   std::vector<Setting> settings;
-  if (name == "adaptive" || name == "event-driven")
+  if (tolerances)
     for (double tolerance = 1e-3; tolerance > 0.9e-13; tolerance /= quick ? 100 : 10)
       settings.push_back(
           {name + ":rtol=" + detail::text_of(tolerance) + ",atol=" + detail::text_of(std::max(1e-3 * tolerance, 1e-15)),
@@ -61,6 +72,36 @@ Result measure(const Setting& setting, const SliderCrankExact& exact, const std:
   return r;
 }
 
+/// Its processor time; repeated like the others' runs, but not where that takes long.
+Result measure(const Setting& setting, const SliderCrankExact& exact, const Rival& rival, const Plan& plan) {
+  Result r;
+  r.run.status = Status::not_run;
+  Isolated processes(1, 0);
+  for (int k = 0; k < plan.repeats && (k == 0 || r.seconds < 0.1); ++k) {
+    processes.start(
+        [&] {
+          return output_of({rival.program.string(), rival.method, detail::text_of(exact.mu), detail::text_of(exact.e),
+                            detail::text_of(setting.value)});
+        },
+        plan.time_limit + 3, [&](const Outcome& outcome) {  // [s] the rest: to start
+          double theta1 = 0, seconds = 0;
+          const auto line = outcome.text.find_last_of('\n', std::max<std::size_t>(outcome.text.size(), 2) - 2);
+          std::istringstream text(outcome.text.substr(line == std::string::npos ? 0 : line + 1));  // the last
+          const bool answered = outcome.kind == Outcome::finished && text >> theta1 >> seconds >> r.run.steps;
+          r.run.status = answered                          ? Status::solved
+                         : outcome.kind == Outcome::killed ? Status::time_limit
+                                                           : Status::numerical_error;
+          if (!answered) return;
+          r.error = std::abs(theta1 - exact.theta1);
+          r.seconds = std::min(r.seconds, seconds);
+        });
+    processes.wait_for_all();
+    if (r.run.status != Status::solved) break;
+  }
+  r.run.accepted = r.run.steps;
+  return r;
+}
+
 /// Of results from coarse to fine.
 double time_to(double target, const std::vector<Result>& results) {
   double seconds = kInf;
@@ -71,69 +112,90 @@ double time_to(double target, const std::vector<Result>& results) {
 
 std::string number(double x) { return std::isfinite(x) ? detail::text_of(x) : ""; }
 
-void run(const std::filesystem::path& output, const std::string& solver, int repeats, bool quick,
-         const std::string& command_line) {
-  std::filesystem::create_directories(output);
+/// One integrator or rival: its rows of the table of runs, and its row of times to errors.
+void study(const std::string& name, const Rival* rival, const Plan& plan, std::string& runs, std::string& table) {
+  const bool tolerances = rival != nullptr ? rival->takes == "tolerance" : name == "adaptive" || name == "event-driven";
+  std::array<double, std::size(kTargets)> worst{};
+  for (const SliderCrankExact& exact : slider_crank_exact()) {
+    std::vector<Result> results;
+    int late = 0;
+    for (const Setting& setting : ladder(name, tolerances, plan.quick)) {
+      const Result& r = results.emplace_back(rival != nullptr ? measure(setting, exact, *rival, plan)
+                                                              : measure(setting, exact, plan.solver, plan.repeats));
+      runs += name;
+      for (const double x : {setting.value, exact.mu, exact.e}) runs += ',' + number(x);
+      runs += ',' + std::string(orthant::name(r.run.status));
+      for (const double x :
+           {r.error, r.seconds, static_cast<double>(r.run.accepted), static_cast<double>(r.run.rejected),
+            static_cast<double>(r.run.lcp_solves), static_cast<double>(r.run.events), r.run.max_joint_residual})
+        runs += ',' + number(x);
+      runs += '\n';
+      late += r.run.status == Status::time_limit;  // some get stuck at large steps, and not at small ones
+      if (rival != nullptr && (late > 1 || (r.error < kInf && r.seconds > plan.time_limit / 2))) break;
+    }
+    for (std::size_t k = 0; k < std::size(kTargets) && exact.e <= 0.4; ++k)
+      worst[k] = std::max(worst[k], time_to(kTargets[k], results));
+  }
+  table += name;
+  std::cout << "| `" << name << "` |";
+  for (const double seconds : worst) {
+    table += ',' + number(seconds);
+    std::cout << ' ' << (seconds < kInf ? detail::text_of(std::round(1e5 * seconds) / 100) : "-") << " |";
+  }
+  table += '\n';
+  std::cout << std::endl;
+}
+
+void run(const Plan& plan, const std::string& command_line) {
+  std::filesystem::create_directories(plan.output);
   std::string runs =
       "integrator,setting,mu,e,status,error,seconds,accepted,rejected,lcp_solves,events,joint_residual\n";
   std::string table = "integrator,to_1e-2,to_1e-3,to_1e-6,to_1e-9\n";
+  const std::vector<Rival> others = plan.rivals.empty() ? std::vector<Rival>{} : rivals(plan.rivals);
   std::cout << "worst time to an error of theta1(0.2 s) over mu in {0, .01, .1}, e in {0, .4} [ms]\n"
             << "| integrator | 1e-2 | 1e-3 | 1e-6 | 1e-9 |\n|---|---|---|---|---|\n";
-  Progress progress("work-precision", static_cast<double>(integrators().size()));
-  for (const IntegratorEntry& entry : integrators()) {
-    const std::string name(entry.name);
-    std::array<double, std::size(kTargets)> worst{};
-    for (const SliderCrankExact& exact : slider_crank_exact()) {
-      std::vector<Result> results;
-      for (const Setting& setting : ladder(name, quick)) {
-        const Result& r = results.emplace_back(measure(setting, exact, solver, repeats));
-        runs += name;
-        for (const double x : {setting.value, exact.mu, exact.e}) runs += ',' + number(x);
-        runs += ',' + std::string(orthant::name(r.run.status));
-        for (const double x :
-             {r.error, r.seconds, static_cast<double>(r.run.accepted), static_cast<double>(r.run.rejected),
-              static_cast<double>(r.run.lcp_solves), static_cast<double>(r.run.events), r.run.max_joint_residual})
-          runs += ',' + number(x);
-        runs += '\n';
-      }
-      for (std::size_t k = 0; k < std::size(kTargets) && exact.e <= 0.4; ++k)
-        worst[k] = std::max(worst[k], time_to(kTargets[k], results));
-    }
-    table += name;
-    std::cout << "| `" << name << "` |";
-    for (const double seconds : worst) {
-      table += ',' + number(seconds);
-      std::cout << ' ' << (seconds < kInf ? detail::text_of(std::round(1e5 * seconds) / 100) : "-") << " |";
-    }
-    table += '\n';
-    std::cout << std::endl;
+  Progress progress("work-precision", static_cast<double>(plan.names.size() + others.size()));
+  for (const std::string& name : plan.names) {
+    study(name, nullptr, plan, runs, table);
     progress.add(1, false);
   }
-  write_whole(output / "runs.csv", runs);
-  write_whole(output / "time_to_error.csv", table);
+  for (const Rival& rival : others) {
+    if (rival.absent.empty())
+      study(rival.name, &rival, plan, runs, table);
+    else
+      std::cout << "| `" << rival.name << "` | absent: " << rival.absent << " |\n", table += rival.name + ",,,,\n";
+    progress.add(1, !rival.absent.empty());
+  }
+  write_whole(plan.output / "runs.csv", runs);
+  write_whole(plan.output / "time_to_error.csv", table);
   auto about = manifest();
   about["command"] = command_line;
-  about["options"] = {{"solver", solver}, {"repeats", repeats}, {"quick", quick}};
-  write_whole(output / "manifest.json", about.dump(2) + "\n");
+  about["options"] = {{"solver", plan.solver}, {"repeats", plan.repeats},       {"integrators", plan.names},
+                      {"rivals", plan.rivals}, {"time_limit", plan.time_limit}, {"quick", plan.quick}};
+  write_whole(plan.output / "manifest.json", about.dump(2) + "\n");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path output = "results/work_precision";
-  std::string solver = "lemke";
-  int repeats = 3;
-  bool quick = false;
+  Plan plan;
   CLI::App app("Slider-crank with clearance: time to an error, for every integrator");
-  app.add_option("--output", output, "folder for tables and manifest")->capture_default_str();
-  app.add_option("--solver", solver, "NAME[:option=value,...]")->capture_default_str();
-  app.add_option("--repeats", repeats, "of each run, the fastest counts")->check(CLI::Range(1, 100));
-  app.add_flag("--quick", quick, "fewer and coarser settings");
+  app.add_option("--output", plan.output, "folder for tables and manifest")->capture_default_str();
+  app.add_option("--integrators", plan.names, "NAME ...; default: all of the registry");
+  app.add_option("--solver", plan.solver, "NAME[:option=value,...]")->capture_default_str();
+  app.add_option("--repeats", plan.repeats, "of each run, the fastest counts")->check(CLI::Range(1, 100));
+  app.add_option("--rivals", plan.rivals, "folder of rivals' drivers; they take part as well");
+  app.add_option("--time-limit", plan.time_limit, "of a rival's run [s]")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->capture_default_str();
+  app.add_flag("--quick", plan.quick, "fewer and coarser settings");
   CLI11_PARSE(app, argc, argv);
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   try {
-    run(output, solver, repeats, quick, command_line);
+    if (plan.names.empty())
+      for (const IntegratorEntry& entry : integrators()) plan.names.emplace_back(entry.name);
+    run(plan, command_line);
   } catch (const std::exception& error) {
     std::cerr << "work_precision: " << error.what() << '\n';
     return 1;

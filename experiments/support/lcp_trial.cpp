@@ -35,6 +35,14 @@ std::string stages_of(const IterationLog& log) {
 
 }  // namespace
 
+void judge_solution(const Lcp& problem, const Vector& z, Trial& t) {
+  const auto [residual, size] = achieved(problem, z);
+  const double scale = 1 + problem.b.lpNorm<Eigen::Infinity>();
+  t.residual = residual;
+  t.rounding = std::numeric_limits<double>::epsilon() * size;
+  t.holds = residual <= std::max(1e-10 * scale, 20 * t.rounding) && t.rounding <= 1e-6 * scale;
+}
+
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit) {
   constexpr double kEnough = 0.1;  // [s]
   constexpr int kMostRuns = 5;
@@ -70,13 +78,8 @@ Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit)
   t.runs = static_cast<int>(times.size());
   std::ranges::nth_element(times, times.begin() + t.runs / 2);
   t.seconds = times[static_cast<std::size_t>(t.runs / 2)];
-  const auto [residual, size] = achieved(problem, s.z);
-  const double scale = 1 + problem.b.lpNorm<Eigen::Infinity>();
-  t.residual = residual;
-  t.rounding = std::numeric_limits<double>::epsilon() * size;
-  t.holds = s.status == Status::infeasible
-                ? independent_proof(problem, s.certificate)
-                : residual <= std::max(1e-10 * scale, 20 * t.rounding) && t.rounding <= 1e-6 * scale;
+  judge_solution(problem, s.z, t);
+  if (s.status == Status::infeasible) t.holds = independent_proof(problem, s.certificate);
   return t;
 }
 

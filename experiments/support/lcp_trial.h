@@ -23,6 +23,9 @@ struct Trial {
 /// until 0.1 s are over or 5 runs done, never past the time limit (wall time, s).
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit);
 
+/// Residual, rounding and whether a solution holds, of a z.
+void judge_solution(const Lcp& problem, const Vector& z, Trial& trial);
+
 std::string to_text(const Trial& trial);
 Trial trial_from_text(const std::string& text);
 

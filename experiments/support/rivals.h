@@ -1,0 +1,38 @@
+// experiments/support/rivals.h — other people's solvers and simulators, each a program of its own beside Orthant's.
+//
+//   A rival is an executable that, called without arguments, prints a line for each of its methods: the name, then what
+//   it takes. One that cannot be had is an executable that fails with words: it stays in the tables, as absent.
+//   Own processes, because their symbols clash and their crashes and endless loops shall be rows. Nothing of theirs is
+//   linked; the drivers and how they are built: experiments/benchmarks.
+#pragma once
+
+#include "lcp_trial.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace orthant {
+
+struct Rival {
+  std::string name;  // "siconos/lemke"
+  std::filesystem::path program;
+  std::string method;  // its name for it; empty: absent
+  std::string takes;   // LCP solvers: pure, boxes or friction; else free words
+  std::string absent;  // why, in words; empty: it is there
+};
+
+/// All methods of the executables in a folder, by name; what is no executable is passed over. Throws
+/// std::invalid_argument when there is no such folder.
+std::vector<Rival> rivals(const std::filesystem::path& folder);
+
+/// What a program printed. Throws std::runtime_error with what it said on its error stream, or its signal, when it does
+/// not end with 0. It dies with this process; call it where a time limit matters within Isolated.
+std::string output_of(const std::vector<std::string>& command);
+
+/// An LCP by a rival: handed over in a file, solved by its driver, and judged here like try_solver()'s. A solver of pure
+/// problems gets boxes and friction as added rows (pyramid.h, Stewart and Trinkle's form, copositive: Lemke's method has
+/// its guarantee), untimed; free rows it does not take. `tolerance` is what iterative ones are asked for: a decade
+/// below what is judged, so that another norm in a stopping rule does not make an answer a wrong one.
+Trial try_rival(const Lcp& problem, const Rival& rival, double tolerance = 1e-11);
+
+}  // namespace orthant
