@@ -45,16 +45,16 @@ def save(figure, path, title, about, handles=(), columns=5, low=0.015):
     plt.close(figure)
 
 
-def main(about, example, plots):
-    """Calls each plot with the folder named on the command line and its manifest."""
+def main(about, example, plots, manifest="manifest.json"):
+    """Calls each plot with the folder named on the command line and what its manifest holds."""
     parser = argparse.ArgumentParser(description=about)
     parser.add_argument("folder", type=Path, help=f"for example {example}")
     folder = parser.parse_args().folder
     plt.switch_backend("Agg")  # no display needed
     plt.rcParams.update(STYLE)
     try:
-        manifest = {"revision": "of unknown revision", "cpu": "", **json.loads((folder / "manifest.json").read_text())}
+        made_by = {"revision": "of unknown revision", "cpu": "", **json.loads((folder / manifest).read_text())}
         for plot in plots:
-            plot(folder, manifest)
+            plot(folder, made_by)
     except (OSError, ValueError) as error:
         sys.exit(f"{Path(sys.argv[0]).stem}: {error}")
