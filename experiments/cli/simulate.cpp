@@ -93,7 +93,8 @@ void warn_of_start(const System& system) {
   if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
     warn("velocities break joints", rate, "m/s or rad/s", "the first step changes them");
   if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff() : 0; deep > kSmall)
-    warn("contacts penetrate", deep, "m", "moreau-jean leaves it, paoli-schatzman throws them apart, the others differ");
+    warn("contacts penetrate", deep, "m",
+         "moreau-jean leaves it, paoli-schatzman throws them apart, the others differ");
   constexpr int kMostRows = 600;  // more would take longer than a word is worth
   if (system.joint_rows() > kMostRows) return;
   if (const std::string words = describe(find_redundancy(system, x.q), system); !words.empty())
