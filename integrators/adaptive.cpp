@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive.h>
+#include <orthant/integrators/contact_motion.h>
 #include <orthant/integrators/horizon.h>
 
 #include <algorithm>
@@ -16,6 +17,9 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 // 1/4 is taken by the halves as if at 1/4: nearly right. A change of acceleration just after 1/2 is taken by the second
 // half as if at 1/2, and by the whole step as if at 0 or 1: so the error shows.
 constexpr double kAheadOfImpact = 0.2, kLatestImpact = 0.4, kAheadOfChange = 0.55, kLatestChange = 0.7;
+constexpr double kDipMet = 1e-3;   // of an arc: so near to its ends a margin's least value has been looked at
+constexpr double kNoise = 0.01;    // of the tolerance: slips and gaps are looked at no closer
+constexpr double kSwing = 3;       // [rad] that a load swings in an arc, at the most
 constexpr double kTelling = 0.01;  // below, the error of an arc that was cut short may be rounding
 constexpr int kCrowd = 200;        // inner steps, rejected ones too, after which is looked how far they came
 constexpr double kLeastFloor = 1e-6, kMostFloor = 1e-4;  // [s]
@@ -85,7 +89,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   least_ = 8 * kEps * (std::abs(x.t) + h), limit_ = kInf;
   while (end - x.t > least_) {
     const double left = std::min(end, system_.next_breakpoint(x.t + least_)) - x.t;
-    double wanted = std::min(arc_, limit_);
+    double wanted = std::min({arc_, limit_, kSwing / system_.swing()});
     if (system_.contacts() > 0) {
       set_poses(system_, x.t, x.q, terms_.at);
       wanted = std::min(wanted, std::max(horizon(system_, terms_.at, x.v, none_), least_));
@@ -94,9 +98,11 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
     limit_ = kInf;
     scale(x);
     const Outcome outcome = arc(taken, solver, x, report);
-    if (outcome == Outcome::failed ||
-        !(outcome == Outcome::done ? finish(taken, x, report)
-                                   : pass(outcome == Outcome::impact, taken, left, solver, x, report)))
+    if (outcome == Outcome::dip)
+      limit_ = dip_, ++report.rejected;
+    else if (outcome == Outcome::failed ||
+             !(outcome == Outcome::done ? finish(taken, x, report)
+                                        : pass(outcome == Outcome::impact, taken, left, solver, x, report)))
       limit_ = taken / 4, ++report.rejected;
     watch_crowd(x.t);
     if (limit_ < least_ && floor_ < kMostFloor) floor_ = std::max(2 * floor_, kLeastFloor), limit_ = kInf;
@@ -147,14 +153,14 @@ bool Adaptive::finish(double taken, State& x, StepReport& report) {
 /// An arc with an event at event_: it is stopped short of it, or crossed when it is near.
 bool Adaptive::pass(bool jumps, double taken, double left, Solver& solver, State& x, StepReport& report) {
   const double ahead = jumps ? kAheadOfImpact : kAheadOfChange, latest = jumps ? kLatestImpact : kLatestChange;
-  double &wish = jumps ? impact_ : change_, width = std::min({wish, left, arc_ / 8});
+  const double shortest = std::min(std::max(floor_, least_), left);
+  double &wish = jumps ? impact_ : change_, width = std::max(shortest, std::min({wish, left, arc_ / 8}));
   if (event_ > latest * width && event_ - ahead * width > least_) {
-    limit_ = std::min(event_ - ahead * width, 0.9 * taken);
+    limit_ = std::max(least_, std::min(event_ - ahead * width, 0.9 * taken));
     ++report.rejected;
     return true;
   }
-  if (!jumps && event_ > 0) width = std::min(width, event_ / ahead);
-  width = std::max(width, std::min(std::max(floor_, least_), left));
+  if (!jumps && event_ > 0) width = std::max(shortest, std::min(width, event_ / ahead));
   if (!cross(width, jumps, solver, x, report)) return false;
   if (error_ > 1 && width > std::max(floor_, least_)) {
     wish = width * std::max(0.7 / error_, 1e-3);
@@ -209,11 +215,23 @@ Adaptive::Outcome Adaptive::arc(double h, Solver& solver, const State& x, StepRe
     laws_[c].e = laws_[c].e_t = 1;
     laws_[c].mu = lasting_[c].mode == Mode::sticks ? std::max(law.mu, law.mu_static) : law.mu;
     laws_[c].mu_static = 0;
-    lasting_[c].normal.forget(x.t), lasting_[c].tangent.forget(x.t);
   }
+  before_ = lasting_;
+  const Outcome outcome = extrapolate(h, solver, x, report);
+  if (outcome != Outcome::done || error_ > 1) lasting_ = before_;
+  return outcome;
+}
+
+Adaptive::Outcome Adaptive::extrapolate(double h, Solver& solver, const State& x, StepReport& report) {
   for (columns_ = 0; columns_ < options_.columns;) {
     const int steps = 2 * (columns_ + 1);
     load(x);
+    for (std::size_t c = 0; c < lasting_.size(); ++c)  // gaps and slips anew, by the finer steps
+      if (lasting_[c].mode == Mode::open)
+        lasting_[c].normal = before_[c].normal;
+      else if (lasting_[c].mode == Mode::slides)
+        lasting_[c].tangent = before_[c].tangent;
+    dip_ = kInf;
     for (int i = 0; i < steps; ++i)
       if (const Outcome outcome = symmetric_step(x, i * h / steps, h / steps, solver, report); outcome != Outcome::done)
         return outcome;
@@ -235,34 +253,59 @@ Adaptive::Outcome Adaptive::arc(double h, Solver& solver, const State& x, StepRe
     sum_[i] = {row_[0][2 * n + 2 * static_cast<Index>(i)], row_[0][2 * n + 2 * static_cast<Index>(i) + 1]};
   if (error_ > 1 || lasting_.empty()) return Outcome::done;
   set_poses(system_, x.t + h, q_, terms_.at);
-  return closes(x, h) ? Outcome::impact : ends(x, h) ? Outcome::change : Outcome::done;
+  const Outcome outcome = closes(x, h) ? Outcome::impact : ends(x, h) ? Outcome::change : Outcome::done;
+  if (dip_ < (outcome == Outcome::done ? (1 - kDipMet) * h : event_) && dip_ > least_) return Outcome::dip;
+  return outcome;
 }
 
 /// The time when a margin is zero, by the line through its last two values.
 double Adaptive::Margin::end() const {
+  const auto& [newer, older, oldest] = last;
   const double slope = (newer.value - older.value) / (newer.t - older.t);  // 0 or NaN without two values
   return slope < 0 ? newer.t - newer.value / slope : kInf;
 }
 
-/// Leaves what was seen up to t.
-void Adaptive::Margin::forget(double t) {
-  for (int i = 0; i < 2 && newer.t > t; ++i) newer = older, older = {};
+/// The time when a margin is least, by the parabola through its last three values, if it may then be below zero: values
+/// and parabola are off by some of what it bends between two of them.
+double Adaptive::Margin::dip(double noise) const {
+  const auto& [c, b, a] = last;
+  const double slope = (c.value - b.value) / (c.t - b.t),
+               bend = (slope - (b.value - a.value) / (b.t - a.t)) / (c.t - a.t);
+  const double apart = std::max(c.t - b.t, b.t - a.t), bent = bend * apart * apart;
+  if (!(bent > noise) || !(a.t > -kInf)) return kInf;
+  const double least = (b.t + c.t) / 2 - slope / (2 * bend);
+  return c.value + (least - c.t) * (slope + bend * (least - b.t)) < bent / 2 ? least : kInf;
 }
 
-/// Whether a margin is used up between the last point looked at and the arc's end.
+/// Whether a margin is used up between the last point looked at and the arc's end, where slips are known.
 bool Adaptive::ends(const State& x, double h) {
   double end = kInf;
-  for (const Lasting& lasting : lasting_)
-    if (lasting.mode != Mode::open) end = std::min({end, lasting.normal.end(), lasting.tangent.end()});
+  const double tiny = 1e-13 * v_.lpNorm<Eigen::Infinity>();
+  for (int c = 0; c < system_.contacts(); ++c) {
+    Lasting& lasting = lasting_[at(c)];
+    if (lasting.mode == Mode::open) continue;
+    if (lasting.mode == Mode::slides && laws_[at(c)].frictional()) {
+      const double slip = lasting.slip * slip_rate(laws_[at(c)], rows(c), v_);
+      look(lasting.tangent, x, h, 2 * slip, kNoise / weight_[2]);  // the others are sums of two
+      if (slip < -tiny) end = std::min(end, std::min(lasting.tangent.end(), x.t + h));
+    } else {
+      end = std::min(end, lasting.tangent.end());
+    }
+    end = std::min(end, lasting.normal.end());
+  }
   event_ = end - x.t;
-  return event_ < h;
+  return event_ <= h;
 }
 
 bool Adaptive::closes(const State& x, double offset) {
   evaluate_gaps(system_, terms_);
   bool any = false;
   for (int c = 0; c < system_.contacts(); ++c) {
-    if (lasting_[at(c)].mode != Mode::open || terms_.gap[c] > 0) continue;
+    if (lasting_[at(c)].mode != Mode::open) continue;
+    if (terms_.gap[c] > 0) {
+      look(lasting_[at(c)].normal, x, offset, terms_.gap[c], kNoise / weight_[0]);
+      continue;
+    }
     const double gap = terms_.gap[c], rate = apply(rows(c).normal, v_.data());
     if (rate > 0) continue;
     at_start_ = terms_.at;
@@ -332,32 +375,42 @@ bool Adaptive::in_mode(const State& x, double offset, double h) {
   if (problem().size() == 0) return true;
   const double tiny = 10 * formulation_.solution().residual + 1e-13 * v_new_.lpNorm<Eigen::Infinity>();
   bool kept = true;
-  const auto look = [&](Margin& margin, double value, bool holds) {
-    if (!holds) {
-      const double end = margin.end() - x.t;
-      event_ = std::min(kept ? kInf : event_, end < kInf ? std::clamp(end, 0.0, offset) : offset / 2);
-      kept = false;
-    } else if (x.t + offset > margin.newer.t) {
-      margin = {{x.t + offset, value}, margin.newer};
-    }
+  const auto ended = [&](const Margin& margin) {
+    const double end = margin.end() - x.t;
+    event_ = std::min(kept ? kInf : event_, end < kInf ? std::clamp(end, 0.0, offset) : offset / 2);
+    kept = false;
+  };
+  // Forces alternate from step to step where joints are met on the average: no dips, and no two steps of one column.
+  const auto keep_force = [&](Margin& margin, double value, bool holds) {
+    if (!holds)
+      ended(margin);
+    else if (x.t + offset > margin.last[0].t)
+      margin.add(x.t + offset, value);
   };
   auto tangent = static_cast<Index>(terms_.closed.size());
   for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
     const auto c = at(terms_.closed[k].contact);
     const auto normal = static_cast<Index>(k);
     Lasting& lasting = lasting_[c];
-    look(lasting.normal, formulation_.solution().z[normal] / h, formulation_.solution().w[normal] <= tiny);
+    keep_force(lasting.normal, formulation_.solution().z[normal] / h, formulation_.solution().w[normal] <= tiny);
     if (!laws_[c].frictional()) continue;
     const double slip = formulation_.solution().w[tangent];
     if (lasting.mode == Mode::sticks)
-      look(lasting.tangent,
-           (laws_[c].mu * formulation_.solution().z[normal] - std::abs(formulation_.solution().z[tangent])) / h,
-           std::abs(slip) <= tiny);
+      keep_force(lasting.tangent,
+                 (laws_[c].mu * formulation_.solution().z[normal] - std::abs(formulation_.solution().z[tangent])) / h,
+                 std::abs(slip) <= tiny);
+    else if (slip * lasting.slip > tiny)
+      look(lasting.tangent, x, offset, slip * lasting.slip, kNoise / weight_[2]);
     else
-      look(lasting.tangent, slip * lasting.slip, slip * lasting.slip > tiny);
+      ended(lasting.tangent);
     ++tangent;
   }
   return kept;
+}
+
+void Adaptive::look(Margin& margin, const State& x, double offset, double value, double noise) {
+  margin.add(x.t + offset, value);
+  if (const double dip = margin.dip(noise) - x.t; dip > kDipMet * offset) dip_ = std::min(dip_, dip);
 }
 
 bool Adaptive::plain_step(const State& x, double offset, double h, Solver& solver, StepReport& report) {

@@ -16,7 +16,9 @@
 //   atol is in m, rad, m/s, rad/s alike. Measured on the slider-crank: |Δθ₁| after 3 turns is about rtol, from 1e-3
 //   (2 ms) over 1e-6 (5 ms) to 3e-8 (10 ms), where rounding of the gaps ends it.
 //   Cost: an arc of k columns k (k + 1) steps, each one factorization and one small complementarity problem.
-//   Limits: a contact shorter than the intervals between the points looked at (horizon.h) can be missed. Flights no higher than
+//   Between the points looked at a gap or a slip is held against the parabola through the last three: where it may dip
+//   to zero an arc ends, and it is looked at anew from there. No load or drive swings by more than 3 rad in an arc.
+//   Limits: a dip narrower than that shows can be missed, so can a contact force that ends and comes back. Flights no higher than
 //   rounding of the coordinates are not told from rest. Where static friction exceeds kinetic, the instant of letting go
 //   is known to some 1e-7 s at best. Lasting contacts keep the gap at which they were made (within the tolerance); joints
 //   hold to rounding. Motion that depends discontinuously on its start (corners that strike almost together) is followed,
@@ -54,18 +56,20 @@ class Adaptive final : public Integrator {
 
  private:
   enum class Mode : char { open, slides, sticks };
-  enum class Outcome { done, impact, change, failed };
-  struct Margin {  // what keeps a contact in its mode, at the last two points looked at
+  enum class Outcome { done, impact, change, dip, failed };
+  struct Margin {  // what keeps a contact in its mode, at the last three points looked at
     struct Sample {
       double t = -kInf, value = 0;
-    } newer, older;
+    };
+    std::array<Sample, 3> last;  // the newest first
+    void add(double t, double value) { last = {{{t, value}, last[0], last[1]}}; }
     double end() const;
-    void forget(double t);
+    double dip(double noise) const;
   };
   struct Lasting {
     Mode mode = Mode::open;
-    double slip = 0;  // its sign, of a contact that slides
-    Margin normal, tangent;
+    double slip = 0;         // its sign, of a contact that slides
+    Margin normal, tangent;  // an open contact's normal margin is its gap
   };
 
   void restart(double h);
@@ -76,10 +80,12 @@ class Adaptive final : public Integrator {
   void load(const State& x);
   void store(Eigen::VectorXd& y) const;
   Outcome arc(double h, Solver& solver, const State& x, StepReport& report);
+  Outcome extrapolate(double h, Solver& solver, const State& x, StepReport& report);
   Outcome symmetric_step(const State& x, double offset, double h, Solver& solver, StepReport& report);
   bool closes(const State& x, double offset);
   bool ends(const State& x, double h);
   bool in_mode(const State& x, double offset, double h);
+  void look(Margin& margin, const State& x, double offset, double value, double noise);
   double plan(double taken);
   bool cross(double h, bool jumps, Solver& solver, const State& x, StepReport& report);
   bool plain_step(const State& x, double offset, double h, Solver& solver, StepReport& report);
@@ -99,10 +105,10 @@ class Adaptive final : public Integrator {
   Projection projection_;
   Formulation formulation_;
   std::vector<Wanted> wanted_;
-  std::vector<ContactLaw> laws_;  // of the step being done
-  std::vector<Lasting> lasting_, before_;
-  std::vector<bool> closed_;          // in the first half of a crossing
-  std::vector<Eigen::VectorXd> row_;  // q, v, Σ Λ of every column of the extrapolation
+  std::vector<ContactLaw> laws_;           // of the step being done
+  std::vector<Lasting> lasting_, before_;  // before_: at the start of the arc or crossing
+  std::vector<bool> closed_;               // in the first half of a crossing
+  std::vector<Eigen::VectorXd> row_;       // q, v, Σ Λ of every column of the extrapolation
   Eigen::VectorXd q_, v_, v_new_, v_half_, force_, lambda_;
   std::vector<Impulse> sum_;
   std::vector<Impulse> kick_;
@@ -117,6 +123,7 @@ class Adaptive final : public Integrator {
   Kinematics at_start_;
   double limit_ = kInf, least_ = 0;  // [s] of the next arc; the shortest step that moves t
   double event_ = 0;                 // [s] from the start of the step: the event foretold
+  double dip_ = kInf;                // [s] likewise: where a margin is least, and nearly 0 or below
   double slack_ = 0;  // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
   double error_ = 0;
   double rise_ = 0;                 // [J] of energy, in the impacts of a crossing

@@ -174,6 +174,7 @@ void examine(const Element& e, const Load& l) {
   e.exists(l.body);
   if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
   e.finite("point", l.point), e.finite("force", l.force), e.finite("torque", l.torque);
+  e.not_negative("omega", l.omega);
   for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {
     e.finite("breakpoints", l.breakpoints[i]);
     e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", l.breakpoints[i], "ascending");

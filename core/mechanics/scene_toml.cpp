@@ -601,6 +601,7 @@ class Reader {
       double amplitude = 1, omega = 0, phase = 0;
       f.maybe("amplitude", amplitude), f.need("omega", omega), f.maybe("phase", phase);
       l.factor = [=](double t) { return cosine(amplitude, omega, phase, t); };
+      l.omega = std::abs(omega);
       return;
     }
     if (type != "table") f.refuse("type", *f.table().get("type"), "cosine or table");

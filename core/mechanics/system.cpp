@@ -2,6 +2,7 @@
 #include <orthant/core/mechanics/terms.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace orthant {
@@ -22,12 +23,15 @@ System::System(Scene scene) : scene_(std::move(scene)) {
       driven_ = true;
       const std::vector<double>& times = drive->law.table.times();
       breakpoints_.insert(breakpoints_.end(), times.begin(), times.end());
+      if (drive->law.amplitude != 0) swing_ = std::max(swing_, std::abs(drive->law.omega));
     }
   }
   for (const Contact& contact : scene_.contacts)
     laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
-  for (const Load& load : scene_.loads)
+  for (const Load& load : scene_.loads) {
     breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());
+    swing_ = std::max(swing_, load.omega);
+  }
   std::sort(breakpoints_.begin(), breakpoints_.end());
 }
 

@@ -27,6 +27,8 @@ class System {
 
   /// The first time > t [s] at which an applied force or its slope jumps; infinity.
   double next_breakpoint(double t) const;
+  /// [rad/s] of the fastest swing that a load or drive is given with; 0.
+  double swing() const { return swing_; }
 
   State initial_state() const;
 
@@ -37,6 +39,7 @@ class System {
   Eigen::VectorXd mass_, inverse_mass_, weight_;
   std::vector<ContactLaw> laws_;
   std::vector<double> breakpoints_;  // [s] ascending, of all loads and drives
+  double swing_ = 0;
 };
 
 /// Kinetic energy + potential of gravity (zero at the origin) and springs [J].

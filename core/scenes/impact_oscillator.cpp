@@ -30,9 +30,11 @@ Scene impact_oscillator(const ImpactOscillator& p) {
   Scene s = oscillator(1, 1, {0, -p.e * p.impact_speed() + p.disturbance});
   s.duration = 10 * p.period(), s.step = 1e-3;
   s.contact(CornerWall{"wall", 0, {0, 0}, kGround, {0, 0}, {-1, 0}, {.e = p.e}});
-  s.load({.name = "drive", .body = 0, .force = {1, 0}, .factor = [omega = p.omega, phi = p.phase()](double t) {
-            return std::cos(omega * t + phi);
-          }});
+  s.load({.name = "drive",
+          .body = 0,
+          .force = {1, 0},
+          .factor = [omega = p.omega, phi = p.phase()](double t) { return std::cos(omega * t + phi); },
+          .omega = p.omega});
   return s;
 }
 

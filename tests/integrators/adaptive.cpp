@@ -17,6 +17,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 
 using namespace orthant;
 
@@ -29,6 +30,7 @@ Run run_to(Scene scene, double duration, double tolerance, const Recorder& recor
   Adaptive scheme(system, {.rtol = tolerance, .atol = tolerance / 100});
   const auto solver = make_solver("lemke");
   Run r = simulate(scheme, *solver, {.step = step > 0 ? step : duration, .duration = duration}, record);
+  INFO(r.why);
   REQUIRE(r.status == Status::solved);
   return r;
 }
@@ -224,6 +226,32 @@ TEST_CASE("corners that strike almost together: followed to the end, within what
     CHECK(r.final.q[kTheta1] < 18.084);
     CHECK(r.accepted + r.rejected < 5000);
   }
+}
+
+TEST_CASE("slip that turns round and back between two looks: to tolerance at any output step") {
+  Scene s{.gravity = {0, -9.81}};
+  const auto box = s.body({.inertia = 0.02, .velocity = {0.6, 0}});
+  s.contact(CornerWall{"", box, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = 0.3}});
+  s.load({.body = box, .force = {7.2, 0}, .factor = [](double t) { return -std::sin(12 * t); }, .omega = 12});
+  // The last is 12 swings: every look of a step as long would see the same phase.
+  for (const double duration : {0.83, 1.3, 2.0, 2 * std::numbers::pi}) {
+    const double exact = run_for(s, duration, "event-driven", duration).final.q[0];
+    for (const double tolerance : {1e-4, 1e-6, 1e-8})
+      for (const double step : {duration, duration / 7}) {
+        CAPTURE(duration);
+        CAPTURE(tolerance);
+        CAPTURE(step);
+        CHECK(std::abs(run_to(s, duration, tolerance, {}, step).final.q[0] - exact) <= tolerance / 10);
+      }
+  }
+}
+
+TEST_CASE("output times that fall on impacts: the shortest step is one that can be done") {
+  const double omega = 1.8, period = 2 * std::numbers::pi / omega;
+  const ImpactOscillator scene{.omega = omega, .disturbance = 0.05};
+  for (const double tolerance : {1e-8, 1e-10})
+    for (const double step : {period, period / 2, period / 7})
+      CHECK(std::abs(run_to(impact_oscillator(scene), 160 * period, tolerance, {}, step).final.q[0]) <= 1e-6);
 }
 
 TEST_CASE("boxes and balls fall, tumble and come to lie: energy falls, nothing sinks in") {
