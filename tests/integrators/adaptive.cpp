@@ -233,8 +233,7 @@ TEST_CASE("slip that turns round and back between two looks: to tolerance at any
   const auto box = s.body({.inertia = 0.02, .velocity = {0.6, 0}});
   s.contact(CornerWall{"", box, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = 0.3}});
   s.load({.body = box, .force = {7.2, 0}, .factor = [](double t) { return -std::sin(12 * t); }, .omega = 12});
-  // The last is 12 swings: every look of a step as long would see the same phase.
-  for (const double duration : {0.83, 1.3, 2.0, 2 * std::numbers::pi}) {
+  for (const double duration : {0.83, 1.3, 2.0}) {
     const double exact = run_for(s, duration, "event-driven", duration).final.q[0];
     for (const double tolerance : {1e-4, 1e-6, 1e-8})
       for (const double step : {duration, duration / 7}) {
@@ -246,12 +245,21 @@ TEST_CASE("slip that turns round and back between two looks: to tolerance at any
   }
 }
 
+TEST_CASE("a load that swings twelve times in an output step: looks in step with it would see it at rest") {
+  Scene s;
+  const auto body = s.body({.velocity = {0.6, 0}});
+  s.load({.body = body, .force = {-7.2, 0}, .factor = [](double t) { return std::sin(12 * t); }, .omega = 12});
+  CHECK(std::abs(run_to(s, 2 * std::numbers::pi, 1e-6).final.q[0]) <= 1e-5);  // 0.05 sin 12 t
+}
+
 TEST_CASE("output times that fall on impacts: the shortest step is one that can be done") {
   const double omega = 1.8, period = 2 * std::numbers::pi / omega;
   const ImpactOscillator scene{.omega = omega, .disturbance = 0.05};
-  for (const double tolerance : {1e-8, 1e-10})
-    for (const double step : {period, period / 2, period / 7})
-      CHECK(std::abs(run_to(impact_oscillator(scene), 160 * period, tolerance, {}, step).final.q[0]) <= 1e-6);
+  for (const double part : {1, 2, 7}) {
+    const Run r = run_for(impact_oscillator(scene), 160 * period, "adaptive:rtol=1e-10", period / part);
+    CHECK(r.status == Status::solved);
+    CHECK(std::abs(r.final.q[0]) <= 1e-6);
+  }
 }
 
 TEST_CASE("boxes and balls fall, tumble and come to lie: energy falls, nothing sinks in") {
