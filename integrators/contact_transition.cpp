@@ -2,6 +2,7 @@
 #include <orthant/integrators/contact_transition.h>
 #include <orthant/solvers/enumerate.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -56,42 +57,68 @@ bool ContactTransition::doubtful() const {
   return false;
 }
 
-/// `status`, or what enumeration finds instead; why_ says so.
-Status ContactTransition::examine(Status status, const Eigen::VectorXd& free) {
+/// Whether the certificate stands against rounding of the problem too: redundant rows, equal in truth, contradict each
+/// other by that.
+bool ContactTransition::proved() const {
+  constexpr double kProof = 1e-8;
+  const Vector& u = solution_.certificate;
+  return solution_.status == Status::infeasible &&
+         lcp_.b.dot(u) < -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>();
+}
+
+/// The judge's status, `unsupported` for several solutions; why_ says so in words.
+Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   constexpr Index kMostRows = 12;
-  why_.clear();
-  undecided_ = status != Status::solved && lcp_.size() > kMostRows;
-  if (status == Status::solved && !doubtful()) return status;
-  if (status != Status::solved) why_ = "the problem at acceleration level was not solved";
-  if (lcp_.size() > kMostRows || !finite(lcp_)) return status;
-  const SolutionSet set = enumerate_solutions(lcp_);
+  constexpr double kSameMotion = 1e-9;  // of what the forces add up to
+  why_.clear(), undecided_ = false;
+  solver.solve(lcp_, solution_);
+  if (solution_.status != Status::solved && !proved()) second_.solve(lcp_, solution_);
+  if (proved()) {
+    why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
+    return solution_.status;
+  }
+  if (solution_.status == Status::solved && !doubtful()) return solution_.status;
+  SolutionSet set;
+  if (lcp_.size() <= kMostRows && finite(lcp_)) set = enumerate_solutions(lcp_);
   std::vector<Vector> found = set.isolated;
   for (const SolutionFace& face : set.faces) found.insert(found.end(), face.vertices.begin(), face.vertices.end());
-  if (found.empty()) {
-    why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
-    return status == Status::solved ? Status::numerical_error : status;
-  }
-  Eigen::VectorXd first = free, other;
-  equations_.act(found.front(), first);
+  std::vector<Vector> different;
+  Eigen::VectorXd one = free, other;
   for (const Vector& z : found) {
-    other = free;
-    equations_.act(z, other);
-    if ((other - first).lpNorm<Eigen::Infinity>() <= 1e-9 * (free - first).lpNorm<Eigen::Infinity>() + 1e-12) continue;
+    const auto same = [&](const Vector& known) {
+      one = free, other = free;
+      equations_.act(known, one), equations_.act(z, other);
+      const double size = free.lpNorm<Eigen::Infinity>() + (equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff();
+      return (one - other).lpNorm<Eigen::Infinity>() <= kSameMotion * size;
+    };
+    if (std::none_of(different.begin(), different.end(), same)) different.push_back(z);
+  }
+  if (different.size() > 1) {
     why_ = "several acceleration-level solutions (Painleve), normal forces [N]:";
-    for (const Vector& solution : found) {
+    for (const Vector& z : different) {
       for (std::size_t i = 0; i < candidates.size(); ++i)
-        why_ += (i == 0 ? " (" : ", ") + detail::text_of(solution[static_cast<Index>(i)]);
+        why_ += (i == 0 ? " (" : ", ") + detail::text_of(z[static_cast<Index>(i)]);
       why_ += ")";
     }
     return Status::unsupported;
   }
-  return status;
+  undecided_ = solution_.status != Status::solved;
+  if (undecided_) {
+    why_ = "the problem at acceleration level was not solved, nor is it proved that it cannot be";
+    if (solution_.status == Status::infeasible) return Status::numerical_error;  // by rounding
+  }
+  return solution_.status;
+}
+
+/// [m/s²] what rounding makes of accelerations that are zero.
+double ContactTransition::zero() const {
+  return std::max(kSame * lcp_.b.lpNorm<Eigen::Infinity>(), 32 * solution_.rounding);
 }
 
 /// Contacts whose friction is at its bound slide from now on. True: with another coefficient, to be solved again.
 bool ContactTransition::slide_off() {
   bool again = false;
-  const double zero = kSame * lcp_.b.lpNorm<Eigen::Infinity>();
+  const double zero = this->zero();
   for (const Friction& f : lcp_.friction) {
     const double slack = f.mu * solution_.z[f.normal] - std::abs(solution_.z[f.row]), slip = solution_.w[f.row];
     if (std::abs(slip) <= equations_.A(f.row, f.row) * slack + zero) continue;
@@ -107,16 +134,16 @@ Status ContactTransition::decide(ContactMotion& motion, Solver& solver, StepRepo
   if (!candidates.empty()) {
     do {
       formulate(motion);
-      solver.solve(lcp_, solution_);
       const double velocity_residual = report.lcp_residual;  // that one is in m/s, not m/s²
+      const Status status = examine(solver, motion.free());
       report.note(lcp_, solution_);
       report.lcp_residual = velocity_residual;
-      report.status = examine(solution_.status, motion.free());
+      report.status = status;
       if (report.status != Status::solved) return report.status;
     } while (slide_off());
   }
   std::fill(motion.modes.begin(), motion.modes.end(), ContactMode{});
-  const double zero = kSame * (lcp_.size() > 0 ? lcp_.b.lpNorm<Eigen::Infinity>() : 0);
+  const double zero = lcp_.size() > 0 ? this->zero() : 0;
   const double most = candidates.empty() ? 0 : solution_.z.head(static_cast<Index>(candidates.size())).maxCoeff();
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto row = static_cast<Index>(i);

@@ -4,15 +4,18 @@
 //     0 ≤ λ_N ⊥ W_N a + Ẇ_N v ≥ 0,     γ_T = 0:  |λ_T| ≤ μ λ_N,  inside: γ̇_T = 0,  at a bound: opposite to γ̇_T.
 //   λ_N > 0: the contact lasts, else it opens. γ_T = 0 with |λ_T| inside its bounds: it sticks, else it slides off in the
 //   sense of γ̇_T; with a greater static coefficient the problem is then solved again with the kinetic one.
-//   With friction there may be no solution or several (Painlevé). The solver finds "none"; "several" is looked for where
-//   a contact's own coupling allows it (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ that it may take), by enumeration of at
-//   most 12 rows. What several contacts only allow together is not looked for.
+//   With friction there may be no solution or several (Painlevé). "None" is said only where a proof stands (certify.h)
+//   that rounding of the problem could not have made; what is neither solved, by path.h too where the solver given does
+//   not, nor proved is undecided(). "Several" is looked for where a contact's own coupling allows it
+//   (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ that it may take), by enumeration of at most 12 rows; solutions count as one
+//   where the accelerations are the same. What several contacts only allow together is not looked for.
 //   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 6; Génot & Brogliato,
 //   European Journal of Mechanics A 18 (1999) 653-677.
 #pragma once
 
 #include <orthant/integrators/contact_motion.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/solvers/path.h>
 
 namespace orthant {
 
@@ -37,13 +40,16 @@ class ContactTransition {
  private:
   void formulate(ContactMotion& motion);
   bool doubtful() const;
-  Status examine(Status status, const Eigen::VectorXd& free);
+  bool proved() const;
+  double zero() const;
+  Status examine(Solver& solver, const Eigen::VectorXd& free);
   bool slide_off();
 
   const System& system_;
   ContactEquations equations_;
   Lcp lcp_;
   Solution solution_;
+  Path second_;
   std::vector<ContactRows> rows_;
   std::string why_;
   bool undecided_ = false;

@@ -543,6 +543,28 @@ TEST_CASE("corners that strike together stay together, however often the run is 
   }
 }
 
+TEST_CASE("blocks of mass 1, 1 and 1e6 stand: redundant contacts are no inconsistency") {
+  for (const double mu : {0.0, 0.5}) {
+    CAPTURE(mu);
+    Scene s{.gravity = {0, -9.81}};
+    const std::vector<Vector2d> square = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+    const ContactLaw law{.mu = mu};
+    for (int i = 0; i < 3; ++i) {
+      const double mass = i < 2 ? 1 : 1e6;
+      s.body({.mass = mass, .inertia = mass / 6, .position = {0, i + 0.5}});
+    }
+    for (const Vector2d& corner : {square[0], square[1]})
+      s.contact(CornerWall{"", 0, corner, kGround, {0, 0}, {0, 1}, law});
+    for (int i = 0; i < 2; ++i)
+      for (const Vector2d& corner : {square[0], square[1]})
+        s.contact(CornerWall{"", i + 1, corner, i, {0, 0.5}, {0, 1}, law});
+    const Run r = run_for(s, 0.02, "event-driven", 0.01);
+    INFO(r.why);
+    CHECK(r.status == Status::solved);
+    CHECK(r.final.v.lpNorm<Eigen::Infinity>() <= 1e-9);
+  }
+}
+
 TEST_CASE("a box thrown up by a driven table stays level, however often the run is looked at") {
   Scene s{.gravity = {0, -kGravity}};
   s.body({.name = "table", .mass = 100, .inertia = 10});
