@@ -125,8 +125,9 @@ template <class N> bool Schur::factorize_rows(N n, double dependent) {
       S[i * n + j] = y * inverse[j];
       left -= y * S[i * n + j];
     });
-    independent &= left > dependent * whole && left < std::numeric_limits<double>::infinity();  // false of NaN
-    pivot[i] = left, inverse[i] = 1 / left;
+    const bool holds = left > dependent * whole && left < std::numeric_limits<double>::infinity();  // false of NaN
+    independent &= holds;
+    pivot[i] = left, inverse[i] = holds ? 1 / left : 0;  // 0: what follows stays finite, for finite()
   });
   if (!independent) return false;
   S.store(S_.data()), inverse.store(inverse_pivot_.data()), pivot.store(pivot_.data());
