@@ -4,6 +4,7 @@
 #include <orthant/integrators/simulate.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,18 @@ struct Exhibit {
   std::string
       word{};  // a scheme at acceleration level ends with this word and is right to: there is no, or no one, motion
   double exact = 1e-9;  // error at which an answer counts as exact, whatever the order
+
+  /// The same told otherwise: that is run as well, by the same integrator and solver, and `unlike` tells from the two ends
+  /// how far the answers are apart. `error` is not read.
+  std::optional<Scene> original{};
+  std::function<double(const State& told, const State& original)> unlike{};
+
+  /// A threshold: the parameter at which `error` of family(parameter) changes from > ½ to ≤ ½, found by bisection; the
+  /// exhibit's error is then its relative distance from `threshold`. `scene` and its error are not run.
+  std::function<Scene(double)> family{};
+  double low = 0, high = 0, threshold = 0;
+
+  std::string solver{}, integrator{};  // run with this one only; empty: with all
 };
 
 /// The planar cases, in the order of their numbers.

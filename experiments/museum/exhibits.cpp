@@ -1,4 +1,5 @@
 #include "experiments/museum/exhibit.h"
+#include "experiments/support/retold.h"
 
 #include <orthant/core/scenes/arch.h>
 #include <orthant/core/scenes/bouncing_ball.h>
@@ -266,6 +267,22 @@ void at_rest(std::vector<Exhibit>& all) {
                          return worst;
                        },
                    .motion = Kind::instant});
+  for (const double ratio : {1.0, 10.0, 100.0, 1e4, 1e6}) {
+    const double sweeps = std::log(1e-8) / std::log(ratio / (1 + ratio));
+    all.push_back(
+        {.id = "B12",
+         .title = "sweeps of projected Gauss-Seidel, masses by " + std::to_string(static_cast<int>(ratio)),
+         .measure = "their number against the contraction's, relative",
+         .scene = tower({.ratio = ratio}),
+         .duration = 0x1p-7,
+         .h = 0x1p-7,
+         .error =
+             [sweeps](const Moment& m) { return m.state.t > 0 ? std::abs(m.report.lcp_iterations / sweeps - 1) : 0; },
+         .motion = Kind::instant,
+         .exact = 0.1,
+         .solver = "pgs:tolerance=1e-8,max_sweeps=100000000",
+         .integrator = "moreau-jean"});
+  }
   for (const int grains : {10, 100}) {
     const GrainColumn p{.grains = grains};
     all.push_back({.id = "B20",
@@ -306,6 +323,112 @@ void arches(std::vector<Exhibit>& all) {
              },
          .motion = Kind::instant});
   }
+}
+
+/// From 2 % below to 2 % above the least thickness.
+void thinnest_arch(std::vector<Exhibit>& all) {
+  const double least = Arch{}.least_thickness();
+  all.push_back({.id = "B13",
+                 .title = "least thickness at which the arch stands, by bisection",
+                 .measure = "relative distance of the bracket from the exact one",
+                 .scene = arch(),
+                 .duration = 0.01,
+                 .h = 1e-3,
+                 .error = [](const Moment& m) { return m.state.v.lpNorm<Eigen::Infinity>() > 1e-5 ? 1 : 0; },
+                 .throughout = true,
+                 .motion = Kind::instant,
+                 .exact = 1e-3,
+                 .family = [](double t) { return arch({.thickness = t}); },
+                 .low = 0.98 * least,
+                 .high = 1.02 * least,
+                 .threshold = least,
+                 .solver = "auto"});
+}
+
+/// What is told otherwise moves alike: the slider-crank's first 20 ms, crank angle; and more friction holds more.
+void told_otherwise(std::vector<Exhibit>& all) {
+  const auto add = [&all](const char* id, const char* title, const Scene& original, const Scene& told, auto unlike) {
+    all.push_back({.id = id,
+                   .title = title,
+                   .measure = "difference of the crank angles [rad]",
+                   .scene = told,
+                   .duration = 0.02,
+                   .h = 1e-4,
+                   .error = nullptr,
+                   .motion = Kind::instant,
+                   .energy = Energy::driven,
+                   .exact = 1e-10,
+                   .original = original,
+                   .unlike = unlike,
+                   .solver = "auto"});
+  };
+  const auto apart = [](Index k, double sign, double angle) {
+    return [=](const State& a, const State& b) { return std::abs(sign * (a.q[k] - angle) - b.q[kTheta]); };
+  };
+  const Scene drawn = slider_crank({.mu = 0.1});
+  add("C4", "slider-crank, its elements in the opposite order", drawn, reversed(drawn), apart(8, 1, 0));
+  add("C4", "slider-crank mirrored", drawn, mirrored(drawn), apart(kTheta, -1, 0));
+  add("C4", "slider-crank turned with gravity", drawn, moved(drawn, 0.7, {0, 0}), apart(kTheta, 1, 0.7));
+  add("C4", "slider-crank elsewhere", drawn, moved(drawn, 0, {3, -2}), apart(kTheta, 1, 0));
+  add("C4", "slider-crank 1000 km away", drawn, moved(drawn, 0, {1e6, 1e6}), apart(kTheta, 1, 0));
+  all.back().exact = 1e-2;  // coordinates of 1e6 m are known to 1e-10 m, the guide's clearance is 1 mm
+  add("C4", "slider-crank in other units", drawn, in_units(drawn, 1024, 0.25), apart(kTheta, 1, 0));
+  add("C4", "slider-crank under other names", drawn, renamed(drawn), apart(kTheta, 1, 0));
+  add("C7", "slider-crank, a joint and a contact written twice", drawn, doubled(drawn), apart(kTheta, 1, 0));
+  add("C7", "slider-crank, a far body and walls never reached", drawn, furnished(drawn), apart(kTheta, 1, 0));
+  add("C7", "slider-crank, no friction written as friction", slider_crank({.mu = 0}), slider_crank({.mu = 1e-14}),
+      apart(kTheta, 1, 0));
+  const Incline less{.mu = 0.5, .speed = 2}, more{.mu = 0.6, .speed = 2};
+  add("C5", "block sent up a slope: more friction, no farther", incline(less), incline(more),
+      [](const State& a, const State& b) { return std::max(0.0, a.q[kX] - b.q[kX]); });
+  all.back().measure = "how much farther [m]", all.back().duration = 0.25, all.back().h = 1e-3;
+  // A pendulum's angle in minimal coordinates, from elliptic functions, against two coordinates and a joint.
+  const Pendulum swing;
+  all.push_back({.id = "C7",
+                 .title = "pendulum: a body and a pin against one angle (B14, B15: chains, loops)",
+                 .measure = "largest angle error in 1 s [rad]",
+                 .scene = pendulum(swing),
+                 .duration = 1,
+                 .h = 1e-2,
+                 .error =
+                     [swing](const Moment& m) {
+                       const double angle = std::atan2(m.state.q[kX], -m.state.q[kY]);
+                       return std::abs(std::remainder(angle - swing.at(m.state.t).x, 2 * std::numbers::pi));
+                     },
+                 .throughout = true,
+                 .motion = Kind::smooth,
+                 .energy = Energy::conserved});
+}
+
+/// Discs in a triangle, one struck by a fourth: what one impact may do to momentum and energy.
+void impact_laws(std::vector<Exhibit>& all) {
+  constexpr double e = 0.5, radius = 0.5;
+  Scene s;
+  const double up = std::numbers::sqrt3 / 2;
+  for (const Vector2d& at : {Vector2d(0, 0), Vector2d(up, 0.5), Vector2d(up, -0.5), Vector2d(-1, 0)})
+    s.body({.mass = at.y() > 0 ? 2.0 : 1.0, .inertia = 0.1, .position = at, .velocity = {at.x() < 0 ? 1.0 : 0.0, 0}});
+  for (const auto& [a, b] : {std::pair{3, 0}, std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}})
+    s.contact(DiscDisc{"", a, {0, 0}, radius, b, {0, 0}, radius, {.e = e}});
+  const System system(s);
+  const State before = system.initial_state();
+  all.push_back({.id = "C3",
+                 .title = "four discs collide, one e: momentum kept, energy lost by the law",
+                 .measure = "momentum lost [N s] + misfit of the energy lost [J]",
+                 .scene = s,
+                 .duration = 0x1p-16,  // so short that nothing turns
+                 .h = 0x1p-17,
+                 .error =
+                     [mass = system.mass(), v = before.v](const Moment& m) {
+                       if (m.state.t == 0) return 0.0;
+                       const Eigen::VectorXd change = m.state.v - v, sum = m.state.v + v;
+                       const double lost = -0.5 * mass.cwiseProduct(change).dot(sum);
+                       const double law = 0.5 * (1 - e) / (1 + e) * mass.cwiseProduct(change).dot(change);
+                       Vector2d momentum{0, 0};
+                       for (Index b = 0; b < v.size(); b += 3) momentum += mass[b] * change.segment<2>(b);
+                       return momentum.norm() + std::abs(lost - law);
+                     },
+                 .motion = Kind::instant,
+                 .exact = 1e-6});
 }
 
 void driven(std::vector<Exhibit>& all) {
@@ -388,10 +511,15 @@ std::vector<Exhibit> exhibits() {
   driven(all);
   at_rest(all);
   arches(all);
+  thinnest_arch(all);
+  impact_laws(all);
+  told_otherwise(all);
   loops_and_chains(all);
   slanting_impacts(all);
   slider_cranks(all);
-  const auto number = [](const Exhibit& e) { return e.id[0] == 'B' ? std::stoi(e.id.substr(1)) : 1000; };
+  const auto number = [](const Exhibit& e) {  // B1 … B20, C3 … C7, the slider-crank
+    return e.id[0] == 'S' ? 2000 : (e.id[0] == 'C' ? 1000 : 0) + std::stoi(e.id.substr(1));
+  };
   std::stable_sort(all.begin(), all.end(), [&](const Exhibit& a, const Exhibit& b) { return number(a) < number(b); });
   return all;
 }

@@ -94,14 +94,27 @@ class EnergyDefect {
   bool seen_ = false;
 };
 
+/// Bisects until the bracket is a tenth of `exact`; the worst of the runs' reports, the sums of their work.
+Row bisect(const Exhibit& exhibit, const std::string& solver, const Setting& setting);
+
 Row visit(const Exhibit& exhibit, const std::string& solver, const Setting& setting) {
+  if (exhibit.family) return bisect(exhibit, solver, setting);
   const System system(exhibit.scene);
   const auto scheme = make_integrator(setting.spec, system);
   const auto lcp = make_solver(solver);
+  const Clock clock{.step = setting.step, .duration = exhibit.duration};
   auto error = exhibit.error;
+  if (exhibit.original) {
+    const System other(*exhibit.original);
+    const Run twin = simulate(*make_integrator(setting.spec, other), *make_solver(solver), clock);
+    if (twin.status == Status::solved)
+      error = [&, end = twin.final](const Moment& m) { return exhibit.unlike(m.state, end); };
+    else
+      error = [](const Moment&) { return kInf; };
+  }
   EnergyDefect defect(system, exhibit.energy);
   double last = 0;
-  const Run run = simulate(*scheme, *lcp, {.step = setting.step, .duration = exhibit.duration}, [&](const Moment& m) {
+  const Run run = simulate(*scheme, *lcp, clock, [&](const Moment& m) {
     const double now = error(m);
     last = exhibit.throughout ? std::max(last, now) : now;
     defect.see(m.state);
@@ -114,6 +127,35 @@ Row visit(const Exhibit& exhibit, const std::string& solver, const Setting& sett
   row.residual = run.max_lcp_residual, row.penetration = run.max_penetration;
   row.joint_residual = run.max_joint_residual, row.energy_defect = defect.value();
   return row;
+}
+
+Row bisect(const Exhibit& exhibit, const std::string& solver, const Setting& setting) {
+  Exhibit probe = exhibit;
+  probe.family = nullptr;
+  double low = exhibit.low, high = exhibit.high;
+  Row all;
+  all.seconds = all.error = 0;
+  const auto holds = [&](double parameter) {
+    probe.scene = exhibit.family(parameter);
+    const Row row = visit(probe, solver, setting);
+    all.status = row.status, all.why = row.why;
+    all.seconds += row.seconds, all.lcp_solves += row.lcp_solves, all.lcp_iterations += row.lcp_iterations;
+    for (double Row::*most : {&Row::residual, &Row::penetration, &Row::joint_residual, &Row::energy_defect})
+      all.*most = std::max(all.*most, row.*most);
+    return row.error <= 0.5;
+  };
+  const bool falls = !holds(low);
+  if (all.status != "solved" || !falls || !holds(high) || all.status != "solved") {
+    all.error = kInf;  // the two ends are not told apart
+    return all;
+  }
+  while (high - low > 0.1 * exhibit.exact * exhibit.threshold) {
+    const double middle = (low + high) / 2;
+    (holds(middle) ? high : low) = middle;
+    if (all.status != "solved") return all;
+  }
+  all.error = std::max(std::abs(low - exhibit.threshold), std::abs(high - exhibit.threshold)) / exhibit.threshold;
+  return all;
 }
 
 struct Plan {
@@ -131,12 +173,15 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<Exhibit>& all) {
   };
   std::vector<Ticket> tickets;
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (const IntegratorEntry& entry : integrators())
-      for (const std::string& solver : plan.solvers) {
-        if (all[i].scene.contacts.empty() && solver != plan.solvers.front()) continue;  // there is nothing to solve
+    for (const IntegratorEntry& entry : integrators()) {
+      if (!all[i].integrator.empty() && entry.name != all[i].integrator) continue;
+      std::vector<std::string> solvers = plan.solvers;
+      if (all[i].scene.contacts.empty()) solvers.resize(1);  // there is nothing to solve
+      if (!all[i].solver.empty()) solvers = {all[i].solver};
+      for (const std::string& solver : solvers)
         for (const Setting& setting : ladder(all[i], std::string(entry.name), plan.levels))
           tickets.push_back({i, std::string(entry.name), solver, setting});
-      }
+    }
   std::vector<Row> rows(tickets.size());
   Progress progress("museum", static_cast<double>(tickets.size()));
   Isolated processes(plan.jobs, 0);  // no limit of memory: sanitizers take terabytes of addresses
@@ -230,8 +275,8 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
   for (const Row& r : rows) {
     const Exhibit& exhibit = all[r.exhibit];
     csv += exhibit.id + ',' + quoted(exhibit.title) + ',' + kMotions[static_cast<int>(exhibit.motion)] + ',' +
-           quoted(exhibit.measure) + ',' + r.integrator + ',' + r.solver + ',' + detail::text_of(r.setting) + ',' +
-           r.status;
+           quoted(exhibit.measure) + ',' + r.integrator + ',' + quoted(r.solver) + ',' + detail::text_of(r.setting) +
+           ',' + r.status;
     for (const double x : {r.error, r.seconds, r.lcp_solves, r.lcp_iterations, r.residual, r.penetration,
                            r.joint_residual, r.energy_defect})
       csv += ',' + (std::isfinite(x) ? detail::text_of(x) : "");
@@ -264,7 +309,8 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
     };
     std::vector<bool> told(by_solver.size());
     for (std::size_t i = 0; i < by_solver.size(); ++i) {
-      const std::string column = exhibit.scene.contacts.empty() ? "no contacts" : by_solver[i].first;
+      const std::string& solver = by_solver[i].first;
+      const std::string column = exhibit.scene.contacts.empty() ? "no contacts" : solver.substr(0, solver.find(':'));
       if (std::find(columns.begin(), columns.end(), column) == columns.end()) columns.push_back(column);
       auto& [passed, run] = tally[rows[first].integrator][column];
       ++run, passed += verdict(exhibit, by_solver[i].second) == "pass";

@@ -12,7 +12,8 @@ FLOOR = 1e-17  # errors of 0 are drawn here
 
 
 def of_first_solver(runs):
-    return select(runs, runs["solver"] == runs["solver"][0])
+    first = dict(zip(runs["title"][::-1], runs["solver"][::-1]))  # of each case, the last to be written stays
+    return select(runs, np.array([first[title] == solver for title, solver in zip(runs["title"], runs["solver"])]))
 
 
 def label(case, title, width):

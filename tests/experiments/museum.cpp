@@ -51,6 +51,14 @@ TEST_CASE(
   CHECK(std::filesystem::file_size(museum.path / "out/museum.png") > 10000);
 }
 
+TEST_CASE("museum: what is told otherwise moves alike, by every integrator") {
+  const Museum museum;
+  const Reply a = museum.visit("--cases C4 C5 --solvers lemke");
+  CAPTURE(a.out);
+  CHECK(a.exit_code == 0);
+  CHECK(count(a.out, " pass |\n") == 8 * 8);
+}
+
 TEST_CASE("museum: bad options are one line of words") {
   const Museum museum;
   for (const char* bad : {"--cases B99", "--solvers nobody", "--levels 0"}) {
