@@ -11,7 +11,13 @@ constexpr double kDependent = 3e-7;  // length left of a row of length 1
 constexpr double kPart = 1e-6;       // coefficient of a row that takes part in a combination
 constexpr double kMove = 0.1;        // [rad], or of the scene's size
 
-using Repeats = std::vector<std::vector<int>>;  // of each row; empty: independent
+constexpr double kOff = 1e-6;  // [m, rad] by which a combination of rows may miss: rounding of a scene's digits
+
+struct Share {
+  int row;
+  double of_it;  // of the row made length 1
+};
+using Repeats = std::vector<std::vector<Share>>;  // of each row; empty: independent
 
 void evaluate(const System& system, const Eigen::VectorXd& q, Terms& terms) {
   set_poses(system, system.initial_state().t, q, terms.at);
@@ -19,18 +25,18 @@ void evaluate(const System& system, const Eigen::VectorXd& q, Terms& terms) {
   evaluate_joint_rows(system, terms);
 }
 
-/// The rows as columns M^(-1/2) Gᵀ of length 1.
-Eigen::MatrixXd unit_rows(const System& system, const Terms& terms) {
+/// The rows as columns M^(-1/2) Gᵀ.
+Eigen::MatrixXd mass_rows(const System& system, const Terms& terms) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system.dof(), system.joint_rows());
   for (Index i = 0; i < columns.cols(); ++i)
     apply_transposed(terms.G[static_cast<std::size_t>(i)], 1.0, columns.col(i).data());
   columns = system.inverse_mass().cwiseSqrt().asDiagonal() * columns;
-  for (Index i = 0; i < columns.cols(); ++i) columns.col(i).normalize();
   return columns;
 }
 
 /// `basis`: orthonormal columns that span all rows.
-Repeats dependencies(const Eigen::MatrixXd& rows, Eigen::MatrixXd& basis) {
+Repeats dependencies(Eigen::MatrixXd rows, Eigen::MatrixXd& basis) {
+  for (Index i = 0; i < rows.cols(); ++i) rows.col(i).normalize();
   Repeats repeats(static_cast<std::size_t>(rows.cols()));
   std::vector<int> independent;
   basis.resize(rows.rows(), std::min(rows.rows(), rows.cols()));
@@ -54,7 +60,7 @@ Repeats dependencies(const Eigen::MatrixXd& rows, Eigen::MatrixXd& basis) {
     const Eigen::VectorXd share = R.topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(parts);
     for (Index k = 0; k < rank; ++k)
       if (std::abs(share[k]) > kPart)
-        repeats[static_cast<std::size_t>(i)].push_back(independent[static_cast<std::size_t>(k)]);
+        repeats[static_cast<std::size_t>(i)].push_back({independent[static_cast<std::size_t>(k)], share[k]});
   }
   basis.conservativeResize(Eigen::NoChange, rank);
   return repeats;
@@ -96,7 +102,7 @@ std::string row_name(const Joint& joint, int row) {
         if constexpr (std::is_same_v<T, Prismatic>) return pick({"across", "angle"});
         if constexpr (std::is_same_v<T, Fixed>) return pick({"x", "y", "angle"});
         if constexpr (std::is_same_v<T, Distance>) return pick({"length"});
-        return std::to_string(row + 1);
+        if constexpr (std::is_same_v<T, Drive>) return pick({"motion"});
       },
       joint);
 }
@@ -116,15 +122,30 @@ Redundancy find_redundancy(const System& system, const Eigen::VectorXd& q) {
   Terms terms(system);
   evaluate(system, q, terms);
   Eigen::MatrixXd basis;
-  const Repeats here = dependencies(unit_rows(system, terms), basis);
+  const Eigen::MatrixXd rows = mass_rows(system, terms);
+  const Repeats here = dependencies(rows, basis);
+  // What a row misses, Φ and ṡ in units of its length; a row that says the same misses by as much as its combination.
+  const Eigen::VectorXd length = rows.colwise().norm();
+  const auto contradicts = [&](Index i, const Eigen::VectorXd& missed) {
+    double left = missed[i] / length[i];
+    for (const Share& s : here[static_cast<std::size_t>(i)]) left -= s.of_it * missed[s.row] / length[s.row];
+    return std::abs(left) * length[i] > kOff;
+  };
   found.rank = static_cast<int>(basis.cols());
   found.dof -= found.rank;
   if (found.rank == found.rows) return found;
   Eigen::VectorXd next = q;
   Repeats there = here;
-  if (move_on(system, basis, terms, next)) there = dependencies(unit_rows(system, terms), basis);
+  const Eigen::VectorXd phi = terms.phi, rate = terms.joint_rate;
+  if (move_on(system, basis, terms, next)) there = dependencies(mass_rows(system, terms), basis);
   for (std::size_t i = 0; i < here.size(); ++i)
-    if (!here[i].empty()) found.dependent.push_back({static_cast<int>(i), here[i], !there[i].empty()});
+    if (!here[i].empty()) {
+      auto& repeat = found.dependent.emplace_back();
+      const auto row = static_cast<Index>(i);
+      repeat.row = static_cast<int>(i), repeat.permanent = !there[i].empty();
+      repeat.contradicts = contradicts(row, phi) || contradicts(row, rate);
+      for (const Share& s : here[i]) repeat.repeats.push_back(s.row);
+    }
   return found;
 }
 
@@ -144,14 +165,14 @@ std::string describe(const Redundancy& redundancy, const System& system) {
                       (redundancy.dof == 1 ? " degree of freedom" : " degrees of freedom");
   for (std::size_t k = 0; k < redundancy.dependent.size();) {  // rows of one joint that repeat the same ones, together
     const auto joint = joint_of[static_cast<std::size_t>(redundancy.dependent[k].row)];
-    const bool permanent = redundancy.dependent[k].permanent;
+    const bool permanent = redundancy.dependent[k].permanent, against = redundancy.dependent[k].contradicts;
     std::string rows, others;
     std::vector<std::size_t> repeated;
     int count = 0;
     for (; k < redundancy.dependent.size(); ++k, ++count) {
       const Redundancy::Repeat& repeat = redundancy.dependent[k];
       const auto row = static_cast<std::size_t>(repeat.row);
-      if (joint_of[row] != joint || repeat.permanent != permanent) break;
+      if (joint_of[row] != joint || repeat.permanent != permanent || repeat.contradicts != against) break;
       rows += (rows.empty() ? "" : ", ") + row_name(joints[joint], row_in[row]);
       for (const int r : repeat.repeats) repeated.push_back(joint_of[static_cast<std::size_t>(r)]);
     }
@@ -159,8 +180,9 @@ std::string describe(const Redundancy& redundancy, const System& system) {
     repeated.erase(std::unique(repeated.begin(), repeated.end()), repeated.end());
     for (const std::size_t j : repeated) others += (others.empty() ? "" : ", ") + name(j);
     words += "; row" + std::string(count > 1 ? "s " : " ") + rows + " of joint " + name(joint) +
-             (count > 1 ? " repeat" : " repeats") + " what joint" + (repeated.size() > 1 ? "s " : " ") + others +
-             " already say" + (repeated.size() > 1 ? "" : "s") + (permanent ? "" : " in this singular pose");
+             (against ? " contradict" : " repeat") + (count > 1 ? "" : "s") + " what joint" +
+             (repeated.size() > 1 ? "s " : " ") + others + " already say" + (repeated.size() > 1 ? "" : "s") +
+             (permanent ? "" : " in this singular pose");
   }
   return words;
 }

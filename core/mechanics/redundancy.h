@@ -21,6 +21,7 @@ struct Redundancy {
     int row = 0;               // in the order of the scene's joints
     std::vector<int> repeats;  // earlier rows
     bool permanent = true;     // false: in this pose only
+    bool contradicts = false;  // asks for another place or rate than they do: no motion can give both
   };
   int rows = 0, rank = 0;  // of the joints here
   int dof = 0;             // of the motion here: coordinates less rank
@@ -33,7 +34,8 @@ struct Redundancy {
 /// Looks at the joints at the coordinates q.
 Redundancy find_redundancy(const System& system, const Eigen::VectorXd& q);
 
-/// In words, joint by joint: 'row angle of joint "b" repeats what joints "a", "c" already say'; empty: nothing to say.
+/// In words, joint by joint: 'row angle of joint "b" repeats (contradicts) what joints "a", "c" already say'; empty:
+/// nothing to say.
 std::string describe(const Redundancy& redundancy, const System& system);
 
 }  // namespace orthant

@@ -68,6 +68,25 @@ TEST_CASE("redundant joints are named, with rows and rank") {
         "joint \"rod\" already says");
 }
 
+TEST_CASE("rows that ask for something else than those before them contradict, and a drive's row is its motion") {
+  Scene scene = pendulum();
+  auto longer = std::get<Distance>(scene.joints[0]);
+  longer.name = "longer", longer.length += 0.1;
+  scene.joint(longer);
+  const System twice(scene);
+  CHECK(at_start(twice).dependent.at(0).contradicts);
+  CHECK(describe(at_start(twice), twice)
+            .find("row length of joint \"longer\" contradicts what joint \"rod\" already says") != std::string::npos);
+
+  Scene driven;
+  driven.body({.name = "wheel"});
+  driven.joint(Revolute{"axle", kGround, 0});
+  for (const double rate : {2.0, 3.0}) driven.joint(Drive{"", Angle{kGround, 0}, {.rate_of_change = rate}});
+  const System motors(driven);
+  CHECK(describe(at_start(motors), motors).find("row motion of joint \"joint3\" contradicts what joint \"joint2\"") !=
+        std::string::npos);
+}
+
 TEST_CASE("a singular pose is told from rows that are redundant for good") {
   NFourBar p{.loops = 1};
   Scene flat = n_four_bar(p);  // all rods in one line: cranks to the right, the coupler beyond
