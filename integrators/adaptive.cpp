@@ -69,6 +69,7 @@ Adaptive::Adaptive(const System& system, const Options& options)
       sum_(system.laws().size()),
       kick_(system.laws().size()) {
   refuse_joint_friction("adaptive");
+  refuse_collisions("adaptive");
   require_plain_impacts(system, "adaptive");
   const Index size = 2 * system.dof() + 2 * system.contacts();
   at_start_ = terms_.at;

@@ -56,6 +56,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
       stepping_(system),
       problem_(&formulation_.problem()) {
   refuse_joint_friction("event-driven");
+  refuse_collisions("event-driven");
   events_.reserve(64 * impulses_.size());
 }
 

@@ -56,7 +56,7 @@ void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const 
 
 Formulation::Formulation(const System& system, Form form, Cone cone)
     : system_(system), form_(form), cone_(cone), islands_(system) {
-  const auto contacts = system.scene().contacts.size();
+  const auto contacts = static_cast<std::size_t>(system.contacts());
   const auto most = 2 * contacts + system.scene().frictions.size() +
                     static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
@@ -118,7 +118,8 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
   lcp_.lo.segment(joints, unilateral).setZero();
   for (Index i = resisted; i < n; ++i) {
-    lcp_.hi[i] = duration_ * system_.scene().frictions[static_cast<std::size_t>(i - resisted)].bound;
+    const auto k = static_cast<std::size_t>(i - resisted);
+    lcp_.hi[i] = duration_ * system_.scene().frictions[k].bound_at(loads_ != nullptr ? (*loads_)[k] : 0);
     lcp_.lo[i] = -lcp_.hi[i];
   }
 }
@@ -177,6 +178,10 @@ bool Formulation::solve_once(Solver& solver, StepReport& report) {
     solver.solve(block, part_, Start::warm);
     if (!report.note(block, part_)) {
       solution_.status = part_.status;
+      solution_.certificate.resize(part_.certificate.size() > 0 ? n : 0);
+      solution_.certificate.setZero();
+      for (Index i = 0; i < part_.certificate.size(); ++i)
+        solution_.certificate[rows[static_cast<std::size_t>(i)]] = part_.certificate[i];
       return false;
     }
     solution_.residual = std::max(solution_.residual, part_.residual);
@@ -219,6 +224,29 @@ void Formulation::cut_out(std::span<const int> rows, Lcp& block) {
     for (Index j = 0; j < n; ++j)
       for (Index i = j; i < n; ++i) A(i, j) = A(j, i) = coupling(at(i), at(j), system_.inverse_mass());
   }
+}
+
+std::string Formulation::contradiction() const {
+  constexpr double kPart = 1e-6;  // of the largest entry: takes part
+  const auto& u = solution_.certificate;
+  if (solution_.status != Status::infeasible || u.size() != lcp_.size()) return {};
+  const Scene& scene = system_.scene();
+  const double least = kPart * u.lpNorm<Eigen::Infinity>();
+  std::string names;
+  Index i = form_ == Form::full ? system_.joint_rows() : 0;
+  for (const Contact& c : contacts_) {
+    const bool two = cone_ == Cone::relaxed && c.mu > 0;
+    const bool part = std::abs(u[i]) > least || (two && std::abs(u[i + 1]) > least);
+    i += two ? 2 : 1;
+    if (!part) continue;
+    const auto contact = static_cast<std::size_t>(c.index);
+    names += names.empty() ? "\"" : ", \"";
+    names += contact < scene.contacts.size() ? std::visit([](const auto& x) { return x.name; }, scene.contacts[contact])
+                                             : "a pair of shapes";
+    names += '"';
+  }
+  return "no motion satisfies contacts " + names +
+         (system_.joint_rows() > 0 ? " together with the joints" : " together");
 }
 
 bool Formulation::regrade() {

@@ -58,7 +58,8 @@ class Formulation {
   explicit Formulation(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);
 
   /// From now on dry friction in joints acts for `duration` [s] (of displacements: [s²]); 0, as at first: it has no rows.
-  void resist(double duration) { duration_ = duration; }
+  /// `loads`, one a friction of the scene [N], are those that its bound depends on; null: none does.
+  void resist(double duration, const std::vector<double>* loads = nullptr) { duration_ = duration, loads_ = loads; }
 
   /// Builds the problem from terms.closed (and terms.G for the full form). v_free: velocities after the step without
   /// the impulses z; wanted: one entry a closed contact; joint_rate: the wanted G v⁺ (full form only), joint_rows
@@ -77,6 +78,9 @@ class Formulation {
 
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve.
   bool solve(Solver& solver, StepReport& report);
+
+  /// In words, of which rows the proof is made that there is no solution; empty: there is no such proof.
+  std::string contradiction() const;
 
   const Lcp& problem() const { return lcp_; }
   const Solution& solution() const { return solution_; }
@@ -109,6 +113,7 @@ class Formulation {
   Form form_;
   Cone cone_;
   double duration_ = 0;
+  const std::vector<double>* loads_ = nullptr;
   std::vector<Row> rows_;  // J
   std::vector<Contact> contacts_;
   DenseMatrix columns_;  // dof × n: B Jᵀ, dense storage only

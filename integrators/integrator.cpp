@@ -21,6 +21,22 @@ void Integrator::refuse_joint_friction(std::string_view scheme) const {
                               "\"): must be one that has, such as moreau-jean or stewart-trinkle");
 }
 
+void Integrator::refuse_loaded_friction(std::string_view scheme) const {
+  for (const JointFriction& f : system_.scene().frictions)
+    if (f.loaded())
+      throw std::invalid_argument(
+          "integrator " + std::string(scheme) + ": friction \"" + f.name +
+          "\" depends on the joint's load: mu must be 0, or the integrator one that knows it, " +
+          "such as moreau-jean or stewart-trinkle");
+}
+
+void Integrator::refuse_collisions(std::string_view scheme) const {
+  if (system_.scene().collisions.empty()) return;
+  throw std::invalid_argument("integrator " + std::string(scheme) + ": follows listed contacts only (collision \"" +
+                              system_.scene().collisions[0].name +
+                              "\"): its pairs must be listed (search = \"none\"), or the integrator be a stepper");
+}
+
 bool Integrator::fail(StepReport& report, Status status, std::string why) {
   report.status = status;
   why_ = std::move(why);

@@ -41,7 +41,8 @@ class Integrator {
   explicit Integrator(const System& system)
       : system_(system),
         gaps_(Eigen::VectorXd::Zero(system.contacts())),
-        impulses_(static_cast<std::size_t>(system.contacts())) {}
+        impulses_(static_cast<std::size_t>(system.contacts())),
+        frictions_(system.scene().frictions.size()) {}
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
   virtual ~Integrator() = default;
@@ -60,7 +61,10 @@ class Integrator {
   const System& system() const { return system_; }
   const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
   const std::vector<Impulse>& impulses() const { return impulses_; }  // of the last step, one per contact
-  std::span<const Event> events() const { return events_; }           // located in the last step, in order of time
+  const std::vector<double>& frictions() const {
+    return frictions_;
+  }                                                          // likewise of dry friction in joints [N m s, N s]
+  std::span<const Event> events() const { return events_; }  // located in the last step, in order of time
 
  protected:
   /// [m] A gap up to this is the rounding of positions as far out as these: bodies that touch would else come apart for a
@@ -70,12 +74,19 @@ class Integrator {
   /// For schemes that have none: throws std::invalid_argument when the scene has dry friction in joints.
   void refuse_joint_friction(std::string_view scheme) const;
 
+  /// For schemes that do not know the joints' loads: throws std::invalid_argument when dry friction depends on them.
+  void refuse_loaded_friction(std::string_view scheme) const;
+
+  /// For schemes that remember what each contact did: throws std::invalid_argument when the scene has collisions.
+  void refuse_collisions(std::string_view scheme) const;
+
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);
 
   const System& system_;
   Eigen::VectorXd gaps_;
   std::vector<Impulse> impulses_;
+  std::vector<double> frictions_;
   std::vector<Event> events_;
   std::string why_;
 };

@@ -14,8 +14,8 @@ Islands::Islands(const System& system) : fixed_(static_cast<std::size_t>(system.
   for (const Joint& joint : system.scene().joints) std::visit(connect, joint);
   for (const Spring& spring : system.scene().springs) std::visit(connect, spring);
   for (std::size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = find(static_cast<int>(i));
-  const auto most = 2 * system.scene().contacts.size() + system.scene().frictions.size() +
-                    static_cast<std::size_t>(system.joint_rows());
+  const auto most =
+      static_cast<std::size_t>(2 * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
 }
 

@@ -1,4 +1,4 @@
-#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/simulate.h>
 
@@ -13,8 +13,11 @@ using WallClock = std::chrono::steady_clock;
 /// Sums impulses between records, and times the recorder so that it can be taken off.
 class Recording {
  public:
-  Recording(const Recorder& record, long every, std::size_t contacts)
-      : record_(record), every_(every), sum_(contacts) {}
+  Recording(const Recorder& record, long every, const System& system)
+      : record_(record),
+        every_(every),
+        sum_(static_cast<std::size_t>(system.contacts())),
+        friction_(system.scene().frictions.size()) {}
 
   void add(long steps, bool last, const State& x, const StepReport& report, const Integrator& integrator) {
     if (!record_) return;
@@ -31,10 +34,11 @@ class Recording {
   }
   void write(const State& x, const StepReport& report, const Eigen::VectorXd& gaps) {
     if (!record_) return;
-    record_({x, report, gaps, sum_, events_});
+    record_({x, report, gaps, sum_, friction_, events_});
     written_ = x.t;
     events_.clear();
     std::fill(sum_.begin(), sum_.end(), Impulse{});
+    std::fill(friction_.begin(), friction_.end(), 0.0);
   }
 
   double seconds = 0;
@@ -45,6 +49,7 @@ class Recording {
       sum_[i].normal += integrator.impulses()[i].normal;
       sum_[i].tangent += integrator.impulses()[i].tangent;
     }
+    for (std::size_t i = 0; i < friction_.size(); ++i) friction_[i] += integrator.frictions()[i];
     events_.insert(events_.end(), integrator.events().begin(), integrator.events().end());
   }
 
@@ -52,6 +57,7 @@ class Recording {
   long every_;
   double written_ = -kInf;  // [s] time of the last record
   std::vector<Impulse> sum_;
+  std::vector<double> friction_;
   std::vector<Event> events_;
 };
 
@@ -94,9 +100,10 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   State& x = run.final;
   run.energy_initial = energy(system, x);
 
-  Recording recording(record, clock.every, system.scene().contacts.size());
+  Recording recording(record, clock.every, system);
   Terms start(system);
   set_poses(system, x.t, x.q, start.at);
+  BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
   recording.write(x, {}, start.gap);
 

@@ -25,12 +25,13 @@ struct Run {
   double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
 };
 
-/// A moment of the run. Impulses and events are those since the moment before, so that none is lost between records.
+/// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost between records.
 struct Moment {
   const State& state;
   const StepReport& report;
   const Eigen::VectorXd& gaps;           // one per contact [m]
   const std::vector<Impulse>& impulses;  // one per contact [N s]
+  const std::vector<double>& frictions;  // one per dry friction in joints [N m s, N s]
   std::span<const Event> events;         // located, in order of time
 };
 

@@ -1,3 +1,4 @@
+#include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/integrators/sleep.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ int Sleep::sleeping() const {
 }
 
 bool Sleep::sleeps(std::size_t contact) const {
-  const auto [a, b] = std::visit([](const auto& c) { return bodies_of(c); }, system_.scene().contacts[contact]);
+  const auto [a, b] = bodies_of(system_, pairs_, static_cast<int>(contact));
   return asleep(a) || asleep(b);
 }
 
@@ -34,6 +35,10 @@ void Sleep::wake(int island) {
 void Sleep::begin(const State& x, const Terms& terms, Eigen::VectorXd& v_free) {
   constexpr double kSame = 1e-9;
   if (!on()) return;
+  if (!terms.pairs.empty()) {
+    carry<Impulse>(system_, pairs_, terms.pairs, force_, scratch_);
+    pairs_ = terms.pairs;
+  }
   if (last_q_.size() != x.q.size() || x.q != last_q_ || x.v != last_v_) {
     std::fill(island_.begin(), island_.end(), 0);
     std::fill(rest_.begin(), rest_.end(), 0.0);

@@ -58,6 +58,8 @@ class Sleep {
   std::vector<double> least_;
   std::vector<Row> rows_;
   std::vector<Impulse> force_;  // of contacts that sleep [N]
+  std::vector<Impulse> scratch_;
+  std::vector<Pair> pairs_;  // of the last step
   Eigen::VectorXd f_, v_free_, last_q_, last_v_;
 };
 

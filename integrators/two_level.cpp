@@ -13,16 +13,17 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()),
-      has_rows_(system.scene().contacts.size()),
+      has_rows_(static_cast<std::size_t>(system.contacts())),
+      broad_phase_(system),
       positions_(system),
       velocities_(system),
       problem_(&velocities_.problem()),
       q_end_(system.dof()),
       free_(system.dof()),
       correction_(system.dof()) {
-  wanted_.reserve(system.scene().contacts.size());
-  carrying_.reserve(system.scene().contacts.size());
+  wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
   require_plain_impacts(system, name);
+  refuse_loaded_friction(name);
 }
 
 void TwoLevel::begin() {
@@ -41,6 +42,15 @@ bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_w
 bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
   constexpr int kIterations = 50;
   const double enough = 1e-14 * (1 + x.q.lpNorm<Eigen::Infinity>());
+  if (broad_phase_
+          .any()) {  // what contacts add to the path is no longer than the longest: bodies do not overlap deeper
+    q_end_ = x.q + path;
+    set_poses(system_, x.t + h, q_end_, end_.at);
+    if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
+    if (!broad_phase_.find(2 * path, end_, BroadPhase::Reach::farthest))
+      return fail(report, Status::numerical_error, broad_phase_.why());
+    start_.pairs = end_.pairs;
+  }
   start_.closed.clear();
   std::fill(has_rows_.begin(), has_rows_.end(), false);
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
@@ -124,7 +134,9 @@ double TwoLevel::gap_mismatch() const {
 
 bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
   if (formulation.problem().size() > 0) problem_ = &formulation.problem();
-  return formulation.solve(solver, report);
+  if (formulation.solve(solver, report)) return true;
+  why_ = formulation.contradiction();
+  return false;
 }
 
 void TwoLevel::hand_over(const State& x) {
@@ -142,6 +154,7 @@ bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   velocities_.formulate(end_, basic_, wanted_, v, rate_);
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);
+  for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = velocities_.joint_friction(i);
   report.energy_rise = energy_rise(system_, end_, wanted_, v, impulses_);
   return true;
 }

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/basic_system.h>
+#include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
 
@@ -58,6 +59,7 @@ class TwoLevel : public Integrator {
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
+  BroadPhase broad_phase_;
   Formulation positions_, velocities_;
   const Lcp* problem_ = nullptr;
   double stiffness_weight_ = 0, damping_weight_ = 0;

@@ -11,6 +11,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
       impact_(system, plan.form),
+      broad_phase_(system),
       sleep_(system, plan.sleep),
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
@@ -19,7 +20,10 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
-  wanted_.reserve(system.scene().contacts.size());
+  const auto& frictions = system.scene().frictions;
+  if (std::any_of(frictions.begin(), frictions.end(), [](const JointFriction& f) { return f.loaded(); }))
+    loads_.resize(frictions.size());
+  wanted_.reserve(static_cast<std::size_t>(system.contacts()));
 }
 
 StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
@@ -27,7 +31,7 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   formulation_.clear();
   problem_ = &formulation_.problem();
   why_.clear();
-  if (!free_flight(h, x, report)) return report;
+  if (!free_flight(h, x, report) || !find_pairs(h, x, report)) return report;
   sleep_.begin(x, terms_, v_new_);
   do close(h, x);
   while (sleep_.disturbed(terms_, wanted_, v_new_));
@@ -37,11 +41,18 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
     why_ = impact_.why();
     return report;
   }
-  formulation_.resist(h);
+  if (!loads_.empty() && (last_q_.size() == 0 || x.q != last_q_ || x.v != last_v_))
+    std::fill(loads_.begin(), loads_.end(), 0.0);
+  formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
   formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
-  if (!formulation_.solve(solver, report)) return report;
+  if (!formulation_.solve(solver, report)) {
+    why_ = formulation_.contradiction();
+    return report;
+  }
   formulation_.advance(v_new_, impulses_);
   impact_.add_to(impulses_);
+  for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = formulation_.joint_friction(i);
+  note_loads(h, x);
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_);
   sleep_.hold(h, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
@@ -50,6 +61,7 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   x.q.swap(q_new_);
   x.v.swap(v_new_);
   sleep_.end(h, terms_, impulses_, x);
+  if (!loads_.empty()) last_q_ = x.q, last_v_ = x.v;
   return report;
 }
 
@@ -73,6 +85,44 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
   v_new_ += x.v;
   return v_new_.allFinite() || fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) {
+  if (!broad_phase_.any()) return true;
+  double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
+  for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
+  q_mid_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
+  // What a scheme takes for closed may be open by a share of what the forces move anywhere, and by rounding.
+  q_mid_.array() +=
+      nearly(h, x) + 1e-2 * h * h * system_.inverse_mass().cwiseProduct(terms_.f).lpNorm<Eigen::Infinity>();
+  return broad_phase_.find(q_mid_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
+}
+
+void VelocityStepping::note_loads(double h, const State& x) {
+  if (loads_.empty()) return;
+  const auto& frictions = system_.scene().frictions;
+  if (plan_.form == Form::full) {
+    lambda_ = formulation_.solution().z.head(lambda_.size());
+  } else {  // M̂ Δv = h f + Jᵀ z + Gᵀ Λ once more, with z known
+    force_ = h * terms_.f;
+    for (const ClosedContact& c : terms_.closed) {
+      const Impulse& impulse = impulses_[static_cast<std::size_t>(c.contact)];
+      apply_transposed(c.rows.normal, impulse.normal, force_.data());
+      apply_transposed(c.rows.tangent, impulse.tangent, force_.data());
+    }
+    for (std::size_t i = 0; i < frictions.size(); ++i)
+      apply_transposed(frictions[i].of.row(terms_.at), frictions_[i], force_.data());
+    for (Index i = 0; i < rate_.size(); ++i)
+      lambda_[i] = rate_[i] - apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+    basic_.solve(force_.data(), lambda_.data(), q_mid_.data(), lambda_.data());
+  }
+  for (std::size_t i = 0; i < frictions.size(); ++i) {
+    if (!frictions[i].loaded()) continue;
+    const auto joint = static_cast<std::size_t>(frictions[i].joint);
+    const Index row = system_.first_row(joint);
+    const bool pin = std::holds_alternative<Revolute>(system_.scene().joints[joint]);
+    loads_[i] = (pin ? lambda_.segment(row, 2).norm() : std::abs(lambda_[row])) / h;
+  }
 }
 
 bool VelocityStepping::settle(double t, StepReport& report) {

@@ -12,6 +12,7 @@
 // A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long.
 #pragma once
 
+#include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
@@ -79,6 +80,10 @@ class VelocityStepping : public Integrator {
  private:
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
+  /// The pairs that can be closed in the step.
+  bool find_pairs(double h, const State& x, StepReport& report);
+  /// The joints' loads in the step, where friction depends on them, for the next one.
+  void note_loads(double h, const State& x);
   /// Projection; joint residual and penetration at the end.
   bool settle(double t, StepReport& report);
 
@@ -86,9 +91,12 @@ class VelocityStepping : public Integrator {
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
   Impact impact_;
+  BroadPhase broad_phase_;
   Sleep sleep_;
   Formulation formulation_;
   const Lcp* problem_;
+  std::vector<double> loads_;  // [N] of the last step, one a friction; empty: none depends on a load
+  Eigen::VectorXd last_q_, last_v_;
   Eigen::VectorXd q_mid_, q_new_, force_, rate_, lambda_;
 };
 

@@ -14,6 +14,22 @@
 
 namespace orthant {
 
+/// What a disc of body a meets of a polygon of body b: a face, or a corner.
+inline std::variant<DiscWall, DiscDisc> touch(const Kinematics& k, BodyId a, const Vector2d& centre, double radius,
+                                              BodyId b, const Polygon& corners) {
+  const Vector2d c = k.at(b).turn_back(k.at(a).x + k.at(a).turn(centre) - k.at(b).x);
+  double most = -std::numeric_limits<double>::infinity();
+  std::size_t face = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (const double distance = outward(corners, i).dot(c - corners[i]); distance > most) most = distance, face = i;
+  if (most > 0) {  // outside: beyond an end of this face, one of its corners is the nearest
+    const Vector2d along = direction(corners, face), first = corners[face], last = corners[next(corners, face)];
+    if (along.dot(c - first) < 0) return DiscDisc{{}, a, centre, radius, b, first, 0, {}};
+    if (along.dot(c - last) > 0) return DiscDisc{{}, a, centre, radius, b, last, 0, {}};
+  }
+  return DiscWall{{}, a, centre, radius, b, corners[face], outward(corners, face), {}};
+}
+
 struct DiscPolygon {
   std::string name;
   BodyId a = kGround;
@@ -35,17 +51,7 @@ struct DiscPolygon {
 
  private:
   std::variant<DiscWall, DiscDisc> nearest(const Kinematics& k) const {
-    const Vector2d c = k.at(b).turn_back(k.at(a).x + k.at(a).turn(centre) - k.at(b).x);
-    double most = -std::numeric_limits<double>::infinity();
-    std::size_t face = 0;
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      if (const double distance = outward(corners, i).dot(c - corners[i]); distance > most) most = distance, face = i;
-    if (most > 0) {  // outside: beyond an end of this face, one of its corners is the nearest
-      const Vector2d along = direction(corners, face), first = corners[face], last = corners[next(corners, face)];
-      if (along.dot(c - first) < 0) return DiscDisc{{}, a, centre, radius, b, first, 0, {}};
-      if (along.dot(c - last) > 0) return DiscDisc{{}, a, centre, radius, b, last, 0, {}};
-    }
-    return DiscWall{{}, a, centre, radius, b, corners[face], outward(corners, face), {}};
+    return touch(k, a, centre, radius, b, corners);
   }
 };
 

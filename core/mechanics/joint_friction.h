@@ -1,6 +1,9 @@
-// core/mechanics/joint_friction.h — dry friction of given strength along a relative coordinate: a bearing, a brake, a seal.
-//   λ ∈ −bound Sgn(ċ):  λ = −bound sgn(ċ) while it moves, |λ| ≤ bound while it sticks   [N m or N].
-// The bound does not depend on the joint's load. One box row −h bound ≤ Λ ≤ h bound of a step's problem.
+// core/mechanics/joint_friction.h — dry friction along a relative coordinate: a bearing, a brake, a seal.
+//   λ ∈ −B Sgn(ċ):  λ = −B sgn(ċ) while it moves, |λ| ≤ B while it sticks   [N m or N].
+//   B = bound + mu radius R,   R the size of the joint's reaction [N]: of a revolute one the force on its pin, of a
+//   prismatic one the force across (its torque does not count).
+// One box row −h B ≤ Λ ≤ h B of a step's problem. R is explicit: the mean of the last step (0 in the first), which keeps the
+// problem linear; an error of first order, and the blow of an impact counts in the step after it.
 #pragma once
 
 #include <orthant/core/mechanics/coordinate.h>
@@ -12,7 +15,13 @@ namespace orthant {
 struct JointFriction {
   std::string name;
   Coordinate of;
-  double bound = 0;  // [N m] of an Angle, [N] of the others; ≥ 0
+  double bound = 0;   // [N m] of an Angle, [N] of the others; ≥ 0
+  double mu = 0;      // ≥ 0 of the load
+  double radius = 1;  // [m] > 0 of the pin; 1 where the friction is a force
+  int joint = -1;     // whose load, revolute or prismatic, in the scene's order; read where mu > 0
+
+  bool loaded() const { return mu > 0; }
+  double bound_at(double load) const { return bound + mu * radius * load; }
 };
 
 }  // namespace orthant

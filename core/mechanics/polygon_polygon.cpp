@@ -6,6 +6,8 @@
 namespace orthant {
 namespace {
 
+constexpr double kFlat = 0.1;  // sine of the tilt
+
 struct Side {  // one of the two polygons
   BodyId body;
   const Polygon& corners;
@@ -41,7 +43,7 @@ DiscDisc corner_corner(const Side& x, std::size_t i, const Side& y, std::size_t 
 
 }  // namespace
 
-PolygonPolygon::Touch PolygonPolygon::touch(const Kinematics& k) const {
+Touch touch(const Kinematics& k, BodyId a, const Polygon& corners_a, BodyId b, const Polygon& corners_b, int point) {
   const Side side_a{a, corners_a, k.at(a)}, side_b{b, corners_b, k.at(b)};
   const Axis from_a = separating(side_a, side_b), from_b = separating(side_b, side_a);
   const bool on_a = from_a.separation > from_b.separation;

@@ -24,8 +24,11 @@
 
 namespace orthant {
 
+/// What point 0 or 1 of two polygons is at the moment: a corner against a face, or two corners.
+using Touch = std::variant<CornerWall, DiscDisc>;
+Touch touch(const Kinematics& k, BodyId a, const Polygon& corners_a, BodyId b, const Polygon& corners_b, int point);
+
 struct PolygonPolygon {
-  static constexpr double kFlat = 0.1;  // sine of the tilt
   std::string name;
   BodyId a = kGround;
   Polygon corners_a;  // [m] in a's frame
@@ -44,9 +47,7 @@ struct PolygonPolygon {
     return std::visit([&](const auto& c) { return c.bias(k); }, touch(k));
   }
 
-  /// What this point is at the moment: a corner against a face, or two corners.
-  using Touch = std::variant<CornerWall, DiscDisc>;
-  Touch touch(const Kinematics& k) const;
+  Touch touch(const Kinematics& k) const { return orthant::touch(k, a, corners_a, b, corners_b, point); }
 };
 
 }  // namespace orthant

@@ -16,8 +16,9 @@ std::string text(const Vector2d& v) { return std::string("(").append(text(v.x())
 /// One element of the scene while its fields are examined; the first rule that fails throws.
 class Element {
  public:
-  Element(const Scene& scene, std::string_view kind, std::size_t index, const std::string& name)
-      : scene_(scene), kind_(kind), index_(index), name_(name) {}
+  Element(const Scene& scene, const Kinematics& start, std::string_view kind, std::size_t index,
+          const std::string& name)
+      : scene_(scene), start_(start), kind_(kind), index_(index), name_(name) {}
 
   [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
     const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + name_ + "\"";
@@ -62,14 +63,25 @@ class Element {
         a == kGround ? "the ground" : "body \"" + scene_.bodies[static_cast<std::size_t>(a)].name + "\"";
     fail("bodies", "joins " + same + " to itself: must be two different bodies");
   }
+  void loads(int joint) const {
+    const auto* one = joint >= 0 && joint < static_cast<int>(scene_.joints.size())
+                          ? &scene_.joints[static_cast<std::size_t>(joint)]
+                          : nullptr;
+    if (one == nullptr || !(std::holds_alternative<Revolute>(*one) || std::holds_alternative<Prismatic>(*one)))
+      fail("mu", "joint " + std::to_string(joint) + " has no load for mu: must be a revolute or prismatic joint");
+  }
   void law(const ContactLaw& law) const {
     not_negative("mu", law.mu), within("e_n", law.e, 0, 1), within("e_t", law.e_t, -1, 1);
     not_negative("mu_static", law.mu_static), finite("belt", law.belt);
     require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", law.mu_static, ">= mu = " + text(law.mu));
   }
 
+  /// The initial poses.
+  const Kinematics& start() const { return start_; }
+
  private:
   const Scene& scene_;
+  const Kinematics& start_;
   std::string kind_;
   std::size_t index_;
   std::string name_;
@@ -104,7 +116,11 @@ void examine(const Element& e, const Prismatic& j) {
   examine_points(e, j), e.unit("axis", j.axis), e.finite("angle", j.angle);
 }
 void examine(const Element& e, const Fixed& j) { examine_points(e, j), e.finite("angle", j.angle); }
-void examine(const Element& e, const Distance& j) { examine_points(e, j), e.positive("length", j.length); }
+void examine(const Element& e, const Distance& j) {
+  examine_points(e, j), e.positive("length", j.length);
+  if (Span{j.a, j.b, j.point_a, j.point_b}.value(e.start()) == 0)
+    e.fail("bodies", "its points start in one place: must be apart, a link has no direction there");
+}
 
 void examine(const Element& e, const Coordinate& c) {
   const auto one = [&](const auto& of) {
@@ -149,13 +165,34 @@ void examine(const Element& e, const Journal& c) {
   e.pair(c.a, c.b), e.finite("centre_a", c.centre_a), e.finite("centre_b", c.centre_b);
   e.positive("radius_a", c.radius_a), e.positive("radius_b", c.radius_b), e.law(c.law);
   e.require(c.radius_b > c.radius_a, "radius_b", c.radius_b, "> radius_a = " + text(c.radius_a));
+  const double off = Span{c.a, c.b, c.centre_a, c.centre_b}.value(e.start());
+  if (!(off <= c.radius_b))
+    e.fail("bodies", "its centres start " + text(off) + " m apart: must be at most radius_b = " + text(c.radius_b) +
+                         ", the pin is out of its hole");
 }
 void examine(const Element& e, const Limit& c) {
   examine(e, c.of), e.finite("bound", c.bound), e.law(c.law);
   e.require(!c.law.frictional(), "mu", std::max(c.law.mu, c.law.mu_static), "0: a limit has no friction");
 }
 
-void examine(const Element& e, const JointFriction& f) { examine(e, f.of), e.not_negative("bound", f.bound); }
+void examine(const Element& e, const Collision& c) {
+  for (std::size_t i = 0; i < c.shapes.size(); ++i) {
+    const Shape& s = c.shapes[i];
+    const std::string field = "shapes[" + std::to_string(i) + "].";
+    e.exists(s.body);
+    if (s.corners.empty())
+      e.finite(field + "centre", s.centre), e.positive(field + "radius", s.radius);
+    else
+      examine(e, field + "corners", s.corners);
+  }
+  e.law(c.law), e.positive("neighbours", c.neighbours);
+  e.require(c.neighbours <= 1e6, "neighbours", c.neighbours, "<= 1e6");
+}
+
+void examine(const Element& e, const JointFriction& f) {
+  examine(e, f.of), e.not_negative("bound", f.bound), e.not_negative("mu", f.mu), e.positive("radius", f.radius);
+  if (f.loaded()) e.loads(f.joint);
+}
 
 void examine(const Element& e, const PointSpring& s) {
   examine_points(e, s), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
@@ -181,11 +218,12 @@ void examine(const Element& e, const Load& l) {
   }
 }
 
-template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
+template <class T>
+void examine_all(const Scene& scene, const Kinematics& start, std::string_view kind, const std::vector<T>& elements) {
   Names names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const auto one = [&](const auto& x) {
-      const Element element(scene, kind, i, x.name);
+      const Element element(scene, start, kind, i, x.name);
       names.add(element, x.name);
       examine(element, x);
     };
@@ -199,16 +237,42 @@ template <class T> void examine_all(const Scene& scene, std::string_view kind, c
 }  // namespace
 
 void check(const Scene& scene) {
-  const Element whole(scene, "", 0, "");
+  Kinematics start;
+  for (const Body& b : scene.bodies) start.pose.push_back({b.position, b.angle, std::cos(b.angle), std::sin(b.angle)});
+  start.pose.emplace_back();
+  const Element whole(scene, start, "", 0, "");
   whole.finite("gravity", scene.gravity);
   whole.positive("duration", scene.duration), whole.positive("step", scene.step);
   if (scene.bodies.empty()) whole.fail("body", "has no bodies: must have at least one");
-  examine_all(scene, "body", scene.bodies);
-  examine_all(scene, "joint", scene.joints);
-  examine_all(scene, "contact", scene.contacts);
-  examine_all(scene, "friction", scene.frictions);
-  examine_all(scene, "spring", scene.springs);
-  examine_all(scene, "load", scene.loads);
+  examine_all(scene, start, "body", scene.bodies);
+  examine_all(scene, start, "joint", scene.joints);
+  examine_all(scene, start, "contact", scene.contacts);
+  examine_all(scene, start, "collision", scene.collisions);
+  examine_all(scene, start, "friction", scene.frictions);
+  examine_all(scene, start, "spring", scene.springs);
+  examine_all(scene, start, "load", scene.loads);
+}
+
+Scene with_pairs_listed(const Scene& scene) {
+  Scene listed = scene;
+  listed.collisions.clear();
+  for (const Collision& c : scene.collisions) {
+    int count = 0;
+    const auto add = [&](auto contact) {
+      contact.name = c.name + "_" + std::to_string(++count), contact.law = c.law;
+      listed.contact(std::move(contact));
+    };
+    each_pair(c, [&](const Pair& pair) {
+      const Shape *x = &c.shapes[static_cast<std::size_t>(pair.a)], *y = &c.shapes[static_cast<std::size_t>(pair.b)];
+      if (x->corners.empty() && y->corners.empty())
+        return add(DiscDisc{{}, x->body, x->centre, x->radius, y->body, y->centre, y->radius, {}});
+      if (!x->corners.empty() && !y->corners.empty())
+        return add(PolygonPolygon{{}, x->body, x->corners, y->body, y->corners, pair.point, {}});
+      if (!x->corners.empty()) std::swap(x, y);
+      add(DiscPolygon{{}, x->body, x->centre, x->radius, y->body, y->corners, {}});
+    });
+  }
+  return listed;
 }
 
 }  // namespace orthant

@@ -5,8 +5,8 @@
 //   s.joint(Revolute{"pin", kGround, rod, {0, 0}, {-0.5, 0}});
 #pragma once
 
+#include <orthant/core/mechanics/collision.h>
 #include <orthant/core/mechanics/contact_sets.h>
-#include <orthant/core/mechanics/disc_polygon.h>
 #include <orthant/core/mechanics/distance.h>
 #include <orthant/core/mechanics/drive.h>
 #include <orthant/core/mechanics/fixed.h>
@@ -45,6 +45,7 @@ struct Scene {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<Contact> contacts;
+  std::vector<Collision> collisions;
   std::vector<JointFriction> frictions;
   std::vector<Spring> springs;
   std::vector<Load> loads;
@@ -63,6 +64,7 @@ struct Scene {
   template <class Set> void contact_set(const Set& contacts_of_it) {
     for (const auto& c : contacts_of_it) contact(c);
   }
+  void collision(Collision c) { add(collisions, std::move(c), "collision"); }
   void friction(JointFriction f) { add(frictions, std::move(f), "friction"); }
   void spring(Spring s) { add(springs, std::move(s), "spring"); }
   void load(Load l) { add(loads, std::move(l), "load"); }
@@ -84,7 +86,7 @@ struct Scene {
 struct SceneError : std::invalid_argument {
   SceneError(const std::string& what, std::string kind_, std::size_t index_, std::string field_)
       : std::invalid_argument(what), kind(std::move(kind_)), index(index_), field(std::move(field_)) {}
-  std::string kind;  // "body", "joint", "contact", "friction", "spring", "load"; empty: the scene itself
+  std::string kind;  // "body", "joint", "contact", "collision", "friction", "spring", "load"; empty: the scene itself
   std::size_t index = 0;
   std::string field;
 };
@@ -94,5 +96,8 @@ struct SceneError : std::invalid_argument {
 /// μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints ascending, at
 /// least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
+
+/// The same scene with every pair that a collision stands for as a contact of its own, behind the others: NAME_1, NAME_2, …
+Scene with_pairs_listed(const Scene& scene);
 
 }  // namespace orthant

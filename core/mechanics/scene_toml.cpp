@@ -18,7 +18,9 @@ namespace {
 constexpr std::uintmax_t kMaxFile = 16 << 20;  // [bytes]
 constexpr int kMaxNesting = 16;                // brackets around a value, and dots in a key
 constexpr std::string_view kOverride = "override ";
-constexpr std::array<std::string_view, 6> kKinds = {"body", "joint", "contact", "friction", "spring", "load"};
+constexpr std::array<std::string_view, 7> kKinds = {"body",     "joint",  "contact", "collision",
+                                                    "friction", "spring", "load"};
+constexpr std::array<std::string_view, 2> kSearchNames = {"grid", "none"};
 
 std::string in_quotes(std::string_view s) { return std::string("\"").append(s).append("\""); }
 
@@ -138,8 +140,8 @@ void apply_override(toml::table& root, std::string_view override_text) {
   const auto kind = path.substr(0, dot);
   if (dot == std::string_view::npos) return merge(parse(override_text, name), root);
   if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
-    throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of body, joint, contact, " +
-                                "spring, load");
+    throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of " +
+                                join({kKinds.begin(), kKinds.end()}));
   const auto second_dot = path.find('.', dot + 1);
   if (second_dot == std::string_view::npos)
     throw std::invalid_argument(name + ": must have the form " + std::string(kind) + ".NAME.KEY=VALUE");
@@ -163,7 +165,10 @@ class Fields {
       : table_(table), who_(std::move(who)), file_(file), prefix_(std::move(prefix)) {}
 
   template <class T> void need(std::string_view key, T& value) {
-    if (!maybe(key, value)) fail(table_, "missing key " + in_quotes(prefix_ + std::string(key)));
+    if (!maybe(key, value)) miss(key);
+  }
+  [[noreturn]] void miss(std::string_view key) const {
+    fail(table_, "missing key " + in_quotes(prefix_ + std::string(key)));
   }
   /// False, and `value` as it was, when the key is not there.
   template <class T> bool maybe(std::string_view key, T& value) {
@@ -279,6 +284,7 @@ class Reader {
     pose_bodies();
     each(top, "joint", [&](Fields& f) { joint(f); });
     each(top, "contact", [&](Fields& f) { contact(f); });
+    each(top, "collision", [&](Fields& f) { collision(f); });
     each(top, "friction", [&](Fields& f) { friction(f); });
     each(top, "spring", [&](Fields& f) { spring(f); });
     each(top, "load", [&](Fields& f) { load(f); });
@@ -288,10 +294,12 @@ class Reader {
     } catch (const SceneError& error) {
       throw std::invalid_argument(place(find(error), file_) + ": " + error.what());
     }
+    list_pairs();
     return std::move(scene_);
   }
 
  private:
+  enum class Search { grid, none };
   template <class Read> void each(Fields& top, std::string_view kind, Read&& read) {
     const toml::node* list = top.find(kind);
     if (list == nullptr) return;
@@ -300,7 +308,8 @@ class Reader {
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const toml::table* table = elements.get(i)->as_table();
       if (table == nullptr) top.refuse(kind, *elements.get(i), "a table");
-      Fields fields(*table, std::string(kind) + " " + in_quotes(name_of(*table, kind, i)) + ": ", file_);
+      given_name_ = name_of(*table, kind, i);
+      Fields fields(*table, std::string(kind) + " " + in_quotes(given_name_) + ": ", file_);
       read(fields);
       fields.done();
       if (kind == "contact") written_.resize(scene_.contacts.size(), i);
@@ -445,15 +454,19 @@ class Reader {
     const toml::table* table = f.inner("wall");
     if (table == nullptr) f.fail(f.table(), "missing key \"wall\"");
     Fields w = f.fields("wall", *table);
+    half_plane(w, c);
+    w.done();
+  }
+  template <class T> void half_plane(Fields& w, T& c) const {
     if (const toml::node* node = w.find("body")) c.b = id(w, "body", *node);
     w.maybe("point", c.wall_point);
-    if (!w.direction("normal", c.normal)) w.fail(*table, "missing key \"wall.normal\"");
-    w.done();
+    if (!w.direction("normal", c.normal)) w.miss("normal");
   }
 
   void contact(Fields& f) {
     std::string type, name;
     f.need("type", type), f.maybe("name", name);
+    if (name.empty()) name = given_name_;
     if (type == "corner-wall") {
       CornerWall c{.name = name};
       c.a = body_of(f), f.maybe("point", c.point), wall(f, c), law(f, c.law);
@@ -472,7 +485,7 @@ class Reader {
       Polygon corners;
       c.a = body_of(f), f.need("corners", corners), wall(f, c), law(f, c.law);
       convex_corners(f, "corners", corners);
-      scene_.contact_set(polygon_wall(named(c), corners));
+      scene_.contact_set(polygon_wall(c, corners));
     } else if (type == "disc-polygon") {
       DiscPolygon c{.name = name};
       bodies_of(f, c), f.maybe("centre", c.centre), f.need("radius", c.radius);
@@ -481,7 +494,8 @@ class Reader {
     } else if (type == "polygon-polygon") {
       PolygonPolygon c{.name = name};
       bodies_of(f, c), f.need("corners_a", c.corners_a), f.need("corners_b", c.corners_b), law(f, c.law);
-      scene_.contact_set(polygon_polygon(named(c)));
+      convex_corners(f, "corners_a", c.corners_a), convex_corners(f, "corners_b", c.corners_b);
+      scene_.contact_set(polygon_polygon(c));
     } else if (type == "journal") {
       Journal c{.name = name};
       bodies_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
@@ -505,12 +519,6 @@ class Reader {
     }
   }
 
-  /// A name for what becomes several contacts: by place, when none is written.
-  template <class T> T named(T set) const {
-    if (set.name.empty()) set.name = "contact" + std::to_string(scene_.contacts.size() + 1);
-    return set;
-  }
-
   static void convex_corners(const Fields& f, std::string_view key, const Polygon& corners) {
     if (!convex(corners))
       f.refuse(key, *f.table().get(key), "the corners of a convex polygon, counter-clockwise, no three in a line");
@@ -531,7 +539,13 @@ class Reader {
       w.maybe("point", g.point), w.direction("axis", g.axis);
       w.done();
     }
-    scene_.contact_set(guide(named(g)));
+    for (const CornerWall& corner : guide(g)) {
+      if (corner.gap(initial_) < -g.height / 2)
+        f.fail(f.table(), "starts off its walls or crosswise: corner \"" + corner.name + "\" is " +
+                              detail::text_of(-corner.gap(initial_)) +
+                              " m inside its wall: must be at most height / 2");
+      scene_.contact(corner);
+    }
   }
 
   void limit(Fields& f, const std::string& name) {
@@ -541,7 +555,6 @@ class Reader {
     const bool below = f.maybe("lower", lower), above = f.maybe("upper", upper);
     if (!below && !above) f.fail(f.table(), "missing key \"lower\" or \"upper\"");
     if (below && above && lower > upper) f.refuse("lower", *f.table().get("lower"), "at most upper");
-    if (below && above) c = named(c);
     const auto add = [&](Limit::Side side, double bound, const char* suffix) {
       Limit one = c;
       one.side = side, one.bound = bound;
@@ -552,10 +565,70 @@ class Reader {
     if (above) add(Limit::Side::upper, upper, "_upper");
   }
 
+  void collision(Fields& f) {
+    Collision c;
+    f.maybe("name", c.name), f.maybe("neighbours", c.neighbours), law(f, c.law);
+    Search search = Search::grid;
+    f.choice("search", search, kSearchNames);
+    searches_.push_back(search);
+    each_table(f, "shapes", [&](Fields& g) {
+      Shape s{.body = body_of(g)};
+      const bool polygon = g.maybe("corners", s.corners);
+      if (polygon) convex_corners(g, "corners", s.corners);
+      if (!polygon) g.maybe("centre", s.centre), g.need("radius", s.radius);
+      c.shapes.push_back(s);
+    });
+    auto& walls = walls_.emplace_back();
+    each_table(f, "walls", [&](Fields& g) { half_plane(g, walls.emplace_back()); });
+    scene_.collision(c);
+  }
+  template <class Read> void each_table(Fields& f, std::string_view key, Read&& read) {
+    const toml::node* list = f.find(key);
+    if (list == nullptr) return;
+    const toml::array* tables = list->as_array();
+    if (tables == nullptr) f.refuse(key, *list, "a list of tables [{...}, ...]");
+    for (std::size_t i = 0; i < tables->size(); ++i) {
+      const toml::table* table = tables->get(i)->as_table();
+      if (table == nullptr) f.refuse(key, *tables->get(i), "a table");
+      Fields g = f.fields(std::string(key) + "[" + std::to_string(i) + "]", *table);
+      read(g);
+      g.done();
+    }
+  }
+  /// What collisions stand for and no search finds: every shape against each wall, and the pairs that are to be listed.
+  void list_pairs() {
+    Scene all = scene_;
+    all.collisions.clear();
+    std::vector<Collision> searched;
+    for (std::size_t i = 0; i < scene_.collisions.size(); ++i) {
+      const Collision& c = scene_.collisions[i];
+      int count = 0;
+      const std::string wall_name = c.name + "_wall_";
+      for (CornerWall wall : walls_[i])
+        for (const Shape& s : c.shapes) {
+          wall.name = wall_name + std::to_string(++count), wall.a = s.body, wall.law = c.law;
+          if (s.body == wall.b) continue;
+          if (s.corners.empty())
+            all.contact(DiscWall{wall.name, s.body, s.centre, s.radius, wall.b, wall.wall_point, wall.normal, c.law});
+          else
+            all.contact_set(polygon_wall(wall, s.corners));
+        }
+      (searches_[i] == Search::none ? all.collisions : searched).push_back(c);
+    }
+    scene_ = with_pairs_listed(all);
+    scene_.collisions = searched;
+  }
+
   void friction(Fields& f) {
     JointFriction friction;
     f.maybe("name", friction.name);
-    friction.of = coordinate(f), f.need("bound", friction.bound);
+    friction.of = coordinate(f);
+    f.maybe("mu", friction.mu), f.maybe("radius", friction.radius);
+    if (!f.maybe("bound", friction.bound) && !friction.loaded()) f.miss("bound");
+    if (friction.loaded())
+      for (const Joint& one : scene_.joints)
+        if (std::visit([](const auto& j) { return j.name; }, one) == f.table()["joint"].value_or(std::string()))
+          friction.joint = static_cast<int>(&one - scene_.joints.data());
     scene_.friction(friction);
   }
 
@@ -636,7 +709,10 @@ class Reader {
   std::string file_;
   Scene scene_;
   Kinematics initial_;
-  std::vector<std::size_t> written_;  // of each contact, which element of the file it comes from
+  std::string given_name_;                      // of the element being read, or by its place: what overrides know it by
+  std::vector<Search> searches_;                // of each collision
+  std::vector<std::vector<CornerWall>> walls_;  // likewise: b, wall_point and normal are read
+  std::vector<std::size_t> written_;            // of each contact, which element of the file it comes from
   std::map<std::string, BodyId, std::less<>> ids_;
 };
 

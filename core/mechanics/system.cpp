@@ -18,6 +18,7 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   }
   inverse_mass_ = mass_.cwiseInverse();
   for (const Joint& joint : scene_.joints) {
+    first_row_.push_back(joint_rows_);
     joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
     if (const auto* drive = std::get_if<Drive>(&joint)) {
       driven_ = true;
@@ -28,6 +29,14 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   }
   for (const Contact& contact : scene_.contacts)
     laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
+  for (const Collision& c : scene_.collisions) {
+    const auto shapes = static_cast<double>(c.shapes.size());
+    const double most =
+        std::ceil(std::min(c.neighbours * shapes, shapes * (shapes - 1)));  // all pairs, two points each
+    if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
+    pairs_.push_back(pairs_.back() + static_cast<int>(most));
+    laws_.resize(static_cast<std::size_t>(contacts()), c.law);
+  }
   for (const Load& load : scene_.loads) {
     breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());
     swing_ = std::max(swing_, load.omega);

@@ -16,8 +16,13 @@ class System {
   int bodies() const { return static_cast<int>(scene_.bodies.size()); }
   int dof() const { return 3 * bodies(); }
   int joint_rows() const { return joint_rows_; }
+  int first_row(std::size_t joint) const { return first_row_[joint]; }
   bool driven() const { return driven_; }  // some joint is given in time
-  int contacts() const { return static_cast<int>(scene_.contacts.size()); }
+  /// The listed ones, then room for the pairs of each collision that are near each other.
+  int contacts() const { return listed() + pairs_.back(); }
+  int listed() const { return static_cast<int>(scene_.contacts.size()); }
+  /// Where the pairs of each collision begin, counted from listed(); at the end their number.
+  const std::vector<int>& pairs() const { return pairs_; }
 
   const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
@@ -35,9 +40,11 @@ class System {
  private:
   Scene scene_;
   int joint_rows_ = 0;
+  std::vector<int> first_row_;  // of each joint
   bool driven_ = false;
   Eigen::VectorXd mass_, inverse_mass_, weight_;
   std::vector<ContactLaw> laws_;
+  std::vector<int> pairs_ = {0};
   std::vector<double> breakpoints_;  // [s] ascending, of all loads and drives
   double swing_ = 0;
 };

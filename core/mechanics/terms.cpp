@@ -1,6 +1,7 @@
 #include <orthant/core/mechanics/terms.h>
 
 #include <cmath>
+#include <limits>
 
 namespace orthant {
 
@@ -14,9 +15,11 @@ Terms::Terms(const System& system) {
   phi.setZero(system.joint_rows());
   joint_rate.setZero(system.joint_rows());
   joint_bias.setZero(system.joint_rows());
+  const auto contacts = static_cast<std::size_t>(system.contacts());
+  pairs.resize(contacts - system.scene().contacts.size());
   gap.setConstant(system.contacts(), 0.0);
-  closed.reserve(system.scene().contacts.size());
-  contact_bias.reserve(system.scene().contacts.size());
+  closed.reserve(contacts);
+  contact_bias.reserve(contacts);
 }
 
 void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at) {
@@ -75,16 +78,44 @@ void evaluate_joint_rows(const System& system, Terms& terms) {
   });
 }
 
+namespace {
+
+/// Calls what(contact) with the listed one, or with what the pair is at the moment.
+template <class What> decltype(auto) with_contact(const System& system, const Terms& terms, int contact, What&& what) {
+  if (contact < system.listed()) return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
+  const Pair& pair = terms.pairs[static_cast<std::size_t>(contact - system.listed())];
+  return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, terms.at, what);
+}
+
+}  // namespace
+
 void evaluate_gaps(const System& system, Terms& terms) {
   Index i = 0;
   for (const Contact& contact : system.scene().contacts)
     terms.gap[i++] = std::visit([&](const auto& c) { return c.gap(terms.at); }, contact);
+  for (const Pair& pair : terms.pairs) {
+    terms.gap[i] =
+        pair.none() ? std::numeric_limits<double>::infinity()
+                    : with_contact(system, terms, static_cast<int>(i), [&](const auto& c) { return c.gap(terms.at); });
+    ++i;
+  }
+}
+
+std::pair<BodyId, BodyId> bodies_of(const System& system, const std::vector<Pair>& pairs, int contact) {
+  const auto i = static_cast<std::size_t>(contact);
+  const auto& listed = system.scene().contacts;
+  if (i < listed.size()) return std::visit([](const auto& c) { return bodies_of(c); }, listed[i]);
+  const Pair& pair = pairs[i - listed.size()];
+  if (pair.none()) return {kGround, kGround};
+  const auto& shapes = system.scene().collisions[static_cast<std::size_t>(pair.collision)].shapes;
+  return {shapes[static_cast<std::size_t>(pair.a)].body, shapes[static_cast<std::size_t>(pair.b)].body};
 }
 
 void evaluate_closed(const System& system, double threshold, Terms& terms) {
   terms.closed.clear();
   for (int i = 0; i < system.contacts(); ++i)
-    if (terms.gap[i] <= threshold) add_closed(system, i, terms);
+    if (terms.gap[i] <= threshold && terms.gap[i] < std::numeric_limits<double>::infinity())
+      add_closed(system, i, terms);
 }
 
 void evaluate_closed(const System& system, std::span<const int> contacts, Terms& terms) {
@@ -93,16 +124,16 @@ void evaluate_closed(const System& system, std::span<const int> contacts, Terms&
 }
 
 void add_closed(const System& system, int contact, Terms& terms) {
-  terms.closed.push_back({contact, std::visit([&](const auto& c) { return c.rows(terms.at); },
-                                              system.scene().contacts[static_cast<std::size_t>(contact)])});
+  terms.closed.push_back(
+      {contact, with_contact(system, terms, contact, [&](const auto& c) { return c.rows(terms.at); })});
 }
 
 void evaluate_biases(const System& system, Terms& terms) {
   each_joint(system, [&](const auto& joint, int row) { joint.bias(terms.at, terms.joint_bias.data() + row); });
   terms.contact_bias.clear();
   for (const ClosedContact& closed : terms.closed)
-    terms.contact_bias.push_back(std::visit([&](const auto& c) { return c.bias(terms.at); },
-                                            system.scene().contacts[static_cast<std::size_t>(closed.contact)]));
+    terms.contact_bias.push_back(
+        with_contact(system, terms, closed.contact, [&](const auto& c) { return c.bias(terms.at); }));
 }
 
 }  // namespace orthant

@@ -26,7 +26,8 @@ struct Terms {
   Eigen::VectorXd phi;               // joint_rows: joint residual [m, rad]
   Eigen::VectorXd joint_rate;        // joint_rows: ṡ, what G v has to be
   Eigen::VectorXd joint_bias;        // joint_rows: Ġ v − s̈
-  Eigen::VectorXd gap;               // contacts [m]
+  std::vector<Pair> pairs;           // behind the listed contacts; set by BroadPhase::find()
+  Eigen::VectorXd gap;               // contacts [m]; infinity where there is no pair
   std::vector<ClosedContact> closed;
   std::vector<ContactBias> contact_bias;  // one per closed contact
 
@@ -48,6 +49,8 @@ void evaluate_joint_residual(const System& system, Terms& terms);
 /// G and joint_rate.
 void evaluate_joint_rows(const System& system, Terms& terms);
 void evaluate_gaps(const System& system, Terms& terms);
+/// The bodies of a contact, listed or one of these pairs.
+std::pair<BodyId, BodyId> bodies_of(const System& system, const std::vector<Pair>& pairs, int contact);
 /// The contacts with gap ≤ threshold become `closed`, with their rows; evaluate_gaps comes first.
 void evaluate_closed(const System& system, double threshold, Terms& terms);
 /// One more closed contact, whatever its gap.

@@ -10,6 +10,7 @@
 #include <orthant/core/scenes/n_four_bar.h>
 #include <orthant/core/scenes/painleve_rod.h>
 #include <orthant/core/scenes/pendulum.h>
+#include <orthant/core/scenes/pile.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/rocking_block.h>
 #include <orthant/core/scenes/rod_drop.h>
@@ -68,6 +69,8 @@ constexpr SceneEntry kScenes[] = {
     {"rod_drop", "a slanting rod falls onto a smooth floor", &make<RodDrop, rod_drop>, &options_of<RodDrop>},
     {"grain_column", "grains one on the other fall onto the floor together", &make<GrainColumn, grain_column>,
      &options_of<GrainColumn>},
+    {"pile", "discs of unlike size dropped into a trough, all of which may touch each other", &make<Pile, pile>,
+     &options_of<Pile>},
     {"arch", "a semicircular arch of voussoirs without mortar", &make<Arch, arch>, &options_of<Arch>},
     {"slider_crank", "slider-crank whose slider has clearance in its guide: four corners, two walls",
      &make<SliderCrank, slider_crank>, &options_of<SliderCrank>},

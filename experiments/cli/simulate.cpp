@@ -4,8 +4,8 @@
 #include "../support/trajectory.h"
 
 #include <orthant/core/lcp/io.h>
+#include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/mechanics/redundancy.h>
-#include <orthant/core/mechanics/terms.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/integrators/registry.h>
@@ -74,6 +74,11 @@ void dump_failed_step(const SimulateArguments& arguments, const Integrator& inte
   }
 }
 
+bool along_an_angle(const Contact& contact) {
+  const auto* limit = std::get_if<Limit>(&contact);
+  return limit != nullptr && std::holds_alternative<Angle>(limit->of.kind());
+}
+
 /// A start that breaks the scene's own constraints is run all the same, but not without a word.
 void warn_of_start(const System& system) {
   constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
@@ -82,6 +87,7 @@ void warn_of_start(const System& system) {
   set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_residual(system, terms);
   evaluate_joint_rows(system, terms);
+  BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), terms);
   evaluate_gaps(system, terms);
   double rate = 0;
   for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
@@ -92,9 +98,13 @@ void warn_of_start(const System& system) {
     warn("joints are off", off, "m or rad", "the first step moves the bodies");
   if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
     warn("velocities break joints", rate, "m/s or rad/s", "the first step changes them");
-  if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff() : 0; deep > kSmall)
-    warn("contacts penetrate", deep, "m",
+  Index deepest = 0;
+  if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff(&deepest) : 0; deep > kSmall) {
+    const bool listed = deepest < system.listed();
+    const bool turns = listed && along_an_angle(system.scene().contacts[static_cast<std::size_t>(deepest)]);
+    warn("contacts penetrate", deep, turns ? "rad" : "m",
          "moreau-jean leaves it, paoli-schatzman throws them apart, the others differ");
+  }
   constexpr int kMostRows = 600;  // more would take longer than a word is worth
   if (system.joint_rows() > kMostRows) return;
   if (const std::string words = describe(find_redundancy(system, x.q), system); !words.empty())

@@ -11,6 +11,9 @@ std::vector<std::string> trajectory_columns(const Scene& scene) {
   for (const Contact& contact : scene.contacts)
     for (const char* part : {".gap", ".impulse_n", ".impulse_t"})
       columns.push_back(std::visit([](const auto& c) { return c.name; }, contact) + part);
+  for (const Collision& collision : scene.collisions)
+    for (const char* part : {".gap", ".impulse_n", ".impulse_t"}) columns.push_back(collision.name + part);
+  for (const JointFriction& friction : scene.frictions) columns.push_back(friction.name + ".impulse");
   columns.insert(columns.end(), {"energy", "joint_residual", "penetration", "lcp_residual", "lcp_iterations"});
   return columns;
 }
@@ -22,10 +25,21 @@ void append_row(const System& system, const Moment& moment, std::vector<double>&
     table.insert(table.end(), x.q.data() + i, x.q.data() + i + 3);
     table.insert(table.end(), x.v.data() + i, x.v.data() + i + 3);
   }
-  for (std::size_t i = 0; i < moment.impulses.size(); ++i) {
-    const Impulse& impulse = moment.impulses[i];
-    table.insert(table.end(), {moment.gaps[static_cast<Index>(i)], impulse.normal, impulse.tangent});
+  for (int i = 0; i < system.listed(); ++i) {
+    const Impulse& impulse = moment.impulses[static_cast<std::size_t>(i)];
+    table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent});
   }
+  for (std::size_t c = 0; c + 1 < system.pairs().size(); ++c) {  // of a collision the least gap, the sums of impulses
+    double gap = kInf;
+    Impulse sum;
+    for (int i = system.listed() + system.pairs()[c]; i < system.listed() + system.pairs()[c + 1]; ++i) {
+      const Impulse& impulse = moment.impulses[static_cast<std::size_t>(i)];
+      gap = std::min(gap, moment.gaps[i]);
+      sum.normal += impulse.normal, sum.tangent += std::abs(impulse.tangent);
+    }
+    table.insert(table.end(), {gap, sum.normal, sum.tangent});
+  }
+  table.insert(table.end(), moment.frictions.begin(), moment.frictions.end());
   const StepReport& r = moment.report;
   table.insert(table.end(), {energy(system, x), r.joint_residual, r.penetration, r.lcp_residual,
                              static_cast<double>(r.lcp_iterations)});

@@ -148,7 +148,7 @@ Vector2d material_velocity(const Motion& m, BodyId id, const Vector2d& where) {
 }
 
 /// Where a closed contact touches, and its normal from b to a, from the drawing.
-struct Touch {
+struct Meeting {
   BodyId a, b;
   Vector2d point, normal;
 };
@@ -158,20 +158,20 @@ Vector2d to_world(const VectorXd& q, BodyId id, const Vector2d& p) {
 Vector2d turned(const VectorXd& q, BodyId id, const Vector2d& p) {
   return id == kGround ? p : Vector2d(Eigen::Rotation2Dd(q[3 * id + 2]) * p);
 }
-Touch touch(const CornerWall& c, const VectorXd& q) {
+Meeting meeting(const CornerWall& c, const VectorXd& q) {
   return {c.a, c.b, to_world(q, c.a, c.point), turned(q, c.b, c.normal)};
 }
-Touch touch(const DiscWall& c, const VectorXd& q) {
+Meeting meeting(const DiscWall& c, const VectorXd& q) {
   const Vector2d n = turned(q, c.b, c.normal);
   return {c.a, c.b, to_world(q, c.a, c.centre) - c.radius * n, n};
 }
-Touch touch(const Journal& c, const VectorXd& q) {
+Meeting meeting(const Journal& c, const VectorXd& q) {
   const Vector2d from = to_world(q, c.b, c.centre_b), to = to_world(q, c.a, c.centre_a);
   const Vector2d n = (to - from) / (to - from).norm();
   return {c.a, c.b, from + c.radius_b * n, -n};
 }
-template <class Other> Touch touch(const Other&, const VectorXd&) { return {}; }
-Touch touch(const DiscDisc& c, const VectorXd& q) {
+template <class Other> Meeting meeting(const Other&, const VectorXd&) { return {}; }
+Meeting meeting(const DiscDisc& c, const VectorXd& q) {
   const Vector2d from = to_world(q, c.b, c.centre_b), to = to_world(q, c.a, c.centre_a);
   const Vector2d n = (to - from) / (to - from).norm();
   return {c.a, c.b, from + c.radius_b * n, n};
@@ -325,7 +325,7 @@ TEST_CASE("a closed contact's rows are the relative velocity of the two bodies' 
     const System system(scene);
     Motion m = random_motion(random);
     // Close it: move a body along the normal by the gap.
-    const Touch open = std::visit([&](const auto& c) { return touch(c, m.q); }, contact);
+    const Meeting open = std::visit([&](const auto& c) { return meeting(c, m.q); }, contact);
     const double distance = gap(system, m.q);
     if (open.a != kGround)
       m.q.segment<2>(3 * open.a) -= distance * open.normal;
@@ -333,7 +333,7 @@ TEST_CASE("a closed contact's rows are the relative velocity of the two bodies' 
       m.q.segment<2>(3 * open.b) += distance * open.normal;
     REQUIRE(std::abs(gap(system, m.q)) < 1e-14);
 
-    const Touch at = std::visit([&](const auto& c) { return touch(c, m.q); }, contact);
+    const Meeting at = std::visit([&](const auto& c) { return meeting(c, m.q); }, contact);
     const Vector2d slip = material_velocity(m, at.a, at.point) - material_velocity(m, at.b, at.point);
     const Vector2d tangent(at.normal.y(), -at.normal.x());  // to the right, seen along the normal from b to a
     const ContactRows rows = testing::all_terms(system, m.q, m.v).closed[0].rows;

@@ -53,7 +53,7 @@ double distance(const Polygon& a, const Polygon& b) {
   return beyond > 0 ? nearest : beyond;
 }
 
-struct Pair {
+struct Couple {
   Polygon a, b;
   System system() const {
     Scene s;
@@ -63,9 +63,9 @@ struct Pair {
   }
 };
 
-const Pair kPairs[] = {{rectangle(2, 1), rectangle(1, 1)}, {rectangle(4, 0.5), rectangle(0.2, 1.5)},
-                       {regular(6, 1), rectangle(2, 2)},   {regular(3, 1), regular(3, 0.7)},
-                       {regular(5, 1), regular(4, 0.7)},   {regular(16, 1), rectangle(3, 1)}};
+const Couple kPairs[] = {{rectangle(2, 1), rectangle(1, 1)}, {rectangle(4, 0.5), rectangle(0.2, 1.5)},
+                         {regular(6, 1), rectangle(2, 2)},   {regular(3, 1), regular(3, 0.7)},
+                         {regular(5, 1), regular(4, 0.7)},   {regular(16, 1), rectangle(3, 1)}};
 
 Vector2d gaps(const System& system, const VectorXd& q) {
   return testing::all_terms(system, q, VectorXd::Zero(q.size())).gap;
@@ -76,7 +76,7 @@ Vector2d gaps(const System& system, const VectorXd& q) {
 TEST_CASE("the nearer of a pair's two points is as far as the polygons are, where they are near") {
   Random random(3);
   int near = 0;
-  for (const Pair& pair : kPairs) {
+  for (const Couple& pair : kPairs) {
     const System system = pair.system();
     for (int i = 0; i < 3000; ++i) {
       VectorXd q = random.vector(6, 3);
@@ -101,7 +101,7 @@ TEST_CASE(
     for (const double half : sizes)
       for (int path = 0; path < 10; ++path) {
         const Polygon table{{-half, -1}, {half, -1}, {half, 0}, {-half, 0}}, roller = regular(corners, 0.5);
-        const System system = Pair{table, roller}.system();
+        const System system = Couple{table, roller}.system();
         // Overhanging ones only rock; those on a wide table turn over several times.
         const bool wide = half > 2;
         const double x = random(-0.4, 0.4), slide = random(-1, 1) * (wide ? 1 : half / 4);
@@ -129,11 +129,11 @@ TEST_CASE(
 
 TEST_CASE("a pair of polygons does not know which of them is the first, nor where their corners begin to be counted") {
   Random random(5);
-  for (const Pair& pair : kPairs) {
+  for (const Couple& pair : kPairs) {
     Polygon turned(pair.a.begin() + 1, pair.a.end());
     turned.push_back(pair.a[0]);
-    const System one = pair.system(), begun = Pair{turned, pair.b}.system();
-    const System other = Pair{pair.b, pair.a}.system();
+    const System one = pair.system(), begun = Couple{turned, pair.b}.system();
+    const System other = Couple{pair.b, pair.a}.system();
     for (int i = 0; i < 500; ++i) {
       VectorXd q = random.vector(6, 2), swapped(6);
       swapped << q.tail(3), q.head(3);

@@ -25,7 +25,7 @@ Scene everything() {
   s.contact(DiscDisc{"discs", 2, {0, 0}, 1, 0, {0, 0}, 1, {}});
   s.contact(DiscPolygon{"cam", 2, {0, 0}, 1, 0, rectangle(1, 1), {}});
   s.contact_set(polygon_polygon({"boxes", 1, rectangle(1, 1), 2, rectangle(2, 1), 0, {}}));
-  s.contact(Journal{"bearing", 1, {0, 0}, 1, 0, {0, 0}, 1.1, {}});
+  s.contact(Journal{"bearing", 1, {0, 0}, 1, 0, {3, 0}, 1.1, {}});
   s.contact(Limit{"stop", Angle{kGround, 0}, Limit::Side::upper, 1, {}});
   s.joint(Drive{"motor", Slide{kGround, 2}, {}});
   s.friction({"brake", Angle{kGround, 0}, 1});

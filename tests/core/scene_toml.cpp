@@ -152,7 +152,7 @@ const Mistake kMistakes[] = {
     {"", "s.toml:1: scene: has no bodies: must have at least one"},
     {kBodies + "[gravty]",
      "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, restitution, impacts, body, joint, "
-     "contact, friction, spring, load"},
+     "contact, collision, friction, spring, load"},
     {"restitution = \"strange\"\n" + kBodies, "s.toml:1: restitution = 'strange': must be one of newton, poisson"},
     {"impacts = 2\n" + kBodies, "s.toml:1: impacts = 2: must be a string in quotes"},
     {"gravity = 9.81\n" + kBodies, "s.toml:1: gravity = 9.81: must be two numbers [x, y]"},
@@ -242,7 +242,19 @@ const Mistake kMistakes[] = {
      "s.toml:19: contact \"contact1\": corners = 0: must be two numbers [x, y]"},
     {kBodies + "[[contact]]\ntype = \"polygon-polygon\"\nname = \"p\"\nbodies = [\"rod\", \"ball\"]\n"
                "corners_a = [[0, 0], [1, 0], [0, 1]]\ncorners_b = []",
-     "s.toml:20: contact \"p_1\": corners_b (0): must be the corners of a convex polygon"},
+     "s.toml:20: contact \"p\": corners_b = []: must be the corners of a convex polygon"},
+    {kBodies + "[[contact]]\ntype = \"polygon-polygon\"\nbodies = [\"rod\", \"ball\"]\n"
+               "corners_a = [[0, 0], [1, 0], [0, 1]]\ncorners_b = [[0, 0], [0, 1], [1, 0]]",
+     "s.toml:19: contact \"contact1\": corners_b = [[0, 0], [0, 1], [1, 0]]: must be the corners of a convex polygon"},
+    {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nmu = 0.1",
+     "friction \"friction1\": joint -1 has no load for mu: must be a revolute or prismatic joint"},
+    {kBodies + "[[joint]]\ntype = \"distance\"\nbodies = [\"ground\", \"rod\"]\nlength = 1",
+     "s.toml:17: joint \"joint1\": its points start in one place: must be apart"},
+    {kBodies + "[[contact]]\ntype = \"journal\"\nbodies = [\"rod\", \"cart\"]\nradius_a = 1\nradius_b = 2",
+     "s.toml:17: contact \"contact1\": its centres start 5 m apart: must be at most radius_b = 2"},
+    {kBodies + "[[contact]]\ntype = \"guide\"\nbody = \"rod\"\nwidth = 4\nheight = 1\nclearance = 0\n"
+               "walls = {axis = [0, 1]}",
+     "contact \"contact1\": starts off its walls or crosswise: corner \"contact1_1\" is "},
     {kBodies + "[[contact]]\ntype = \"journal\"\nbodies = [\"rod\", \"ball\"]\nradius_a = 1\nradius_b = 1",
      "s.toml:19: contact \"contact1\": radius_b = 1: must be > radius_a = 1"},
     {kBodies + "[[contact]]\ntype = \"guide\"\nbody = \"rod\"\nwidth = 1\nheight = 0\nclearance = 0",
@@ -464,7 +476,7 @@ TEST_CASE("the description shows every type and names every key that the reader 
         CHECK((named(section(description, kind)) || named(section(description, "joint"))));
       }
     }
-  CHECK(seen.size() == 6);
+  CHECK(seen.size() == 7);
   const std::string top = error_of("no_such_key = 1\n" + kBodies);
   for (const std::string& key : known(top)) {
     CAPTURE(key);
@@ -601,7 +613,7 @@ TEST_CASE("every element and key arrives where it belongs") {
     centre_a = [1, 2]
     centre_b = [3, 4]
     radius_a = 5
-    radius_b = 6
+    radius_b = 16
     mu_static = 0.7
     [[friction]]
     of = "slide"
@@ -645,15 +657,15 @@ TEST_CASE("every element and key arrives where it belongs") {
   const Slide rail{0, 1, {1, 2}, {3, 4}, {0, 1}};
   expected.contact(Limit{"stop_lower", rail, Limit::Side::lower, -1, {.e = 0.5}});
   expected.contact(Limit{"stop_upper", rail, Limit::Side::upper, 2, {.e = 0.5}});
-  expected.contact(Limit{"", Span{0, 1, {1, 2}, {3, 4}}, Limit::Side::upper, 5, {}});
+  expected.contact(Limit{"contact5", Span{0, 1, {1, 2}, {3, 4}}, Limit::Side::upper, 5, {}});
   const Polygon small{{0, 0}, {1, 0}, {0, 1}}, large{{0, 0}, {2, 0}, {0, 2}};
   for (int i = 0; i < 3; ++i)
     expected.contact(CornerWall{
         "box_" + std::to_string(i + 1), 0, small[static_cast<std::size_t>(i)], 1, {1, 2}, {0, 1}, {.mu = 0.5}});
   expected.contact(PolygonPolygon{"two_boxes_1", 0, small, 1, large, 0, {}});
   expected.contact(PolygonPolygon{"two_boxes_2", 0, small, 1, large, 1, {}});
-  expected.contact(DiscPolygon{"", 0, {1, 2}, 3, 1, large, {}});
-  expected.contact(Journal{"", 0, {1, 2}, 5, 1, {3, 4}, 6, {.mu_static = 0.7}});
+  expected.contact(DiscPolygon{"contact8", 0, {1, 2}, 3, 1, large, {}});
+  expected.contact(Journal{"contact9", 0, {1, 2}, 5, 1, {3, 4}, 16, {.mu_static = 0.7}});
   expected.friction({"", rail, 5});
   expected.spring(JointSpring{"", Angle{kGround, 0}, 5, 6, 7});
   expected.load({"", 1, {1, 2}, {3, 4}, 5, [](double t) { return 2 * std::cos(3 * t + 4); }});
@@ -712,6 +724,19 @@ TEST_CASE("every mistake in a file is told with file, line, element, key, value 
     CHECK(error.starts_with("s.toml"));
     CHECK(contains(error, mistake.message));
     CHECK_FALSE(contains(error, "\n"));
+  }
+}
+
+TEST_CASE("a contact without a name is known by its place in the file, however many it stands for") {
+  const std::string wall =
+      "[[contact]]\ntype = \"polygon-wall\"\nbody = \"rod\"\nwall = {normal = [0, 1]}\n"
+      "corners = [[0, 0], [1, 0], [0, 1]]\n";
+  const Scene scene = parse_scene(kBodies + wall + wall, Strings{"contact.contact2.mu=0.5"});
+  REQUIRE(scene.contacts.size() == 6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto& corner = std::get<CornerWall>(scene.contacts[i]);
+    CHECK(corner.name == (i < 3 ? "contact1_" : "contact2_") + std::to_string(i % 3 + 1));
+    CHECK(corner.law.mu == (i < 3 ? 0 : 0.5));
   }
 }
 

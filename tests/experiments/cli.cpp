@@ -192,6 +192,10 @@ TEST_CASE("a start that breaks its own joints is run, with a warning") {
   const Reply a = folder.orthant("simulate apart.toml --json");
   CHECK(a.exit_code == 0);
   CHECK(a.err.find("warning: at the start joints are off by 5 m") != std::string::npos);
+  folder.write("bent.toml",
+               "[[body]]\nname = \"arm\"\nmass = 1\ninertia = 1\n[[contact]]\ntype = \"limit\"\nof = \"angle\"\n"
+               "bodies = [\"ground\", \"arm\"]\nlower = 0.25\n");
+  CHECK(folder.orthant("simulate bent.toml").err.find("contacts penetrate by 0.25 rad") != std::string::npos);
   CHECK(folder.orthant("simulate slider_crank --step 1e-3").err.empty());
 }
 

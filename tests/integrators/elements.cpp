@@ -291,6 +291,38 @@ TEST_CASE("dry friction holds a pendulum up to its bound, and no further") {
   CHECK(moved(9.9) < -1e-3);
 }
 
+TEST_CASE("friction of a joint's load: a wheel on its pin and a block on its rail slow down as their weights ask") {
+  // The wheel bears 10 kg · 10 m/s² and a belt's pull across: 125 N on a pin of 2 cm; the block 2 kg.
+  Scene s{.gravity = {0, -10}, .duration = 0.5};
+  const auto wheel = s.body({.name = "wheel", .mass = 10, .inertia = 2, .omega = 3});
+  const auto block = s.body({.name = "block", .mass = 2, .position = {0, 3}, .velocity = {4, 0}});
+  s.joint(Revolute{"axle", kGround, wheel});
+  s.joint(Prismatic{"rail", kGround, block, {0, 3}});
+  s.load({.name = "belt", .body = wheel, .force = {75, 0}});
+  s.friction({"bearing", Angle{kGround, wheel}, 0, 0.1, 0.02, 0});
+  s.friction({"shoe", Slide{kGround, block, {0, 3}}, 1, 0.3, 1, 1});
+  for (const std::string scheme : {"moreau-jean", "moreau-jean:form=full", "stewart-trinkle", "anitescu-potra"}) {
+    CAPTURE(scheme);
+    const double h = 1e-3;
+    double angular = 0, linear = 0;
+    const Run r = run(s, scheme, h, [&](const Moment& m) { angular += m.frictions[0], linear += m.frictions[1]; });
+    REQUIRE(r.status == Status::solved);
+    const double torque = 0.1 * 0.02 * 125, force = 1 + 0.3 * 20;  // in the first step there is no load yet
+    CHECK(r.final.v[2] == doctest::Approx(3 - torque / 2 * (0.5 - h)).epsilon(1e-9));
+    CHECK(r.final.v[3] == doctest::Approx(4 - (force * 0.5 - 6 * h) / 2).epsilon(1e-9));
+    CHECK(angular == doctest::Approx(2 * (r.final.v[2] - 3)).epsilon(1e-9));
+    CHECK(linear == doctest::Approx(2 * (r.final.v[3] - 4)).epsilon(1e-9));
+  }
+  for (const std::string scheme : {"generalized-alpha", "rattle"}) {
+    const System system(s);
+    CHECK_THROWS_WITH_AS(make_integrator(scheme, system),
+                         doctest::Contains("friction \"bearing\" depends on the joint's load"), std::invalid_argument);
+  }
+  s.frictions[0].joint = 7;
+  CHECK_THROWS_WITH_AS(check(s), doctest::Contains("friction \"bearing\": joint 7 has no load for mu"),
+                       std::invalid_argument);
+}
+
 TEST_CASE("schemes without dry friction in joints say so when they are made") {
   Scene s;
   s.body({.name = "wheel"});
@@ -309,7 +341,7 @@ TEST_CASE("schemes without dry friction in joints say so when they are made") {
 
 TEST_CASE("joints that contradict each other: no integrator calls that solved") {
   Scene s{.gravity = {0, -9.81}};
-  const BodyId b = s.body({.name = "b"});
+  const BodyId b = s.body({.name = "b", .position = {0.1, 0}});
   s.joint(Distance{"left", kGround, b, {0, 0}, {0, 0}, 1});
   s.joint(Distance{"right", kGround, b, {5, 0}, {0, 0}, 1});
   for (const IntegratorEntry& scheme : integrators()) {
@@ -317,6 +349,23 @@ TEST_CASE("joints that contradict each other: no integrator calls that solved") 
     const Run r = run_for(s, 0.01, scheme.name, 1e-3);
     CHECK(r.status == Status::numerical_error);
     CHECK(!r.why.empty());
+  }
+}
+
+TEST_CASE("a drive that pushes a body through a floor: the contact that cannot be kept is named") {
+  Scene s;
+  const BodyId ram = s.body({.name = "ram", .position = {0, 0.5}, .velocity = {0, -1}});
+  s.joint(Prismatic{"rail", kGround, ram, {0, 0}, {0, 0}, {0, 1}, 0});
+  s.joint(Drive{"push", Slide{kGround, ram, {0, 0}, {0, 0}, {0, 1}}, {.offset = 0.5, .rate_of_change = -1}});
+  s.contact(DiscWall{"side", ram, {0, 0}, 0.4, kGround, {-0.4, 0}, {1, 0}, {}});
+  s.contact(DiscWall{"floor", ram, {0, 0}, 0.4, kGround, {0, 0}, {0, 1}, {}});
+  for (const std::string scheme : {"moreau-jean", "stewart-trinkle", "anitescu-potra", "rattle"}) {
+    CAPTURE(scheme);
+    const Run r = run(s, scheme, 1e-2);
+    CAPTURE(r.why);
+    CHECK(r.status == Status::infeasible);
+    CHECK(r.final.t < 0.12);
+    CHECK(r.why == "no motion satisfies contacts \"floor\" together with the joints");
   }
 }
 
