@@ -43,8 +43,9 @@ struct Clock {
   long every = 1;       // record every so many steps, besides the first and the last moment
 };
 
-/// Steps from the system's initial state. Throws std::invalid_argument for a bad clock; a step that fails ends the run
-/// with its status, and integrator.problem() is the problem that was not solved.
+/// Steps from the system's initial state; where that breaks joints, from the nearest state that keeps them, in the metric
+/// of M (projection.h). Throws std::invalid_argument for a bad clock; a step that fails ends the run with its status, and
+/// integrator.problem() is the problem that was not solved.
 Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record = {});
 
 /// Throws std::invalid_argument naming field, value and rule.

@@ -19,7 +19,7 @@ struct Load {
   double torque = 0;     // [N m]
   std::function<double(double)> factor;
   std::vector<double>
-      breakpoints;  // [s] ascending: where factor or its slope jumps (factor(t) is what holds from t on)
+      breakpoints;   // [s] ascending: where factor or its slope jumps (factor(t) is what holds from t on)
   double omega = 0;  // [rad/s] of the fastest swing of factor: such schemes look several times a swing
 
   void add(const Kinematics& k, double t, double* f) const {

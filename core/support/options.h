@@ -125,6 +125,7 @@ class OptionPrinter {
 
 /// Applies "key=value,key=value" to `options`. Throws std::invalid_argument naming key, value and rule.
 template <class Options> void set_options(Options& options, std::string_view text) {
+  std::string given = ",";  // keys so far
   while (!text.empty()) {
     const auto comma = text.find(',');
     const auto item = text.substr(0, comma);
@@ -132,6 +133,10 @@ template <class Options> void set_options(Options& options, std::string_view tex
     const auto equals = item.find('=');
     if (equals == std::string_view::npos)
       throw std::invalid_argument("option '" + std::string(item) + "': must have the form key=value");
+    const std::string key = std::string(item.substr(0, equals)) + ',';
+    if (given.find(',' + key) != std::string::npos)
+      throw std::invalid_argument("option '" + std::string(item) + "': is given twice");
+    given += key;
     detail::OptionSetter setter(item.substr(0, equals), item.substr(equals + 1));
     options.visit(setter);
     if (!setter.found())

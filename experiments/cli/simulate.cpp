@@ -95,9 +95,9 @@ void warn_of_start(const System& system) {
     std::cerr << "orthant: warning: at the start " << what << " by " << size << " " << unit << ": " << then << '\n';
   };
   if (const double off = terms.phi.size() > 0 ? terms.phi.lpNorm<Eigen::Infinity>() : 0; off > kSmall)
-    warn("joints are off", off, "m or rad", "the first step moves the bodies");
+    warn("joints are off", off, "m or rad", "the bodies are moved onto them");
   if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
-    warn("velocities break joints", rate, "m/s or rad/s", "the first step changes them");
+    warn("velocities break joints", rate, "m/s or rad/s", "they are changed to keep them");
   Index deepest = 0;
   if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff(&deepest) : 0; deep > kSmall) {
     const bool listed = deepest < system.listed();

@@ -404,6 +404,24 @@ TEST_CASE("options outside their range are refused by name") {
   CHECK_THROWS_WITH_AS(make_integrator("generalized-alpha:rho_inf=1.5", system), doctest::Contains("rho_inf = 1.5"),
                        std::invalid_argument);
   CHECK_THROWS_WITH_AS(make_integrator("rattle:theta=1", system), doctest::Contains("theta"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make_integrator("moreau-jean:theta=0.5,theta=0.6", system),
+                       doctest::Contains("'theta=0.6': is given twice"), std::invalid_argument);
   CHECK_THROWS_WITH_AS(make_integrator("stewart-trinkle:joints=soft", system), doctest::Contains("symmetric"),
                        std::invalid_argument);
+}
+
+TEST_CASE("a start that breaks its joints is moved onto them, the same way by all") {
+  Scene scene{.gravity = {0, -9.81}};
+  const BodyId rod = scene.body(
+      {.mass = 1, .inertia = 1.0 / 12, .position = {0.6, 0.1}, .velocity = {0.3, 1}, .omega = 1});  // 0.14 m off
+  scene.joint(Revolute{"pin", kGround, rod, {0, 0}, {-0.5, 0}});
+  const double h = 1e-4, duration = 0.5;
+  const Run exact = run_for(scene, duration, "adaptive:rtol=1e-9", 0.1);
+  CHECK(exact.max_joint_residual <= 1e-12);
+  for (const IntegratorEntry& entry : integrators()) {
+    CAPTURE(entry.name);
+    const Run r = run_for(scene, duration, entry.name, h);
+    CHECK(r.status == Status::solved);
+    CHECK((r.final.q - exact.final.q).lpNorm<Eigen::Infinity>() <= 1e-3);
+  }
 }
