@@ -30,7 +30,7 @@ Scene strewn(int n, unsigned seed) {
   for (int i = 0; i < n; ++i) {
     BodyId body = s.body({.position = {number(0, side), number(0, side)}, .angle = number(-4, 4)});
     if (i % 7 == 0) body = kGround;
-    const double size = i == n / 2 ? side / 2 : number(0.2, 0.6);
+    const double size = i == n / 2 ? 2 * side : number(0.2, 0.6);  // of far more than 100 cells
     const Vector2d at{number(-0.3, 0.3), number(-0.3, 0.3)};
     if (i % 3 == 0)
       c.shapes.push_back({.body = body, .corners = {at, at + Vector2d(size, 0), at + Vector2d(0, size)}});
