@@ -6,14 +6,9 @@
 namespace orthant {
 namespace {
 
-/// Σ |J_k| |v_k| of one row [m/s].
-double speed_along(const Row& row, const double* v) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (row.a >= 0) sum += std::abs(row.ja[k] * v[static_cast<std::size_t>(3 * row.a) + k]);
-    if (row.b >= 0) sum += std::abs(row.jb[k] * v[static_cast<std::size_t>(3 * row.b) + k]);
-  }
-  return sum;
+/// |γ_N| + |γ_T| [m/s]: of the two surfaces against each other, whatever the frame.
+double speed(const ContactRows& rows, const Eigen::VectorXd& v) {
+  return std::abs(apply(rows.normal, v.data())) + std::abs(apply(rows.tangent, v.data()));
 }
 
 }  // namespace
@@ -29,8 +24,8 @@ void StewartTrinkle::close(double h, const State& x) {
     });
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
-    const Row& normal = terms_.closed[k].rows.normal;
-    const double pace = kPace * (speed_along(normal, x.v.data()) + speed_along(normal, v_new_.data()));
+    const ContactRows& rows = terms_.closed[k].rows;
+    const double pace = kPace * (speed(rows, x.v) + speed(rows, v_new_));
     const double approach = std::min(closing(terms_.closed[k], h), pace);
     const bool rebounds = system_.law(terms_.closed[k].contact).e > 0;
     wanted_[k].normal = rebounds ? std::max(wanted_[k].normal, approach) : approach;

@@ -5,7 +5,7 @@
 //   linearized about the end of free flight, q + h v_free: g_N there stands for g_N + h γ_N,free. Candidates are the
 //   contacts whose gap is not positive there; all others are open for the step and have no rows. So a contact is made
 //   with g_N = 0, and what penetration there is (curvature, a contact pushed shut by another's impulse) is taken back in
-//   the next step; at a quarter of the bodies' own speeds at the most, lest a start that penetrates is shot off.
+//   the next step; at a quarter of the surfaces' relative speeds at the most, lest a start that penetrates is shot off.
 //   Restitution is not in the source. Here a candidate with e > 0 rebounds in the step before the gap is used up:
 //     γ_N⁺ ≥ max(−e γ_N⁻, −g_N/h),  at a gap of up to h |γ_N⁻|.
 // Order 1, on smooth motion too (q⁺ uses the velocity at the end).
