@@ -20,6 +20,7 @@ constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages 
 constexpr double kPressed = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr int kCrowd = 15;                 // steps in a row, each shorter than
+constexpr int kShares = 200;               // times that friction is shared anew in such a row, which count for no event
 constexpr double kSoon = 50;               // crossings: no calm has come since the last one
 constexpr double kCrowded = 1e-4;          // of a crossing: events are taken to have no end
 
@@ -68,7 +69,7 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
   formulation_.clear(), problem_ = &formulation_.problem();
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
   crossed_ = known ? crossed_ - (x.t - start_) : -kInf;
-  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = 0;
+  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = shared_ = 0;
   good_ = known || begin(solver, x, report);
   while (good_ && lead_ == 0 && elapsed_ < h) {
     const double stop = next_stop() - start_;
@@ -383,7 +384,8 @@ void EventDriven::accept(double s, double end) {
   residual_ = trial_residual_;
   elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
   standstill_ = elapsed_ > before ? 0 : standstill_ + 1;
-  crowded_ = s < kCrowded * options_.crossing ? crowded_ + 1 : 0;
+  const bool crowd = s < kCrowded * options_.crossing;
+  crowded_ = crowd ? crowded_ + 1 : 0, shared_ = crowd ? shared_ : 0;
   for (const int c : motion_.lasting())
     impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;
 }
@@ -394,7 +396,7 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   if (static_cast<int>(events_.size()) >= options_.max_events)
     return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
   if (event && standstill_ == 0 && shares_anew(*event)) {
-    crowded_ = std::max(0, crowded_ - 1);  // no event
+    if (++shared_ < kShares) crowded_ = std::max(0, crowded_ - 1);  // no event of a crowd, unless it goes on so
     return true;
   }
   no_answer_ = false;
@@ -505,7 +507,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     if (step.status != Status::solved) return fail(report, status, words);
     now_.q = crossing_state_.q, now_.v = crossing_state_.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
-    crossed_ = elapsed_, standstill_ = crowded_ = flight_ = 0, flight_time_ = 0;
+    crossed_ = elapsed_, standstill_ = crowded_ = shared_ = flight_ = 0, flight_time_ = 0;
     std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
     motion_.modes_changed();
     if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");

@@ -148,6 +148,7 @@ class EventDriven final : public Integrator {
   Kinematics poses_;
   int standstill_ = 0;  // steps since time moved
   int crowded_ = 0;     // steps since it moved by more than next to nothing
+  int shared_ = 0;      // times that friction was shared anew meanwhile
   Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_, none_;
   bool good_ = false;  // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;

@@ -581,3 +581,30 @@ TEST_CASE("a box thrown up by a driven table stays level, however often the run 
     CHECK(r.final.q[4] == doctest::Approx(0.120587513).epsilon(1e-6));  // adaptive at 1e-9: 0.12058749
   }
 }
+
+TEST_CASE("friction shared anew at one time again and again: a crowd in the end, not an endless one") {
+  const Polygon plank = {{-0.3, -0.1}, {0.3, -0.1}, {0.3, 0.1}, {-0.3, 0.1}};
+  const ContactLaw law{.mu = 1.5, .mu_static = 1.95};
+  Scene s{.gravity = {0, -9.81}};
+  const BodyId disc = s.body({.mass = 0.766,
+                              .inertia = 0.0307,
+                              .position = {0, 0.7},
+                              .angle = -0.4766,
+                              .velocity = {0.529, -1.053},
+                              .omega = -4.215});
+  const BodyId board = s.body({.mass = 0.573,
+                               .inertia = 0.1051,
+                               .position = {0.05, 0.15},
+                               .angle = 0.2865,
+                               .velocity = {-1.307, -1.724},
+                               .omega = -4.782});
+  s.contact_set(polygon_wall({.name = "floor", .a = board, .wall_point = {0, -0.5}, .law = law}, plank));
+  s.contact(DiscPolygon{.name = "disc", .a = disc, .radius = 0.2, .b = board, .corners = plank, .law = law});
+  const Run coarse = run_for(s, 0.4, kScheme, 0.01);
+  REQUIRE(coarse.status == Status::solved);
+  for (const double step : {1e-3, 1.5e-3}) {
+    const Run fine = run_for(s, 0.4, kScheme, step);
+    REQUIRE(fine.status == Status::solved);
+    CHECK((fine.final.q - coarse.final.q).lpNorm<Eigen::Infinity>() <= 1e-10);
+  }
+}
