@@ -93,7 +93,8 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
     double wanted = std::min({arc_, limit_, kSwing / system_.swing()});
     if (system_.contacts() > 0) {
       set_poses(system_, x.t, x.q, terms_.at);
-      wanted = std::min(wanted, std::max(horizon(system_, terms_.at, x.v, none_), least_));
+      horizon_ = std::max(horizon(system_, terms_.at, x.v, none_), least_);
+      wanted = std::min(wanted, horizon_);
     }
     const double taken = wanted > 0.9 * left ? left : std::min(wanted, left / 2);
     limit_ = kInf;
@@ -155,7 +156,7 @@ bool Adaptive::finish(double taken, State& x, StepReport& report) {
 bool Adaptive::pass(bool jumps, double taken, double left, Solver& solver, State& x, StepReport& report) {
   const double ahead = jumps ? kAheadOfImpact : kAheadOfChange, latest = jumps ? kLatestImpact : kLatestChange;
   const double shortest = std::min(std::max(floor_, least_), left);
-  double &wish = jumps ? impact_ : change_, width = std::max(shortest, std::min({wish, left, arc_ / 8}));
+  double &wish = jumps ? impact_ : change_, width = std::max(shortest, std::min({wish, left, arc_ / 8, horizon_}));
   if (event_ > latest * width && event_ - ahead * width > least_) {
     limit_ = std::max(least_, std::min(event_ - ahead * width, 0.9 * taken));
     ++report.rejected;
@@ -308,11 +309,15 @@ bool Adaptive::closes(const State& x, double offset) {
       continue;
     }
     const double gap = terms_.gap[c], rate = apply(rows(c).normal, v_.data());
-    if (rate > 0) continue;
+    if (rate > 0 && gap >= -slack_) continue;
     at_start_ = terms_.at;
     set_poses(system_, x.t, x.q, at_start_);
     std::swap(at_start_, terms_.at);
     const double before = std::visit([&](const auto& s) { return s.gap(terms_.at); }, system_.scene().contacts[at(c)]);
+    if (rate > 0 && before <= 2 * slack_) {  // it opens; else it closed on the way, and opens again
+      std::swap(at_start_, terms_.at);
+      continue;
+    }
     const double rate_before = apply(rows(c).normal, x.v.data());
     const bool now = before <= 2 * slack_ && rate_before <= 0;  // what is left of the gap is rounding
     const double when = now ? 0 : offset * closing(before - slack_, offset * rate_before, gap - slack_, offset * rate);

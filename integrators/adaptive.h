@@ -123,6 +123,7 @@ class Adaptive final : public Integrator {
   Kinematics at_start_;
   double limit_ = kInf, least_ = 0;  // [s] of the next arc; the shortest step that moves t
   double event_ = 0;                 // [s] from the start of the step: the event foretold
+  double horizon_ = kInf;            // [s] from where the arc or crossing begins, see horizon.h
   double dip_ = kInf;                // [s] likewise: where a margin is least, and nearly 0 or below
   double slack_ = 0;  // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
   double error_ = 0;
