@@ -1,6 +1,7 @@
 // What does an error cost on the slider-crank, by every integrator?
 //
-// Each integrator, and whatever rivals there are (experiments/benchmarks), over a ladder of step sizes, or of tolerances, on μ × e; errors of θ₁(0.2 s) against the exact motion,
+// Each integrator, and whatever rivals there are (experiments/benchmarks), over a ladder of step sizes, or of
+// tolerances, on μ × e; errors of θ₁(0.2 s) against the exact motion,
 // the fastest of the repeats. "Time to ε" is that of the cheapest setting from which on every finer one stays below ε, so
 // that no lucky run counts; the table shows the worst over the cases with e ≤ 0.4. Writes all runs and that table.
 #include "experiments/support/isolated.h"

@@ -25,7 +25,8 @@ struct Run {
   double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
 };
 
-/// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost between records.
+/// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost
+/// between records.
 struct Moment {
   const State& state;
   const StepReport& report;

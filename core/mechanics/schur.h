@@ -2,7 +2,7 @@
 //
 //   M x − Gᵀ λ = f,  G x = c:   S λ = c − G M⁻¹ f,  x = M⁻¹ f + (M⁻¹ Gᵀ) λ
 // n³/6 multiplications and n divisions, n² a solve. Up to kUnrolled rows the compiler knows the loops' lengths and keeps
-// the factor in registers: the six rows of a slider-crank take a third of the time that loops of any length take.
+// the factor in registers: the six rows of a slider-crank take two thirds of the time that loops of any length take.
 #pragma once
 
 #include <orthant/core/mechanics/geometry.h>
