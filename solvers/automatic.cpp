@@ -1,5 +1,6 @@
 #include <orthant/solvers/automatic.h>
 #include <orthant/solvers/registry.h>
+#include <orthant/solvers/small_active_set.h>
 
 #include <orthant/core/support/options.h>
 
@@ -25,8 +26,10 @@ struct Step {
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
 
-constexpr Index kSmall = 400;   // rows up to which a tableau is quickest
-constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
+constexpr Index kBold = 256;      // rows up to which the active set is guessed first
+constexpr Index kBoldRows = 100;  // the same in sparse storage, which it does not use
+constexpr Index kSmall = 400;     // rows up to which a tableau is quickest
+constexpr Index kDense = 3000;    // rows beyond which a dense factorization is not tried lightly
 
 // In this order; a solver that says why_not() is passed over.
 constexpr Step kSteps[] = {
@@ -93,12 +96,14 @@ Look look(const Lcp& problem) {
 
 struct Automatic::Work {
   Look look;
+  bool looked = false;
   std::size_t next = 0;
   std::array<std::unique_ptr<Solver>, kCount> solvers;  // made when first needed, kept
   Vector start;
   bool warm = false;
   Solution inner;
   int iterations = 0;
+  SmallActiveSet bold;
 
   std::string tolerance;  // "tolerance=1e-6" where the caller asks for another than is usual
 
@@ -123,11 +128,17 @@ Automatic::~Automatic() = default;
 
 Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
   Work& work = *work_;
-  work.look = look(problem);
   work.next = 0;
   work.iterations = 0;
   work.warm = start == Start::warm;
-  work.start = s.z;
+  if (work.warm) work.start = s.z;
+  work.looked = false;
+  const Index most = std::holds_alternative<RowSparse>(problem.A) ? kBoldRows : kBold;
+  if (problem.size() <= most && !budget().exhausted() && work.bold.solve(problem, s.z, work.iterations)) {
+    s.iterations = work.iterations;
+    log(0, 0, 0, "active-set");
+    return Status::solved;
+  }
   Status claim = Status::stalled;
   run_again(problem, s, 0, claim);
   return claim;
@@ -135,6 +146,7 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
 
 bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
   Work& work = *work_;
+  if (!work.looked) work.look = look(problem), work.looked = true;
   Solver* solver = nullptr;
   std::size_t k = work.next;
   for (; k < kCount && solver == nullptr; ++k) solver = work.step(k, problem);

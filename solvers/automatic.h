@@ -4,7 +4,8 @@
 //   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with what it is for and what a problem
 //   must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there is no
 //   solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
-//     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
+//     small                a bold guess of the active set (small_active_set.h), before anything is looked at
+//                          lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) block-pivot and newton-min from coarse grids
 //     large, frictionless  block-pivot where symmetric with A_ii > 0, interior-point
 //     else                 path; first-order methods where nothing else will hold the matrix

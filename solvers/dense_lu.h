@@ -3,17 +3,20 @@
 //   Columns in the order given, the largest entry left as pivot (partial pivoting). A column whose entries left are all
 //   ≤ `zero` depends on those before it: it moves to the end. With rank r the columns column(r), …, column(m − 1) depend
 //   on the others; were they the unit vectors of the rows row(r), …, row(m − 1), the matrix would be regular.
-//   Left-looking in panels of 32, so that the work is in matrix products; they are cut into tiles small enough for the
-//   stack, so that nothing is allocated once the largest size has been seen.   m³/3 multiplications; a solve m².
+//   Left-looking: a column at a time in panels of 128, then in matrix products, cut into tiles small enough for the stack,
+//   so that nothing is allocated once the largest size has been seen.   m³/3 multiplications; a solve m².
 //   Entries should be scaled to at most about 1, or `zero` means nothing.
 //   Source: Golub & Van Loan, Matrix Computations (4th ed., 2013), ch. 3.2, 3.4.
 #pragma once
+
+#include <orthant/solvers/kernels.h>
 
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -43,25 +46,23 @@ template <class T> class DenseLu {  // reuse it
       const Index k1 = std::min(k0 + kPanel, m_);
       bring(A, k0, k0, k1);
       for (Index k = k0; k < std::min(k1, end);) {
-        Index p = 0;
-        if (!(A.col(k).tail(m_ - k).cwiseAbs().maxCoeff(&p) > zero)) {
+        eliminate(A.col(k).data(), k0, k);
+        const T* const column = A.col(k).data();
+        Index p = k;
+        for (Index i = k + 1; i < m_; ++i)
+          if (abs(column[i]) > abs(column[p])) p = i;
+        if (!(abs(column[p]) > zero)) {
           if (--end == k) break;
           A.col(k).swap(A.col(end));
           std::swap(column_[u(k)], column_[u(end)]);
-          if (end >= k1) {
-            bring(A, k0, k, k + 1);
-            apply(A, k0, k, k, k + 1);
-          }
+          if (end >= k1) bring(A, k0, k, k + 1);
           continue;
         }
-        if (p > 0) {
-          A.row(k).swap(A.row(k + p));
-          std::swap(row_[u(k)], row_[u(k + p)]);
+        if (p != k) {
+          for (Index j = 0; j < m_; ++j) std::swap(A(k, j), A(p, j));
+          std::swap(row_[u(k)], row_[u(p)]);
         }
-        const Index below = m_ - k - 1;
-        A.col(k).tail(below) /= A(k, k);
-        for (Index j = k + 1; j < k1; ++j)
-          if (A(k, j) != T(0)) A.col(j).tail(below) -= A(k, j) * A.col(k).tail(below);
+        A.col(k).tail(m_ - k - 1) /= A(k, k);
         ++k;
       }
     }
@@ -78,12 +79,18 @@ template <class T> class DenseLu {  // reuse it
   T largest_pivot() const { return largest_; }
 
   /// x ← A⁻¹ x, m numbers.
-  void solve(T* x) {
+  void solve(T* x) { solve(x, m_); }
+  /// The same with the first `rank` columns alone, 0 for the others: a solution where there is one.
+  void solve(T* x, Index rank) {
     const Dense A(storage_.data(), m_, m_);
     Column y(scratch_.data(), m_);
     for (Index k = 0; k < m_; ++k) y[k] = x[row_[u(k)]];
-    A.template triangularView<Eigen::UnitLower>().solveInPlace(y);
-    A.template triangularView<Eigen::Upper>().solveInPlace(y);
+    eliminate(y.data(), 0, rank);
+    y.tail(m_ - rank).setZero();
+    for (Index k = rank - 1; k >= 0; --k) {
+      y[k] /= A(k, k);
+      if (y[k] != T(0)) subtract(y.data(), y[k], A.col(k).data(), k);
+    }
     for (Index k = 0; k < m_; ++k) x[column_[u(k)]] = y[k];
   }
   /// x ← A⁻ᵀ x, m numbers.
@@ -97,7 +104,7 @@ template <class T> class DenseLu {  // reuse it
   }
 
  private:
-  static constexpr Index kPanel = 32, kTile = 128;
+  static constexpr Index kPanel = 128, kTile = 128;
   static std::size_t u(Index i) { return static_cast<std::size_t>(i); }
 
   // The pivots [k0, k1) applied to the columns [j0, j1).
@@ -112,6 +119,26 @@ template <class T> class DenseLu {  // reuse it
       const Index rows = std::min(kTile, m_ - i);
       A.block(i, j0, rows, j).noalias() -= A.block(i, k0, rows, k) * top;
     }
+  }
+  // The pivots [k0, k) applied to the column x, four at a time.
+  void eliminate(T* x, Index k0, Index k) const {
+    const auto column = [this](Index s) { return storage_.data() + s * m_; };
+    Index s = k0;
+    if constexpr (std::is_same_v<T, double>)
+      for (; s + 4 <= k; s += 4) {
+        for (Index r = 1; r < 4; ++r)
+          for (Index c = 0; c < r; ++c) x[s + r] -= x[s + c] * column(s + c)[s + r];
+        if (x[s] == 0 && x[s + 1] == 0 && x[s + 2] == 0 && x[s + 3] == 0) continue;
+        detail::subtract_four(x + s + 4, x + s, column(s) + s + 4, m_, m_ - s - 4);
+      }
+    for (; s < k; ++s)
+      if (x[s] != 0) subtract(x + s + 1, x[s], column(s) + s + 1, m_ - s - 1);
+  }
+  static void subtract(T* x, T f, const T* column, Index size) {
+    if constexpr (std::is_same_v<T, double>)
+      detail::subtract(x, f, column, size);
+    else
+      for (Index i = 0; i < size; ++i) x[i] -= f * column[i];
   }
   // All panels before k0.
   void bring(Dense& A, Index k0, Index j0, Index j1) {

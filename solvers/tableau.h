@@ -11,6 +11,7 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
+#include <orthant/solvers/kernels.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,12 +37,16 @@ template <class T> T magnitude(T x) {
 
 /// line ← line + f p; what cancels to noise becomes 0.
 template <class T> void add_multiple(T* __restrict line, const T f, const T* __restrict p, int size) {
-  for (int c = 0; c < size; ++c) {
-    if constexpr (std::is_floating_point_v<T>) {
-      const T x = line[c], y = x + f * p[c];
-      line[c] = magnitude(y) <= Roundings<T>::snap * magnitude(x) ? T(0) : y;
-    } else if (p[c] != 0) {  // a product costs more than the question, and noise lies far below the smallest pivot
-      line[c] += f * p[c];
+  if constexpr (std::is_same_v<T, double>) {
+    add_multiple(line, f, p, Index{size}, Roundings<double>::snap);
+  } else {
+    for (int c = 0; c < size; ++c) {
+      if constexpr (std::is_floating_point_v<T>) {
+        const T x = line[c], y = x + f * p[c];
+        line[c] = magnitude(y) <= Roundings<T>::snap * magnitude(x) ? T(0) : y;
+      } else if (p[c] != 0) {  // a product costs more than the question, and noise lies far below the smallest pivot
+        line[c] += f * p[c];
+      }
     }
   }
 }

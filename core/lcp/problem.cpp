@@ -210,23 +210,25 @@ void to_dense(const Matrix& A, DenseMatrix& dense) {
         dense(static_cast<Index>(i), sparse->column[k]) = sparse->value[k];
     return;
   }
-  // A_ij = Σ_k W_ik W_jk / m_k by merging two rows with ascending columns; A_ji is the same sum, hence the same bits.
+  // A_ij = Σ_k W_ik W_jk / m_k, row i of W spread out; A_ji is the same sum, hence the same bits.
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
+  static thread_local Vector row;
+  row.resize(W.cols);
+  row.setZero();
+  const auto each = [&rows = W](Index i, auto&& use) {
+    for (int k = rows.start[static_cast<std::size_t>(i)]; k < rows.start[static_cast<std::size_t>(i) + 1]; ++k)
+      use(rows.column[static_cast<std::size_t>(k)], rows.value[static_cast<std::size_t>(k)]);
+  };
+  for (Index i = 0; i < n; ++i) {
+    each(i, [](int k, double value) { row[k] = value; });
+    for (Index j = 0; j <= i; ++j) {
       double sum = 0;
-      auto k = static_cast<std::size_t>(W.start[i]), l = static_cast<std::size_t>(W.start[j]);
-      while (k < static_cast<std::size_t>(W.start[i + 1]) && l < static_cast<std::size_t>(W.start[j + 1])) {
-        if (W.column[k] == W.column[l]) {
-          sum += W.value[k] * W.value[l] * inverse_mass[W.column[k]];
-          ++k, ++l;
-        } else {
-          W.column[k] < W.column[l] ? ++k : ++l;
-        }
-      }
-      if (i == j && regularization.size() != 0) sum += regularization[static_cast<Index>(i)];
-      dense(static_cast<Index>(i), static_cast<Index>(j)) = dense(static_cast<Index>(j), static_cast<Index>(i)) = sum;
+      each(j, [&](int k, double value) { sum += row[k] * value * inverse_mass[k]; });
+      if (i == j && regularization.size() != 0) sum += regularization[i];
+      dense(i, j) = dense(j, i) = sum;
     }
+    each(i, [](int k, double) { row[k] = 0; });
+  }
 }
 
 }  // namespace orthant

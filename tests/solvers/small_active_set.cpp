@@ -1,0 +1,126 @@
+// The bold first try of `auto`: what it claims holds, and it claims what it is there for.
+#include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/kernels.h>
+#include <orthant/solvers/registry.h>
+#include <orthant/solvers/small_active_set.h>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/allocations.h"
+
+using namespace orthant;
+
+namespace {
+
+struct Tried {
+  bool claimed = false;
+  int factorizations = 0;
+  Solution s;
+};
+
+/// Judged by certify() at rounding level: its claim, and whether that holds.
+Tried attempt(const Lcp& problem) {
+  Tried t;
+  t.s.z = Vector(Eigen::VectorXd::Zero(problem.size()));
+  SmallActiveSet bold;
+  t.claimed = bold.solve(problem, t.s.z, t.factorizations);
+  Judge().certify(problem, 0, Status::solved, t.s);
+  return t;
+}
+
+}  // namespace
+
+TEST_CASE("small active set: what it claims is solved to the rounding of the problem") {
+  Random random(91);
+  int claimed = 0, tried = 0;
+  const auto check = [&](const Lcp& problem, const std::string& name) {
+    const Tried t = attempt(problem);
+    ++tried;
+    if (!t.claimed) return;
+    ++claimed;
+    CHECK_MESSAGE(t.s.status == Status::solved, name, ": residual ", t.s.residual, ", rounding ", t.s.rounding);
+  };
+  for (const Known& k : known_problems())
+    if (k.answer != Answer::infeasible && k.answer != Answer::none) check(k.problem, k.name);
+  for (int k = 0; k < 200; ++k) {
+    const Index n = random.integer(1, 30);
+    Lcp box = random_spd_problem(n, random);
+    for (Index i = 0; i + 1 < n; i += 4) box.lo[i] = -kInf, box.lo[i + 1] = -0.1, box.hi[i + 1] = 0.2;
+    check(box, "box " + std::to_string(k));
+    check(as_sparse(box), "sparse box " + std::to_string(k));
+    check(random_contact_problem(1 + k % 4, 8, 0.5, random), "contacts " + std::to_string(k));
+  }
+  CHECK(claimed > 0.85 * tried);
+}
+
+TEST_CASE("small active set: a factorization or two where pivoting is exponential; none claimed without a solution") {
+  for (const bool transposed : {false, true}) {
+    const Lcp problem = murty_problem(30, transposed);
+    const Tried t = attempt(problem);
+    CHECK(t.claimed);
+    CHECK(t.factorizations <= 3);
+    CHECK(t.s.status == Status::solved);
+  }
+  for (const Known& k : known_problems())
+    if (k.answer == Answer::infeasible || k.answer == Answer::none) {
+      const Tried t = attempt(k.problem);
+      CHECK_MESSAGE((!t.claimed || t.s.status != Status::solved), k.name);
+    }
+}
+
+TEST_CASE("auto: small problems are solved without an allocation, and by the active set where that works") {
+  Random random(92);
+  std::vector<Lcp> problems;
+  for (const Index n : {1, 4, 20, 120}) problems.push_back(random_spd_problem(n, random));
+  for (int k = 1; k < 4; ++k) problems.push_back(random_contact_problem(k, 6, 0.5, random));
+  const auto solver = make_solver("auto");
+  Solution s;
+  std::size_t before = 0;
+  for (int round = 0; round < 3; ++round) {
+    before = AllocationCount::now();
+    for (const Lcp& p : problems) solver->solve(p, s);
+  }
+  CHECK(AllocationCount::now() == before);
+  IterationLog log;
+  solver->set_log(&log);
+  solver->solve(problems[2], s);
+  REQUIRE(log.size() == 1);
+  CHECK(std::string(log[0].event) == "active-set");
+}
+
+TEST_CASE("kernels: bit for bit the plain loops, whatever the width of the machine") {
+  Random random(93);
+  for (int n = 0; n < 40; ++n) {
+    const auto numbers = [&](int size) {
+      std::vector<double> x(static_cast<std::size_t>(size));
+      for (double& each : x) each = random.integer(0, 9) == 0 ? 0 : random.normal();
+      return x;
+    };
+    const auto start = numbers(n), f = numbers(4), columns = numbers(4 * (n + 3));
+    const auto at = [&](int k, int i) { return columns[static_cast<std::size_t>(k * (n + 3) + i)]; };
+    auto four = start, one = start, multiple = start, w = start, size = start;
+    detail::subtract_four(four.data(), f.data(), columns.data(), n + 3, n);
+    detail::subtract(one.data(), f[0], columns.data(), n);
+    detail::add_multiple(multiple.data(), f[1], columns.data(), n, 0.5);
+    detail::add_with_size(w.data(), size.data(), f[2], columns.data(), n);
+    double most = 0;
+    for (int i = 0; i < n; ++i) {
+      const auto u = static_cast<std::size_t>(i);
+      double x = start[u];
+      for (int k = 0; k < 4; ++k) x -= f[static_cast<std::size_t>(k)] * at(k, i);
+      CHECK(four[u] == x);
+      CHECK(one[u] == start[u] - f[0] * at(0, i));
+      const double sum = start[u] + f[1] * at(0, i);
+      CHECK(multiple[u] == (std::abs(sum) <= 0.5 * std::abs(start[u]) ? 0 : sum));
+      CHECK(w[u] == start[u] + f[2] * at(0, i));
+      CHECK(size[u] == start[u] + std::abs(f[2] * at(0, i)));
+      most = std::max(most, std::abs(start[u]));
+    }
+    CHECK(detail::largest(start.data(), n) == most);
+  }
+}
