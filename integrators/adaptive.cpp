@@ -1,6 +1,5 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive.h>
-#include <orthant/integrators/contact_motion.h>
 #include <orthant/integrators/horizon.h>
 
 #include <algorithm>
@@ -12,11 +11,11 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-// Where in a step that crosses it an event is put, as a part of the step; and how late it may be foretold to be. The
-// whole step looks at gaps and forces at 1/2 and at slip at 1, its halves at 1/4 and 3/4, 1/2 and 1. An impact just before
-// 1/4 is taken by the halves as if at 1/4: nearly right. A change of acceleration just after 1/2 is taken by the second
-// half as if at 1/2, and by the whole step as if at 0 or 1: so the error shows.
-constexpr double kAheadOfImpact = 0.2, kLatestImpact = 0.4, kAheadOfChange = 0.55, kLatestChange = 0.7;
+// Where in a step that crosses it an impact is put, as a part of the step; and how late it may be foretold to be. The
+// whole step looks at gaps and forces at 1/2, its halves at 1/4 and 3/4. An impact just before 1/4 is taken by the halves
+// as if at 1/4: nearly right; and so the error shows.
+constexpr double kAhead = 0.2, kLatest = 0.4;
+constexpr double kLate = 0.1;      // of the tolerance: what accelerations do before a change of mode is taken note of
 constexpr double kDipMet = 1e-3;   // of an arc: so near to its ends a margin's least value has been looked at
 constexpr double kNoise = 0.01;    // of the tolerance: slips and gaps are looked at no closer
 constexpr double kSwing = 3;       // [rad] that a load swings in an arc, at the most
@@ -54,11 +53,15 @@ Adaptive::Adaptive(const System& system, const Options& options)
       options_(options),
       terms_(system),
       basic_(system),
-      projection_(system),
+      motion_(system),
+      watch_(motion_),
+      transition_(system),
+      start_(system),
+      end_(system),
       formulation_(system, Form::reduced),
-      laws_(system.laws()),
-      lasting_(system.laws().size()),
       before_(system.laws().size()),
+      gap_margins_(system.laws().size()),
+      gaps_before_(system.laws().size()),
       closed_(system.laws().size()),
       q_(system.dof()),
       v_(system.dof()),
@@ -71,10 +74,10 @@ Adaptive::Adaptive(const System& system, const Options& options)
   refuse_joint_friction("adaptive");
   refuse_collisions("adaptive");
   require_plain_impacts(system, "adaptive");
-  const Index size = 2 * system.dof() + 2 * system.contacts();
   at_start_ = terms_.at;
+  missing_.reserve(system.laws().size());
   events_.reserve(64);  // of one call; more are taken as they come
-  row_.assign(static_cast<std::size_t>(options.columns), Eigen::VectorXd(size));
+  row_.assign(static_cast<std::size_t>(options.columns), Eigen::VectorXd(2 * system.dof()));
 }
 
 StepReport Adaptive::step(double h, Solver& solver, State& x) {
@@ -90,22 +93,35 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   least_ = 8 * kEps * (std::abs(x.t) + h), limit_ = kInf;
   while (end - x.t > least_) {
     const double left = std::min(end, system_.next_breakpoint(x.t + least_)) - x.t;
-    double wanted = std::min({arc_, limit_, kSwing / system_.swing()});
+    double wanted = std::min(arc_, kSwing / system_.swing());
     if (system_.contacts() > 0) {
       set_poses(system_, x.t, x.q, terms_.at);
       horizon_ = std::max(horizon(system_, terms_.at, x.v, none_), least_);
       wanted = std::min(wanted, horizon_);
     }
-    const double taken = wanted > 0.9 * left ? left : std::min(wanted, left / 2);
+    const double taken = limit_ <= wanted      ? std::min(limit_, left)
+                         : wanted > 0.9 * left ? left
+                                               : std::min(wanted, left / 2);
     limit_ = kInf;
     scale(x);
-    const Outcome outcome = arc(taken, solver, x, report);
-    if (outcome == Outcome::dip)
-      limit_ = dip_, ++report.rejected;
-    else if (outcome == Outcome::failed ||
-             !(outcome == Outcome::done ? finish(taken, x, report)
-                                        : pass(outcome == Outcome::impact, taken, left, solver, x, report)))
-      limit_ = taken / 4, ++report.rejected;
+    bool fine = true;
+    switch (arc(taken, solver, x, report)) {
+      case Outcome::done:
+        finish(taken, x, report);
+        break;
+      case Outcome::dip:
+        limit_ = dip_, ++report.rejected;
+        break;
+      case Outcome::impact:
+        fine = pass(taken, left, solver, x, report);
+        break;
+      case Outcome::change:
+        fine = change(taken, left, solver, x, report);
+        break;
+      case Outcome::failed:
+        fine = system_.contacts() > 0 && taken <= change_ && cross_here(false, left, solver, x, report);
+    }
+    if (!fine) limit_ = taken / 4, ++report.rejected;
     watch_crowd(x.t);
     if (limit_ < least_ && floor_ < kMostFloor) floor_ = std::max(2 * floor_, kLeastFloor), limit_ = kInf;
     if (limit_ < least_ || report.accepted + report.rejected >= options_.max_steps) {
@@ -140,37 +156,109 @@ void Adaptive::give_up(const State& x, StepReport& report) {
 }
 
 /// An arc without events: taken if its error allows.
-bool Adaptive::finish(double taken, State& x, StepReport& report) {
+void Adaptive::finish(double taken, State& x, StepReport& report) {
   const double wish = plan(taken);
   const bool cut_short = taken < arc_;
   if (!cut_short || error_ > 1)
     arc_ = wish;
   else if (error_ > kTelling)
     arc_ = std::min(arc_, wish);
-  if (error_ <= 1) return accept(taken, x, report);
+  if (error_ <= 1)
+    accept(taken, x, report);
+  else
+    ++report.rejected;
+}
+
+/// An arc with an impact at event_: it is stopped short of it, or crossed when it is near.
+bool Adaptive::pass(double taken, double left, Solver& solver, State& x, StepReport& report) {
+  const double width = crossing(impact_, left);
+  if (event_ <= kLatest * width || event_ - kAhead * width <= least_) return cross_here(true, left, solver, x, report);
+  limit_ = std::max(least_, std::min(event_ - kAhead * width, 0.9 * taken));
   ++report.rejected;
   return true;
 }
 
-/// An arc with an event at event_: it is stopped short of it, or crossed when it is near.
-bool Adaptive::pass(bool jumps, double taken, double left, Solver& solver, State& x, StepReport& report) {
-  const double ahead = jumps ? kAheadOfImpact : kAheadOfChange, latest = jumps ? kLatestImpact : kLatestChange;
-  const double shortest = std::min(std::max(floor_, least_), left);
-  double &wish = jumps ? impact_ : change_, width = std::max(shortest, std::min({wish, left, arc_ / 8, horizon_}));
-  if (event_ > latest * width && event_ - ahead * width > least_) {
-    limit_ = std::max(least_, std::min(event_ - ahead * width, 0.9 * taken));
+/// An arc in which a lasting contact's mode ends at event_: it is stopped just after it, and the modes are decided there.
+bool Adaptive::change(double taken, double left, Solver& solver, State& x, StepReport& report) {
+  if (event_ > 0 && taken > event_ + 2 * late_) {
+    limit_ = event_ + late_;
     ++report.rejected;
     return true;
   }
-  if (!jumps && event_ > 0) width = std::max(shortest, std::min(width, event_ / ahead));
-  if (!cross(width, jumps, solver, x, report)) return false;
+  if (event_ > 0) {
+    accept(taken, x, report);
+    decide(solver, x, report);
+    return true;
+  }
+  ++report.rejected;
+  if (decided_ != x.t && decide(solver, x, report)) {
+    decided_ = x.t;
+    return true;
+  }
+  return cross_here(false, left, solver, x, report);
+}
+
+/// [s] the width of a crossing, of which the last one left `wish`.
+double Adaptive::crossing(double wish, double left) const {
+  return std::max(std::min(std::max(floor_, least_), left), std::min({wish, left, arc_ / 8, horizon_}));
+}
+
+/// A crossing from x, if its error allows; a jump of the velocity is expected in it, or only one of the acceleration.
+bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report) {
+  double& wish = jumps ? impact_ : change_;
+  const double width = crossing(wish, left);
+  // Where contacts and joints leave no motion, only G v⁺ = 0 fits the contacts' rows.
+  if (!cross(width, jumps, 2, solver, x, report) && !cross(width, jumps, 1, solver, x, report)) return false;
   if (error_ > 1 && width > std::max(floor_, least_)) {
     wish = width * std::max(0.7 / error_, 1e-3);
     ++report.rejected;
     return true;
   }
   wish = std::min(4 * wish, width * 0.7 / error_);
-  return accept(width, x, report) && (!settle_modes(width, x) || bind(solver, x, report));
+  settle_modes(width, x);
+  if (land(x.t + width)) {
+    accept(width, x, report);
+    return true;
+  }
+  motion_.modes = before_, motion_.modes_changed();
+  return false;
+}
+
+/// The modes of lasting contacts at x, by the problem at acceleration level. False: they stay, or it has no one answer.
+bool Adaptive::decide(Solver& solver, State& x, StepReport& report) {
+  before_ = motion_.modes;
+  if (!motion_.accelerations(x.t + least_ / 2, x.q, x.v, force_)) return false;
+  motion_.watch_lasting(x.v, force_, end_.w);
+  transition_.candidates.clear();
+  for (const int c : motion_.lasting()) {
+    const double slip = end_.w.slip[c], none = 4 * late_ * std::abs(end_.w.slip_acceleration[c]) + slow();
+    transition_.candidates.push_back({c, motion_.modes[at(c)].slip == 0 || std::abs(slip) <= none ? 0.0
+                                         : slip > 0                                               ? 1.0
+                                                                                                  : -1.0});
+  }
+  bool changed = transition_.decide(motion_, solver, report) == Status::solved && before_ != motion_.modes;
+  if (changed) {
+    q_ = x.q, v_ = x.v;
+    changed = land(x.t);
+  }
+  if (!changed) {
+    motion_.modes = before_, motion_.modes_changed();
+    return false;
+  }
+  x.q = q_, x.v = v_;
+  note_changes(x.t);
+  return true;
+}
+
+/// Ends and beginnings of lasting modes, against before_; their gaps are looked at anew.
+void Adaptive::note_changes(double t) {
+  for (std::size_t c = 0; c < before_.size(); ++c) {
+    const ContactMode &before = before_[c], &after = motion_.modes[c];
+    const auto happens = [&](EventKind kind) { events_.push_back({t, kind, static_cast<int>(c), 0, 0}); };
+    if (before.lasting && !after.lasting) happens(EventKind::release), gap_margins_[c] = {};
+    if (before.lasting && before.slip != 0 && after.sticks) happens(EventKind::stick);
+    if (before.sticks && after.slip != 0) happens(EventKind::slip);
+  }
 }
 
 /// The step size to try after one of `taken` with the errors found: what makes the least work of a second, by the number
@@ -191,9 +279,12 @@ double Adaptive::plan(double taken) {
 void Adaptive::restart(double h) {
   arc_ = h;
   floor_ = 0, crowd_ = 0, crowd_since_ = -kInf;
+  decided_ = -kInf;
   impact_ = change_ = h / 100;  // nothing is known of the error yet: crossings grow when it allows
   aim_ = 2;
-  std::fill(lasting_.begin(), lasting_.end(), Lasting{});
+  std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
+  motion_.modes_changed();
+  std::fill(gap_margins_.begin(), gap_margins_.end(), Margin{});
 }
 
 void Adaptive::load(const State& x) {
@@ -203,40 +294,27 @@ void Adaptive::load(const State& x) {
 
 void Adaptive::store(Eigen::VectorXd& y) const {
   const Index n = system_.dof();
-  y.head(n) = q_, y.segment(n, n) = v_;
-  for (std::size_t i = 0; i < sum_.size(); ++i)
-    y[2 * n + 2 * static_cast<Index>(i)] = sum_[i].normal, y[2 * n + 2 * static_cast<Index>(i) + 1] = sum_[i].tangent;
+  y.head(n) = q_, y.tail(n) = v_;
 }
 
+/// q_, v_ become those at the end of an arc of h from x, sum_ its impulses.
 Adaptive::Outcome Adaptive::arc(double h, Solver& solver, const State& x, StepReport& report) {
   rise_ = 0;
-  for (std::size_t c = 0; c < laws_.size(); ++c) {
-    const ContactLaw& law = system_.laws()[c];
-    laws_[c] = law;
-    if (lasting_[c].mode == Mode::open) continue;
-    laws_[c].e = laws_[c].e_t = 1;
-    laws_[c].mu = lasting_[c].mode == Mode::sticks ? std::max(law.mu, law.mu_static) : law.mu;
-    laws_[c].mu_static = 0;
-  }
-  before_ = lasting_;
-  const Outcome outcome = extrapolate(h, solver, x, report);
-  if (outcome != Outcome::done || error_ > 1) lasting_ = before_;
+  gaps_before_ = gap_margins_;
+  Outcome outcome = extrapolate(h, x);
+  if (outcome == Outcome::done && error_ <= 1) outcome = examine(h, solver, x, report);
+  if (outcome != Outcome::done || error_ > 1) gap_margins_ = gaps_before_;
   return outcome;
 }
 
-Adaptive::Outcome Adaptive::extrapolate(double h, Solver& solver, const State& x, StepReport& report) {
+Adaptive::Outcome Adaptive::extrapolate(double h, const State& x) {
   for (columns_ = 0; columns_ < options_.columns;) {
     const int steps = 2 * (columns_ + 1);
     load(x);
-    for (std::size_t c = 0; c < lasting_.size(); ++c)  // gaps and slips anew, by the finer steps
-      if (lasting_[c].mode == Mode::open)
-        lasting_[c].normal = before_[c].normal;
-      else if (lasting_[c].mode == Mode::slides)
-        lasting_[c].tangent = before_[c].tangent;
-    dip_ = kInf;
+    gap_margins_ = gaps_before_;  // anew, by the finer steps
+    dip_ = kInf, event_ = 0;
     for (int i = 0; i < steps; ++i)
-      if (const Outcome outcome = symmetric_step(x, i * h / steps, h / steps, solver, report); outcome != Outcome::done)
-        return outcome;
+      if (const Outcome outcome = symmetric_step(x, i * h / steps, h / steps); outcome != Outcome::done) return outcome;
     Eigen::VectorXd& newest = row_[at(columns_)];
     store(newest);
     ++columns_;
@@ -250,21 +328,72 @@ Adaptive::Outcome Adaptive::extrapolate(double h, Solver& solver, const State& x
     if (error_ <= 1 && (columns_ >= aim_ || h < arc_)) break;
   }
   const Index n = system_.dof();
-  q_ = row_[0].head(n), v_ = row_[0].segment(n, n);
-  for (std::size_t i = 0; i < sum_.size(); ++i)
-    sum_[i] = {row_[0][2 * n + 2 * static_cast<Index>(i)], row_[0][2 * n + 2 * static_cast<Index>(i) + 1]};
-  if (error_ > 1 || lasting_.empty()) return Outcome::done;
+  q_ = row_[0].head(n), v_ = row_[0].tail(n);
+  return Outcome::done;
+}
+
+/// What happens in the arc that was done: gaps that close, lasting contacts whose mode ends; event_ is when.
+Adaptive::Outcome Adaptive::examine(double h, Solver& solver, const State& x, StepReport& report) {
+  if (!land(x.t + h)) return Outcome::failed;
+  if (system_.contacts() == 0) return Outcome::done;
   set_poses(system_, x.t + h, q_, terms_.at);
-  const Outcome outcome = closes(x, h) ? Outcome::impact : ends(x, h) ? Outcome::change : Outcome::done;
+  Outcome outcome = closes(x, h) ? Outcome::impact : Outcome::done;
+  if (!motion_.lasting().empty()) {
+    const double impact = outcome == Outcome::impact ? event_ : kInf;
+    start_.q = x.q, start_.v = x.v, end_.q = q_, end_.v = v_;
+    // Just after the start and just before the end: forces may jump there.
+    const double t = x.t + least_ / 2, s = h - least_;
+    if (!observe(motion_, t, start_)) return Outcome::failed;
+    if (motion_.redundant()) {
+      motion_.share_anew(start_.w);
+      observe(motion_, t, start_);
+    }
+    late_ = late();
+    if (!observe(motion_, t + s, end_) || !watch_.look(t, s, start_, end_)) return Outcome::failed;
+    event_ = mode_end(t, s, solver, report);
+    if (event_ < impact && event_ <= h)
+      outcome = Outcome::change;
+    else
+      event_ = impact;
+    for (const int c : motion_.lasting()) sum_[at(c)] = watch_.impulse(c);
+  }
   if (dip_ < (outcome == Outcome::done ? (1 - kDipMet) * h : event_) && dip_ > least_) return Outcome::dip;
   return outcome;
 }
 
-/// The time when a margin is zero, by the line through its last two values.
-double Adaptive::Margin::end() const {
-  const auto& [newer, older, oldest] = last;
-  const double slope = (newer.value - older.value) / (newer.t - older.t);  // 0 or NaN without two values
-  return slope < 0 ? newer.t - newer.value / slope : kInf;
+/// [s] in which nothing changes by more than a part of the tolerance, from the accelerations at the arc's start.
+double Adaptive::late() const {
+  double rate = 0;
+  for (Index i = 0; i < start_.a.size(); ++i)
+    rate = std::max(rate, std::max(std::abs(start_.a[i]), std::abs(motion_.free()[i])) * weight_[i % 3 == 2 ? 3 : 2]);
+  return std::max(2 * least_, kLate / rate);
+}
+
+/// [s] after the start, when a lasting contact's mode ends; infinite: it does not.
+double Adaptive::mode_end(double t, double s, Solver& solver, StepReport& report) {
+  const auto when = [&](bool forces) {
+    const auto sign = watch_.first(slow(), forces);
+    return sign ? sign->crossing.x * s : kInf;
+  };
+  const double end = when(true);
+  if (end == kInf || !motion_.redundant()) return end;
+  // Of forces that are not unique others may do, at all points looked at.
+  constexpr std::size_t kLast = ContactWatch::kPoints - 1;
+  for (std::size_t i = 0; i <= kLast; ++i)
+    if (const double x = static_cast<double>(i) / kLast; !holds(t + x * s, watch_.point(i), solver, report))
+      return std::min(when(false), std::max(0.0, x - 0.5 / kLast) * s);
+  return when(false);
+}
+
+/// Whether forces exist with which all modes go on.
+bool Adaptive::holds(double t, const MotionPoint& p, Solver& solver, StepReport& report) {
+  if (!motion_.accelerations(t, p.q, p.v, force_)) return false;
+  transition_.candidates.clear();
+  for (const int c : motion_.lasting()) transition_.candidates.push_back({c, motion_.modes[at(c)].slip});
+  before_ = motion_.modes;
+  const bool same = transition_.decide(motion_, solver, report) == Status::solved && before_ == motion_.modes;
+  motion_.modes = before_, motion_.modes_changed();
+  return same;
 }
 
 /// The time when a margin is least, by the parabola through its last three values, if it may then be below zero: values
@@ -279,33 +408,13 @@ double Adaptive::Margin::dip(double noise) const {
   return c.value + (least - c.t) * (slope + bend * (least - b.t)) < bent / 2 ? least : kInf;
 }
 
-/// Whether a margin is used up between the last point looked at and the arc's end, where slips are known.
-bool Adaptive::ends(const State& x, double h) {
-  double end = kInf;
-  const double tiny = 1e-13 * v_.lpNorm<Eigen::Infinity>();
-  for (int c = 0; c < system_.contacts(); ++c) {
-    Lasting& lasting = lasting_[at(c)];
-    if (lasting.mode == Mode::open) continue;
-    if (lasting.mode == Mode::slides && laws_[at(c)].frictional()) {
-      const double slip = lasting.slip * slip_rate(laws_[at(c)], rows(c), v_);
-      look(lasting.tangent, x, h, 2 * slip, kNoise / weight_[2]);  // the others are sums of two
-      if (slip < -tiny) end = std::min(end, std::min(lasting.tangent.end(), x.t + h));
-    } else {
-      end = std::min(end, lasting.tangent.end());
-    }
-    end = std::min(end, lasting.normal.end());
-  }
-  event_ = end - x.t;
-  return event_ <= h;
-}
-
 bool Adaptive::closes(const State& x, double offset) {
   evaluate_gaps(system_, terms_);
   bool any = false;
   for (int c = 0; c < system_.contacts(); ++c) {
-    if (lasting_[at(c)].mode != Mode::open) continue;
+    if (motion_.modes[at(c)].lasting) continue;
     if (terms_.gap[c] > 0) {
-      look(lasting_[at(c)].normal, x, offset, terms_.gap[c], kNoise / weight_[0]);
+      look(gap_margins_[at(c)], x, offset, terms_.gap[c]);
       continue;
     }
     const double gap = terms_.gap[c], rate = apply(rows(c).normal, v_.data());
@@ -332,117 +441,74 @@ ContactRows Adaptive::rows(int contact) const {
   return std::visit([&](const auto& c) { return c.rows(terms_.at); }, system_.scene().contacts[at(contact)]);
 }
 
-bool Adaptive::predict(double t, double h) {
+/// v_new_: without contacts. joints: 2, where they are to hold for the mean of v and v⁺; 1, for v⁺.
+bool Adaptive::predict(double t, double h, double joints) {
   q_ += h / 2 * v_;
   set_poses(system_, t + h / 2, q_, terms_.at);
   evaluate_forces(system_, t + h / 2, v_, terms_);
   evaluate_joint_rows(system_, terms_);
   if (!basic_.factorize(system_, terms_, h * h / 4, h / 2)) return false;
   force_ = h * terms_.f;
-  for (Index i = 0; i < lambda_.size(); ++i) lambda_[i] = 2 * terms_.missing_rate(i, v_);
+  for (Index i = 0; i < lambda_.size(); ++i) lambda_[i] = joints * terms_.missing_rate(i, v_);
   basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
   v_new_ += v_;
   return v_new_.allFinite();
 }
 
-bool Adaptive::solve(Solver& solver, const std::vector<ContactLaw>& laws, StepReport& report) {
-  newtons_law(laws, terms_, v_, wanted_);
-  formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
-  return formulation_.solve(solver, report);
+Adaptive::Outcome Adaptive::symmetric_step(const State& x, double offset, double h) {
+  if (!predict(x.t + offset, h, 2)) return Outcome::failed;
+  if (system_.contacts() > 0 && closes(x, offset + h / 2)) return Outcome::impact;
+  if (!motion_.lasting().empty()) {
+    evaluate_closed(system_, motion_.lasting(), terms_);
+    missing_.clear();
+    for (const auto& [contact, rows] : terms_.closed)
+      missing_.push_back(
+          {apply(rows.normal, v_.data()), apply(rows.tangent, v_.data()) - 2 * system_.law(contact).belt});
+    motion_.impose(terms_, basic_, missing_, v_new_);
+  }
+  v_.swap(v_new_);
+  q_ += h / 2 * v_;
+  return v_.allFinite() ? Outcome::done : Outcome::failed;
 }
 
-void Adaptive::drift(double h) {
+void Adaptive::look(Margin& gap, const State& x, double offset, double value) {
+  gap.add(x.t + offset, value);
+  if (const double dip = gap.dip(kNoise / weight_[0]) - x.t; dip > kDipMet * offset) dip_ = std::min(dip_, dip);
+}
+
+bool Adaptive::plain_step(const State& x, double offset, double h, double joints, Solver& solver, StepReport& report) {
+  if (!predict(x.t + offset, h, joints)) return false;
+  evaluate_gaps(system_, terms_);
+  terms_.closed.clear();
+  for (int c = 0; c < system_.contacts(); ++c)
+    if (terms_.gap[c] <= 4 * slack_ || motion_.modes[at(c)].lasting) terms_.closed.push_back({c, rows(c)});
+  newtons_law(system_.laws(), terms_, v_, wanted_);
+  for (std::size_t k = 0; k < terms_.closed.size(); ++k)
+    if (const int c = terms_.closed[k].contact; closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
+  formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
+  if (!formulation_.solve(solver, report)) return false;
+  note_forces(terms_, v_new_, wanted_);
   formulation_.advance(v_new_, kick_);
   v_ = v_new_;
   q_ += h / 2 * v_;
   for (std::size_t i = 0; i < sum_.size(); ++i) sum_[i].normal += kick_[i].normal, sum_[i].tangent += kick_[i].tangent;
-}
-
-Adaptive::Outcome Adaptive::symmetric_step(const State& x, double offset, double h, Solver& solver,
-                                           StepReport& report) {
-  if (!predict(x.t + offset, h)) return Outcome::failed;
-  if (lasting_.empty()) {
-    terms_.closed.clear();
-  } else {
-    if (closes(x, offset + h / 2)) return Outcome::impact;
-    terms_.closed.clear();
-    for (int c = 0; c < system_.contacts(); ++c)
-      if (lasting_[at(c)].mode != Mode::open) terms_.closed.push_back({c, rows(c)});
-  }
-  if (!solve(solver, laws_, report)) return Outcome::failed;
-  const bool kept = in_mode(x, offset + h / 2, h);
-  drift(h);
-  return kept ? Outcome::done : Outcome::change;
-}
-
-/// Whether each lasting contact presses, and sticks or slides as it did; else when that ended, by the line through the
-/// last two margins.
-bool Adaptive::in_mode(const State& x, double offset, double h) {
-  if (problem().size() == 0) return true;
-  const double tiny = 10 * formulation_.solution().residual + 1e-13 * v_new_.lpNorm<Eigen::Infinity>();
-  bool kept = true;
-  const auto ended = [&](const Margin& margin) {
-    const double end = margin.end() - x.t;
-    event_ = std::min(kept ? kInf : event_, end < kInf ? std::clamp(end, 0.0, offset) : offset / 2);
-    kept = false;
-  };
-  // Forces alternate from step to step where joints are met on the average: no dips, and no two steps of one column.
-  const auto keep_force = [&](Margin& margin, double value, bool holds) {
-    if (!holds)
-      ended(margin);
-    else if (x.t + offset > margin.last[0].t)
-      margin.add(x.t + offset, value);
-  };
-  auto tangent = static_cast<Index>(terms_.closed.size());
-  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
-    const auto c = at(terms_.closed[k].contact);
-    const auto normal = static_cast<Index>(k);
-    Lasting& lasting = lasting_[c];
-    keep_force(lasting.normal, formulation_.solution().z[normal] / h, formulation_.solution().w[normal] <= tiny);
-    if (!laws_[c].frictional()) continue;
-    const double slip = formulation_.solution().w[tangent];
-    if (lasting.mode == Mode::sticks)
-      keep_force(lasting.tangent,
-                 (laws_[c].mu * formulation_.solution().z[normal] - std::abs(formulation_.solution().z[tangent])) / h,
-                 std::abs(slip) <= tiny);
-    else if (slip * lasting.slip > tiny)
-      look(lasting.tangent, x, offset, slip * lasting.slip, kNoise / weight_[2]);
-    else
-      ended(lasting.tangent);
-    ++tangent;
-  }
-  return kept;
-}
-
-void Adaptive::look(Margin& margin, const State& x, double offset, double value, double noise) {
-  margin.add(x.t + offset, value);
-  if (const double dip = margin.dip(noise) - x.t; dip > kDipMet * offset) dip_ = std::min(dip_, dip);
-}
-
-bool Adaptive::plain_step(const State& x, double offset, double h, Solver& solver, StepReport& report) {
-  if (!predict(x.t + offset, h)) return false;
-  evaluate_gaps(system_, terms_);
-  terms_.closed.clear();
-  for (int c = 0; c < system_.contacts(); ++c)
-    if (terms_.gap[c] <= 4 * slack_ || lasting_[at(c)].mode != Mode::open) terms_.closed.push_back({c, rows(c)});
-  if (!solve(solver, system_.laws(), report)) return false;
-  note_forces(terms_, v_new_, wanted_);
-  drift(h);
   rise_ += energy_rise(system_, terms_, wanted_, v_, kick_);
   return true;
 }
 
-bool Adaptive::cross(double h, bool jumps, Solver& solver, const State& x, StepReport& report) {
+bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report) {
+  // Tangential restitution is for contacts that strike: not for what lasts, nor once more in the second half.
+  for (std::size_t c = 0; c < closed_.size(); ++c) closed_[c] = !jumps && motion_.modes[c].lasting;
   load(x);
-  if (!plain_step(x, 0, h, solver, report)) return false;
+  if (!plain_step(x, 0, h, joints, solver, report)) return false;
   store(row_[0]);
   rise_ = 0;
   load(x);
-  if (!plain_step(x, 0, h / 2, solver, report)) return false;
+  if (!plain_step(x, 0, h / 2, joints, solver, report)) return false;
   std::fill(closed_.begin(), closed_.end(), false);
   for (const ClosedContact& c : terms_.closed) closed_[at(c.contact)] = true;
   v_half_ = v_;
-  if (!plain_step(x, h / 2, h / 2, solver, report)) return false;
+  if (!plain_step(x, h / 2, h / 2, joints, solver, report)) return false;
   store(row_[1]);
   const Index n = system_.dof();
   error_ = error(row_[0], row_[1]);
@@ -452,18 +518,17 @@ bool Adaptive::cross(double h, bool jumps, Solver& solver, const State& x, StepR
   if (jumps)
     row_[0].head(n) += h * (v_ - x.v);
   else
-    row_[0].segment(n, n) += (x.v - 2 * v_half_ + v_) / 4;
+    row_[0].tail(n) += (x.v - 2 * v_half_ + v_) / 4;
   error_ = std::max(error_, error(row_[0], row_[1])) / kCrossing;
   return true;
 }
 
-/// After a crossing: what lasts and how, from its second half; and what happened to each contact. True: some last.
-bool Adaptive::settle_modes(double h, const State& x) {
+/// After a crossing of h from x: what lasts and how, from its second half; and what happened to each contact.
+void Adaptive::settle_modes(double h, const State& x) {
   const double tiny = 10 * formulation_.solution().residual + 1e-13 * v_new_.lpNorm<Eigen::Infinity>();
-  before_.swap(lasting_);
-  std::fill(lasting_.begin(), lasting_.end(), Lasting{});
+  before_ = motion_.modes;
+  std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   auto tangent = static_cast<Index>(terms_.closed.size());
-  bool any = false;
   for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
     const auto c = at(terms_.closed[k].contact);
     const bool frictional = system_.laws()[c].frictional();
@@ -473,36 +538,36 @@ bool Adaptive::settle_modes(double h, const State& x) {
     // (else an impact elsewhere sent it off).
     const Row& row = terms_.closed[k].rows.normal;
     const double stopped_from = (1 + system_.laws()[c].e) * apply(row, v_half_.data());
-    const double rebound = apply(row, x.v.data()), fall = stopped_from - problem().b[static_cast<Index>(k)];
+    const double rebound = apply(row, v_.data()), fall = stopped_from - problem().b[static_cast<Index>(k)];
     const bool low = rebound * rebound * h <= fall * slack_;
-    const bool pressed =
-        (closed_[c] || before_[c].mode != Mode::open) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
+    const bool pressed = (closed_[c] || before_[c].lasting) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
     if (!low && !(pressed && rebound <= 2 * std::abs(fall))) continue;
-    lasting_[c].mode = frictional && std::abs(slip) <= tiny ? Mode::sticks : Mode::slides;
-    lasting_[c].slip = slip < 0 ? -1 : 1;
-    any = true;
+    ContactMode& mode = motion_.modes[c];
+    mode.lasting = true;
+    mode.sticks = frictional && std::abs(slip) <= tiny;
+    mode.slip = !frictional || mode.sticks ? 0 : slip < 0 ? -1 : 1;
   }
-  for (std::size_t c = 0; c < lasting_.size(); ++c) {
-    const Mode before = before_[c].mode, after = lasting_[c].mode;
-    const auto happens = [&](EventKind kind) {
-      events_.push_back({x.t, kind, static_cast<int>(c), sum_[c].normal, sum_[c].tangent});
-    };
-    if (before == Mode::open && sum_[c].normal > 0)
-      happens(after == Mode::open || system_.laws()[c].e == 0 ? EventKind::impact : EventKind::accumulation);
-    if (before != Mode::open && after == Mode::open) happens(EventKind::release);
-    if (before == Mode::slides && after == Mode::sticks) happens(EventKind::stick);
-    if (before == Mode::sticks && after == Mode::slides) happens(EventKind::slip);
+  motion_.modes_changed();
+  for (std::size_t c = 0; c < before_.size(); ++c) {
+    gap_margins_[c] = {};
+    if (before_[c].lasting || !(sum_[c].normal > 0)) continue;
+    const bool impact = !motion_.modes[c].lasting || system_.laws()[c].e == 0;
+    events_.push_back({x.t + h, impact ? EventKind::impact : EventKind::accumulation, static_cast<int>(c),
+                       sum_[c].normal, sum_[c].tangent});
   }
-  return any;
+  note_changes(x.t + h);
 }
 
-/// Takes q_, v_ as the end of a step of h: onto the joints, and into x.
-bool Adaptive::accept(double h, State& x, StepReport& report) {
-  report.joint_residual = projection_.position(x.t + h, terms_, q_);
-  report.joint_rate = projection_.velocity(terms_, v_);
-  if (report.joint_rate > kEps * v_.lpNorm<Eigen::Infinity>()) report.joint_rate = projection_.velocity(terms_, v_);
-  const double close = kJointsHold * (1 + q_.lpNorm<Eigen::Infinity>());
-  if (!(report.joint_residual <= close) || !q_.allFinite() || !v_.allFinite()) return false;
+/// Takes q_, v_ as the state at t: onto the joints and lasting contacts.
+bool Adaptive::land(double t) {
+  residual_ = motion_.project(t, q_, v_);
+  if (residual_.rate > kEps * v_.lpNorm<Eigen::Infinity>()) residual_ = motion_.project(t, q_, v_);
+  return residual_.joint <= kJointsHold * (1 + q_.lpNorm<Eigen::Infinity>()) && q_.allFinite() && v_.allFinite();
+}
+
+/// Takes q_, v_, landed already, as the end of a step of h, into x.
+void Adaptive::accept(double h, State& x, StepReport& report) {
+  report.joint_residual = residual_.joint, report.joint_rate = residual_.rate;
   ++report.accepted;
   report.energy_rise = std::max(report.energy_rise, rise_);
   rise_ = 0;
@@ -510,32 +575,10 @@ bool Adaptive::accept(double h, State& x, StepReport& report) {
   x.q.swap(q_), x.v.swap(v_);
   for (std::size_t i = 0; i < sum_.size(); ++i)
     impulses_[i].normal += sum_[i].normal, impulses_[i].tangent += sum_[i].tangent;
+  set_poses(system_, x.t, x.q, terms_.at);
   evaluate_gaps(system_, terms_);
   gaps_ = terms_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
-  return true;
-}
-
-/// After a crossing: lasting contacts get γ_N = 0, sticking ones γ_T = 0.
-bool Adaptive::bind(Solver& solver, State& x, StepReport& report) {
-  load(x);
-  if (!predict(x.t, 0)) return false;
-  terms_.closed.clear();
-  for (int c = 0; c < system_.contacts(); ++c) {
-    laws_[at(c)] = {.belt = system_.law(c).belt};
-    if (lasting_[at(c)].mode == Mode::open) continue;
-    if (lasting_[at(c)].mode == Mode::sticks) laws_[at(c)].mu = 1;  // any: it gets a tangent row
-    terms_.closed.push_back({c, rows(c)});
-  }
-  newtons_law(laws_, terms_, v_, wanted_);
-  formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
-  formulation_.bind();
-  if (!formulation_.solve(solver, report)) return false;
-  drift(0);
-  x.v = v_;
-  for (std::size_t i = 0; i < sum_.size(); ++i)
-    impulses_[i].normal += sum_[i].normal, impulses_[i].tangent += sum_[i].tangent;
-  return true;
 }
 
 void Adaptive::scale(const State& x) {

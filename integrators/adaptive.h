@@ -1,27 +1,31 @@
 // integrators/adaptive.h — Moreau–Jean stepping to a tolerance: of high order between events, of first order across them.
 //
-//   Arcs. The symmetric step, whose mean velocity satisfies joints and lasting contacts (θ = ½; e = e_T = 1 there):
+//   Arcs. The symmetric step, whose mean velocity satisfies joints and lasting contacts:
 //     q_m = q + h/2 v,   M̂ (v⁺ − v) = h f(t + h/2, q_m) + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   q⁺ = q_m + h/2 v⁺,
-//     G (v⁺ + v) = 0,   0 ≤ Λ_N ⊥ γ_N⁺ + γ_N ≥ 0,   Λ_T ∈ −μ Λ_N Sgn(γ_T⁺ + γ_T).
+//     G (v⁺ + v) = 0,   lasting: W_N (v⁺ + v) = 0,   sticking: W_T (v⁺ + v) = 0,   sliding: Λ_T = −σ μ Λ_N.
 //   While the same contacts last, and stick or slide the same way, this is a symmetric method for a smooth motion: its
 //   error is a series in h² (over even numbers of steps: off the joints' manifold v alternates). An arc is done with
 //   2, 4, 6, … of them, extrapolated to order 4, 6, … (Aitken–Neville); the last two columns differ by the error, and
-//   how many pay is decided by work per second. Then q and v are projected onto the joints.
-//   Events end an arc: a gap that closes, a contact force that ends, a slip that ends or begins. When, is foretold from
-//   the gaps, forces and slips looked at; the arc stops just short, and one plain Moreau–Jean step with the scene's own
-//   laws goes across. Its error (against the same step in two halves, and a bound for what these may overlook) is of first
-//   order where the velocity jumps, so it is as short as the tolerance asks. A contact closed in both halves that does not
-//   open lasts from then on: that is how the infinitely many impacts of an accumulation end, without a rule of their own.
+//   how many pay is decided by work per second. Then q and v are projected onto joints and lasting contacts.
+//   Events end an arc. A gap that closes is foretold from the gaps looked at; the arc stops just short, and one plain
+//   Moreau–Jean step with the scene's own laws goes across. Its error (against the same step in two halves, and a bound for
+//   what these may overlook) is of first order, so it is as short as the tolerance asks. A contact closed in both halves
+//   that does not open lasts from then on: that is how the infinitely many impacts of an accumulation end, without a rule
+//   of their own. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
+//   points of the arc (contact_watch.h), not in the steps' Λ, which alternate: the arc is done again to just after it (so
+//   late that accelerations do 0.1 of the tolerance meanwhile), and the modes are decided by the problem at acceleration
+//   level (contact_transition.h). Where that finds nothing new, or no answer, a step of Moreau–Jean goes on. Forces that are
+//   not unique (redundant rows) end no mode while others exist with which all go on, at these five points.
 //   Error norm: max |Δ| / (atol + rtol s); s = 1 rad for angles, else the scene's largest |x|, |ẋ|, |ω| at that time.
 //   atol is in m, rad, m/s, rad/s alike. Measured on the slider-crank: |Δθ₁| after 3 turns is about rtol, from 1e-3
 //   (2 ms) over 1e-6 (5 ms) to 3e-8 (10 ms), where rounding of the gaps ends it.
-//   Cost: an arc of k columns k (k + 1) steps, each one factorization and one small complementarity problem.
-//   Between the points looked at a gap or a slip is held against the parabola through the last three: where it may dip
-//   to zero an arc ends, and it is looked at anew from there. No load or drive swings by more than 3 rad in an arc.
-//   Limits: a dip narrower than that shows can be missed, so can a contact force that ends and comes back. Flights no higher than
-//   rounding of the coordinates are not told from rest. Where static friction exceeds kinetic, the instant of letting go
-//   is known to some 1e-7 s at best. Lasting contacts keep the gap at which they were made (within the tolerance); joints
-//   hold to rounding. Motion that depends discontinuously on its start (corners that strike almost together) is followed,
+//   Cost: an arc of k columns k (k + 1) steps, each one factorization and one small dense system of the lasting contacts,
+//   and five more evaluations where contacts last.
+//   Between the points looked at a gap is held against the parabola through the last three: where it may dip to zero an
+//   arc ends, and it is looked at anew from there. No load or drive swings by more than 3 rad in an arc.
+//   Limits: a dip narrower than that shows can be missed. Flights no higher than rounding of the coordinates are not told
+//   from rest. Joints and lasting contacts hold to rounding: the gap within the tolerance at which a contact was made goes.
+//   Motion that depends discontinuously on its start (corners that strike almost together) is followed,
 //   but no tolerance makes it converge. Where events crowd (200 steps and rejected ones that come on by less than a
 //   microsecond each, on the average) crossings are not made shorter than 1e-6 s, later 2e-6, … 1e-4 s, whatever their
 //   error, until it is calm again. A step ends where a load jumps or bends (its breakpoints).
@@ -29,9 +33,9 @@
 // Acary, Applied Numerical Mathematics 62 (2012) 1259-1275 (higher order event capturing).
 #pragma once
 
+#include <orthant/integrators/contact_transition.h>
+#include <orthant/integrators/contact_watch.h>
 #include <orthant/integrators/impact.h>
-#include <orthant/integrators/integrator.h>
-#include <orthant/integrators/projection.h>
 
 #include <array>
 
@@ -55,46 +59,46 @@ class Adaptive final : public Integrator {
   const Lcp& problem() const override { return formulation_.problem(); }
 
  private:
-  enum class Mode : char { open, slides, sticks };
+  static constexpr double kNone = 1e-4;  // of the tolerance
   enum class Outcome { done, impact, change, dip, failed };
-  struct Margin {  // what keeps a contact in its mode, at the last three points looked at
+  struct Margin {  // an open contact's gap, at the last three points looked at
     struct Sample {
       double t = -kInf, value = 0;
     };
     std::array<Sample, 3> last;  // the newest first
     void add(double t, double value) { last = {{{t, value}, last[0], last[1]}}; }
-    double end() const;
     double dip(double noise) const;
-  };
-  struct Lasting {
-    Mode mode = Mode::open;
-    double slip = 0;         // its sign, of a contact that slides
-    Margin normal, tangent;  // an open contact's normal margin is its gap
   };
 
   void restart(double h);
-  bool finish(double taken, State& x, StepReport& report);
-  bool pass(bool jumps, double taken, double left, Solver& solver, State& x, StepReport& report);
+  void finish(double taken, State& x, StepReport& report);
+  bool pass(double taken, double left, Solver& solver, State& x, StepReport& report);
+  bool change(double taken, double left, Solver& solver, State& x, StepReport& report);
+  bool decide(Solver& solver, State& x, StepReport& report);
+  void note_changes(double t);
+  double late() const;
+  double slow() const { return kNone / weight_[2]; }  // [m/s] slips that count as none
+  double crossing(double wish, double left) const;
+  bool cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report);
   void watch_crowd(double t);
   void give_up(const State& x, StepReport& report);
   void load(const State& x);
   void store(Eigen::VectorXd& y) const;
   Outcome arc(double h, Solver& solver, const State& x, StepReport& report);
-  Outcome extrapolate(double h, Solver& solver, const State& x, StepReport& report);
-  Outcome symmetric_step(const State& x, double offset, double h, Solver& solver, StepReport& report);
+  Outcome extrapolate(double h, const State& x);
+  Outcome symmetric_step(const State& x, double offset, double h);
+  Outcome examine(double h, Solver& solver, const State& x, StepReport& report);
+  double mode_end(double t, double s, Solver& solver, StepReport& report);
+  bool holds(double t, const MotionPoint& p, Solver& solver, StepReport& report);
+  bool land(double t);
   bool closes(const State& x, double offset);
-  bool ends(const State& x, double h);
-  bool in_mode(const State& x, double offset, double h);
-  void look(Margin& margin, const State& x, double offset, double value, double noise);
+  void look(Margin& gap, const State& x, double offset, double value);
   double plan(double taken);
-  bool cross(double h, bool jumps, Solver& solver, const State& x, StepReport& report);
-  bool plain_step(const State& x, double offset, double h, Solver& solver, StepReport& report);
-  bool predict(double t, double h);
-  bool solve(Solver& solver, const std::vector<ContactLaw>& laws, StepReport& report);
-  void drift(double h);
-  bool settle_modes(double h, const State& x);
-  bool accept(double h, State& x, StepReport& report);
-  bool bind(Solver& solver, State& x, StepReport& report);
+  bool cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report);
+  bool plain_step(const State& x, double offset, double h, double joints, Solver& solver, StepReport& report);
+  bool predict(double t, double h, double joints);
+  void settle_modes(double h, const State& x);
+  void accept(double h, State& x, StepReport& report);
   void scale(const State& x);
   double error(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   ContactRows rows(int contact) const;
@@ -102,13 +106,17 @@ class Adaptive final : public Integrator {
   Options options_;
   Terms terms_;
   BasicSystem basic_;
-  Projection projection_;
+  ContactMotion motion_;  // its modes are those of the arc
+  ContactWatch watch_;
+  ContactTransition transition_;
+  MotionPoint start_, end_;  // of an arc
   Formulation formulation_;
   std::vector<Wanted> wanted_;
-  std::vector<ContactLaw> laws_;           // of the step being done
-  std::vector<Lasting> lasting_, before_;  // before_: at the start of the arc or crossing
-  std::vector<bool> closed_;               // in the first half of a crossing
-  std::vector<Eigen::VectorXd> row_;       // q, v, Σ Λ of every column of the extrapolation
+  std::vector<ContactMode> before_;  // at the start of a crossing
+  std::vector<ContactBias> missing_;
+  std::vector<Margin> gap_margins_, gaps_before_;  // gaps_before_: at the start of the arc
+  std::vector<bool> closed_;                       // in the first half of a crossing
+  std::vector<Eigen::VectorXd> row_;               // q, v of every column of the extrapolation
   Eigen::VectorXd q_, v_, v_new_, v_half_, force_, lambda_;
   std::vector<Impulse> sum_;
   std::vector<Impulse> kick_;
@@ -124,11 +132,14 @@ class Adaptive final : public Integrator {
   double limit_ = kInf, least_ = 0;  // [s] of the next arc; the shortest step that moves t
   double event_ = 0;                 // [s] from the start of the step: the event foretold
   double horizon_ = kInf;            // [s] from where the arc or crossing begins, see horizon.h
-  double dip_ = kInf;                // [s] likewise: where a margin is least, and nearly 0 or below
-  double slack_ = 0;  // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
+  double late_ = 0,
+         decided_ = -kInf;  // [s] how late after its end a mode is changed; when modes were decided at a standstill
+  double dip_ = kInf;       // [s] likewise: where a margin is least, and nearly 0 or below
+  double slack_ = 0;        // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
   double error_ = 0;
-  double rise_ = 0;                 // [J] of energy, in the impacts of a crossing
-  std::array<double, 4> weight_{};  // lengths, angles, speeds, angular velocities
+  double rise_ = 0;                   // [J] of energy, in the impacts of a crossing
+  ContactMotion::Residual residual_;  // of the joints
+  std::array<double, 4> weight_{};    // lengths, angles, speeds, angular velocities
 };
 
 }  // namespace orthant

@@ -51,6 +51,7 @@ class ContactEquations {
 
   DenseMatrix A;
   Vector b, z;
+  bool dependent = false;  // the rows solved for last
 
  private:
   static constexpr int kSmall = 16;  // up to here on the stack
@@ -61,6 +62,7 @@ class ContactEquations {
     using Column = Eigen::Matrix<double, -1, 1, 0, Dense::MaxRowsAtCompileTime, 1>;
     const Column root = share.cwiseSqrt();
     decomposition.compute(Dense(A * root.asDiagonal()));
+    dependent = decomposition.rank() < size();
     z = root.cwiseProduct(decomposition.solve(Column(-b)));
   }
 

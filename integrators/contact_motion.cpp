@@ -62,42 +62,58 @@ bool ContactMotion::accelerations(double t, const Eigen::VectorXd& q, const Eige
   rate_ = -terms_.joint_bias;
   basic_.solve(terms_.f.data(), rate_.data(), free_.data(), lambda_.data());
   a = free_;
-  if (!lasting_.empty()) {
-    equations_.clear();
-    share_.resize(static_cast<Index>(2 * lasting_.size()));
-    for (std::size_t i = 0; i < lasting_.size(); ++i) {
-      const ContactMode& mode = modes[static_cast<std::size_t>(lasting_[i])];
-      const ContactRows& rows = terms_.closed[i].rows;
-      const double mu = system_.law(lasting_[i]).mu;
-      share_[equations_.size()] = mode.share_normal;
-      equations_.add(rows.normal, mode.slip != 0 ? sliding_force(rows, mode.slip * mu) : rows.normal,
-                     terms_.contact_bias[i].normal);
-      if (!mode.sticks) continue;
-      share_[equations_.size()] = mode.share_tangent;
-      equations_.add(rows.tangent, rows.tangent, terms_.contact_bias[i].tangent);
-    }
-    share_.resize(equations_.size());
-    equations_.assemble(basic_, free_);
-    equations_.solve(share_);
-    equations_.act(equations_.z, a);
-    Index k = 0;
-    for (std::size_t i = 0; i < lasting_.size(); ++i) {
-      const ContactMode& mode = modes[static_cast<std::size_t>(lasting_[i])];
-      normal_[i] = equations_.z[k++];
-      tangent_[i] = mode.sticks ? equations_.z[k++] : -mode.slip * system_.law(lasting_[i]).mu * normal_[i];
-    }
-  }
+  if (!lasting_.empty()) impose(terms_, basic_, terms_.contact_bias, a);
   return a.allFinite();
 }
 
-void ContactMotion::forces(Watched& w) const {
+void ContactMotion::impose(const Terms& terms, const BasicSystem& basic, std::span<const ContactBias> missing,
+                           Eigen::VectorXd& x) {
+  equations_.clear();
+  share_.resize(static_cast<Index>(2 * lasting_.size()));
+  for (std::size_t i = 0; i < lasting_.size(); ++i) {
+    const ContactMode& mode = modes[static_cast<std::size_t>(lasting_[i])];
+    const ContactRows& rows = terms.closed[i].rows;
+    const double mu = system_.law(lasting_[i]).mu;
+    share_[equations_.size()] = mode.share_normal;
+    equations_.add(rows.normal, mode.slip != 0 ? sliding_force(rows, mode.slip * mu) : rows.normal, missing[i].normal);
+    if (!mode.sticks) continue;
+    share_[equations_.size()] = mode.share_tangent;
+    equations_.add(rows.tangent, rows.tangent, missing[i].tangent);
+  }
+  share_.resize(equations_.size());
+  equations_.assemble(basic, x);
+  equations_.solve(share_);
+  equations_.act(equations_.z, x);
+  Index k = 0;
+  for (std::size_t i = 0; i < lasting_.size(); ++i) {
+    const ContactMode& mode = modes[static_cast<std::size_t>(lasting_[i])];
+    normal_[i] = equations_.z[k++];
+    tangent_[i] = mode.sticks ? equations_.z[k++] : -mode.slip * system_.law(lasting_[i]).mu * normal_[i];
+  }
+}
+
+void ContactMotion::share_anew(const Watched& w) {
+  const double most = w.normal.maxCoeff();
+  for (const int c : lasting_) {
+    ContactMode& mode = modes[static_cast<std::size_t>(c)];
+    mode.share_normal = std::max(w.normal[c], 1e-3 * most);
+    mode.share_tangent = static_mu(system_.law(c)) * mode.share_normal;
+  }
+}
+
+void ContactMotion::watch_lasting(const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w) const {
   w.normal.setZero(), w.tangent.setZero();
-  for (std::size_t i = 0; i < lasting_.size(); ++i)
-    w.normal[lasting_[i]] = normal_[i], w.tangent[lasting_[i]] = tangent_[i];
+  for (std::size_t i = 0; i < lasting_.size(); ++i) {
+    const int c = lasting_[i];
+    const Row& tangent = terms_.closed[i].rows.tangent;
+    w.normal[c] = normal_[i], w.tangent[c] = tangent_[i];
+    w.slip[c] = slip_rate(system_.law(c), terms_.closed[i].rows, v);
+    w.slip_acceleration[c] = apply(tangent, a.data()) + terms_.contact_bias[i].tangent;
+  }
 }
 
 void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w) {
-  forces(w);
+  watch_lasting(v, a, w);
   evaluate_gaps(system_, terms_);
   evaluate_closed(system_, kInf, terms_);
   evaluate_biases(system_, terms_);

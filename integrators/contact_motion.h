@@ -47,9 +47,18 @@ class ContactMotion {
   /// Forces of the last accelerations() [N], in the order of lasting().
   double normal_force(std::size_t i) const { return normal_[i]; }
   double tangent_force(std::size_t i) const { return tangent_[i]; }
-  void forces(Watched& w) const;
+  /// Forces and slips of the lasting contacts there, the rest as it is; dof: v and the a found.
+  void watch_lasting(const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w) const;
   /// Gaps, rates and accelerations of all contacts where accelerations() was evaluated last.
   void watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w);
+
+  /// x + B Fᵀ z, such that J x + missing = 0 for the rows J of the modes. terms.closed: the lasting contacts; missing: one
+  /// each; basic: factorized. z: read by normal_force() and tangent_force().
+  void impose(const Terms& terms, const BasicSystem& basic, std::span<const ContactBias> missing, Eigen::VectorXd& x);
+  /// The lasting contacts' rows, in the last accelerations(), depend on each other: their forces are not unique.
+  bool redundant() const { return equations_.dependent; }
+  /// Such forces are shared in the proportions of the normal forces of w from now on.
+  void share_anew(const Watched& w);
 
   struct Residual {
     double joint = 0, rate = 0;

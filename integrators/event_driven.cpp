@@ -1,6 +1,7 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven.h>
 #include <orthant/integrators/horizon.h>
+#include <orthant/solvers/enumerate.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,8 @@ constexpr double kFewStages = 0.467;  // of a step: the widest interval without 
 constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages are near enough to project them there
 constexpr double kPressed = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kLongestCrossing = 1e-4;  // [s]
+constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
+constexpr Index kFewRows = 12;             // problems that are enumerated
 constexpr int kCrowd = 15;                 // steps in a row, each shorter than
 constexpr int kShares = 200;               // times that friction is shared anew in such a row, which count for no event
 constexpr double kSoon = 50;               // crossings: no calm has come since the last one
@@ -28,13 +31,11 @@ std::size_t at(int contact) { return static_cast<std::size_t>(contact); }
 
 }  // namespace
 
-EventDriven::Point::Point(const System& system)
-    : q(Eigen::VectorXd::Zero(system.dof())), v(q), a(q), w(system.contacts()) {}
-
 EventDriven::EventDriven(const System& system, const Options& options)
     : Integrator(system),
       options_(options),
       motion_(system),
+      watch_(motion_),
       transition_(system),
       formulation_(system),
       impact_(system),
@@ -218,7 +219,9 @@ bool EventDriven::look_ahead(double s) {
     if (!try_step(s - aside) || least_independence_ < kBlurred) continue;
     std::swap(earlier_, trial_);
     if (!try_step(s + aside) || least_independence_ < kBlurred) continue;
-    halfway(earlier_, trial_, 2 * aside, middle_);
+    interpolate(earlier_, trial_, 2 * aside, 0.5, middle_);
+    middle_.v = 15 / (16 * aside) * (trial_.q - earlier_.q) - 7.0 / 16 * (earlier_.v + trial_.v) +
+                aside / 16 * (trial_.a - earlier_.a);  // of the same polynomial as q: near singular poses it is better
     trial_.q = middle_.q, trial_.v = middle_.v;
     trial_residual_ = motion_.residual(start_ + elapsed_ + s, trial_.q, trial_.v);
     return observe(trial_, start_ + elapsed_ + s);
@@ -239,9 +242,8 @@ double EventDriven::independence() const {
 }
 
 bool EventDriven::observe(Point& p, double t) {
-  if (!motion_.accelerations(t, p.q, p.v, p.a)) return false;
+  if (!orthant::observe(motion_, t, p)) return false;
   p.independence = independence();
-  motion_.watch(p.q, p.v, p.a, p.w);
   return true;
 }
 
@@ -279,80 +281,35 @@ bool EventDriven::try_step(double s) {
   return trial_residual_.joint < kInf && observe(trial_, end);
 }
 
-/// Between two points s apart: the quintic Hermite polynomial, and its rate.
-void EventDriven::halfway(const Point& a, const Point& b, double s, Point& middle) {
-  middle.q = (a.q + b.q) / 2 + s * ((a.v - b.v) * (5.0 / 32) + s / 64 * (a.a + b.a));
-  middle.v = 15 / (8 * s) * (b.q - a.q) - 7.0 / 16 * (a.v + b.v) + s / 32 * (b.a - a.a);
+double EventDriven::slack(const Sign& sign) const {
+  return sign.watch == Watch::gap ? 2 * gap_zero(sign.contact) : watch_.slack(sign, options_.atol);
 }
 
-/// Forces in the middle of the step from now_ to trial_.
-bool EventDriven::observe_middle(double s) {
-  halfway(now_, trial_, s, middle_);
-  if (!motion_.accelerations(start_ + elapsed_ + s / 2, middle_.q, middle_.v, middle_.a)) return false;
-  motion_.forces(middle_.w);
-  return true;
-}
-
-double EventDriven::slack(Watch watch, int contact) const {
-  if (watch == Watch::gap) return 2 * gap_zero(contact);
-  if (watch == Watch::slip) return speed_zero(now_.w.slip_scale[contact]);
-  return 10 * kSame * std::max(now_.w.normal.lpNorm<Eigen::Infinity>(), trial_.w.normal.lpNorm<Eigen::Infinity>());
-}
-
-/// The event function; ≥ 0 before the event.
+/// The event function; ≥ 0 before the event. A start with overlap is let be.
 double EventDriven::value(const Sign& sign, const Watched& w) const {
-  const int c = sign.contact;
-  const double bound = static_mu(system_.law(c)) * w.normal[c];
-  switch (sign.watch) {
-    case Watch::gap:
-      return w.gap[c] - std::min(0.0, now_.w.gap[c]);  // a start with overlap is let be
-    case Watch::force:
-      return w.normal[c];
-    case Watch::cone_up:
-      return bound - w.tangent[c];
-    case Watch::cone_down:
-      return bound + w.tangent[c];
-    case Watch::slip:
-      return motion_.modes[at(c)].slip * w.slip[c];
-  }
-  return 0;
+  return watch_.value(sign, w) - (sign.watch == Watch::gap ? std::min(0.0, now_.w.gap[sign.contact]) : 0);
 }
 
-std::optional<EventDriven::Sign> EventDriven::first_sign(double s) {
+std::optional<Sign> EventDriven::first_sign(double s) {
   std::optional<Sign> first;
   if (s <= 0) return first;
-  const bool forces = !motion_.lasting().empty() && observe_middle(s);
+  if (!motion_.lasting().empty() && watch_.look(start_ + elapsed_, s, now_, trial_, stop_))
+    first = watch_.first(options_.atol);
   const Watched &a = now_.w, &b = trial_.w;
-  const auto look = [&](Sign sign, const auto& polynomial) {
-    const auto found = first_crossing(polynomial, slack(sign.watch, sign.contact));
-    if (!found || (first && first->crossing.x <= found->x)) return;
-    sign.crossing = *found;
-    first = sign;
-  };
   for (int c = 0; c < system_.contacts(); ++c) {
-    const ContactMode& mode = motion_.modes[at(c)];
-    if (!mode.lasting) {
-      const double shift = std::min(0.0, a.gap[c]);
-      look({Watch::gap, c, {}}, quintic(a.gap[c] - shift, a.gap_rate[c], a.gap_acceleration[c], b.gap[c] - shift,
-                                        b.gap_rate[c], b.gap_acceleration[c], s));
-      continue;
-    }
-    if (forces)
-      for (const Watch watch : {Watch::force, Watch::cone_up, Watch::cone_down}) {
-        const Sign sign{watch, c, {}};
-        if (watch == Watch::force || mode.sticks)
-          look(sign, quadratic(value(sign, a), value(sign, middle_.w), value(sign, b)));
-      }
-    if (mode.slip != 0)
-      look({Watch::slip, c, {}}, cubic(mode.slip * a.slip[c], mode.slip * a.slip_acceleration[c], mode.slip * b.slip[c],
-                                       mode.slip * b.slip_acceleration[c], s));
+    if (motion_.modes[at(c)].lasting) continue;
+    const double shift = std::min(0.0, a.gap[c]);
+    const auto found = first_crossing(quintic(a.gap[c] - shift, a.gap_rate[c], a.gap_acceleration[c], b.gap[c] - shift,
+                                              b.gap_rate[c], b.gap_acceleration[c], s),
+                                      2 * gap_zero(c));
+    if (found && !(first && first->crossing.x <= found->x)) first = Sign{Watch::gap, c, *found};
   }
   return first;
 }
 
 /// Shortens the step to where the function is zero. False: it is not there, it only came near; s is shortened all the same.
 bool EventDriven::land(const Sign& sign, double& s) {
-  const double tiny = slack(sign.watch, sign.contact) / 2;
+  const double tiny = slack(sign) / 2;
   double low = 0, high = s, x = sign.crossing.x * s, slope = sign.crossing.slope / s, last_x = 0, last = 0;
   bool bracketed = value(sign, trial_.w) < 0;
   for (int i = 0; i < 80; ++i) {
@@ -380,6 +337,7 @@ bool EventDriven::land(const Sign& sign, double& s) {
 
 void EventDriven::accept(double s, double end) {
   const double before = elapsed_;
+  load_ = std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
   std::swap(now_, trial_);
   residual_ = trial_residual_;
   elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
@@ -405,7 +363,7 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   std::fill(slides_.begin(), slides_.end(), 0.0);
   std::fill(held_.begin(), held_.end(), false);
   for (Bounces& b : bounces_) b.over = false;
-  bool struck = false;
+  int struck = 0;
   // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and of
   // the velocities that it left.
   const double tie = 16 + 64.0 * flight_, since = flight_time_;
@@ -417,11 +375,23 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
         hit || mode.lasting ||
         now_.w.gap[c] <= tie * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
     if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
-    struck = true;
+    ++struck;
     note_bounce(c);
   }
-  if (struck && !impact(solver, accumulates(), report)) return false;
-  return settle(solver, event, struck, report);
+  if (struck > 1) close_together();
+  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
+  return settle(solver, event, struck > 0, report);
+}
+
+/// Contacts that strike together get the gap 0: a tilt that rounding made would grow from impact to impact.
+void EventDriven::close_together() {
+  for (std::size_t c = 0; c < touching_.size(); ++c)
+    motion_.modes[c].lasting = touching_[c] && now_.w.gap[static_cast<Index>(c)] > -kTilt;
+  motion_.modes_changed();
+  stage_q_ = now_.q, stage_v_ = now_.v;
+  if (motion_.project(start_ + elapsed_, stage_q_, stage_v_).joint < kInf) now_.q = stage_q_;
+  motion_.modes = before_;
+  motion_.modes_changed();
 }
 
 bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
@@ -446,7 +416,17 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
   problem_ = &formulation_.problem();
   no_answer_ = !formulation_.solve(solver, report);
-  if (no_answer_) return fail(report, report.status, "the impact was not solved");
+  if (no_answer_) {
+    // All combinations of a few contacts can be looked through: friction and restitution may contradict each other.
+    const Lcp& lcp = formulation_.problem();
+    const bool none = lcp.size() <= kFewRows && finite(lcp) && [&](const SolutionSet& set) {
+      return set.isolated.empty() && set.faces.empty();
+    }(enumerate_solutions(lcp));
+    return fail(
+        report, none ? Status::infeasible : report.status,
+        none ? "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)"
+             : "the impact was not solved");
+  }
   formulation_.advance(now_.v, hit_);
   if (!plastic) impact_.add_to(hit_);
   report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, hit_));
@@ -559,6 +539,7 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
                slides_[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
         held_[at(c)] = false, slides_[at(c)] = 0, again = true;
   }
+  load_ = 0;
   note_changes(event.has_value() && !struck);
   return true;
 }
@@ -567,20 +548,12 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
 /// to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
 bool EventDriven::shares_anew(const Sign& event) {
   if (event.watch != Watch::cone_up && event.watch != Watch::cone_down) return false;
-  const double most = now_.w.normal.maxCoeff();
-  for (const int c : motion_.lasting()) {
-    ContactMode& mode = motion_.modes[at(c)];
-    mode.share_normal = std::max(now_.w.normal[c], 1e-3 * most);
-    mode.share_tangent = static_mu(system_.law(c)) * mode.share_normal;
-  }
-  return observe(now_, start_ + elapsed_) && room(event.contact) > slack(event.watch, event.contact);
+  motion_.share_anew(now_.w);
+  return observe(now_, start_ + elapsed_) && room(event.contact) > slack(event);
 }
 
-/// What is "at the same time" in forces [N]: trial_ is the start of the step that led here.
-/// When events repeat at one time it is no better known than that.
-double EventDriven::force_zero() const {
-  return kForceZero * (1 + 1e3 * standstill_) * trial_.w.normal.lpNorm<Eigen::Infinity>();
-}
+/// What is "at the same time" in forces [N]. When events repeat at one time it is no better known than that.
+double EventDriven::force_zero() const { return kForceZero * (1 + 1e3 * standstill_) * load_; }
 
 double EventDriven::room(int contact) const {
   return static_mu(system_.law(contact)) * now_.w.normal[contact] - std::abs(now_.w.tangent[contact]);

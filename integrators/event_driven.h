@@ -4,9 +4,7 @@
 //   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with error
 //   control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched are
 //     open contact: g           → closing, quintic Hermite polynomial from g, ġ, g̈ at the ends of a step
-//     lasting:      λ_N         → opening, quadratic from both ends and the middle
-//     sticking:     μ λ_N ∓ λ_T → sliding off, likewise
-//     sliding:      σ γ_T       → stopping, cubic Hermite polynomial.
+//     lasting ones: forces, slip → opening, sliding off, stopping (contact_watch.h).
 //   The first one to turn negative is landed on by steps from the same start, their length by secant steps: nothing is
 //   interpolated, so that the state there has the full order. Then
 //     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at velocity
@@ -32,16 +30,16 @@
 //   asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from there).
 //   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided anew.
 //   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
-//   acceleration-level problem proved to be without solution, or with several, ends the run, see why(). Rounding decides in
-//   crowds: piles come to rest, but not always in the same places. Every contact's row is looked at
+//   impact or an acceleration-level problem without solution, or one with several, ends the run, see why(). Rounding in
+//   crowds decides: piles come to rest, but not always in the same places. Every contact's row is looked at
 //   in every step. Cost: 13 evaluations a step, some 3 steps an event.
 //   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996); Brogliato & Acary (2008), ch. 8;
 //   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6.
 #pragma once
 
 #include <orthant/integrators/contact_transition.h>
+#include <orthant/integrators/contact_watch.h>
 #include <orthant/integrators/dormand_prince.h>
-#include <orthant/integrators/first_crossing.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/moreau_jean.h>
 
@@ -73,12 +71,6 @@ class EventDriven final : public Integrator {
   std::string why() const override { return why_; }
 
  private:
-  enum class Watch { gap, force, cone_up, cone_down, slip };
-  struct Sign {  // of an event: this function turned negative
-    Watch watch = Watch::gap;
-    int contact = 0;
-    Crossing crossing;  // x: of the step
-  };
   struct Bounces {                         // a contact's impacts
     double last = -kInf, interval = kInf;  // [s]
     int shrinking = 0;                     // intervals in a row
@@ -86,11 +78,9 @@ class EventDriven final : public Integrator {
     bool rounding = false;                 // the last bounce was of the size of rounding
     bool over = false;                     // accumulated, just now
   };
-  struct Point {  // of the motion: everything known there
-    Eigen::VectorXd q, v, a;
-    Watched w;
+  struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
-    explicit Point(const System& system);
+    using MotionPoint::MotionPoint;
   };
 
   void sort_events();
@@ -105,19 +95,18 @@ class EventDriven final : public Integrator {
   double first_guess(double rest) const;
   double independence() const;
   bool observe(Point& p, double t);
-  static void halfway(const Point& a, const Point& b, double s, Point& middle);
-  bool observe_middle(double s);
   bool try_step(double s);
   void accept(double s, double end);
 
   double value(const Sign& sign, const Watched& w) const;
-  double slack(Watch watch, int contact) const;
+  double slack(const Sign& sign) const;
   std::optional<Sign> first_sign(double s);
   bool land(const Sign& sign, double& s);
 
   bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool cross(Solver& solver, double end, StepReport& report);
+  void close_together();
   void note_bounce(int contact);
   bool accumulates();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
@@ -133,6 +122,7 @@ class EventDriven final : public Integrator {
 
   Options options_;
   ContactMotion motion_;
+  ContactWatch watch_;
   ContactTransition transition_;
   Formulation formulation_;
   Impact impact_;
@@ -143,6 +133,7 @@ class EventDriven final : public Integrator {
   double stop_ = kInf;                      // [s] forces are not looked at later in this step
   bool redundant_ = false;                  // the joints are, at the start
   double least_independence_ = 1;           // of the joints in the trial step
+  double load_ = 0;                         // [N] the largest normal force since the modes were decided
   int flight_ = 0;                          // steps since the last event
   double flight_time_ = 0;                  // [s]
   Kinematics poses_;

@@ -3,7 +3,7 @@
 //   A polynomial on [0, 1] in Bernstein form Σ c_i (n choose i) x^i (1−x)^(n−i) lies within the hull of its coefficients:
 //   none below −slack means no crossing, and two of them within the interval are not overlooked. Otherwise the interval is
 //   halved (de Casteljau), the left half first. O(n²) a halving.
-//   quintic: value, rate and second derivative at both ends; cubic: value and rate; quadratic: three values.
+//   quintic: value, rate and second derivative at both ends; cubic: value and rate; quartic: five values.
 //   Source: Farin, Curves and Surfaces for CAGD (2002), ch. 5.
 #pragma once
 
@@ -24,7 +24,12 @@ inline Bernstein<6> quintic(double f0, double d0, double dd0, double f1, double 
 inline Bernstein<4> cubic(double f0, double d0, double f1, double d1, double h) {
   return {f0, f0 + h * d0 / 3, f1 - h * d1 / 3, f1};
 }
-inline Bernstein<3> quadratic(double f0, double middle, double f1) { return {f0, 2 * middle - (f0 + f1) / 2, f1}; }
+/// Of its values at 0, 1/4, 1/2, 3/4, 1.
+inline Bernstein<5> quartic(const std::array<double, 5>& f) {
+  return {f[0], (-13 * f[0] + 48 * f[1] - 36 * f[2] + 16 * f[3] - 3 * f[4]) / 12,
+          (13 * f[0] - 64 * f[1] + 120 * f[2] - 64 * f[3] + 13 * f[4]) / 18,
+          (-3 * f[0] + 16 * f[1] - 36 * f[2] + 48 * f[3] - 13 * f[4]) / 12, f[4]};
+}
 
 struct Crossing {
   double x = 0, slope = 0;  // slope: mean rate just there, < 0

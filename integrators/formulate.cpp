@@ -34,6 +34,11 @@ void fill_delassus(const std::vector<Row>& rows, Index dof, Delassus& A) {
   }
 }
 
+bool zero(const Row& row) {
+  constexpr std::array<double, 3> none{};
+  return row.ja == none && row.jb == none;
+}
+
 /// n + μ t of a contact.
 Row edge(const ContactRows& rows, double mu) {
   Row row = rows.normal;
@@ -51,6 +56,7 @@ void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const 
     const double slip = law.frictional() ? apply(c.rows.tangent, v.data()) - law.belt : 0;
     const double approach = apply(c.rows.normal, v.data());
     wanted.push_back({-law.e * approach, law.belt - law.e_t * slip, slip, &law, approach});
+    wanted.back().slip_before = wanted.back().free_slip = slip, wanted.back().free = approach;
   }
 }
 
@@ -94,9 +100,11 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
   rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
   if (form_ == Form::full) rows_.insert(rows_.end(), terms.G.begin(), terms.G.end());
+  blank_ = -1, pairs_ = &terms.pairs;
   const auto joints = static_cast<Index>(rows_.size());
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const ClosedContact& c = terms.closed[k];
+    if (zero(c.rows.normal)) blank_ = c.contact;
     const double mu = wanted[k].law->mu_at(wanted[k].slip);
     contacts_.push_back({c.contact, wanted[k].law, mu, wanted[k].slip});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
@@ -157,6 +165,10 @@ void Formulation::bind() {
 
 bool Formulation::solve(Solver& solver, StepReport& report) {
   if (lcp_.size() == 0) return true;
+  if (blank_ >= 0) {
+    report.status = Status::numerical_error;
+    return false;
+  }
   return solve_once(solver, report) && (!regrade() || solve_once(solver, report));
 }
 
@@ -228,9 +240,9 @@ void Formulation::cut_out(std::span<const int> rows, Lcp& block) {
 
 std::string Formulation::contradiction() const {
   constexpr double kPart = 1e-6;  // of the largest entry: takes part
+  if (blank_ >= 0) return "contact " + name_of(blank_) + " has no normal: its centres, or points, are in one place";
   const auto& u = solution_.certificate;
   if (solution_.status != Status::infeasible || u.size() != lcp_.size()) return {};
-  const Scene& scene = system_.scene();
   const double least = kPart * u.lpNorm<Eigen::Infinity>();
   std::string names;
   Index i = form_ == Form::full ? system_.joint_rows() : 0;
@@ -239,14 +251,23 @@ std::string Formulation::contradiction() const {
     const bool part = std::abs(u[i]) > least || (two && std::abs(u[i + 1]) > least);
     i += two ? 2 : 1;
     if (!part) continue;
-    const auto contact = static_cast<std::size_t>(c.index);
-    names += names.empty() ? "\"" : ", \"";
-    names += contact < scene.contacts.size() ? std::visit([](const auto& x) { return x.name; }, scene.contacts[contact])
-                                             : "a pair of shapes";
-    names += '"';
+    names += (names.empty() ? "" : ", ") + name_of(c.index);
   }
   return "no motion satisfies contacts " + names +
          (system_.joint_rows() > 0 ? " together with the joints" : " together");
+}
+
+std::string Formulation::name_of(int contact) const {
+  const Scene& scene = system_.scene();
+  const auto i = static_cast<std::size_t>(contact);
+  if (i < scene.contacts.size())
+    return "\"" + std::visit([](const auto& x) { return x.name; }, scene.contacts[i]) + "\"";
+  const Collision& of = scene.collisions[static_cast<std::size_t>((*pairs_)[i - scene.contacts.size()].collision)];
+  const auto body = [&](BodyId b) {
+    return b < 0 ? "the ground" : "\"" + scene.bodies[static_cast<std::size_t>(b)].name + "\"";
+  };
+  const auto [a, b] = bodies_of(system_, *pairs_, contact);
+  return "of collision \"" + of.name + "\" between " + body(a) + " and " + body(b);
 }
 
 bool Formulation::regrade() {

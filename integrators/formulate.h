@@ -45,7 +45,8 @@ struct Wanted {
   const ContactLaw* law = nullptr;  // stays where it is until the step is done
   double approach = 0;              // γ_N⁻
   double least = -kInf;             // of `normal`, whatever the law: asked for by the scheme
-  double forced = 0;                // |change| of the rates by the step's forces, see note_forces()
+  // For energy_rise(): γ_T⁻ and, with the step's forces, γ_N and γ_T without contacts, see note_forces().
+  double slip_before = 0, free = 0, free_slip = 0;
 };
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`, one
@@ -79,7 +80,8 @@ class Formulation {
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve.
   bool solve(Solver& solver, StepReport& report);
 
-  /// In words, of which rows the proof is made that there is no solution; empty: there is no such proof.
+  /// In words, why there is no solution: of which rows the proof is made, or which contact has no normal; empty: there is
+  /// no such proof.
   std::string contradiction() const;
 
   const Lcp& problem() const { return lcp_; }
@@ -95,6 +97,8 @@ class Formulation {
   void advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;
 
  private:
+  std::string name_of(int contact) const;
+
   struct Contact {  // a closed one, in the order of its normal row
     int index = 0;  // in the scene
     const ContactLaw* law = nullptr;
@@ -122,6 +126,8 @@ class Formulation {
   Islands islands_;
   Lcp small_, large_;  // of one island: dense; an operator, where the whole one is
   Solution part_;
+  int blank_ = -1;                            // a closed contact without a normal
+  const std::vector<Pair>* pairs_ = nullptr;  // of the terms last formulated, for names
   std::vector<Row> island_;
   std::vector<int> place_;                    // of a row within its island
   std::vector<const Friction*> friction_of_;  // a row; null: none

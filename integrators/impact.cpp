@@ -118,30 +118,47 @@ void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const ContactRows& rows = terms.closed[k].rows;
     Wanted& w = wanted[k];
-    w.forced = std::abs(apply(rows.normal, v_free.data()) - w.approach);
-    if (w.law->frictional()) w.forced += std::abs(apply(rows.tangent, v_free.data()) - w.law->belt - w.slip);
+    w.free = apply(rows.normal, v_free.data());
+    if (w.law->frictional()) w.free_slip = apply(rows.tangent, v_free.data()) - w.law->belt;
   }
 }
 
 double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
-                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses) {
-  constexpr double kSmall = 1e-9;  // of the works that are added up, and of the kinetic energy: no rise
-  double sum = 0, size = 0, forced = 0;
-  bool struck = false;
+                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses, double small,
+                   std::vector<Taken>* taken) {
+  double sum = 0, exchanged = 0, forced = 0;
+  bool counts = false;
+  const std::size_t before = taken != nullptr ? taken->size() : 0;
+  std::size_t next = 0;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const Wanted& w = wanted[k];
-    const Impulse& impulse = impulses[static_cast<std::size_t>(terms.closed[k].contact)];
+    const int contact = terms.closed[k].contact;
+    const Impulse& impulse = impulses[static_cast<std::size_t>(contact)];
     if (impulse.normal == 0) continue;
-    if (w.least >= w.normal) return 0;
-    struck = struck || w.approach < -kRestSpeed;
+    const bool pushed = w.least >= w.normal;
+    if (pushed) small = std::max(small, kOtherRows);
+    counts = counts || small > kSameRows || w.approach < -kRestSpeed;
     const ContactRows& rows = terms.closed[k].rows;
-    const double normal = impulse.normal * (apply(rows.normal, v.data()) + w.approach) / 2;
-    const double tangent = impulse.tangent * (apply(rows.tangent, v.data()) - w.law->belt + w.slip) / 2;
-    sum += normal + tangent, size += std::abs(normal) + std::abs(tangent);
-    forced += (std::abs(impulse.normal) + std::abs(impulse.tangent)) * w.forced;
+    double work = 0;
+    const auto add = [&](double by, double after, double free, double was) {
+      work += by * (after + free) / 2;
+      exchanged += std::abs(by) * (std::abs(after) + std::abs(free)) / 2;
+      forced += std::abs(by) * std::abs(free - was);
+    };
+    add(impulse.normal, apply(rows.normal, v.data()), w.free, w.approach);
+    if (impulse.tangent != 0)
+      add(impulse.tangent, apply(rows.tangent, v.data()) - w.law->belt, w.free_slip, w.slip_before);
+    sum += work;
+    if (!pushed || taken == nullptr) continue;
+    const Pair key = contact < system.listed() ? Pair{-1, contact, 0, 0}
+                                               : terms.pairs[static_cast<std::size_t>(contact - system.listed())];
+    while (next < before && (*taken)[next].contact < key) ++next;
+    if (next < before && (*taken)[next].contact == key) sum += (*taken)[next].work;
+    if (work < 0) taken->push_back({key, work});
   }
-  const bool rises =
-      struck && sum > forced && sum > kSmall * size && sum > kSmall / 2 * v.dot(system.mass().cwiseProduct(v));
+  if (taken != nullptr) taken->erase(taken->begin(), taken->begin() + static_cast<std::ptrdiff_t>(before));
+  const bool rises = counts && sum > forced && sum > small * exchanged &&
+                     sum > std::max(kSameRows, small / 10) / 2 * v.dot(system.mass().cwiseProduct(v));
   return rises ? sum : 0;
 }
 

@@ -71,14 +71,26 @@ class Impact {
 /// contacts at once, which `integrator` cannot take.
 void require_plain_impacts(const System& system, std::string_view integrator);
 
-/// Sets wanted.forced, from the velocities before contacts act.
+/// Sets wanted.free and free_slip, from the velocities before contacts act.
 void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted);
 
-/// What the impulses of a step did to the kinetic energy, ½ Σ (γ⁺ + γ⁻) Λ over the closed contacts, when something struck
-/// and that is a rise: by more than Σ |Λ| forced, which is what the step's forces may have to do with it, and than 1e-9
-/// of the kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted,
-/// nor a step in which the scheme itself pushes gaps open (wanted.least).
+/// Work [J] of a contact in the last step, less than none; by its pair, or {-1, its number} when it is listed.
+struct Taken {
+  Pair contact;
+  double work = 0;
+};
+inline constexpr double kSameRows = 1e-9;   // of what impacts exchange: rounding
+inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ are those of different poses
+
+/// What the impulses of a step did to the kinetic energy, Σ ½ (γ⁺ + γ_free) Λ over the closed contacts, when something
+/// struck and that is a rise: by more than Σ |Λ| |γ_free − γ⁻|, which is what the step's forces may have to do with it,
+/// than `small` of Σ ½ (|γ⁺| + |γ_free|) |Λ|, which is exchanged, and than a tenth of that share (1e-9 at the least) of
+/// all kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted.
+/// A scheme that pushes gaps open (wanted.least) is told on as well, from kOtherRows on: bodies that move as far as their
+/// own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step before
+/// it may give back. `taken` remembers that; null: nothing is remembered.
 double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
-                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses);
+                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses, double small = kSameRows,
+                   std::vector<Taken>* taken = nullptr);
 
 }  // namespace orthant

@@ -68,6 +68,8 @@ void note(const StepReport& report, Run& run) {
     run.max_energy_rise = report.energy_rise;
     run.max_rise_time = run.final.t;
   }
+  if (report.passage.width > 0 && run.passages++ == 0)
+    run.first_passage = report.passage, run.first_passage_time = run.final.t;
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
   run.max_penetration = std::max(run.max_penetration, report.penetration);
   run.max_lcp_residual = std::max(run.max_lcp_residual, report.lcp_residual);

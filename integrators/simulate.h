@@ -23,6 +23,9 @@ struct Run {
   long events = 0;                                // located
   long energy_rises = 0;                          // steps in which impacts raised the energy (impact.h)
   double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
+  long passages = 0;                              // steps in which bodies passed through each other (passing.h)
+  Passage first_passage;
+  double first_passage_time = 0;  // [s] the end of that step
 };
 
 /// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost

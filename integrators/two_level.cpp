@@ -15,6 +15,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       lambda_(system.joint_rows()),
       has_rows_(static_cast<std::size_t>(system.contacts())),
       broad_phase_(system),
+      passing_(system),
       positions_(system),
       velocities_(system),
       problem_(&velocities_.problem()),
@@ -147,6 +148,11 @@ void TwoLevel::hand_over(const State& x) {
   if (!carrying_.empty()) set_poses(system_, x.t, x.q, start_.at);
   for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
   newtons_law(system_.laws(), start_, x.v, wanted_);
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {  // the work is that of the rows at the end
+    const ContactRows& rows = end_.closed[k].rows;
+    wanted_[k].approach = apply(rows.normal, x.v.data());
+    wanted_[k].slip_before = apply(rows.tangent, x.v.data()) - wanted_[k].law->belt;
+  }
 }
 
 bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
@@ -155,7 +161,7 @@ bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);
   for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = velocities_.joint_friction(i);
-  report.energy_rise = energy_rise(system_, end_, wanted_, v, impulses_);
+  report.energy_rise = energy_rise(system_, end_, wanted_, v, impulses_, kOtherRows);
   return true;
 }
 
@@ -169,6 +175,7 @@ void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report
     report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
+  report.passage = passing_.find(x.q, q_end_, end_);
   x.t += h;
   x.q.swap(q_end_);
   x.v.swap(v);

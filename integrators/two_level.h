@@ -60,6 +60,7 @@ class TwoLevel : public Integrator {
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
   BroadPhase broad_phase_;
+  Passing passing_;
   Formulation positions_, velocities_;
   const Lcp* problem_ = nullptr;
   double stiffness_weight_ = 0, damping_weight_ = 0;

@@ -13,6 +13,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       impact_(system, plan.form),
       broad_phase_(system),
       sleep_(system, plan.sleep),
+      passing_(system),
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
       q_mid_(system.dof()),
@@ -20,10 +21,11 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
-  const auto& frictions = system.scene().frictions;
-  if (std::any_of(frictions.begin(), frictions.end(), [](const JointFriction& f) { return f.loaded(); }))
-    loads_.resize(frictions.size());
+  for (const JointFriction& f : system.scene().frictions)
+    if (f.loaded()) joint_loads_.emplace_back(system, f.joint);
+  if (!joint_loads_.empty()) loads_.resize(system.scene().frictions.size()), v_free_.resize(system.dof());
   wanted_.reserve(static_cast<std::size_t>(system.contacts()));
+  taken_.reserve(2 * wanted_.capacity());
 }
 
 StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
@@ -41,22 +43,12 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
     why_ = impact_.why();
     return report;
   }
-  if (!loads_.empty() && (last_q_.size() == 0 || x.q != last_q_ || x.v != last_v_))
-    std::fill(loads_.begin(), loads_.end(), 0.0);
-  formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
-  formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
-  if (!formulation_.solve(solver, report)) {
-    why_ = formulation_.contradiction();
-    return report;
-  }
-  formulation_.advance(v_new_, impulses_);
-  impact_.add_to(impulses_);
-  for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = formulation_.joint_friction(i);
-  note_loads(h, x);
-  report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_);
+  if (!solve_contacts(h, x, solver, report)) return report;
+  report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
   sleep_.hold(h, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
   if (!settle(x.t + h, report)) return report;
+  report.passage = passing_.find(x.q, q_new_, terms_);
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
@@ -93,13 +85,33 @@ bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) 
   for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
   q_mid_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
   // What a scheme takes for closed may be open by a share of what the forces move anywhere, and by rounding.
-  q_mid_.array() +=
-      nearly(h, x) + 1e-2 * h * h * system_.inverse_mass().cwiseProduct(terms_.f).lpNorm<Eigen::Infinity>();
+  q_mid_.array() += nearly(h, x) + 1e-2 * h * h * free_fall();
   return broad_phase_.find(q_mid_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
 
-void VelocityStepping::note_loads(double h, const State& x) {
-  if (loads_.empty()) return;
+bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, StepReport& report) {
+  constexpr int kPasses = 50;
+  constexpr double kSame = 1e-12;  // of the largest load
+  const bool known = loads_.empty() || (last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_);
+  if (!known) std::fill(loads_.begin(), loads_.end(), 0.0), v_free_ = v_new_;
+  for (int pass = 1;; ++pass) {
+    formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
+    formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
+    if (!formulation_.solve(solver, report)) {
+      why_ = formulation_.contradiction();
+      return false;
+    }
+    formulation_.advance(v_new_, impulses_);
+    impact_.add_to(impulses_);
+    for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = formulation_.joint_friction(i);
+    if (loads_.empty()) return true;
+    const double change = note_loads(h, x);
+    if (known || pass == kPasses || change <= kSame * *std::max_element(loads_.begin(), loads_.end())) return true;
+    v_new_ = v_free_;
+  }
+}
+
+double VelocityStepping::note_loads(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   if (plan_.form == Form::full) {
     lambda_ = formulation_.solution().z.head(lambda_.size());
@@ -116,13 +128,15 @@ void VelocityStepping::note_loads(double h, const State& x) {
       lambda_[i] = rate_[i] - apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
     basic_.solve(force_.data(), lambda_.data(), q_mid_.data(), lambda_.data());
   }
+  double change = 0;
+  auto joint = joint_loads_.begin();
   for (std::size_t i = 0; i < frictions.size(); ++i) {
     if (!frictions[i].loaded()) continue;
-    const auto joint = static_cast<std::size_t>(frictions[i].joint);
-    const Index row = system_.first_row(joint);
-    const bool pin = std::holds_alternative<Revolute>(system_.scene().joints[joint]);
-    loads_[i] = (pin ? lambda_.segment(row, 2).norm() : std::abs(lambda_[row])) / h;
+    const double load = (joint++)->size(terms_.G, lambda_.data()) / h;
+    change = std::max(change, std::abs(load - loads_[i]));
+    loads_[i] = load;
   }
+  return change;
 }
 
 bool VelocityStepping::settle(double t, StepReport& report) {

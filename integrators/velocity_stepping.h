@@ -13,6 +13,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/broad_phase.h>
+#include <orthant/core/mechanics/joint_load.h>
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
@@ -67,10 +68,16 @@ class VelocityStepping : public Integrator {
     newtons_law(system_.laws(), terms_, x.v, wanted_);
   }
   /// [m] Gaps at the end of free flight up to this may be the rounding of positions and of the last step's impulses.
-  double nearly(double h, const State& x) const { return touching(x.q) + 1e-8 * h * v_new_.lpNorm<Eigen::Infinity>(); }
+  double nearly(double h, const State& x) const { return touching(x.q) + 1e-8 * h * largest(v_new_); }
   /// γ_N⁺ that just closes the gap at the end of the step, to first order: g_N = 0 at q + h v⁺.
   double closing(const ClosedContact& c, double h) const {
     return apply(c.rows.normal, v_new_.data()) - terms_.gap[c.contact] / h;
+  }
+
+  /// [m/s², rad/s²] The largest acceleration that the applied forces would give a free body.
+  double free_fall() {
+    force_ = system_.inverse_mass().cwiseProduct(terms_.f);
+    return largest(force_);
   }
 
   Terms terms_;
@@ -82,8 +89,11 @@ class VelocityStepping : public Integrator {
   bool free_flight(double h, const State& x, StepReport& report);
   /// The pairs that can be closed in the step.
   bool find_pairs(double h, const State& x, StepReport& report);
-  /// The joints' loads in the step, where friction depends on them, for the next one.
-  void note_loads(double h, const State& x);
+  /// The step's problem and what it does to v_new_. From a new start joints' loads are not known, and are found by
+  /// repetition.
+  bool solve_contacts(double h, const State& x, Solver& solver, StepReport& report);
+  /// The joints' loads in the step, where friction depends on them, for the next one. Returns the largest change [N].
+  double note_loads(double h, const State& x);
   /// Projection; joint residual and penetration at the end.
   bool settle(double t, StepReport& report);
 
@@ -93,11 +103,14 @@ class VelocityStepping : public Integrator {
   Impact impact_;
   BroadPhase broad_phase_;
   Sleep sleep_;
+  Passing passing_;
   Formulation formulation_;
   const Lcp* problem_;
-  std::vector<double> loads_;  // [N] of the last step, one a friction; empty: none depends on a load
+  std::vector<Taken> taken_;            // by contacts that the scheme pushed
+  std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
+  std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
-  Eigen::VectorXd q_mid_, q_new_, force_, rate_, lambda_;
+  Eigen::VectorXd q_mid_, q_new_, v_free_, force_, rate_, lambda_;
 };
 
 }  // namespace orthant

@@ -1,9 +1,10 @@
 // core/mechanics/joint_friction.h — dry friction along a relative coordinate: a bearing, a brake, a seal.
 //   λ ∈ −B Sgn(ċ):  λ = −B sgn(ċ) while it moves, |λ| ≤ B while it sticks   [N m or N].
-//   B = bound + mu radius R,   R the size of the joint's reaction [N]: of a revolute one the force on its pin, of a
-//   prismatic one the force across (its torque does not count).
-// One box row −h B ≤ Λ ≤ h B of a step's problem. R is explicit: the mean of the last step (0 in the first), which keeps the
-// problem linear; an error of first order, and the blow of an impact counts in the step after it.
+//   B = bound + mu radius R,   R the size of the joint's reaction [N], see joint_load.h: of a revolute one the force on
+//   its pin, of a prismatic one the force across (its torque does not count).
+// One box row −h B ≤ Λ ≤ h B of a step's problem. R is explicit: the mean of the last step, which keeps the problem
+// linear; an error of first order, and the blow of an impact counts in the step after it. The first step repeats itself
+// until R is its own.
 #pragma once
 
 #include <orthant/core/mechanics/coordinate.h>

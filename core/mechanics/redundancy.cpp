@@ -1,4 +1,5 @@
 #include <orthant/core/mechanics/basic_system.h>
+#include <orthant/core/mechanics/joint_load.h>
 #include <orthant/core/mechanics/redundancy.h>
 
 #include <algorithm>
@@ -183,6 +184,21 @@ std::string describe(const Redundancy& redundancy, const System& system) {
              (against ? " contradict" : " repeat") + (count > 1 ? "" : "s") + " what joint" +
              (repeated.size() > 1 ? "s " : " ") + others + " already say" + (repeated.size() > 1 ? "" : "s") +
              (permanent ? "" : " in this singular pose");
+  }
+  // A friction's load is determined unless a joint that is no copy shares it.
+  for (const JointFriction& f : system.scene().frictions) {
+    if (!f.loaded()) continue;
+    const std::vector<int> copies = copies_of(system.scene(), f.joint);
+    const auto of_them = [&](int row) {
+      const auto joint = static_cast<int>(joint_of[static_cast<std::size_t>(row)]);
+      return std::find(copies.begin(), copies.end(), joint) != copies.end();
+    };
+    if (std::any_of(redundancy.dependent.begin(), redundancy.dependent.end(), [&](const Redundancy::Repeat& r) {
+          const auto count = std::count_if(r.repeats.begin(), r.repeats.end(), of_them) + (of_them(r.row) ? 1 : 0);
+          return count > 0 && count <= static_cast<std::ptrdiff_t>(r.repeats.size());
+        }))
+      words += "; so the load of joint " + name(static_cast<std::size_t>(f.joint)) + ", on which friction \"" + f.name +
+               "\" depends, is not determined: the joints share it evenly";
   }
   return words;
 }

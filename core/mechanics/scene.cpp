@@ -8,6 +8,7 @@ namespace orthant {
 namespace {
 
 constexpr double kLeastMass = 1e-300;  // below, 1/m is not a number any more
+constexpr double kLargestMu = 1e6;     // steeper than any digits tell from a wall
 constexpr double kUnit = 1e-12;        // how far from 1 a unit vector's length may be
 
 std::string text(double value) { return detail::text_of(value); }
@@ -37,6 +38,10 @@ class Element {
   void not_negative(const std::string& field, double value) const {
     finite(field, value);
     require(value >= 0, field, value, ">= 0");
+  }
+  void friction(const std::string& field, double value) const {
+    not_negative(field, value);
+    require(value <= kLargestMu, field, value, "<= " + text(kLargestMu));
   }
   void positive(const std::string& field, double value) const {
     finite(field, value);
@@ -68,11 +73,13 @@ class Element {
                           ? &scene_.joints[static_cast<std::size_t>(joint)]
                           : nullptr;
     if (one == nullptr || !(std::holds_alternative<Revolute>(*one) || std::holds_alternative<Prismatic>(*one)))
-      fail("mu", "joint " + std::to_string(joint) + " has no load for mu: must be a revolute or prismatic joint");
+      fail("mu", (joint < 0 ? std::string("mu is of a joint's load")
+                            : "joint " + std::to_string(joint) + " has no load for mu") +
+                     ": must name a revolute or prismatic joint");
   }
   void law(const ContactLaw& law) const {
-    not_negative("mu", law.mu), within("e_n", law.e, 0, 1), within("e_t", law.e_t, -1, 1);
-    not_negative("mu_static", law.mu_static), finite("belt", law.belt);
+    friction("mu", law.mu), within("e_n", law.e, 0, 1), within("e_t", law.e_t, -1, 1);
+    friction("mu_static", law.mu_static), finite("belt", law.belt);
     require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", law.mu_static, ">= mu = " + text(law.mu));
   }
 
@@ -116,10 +123,13 @@ void examine(const Element& e, const Prismatic& j) {
   examine_points(e, j), e.unit("axis", j.axis), e.finite("angle", j.angle);
 }
 void examine(const Element& e, const Fixed& j) { examine_points(e, j), e.finite("angle", j.angle); }
+/// A distance of 0 has no direction along which something could act.
+void apart(const Element& e, const Coordinate& c) {
+  if (std::holds_alternative<Span>(c.kind()) && c.value(e.start()) == 0)
+    e.fail("bodies", "its points start in one place: must be apart, their distance has no direction there");
+}
 void examine(const Element& e, const Distance& j) {
-  examine_points(e, j), e.positive("length", j.length);
-  if (Span{j.a, j.b, j.point_a, j.point_b}.value(e.start()) == 0)
-    e.fail("bodies", "its points start in one place: must be apart, a link has no direction there");
+  examine_points(e, j), e.positive("length", j.length), apart(e, Span{j.a, j.b, j.point_a, j.point_b});
 }
 
 void examine(const Element& e, const Coordinate& c) {
@@ -131,7 +141,7 @@ void examine(const Element& e, const Coordinate& c) {
   std::visit(one, c.kind());
 }
 void examine(const Element& e, const Drive& j) {
-  examine(e, j.of), e.finite("offset", j.law.offset), e.finite("rate", j.law.rate_of_change);
+  examine(e, j.of), apart(e, j.of), e.finite("offset", j.law.offset), e.finite("rate", j.law.rate_of_change);
   e.finite("amplitude", j.law.amplitude), e.finite("omega", j.law.omega), e.finite("phase", j.law.phase);
 }
 
@@ -172,6 +182,7 @@ void examine(const Element& e, const Journal& c) {
 }
 void examine(const Element& e, const Limit& c) {
   examine(e, c.of), e.finite("bound", c.bound), e.law(c.law);
+  if (c.side == Limit::Side::lower) apart(e, c.of);
   e.require(!c.law.frictional(), "mu", std::max(c.law.mu, c.law.mu_static), "0: a limit has no friction");
 }
 
@@ -190,7 +201,8 @@ void examine(const Element& e, const Collision& c) {
 }
 
 void examine(const Element& e, const JointFriction& f) {
-  examine(e, f.of), e.not_negative("bound", f.bound), e.not_negative("mu", f.mu), e.positive("radius", f.radius);
+  examine(e, f.of), apart(e, f.of), e.not_negative("bound", f.bound), e.friction("mu", f.mu),
+      e.positive("radius", f.radius);
   if (f.loaded()) e.loads(f.joint);
 }
 
@@ -205,6 +217,7 @@ void examine(const Element& e, const TorsionSpring& s) {
 void examine(const Element& e, const JointSpring& s) {
   examine(e, s.of), e.not_negative("stiffness", s.stiffness), e.not_negative("damping", s.damping);
   e.finite("rest", s.rest);
+  if (s.rest != 0) apart(e, s.of);
 }
 
 void examine(const Element& e, const Load& l) {

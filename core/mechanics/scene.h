@@ -92,7 +92,7 @@ struct SceneError : std::invalid_argument {
 };
 
 /// Throws SceneError naming element, field, value and rule: masses and inertias > 0, finite numbers, two different
-/// bodies that exist, unit directions, radii and lengths > 0, convex polygons, bearings wider than their journals, μ ≥ 0,
+/// bodies that exist, unit directions, radii and lengths > 0, convex polygons, bearings wider than their journals, 0 ≤ μ ≤ 1e6,
 /// μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints ascending, at
 /// least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);

@@ -81,10 +81,14 @@ void evaluate_joint_rows(const System& system, Terms& terms) {
 namespace {
 
 /// Calls what(contact) with the listed one, or with what the pair is at the moment.
-template <class What> decltype(auto) with_contact(const System& system, const Terms& terms, int contact, What&& what) {
+template <class What> decltype(auto) with_contact(const System& system, const std::vector<Pair>& pairs,
+                                                  const Kinematics& at, int contact, What&& what) {
   if (contact < system.listed()) return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
-  const Pair& pair = terms.pairs[static_cast<std::size_t>(contact - system.listed())];
-  return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, terms.at, what);
+  const Pair& pair = pairs[static_cast<std::size_t>(contact - system.listed())];
+  return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, at, what);
+}
+template <class What> decltype(auto) with_contact(const System& system, const Terms& terms, int contact, What&& what) {
+  return with_contact(system, terms.pairs, terms.at, contact, what);
 }
 
 }  // namespace
@@ -94,11 +98,14 @@ void evaluate_gaps(const System& system, Terms& terms) {
   for (const Contact& contact : system.scene().contacts)
     terms.gap[i++] = std::visit([&](const auto& c) { return c.gap(terms.at); }, contact);
   for (const Pair& pair : terms.pairs) {
-    terms.gap[i] =
-        pair.none() ? std::numeric_limits<double>::infinity()
-                    : with_contact(system, terms, static_cast<int>(i), [&](const auto& c) { return c.gap(terms.at); });
+    terms.gap[i] = pair.none() ? std::numeric_limits<double>::infinity()
+                               : gap_of(system, terms.pairs, static_cast<int>(i), terms.at);
     ++i;
   }
+}
+
+double gap_of(const System& system, const std::vector<Pair>& pairs, int contact, const Kinematics& at) {
+  return with_contact(system, pairs, at, contact, [&](const auto& c) { return c.gap(at); });
 }
 
 std::pair<BodyId, BodyId> bodies_of(const System& system, const std::vector<Pair>& pairs, int contact) {

@@ -49,6 +49,8 @@ void evaluate_joint_residual(const System& system, Terms& terms);
 /// G and joint_rate.
 void evaluate_joint_rows(const System& system, Terms& terms);
 void evaluate_gaps(const System& system, Terms& terms);
+/// The gap of one contact, listed or one of these pairs, in poses `at` of its two bodies.
+double gap_of(const System& system, const std::vector<Pair>& pairs, int contact, const Kinematics& at);
 /// The bodies of a contact, listed or one of these pairs.
 std::pair<BodyId, BodyId> bodies_of(const System& system, const std::vector<Pair>& pairs, int contact);
 /// The contacts with gap ≤ threshold become `closed`, with their rows; evaluate_gaps comes first.

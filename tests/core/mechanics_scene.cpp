@@ -121,6 +121,8 @@ const Mistake kMistakes[] = {
     {[](Scene& s) { at<DiscDisc>(s.contacts, 2).centre_b.x() = kNan; },
      "contact \"discs\": centre_b = (nan, 0): must be finite"},
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = -0.1; }, "contact \"corner\": mu = -0.1: must be >= 0"},
+    {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = 1e300; },
+     "contact \"corner\": mu = 1e+300: must be <= 1e+06"},
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = kHuge; }, "contact \"corner\": mu = inf: must be finite"},
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law.mu = kNan; }, "contact \"corner\": mu = nan: must be finite"},
     {[](Scene& s) { at<CornerWall>(s.contacts, 0).law = {.mu = 0.5, .mu_static = 0.4}; },

@@ -123,6 +123,23 @@ TEST_CASE("the motion does not depend on the order of redundant joints, nor on h
     }
 }
 
+TEST_CASE("friction whose load other joints share is told of, copies of its own joint are not others") {
+  const auto words = [](Scene s) {
+    const System system(std::move(s));
+    return describe(at_start(system), system);
+  };
+  Scene cranks = three_cranks();
+  cranks.friction({"bearing", Angle{kGround, 0}, 0, 0.1, 0.01, 0});
+  CHECK(words(cranks).find("the load of joint \"foot0\", on which friction \"bearing\" depends, is not determined") !=
+        std::string::npos);
+  Scene wheel;
+  wheel.body({.name = "wheel"});
+  wheel.joint(Revolute{"axle", kGround, 0}), wheel.joint(Revolute{"axle_too", 0, kGround});
+  wheel.friction({"bearing", Angle{kGround, 0}, 0, 0.1, 0.01, 0});
+  CHECK(words(wheel).find("repeat what joint \"axle\" already says") != std::string::npos);
+  CHECK(words(wheel).find("load") == std::string::npos);
+}
+
 TEST_CASE("copies of a joint share its force") {
   Scene scene = three_cranks();
   const System once(scene);

@@ -246,8 +246,6 @@ const Mistake kMistakes[] = {
     {kBodies + "[[contact]]\ntype = \"polygon-polygon\"\nbodies = [\"rod\", \"ball\"]\n"
                "corners_a = [[0, 0], [1, 0], [0, 1]]\ncorners_b = [[0, 0], [0, 1], [1, 0]]",
      "s.toml:19: contact \"contact1\": corners_b = [[0, 0], [0, 1], [1, 0]]: must be the corners of a convex polygon"},
-    {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nmu = 0.1",
-     "friction \"friction1\": joint -1 has no load for mu: must be a revolute or prismatic joint"},
     {kBodies + "[[joint]]\ntype = \"distance\"\nbodies = [\"ground\", \"rod\"]\nlength = 1",
      "s.toml:17: joint \"joint1\": its points start in one place: must be apart"},
     {kBodies + "[[contact]]\ntype = \"journal\"\nbodies = [\"rod\", \"cart\"]\nradius_a = 1\nradius_b = 2",
@@ -276,7 +274,19 @@ const Mistake kMistakes[] = {
     {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]",
      "s.toml:15: contact \"contact1\": missing key \"lower\" or \"upper\""},
     {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nlower = 1\nupper = 0",
-     "s.toml:19: contact \"contact1\": lower = 1: must be at most upper"},
+     "s.toml:19: contact \"contact1\": lower = 1: must be less than upper (a drive holds a coordinate"},
+    {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nlower = 1\nupper = 1",
+     "lower = 1: must be less than upper"},
+    // A distance of 0 has no direction; nothing that can meet; a load of no joint.
+    {kBodies +
+         "[[joint]]\ntype = \"drive\"\nof = \"distance\"\nbodies = [\"ground\", \"rod\"]\npoint_a = [0, 0]\nrate = 1",
+     "joint \"joint1\": its points start in one place: must be apart"},
+    {kBodies + "[[spring]]\ntype = \"joint\"\nof = \"distance\"\nbodies = [\"ground\", \"rod\"]\nrest = 1",
+     "spring \"spring1\": its points start in one place: must be apart"},
+    {kBodies + "[[collision]]\nshapes = [{body = \"rod\", radius = 1}]",
+     "s.toml:15: collision \"collision1\": shapes: must be of two bodies at least, or there must be walls"},
+    {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nmu = 0.1",
+     "s.toml:18: friction \"friction1\": mu is of a joint's load: must name a revolute or prismatic joint"},
     {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nlower = 1\nmu = 1",
      "unknown key \"mu\": must be one of type, name, joint, of, bodies, e_n, lower, upper"},
     {kBodies + "[[contact]]\ntype = \"rope\"\nbodies = [\"rod\", \"cart\"]\nlength = 0",
@@ -422,6 +432,15 @@ TEST_CASE("every example of the format's description is a scene that runs") {
     CAPTURE(example.text);
     Scene scene;
     REQUIRE_NOTHROW(scene = parse_scene(example.text));
+    const System system(scene);
+    const State x = system.initial_state();
+    Terms start(system);
+    set_poses(system, x.t, x.q, start.at);
+    evaluate_joint_residual(system, start), evaluate_joint_rows(system, start);
+    for (Index i = 0; i < start.phi.size(); ++i) {
+      CHECK(std::abs(start.phi[i]) < 1e-12);
+      CHECK(std::abs(start.missing_rate(i, x.v)) < 1e-12);
+    }
     scene.duration = 5 * scene.step;
     CHECK(run(scene, "moreau-jean", scene.step, {}, "auto").status == Status::solved);
   }

@@ -137,7 +137,7 @@ TEST_CASE("Dormand-Prince: a step of order 8, exact on what order 8 integrates")
 
 TEST_CASE("first crossing: the first of two roots is found, a touch is none") {
   const auto bow = [](double depth) {  // x² − x + ¼ − depth, its minimum at ½
-    return quadratic(0.25 - depth, -depth, 0.25 - depth);
+    return quartic({0.25 - depth, 0.0625 - depth, -depth, 0.0625 - depth, 0.25 - depth});
   };
   const auto found = first_crossing(bow(0.01), 0);
   REQUIRE(found);

@@ -1,0 +1,149 @@
+#include "document.h"
+
+#include <orthant/core/support/options.h>
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+namespace orthant::scene_file {
+namespace {
+
+constexpr int kMaxNesting = 16;  // brackets around a value, and dots in a key
+constexpr std::string_view kOverride = "override ";
+constexpr std::array<std::string_view, 7> kKinds = {"body",     "joint",  "contact", "collision",
+                                                    "friction", "spring", "load"};
+
+/// The index of the last character of the string that opens at text[i].
+std::size_t end_of_string(std::string_view text, std::size_t i) {
+  const char quote = text[i];
+  const std::string triple(3, quote);
+  const bool long_form = text.substr(i, 3) == triple;
+  for (i += long_form ? 3 : 1; i < text.size(); ++i) {
+    if (text[i] == '\\' && quote == '"') {
+      ++i;
+    } else if (!long_form && (text[i] == quote || text[i] == '\n')) {
+      return i;
+    } else if (long_form && text.substr(i, 3) == triple) {
+      i += 2;
+      for (int extra = 0; extra < 2 && i + 1 < text.size() && text[i + 1] == quote; ++extra) ++i;  // """a"""""
+      return i;
+    }
+  }
+  return text.size();
+}
+
+/// toml++ walks nested tables by recursion, as deep as the text says; so depth is bounded before it sees the text.
+void refuse_deep(std::string_view text, const std::string& name) {
+  int brackets = 0, dots = 0, line = 1;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      const std::size_t end = end_of_string(text, i);
+      line +=
+          static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(i),
+                                      text.begin() + static_cast<std::ptrdiff_t>(std::min(end, text.size())), '\n'));
+      i = end;
+      continue;
+    }
+    if (c == '#') i = std::min(text.find('\n', i), text.size() - 1);
+    line += text[i] == '\n';
+    brackets += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (c == '.')
+      ++dots;
+    else if (std::string_view(",=[]{}#\n").find(c) != std::string_view::npos)
+      dots = 0;
+    if (brackets > kMaxNesting || dots > kMaxNesting)
+      throw std::invalid_argument(name + ":" + std::to_string(line) + ": nested deeper than " +
+                                  std::to_string(kMaxNesting) + " levels: must be a scene, which needs 3");
+  }
+}
+
+/// Moves what `from` holds into `into`; tables written as key paths merge, everything else replaces.
+void merge(toml::table&& from, toml::table& into) {
+  for (auto&& [key, node] : from) {
+    toml::table* inner = node.as_table();
+    toml::table* outer = into[key.str()].as_table();
+    if (inner != nullptr && outer != nullptr && !inner->is_inline())
+      merge(std::move(*inner), *outer);
+    else
+      node.visit([&, &name = key](auto& n) { into.insert_or_assign(name.str(), std::move(n)); });
+  }
+}
+
+}  // namespace
+
+std::string join(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list.append(list.empty() ? "" : ", ").append(word);
+  return list;
+}
+
+std::string place(const toml::node& node, const std::string& file) {
+  const auto& source = node.source();
+  if (!source.path) return file;
+  if (source.path->starts_with(kOverride)) return *source.path;
+  return *source.path + ":" + std::to_string(source.begin.line);
+}
+
+std::string text(const toml::node& node) {
+  std::string line;
+  if (const auto* number = node.as_floating_point()) {
+    line = detail::text_of(number->get());
+  } else if (const auto* array = node.as_array()) {
+    for (const toml::node& element : *array) line.append(line.empty() ? "[" : ", ").append(text(element));
+    line.append(array->empty() ? "[]" : "]");
+  } else {
+    std::ostringstream out;
+    node.visit([&](const auto& n) { out << n; });
+    line = out.str();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+  }
+  constexpr std::size_t kLongest = 60;
+  return line.size() <= kLongest ? line : line.substr(0, kLongest) + " ...";
+}
+
+toml::table parse(std::string_view text, const std::string& name) {
+  refuse_deep(text, name);
+  try {
+    return toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    const bool is_override = name.starts_with(kOverride);
+    throw std::invalid_argument(name + (is_override ? "" : ":" + std::to_string(error.source().begin.line)) + ": " +
+                                std::string(error.description()));
+  }
+}
+
+std::string name_of(const toml::node& element, std::string_view kind, std::size_t index) {
+  const toml::table* table = element.as_table();
+  const auto name = table == nullptr ? std::nullopt : (*table)["name"].value<std::string>();
+  return name && !name->empty() ? *name : std::string(kind) + std::to_string(index + 1);
+}
+
+void apply_override(toml::table& root, std::string_view override_text) {
+  const std::string name = std::string(kOverride) + std::string(override_text);
+  const auto path = override_text.substr(0, override_text.find('='));
+  if (path.size() == override_text.size()) throw std::invalid_argument(name + ": must have the form key=value");
+  const auto dot = path.find('.');
+  const auto kind = path.substr(0, dot);
+  if (dot == std::string_view::npos) return merge(parse(override_text, name), root);
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
+    throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of " +
+                                join({kKinds.begin(), kKinds.end()}));
+  const auto second_dot = path.find('.', dot + 1);
+  if (second_dot == std::string_view::npos)
+    throw std::invalid_argument(name + ": must have the form " + std::string(kind) + ".NAME.KEY=VALUE");
+  const auto wanted = path.substr(dot + 1, second_dot - dot - 1);
+  std::vector<std::string> present;
+  if (toml::array* elements = root[kind].as_array())
+    for (std::size_t i = 0; i < elements->size(); ++i) {
+      toml::node& element = *elements->get(i);
+      present.push_back(name_of(element, kind, i));
+      if (present.back() == wanted && element.is_table())
+        return merge(parse(override_text.substr(second_dot + 1), name), *element.as_table());
+    }
+  throw std::invalid_argument(name + ": no " + std::string(kind) + " is named " + in_quotes(wanted) +
+                              ": must be one of " + (present.empty() ? "(the scene has none)" : join(present)));
+}
+
+}  // namespace orthant::scene_file
