@@ -26,8 +26,9 @@ struct Exhibit {
   double exact = 1e-9;  // error at which an answer counts as exact, whatever the order
 
   /// The same told otherwise: that is run as well, by the same integrator and solver, and `unlike` tells from the two ends
-  /// how far the answers are apart. `error` is not read.
+  /// how far the answers are apart. `error` is not read. With `rival` the original is run by that solver instead.
   std::optional<Scene> original{};
+  std::string rival{};
   std::function<double(const State& told, const State& original)> unlike{};
 
   /// A threshold: the parameter at which `error` of family(parameter) changes from > ½ to ≤ ½, found by bisection; the
@@ -35,7 +36,8 @@ struct Exhibit {
   std::function<Scene(double)> family{};
   double low = 0, high = 0, threshold = 0;
 
-  std::string solver{}, integrator{};  // run with this one only; empty: with all
+  std::vector<std::string> solvers{};  // run with these only; empty: with all
+  std::string integrator{};            // likewise
 };
 
 /// The planar cases, in the order of their numbers.

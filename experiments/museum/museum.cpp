@@ -106,7 +106,8 @@ Row visit(const Exhibit& exhibit, const std::string& solver, const Setting& sett
   auto error = exhibit.error;
   if (exhibit.original) {
     const System other(*exhibit.original);
-    const Run twin = simulate(*make_integrator(setting.spec, other), *make_solver(solver), clock);
+    const Run twin = simulate(*make_integrator(setting.spec, other),
+                              *make_solver(exhibit.rival.empty() ? solver : exhibit.rival), clock);
     if (twin.status == Status::solved)
       error = [&, end = twin.final](const Moment& m) { return exhibit.unlike(m.state, end); };
     else
@@ -177,7 +178,7 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<Exhibit>& all) {
       if (!all[i].integrator.empty() && entry.name != all[i].integrator) continue;
       std::vector<std::string> solvers = plan.solvers;
       if (all[i].scene.contacts.empty()) solvers.resize(1);  // there is nothing to solve
-      if (!all[i].solver.empty()) solvers = {all[i].solver};
+      if (!all[i].solvers.empty()) solvers = all[i].solvers;
       for (const std::string& solver : solvers)
         for (const Setting& setting : ladder(all[i], std::string(entry.name), plan.levels))
           tickets.push_back({i, std::string(entry.name), solver, setting});

@@ -31,6 +31,7 @@ def draw_case(axes, runs):
             axes.plot([0.5], [0.97 - 0.06 * list(INTEGRATORS).index(integrator)], marker="x", color=colour,
                       transform=axes.transAxes, clip_on=False)
     axes.set(xscale="log", yscale="log")
+    axes.xaxis.set_minor_formatter("")  # within a decade its labels would run into each other
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 1e-9), max(high, 1e-6))
     axes.tick_params(labelsize=7)
@@ -49,8 +50,9 @@ def draw_instants(axes, runs):
     axes.axhline(3, color="0.6", linewidth=0.8)
     axes.text(-0.6, 30, "no answer", va="center", ha="right", fontsize=8)
     axes.set(yscale="log", ylabel="error", xlim=(-0.6, len(names) - 0.4), ylim=(FLOOR / 5, 200))
-    axes.set_xticks(range(len(names)), [label(case, title, 30) for case, title in names], rotation=60, ha="right",
-                    rotation_mode="anchor", fontsize=7)
+    # Upright and of two lines at the most, or they run into each other.
+    axes.set_xticks(range(len(names)), [label(case, title, max(30, len(title) // 2 + 10)) for case, title in names],
+                    rotation=90, fontsize=6.5)
     axes.grid(axis="x", alpha=0.3)
 
 
@@ -77,7 +79,7 @@ def plot_museum(folder, about):
     upper.subplots_adjust(left=0.06, right=0.99, top=0.91, bottom=0.07, wspace=0.28, hspace=0.55)
     if instant.any():
         draw_instants(lower.subplots(), select(runs, instant))
-        lower.subplots_adjust(left=0.1, right=0.99, top=0.97, bottom=0.42)
+        lower.subplots_adjust(left=0.1, right=0.99, top=0.97, bottom=0.5)
     handles = [plt.Line2D([], [], color=colour, marker=marker, label=name) for name, (colour, marker) in INTEGRATORS.items()]
     save(figure, folder / "museum", "The museum of hard cases: errors against exact answers", about, handles, columns=8)
 

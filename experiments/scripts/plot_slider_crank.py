@@ -1,4 +1,4 @@
-"""Draws the slider-crank experiment: reads the tables slider_crank_sweep wrote into a folder; puts PNG, SVG there."""
+"""Draws the slider-crank sweep: reads the tables that experiments/run wrote into a folder; puts PNG, SVG there."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
@@ -10,19 +10,8 @@ PHASES = {FREE: ("free flight", GREY), TOP: ("top contact", RED), BOTTOM: ("bott
 FACES = {TOP: ("corner1", "corner2", 1.0), BOTTOM: ("corner3", "corner4", -1.0)}  # corners, y of centre at contact [mm]
 FRICTIONS = {0.0: GREEN, 0.01: ORANGE, 0.1: PINK}  # the trajectories, all of e = 0.4
 INTEGRATORS = {"moreau-jean:joints=position": ("classical joints", ORANGE, "o"),
-               "moreau-jean:joints=symmetric": ("symmetric joints", BLUE, "s"),
-               "moreau-jean:joints=symmetric,form=full": ("symmetric joints, full form", GREEN, "v")}
+               "moreau-jean:joints=symmetric": ("symmetric joints", BLUE, "s")}
 ERROR = "|error of θ₁(0.2 s)| [rad]"
-
-
-def read_sweep(folder):
-    """The runs with a time, and those without."""
-    table = read_table(folder / "sweep.csv", ["integrator", "solver", "status"],
-                       ["mu", "e", "h", "error", "seconds", "us_per_step"])
-    parts = select(table, table["seconds"] > 0), select(table, np.isnan(table["seconds"]))
-    if not all((part["error"] > 0).any() for part in parts):
-        raise ValueError(f"{folder / 'sweep.csv'}: no errors of runs with a time, or none of runs without")
-    return parts
 
 
 def read_trajectory(folder, mu):
@@ -97,25 +86,27 @@ def plot_slider_path(folder, about):
 
 def draw_errors(axes, runs, orders):
     """One problem: every run a dot, the worst of each octave of h a line, failed runs crosses at the top."""
-    for integrator in dict.fromkeys(runs["integrator"]):
-        label, colour, marker = INTEGRATORS.get(integrator, (integrator, PINK, "D"))
+    for integrator in INTEGRATORS:
+        label, colour, marker = INTEGRATORS[integrator]
         part = select(runs, runs["integrator"] == integrator)
         failed, part = select(part, part["status"] != "solved"), select(part, part["error"] > 0)
         label += "".join(f": order {order:.2f}" for order in orders["order"][orders["integrator"] == integrator])
-        label += f", {failed['h'].size} failed" if failed["h"].size else ""
-        octave = np.floor(np.log2(part["h"].max(initial=0) * 1.001 / part["h"]))  # as the order was fitted
+        label += f", {failed['step'].size} failed" if failed["step"].size else ""
+        octave = np.floor(np.log2(part["step"].max(initial=0) * 1.001 / part["step"]))  # as the order was fitted
         worst = [np.flatnonzero(octave == o)[np.argmax(part["error"][octave == o])] for o in np.unique(octave)]
-        axes.plot(1e6 * part["h"], part["error"], ".", markersize=3.5, color=colour, alpha=0.4, markeredgewidth=0)
-        axes.plot(1e6 * part["h"][worst], part["error"][worst], marker=marker, markersize=4, color=colour, label=label)
-        axes.plot(1e6 * failed["h"], 0.97 + 0 * failed["h"], "x", color=colour, transform=axes.get_xaxis_transform())
+        axes.plot(1e6 * part["step"], part["error"], ".", markersize=3.5, color=colour, alpha=0.4, markeredgewidth=0)
+        axes.plot(1e6 * part["step"][worst], part["error"][worst], marker=marker, markersize=4, color=colour, label=label)
+        axes.plot(1e6 * failed["step"], 0.97 + 0 * failed["step"], "x", color=colour, transform=axes.get_xaxis_transform())
 
 
 def plot_error_vs_step(folder, about):
-    _, table = read_sweep(folder)
+    table = read_table(folder / "sweep.csv", ["integrator", "solver", "status"], ["mu", "e", "step", "error", "repeats"])
+    keep = np.isin(table["integrator"], list(INTEGRATORS)) & (table["repeats"] == 0) & (table["solver"] == "lemke")
+    table = select(table, keep)
     orders = read_table(folder / "orders.csv", ["integrator"], ["mu", "e", "order"])
     errors = table["error"][table["error"] > 0]
     low, high = np.quantile(errors, 0.005) / 20, 300 * errors.max()  # the few luckiest runs set no scale; room on top
-    mus, es, start = np.unique(table["mu"]), np.unique(table["e"]), 1e6 * table["h"].max() / 12
+    mus, es, start = np.unique(table["mu"]), np.unique(table["e"]), 1e6 * table["step"].max() / 12
     figure, grid = plt.subplots(es.size, mus.size, sharex=True, sharey=True, squeeze=False, figsize=(11, 9.2))
     for (row, column), axes in np.ndenumerate(grid):
         mu, e = mus[column], es[row]
@@ -132,37 +123,6 @@ def plot_error_vs_step(folder, about):
     figure.text(0.06, 0.015, text, fontsize=8.5, color=GREY)
     figure.tight_layout(rect=(0, 0.045, 1, 0.965))
     save(figure, folder / "error_vs_step", "Error against step size", about)
-
-
-def plot_error_vs_time(folder, about):
-    timed, untimed = read_sweep(folder)
-    timed = select(timed, np.argsort(-timed["h"], kind="stable"))
-    mu, e = timed["mu"][0], timed["e"][0]
-    figure, axes = plt.subplots(figsize=(9, 6.4))
-    for integrator, solver in dict.fromkeys(zip(timed["integrator"], timed["solver"])):
-        label, colour, marker = INTEGRATORS.get(integrator, (integrator, PINK, "P"))
-        marker, label = {"pgs": "D", "enumerate": "^"}.get(solver, marker), f"{label}, {solver}: "
-        same = lambda t: (t["integrator"] == integrator) & (t["solver"] == solver) & (t["mu"] == mu) & (t["e"] == e)
-        part, others = select(timed, same(timed)), select(untimed, same(untimed) & (untimed["error"] > 0))
-        failed, part = select(part, part["status"] != "solved"), select(part, part["error"] > 0)
-        axes.plot(failed["seconds"], 0.97 + 0 * failed["h"], "x", color=colour, transform=axes.get_xaxis_transform(),
-                  label=label + f"{failed['h'].size} failed" if failed["h"].size else None)
-        if part["h"].size:
-            label += f"{np.median(part['us_per_step']):.2g} µs a step"
-            label += f", h = {1e6 * part['h'][0]:.4g} µs" if part["h"].size == 1 else ""
-            axes.plot(part["seconds"], part["error"], marker=marker, markersize=6, color=colour, label=label)
-        for i, (h, seconds, error) in enumerate(zip(part["h"], part["seconds"], part["error"])):
-            near = np.append(others["error"][np.abs(np.log2(others["h"] / h)) < 0.5], error)
-            axes.vlines(seconds, near.min(), near.max(), color=colour, alpha=0.3, linewidth=5)
-            if i % 3 == 0 and part["h"].size > 1:
-                axes.annotate(f"h = {1e6 * h:.4g} µs", (seconds, near.min()), (3, -15), textcoords="offset points",
-                              ha="right", fontsize=8)
-    axes.set(xscale="log", yscale="log", xlabel="wall time of the 0.2 s motion [s]", ylabel=ERROR,
-             title="Bars: errors of all runs whose h is within half an octave, as a single error may be lucky")
-    axes.margins(x=0.14, y=0.12)
-    figure.tight_layout(rect=(0, 0.13, 1, 0.955))
-    title = f"What an error costs: µ = {mu:g}, e = {e:g}; one thread, fastest of three runs"
-    save(figure, folder / "error_vs_time", title, about, axes.get_legend_handles_labels()[0], columns=2)
 
 
 def plot_energy(folder, about):
@@ -193,4 +153,4 @@ def plot_energy(folder, about):
 
 
 if __name__ == "__main__":
-    main(__doc__, "results/slider_crank", (plot_slider_path, plot_error_vs_step, plot_error_vs_time, plot_energy))
+    main(__doc__, "results/slider_crank", (plot_slider_path, plot_error_vs_step, plot_energy))

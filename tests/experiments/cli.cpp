@@ -1,6 +1,7 @@
 // The command line as its users meet it: exit codes, JSON, files, and one clear line for bad input.
 #include <orthant/core/scenes/slider_crank_exact.h>
 
+#include <H5Cpp.h>
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 namespace fs = std::filesystem;
@@ -199,6 +201,23 @@ TEST_CASE("a start that breaks its own joints is run, with a warning") {
   CHECK(folder.orthant("simulate slider_crank --step 1e-3").err.empty());
 }
 
+TEST_CASE("bodies that pass through each other are told by name, with figures") {
+  const Cli folder;
+  const auto ball = [](const std::string& name, const std::string& x, const std::string& v) {
+    return "[[body]]\nname = '" + name + "'\nmass = 1\ninertia = 1\nposition = [" + x + ", 0]\nvelocity = [" + v +
+           ", 0]\n";
+  };
+  folder.write("fast.toml",
+               "duration = 0.1\nstep = 0.05\n" + ball("shot", "-4", "200") + ball("wall", "0", "0") +
+                   "[[collision]]\nshapes = [{body = 'shot', radius = 0.1}, {body = 'wall', radius = 1}]\n");
+  const Reply r = folder.orthant("simulate fast.toml");
+  CHECK(r.exit_code == 0);
+  CHECK(r.out.find("passages = 1\n") != std::string::npos);
+  CHECK(r.err.find(
+            "warning: bodies passed through each other, unseen, in 1 step: first \"shot\" and \"wall\" at t = 0.05 s, "
+            "where the one moved 10 m in a step and the thinner is 0.2 m wide") != std::string::npos);
+}
+
 TEST_CASE("orthant list names everything, with options") {
   const Cli folder;
   const Reply a = folder.orthant("list");
@@ -236,4 +255,85 @@ TEST_CASE("the README's table of solvers is what orthant list --markdown prints"
   CHECK(a.exit_code == 0);
   CHECK(lines(a.out) > 5);
   CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../README.md").find(a.out) != std::string::npos);
+}
+
+TEST_CASE("orthant enumerate, replay, --version, completion") {
+  const Cli folder;
+  const std::string file = folder.write("p.json", R"({"format": "orthant-lcp", "version": 1,
+    "A": {"storage": "dense", "n": 2, "rows": [[-1, 0], [0, -1]]}, "b": [1, 1]})");
+  const Reply all = folder.orthant("enumerate p.json --json");
+  CHECK(all.exit_code == 0);
+  CHECK(nlohmann::json::parse(all.out).at("isolated").size() == 4);
+  const std::string none = folder.write("none.json", R"({"format": "orthant-lcp", "version": 1,
+    "A": {"storage": "dense", "n": 1, "rows": [[-1]]}, "b": [-1]})");
+  CHECK(folder.orthant("enumerate none.json").exit_code == 2);
+
+  const Reply replay = folder.orthant("replay p.json --json");
+  CHECK(replay.exit_code == 0);
+  const auto table = nlohmann::json::parse(replay.out);
+  CHECK(table.size() > 15);
+  for (const auto& row : table) {
+    if (row.at("solver") == "lemke") CHECK(row.at("status") == "solved");
+    if (row.at("status") == "unsupported") CHECK(!row.at("why_not").get<std::string>().empty());
+  }
+  CHECK(folder.orthant("replay none.json --solver lemke").exit_code == 2);
+  CHECK(folder.orthant("replay p.json --solver lemk").exit_code == 1);
+  CHECK(folder.orthant("replay p.json --time-limit -1").exit_code == 1);
+  CHECK(folder.orthant("replay '" ORTHANT_TEST_DATA "/fclib/Box_Stacks-i0122-82-5.hdf5' --solver path").exit_code == 0);
+
+  const Reply version = folder.orthant("--version");
+  CHECK(version.exit_code == 0);
+  CHECK(version.out.find("Eigen 3.") != std::string::npos);
+  CHECK(version.out.find("ipopt: ") != std::string::npos);
+
+  const Reply script = folder.orthant("completion");
+  folder.write("completion.bash",
+               script.out +
+                   "COMP_WORDS=(orthant solve --solver le) COMP_CWORD=3; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(orthant sim) COMP_CWORD=1; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(orthant solve --err) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n");
+  CHECK(folder.run("bash completion.bash").out == "lemke lemke-howson\nsimulate\n--error-bound\n");
+}
+
+TEST_CASE("orthant simulate: trajectories as HDF5 and for ParaView hold what the CSV does") {
+  const Cli folder;
+  for (const char* file : {"run.csv", "run.h5", "run.pvd"})
+    REQUIRE(folder.orthant("simulate slider_crank --step 1e-3 --every 50 --output " + std::string(file)).exit_code ==
+            0);
+  std::istringstream csv(slurp(folder / "run.csv"));
+  std::string header, line;
+  std::getline(csv, header);
+  for (int k = 0; k < 3; ++k) std::getline(csv, line);  // the third moment
+  std::vector<double> row;
+  std::istringstream cells(line);
+  for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+
+  const H5::H5File h5(folder / "run.h5", H5F_ACC_RDONLY);
+  CHECK(h5.getNumObjs() == row.size());
+  std::istringstream names(header);
+  std::size_t c = 0;
+  for (std::string name; std::getline(names, name, ','); ++c) {
+    const H5::DataSet set = h5.openDataSet(name);
+    REQUIRE(set.getSpace().getSimpleExtentNpoints() == 5);
+    double values[5];
+    set.read(values, H5::PredType::NATIVE_DOUBLE);
+    CHECK(values[2] == row[c]);
+  }
+
+  const std::string index = slurp(folder / "run.pvd"), moment = slurp(folder / "run/run_2.vtu");
+  CHECK(index.find("timestep=\"0.1") != std::string::npos);
+  CHECK(index.find("file=\"run/run_4.vtu\"") != std::string::npos);
+  const auto after = [&](const std::string& mark, std::size_t from = 0) {
+    return std::istringstream(moment.substr(moment.find('\n', moment.find(mark, from)) + 1));
+  };
+  double x = 0, y = 0;
+  int body = 0;
+  after("Name=\"position\"") >> x >> y;  // the crank's first line begins at its centre of mass
+  CHECK(x == row[1]);
+  CHECK(y == row[2]);
+  after("Name=\"body\"") >> body;
+  CHECK(body == 0);
+  double vx = 0;
+  after("Name=\"velocity\"") >> vx;
+  CHECK(vx == row[4]);
 }

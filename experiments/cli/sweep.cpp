@@ -1,0 +1,202 @@
+// orthant sweep — many runs from one file, into one SQLite file; orthant results — what is in there.
+#include "commands.h"
+
+#include "../sweep/analysis.h"
+#include "../sweep/run.h"
+
+#include <orthant/core/support/file.h>
+#include <orthant/core/support/options.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+
+namespace orthant {
+namespace {
+
+struct SweepArguments {
+  std::string file, results;
+  std::vector<std::string> keys;
+  unsigned jobs = 0;
+  bool quick = false, list = false;
+};
+
+int run_sweep(SweepArguments a) {
+  const Sweep sweep = read_sweep(a.file, a.quick);
+  if (!a.keys.empty()) {  // somebody else keeps the rows
+    for (const std::string& key : a.keys) {
+      const auto c =
+          std::find_if(sweep.cases.begin(), sweep.cases.end(), [&](const Case& x) { return x.key() == key; });
+      if (c == sweep.cases.end())
+        throw std::invalid_argument("--case " + key + ": must be a case of " + a.file + " as this build (" +
+                                    revision() + ") sees it");
+      std::cout << run_case(*c).dump() << std::endl;
+    }
+    return 0;
+  }
+  if (a.results.empty()) a.results = "results/" + sweep.name + ".sqlite";
+  if (const auto folder = std::filesystem::path(a.results).parent_path(); !folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw std::runtime_error("cannot write " + a.results + ": " + error.message());
+  }
+  Results results(a.results);
+  if (a.list) {
+    results.declare(sweep);
+    for (const Case& c : sweep.cases)
+      if (!results.has(c.key())) std::cout << c.key() << '\n';
+    return 0;
+  }
+  const Tally tally = run_sweep(sweep, results, a.results, a.jobs);
+  const auto rows = results.rows(sweep.name);
+  const auto failed =
+      std::count_if(rows.begin(), rows.end(), [](const ResultRow& r) { return r.at("status") != "solved"; });
+  std::cout << sweep.name << ": " << rows.size() << " cases in " << a.results << ", " << tally.run << " of them new, "
+            << failed << " not solved" << (failed > 0 ? " (orthant results " + a.results + " --failures)" : "") << '\n';
+  return 0;
+}
+
+struct ResultsArguments {
+  std::string file, sweep, dumps;
+  bool csv = false, json = false, failures = false, orders = false, about = false, add = false;
+};
+
+using Json = nlohmann::ordered_json;
+
+/// The parameters as columns of their own; without the dumped problem, which is long.
+Json flat(const std::string& sweep, const ResultRow& row) {
+  Json line = {{"sweep", sweep}};
+  for (const auto& [name, value] : row.items())
+    if (name == "parameters")
+      line.update(Json::parse(value.get<std::string>()));
+    else if (name != "problem")
+      line[name] = value;
+  return line;
+}
+
+std::string cell(const Json& value) {
+  if (value.is_null()) return "";
+  if (value.is_number_float()) return detail::text_of(value.get<double>());
+  std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  for (std::size_t i = 0; (i = text.find('"', i)) != std::string::npos; i += 2) text.insert(i, "\"");
+  return '"' + text + '"';
+}
+
+/// Lines that may have different keys: the columns are all of them.
+void print_csv(const std::vector<Json>& lines) {
+  std::vector<std::string> columns;
+  for (const Json& line : lines)
+    for (const auto& [name, value] : line.items())
+      if (std::find(columns.begin(), columns.end(), name) == columns.end()) columns.push_back(name);
+  for (std::size_t i = 0; i < columns.size(); ++i) std::cout << (i ? "," : "") << columns[i];
+  std::cout << '\n';
+  for (const Json& line : lines) {
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      std::cout << (i ? "," : "") << cell(line.contains(columns[i]) ? line.at(columns[i]) : Json());
+    std::cout << '\n';
+  }
+}
+
+/// Each failure in words; its problem, where there is one, into a file that `orthant solve` replays.
+void print_failure(const ResultRow& row, const std::filesystem::path& dumps) {
+  std::cout << row.at("key").get<std::string>() << ": " << row.at("status").get<std::string>();
+  if (row.at("why").is_string() && row.at("why") != "") std::cout << " (" << row.at("why").get<std::string>() << ")";
+  std::cout << ": " << row.at("integrator").get<std::string>() << ", " << row.at("solver").get<std::string>()
+            << ", step " << detail::text_of(row.at("step").get<double>()) << ", "
+            << row.at("parameters").get<std::string>();
+  if (row.at("problem").is_string()) {
+    std::filesystem::create_directories(dumps);
+    const auto file = dumps / (row.at("key").get<std::string>() + ".json");
+    write_whole(file, row.at("problem").get<std::string>());
+    std::cout << "; replay: orthant solve " << file.string();
+  }
+  std::cout << '\n';
+}
+
+int add_rows(const std::string& file) {
+  Results results(file);
+  for (std::string line; std::getline(std::cin, line);) {
+    ResultRow row = ResultRow::parse(line, nullptr, false);
+    if (!row.is_object() || !row.contains("key")) throw std::invalid_argument("--add: a line that is no row: " + line);
+    results.add(row);
+  }
+  return 0;
+}
+
+int run_results(ResultsArguments a) {
+  if (a.add) return add_rows(a.file);
+  const Results results(a.file, Results::read_only);
+  if (a.dumps.empty()) a.dumps = std::filesystem::path(a.file).replace_extension().string() + ".failures";
+  std::vector<Json> lines;
+  bool found = a.sweep.empty();
+  for (const auto& [name, about] : results.sweeps()) {
+    if (!a.sweep.empty() && name != a.sweep) continue;
+    found = true;
+    const auto rows = results.rows(name);
+    if (a.about) {
+      std::cout << about.dump(2) << '\n';
+    } else if (a.failures) {
+      for (const ResultRow& row : rows)
+        if (row.at("status") != "solved") print_failure(row, a.dumps);
+    } else if (a.orders) {
+      for (Json& fit : fitted_orders(rows)) {
+        fit["worst_error_finest_octave"] = fit.at("worst").back()[1],
+        fit["h_finest_octave"] = fit.at("worst").back()[0];
+        fit.erase("worst");
+        lines.push_back(flat(name, fit));
+      }
+    } else if (a.csv || a.json) {
+      for (const ResultRow& row : rows) lines.push_back(flat(name, row));
+    } else {
+      std::map<std::string, int> statuses;
+      for (const ResultRow& row : rows) ++statuses[row.at("status").get<std::string>()];
+      std::cout << name << ": " << rows.size() << " of " << results.members(name) << " cases done";
+      for (const auto& [status, count] : statuses) std::cout << ", " << count << ' ' << status;
+      std::cout << "\n  " << about.at("question").get<std::string>() << "\n  " << answer(rows) << '\n';
+    }
+  }
+  if (!found) throw std::invalid_argument("--sweep " + a.sweep + ": " + a.file + " has no such sweep");
+  if (a.json)
+    std::cout << Json(lines).dump(1) << '\n';
+  else if (a.csv || a.orders)
+    print_csv(lines);
+  return 0;
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SweepArguments>();
+  CLI::App* command = app.add_subcommand("sweep", "Run a sweep: experiments/sweep/sweep.h is the format of its file");
+  command->add_option("file", arguments->file, "TOML file, see experiments/*.sweep.toml")->required();
+  command->add_option("--results", arguments->results, "SQLite file; default: results/NAME.sqlite");
+  command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")->capture_default_str();
+  command->add_flag("--quick", arguments->quick, "the reduced grid");
+  command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
+  command->add_option("--case", arguments->keys, "KEY ...: run these, print their rows as JSON, keep nothing");
+  command->callback([arguments, &exit_code] { exit_code = run_sweep(*arguments); });
+}
+
+void add_results(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ResultsArguments>();
+  CLI::App* command = app.add_subcommand("results", "What a results file holds: a summary, tables, failures");
+  command->add_option("file", arguments->file, "SQLite file of orthant sweep")->required();
+  command->add_option("--sweep", arguments->sweep, "this sweep only");
+  CLI::Option* csv = command->add_flag("--csv", arguments->csv, "every case as CSV");
+  CLI::Option* json = command->add_flag("--json", arguments->json, "every case as JSON");
+  CLI::Option* orders = command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV");
+  CLI::Option* failures =
+      command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay");
+  CLI::Option* about =
+      command->add_flag("--about", arguments->about, "what was asked, by what build and machine, as JSON");
+  command->add_option("--dumps", arguments->dumps, "folder for those problems; default: beside the file, .failures");
+  command->add_flag("--add", arguments->add, "put the rows on standard input in (of orthant sweep --case)");
+  csv->excludes(json)->excludes(orders)->excludes(failures)->excludes(about);
+  json->excludes(orders)->excludes(failures)->excludes(about);
+  orders->excludes(failures)->excludes(about);
+  failures->excludes(about);
+  command->callback([arguments, &exit_code] { exit_code = run_results(*arguments); });
+}
+
+}  // namespace orthant

@@ -1,0 +1,299 @@
+// The mechanism in motion, films side by side on one clock. A frame: t, then x, y, θ of each body, then gap and normal
+// impulse of each contact. Where a body is magnified, its way across the guide and its tilt are drawn larger, and walls
+// are moved out by as much, so that a gap of 1 mm can be seen; impulses are arrows that fade.
+"use strict";
+
+const kMostRows = 12; // of contacts over time
+const kFade = 0.03; // share of the film in which an arrow fades
+
+/** A canvas of this size in the page's pixels, empty; what to draw into. */
+function sized(canvas, width, height) {
+  const dots = devicePixelRatio || 1;
+  if (canvas.width !== Math.round(width * dots) || canvas.height !== Math.round(height * dots)) {
+    canvas.width = Math.round(width * dots);
+    canvas.height = Math.round(height * dots);
+    canvas.style.height = `${height}px`;
+  }
+  const c = canvas.getContext("2d");
+  c.setTransform(dots, 0, 0, dots, 0, 0);
+  c.clearRect(0, 0, width, height);
+  return c;
+}
+
+class Film {
+  constructor(element, film, animation) {
+    Object.assign(this, { film, animation, scene: animation.scene });
+    const figure = document.createElement("figure");
+    this.caption = Object.assign(document.createElement("figcaption"), {
+      textContent: film.label + (film.status === "solved" ? "" : ` (ended: ${film.status})`),
+    });
+    this.canvas = document.createElement("canvas");
+    this.strip = document.createElement("canvas");
+    this.strip.className = "strip";
+    figure.append(this.caption, this.canvas, this.strip);
+    element.append(figure);
+    this.bodies = this.scene.bodies.length;
+    this.magnified = this.scene.bodies.findIndex((b) => b.name === animation.magnify);
+    this.gain = this.magnified < 0 ? 1 : this.clearance() > 0 ? Math.max(1, 0.018 / this.clearance()) : 1;
+    this.strongest = Math.max(
+      1e-12,
+      ...film.frames.map((f) => Math.max(...this.scene.contacts.map((_, i) => this.impulse(f, i)))),
+    );
+    this.box = this.bounds();
+  }
+
+  gap(frame, i) {
+    return frame[1 + 3 * this.bodies + 2 * i];
+  }
+  impulse(frame, i) {
+    return frame[2 + 3 * this.bodies + 2 * i];
+  }
+
+  /** Of the magnified body at the start, the least gap to a wall of the ground. */
+  clearance() {
+    return Math.min(
+      ...this.scene.contacts.map((c, i) =>
+        c.ground && c.body === this.magnified ? this.gap(this.film.frames[0], i) : Infinity,
+      ),
+    );
+  }
+
+  pose(frame, body) {
+    const [x, y, angle] = frame.slice(1 + 3 * body, 4 + 3 * body);
+    return body === this.magnified ? { x, y: y * this.gain, angle: angle * this.gain } : { x, y, angle };
+  }
+
+  /** Where a body's point is drawn; one that is pinned to the magnified body, where that one's is. */
+  place(frame, body, [px, py]) {
+    const pin =
+      body !== this.magnified &&
+      this.scene.pins.find(
+        (p) => p.a === body && p.body === this.magnified && p.point_a[0] === px && p.point_a[1] === py,
+      );
+    if (pin) return this.place(frame, pin.body, pin.point);
+    const { x, y, angle } = this.pose(frame, body);
+    return [x + Math.cos(angle) * px - Math.sin(angle) * py, y + Math.sin(angle) * px + Math.cos(angle) * py];
+  }
+
+  wallPoint(contact) {
+    const out = contact.body === this.magnified ? (this.gain - 1) * this.clearance() : 0;
+    return [contact.wall[0] - out * contact.normal[0], contact.wall[1] - out * contact.normal[1]];
+  }
+
+  /** What all frames need, no taller than 3/4 and no flatter than 1/4 of its width. */
+  bounds() {
+    let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const frame of this.film.frames)
+      this.scene.bodies.forEach((body, i) => {
+        const marks = [...body.points.map((p) => [...p, 0]), ...body.discs];
+        for (const [px, py, radius] of marks.length ? marks : [[0, 0, 0]]) {
+          const [x, y] = this.place(frame, i, [px, py]);
+          left = Math.min(left, x - radius);
+          right = Math.max(right, x + radius);
+          low = Math.min(low, y - radius);
+          high = Math.max(high, y + radius);
+        }
+      });
+    const size = Math.max(right - left, high - low, 1e-9);
+    const width = Math.max(right - left, (high - low) / 0.75) + 0.1 * size;
+    const height = Math.max(high - low, (right - left) / 4) + 0.1 * size;
+    const [x, y] = [(left + right) / 2, (low + high) / 2];
+    return { left: x - width / 2, right: x + width / 2, low: y - height / 2, high: y + height / 2 };
+  }
+
+  /** Draws frame k. */
+  show(k) {
+    const frames = this.film.frames,
+      frame = frames[Math.min(k, frames.length - 1)];
+    const { left, right, low, high } = this.box;
+    const width = this.canvas.clientWidth;
+    const c = sized(this.canvas, width, Math.round((width * (high - low)) / (right - left)));
+    const scale = width / (right - left);
+    const at = ([x, y]) => [(x - left) * scale, (high - y) * scale];
+    c.lineCap = c.lineJoin = "round";
+    this.walls(c, at, width);
+    this.scene.bodies.forEach((body, i) => this.body(c, at, frame, body, i, scale));
+    for (const pin of this.scene.pins) {
+      c.beginPath();
+      c.arc(...at(this.place(frame, pin.body, pin.point)), 4.5, 0, 7);
+      c.fillStyle = colour("--paper");
+      c.strokeStyle = colour("--ink");
+      c.lineWidth = 1.5;
+      c.fill();
+      c.stroke();
+    }
+    this.arrows(c, at, k, scale);
+    this.modes(k);
+    c.fillStyle = colour("--faint");
+    c.font = "12px system-ui";
+    c.textAlign = "left";
+    c.fillText(`t = ${(1e3 * frame[0]).toFixed(2)} ms`, 10, 18);
+    if (this.gain > 1) ((c.textAlign = "right"), c.fillText(`gaps and tilt × ${this.gain.toFixed(0)}`, width - 10, 18));
+  }
+
+  /** Contact modes over time: a row a contact, filled where it pushes; the line is now. */
+  modes(k) {
+    const frames = this.film.frames;
+    const rows = this.scene.contacts.length;
+    if (rows === 0 || rows > kMostRows) return void (this.strip.hidden = true);
+    const c = sized(this.strip, this.strip.clientWidth, 13 * rows + 4);
+    const left = 64;
+    const scale = (this.strip.clientWidth - left) / frames.length;
+    c.font = "11px system-ui";
+    this.scene.contacts.forEach((contact, i) => {
+      c.fillStyle = colour("--faint");
+      c.fillText(contact.name, 2, 13 * i + 11);
+      c.fillStyle = colour("--rule");
+      c.fillRect(left, 13 * i + 7, frames.length * scale, 1);
+      c.fillStyle = colour("--c1");
+      frames.forEach((frame, j) => {
+        if (this.impulse(frame, i) > 1e-9) c.fillRect(left + j * scale, 13 * i + 2, Math.max(1, scale), 10);
+      });
+    });
+    c.fillStyle = colour("--ink");
+    c.fillRect(left + k * scale, 0, 1.5, 13 * rows + 4);
+  }
+
+  walls(c, at, width) {
+    const seen = new Set();
+    for (const contact of this.scene.contacts) {
+      if (!contact.ground) continue;
+      const [x, y] = at(this.wallPoint(contact)),
+        [nx, ny] = contact.normal,
+        key = [x, y, nx, ny].join();
+      if (seen.has(key)) continue;
+      seen.add(key);
+      c.save();
+      (c.translate(x, y), c.rotate(Math.atan2(-ny, nx) + Math.PI / 2)); // the free side is up
+      c.fillStyle = colour("--rule");
+      c.fillRect(-2 * width, 0, 4 * width, 9);
+      c.fillStyle = colour("--faint");
+      c.fillRect(-2 * width, 0, 4 * width, 1.5);
+      c.restore();
+    }
+  }
+
+  body(c, at, frame, body, i, scale) {
+    const corners = this.scene.contacts.filter((contact) => contact.body === i).map((contact) => contact.point);
+    const points = corners.length > 2 ? corners : body.points;
+    c.strokeStyle = lineColour(i);
+    c.fillStyle = lineColour(i) + "2e";
+    c.lineWidth = 2;
+    for (const [px, py, radius] of points.length > 1 || body.discs.length ? body.discs : [[0, 0, 0]]) {
+      const [x, y] = at(this.place(frame, i, [px, py]));
+      c.beginPath();
+      c.arc(x, y, Math.max(3, radius * scale), 0, 7);
+      c.moveTo(x, y); // a radius, to see it turn
+      c.lineTo(...at(this.place(frame, i, [px + radius, py])));
+      c.fill();
+      c.stroke();
+    }
+    if (points.length < 2) return;
+    // Corners in the order of their directions: the outline of a convex body.
+    const middle = [0, 1].map((d) => points.reduce((sum, p) => sum + p[d], 0) / points.length);
+    const outline = [...points].sort(
+      (a, b) => Math.atan2(a[1] - middle[1], a[0] - middle[0]) - Math.atan2(b[1] - middle[1], b[0] - middle[0]),
+    );
+    c.beginPath();
+    outline.forEach((p, j) => c[j ? "lineTo" : "moveTo"](...at(this.place(frame, i, p))));
+    c.closePath();
+    c.lineWidth = points.length > 2 ? 2 : 6;
+    c.fill();
+    c.stroke();
+  }
+
+  /** At the corners that were pushed lately, longer for a larger impulse (by its root, so that small ones are seen). */
+  arrows(c, at, k, scale) {
+    const frames = this.film.frames,
+      back = Math.max(1, Math.round(kFade * frames.length));
+    this.scene.contacts.forEach((contact, i) => {
+      if (contact.body === undefined) return;
+      for (let j = Math.max(0, k - back + 1); j <= Math.min(k, frames.length - 1); ++j) {
+        const size = this.impulse(frames[j], i);
+        if (!(size > 1e-9)) continue;
+        const [x, y] = at(this.place(frames[Math.min(k, frames.length - 1)], contact.body, contact.point));
+        const length = 0.12 * Math.sqrt(size / this.strongest) * scale,
+          [nx, ny] = contact.normal;
+        const [ex, ey] = [x + length * nx, y - length * ny];
+        c.globalAlpha = 1 - (k - j) / back;
+        c.strokeStyle = c.fillStyle = colour("--c1");
+        c.lineWidth = 2.5;
+        c.beginPath();
+        c.moveTo(x, y);
+        c.lineTo(ex, ey);
+        c.stroke();
+        c.beginPath(); // the head: along the normal, and across it
+        c.moveTo(ex + 7 * nx, ey - 7 * ny);
+        c.lineTo(ex - 4.5 * ny, ey - 4.5 * nx);
+        c.lineTo(ex + 4.5 * ny, ey + 4.5 * nx);
+        c.fill();
+      }
+      c.globalAlpha = 1;
+    });
+  }
+}
+
+class Animation {
+  constructor(element, animation) {
+    const films = Object.assign(document.createElement("div"), { className: "films" });
+    const controls = Object.assign(document.createElement("div"), { className: "controls" });
+    this.button = Object.assign(document.createElement("button"), { type: "button", textContent: "Play" });
+    this.slider = Object.assign(document.createElement("input"), {
+      type: "range",
+      min: 0,
+      max: 1,
+      step: "any",
+      value: 0,
+    });
+    this.slider.setAttribute("aria-label", "time");
+    this.speed = document.createElement("select");
+    this.speed.setAttribute("aria-label", "speed");
+    for (const [text, factor] of [
+      ["¼ speed", 0.25],
+      ["½ speed", 0.5],
+      ["full speed", 1],
+      ["double speed", 2],
+    ])
+      this.speed.add(new Option(text, factor, factor === 1, factor === 1));
+    controls.append(this.button, this.slider, this.speed);
+    element.append(controls, films);
+    this.films = animation.films.map((film) => new Film(films, film, animation));
+    this.seconds = animation.seconds ?? 12;
+    this.position = 0.012; // of the film, in [0, 1]
+    this.last = null;
+    this.button.onclick = () => this.toggle();
+    this.slider.oninput = () => {
+      this.position = Number(this.slider.value);
+      this.draw();
+    };
+    new ResizeObserver(() => this.draw()).observe(films);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    this.draw();
+  }
+
+  toggle() {
+    this.playing = !this.playing;
+    this.button.textContent = this.playing ? "Pause" : "Play";
+    if (this.playing && this.position >= 1) this.position = 0;
+    this.last = null;
+    if (this.playing) requestAnimationFrame((now) => this.tick(now));
+  }
+
+  tick(now) {
+    if (!this.playing) return;
+    if (this.last !== null)
+      this.position = Math.min(
+        1,
+        this.position + (Number(this.speed.value) * (now - this.last)) / (1e3 * this.seconds),
+      );
+    this.last = now;
+    this.draw();
+    if (this.position >= 1) this.toggle();
+    else requestAnimationFrame((next) => this.tick(next));
+  }
+
+  draw() {
+    this.slider.value = this.position;
+    for (const film of this.films) film.show(Math.round(this.position * (film.film.frames.length - 1)));
+  }
+}

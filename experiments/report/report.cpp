@@ -1,0 +1,176 @@
+#include "report.h"
+
+#include "experiments/sweep/analysis.h"
+
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/support/file.h>
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/integrators/simulate.h>
+#include <orthant/solvers/registry.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+namespace orthant {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFrames = 1000;
+
+double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a drawing
+
+Json pair(const Vector2d& p) { return {p.x(), p.y()}; }
+
+/// What there is to draw of a scene: of each body the points where joints and contacts are, and discs; pins; walls.
+Json drawing(const Scene& scene) {
+  Json bodies = Json::array(), contacts = Json::array(), pins = Json::array();
+  for (const Body& body : scene.bodies)
+    bodies.push_back({{"name", body.name}, {"points", Json::array()}, {"discs", Json::array()}});
+  const auto put = [&](BodyId id, const Vector2d& p) {
+    if (id != kGround) bodies[static_cast<std::size_t>(id)]["points"].push_back(pair(p));
+  };
+  const auto disc = [&](BodyId id, const Vector2d& p, double radius) {
+    if (id != kGround) bodies[static_cast<std::size_t>(id)]["discs"].push_back({p.x(), p.y(), radius});
+  };
+  for (const Joint& joint : scene.joints)
+    if (const auto* pin = std::get_if<Revolute>(&joint)) {
+      put(pin->a, pin->point_a), put(pin->b, pin->point_b);
+      pins.push_back({{"a", pin->a}, {"point_a", pair(pin->point_a)}, {"body", pin->b}, {"point", pair(pin->point_b)}});
+    }
+  for (const Contact& contact : scene.contacts) {
+    Json one = {{"name", std::visit([](const auto& c) { return c.name; }, contact)}};
+    const auto wall = [&](const auto& c, const Vector2d& point) {
+      one.update({{"body", c.a},
+                  {"point", pair(point)},
+                  {"wall", pair(c.wall_point)},
+                  {"normal", pair(c.normal)},
+                  {"ground", c.b == kGround}});
+    };
+    if (const auto* corner = std::get_if<CornerWall>(&contact))
+      put(corner->a, corner->point), wall(*corner, corner->point);
+    else if (const auto* round = std::get_if<DiscWall>(&contact))
+      disc(round->a, round->centre, round->radius), wall(*round, round->centre);
+    else if (const auto* two = std::get_if<DiscDisc>(&contact))
+      disc(two->a, two->centre_a, two->radius_a), disc(two->b, two->centre_b, two->radius_b);
+    contacts.push_back(one);
+  }
+  for (const Collision& collision : scene.collisions)
+    for (const Shape& shape : collision.shapes) {
+      for (const Vector2d& corner : shape.corners) put(shape.body, corner);
+      if (shape.corners.empty()) disc(shape.body, shape.centre, shape.radius);
+    }
+  return {{"bodies", bodies}, {"pins", pins}, {"contacts", contacts}};
+}
+
+/// One run, by frames: t, then x, y, θ of each body, then gap and normal impulse (since the frame before) of each contact.
+Json film(const System& system, const Json& run, double duration) {
+  const double step = run.contains("step") ? run.at("step").get<double>() : duration / kFrames;
+  const auto integrator = make_integrator(run.at("integrator").get<std::string>(), system);
+  const auto solver = make_solver(run.value("solver", "lemke"));
+  const double aim = duration / kFrames;
+  Json frames = Json::array();
+  const Clock clock{.step = step, .duration = duration, .every = std::max(1L, std::lround(aim / step))};
+  const Run result = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+    Json frame = {rounded(moment.state.t)};
+    for (const double q : moment.state.q) frame.push_back(rounded(q));
+    for (std::size_t i = 0; i < moment.impulses.size(); ++i)
+      frame.push_back(rounded(moment.gaps[static_cast<Index>(i)])), frame.push_back(rounded(moment.impulses[i].normal));
+    frames.push_back(frame);
+  });
+  return {{"label", run.value("label", run.at("integrator").get<std::string>())},
+          {"status", name(result.status)},
+          {"frames", frames}};
+}
+
+/// What all films of an animation have, and then what one has of its own.
+System system_of(const Json& wanted, const Json& run, const std::string& scene) {
+  Json set = wanted.value("set", Json::object());
+  set.update(run.value("set", Json::object()));
+  std::vector<std::string> sets;
+  for (const auto& [name, value] : set.items()) sets.push_back(name + '=' + value.dump());
+  return System(make_scene(scene, sets));
+}
+
+Json animation(const Json& wanted, const std::string& scene) {
+  Json shown = wanted;
+  shown["films"] = Json::array();
+  for (const Json& run : wanted.at("runs")) {
+    const System system = system_of(wanted, run, scene);
+    shown["scene"] = drawing(system.scene());
+    shown["films"].push_back(film(system, run, system.scene().duration));
+  }
+  return shown;
+}
+
+Json by_column(const std::vector<ResultRow>& rows) {
+  Json columns = Json::object();
+  for (const char* name : {"integrator",     "solver",   "parameters",
+                           "step",           "rtol",     "repeats",
+                           "status",         "why",      "value",
+                           "error",          "seconds",  "lcp_solves",
+                           "lcp_iterations", "events",   "energy_initial",
+                           "energy_final",   "impulse",  "friction_impulse",
+                           "first_touch",    "touching", "max_joint_residual",
+                           "max_penetration"}) {
+    Json& column = columns[name] = Json::array();
+    for (const ResultRow& row : rows) column.push_back(row.at(name));
+  }
+  return columns;
+}
+
+std::string part(const std::string& name) {
+  const std::filesystem::path file = std::filesystem::path(ORTHANT_REPORT) / name;
+  check_readable(file);
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+Json report_data(const Results& results) {
+  Json data = Json::object();
+  for (const auto& [name, about] : results.sweeps()) {
+    const auto rows = results.rows(name);
+    for (const auto& [key, value] : about.items())
+      if (key != "page" && key != "question" && key != "scene") data[key] = value;
+    Json animations = Json::array();
+    for (const Json& wanted : about.at("page").at("animation"))
+      animations.push_back(animation(wanted, about.at("scene").get<std::string>()));
+    data["sweeps"].push_back({{"name", name},
+                              {"question", about.at("question")},
+                              {"answer", answer(rows)},
+                              {"asked", results.members(name)},
+                              {"rows", by_column(rows)},
+                              {"orders", fitted_orders(rows)},
+                              {"targets", error_targets()},
+                              {"times", time_to_error(rows)},
+                              {"figures", about.at("page").at("figure")},
+                              {"animations", animations}});
+  }
+  if (!data.contains("sweeps")) throw std::invalid_argument("the results file holds no sweep");
+  return data;
+}
+
+std::string page(const Json& data) {
+  std::string html = part("page.html");
+  const auto put = [&](const std::string& mark, const std::string& text) {
+    const auto at = html.find(mark);
+    if (at == std::string::npos) throw std::runtime_error("page.html has no place " + mark);
+    html.replace(at, mark.size(), text);
+  };
+  std::string json = data.dump();
+  for (std::size_t i = 0; (i = json.find("</", i)) != std::string::npos; i += 3) json.insert(i + 1, "\\");
+  put("/*page.css*/", part("page.css"));
+  put("/*uPlot.css*/", part("node_modules/uplot/dist/uPlot.min.css"));
+  put("/*uPlot.js*/", part("node_modules/uplot/dist/uPlot.iife.min.js"));
+  put("/*plots.js*/", part("plots.js"));
+  put("/*animation.js*/", part("animation.js"));
+  put("/*page.js*/", part("page.js"));
+  put("/*data*/", json);  // last: nothing is looked for in it
+  return html;
+}
+
+}  // namespace orthant

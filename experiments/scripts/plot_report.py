@@ -1,0 +1,91 @@
+"""Draws the figures of a report's sweeps for papers: reads report.html from a folder; puts PNG, SVG there."""
+import json
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, save
+
+COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, "#56B4E9", "#6b4fa0", GREY, "black")
+LINES = list(zip(COLOURS, "sDo^vPX*d"))
+NOTHING = [(np.nan, np.nan)]
+
+
+def rows_of(sweep):
+    """As page.js has them: parameters are columns too, and the energy that was lost."""
+    for values in zip(*sweep["rows"].values()):
+        row = dict(zip(sweep["rows"], values))
+        if row["energy_initial"] is not None:
+            row["energy_lost"] = row["energy_initial"] - row["energy_final"]
+            row["lost_per_turn"] = 2 * np.pi * row["energy_lost"] / abs(row["value"]) if row["value"] else None
+        yield json.loads(row["parameters"]) | row
+
+
+def setting(row):
+    return row["rtol"] or row["step"]
+
+
+def worst_of_settings(rows, x, y):
+    points = []
+    for value in sorted({setting(row) for row in rows}, reverse=True):
+        same = [row for row in rows if setting(row) == value]
+        if all(row["status"] == "solved" and row[y] is not None for row in same):
+            points.append((max(row[x] for row in same), max(row[y] for row in same)))
+    return points
+
+
+def draw_panel(axes, sweep, rows, figure, parameters):
+    x, y = figure["x"], figure["y"]
+    names = list(dict.fromkeys(sweep["rows"].get(figure["by"], [row[figure["by"]] for row in rows])))
+    for name in dict.fromkeys(row[figure["by"]] for row in rows):
+        own = [row for row in rows if row[figure["by"]] == name]
+        colour, marker = LINES[names.index(name) % len(LINES)]
+        if figure.get("worst"):
+            points = worst_of_settings(own, x, y)
+        else:
+            points = [(row[x], row[y]) for row in own if row["status"] == "solved" and row[y] is not None]
+        if figure.get("octaves"):
+            axes.plot(*zip(*points or NOTHING), ".", color=colour, markersize=3, alpha=0.4, markeredgewidth=0)
+            fits = [o for o in sweep["orders"] if o["integrator"] == name and o["parameters"] == parameters]
+            points = fits[0]["worst"] if fits else []
+        axes.plot(*zip(*points or NOTHING), label=name, color=colour, marker=marker, markersize=4.5)
+
+
+def draw(sweep, rows, figure, folder, about):
+    rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
+            all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None]
+    panels = list(dict.fromkeys(row["parameters"] for row in rows))
+    if figure.get("worst") or any(figure[key] in json.loads(panels[0]) for key in ("x", "y", "by")):
+        panels = [None]
+    columns = min(3, len(panels))
+    deep = -(-len(panels) // columns)
+    size = (4 + 2.6 * columns, 2.6 + 2.4 * deep)  # [in]
+    page, grid = plt.subplots(deep, columns, squeeze=False, sharex=True, sharey=True, figsize=size)
+    for axes, parameters in zip(grid.flat, panels):
+        own = [row for row in rows if parameters in (None, row["parameters"])]
+        draw_panel(axes, sweep, own, figure, parameters or "{}")
+        if parameters:
+            words = json.loads(parameters).items()
+            axes.set_title(", ".join(f"{'µ' if name == 'mu' else name} = {value:g}" for name, value in words))
+        log = figure.get("log", "")
+        axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),
+                 xscale="log" if "x" in log else "linear", yscale="log" if "y" in log else "linear")
+        axes.label_outer()
+    handles = list({h.get_label(): h for axes in grid.flat for h in axes.get_legend_handles_labels()[0]}.values())
+    page.tight_layout(rect=(0, 0.05 + 0.25 * -(-len(handles) // 3) / page.get_figheight(), 1, 0.95))
+    name = re.sub(r"[^a-z0-9]+", "_", figure["title"].lower()).strip("_")
+    save(page, folder / name, figure["title"], about, handles, columns=3)
+
+
+def plot_figures(folder, about):
+    page = (folder / "report.html").read_text()
+    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S).group(1))
+    for sweep in data["sweeps"]:
+        rows = list(rows_of(sweep))
+        for figure in sweep["figures"]:
+            draw(sweep, rows, figure, folder, about)
+
+
+if __name__ == "__main__":
+    main(__doc__, "results/slider_crank", (plot_figures,))

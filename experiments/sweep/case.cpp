@@ -1,0 +1,226 @@
+#include "case.h"
+
+#include "experiments/support/manifest.h"
+#include "experiments/support/trajectory.h"
+
+#include <orthant/core/lcp/io.h>
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+
+namespace orthant {
+namespace {
+
+std::string fingerprint(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a: http://www.isthe.com/chongo/tech/comp/fnv
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return digits;
+}
+
+/// The columns that describe the case.
+ResultRow description(const Case& c) {
+  nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : c.parameters) parameters[name] = value;
+  ResultRow row = {{"key", c.key()},
+                   {"scene", c.scene},
+                   {"parameters", parameters.dump()},
+                   {"integrator", c.integrator},
+                   {"solver", c.solver},
+                   {"step", c.step},
+                   {"rtol", nullptr},
+                   {"duration", c.duration},
+                   {"measure", c.measure},
+                   {"compared_with", c.reference},
+                   {"repeats", c.repeats},
+                   {"revision", revision()}};
+  if (c.rtol) row["rtol"] = *c.rtol;
+  return row;
+}
+
+nlohmann::ordered_json number(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nullptr; }
+
+/// What is summed up along a run, besides what Run holds.
+struct Along {
+  double impulse = 0, friction_impulse = 0, first_touch = kInf, touching = 0, before = 0;
+
+  void add(const Moment& moment) {
+    double normal = 0;
+    for (const Impulse& one : moment.impulses) normal += one.normal, friction_impulse += std::abs(one.tangent);
+    impulse += normal;
+    if (normal > 0) first_touch = std::min(first_touch, moment.state.t), touching += moment.state.t - before;
+    before = moment.state.t;
+  }
+};
+
+void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
+  const System system(make_scene(c.scene, c.sets()));
+  const auto columns = trajectory_columns(system.scene());
+  const auto column = std::find(columns.begin(), columns.end(), c.measure);
+  if (column == columns.end()) throw std::invalid_argument("measure '" + c.measure + "': the scene has no such column");
+  Run run;
+  Along along;
+  double seconds = kInf;
+  std::unique_ptr<Integrator> integrator;
+  for (int i = 0; i < std::max(1, c.repeats); ++i) {
+    integrator = make_integrator(c.integrator_spec(), system);
+    along = {};
+    run = simulate(*integrator, *make_solver(c.solver), {.step = c.step, .duration = c.duration},
+                   [&](const Moment& moment) { along.add(moment); });
+    seconds = std::min(seconds, run.seconds);
+  }
+  const bool solved = run.status == Status::solved;
+  std::vector<double> last;
+  append_row(system,
+             {run.final, {}, integrator->gaps(), integrator->impulses(), integrator->frictions(), integrator->events()},
+             last);
+  const double value = last[static_cast<std::size_t>(column - columns.begin())];
+  if (!reference && !c.reference.empty()) {
+    if (const auto other = c.reference_case()) {
+      reference = answer_of(run_case(*other));
+    } else {
+      reference = exact_measure(c);
+    }
+  }
+  row.update({{"status", name(run.status)},
+              {"why", run.why},
+              {"value", number(value)},
+              {"reference", number(reference.value_or(kInf))},
+              {"error", solved ? number(std::abs(value - reference.value_or(kInf))) : nullptr},
+              {"steps", run.steps},
+              {"accepted", run.accepted},
+              {"rejected", run.rejected},
+              {"lcp_solves", run.lcp_solves},
+              {"lcp_iterations", run.lcp_iterations},
+              {"events", run.events},
+              {"max_lcp_residual", number(run.max_lcp_residual)},
+              {"max_joint_residual", number(run.max_joint_residual)},
+              {"max_penetration", number(run.max_penetration)},
+              {"energy_initial", number(run.energy_initial)},
+              {"energy_final", number(run.energy_final)},
+              {"energy_rise", number(run.max_energy_rise)},
+              {"impulse", number(along.impulse)},
+              {"friction_impulse", number(along.friction_impulse)},
+              {"first_touch", number(along.first_touch)},
+              {"touching", number(along.touching)},
+              {"seconds", number(seconds)}});
+  if (solved && reference && !std::isfinite(*reference)) row["why"] = "its reference run was not solved";
+  if (run.status == Status::unsupported && run.why.empty())
+    row["why"] = make_solver(c.solver)->why_not(integrator->problem());
+  if (!solved && integrator->problem().size() > 0)
+    row["problem"] = to_json(integrator->problem(), "scene " + c.scene + ", integrator " + c.integrator_spec() +
+                                                        ", solver " + c.solver + ", case " + c.key());
+}
+
+std::string whole_program() {
+  std::ifstream in("/proc/self/exe", std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+std::string revision() {
+  static const std::string text = [] {
+    std::string built = manifest().at("revision").get<std::string>();
+    if (built.ends_with("+changes") || built == "unknown") built += "-" + fingerprint(whole_program());
+    return built;
+  }();
+  return text;
+}
+
+std::string Case::integrator_spec() const {
+  if (!rtol) return integrator;
+  return integrator + (integrator.find(':') == std::string::npos ? ":" : ",") + "rtol=" + detail::text_of(*rtol) +
+         ",atol=" + detail::text_of(std::max(1e-3 * *rtol, 1e-15));
+}
+
+std::vector<std::string> Case::sets() const {
+  std::vector<std::string> all;
+  for (const auto& [name, value] : parameters) {  // a scene file reads TOML, a built-in scene bare words
+    const bool bare = value.is_string() && scene_text.empty();
+    all.push_back(name + '=' +
+                  (value.is_number() ? detail::text_of(value.get<double>())
+                   : bare            ? value.get<std::string>()
+                                     : value.dump()));
+  }
+  return all;
+}
+
+std::string Case::key() const {
+  static const auto build = manifest();
+  const nlohmann::ordered_json all = {scene_text.empty() ? scene : scene_text,
+                                      sets(),
+                                      integrator_spec(),
+                                      solver,
+                                      step,
+                                      duration,
+                                      measure,
+                                      reference,
+                                      repeats,
+                                      revision(),
+                                      build.at("compiler"),
+                                      build.at("flags")};
+  return fingerprint(all.dump());
+}
+
+std::optional<Case> Case::reference_case() const {
+  if (reference.empty() || reference == "exact") return {};
+  Case other = *this;
+  other.integrator = reference, other.solver = "lemke", other.reference.clear();
+  other.rtol.reset(), other.repeats = 0, other.step = duration;
+  return other;
+}
+
+double exact_measure(const Case& c) {
+  double mu = 0.01, e = 0.4;  // SliderCrank's
+  const auto refuse = [](const std::string& what) {
+    throw std::invalid_argument(
+        "reference = 'exact': known for slider_crank with mu in {0, 0.01, 0.1}, e in {0, 0.4, 0.9} "
+        "and no other parameters, after 0.2 s; not for " +
+        what);
+  };
+  if (c.scene != "slider_crank") refuse("the scene " + c.scene);
+  if (c.duration != 0.2) refuse("duration = " + detail::text_of(c.duration));
+  for (const auto& [name, value] : c.parameters) {
+    if ((name != "mu" && name != "e") || !value.is_number()) refuse(name + " = " + value.dump());
+    (name == "mu" ? mu : e) = value.get<double>();
+  }
+  const auto exact = slider_crank_exact(mu, e);
+  if (!exact) refuse("mu = " + detail::text_of(mu) + ", e = " + detail::text_of(e));
+  if (c.measure == "crank.theta") return exact->theta1;
+  if (c.measure == "rod.theta") return exact->theta2;
+  if (c.measure == "crank.omega") return exact->omega1;
+  if (c.measure == "rod.omega") return exact->omega2;
+  if (c.measure != "energy") refuse("the measure " + c.measure);
+  return exact->energy;
+}
+
+double answer_of(const ResultRow& row) {
+  return row.at("status") == "solved" ? row.at("value").get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+ResultRow run_case(const Case& c, std::optional<double> reference) {
+  ResultRow row = unfinished_row(c, "refused", "");
+  try {
+    run_into(row, c, reference);
+  } catch (const std::exception& error) {  // an integrator that does not take the scene, say
+    row["why"] = error.what();
+  }
+  return row;
+}
+
+ResultRow unfinished_row(const Case& c, const std::string& status, const std::string& why) {
+  ResultRow row = description(c);
+  row["status"] = status, row["why"] = why;
+  return row;
+}
+
+}  // namespace orthant

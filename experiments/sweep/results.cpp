@@ -1,0 +1,265 @@
+#include "results.h"
+
+#include "experiments/support/manifest.h"
+
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+namespace orthant {
+namespace {
+
+constexpr int kOurs = 0x6f727468, kVersion = 1;  // "orth"; both stand in the file's head
+
+constexpr Column kColumns[] = {
+    {"key", "TEXT PRIMARY KEY"},
+    {"scene", "TEXT"},
+    {"parameters", "TEXT"},
+    {"integrator", "TEXT"},
+    {"solver", "TEXT"},
+    {"step", "REAL"},
+    {"rtol", "REAL"},
+    {"duration", "REAL"},
+    {"measure", "TEXT"},
+    {"compared_with", "TEXT"},
+    {"repeats", "INTEGER"},
+    {"revision", "TEXT"},
+    {"status", "TEXT"},
+    {"why", "TEXT"},
+    {"value", "REAL"},
+    {"reference", "REAL"},
+    {"error", "REAL"},
+    {"steps", "INTEGER"},
+    {"accepted", "INTEGER"},
+    {"rejected", "INTEGER"},
+    {"lcp_solves", "INTEGER"},
+    {"lcp_iterations", "INTEGER"},
+    {"events", "INTEGER"},
+    {"max_lcp_residual", "REAL"},
+    {"max_joint_residual", "REAL"},
+    {"max_penetration", "REAL"},
+    {"energy_initial", "REAL"},
+    {"energy_final", "REAL"},
+    {"energy_rise", "REAL"},
+    {"impulse", "REAL"},
+    {"friction_impulse", "REAL"},
+    {"first_touch", "REAL"},
+    {"touching", "REAL"},
+    {"problem", "TEXT"},
+    {"seconds", "REAL"},
+};
+
+std::string list_of_columns(const char* separator, bool types) {
+  std::string text;
+  for (const Column& column : kColumns)
+    text += (text.empty() ? "" : separator) + std::string(column.name) + (types ? std::string(" ") + column.type : "");
+  return text;
+}
+
+}  // namespace
+
+std::span<const Column> columns_of_cases() { return kColumns; }
+
+/// One prepared statement: bind, step, read.
+class Results::Statement {
+ public:
+  Statement(const Results& results, const std::string& sql) : results_(results) {
+    if (sqlite3_prepare_v2(results.db_, sql.c_str(), -1, &statement_, nullptr) != SQLITE_OK) results.fail("read");
+  }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+  ~Statement() { sqlite3_finalize(statement_); }
+
+  Statement& bind(const nlohmann::ordered_json& value) {
+    ++bound_;
+    if (value.is_null())
+      sqlite3_bind_null(statement_, bound_);
+    else if (value.is_string())
+      sqlite3_bind_text(statement_, bound_, value.get_ref<const std::string&>().c_str(), -1, SQLITE_TRANSIENT);
+    else if (value.is_number_float())
+      sqlite3_bind_double(statement_, bound_, value.get<double>());
+    else
+      sqlite3_bind_int64(statement_, bound_, value.get<std::int64_t>());
+    return *this;
+  }
+  bool step() {
+    const int code = sqlite3_step(statement_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) results_.fail("use");
+    return code == SQLITE_ROW;
+  }
+  nlohmann::ordered_json at(int i) const {
+    switch (sqlite3_column_type(statement_, i)) {
+      case SQLITE_INTEGER:
+        return static_cast<std::int64_t>(sqlite3_column_int64(statement_, i));
+      case SQLITE_FLOAT:
+        return sqlite3_column_double(statement_, i);
+      case SQLITE_TEXT:
+        return reinterpret_cast<const char*>(sqlite3_column_text(statement_, i));
+      default:
+        return nullptr;
+    }
+  }
+  ResultRow row() const {
+    ResultRow row;
+    for (int i = 0; i < sqlite3_column_count(statement_); ++i) row[sqlite3_column_name(statement_, i)] = at(i);
+    return row;
+  }
+
+ private:
+  const Results& results_;
+  sqlite3_stmt* statement_ = nullptr;
+  int bound_ = 0;
+};
+
+void Results::fail(const std::string& what) const {
+  std::string reason = db_ != nullptr ? sqlite3_errmsg(db_) : "out of memory";
+  switch (db_ != nullptr ? sqlite3_errcode(db_) & 0xff : 0) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      reason = "another program has locked it and does not let go";
+      break;
+    case SQLITE_FULL:
+      reason = "the disk is full";
+      break;
+    case SQLITE_IOERR:
+      reason += " (is the disk full?)";
+      break;
+    case SQLITE_READONLY:
+      reason = "it, or its folder, is read-only";
+      break;
+    case SQLITE_NOTADB:
+      reason = "it is no results file";
+      break;
+    default:
+      break;
+  }
+  throw std::runtime_error("cannot " + what + " " + file_.string() + ": " + reason);
+}
+
+void Results::run(const std::string& sql) const {
+  if (sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail("write");
+}
+
+Results::Results(const std::filesystem::path& file, Open open, double patience) : file_(file) {
+  const int flags = open == read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  try {
+    if (sqlite3_open_v2(file.c_str(), &db_, flags, nullptr) != SQLITE_OK) fail("open");
+    sqlite3_busy_timeout(db_, static_cast<int>(1e3 * patience));
+    const auto pragma = [&](const char* name) {
+      Statement statement(*this, std::string("PRAGMA ") + name);
+      return statement.step() ? statement.at(0).get<int>() : 0;
+    };
+    if (const int id = pragma("application_id"); id == kOurs) {
+      if (pragma("user_version") != kVersion)
+        throw std::runtime_error(file.string() + ": was written by another version of orthant");
+    } else if (id != 0 || open == read_only || pragma("schema_version") != 0) {
+      throw std::runtime_error("cannot use " + file.string() + ": it is no results file");
+    }
+    if (open == read_only) return;
+    run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
+    run("BEGIN IMMEDIATE; CREATE TABLE IF NOT EXISTS cases(" + list_of_columns(", ", true) +
+        "); CREATE TABLE IF NOT EXISTS sweeps(name TEXT PRIMARY KEY, about TEXT);"
+        "CREATE TABLE IF NOT EXISTS members(sweep TEXT, place INTEGER, key TEXT, PRIMARY KEY(sweep, place));"
+        "PRAGMA application_id = " +
+        std::to_string(kOurs) + "; PRAGMA user_version = " + std::to_string(kVersion) + "; COMMIT");
+  } catch (...) {
+    sqlite3_close(db_);
+    throw;
+  }
+}
+
+Results::~Results() { sqlite3_close(db_); }
+
+void Results::declare(const Sweep& sweep) {
+  nlohmann::ordered_json about = manifest();
+  about.erase("written");
+  about["question"] = sweep.question, about["scene"] = sweep.scene, about["page"] = sweep.page;
+  run("BEGIN IMMEDIATE");
+  try {
+    Statement(*this, "REPLACE INTO sweeps VALUES(?, ?)").bind(sweep.name).bind(about.dump()).step();
+    Statement(*this, "DELETE FROM members WHERE sweep = ?").bind(sweep.name).step();
+    for (std::size_t i = 0; i < sweep.cases.size(); ++i)
+      Statement(*this, "INSERT INTO members VALUES(?, ?, ?)")
+          .bind(sweep.name)
+          .bind(i)
+          .bind(sweep.cases[i].key())
+          .step();
+    run("COMMIT");
+  } catch (...) {
+    sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+    throw;
+  }
+}
+
+bool Results::has(const std::string& key) const {
+  return Statement(*this, "SELECT 1 FROM cases WHERE key = ?").bind(key).step();
+}
+
+void Results::add(const ResultRow& row) {
+  std::string places;
+  for (std::size_t i = 0; i < std::size(kColumns); ++i) places += i == 0 ? "?" : ", ?";
+  Statement statement(*this,
+                      "INSERT OR IGNORE INTO cases(" + list_of_columns(", ", false) + ") VALUES(" + places + ")");
+  for (const Column& column : kColumns) statement.bind(row.contains(column.name) ? row.at(column.name) : ResultRow());
+  statement.step();
+}
+
+std::optional<ResultRow> Results::find(const std::string& key) const {
+  Statement statement(*this, "SELECT * FROM cases WHERE key = ?");
+  if (!statement.bind(key).step()) return {};
+  return statement.row();
+}
+
+std::vector<Results::Declared> Results::sweeps() const {
+  std::vector<Declared> all;
+  for (Statement s(*this, "SELECT name, about FROM sweeps ORDER BY name"); s.step();)
+    all.push_back({s.at(0).get<std::string>(), nlohmann::ordered_json::parse(s.at(1).get<std::string>())});
+  return all;
+}
+
+std::vector<ResultRow> Results::rows(const std::string& sweep) const {
+  std::vector<ResultRow> all;
+  Statement statement(*this, "SELECT cases.* FROM members JOIN cases USING(key) WHERE sweep = ? ORDER BY place");
+  for (statement.bind(sweep); statement.step();) all.push_back(statement.row());
+  return all;
+}
+
+long Results::members(const std::string& sweep) const {
+  Statement statement(*this, "SELECT count(*) FROM members WHERE sweep = ?");
+  statement.bind(sweep).step();
+  return statement.at(0).get<long>();
+}
+
+namespace {
+
+struct flock byte_of(const std::string& key, short kind) {
+  struct flock lock {};
+  lock.l_type = kind, lock.l_whence = SEEK_SET, lock.l_len = 1;
+  lock.l_start = static_cast<off_t>(std::stoull(key, nullptr, 16) >> 2);
+  return lock;
+}
+
+}  // namespace
+
+Claims::Claims(const std::filesystem::path& results)
+    : file_(open((results.string() + "-claims").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+  if (file_ < 0) throw std::runtime_error("cannot write " + results.string() + "-claims: " + std::strerror(errno));
+}
+
+Claims::~Claims() { close(file_); }
+
+bool Claims::take(const std::string& key) {
+  struct flock lock = byte_of(key, F_WRLCK);
+  return fcntl(file_, F_OFD_SETLK, &lock) == 0;
+}
+
+void Claims::release(const std::string& key) {
+  struct flock lock = byte_of(key, F_UNLCK);
+  fcntl(file_, F_OFD_SETLK, &lock);
+}
+
+}  // namespace orthant

@@ -1,0 +1,75 @@
+// experiments/sweep/results.h — the results of sweeps in one SQLite file: a row a case, by key.
+//
+//   cases(key, …)           kColumns; what is asked, what came out; "seconds" alone differs from run to run
+//   sweeps(name, about)     what was asked, by what build on what machine, as JSON
+//   members(sweep, place, key)   which cases a sweep has, in its order; a case may be in several
+// Write-ahead log, one transaction a case: killed at any time, what is written stays, and several processes may write.
+// Source of the guarantees: https://sqlite.org/wal.html, https://sqlite.org/atomiccommit.html. Not on network drives.
+#pragma once
+
+#include "sweep.h"
+
+#include <filesystem>
+#include <memory>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace orthant {
+
+struct Column {
+  const char *name, *type;
+};
+/// The columns of a row, in order.
+std::span<const Column> columns_of_cases();
+
+class Results {
+ public:
+  enum Open { read_only, read_write };
+  /// Throws std::runtime_error naming file and reason: no database, not ours, locked for longer than `patience` [s], disk
+  /// full, not to be written. So does everything below.
+  explicit Results(const std::filesystem::path& file, Open open = read_write, double patience = 10);
+  Results(const Results&) = delete;
+  Results& operator=(const Results&) = delete;
+  ~Results();
+
+  void declare(const Sweep& sweep);
+  bool has(const std::string& key) const;
+  /// A row that is there already stays as it is.
+  void add(const ResultRow& row);
+  /// Of a case that is there.
+  std::optional<ResultRow> find(const std::string& key) const;
+
+  struct Declared {
+    std::string name;
+    nlohmann::ordered_json about;
+  };
+  std::vector<Declared> sweeps() const;
+  /// Of one sweep in its order, as far as they are done; parameters as one JSON text.
+  std::vector<ResultRow> rows(const std::string& sweep) const;
+  long members(const std::string& sweep) const;
+
+ private:
+  class Statement;
+  [[noreturn]] void fail(const std::string& what) const;
+  void run(const std::string& sql) const;
+  std::filesystem::path file_;
+  sqlite3* db_ = nullptr;
+};
+
+/// The case that somebody works at, told to all processes of this machine: a lock on one byte of a file beside the
+/// results, which the system takes away when its owner dies. Source: fcntl(2), open file description locks.
+class Claims {
+ public:
+  explicit Claims(const std::filesystem::path& results);
+  Claims(const Claims&) = delete;
+  Claims& operator=(const Claims&) = delete;
+  ~Claims();
+  bool take(const std::string& key);
+  void release(const std::string& key);
+
+ private:
+  int file_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,18 @@
+// experiments/sweep/run.h — the missing cases of a sweep, each in a process of its own, into its results.
+//
+//   Cases that are compared with other runs wait for those. Timed ones come last, one at a time. A case that crashes or
+//   does not end is a row with that status. Several programs may run the same sweep into the same file: each case is done
+//   by one of them, and they end when all are done.
+#pragma once
+
+#include "results.h"
+
+namespace orthant {
+
+/// How many cases were run here, and how many of those were not solved. `jobs` 0: one a core. Forks: no other threads.
+struct Tally {
+  int run = 0, failed = 0;
+};
+Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs);
+
+}  // namespace orthant

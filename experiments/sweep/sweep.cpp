@@ -1,0 +1,248 @@
+#include "sweep.h"
+
+#include "experiments/support/trajectory.h"
+
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/support/file.h>
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+
+namespace orthant {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMostCases = 1e6, kMostValues = 1e5;
+
+Json json_of(const toml::node& node) {
+  if (const auto* table = node.as_table()) {
+    Json json = Json::object();
+    for (const auto& [key, value] : *table) json[std::string(key.str())] = json_of(value);
+    return json;
+  }
+  if (const auto* array = node.as_array()) {
+    Json json = Json::array();
+    for (const toml::node& value : *array) json.push_back(json_of(value));
+    return json;
+  }
+  if (const auto value = node.value_exact<std::string>()) return *value;
+  if (const auto value = node.value_exact<std::int64_t>()) return *value;
+  if (const auto value = node.value_exact<double>()) return *value;
+  if (const auto value = node.value_exact<bool>()) return *value;
+  throw std::invalid_argument("dates and times: no key takes them");
+}
+
+/// Reads one file: where, for messages; the parts of a grid one by one.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : file_(file) {
+    check_readable(file);
+    std::ifstream in(file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    try {
+      root_ = json_of(toml::parse(text, file.string()));
+    } catch (const toml::parse_error& error) {
+      throw std::invalid_argument(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
+                                  std::string(error.description()));
+    }
+  }
+
+  Sweep read(bool quick) {
+    only(root_, "", {"question", "scene", "duration", "measure", "reference", "grid", "figure", "animation"});
+    Sweep sweep{.name = file_.stem().stem().string(), .question = text("question", ""), .scene = text("scene")};
+    common_.scene = sweep.scene;
+    const auto beside = file_.parent_path() / sweep.scene;
+    const auto named = scenes();
+    if (std::none_of(named.begin(), named.end(), [&](const auto& entry) { return entry.name == sweep.scene; })) {
+      common_.scene = std::filesystem::exists(beside) ? beside.string() : sweep.scene;
+      const Scene scene = in_file("scene", [&] { return make_scene(common_.scene); });  // throws, in words
+      std::ifstream in(common_.scene);
+      common_.scene_text.assign(std::istreambuf_iterator<char>(in), {});
+    }
+    common_.measure = text("measure", "energy");
+    common_.reference = text("reference", "");
+    if (!common_.reference.empty() && common_.reference != "exact") check_integrator("reference", common_.reference);
+    if (!root_.contains("grid") || !root_["grid"].is_array() || root_["grid"].empty())
+      fail("grid", "", "a sweep needs at least one [[grid]]");
+    std::set<std::string> known;
+    for (const Json& grid : root_["grid"])
+      for (Case& c : cases(grid, quick))
+        if (known.insert(c.key()).second) sweep.cases.push_back(std::move(c));
+    if (sweep.cases.empty()) fail("grid", "", quick ? "--quick leaves no case" : "there is no case");
+    for (const char* part : {"figure", "animation"}) sweep.page[part] = root_.value(part, Json::array());
+    return sweep;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& key, const std::string& value, const std::string& rule) const {
+    throw std::invalid_argument(file_.string() + ": " + key + (value.empty() ? "" : " = " + value) + ": " + rule);
+  }
+  template <class Work> auto in_file(const std::string& key, Work&& work) const -> decltype(work()) {
+    try {
+      return work();
+    } catch (const std::invalid_argument& error) {
+      fail(key, "", error.what());
+    }
+  }
+  void only(const Json& table, const std::string& where, const std::set<std::string>& known) const {
+    if (!table.is_object()) fail(where, table.dump(), "must be a table");
+    for (const auto& [key, value] : table.items())
+      if (!known.contains(key)) {
+        std::string list;
+        for (const std::string& word : known) list += (list.empty() ? "" : ", ") + word;
+        fail(where + key, value.dump(), "unknown key, must be one of " + list);
+      }
+  }
+  std::string text(const char* key, std::optional<std::string> otherwise = {}) const {
+    if (!root_.contains(key)) {
+      if (!otherwise) fail(key, "", "is missing");
+      return *otherwise;
+    }
+    if (!root_[key].is_string()) fail(key, root_[key].dump(), "must be a text");
+    return root_[key].get<std::string>();
+  }
+  double number(const std::string& key, const Json& value, double low, double high) const {
+    if (!value.is_number()) fail(key, value.dump(), "must be a number");
+    const auto x = value.get<double>();
+    if (!(x >= low && x <= high))
+      fail(key, value.dump(), "must be in [" + detail::text_of(low) + ", " + detail::text_of(high) + "]");
+    return x;
+  }
+
+  /// A list, a range, or one value: the values.
+  std::vector<Json> values(const std::string& key, const Json& node) const {
+    if (node.is_array()) {
+      if (node.empty()) fail(key, "[]", "must have at least one value");
+      return {node.begin(), node.end()};
+    }
+    if (!node.is_object()) return {node};
+    only(node, key + ".", {"from", "to", "count", "scale"});
+    for (const char* part : {"from", "to", "count"})
+      if (!node.contains(part)) fail(key, node.dump(), std::string("a range needs ") + part);
+    const double from = number(key + ".from", node["from"], -1e300, 1e300),
+                 to = number(key + ".to", node["to"], -1e300, 1e300);
+    const double count = number(key + ".count", node["count"], 1, kMostValues);
+    const Json scale = node.value("scale", Json("linear"));
+    if (scale != "linear" && scale != "log") fail(key + ".scale", scale.dump(), "must be \"linear\" or \"log\"");
+    if (scale == "log" && !(from > 0 && to > 0))
+      fail(key, node.dump(), "a range in logarithms needs from > 0 and to > 0");
+    if (count != std::floor(count)) fail(key + ".count", node["count"].dump(), "must be a whole number");
+    std::vector<Json> all;
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      const double s = count > 1 ? i / (count - 1) : 0;
+      all.emplace_back(s == 1 ? to : scale == "log" ? from * std::pow(to / from, s) : from + s * (to - from));
+    }
+    return all;
+  }
+
+  void check_integrator(const std::string& key, const std::string& spec) const {
+    static const System anything = [] {
+      Scene scene;
+      scene.body({});
+      return System(scene);
+    }();
+    in_file(key, [&] { return make_integrator(spec, anything); });
+  }
+
+  /// Every combination; what each key brings is applied to all cases so far.
+  std::vector<Case> cases(Json grid, bool quick) const {
+    static const std::set<std::string> kKeys = {"integrator", "solver", "step", "rtol", "set", "repeats", "time_limit"};
+    std::set<std::string> with_quick = kKeys;
+    with_quick.insert("quick");
+    only(grid, "grid.", with_quick);
+    if (grid.contains("quick") && quick) {
+      if (grid["quick"].is_boolean()) {
+        if (!grid["quick"].get<bool>()) return {};
+      } else {
+        only(grid["quick"], "grid.quick.", kKeys);
+        grid.update(Json(grid["quick"]));
+      }
+    }
+    if (!grid.contains("integrator")) fail("grid.integrator", "", "is missing");
+    std::vector<Case> all{common_};
+    const auto combine = [&](const std::string& key, const Json& node, auto&& apply) {
+      const auto list = values(key, node);
+      if (static_cast<double>(all.size() * list.size()) > kMostCases) fail(key, "", "makes more than a million cases");
+      std::vector<Case> more;
+      for (const Case& c : all)
+        for (const Json& value : list) apply(more.emplace_back(c), value);
+      all = std::move(more);
+    };
+    const auto word = [&](const std::string& key, const Json& value) {
+      if (!value.is_string()) fail(key, value.dump(), "must be a text");
+      return value.get<std::string>();
+    };
+    for (Case& c : all) {
+      if (grid.contains("repeats")) c.repeats = static_cast<int>(number("grid.repeats", grid["repeats"], 0, 1000));
+      if (grid.contains("time_limit")) c.time_limit = number("grid.time_limit", grid["time_limit"], 1e-3, 1e6);
+    }
+    combine("grid.integrator", grid["integrator"],
+            [&](Case& c, const Json& value) { c.integrator = word("grid.integrator", value); });
+    combine("grid.solver", grid.value("solver", Json("lemke")),
+            [&](Case& c, const Json& value) { c.solver = word("grid.solver", value); });
+    const Json set = grid.value("set", Json::object());
+    if (!set.is_object()) fail("grid.set", set.dump(), "must be a table");
+    for (const auto& [name, node] : set.items())
+      combine("grid.set." + name, node,
+              [&, &name = name](Case& c, const Json& value) { c.parameters.emplace_back(name, value); });
+    if (grid.contains("rtol"))
+      combine("grid.rtol", grid["rtol"],
+              [&](Case& c, const Json& value) { c.rtol = number("grid.rtol", value, 1e-16, 1); });
+    set_times(all);
+    combine("grid.step", grid.value("step", Json(nullptr)), [&](Case& c, const Json& value) {
+      if (value.is_null()) return;
+      c.step = number("grid.step", value, 1e-15, c.duration);
+    });
+    for (Case& c : all) c.step = c.duration / std::round(c.duration / c.step);
+    check(all);
+    return all;
+  }
+
+  /// The scene's own step and duration, where the file has none; every scene is read once, so that bad parameters are
+  /// told before anything runs.
+  void set_times(std::vector<Case>& all) const {
+    std::map<std::vector<std::string>, Clock> known;
+    for (Case& c : all) {
+      const auto [at, fresh] = known.try_emplace(c.sets());
+      if (fresh) {
+        const Scene scene = in_file("grid.set", [&] { return make_scene(c.scene, c.sets()); });
+        in_file("grid.set", [&] { return orthant::check(scene), 0; });
+        const auto columns = trajectory_columns(scene);
+        if (std::find(columns.begin(), columns.end(), c.measure) == columns.end())
+          fail("measure", '"' + c.measure + '"', "the scene has no such column");
+        at->second = {.step = scene.step, .duration = scene.duration};
+      }
+      c.step = at->second.step;
+      c.duration = root_.contains("duration") ? number("duration", root_["duration"], 1e-12, 1e9) : at->second.duration;
+    }
+  }
+
+  void check(const std::vector<Case>& all) const {
+    std::set<std::string> seen;
+    for (const Case& c : all) {
+      if (seen.insert("i" + c.integrator_spec()).second) check_integrator("grid.integrator", c.integrator_spec());
+      if (seen.insert("s" + c.solver).second) in_file("grid.solver", [&] { return make_solver(c.solver); });
+      if (c.reference == "exact") in_file("reference", [&] { return exact_measure(c); });
+    }
+  }
+
+  std::filesystem::path file_;
+  Json root_;
+  Case common_;
+};
+
+}  // namespace
+
+Sweep read_sweep(const std::filesystem::path& file, bool quick) { return Reader(file).read(quick); }
+
+}  // namespace orthant

@@ -1,0 +1,38 @@
+// experiments/sweep/sweep.h — a sweep from a TOML file: which scene, by which integrators and solvers, over what.
+//
+//   question  = "…"                       what the sweep answers; the report begins with it
+//   scene     = "slider_crank"            built-in name, or a file's path from the sweep file's folder
+//   duration  = 0.2                       [s]; default: the scene's
+//   measure   = "crank.theta"             a column of `orthant simulate --output`, at the end of the run
+//   reference = "exact"                   the slider-crank's table; or an integrator that is run once for all cases of the
+//                                         same scene: "event-driven:rtol=1e-12"; default: no errors
+//   [[grid]]                              every combination of what the lists hold; a value by itself is a list of one
+//   integrator = ["rattle", "moreau-jean:theta=0.6"]
+//   solver     = ["lemke"]                default
+//   step       = {from = 1e-3, to = 1e-6, count = 20, scale = "log"}   [s] moved so that it divides the duration;
+//                                         default: the scene's.  scale: "linear" (default) or "log"
+//   rtol       = [1e-3, 1e-6]             for integrators to a tolerance; atol = max(rtol / 1000, 1e-15)
+//   set        = {mu = [0, 0.1]}          parameters of the scene; of a scene file: "contact.corner1.mu" = […]
+//   repeats    = 3                        runs alone on the machine, the fastest counts; default 0: on all cores, not timed
+//   time_limit = 60                       [s] a case; past it the case is a failure
+//   quick      = {step = …, set = {…}}    what --quick puts in place of the above; quick = false leaves the grid out
+//   [[figure]], [[animation]]             what the report shows: experiments/report/report.h
+// Everything wrong throws std::invalid_argument naming file, key, value and rule.
+#pragma once
+
+#include "case.h"
+
+#include <filesystem>
+
+namespace orthant {
+
+struct Sweep {
+  std::string name;  // the file's, without .sweep.toml
+  std::string question, scene;
+  std::vector<Case> cases;      // in the order of the file; no two alike
+  nlohmann::ordered_json page;  // figures and animations as they stand in the file
+};
+
+Sweep read_sweep(const std::filesystem::path& file, bool quick);
+
+}  // namespace orthant

@@ -1,0 +1,293 @@
+// Sweeps: the file's errors in words; the same table however it came about; failures that can be replayed.
+#include "experiments/sweep/run.h"
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "tests/support/folder.h"
+
+using namespace orthant;
+
+namespace {
+
+constexpr const char* kSweep = R"(
+question = "Does it work?"
+scene = "slider_crank"
+measure = "crank.theta"
+reference = "exact"
+[[grid]]
+integrator = ["moreau-jean", "rattle"]
+set = {mu = [0.01, 0.1]}
+step = {from = 2e-5, to = 1e-5, count = 10, scale = "log"}
+)";
+constexpr long kCases = 40;
+
+struct Sweeps : Folder {
+  Reply orthant(const std::string& arguments) const { return run("'" ORTHANT_CLI "' " + arguments); }
+  /// The table without what may differ from run to run: the last column, seconds.
+  std::string table(const std::string& file) const {
+    const Reply a = orthant("results " + file + " --csv");
+    REQUIRE(a.exit_code == 0);
+    std::string text;
+    std::istringstream in(a.out);
+    for (std::string line; std::getline(in, line);) text += line.substr(0, line.rfind(',')) + '\n';
+    return text;
+  }
+  pid_t start(const std::string& file) const {
+    const std::string sweep = path / "a.sweep.toml", results = path / file;
+    std::array<const char*, 6> words = {ORTHANT_CLI, "sweep", sweep.c_str(), "--results", results.c_str(), nullptr};
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    posix_spawn_file_actions_addopen(&quiet, 1, (results + ".log").c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&quiet, 2, "/dev/null", O_WRONLY, 0);
+    pid_t process = 0;
+    REQUIRE(posix_spawn(&process, ORTHANT_CLI, &quiet, nullptr, const_cast<char**>(words.data()), environ) == 0);
+    posix_spawn_file_actions_destroy(&quiet);
+    return process;
+  }
+  long done(const std::string& file) const {
+    const Reply a = orthant("results " + file + " --csv");
+    return a.exit_code == 0 ? lines(a.out) - 1 : 0;
+  }
+};
+
+int end_of(pid_t process) {
+  int status = 0;
+  waitpid(process, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("slow");  // for sanitizers: whole programs, several times
+
+TEST_CASE("a sweep gives the same table however often, by however many at once, killed midway or not") {
+  const Sweeps folder;
+  folder.write("a.sweep.toml", kSweep);
+  const Reply whole = folder.orthant("sweep a.sweep.toml --results whole.sqlite --jobs 1");
+  CAPTURE(whole.err);
+  REQUIRE(whole.exit_code == 0);
+  CHECK(whole.out.starts_with("a: 40 cases in whole.sqlite, 40 of them new, 0 not solved"));
+  const std::string table = folder.table("whole.sqlite");
+  CHECK(lines(table) == kCases + 1);
+
+  SUBCASE("again: nothing is left to do; into another file: the same") {
+    CHECK(folder.orthant("sweep a.sweep.toml --results whole.sqlite").out.find(" 0 of them new") != std::string::npos);
+    CHECK(folder.table("whole.sqlite") == table);
+    CHECK(folder.orthant("sweep a.sweep.toml --results again.sqlite --jobs 2").exit_code == 0);
+    CHECK(folder.table("again.sqlite") == table);
+  }
+  SUBCASE("killed midway: what was done stays, the rest is done later") {
+    const pid_t process = folder.start("killed.sqlite");
+    for (int i = 0; i < 1000 && folder.done("killed.sqlite") < 5; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    kill(process, SIGKILL);
+    CHECK(end_of(process) == -SIGKILL);
+    const long kept = folder.done("killed.sqlite");
+    CHECK(kept >= 5);
+    CHECK(kept < kCases);
+    const Reply rest = folder.orthant("sweep a.sweep.toml --results killed.sqlite");
+    CHECK(rest.exit_code == 0);
+    CHECK(rest.out.find(", " + std::to_string(kCases - kept) + " of them new") != std::string::npos);
+    CHECK(folder.table("killed.sqlite") == table);
+  }
+  SUBCASE("two at once: no case is lost, none is done twice") {
+    const pid_t one = folder.start("both.sqlite");
+    const Reply two = folder.orthant("sweep a.sweep.toml --results both.sqlite");
+    CHECK(end_of(one) == 0);
+    CHECK(two.exit_code == 0);
+    CHECK(folder.table("both.sqlite") == table);
+    const auto count = [](const std::string& text) { return std::stol(text.substr(text.find("sqlite, ") + 8)); };
+    CHECK(count(slurp(folder / "both.sqlite.log")) + count(two.out) == kCases);
+  }
+}
+
+TEST_CASE("a sweep by Dask workers: one is killed midway, no case is lost or doubled") {
+  const Sweeps folder;
+  if (folder.run("/usr/bin/python3 -s -E -c 'import distributed'").exit_code != 0) {
+    MESSAGE("no distributed: not tested");
+    return;
+  }
+  folder.write("a.sweep.toml", kSweep);
+  CHECK(folder.orthant("sweep a.sweep.toml --results whole.sqlite").exit_code == 0);
+  const Reply a = folder.run("/usr/bin/python3 -s -E '" ORTHANT_TEST_DATA "/../experiments/dask.py' '" ORTHANT_SCRIPTS
+                             "/sweep_dask.py' '" ORTHANT_CLI "' \"$PWD/a.sweep.toml\" \"$PWD/dask.sqlite\"");
+  CAPTURE(a.out);
+  CAPTURE(a.err);
+  CHECK(a.exit_code == 0);
+  CHECK(std::stol("0" + a.out) < kCases);  // else it was killed too late to tell anything
+  CHECK(a.out.find(std::to_string(kCases) + " at the end") != std::string::npos);
+  CHECK(folder.table("dask.sqlite") == folder.table("whole.sqlite"));
+}
+
+TEST_SUITE_END();
+
+TEST_CASE("a sweep's errors: against the exact motion as against an integrator's, each run of it made once") {
+  const Sweeps folder;
+  std::string text = kSweep;
+  text.replace(text.find("count = 10"), 10, "count = 2");
+  folder.write("exact.sweep.toml", text);
+  text.replace(text.find("\"exact\""), 7, "\"event-driven:rtol=1e-12\"");
+  folder.write("other.sweep.toml", text);
+  for (const char* name : {"exact", "other"})
+    CHECK(folder.orthant(std::string("sweep ") + name + ".sweep.toml --results r.sqlite").exit_code == 0);
+  const Results results(folder / "r.sqlite", Results::read_only);
+  const auto exact = results.rows("exact"), other = results.rows("other");
+  REQUIRE(exact.size() == 8);
+  REQUIRE(other.size() == 8);
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    CHECK(exact[i].at("value") == other[i].at("value"));
+    CHECK(exact[i].at("error").get<double>() > 1e-7);
+    CHECK(std::abs(exact[i].at("error").get<double>() - other[i].at("error").get<double>()) < 1e-9);
+    CHECK(exact[i].at("key") != other[i].at("key"));
+  }
+  sqlite3* db = nullptr;  // the two references are rows too, of no sweep
+  REQUIRE(sqlite3_open((folder / "r.sqlite").c_str(), &db) == SQLITE_OK);
+  sqlite3_stmt* count = nullptr;
+  sqlite3_prepare_v2(db, "SELECT count(*) FROM cases", -1, &count, nullptr);
+  REQUIRE(sqlite3_step(count) == SQLITE_ROW);
+  CHECK(sqlite3_column_int(count, 0) == 18);
+  sqlite3_finalize(count);
+  sqlite3_close(db);
+}
+
+TEST_CASE("what fails is a row: its problem can be replayed; refused, out of time") {
+  const Sweeps folder;
+  folder.write("f.sweep.toml",
+               "scene = 'slider_crank'\n"
+               "[[grid]]\nintegrator = 'moreau-jean'\nsolver = ['lemke', 'pgs:max_sweeps=1', 'murty']\nstep = 1e-4\n"
+               "[[grid]]\nintegrator = 'event-driven'\ntime_limit = 1e-3\n");
+  folder.write("r.sweep.toml",
+               "scene = 'rub.toml'\n[[grid]]\nintegrator = ['moreau-jean', 'adaptive']\n"
+               "set = {\"body.b.mass\" = [1, 2]}\n");
+  folder.write(
+      "rub.toml",
+      "duration = 0.01\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n[[joint]]\ntype = 'revolute'\nname = 'j'\n"
+      "bodies = ['ground', 'b']\n[[friction]]\njoint = 'j'\nbound = 1\n");
+  CHECK(folder.orthant("sweep f.sweep.toml --results r.sqlite").exit_code == 0);
+  CHECK(folder.orthant("sweep r.sweep.toml --results r.sqlite").exit_code == 0);
+  const Results results(folder / "r.sqlite", Results::read_only);
+  const auto rows = results.rows("f"), rub = results.rows("r");
+  REQUIRE(rows.size() == 4);
+  REQUIRE(rub.size() == 4);
+  CHECK(rows[0].at("status") == "solved");
+  CHECK(rows[1].at("status") == "iteration_limit");
+  CHECK(rows[2].at("status") == "unsupported");
+  CHECK(!rows[2].at("why").get<std::string>().empty());
+  CHECK(rows[3].at("status") == "time_limit");
+  CHECK(rub[0].at("status") == "solved");
+  CHECK(rub[2].at("status") == "refused");
+  CHECK(rub[2].at("why").get<std::string>().find("friction") != std::string::npos);
+  const Reply failures = folder.orthant("results r.sqlite --failures --sweep f");
+  CHECK(failures.exit_code == 0);
+  CHECK(lines(failures.out) == 3);
+  const std::string dump = "r.failures/" + rows[1].at("key").get<std::string>() + ".json";
+  CHECK(failures.out.find("orthant solve " + dump) != std::string::npos);
+  CHECK(folder.orthant("solve " + dump).exit_code == 0);
+  CHECK(folder.orthant("results r.sqlite")
+            .out.find("f: 4 of 4 cases done, 1 iteration_limit, 1 solved, 1 time_limit, 1 unsupported") !=
+        std::string::npos);
+}
+
+TEST_CASE("the project's own sweeps can be read, whole and quick") {
+  const Sweeps folder;
+  const auto experiments = std::filesystem::path(ORTHANT_SCRIPTS).parent_path();
+  int found = 0;
+  for (const auto& file : std::filesystem::directory_iterator(experiments)) {
+    if (!file.path().filename().string().ends_with(".sweep.toml")) continue;
+    ++found;
+    const auto list = [&](const char* more) {
+      return folder.orthant("sweep '" + file.path().string() + "' --list --results r.sqlite" + more);
+    };
+    const Reply whole = list(""), quick = list(" --quick");
+    CAPTURE(whole.err + quick.err);
+    CHECK(whole.exit_code == 0);
+    CHECK(quick.exit_code == 0);
+    CHECK(lines(quick.out) > 10);
+    CHECK(lines(quick.out) < lines(whole.out) / 2);
+  }
+  CHECK(found == 3);
+}
+
+TEST_CASE("bad sweep files: one line that names file, key, value and rule") {
+  const Sweeps folder;
+  const std::string head = "scene = 'slider_crank'\nmeasure = 'crank.theta'\n",
+                    grid = "[[grid]]\nintegrator = 'rattle'\n";
+  const std::array<std::array<std::string, 2>, 20> bad = {{
+      {"scene = ", "b.sweep.toml:"},
+      {grid, "scene: is missing"},
+      {"scene = 'nobody'\n" + grid, "scene: unknown scene 'nobody'"},
+      {head, "at least one [[grid]]"},
+      {head + "colour = 1\n" + grid, "colour = 1: unknown key"},
+      {head + grid + "h = 1\n", "grid.h = 1: unknown key"},
+      {head + "[[grid]]\nstep = 1e-4\n", "grid.integrator: is missing"},
+      {head + "[[grid]]\nintegrator = 'nobody'\n", "unknown integrator 'nobody'"},
+      {head + "[[grid]]\nintegrator = 'rattle:x=1'\n", "unknown option 'x'"},
+      {head + grid + "solver = 'nobody'\n", "nobody"},
+      {head + grid + "solver = 3\n", "grid.solver = 3: must be a text"},
+      {head + grid + "step = 0\n", "grid.step = 0: must be in"},
+      {head + grid + "step = 1\n", "grid.step = 1: must be in [1e-15, 0.2]"},
+      {head + grid + "step = []\n", "grid.step = []"},
+      {head + grid + "step = {from = 1, to = 2}\n", "a range needs count"},
+      {head + grid + "step = {from = -1, to = 2, count = 3, scale = 'log'}\n", "needs from > 0"},
+      {head + grid + "step = {from = 1e-3, to = 1e-4, count = 2.5}\n", "must be a whole number"},
+      {head + grid + "set = {mu = [0, -1]}\n", "mu"},
+      {head + grid + "rtol = 1e-3\n", "rtol"},
+      {head + "reference = 'exact'\n" + grid + "set = {mu = 0.02}\n", "mu = 0.02"},
+  }};
+  for (const auto& [text, word] : bad) {
+    CAPTURE(text);
+    folder.write("b.sweep.toml", text);
+    const Reply a = folder.orthant("sweep b.sweep.toml --results b.sqlite");
+    CAPTURE(a.err);
+    CHECK(a.exit_code == 1);
+    CHECK(a.out.empty());
+    CHECK(lines(a.err) == 1);
+    CHECK(a.err.find("b.sweep.toml") != std::string::npos);
+    CHECK(a.err.find(word) != std::string::npos);
+    CHECK(!std::filesystem::exists(folder / "b.sqlite"));
+  }
+}
+
+TEST_CASE("results that cannot be written or read: one line with file and reason; a full disk loses no row") {
+  const Sweeps folder;
+  folder.write("a.sweep.toml", kSweep);
+  folder.write("text.sqlite", std::string(5000, 'x'));
+  for (const auto& [file, word] : {std::array{"/proc/r.sqlite", "/proc"}, std::array{"text.sqlite", "no results file"},
+                                   std::array{"a.sweep.toml/r.sqlite", "a.sweep.toml"}}) {
+    CAPTURE(file);
+    const Reply a = folder.orthant("sweep a.sweep.toml --results " + std::string(file));
+    CAPTURE(a.err);
+    CHECK(a.exit_code == 1);
+    CHECK(lines(a.err) == 1);
+    CHECK(a.err.find(word) != std::string::npos);
+  }
+  CHECK(folder.orthant("results missing.sqlite").exit_code == 1);
+  CHECK(!std::filesystem::exists(folder / "missing.sqlite"));
+
+  const Reply full = folder.run("bash -c \"trap '' XFSZ; ulimit -f 48; '" ORTHANT_CLI
+                                "' sweep a.sweep.toml --results r.sqlite\"");  // [KiB]
+  CAPTURE(full.err);
+  CHECK(full.exit_code == 1);
+  CHECK(full.err.find("r.sqlite: ") != std::string::npos);
+  CHECK(full.err.find("full") != std::string::npos);
+  const long kept = folder.done("r.sqlite");
+  CHECK(folder.orthant("sweep a.sweep.toml --results r.sqlite").exit_code == 0);
+  CHECK(folder.done("r.sqlite") == kCases);
+  CHECK(kept < kCases);
+
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open((folder / "r.sqlite").c_str(), &db) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(db, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK);
+  CHECK_THROWS_WITH(Results(folder / "r.sqlite", Results::read_write, 0.05).add({{"key", "0"}}),
+                    doctest::Contains("another program has locked it"));
+  sqlite3_close(db);
+}
