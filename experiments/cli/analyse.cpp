@@ -1,6 +1,8 @@
 // orthant analyse — what kind of matrix a problem has, so that a method can be chosen.
 #include "commands.h"
 
+#include "../support/problem_file.h"
+
 #include <orthant/core/lcp/analyse.h>
 #include <orthant/core/lcp/io.h>
 
@@ -20,7 +22,7 @@ struct AnalyseArguments {
 
 int run_analyse(const AnalyseArguments& arguments) {
   const Matrix A =
-      arguments.file.ends_with(".mtx") ? read_matrix_market(arguments.file) : read_problem(arguments.file).A;
+      arguments.file.ends_with(".mtx") ? read_matrix_market(arguments.file) : read_problem_file(arguments.file).A;
   const Analysis a = analyse(A);
 
   nlohmann::ordered_json rank = a.rank;

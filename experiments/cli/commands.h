@@ -14,8 +14,14 @@ namespace orthant {
 
 void add_solve(CLI::App& app, int& exit_code);
 void add_analyse(CLI::App& app, int& exit_code);
+void add_enumerate(CLI::App& app, int& exit_code);
+void add_replay(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
+void add_sweep(CLI::App& app, int& exit_code);
+void add_results(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
+void add_completion(CLI::App& app, int& exit_code);
 
 /// What the shell is told of an answer; 1 is bad input.
 inline int exit_code_of(Status status) { return status == Status::solved ? 0 : status == Status::infeasible ? 2 : 3; }

@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "../support/trajectory.h"
+#include "../support/trajectory_files.h"
 
 #include <orthant/core/lcp/io.h>
 #include <orthant/core/mechanics/broad_phase.h>
@@ -48,6 +49,7 @@ nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& c
                                  {"events", run.events},
                                  {"energy_rises", run.energy_rises},
                                  {"max_energy_rise", run.max_energy_rise},
+                                 {"passages", run.passages},
                                  {"lcp_solves", run.lcp_solves},
                                  {"lcp_iterations", run.lcp_iterations}};
   if (run.why.empty()) json.erase("why");
@@ -119,7 +121,19 @@ void warn_of_energy(const Scene& scene, const Run& run) {
             << (scene.restitution == Restitution::newton
                     ? "Newton's law with friction or several e can; restitution = \"poisson\" is safer there"
                     : "friction with tangential restitution or several e can")
-            << '\n';
+            << "; so can steps in which bodies move as far as they are wide\n";
+}
+
+void warn_of_passages(const Scene& scene, const Run& run) {
+  if (run.passages == 0) return;
+  const auto name = [&](BodyId body) {
+    return body < 0 ? "the ground" : "\"" + scene.bodies[static_cast<std::size_t>(body)].name + "\"";
+  };
+  const Passage& first = run.first_passage;
+  std::cerr << "orthant: warning: bodies passed through each other, unseen, in " << run.passages
+            << (run.passages == 1 ? " step" : " steps") << ": first " << name(first.body) << " and "
+            << name(first.other) << " at t = " << run.first_passage_time << " s, where the one moved " << first.moved
+            << " m in a step and the thinner is " << first.width << " m wide: a smaller step sees them\n";
 }
 
 int run_simulate(const SimulateArguments& arguments) {
@@ -141,8 +155,9 @@ int run_simulate(const SimulateArguments& arguments) {
     last.clear();
     append_row(system, moment, last);
   });
-  if (!arguments.output.empty()) write_whole(arguments.output, to_csv(columns, table));
+  if (!arguments.output.empty()) write_trajectory(arguments.output, scene, columns, table);
   warn_of_energy(scene, run);
+  warn_of_passages(scene, run);
   if (run.status != Status::solved) dump_failed_step(arguments, *integrator, run);
 
   const auto json = summary(run, columns, last);
@@ -173,7 +188,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--output", arguments->output, "trajectory as CSV");
+  command->add_option("--output", arguments->output, "trajectory: CSV, HDF5 (.h5) or VTK for ParaView (.pvd)");
   command->add_option("--every", arguments->every, "record every so many steps")->capture_default_str();
   command->add_flag("--json", arguments->json, "summary as one JSON object");
   command->callback([arguments, &exit_code] { exit_code = run_simulate(*arguments); });

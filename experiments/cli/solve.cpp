@@ -1,6 +1,8 @@
 // orthant solve — one problem from files: Matrix Market or a JSON problem file.
 #include "commands.h"
 
+#include "../support/problem_file.h"
+
 #include <orthant/core/lcp/active_set.h>
 #include <orthant/core/lcp/error_bound.h>
 #include <orthant/core/lcp/io.h>
@@ -23,7 +25,7 @@ Lcp read(const SolveArguments& a) {
   if (!a.problem.empty()) {
     if (!a.matrix.empty() || !a.vector.empty() || !a.lower.empty() || !a.upper.empty())
       throw std::invalid_argument("either a problem file or --matrix and --vector, not both");
-    return read_problem(a.problem);
+    return read_problem_file(a.problem);
   }
   if (a.matrix.empty() || a.vector.empty())
     throw std::invalid_argument("solve needs a problem file, or --matrix and --vector");
@@ -90,7 +92,7 @@ int run_solve(const SolveArguments& a) {
 void add_solve(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SolveArguments>();
   CLI::App* command = app.add_subcommand("solve", "Solve one problem: find z in [lower, upper] with w = M z + q");
-  command->add_option("problem", arguments->problem, "JSON problem file");
+  command->add_option("problem", arguments->problem, "JSON problem file or FCLIB file (.hdf5)");
   command->add_option("--matrix", arguments->matrix, "M, Matrix Market");
   command->add_option("--vector", arguments->vector, "q, Matrix Market");
   command->add_option("--lower", arguments->lower, "lower bounds, Matrix Market; default 0");

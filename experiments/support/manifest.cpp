@@ -40,7 +40,8 @@ template <class... Numbers> std::string version(Numbers... numbers) {
 }  // namespace
 
 nlohmann::ordered_json manifest() {
-  return {{"revision", ORTHANT_REVISION},
+  return {{"version", ORTHANT_VERSION},
+          {"revision", ORTHANT_REVISION},
           {"compiler", ORTHANT_COMPILER},
           {"flags", ORTHANT_FLAGS},
           {"cpu", cpu_model()},

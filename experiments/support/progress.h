@@ -1,4 +1,4 @@
-// experiments/support/progress.h — a progress line: done of total, failures so far, remaining time.
+// experiments/support/progress.h — a progress line: done of total, rate, failures so far, remaining time.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,9 @@ namespace orthant {
 /// One line redrawn on stderr when that is a terminal; else a plain line at each tenth. Safe from several threads.
 class Progress {
  public:
-  /// `work` is the total in any unit that is proportional to time (steps, say), so that the estimate holds.
-  Progress(std::string title, double work);
+  /// `work` is the total in any unit that is proportional to time (steps, say), so that the estimate holds; `count` how
+  /// often add() will be called (0: not told).
+  Progress(std::string title, double work, long count = 0);
   ~Progress();
   void add(double work, bool failed);
 
@@ -20,6 +21,7 @@ class Progress {
   void draw(bool last);
   std::string title_;
   double total_, done_ = 0;
+  long count_, added_ = 0;
   int failures_ = 0, drawn_tenths_ = -1;
   bool terminal_;
   std::chrono::steady_clock::time_point begin_, drawn_;

@@ -6,6 +6,7 @@ if(failed)
 endif()
 file(CONFIGURE OUTPUT "${OUTPUT}" CONTENT [[
 #pragma once
+#define ORTHANT_VERSION "@VERSION@"
 #define ORTHANT_REVISION "@revision@"
 #define ORTHANT_COMPILER "@COMPILER@"
 #define ORTHANT_FLAGS "@FLAGS@"

@@ -1,0 +1,55 @@
+// orthant completion — a script for bash that completes subcommands, options, and the names of solvers, integrators, scenes.
+//   source <(orthant completion)
+#include "commands.h"
+
+#include <orthant/core/scenes/registry.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <iostream>
+
+namespace orthant {
+namespace {
+
+template <class Entries> std::string names(const Entries& entries) {
+  std::string list;
+  for (const auto& entry : entries) list += (list.empty() ? "" : " ") + std::string(entry.name);
+  return list;
+}
+
+std::string long_options(const CLI::App& command) {
+  std::string list;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) list += (list.empty() ? "--" : " --") + name;
+  return list;
+}
+
+void print_script(const CLI::App& app) {
+  std::string commands;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) commands += command->get_name() + " ";
+  std::cout << "_orthant() {\n"
+               "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
+               "  case $before in\n"
+               "    --solver) words='"
+            << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators())
+            << "' ;;\n    simulate) words='" << names(scenes()) << "' ;;\n    orthant) words='" << commands
+            << "--help --version' ;;\n  esac\n"
+               "  if [[ -z $words && $word == -* ]]; then\n"
+               "    case ${COMP_WORDS[1]} in\n";
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    std::cout << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
+  std::cout << "    esac\n"
+               "  fi\n"
+               "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
+               "}\n"
+               "complete -o default -F _orthant orthant\n";
+}
+
+}  // namespace
+
+void add_completion(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("completion", "A script for bash: source <(orthant completion)");
+  command->callback([&app, &exit_code] { print_script(app), exit_code = 0; });
+}
+
+}  // namespace orthant

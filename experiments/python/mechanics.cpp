@@ -1,0 +1,90 @@
+// Scenes come as TOML text, the one format; runs go out as one table.
+#include "arrays.h"
+#include "module.h"
+
+#include "../support/trajectory.h"
+
+#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/scenes/registry.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <pybind11/stl.h>
+
+namespace orthant::python {
+namespace py = pybind11;
+namespace {
+
+py::dict summary(const Run& run) {
+  py::dict d;
+  d["status"] = name(run.status);
+  d["why"] = run.why;
+  d["t"] = run.final.t;
+  d["steps"] = run.steps;
+  d["seconds"] = run.seconds;
+  d["energy_initial"] = run.energy_initial;
+  d["energy_final"] = run.energy_final;
+  d["max_joint_residual"] = run.max_joint_residual;
+  d["max_joint_rate"] = run.max_joint_rate;
+  d["max_penetration"] = run.max_penetration;
+  d["max_lcp_residual"] = run.max_lcp_residual;
+  d["accepted"] = run.accepted;
+  d["rejected"] = run.rejected;
+  d["lcp_solves"] = run.lcp_solves;
+  d["lcp_iterations"] = run.lcp_iterations;
+  d["events"] = run.events;
+  d["energy_rises"] = run.energy_rises;
+  d["max_energy_rise"] = run.max_energy_rise;
+  return d;
+}
+
+py::tuple run_scene(const Scene& scene, const std::string& integrator_spec, const std::string& solver_spec,
+                    std::optional<double> step, std::optional<double> duration, long every) {
+  const System system(scene);
+  const auto integrator = make_integrator(integrator_spec, system);
+  const auto solver = make_solver(solver_spec);
+  const Clock clock{step.value_or(scene.step), duration.value_or(scene.duration), every};
+  const auto columns = trajectory_columns(scene);
+  std::vector<double> table;
+  Run run;
+  {
+    const py::gil_scoped_release others_may_run;
+    run = simulate(*integrator, *solver, clock, [&](const Moment& moment) { append_row(system, moment, table); });
+  }
+  const auto width = static_cast<py::ssize_t>(columns.size());
+  const py::array_t<double> array({static_cast<py::ssize_t>(table.size()) / width, width}, table.data());
+  py::object unsolved = py::none();
+  if (run.status != Status::solved && integrator->problem().size() > 0) unsolved = py::cast(Lcp(integrator->problem()));
+  return py::make_tuple(columns, array, summary(run), unsolved);
+}
+
+}  // namespace
+
+void add_mechanics(py::module_& m) {
+  py::class_<Scene>(m, "_Scene")
+      .def_property_readonly("bodies",
+                             [](const Scene& s) {
+                               std::vector<std::string> names;
+                               for (const Body& b : s.bodies) names.push_back(b.name);
+                               return names;
+                             })
+      .def_readonly("step", &Scene::step)
+      .def_readonly("duration", &Scene::duration);
+  m.def("_parse_scene", [](const std::string& text, const std::vector<std::string>& overrides,
+                           const std::string& name) { return parse_scene(text, overrides, name); });
+  m.def("_make_scene",
+        [](const std::string& name, const std::vector<std::string>& sets) { return make_scene(name, sets); });
+  m.def("_simulate", &run_scene);
+  m.def("_integrators", [] {
+    std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
+    for (const IntegratorEntry& e : integrators()) table.emplace_back(e.name, e.summary, e.options());
+    return table;
+  });
+  m.def("_scenes", [] {
+    std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
+    for (const SceneEntry& e : scenes()) table.emplace_back(e.name, e.summary, e.options());
+    return table;
+  });
+}
+
+}  // namespace orthant::python

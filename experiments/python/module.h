@@ -1,0 +1,12 @@
+// experiments/python/module.h — orthant._orthant, what the Python package is made of: one function a part.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace orthant::python {
+
+void add_problems(pybind11::module_& m);   // Problem, Solver, Result, analyse, enumerate_solutions
+void add_nonlinear(pybind11::module_& m);  // mixed complementarity problems by callbacks, bimatrix games
+void add_mechanics(pybind11::module_& m);  // scenes, simulate
+
+}  // namespace orthant::python

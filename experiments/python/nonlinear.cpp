@@ -1,0 +1,81 @@
+// Problems given by callbacks, which run under the interpreter's lock; games of two players.
+#include "arrays.h"
+#include "module.h"
+
+#include <orthant/core/support/options.h>
+#include <orthant/solvers/lemke_howson.h>
+#include <orthant/solvers/path.h>
+
+#include <pybind11/eigen.h>
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+namespace orthant::python {
+namespace py = pybind11;
+namespace {
+
+py::dict solve_mcp(const py::function& F, const py::function& jacobian, py::handle start, py::handle lower,
+                   py::handle upper, const std::string& options, std::optional<double> time_limit) {
+  Solution s;
+  read(start, "start", -1, Entries::finite, s.z);
+  const Index n = s.z.size();
+  Mcp problem;
+  problem.lo = Eigen::VectorXd::Zero(n), problem.hi = Eigen::VectorXd::Constant(n, kInf);
+  if (!lower.is_none()) read(lower, "lower", n, Entries::numbers, problem.lo);
+  if (!upper.is_none()) read(upper, "upper", n, Entries::numbers, problem.hi);
+  const auto numbers = [](const py::object& value, const char* what) {
+    const auto a = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
+    if (!a) throw py::type_error(std::string(what) + " returned no array of numbers");
+    return a;
+  };
+  problem.F = [&](const Vector& z, Vector& value) {  // NaN is the solver's to avoid: it steps back
+    const auto a = numbers(F(to_numpy(z)), "F");
+    if (a.ndim() != 1 || a.shape(0) != n)
+      throw std::invalid_argument("F returned " + std::to_string(a.size()) + " numbers: must be (" + std::to_string(n) +
+                                  ",)");
+    value = Eigen::Map<const Eigen::VectorXd>(a.data(), n);
+  };
+  problem.jacobian = [&](const Vector& z, Matrix& J) {
+    const py::object value = jacobian(to_numpy(z));
+    if (py::hasattr(value, "tocsr")) return read(value, "jacobian", J);
+    const auto a = numbers(value, "jacobian");
+    if (a.ndim() != 2 || a.shape(0) != n || a.shape(1) != n)
+      throw std::invalid_argument("jacobian returned another shape: must be (" + std::to_string(n) + ", " +
+                                  std::to_string(n) + ")");
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    J = DenseMatrix(Eigen::Map<const Rows>(a.data(), n, n));
+  };
+  PathOptions given;
+  set_options(given, options);
+  Path path(given);
+  if (time_limit) path.set_time_limit(*time_limit);
+  path.solve(problem, s, Start::warm);
+  py::dict d;
+  d["status"] = name(s.status);
+  d["solved"] = s.status == Status::solved;
+  d["z"] = to_numpy(s.z);
+  d["F"] = to_numpy(s.w);
+  d["residual"] = s.residual;
+  d["iterations"] = s.iterations;
+  return d;
+}
+
+}  // namespace
+
+void add_nonlinear(py::module_& m) {
+  m.def("_solve_mcp", &solve_mcp);
+
+  py::class_<Equilibrium>(m, "Equilibrium", "Mixed strategies x (m,), y (k,) and both players' expected costs.")
+      .def_readonly("x", &Equilibrium::x)
+      .def_readonly("y", &Equilibrium::y)
+      .def_readonly("cost_1", &Equilibrium::cost_1)
+      .def_readonly("cost_2", &Equilibrium::cost_2)
+      .def_readonly("label", &Equilibrium::label);
+  m.def("_equilibrium", [](py::handle A, py::handle B, int label) {
+    return lemke_howson(read_table(A, "A"), read_table(B, "B"), label);
+  });
+  m.def("_equilibria",
+        [](py::handle A, py::handle B) { return lemke_howson_all(read_table(A, "A"), read_table(B, "B")); });
+}
+
+}  // namespace orthant::python

@@ -1,0 +1,25 @@
+"""Linear complementarity problems and the nonsmooth mechanics that produces them.
+
+>>> import orthant
+>>> result = orthant.solve([[2.0, 1.0], [1.0, 2.0]], [-5.0, -6.0])
+>>> result.status, result.z
+('solved', array([1.33333333, 2.33333333]))
+
+`solve`, `analyse`, `enumerate_solutions`, `error_bound`: problems `z in [lower, upper], w = M z + q`, row by row
+complementary. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilibria`: bimatrix games.
+`Scene`, `simulate`: planar mechanisms with joints, clearances, impacts and friction.
+Nothing is called solved that an independent judge has not recomputed and accepted.
+"""
+
+from ._files import read_problem, write_npz
+from ._mechanics import Scene, Trajectory, integrators, scenes, simulate
+from ._nonlinear import Equilibrium, McpResult, equilibria, equilibrium, solve_mcp
+from ._orthant import Face, LogEntry, Problem, Result, Solutions, __version__, revision, write_fclib, write_problem
+from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bound, solve, solvers
+
+__all__ = [
+    "Delassus", "Equilibrium", "Face", "LogEntry", "McpResult", "Problem", "Result", "Scene", "Solutions", "Solver",
+    "Trajectory", "__version__", "analyse", "enumerate_solutions", "equilibria", "equilibrium", "error_bound",
+    "integrators", "read_problem", "revision", "scenes", "simulate", "solve", "solve_mcp", "solvers", "write_fclib",
+    "write_npz", "write_problem",
+]

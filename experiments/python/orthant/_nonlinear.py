@@ -1,0 +1,50 @@
+"""Nonlinear mixed complementarity problems, and games of two players."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional
+
+from . import _orthant
+from ._orthant import Equilibrium
+from ._spec import text_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+
+class McpResult(NamedTuple):
+    """What `solve_mcp` gives back."""
+
+    status: str
+    solved: bool
+    z: np.ndarray  # (n,)
+    F: np.ndarray  # (n,) F(z)
+    residual: float  # natural residual in units of F
+    iterations: int
+
+
+def solve_mcp(F: Callable[[np.ndarray], npt.ArrayLike], jacobian: Callable[[np.ndarray], Any], start: npt.ArrayLike,
+              lower: Optional[npt.ArrayLike] = None, upper: Optional[npt.ArrayLike] = None, *,
+              time_limit: Optional[float] = None, **options: Any) -> McpResult:
+    """Find lower <= z <= upper: F >= 0 where z = lower, F <= 0 where z = upper, else F = 0 (default: 0 and infinity).
+
+    F(z) -> (n,); jacobian(z) -> (n, n) array or scipy.sparse matrix; both asked within the bounds only.
+    start: (n,). options: those of the solver `path`. What the callbacks raise is passed on.
+    Source: Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156.
+    """
+    given = ",".join(f"{key}={text_of(value)}" for key, value in options.items())
+    return McpResult(**_orthant._solve_mcp(F, jacobian, start, lower, upper, given, time_limit))
+
+
+def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0) -> Equilibrium:
+    """The equilibrium of the game with costs A, B (m, k) that misses `label` in [0, m + k).
+
+    Source: Lemke & Howson, J. SIAM 12 (1964) 413-423.
+    """
+    return _orthant._equilibrium(A, B, label)
+
+
+def equilibria(A: npt.ArrayLike, B: npt.ArrayLike) -> list[Equilibrium]:
+    """The different equilibria that Lemke-Howson paths connect, from all labels; not always all there are."""
+    return _orthant._equilibria(A, B)

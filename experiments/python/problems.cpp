@@ -1,0 +1,289 @@
+// Linear problems: what the caller gives is read into the solver's own memory, solved without the interpreter's lock.
+#include "arrays.h"
+#include "module.h"
+
+#include "../support/problem_file.h"
+
+#include <orthant/core/lcp/active_set.h>
+#include <orthant/core/lcp/analyse.h>
+#include <orthant/core/lcp/error_bound.h>
+#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/io_fclib.h>
+#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/registry.h>
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <chrono>
+#include <sstream>
+
+namespace orthant::python {
+namespace py = pybind11;
+namespace {
+
+/// M, q, lower, upper, friction of the Python side; None: 0 for lower, ∞ for upper, no friction.
+void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
+  read(M, "M", to.A);
+  const Index n = order(to.A);
+  read(q, "q", n, Entries::finite, to.b);
+  to.friction.clear();
+  if (!friction.is_none()) {
+    for (const py::handle entry : friction) {
+      const auto f = entry.cast<std::tuple<Index, Index, double>>();
+      to.friction.push_back({std::get<0>(f), std::get<1>(f), std::get<2>(f)});
+    }
+  }
+  if (lower.is_none())
+    to.lo = Eigen::VectorXd::Zero(n);
+  else
+    read(lower, "lower", n, Entries::numbers, to.lo);
+  if (upper.is_none())
+    to.hi = Eigen::VectorXd::Constant(n, kInf);
+  else
+    read(upper, "upper", n, Entries::numbers, to.hi);
+  if (lower.is_none())  // friction sets its rows' bounds
+    for (const Friction& f : to.friction)
+      if (f.row >= 0 && f.row < n) to.lo[f.row] = -kInf;
+  check(to);
+}
+
+struct Result {
+  std::string_view status;
+  py::array_t<double> z, w;
+  py::object certificate;
+  double residual, rounding;
+  int iterations;
+  long factorizations;
+  double seconds;
+  std::string why_not;
+  std::vector<LogEntry> log;
+
+  bool solved() const { return status == name(Status::solved); }
+  std::string repr() const {
+    std::ostringstream text;
+    text << "Result(status='" << status << "', n=" << z.size() << ", residual=" << residual
+         << ", iterations=" << iterations << ")";
+    return text.str();
+  }
+};
+
+/// A registered solver with its own memory: the second problem of a size allocates nothing in it.
+class PythonSolver {
+ public:
+  explicit PythonSolver(const std::string& spec) : spec_(spec), solver_(make_solver(spec)) {}
+  const std::string& spec() const { return spec_; }
+
+  Result solve(py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction, py::handle start,
+               std::optional<double> time_limit, bool log) {
+    const Busy busy(*this);
+    const Lcp* problem = &problem_;
+    if (py::isinstance<Lcp>(M)) {
+      if (!q.is_none() || !lower.is_none() || !upper.is_none() || !friction.is_none())
+        throw std::invalid_argument("a Problem holds q, bounds and friction itself: must be given alone");
+      problem = &py::cast<const Lcp&>(M);
+      if (!finite(*problem)) throw std::invalid_argument("problem: M and q must be finite");
+    } else {
+      read_problem_into(problem_, M, q, lower, upper, friction);
+    }
+    if (time_limit && !(*time_limit > 0))
+      throw std::invalid_argument("time_limit = " + std::to_string(*time_limit) + ": must be > 0 [s]");
+    const bool warm = !start.is_none();
+    if (warm) read(start, "start", problem->size(), Entries::finite, solution_.z);
+    IterationLog entries;
+    solver_->set_log(log ? &entries : nullptr);
+    solver_->set_time_limit(time_limit.value_or(kInf));
+    double seconds = 0;
+    {
+      const py::gil_scoped_release others_may_run;
+      const auto begin = std::chrono::steady_clock::now();
+      solver_->solve(*problem, solution_, warm ? Start::warm : Start::cold);
+      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+    solver_->set_log(nullptr);
+    const Solution& s = solution_;
+    return {name(s.status),    to_numpy(s.z),
+            to_numpy(s.w),     s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
+            s.residual,        s.rounding,
+            s.iterations,      s.factorizations,
+            seconds,           s.status == Status::unsupported ? solver_->why_not(*problem) : "",
+            std::move(entries)};
+  }
+
+ private:
+  struct Busy {  // a solver's memory serves one thread at a time
+    explicit Busy(PythonSolver& owner) : flag(owner.busy_) {
+      if (flag) throw std::runtime_error("this Solver is at work in another thread: each thread needs its own");
+      flag = true;
+    }
+    Busy(const Busy&) = delete;
+    Busy& operator=(const Busy&) = delete;
+    ~Busy() { flag = false; }
+    bool& flag;  // read and written under the interpreter's lock
+  };
+
+  std::string spec_;
+  std::unique_ptr<Solver> solver_;
+  Lcp problem_;
+  Solution solution_;
+  bool busy_ = false;
+};
+
+py::object verdict(Verdict v) {
+  return v == Verdict::not_decided ? py::none() : py::object(py::bool_(v == Verdict::yes));
+}
+
+py::dict analysis_of(py::handle M) {
+  Matrix A;
+  if (py::isinstance<Lcp>(M))
+    A = py::cast<const Lcp&>(M).A;
+  else
+    read(M, "M", A);
+  Analysis a;
+  {
+    const py::gil_scoped_release others_may_run;
+    a = analyse(A);
+  }
+  py::dict d;
+  d["n"] = a.n;
+  d["symmetric"] = verdict(a.symmetric);
+  d["positive_definite"] = verdict(a.positive_definite);
+  d["positive_semidefinite"] = verdict(a.positive_semidefinite);
+  d["diagonally_dominant"] = verdict(a.diagonally_dominant);
+  d["z"] = verdict(a.z);
+  d["k"] = verdict(a.k);
+  d["h_plus"] = verdict(a.h_plus);
+  d["p"] = verdict(a.p);
+  d["p0"] = verdict(a.p0);
+  d["copositive"] = verdict(a.copositive);
+  d["column_sufficient"] = verdict(a.column_sufficient);
+  d["row_sufficient"] = verdict(a.row_sufficient);
+  d["rank"] = a.rank < 0 ? py::none() : py::object(py::int_(a.rank));
+  d["smallest"] = a.smallest;
+  d["largest"] = a.largest;
+  d["condition"] = a.condition;
+  d["not_p"] = a.not_p;
+  return d;
+}
+
+py::list arrays(const std::vector<Vector>& vectors) {
+  py::list list;
+  for (const Vector& x : vectors) list.append(to_numpy(x));
+  return list;
+}
+
+struct Face {
+  Index dimension;
+  py::list vertices, directions, lines;
+};
+struct Solutions {
+  py::list isolated;
+  std::vector<Face> faces;
+};
+
+Solutions all_solutions(const Lcp& problem) {
+  SolutionSet set;
+  {
+    const py::gil_scoped_release others_may_run;
+    set = enumerate_solutions(problem);
+  }
+  Solutions all{arrays(set.isolated), {}};
+  for (const SolutionFace& f : set.faces)
+    all.faces.push_back({f.dimension, arrays(f.vertices), arrays(f.directions), arrays(f.lines)});
+  return all;
+}
+
+}  // namespace
+
+void add_problems(py::module_& m) {
+  py::class_<Lcp>(m, "Problem",
+                  "A problem kept: z in [lower, upper] with w = M z + q, row by row complementary.\n\n"
+                  "friction: list of (row, normal row, mu): |z[row]| <= mu z[normal].")
+      .def(py::init([](py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
+             auto lcp = std::make_unique<Lcp>();
+             read_problem_into(*lcp, M, q, lower, upper, friction);
+             return lcp;
+           }),
+           py::arg("M"), py::arg("q"), py::arg("lower") = py::none(), py::arg("upper") = py::none(),
+           py::arg("friction") = py::none())
+      .def_property_readonly("M", [](const Lcp& p) { return to_python(p.A); })
+      .def_property_readonly("q", [](const Lcp& p) { return to_numpy(p.b); })
+      .def_property_readonly("lower", [](const Lcp& p) { return to_numpy(p.lo); })
+      .def_property_readonly("upper", [](const Lcp& p) { return to_numpy(p.hi); })
+      .def_property_readonly("friction",
+                             [](const Lcp& p) {
+                               std::vector<std::tuple<Index, Index, double>> list;
+                               for (const Friction& f : p.friction) list.emplace_back(f.row, f.normal, f.mu);
+                               return list;
+                             })
+      .def("__len__", &Lcp::size)
+      .def("__repr__", [](const Lcp& p) { return "Problem(n=" + std::to_string(p.size()) + ")"; });
+
+  py::class_<LogEntry>(m, "LogEntry")
+      .def_readonly("iteration", &LogEntry::iteration)
+      .def_readonly("merit", &LogEntry::merit)
+      .def_readonly("step", &LogEntry::step)
+      .def_readonly("event", &LogEntry::event)
+      .def("__repr__", [](const LogEntry& e) {
+        return "LogEntry(iteration=" + std::to_string(e.iteration) + ", event='" + e.event + "')";
+      });
+
+  py::class_<Result>(m, "Result", "What a solver gives back; `status` is 'solved' only where the judge accepted z.")
+      .def_readonly("status", &Result::status)
+      .def_property_readonly("solved", &Result::solved)
+      .def_readonly("z", &Result::z, "(n,) the solution, or the last z")
+      .def_readonly("w", &Result::w, "(n,) M z + q, recomputed")
+      .def_readonly("certificate", &Result::certificate, "(n,) u that proves infeasibility, else None")
+      .def_readonly("residual", &Result::residual, "natural residual in units of w")
+      .def_readonly("rounding", &Result::rounding, "w cannot be known below this")
+      .def_readonly("iterations", &Result::iterations)
+      .def_readonly("factorizations", &Result::factorizations)
+      .def_readonly("seconds", &Result::seconds, "wall time of the solver alone [s]")
+      .def_readonly("why_not", &Result::why_not, "why the solver cannot take the problem (status 'unsupported')")
+      .def_readonly("log", &Result::log, "list of LogEntry, where it was asked for")
+      .def("__repr__", &Result::repr);
+
+  py::class_<PythonSolver>(m, "_Solver")
+      .def(py::init<const std::string&>())
+      .def_property_readonly("spec", &PythonSolver::spec)
+      .def("solve", &PythonSolver::solve);
+
+  m.def("_solvers", [] {
+    std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
+    for (const SolverEntry& e : solvers()) table.emplace_back(e.name, e.summary, e.options());
+    return table;
+  });
+  m.def("_analyse", &analysis_of);
+
+  py::class_<Face>(m, "Face", "The hull of `vertices`, plus nonnegative multiples of `directions`, any of `lines`.")
+      .def_readonly("dimension", &Face::dimension)
+      .def_readonly("vertices", &Face::vertices)
+      .def_readonly("directions", &Face::directions)
+      .def_readonly("lines", &Face::lines);
+  py::class_<Solutions>(m, "Solutions", "All solutions: isolated points and maximal faces.")
+      .def_readonly("isolated", &Solutions::isolated)
+      .def_readonly("faces", &Solutions::faces);
+  m.def("_enumerate", &all_solutions);
+  m.def("_error_bound", [](const Lcp& p, py::handle z) {
+    Vector x;
+    read(z, "z", p.size(), Entries::finite, x);
+    return error_bound(p, x);
+  });
+
+  m.def("_read_problem", &read_problem_file);
+  m.def(
+      "write_fclib",
+      [](const std::filesystem::path& file, const Lcp& p, int dimension, const std::string& title,
+         const std::string& description) {
+        const Index friction = static_cast<Index>(p.friction.size());
+        write_fclib(file, {p, dimension, dimension > 1 ? friction / (dimension - 1) : 0, title, description});
+      },
+      py::arg("file"), py::arg("problem"), py::arg("dimension"), py::arg("title") = "", py::arg("description") = "",
+      "A contact problem for the FCLIB collection (core/lcp/io_fclib.h): dimension 2 or 3 rows a contact.");
+  m.def(
+      "write_problem",
+      [](const std::filesystem::path& file, const Lcp& p, const std::string& note) { write_problem(file, p, note); },
+      py::arg("file"), py::arg("problem"), py::arg("note") = "", "Whole or not at all; reads back bit for bit.");
+}
+
+}  // namespace orthant::python

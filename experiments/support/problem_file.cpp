@@ -1,0 +1,13 @@
+#include "problem_file.h"
+
+#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/io_fclib.h>
+
+namespace orthant {
+
+Lcp read_problem_file(const std::filesystem::path& file) {
+  const auto end = file.extension();
+  return end == ".hdf5" || end == ".h5" ? read_fclib(file).problem : read_problem(file);
+}
+
+}  // namespace orthant

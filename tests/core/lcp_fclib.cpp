@@ -1,0 +1,177 @@
+// Contact problems in the FCLIB format: written and read back, solved, and one clear line for files that lie.
+#include <orthant/core/lcp/contact_piles.h>
+#include <orthant/core/lcp/io_fclib.h>
+#include <orthant/solvers/registry.h>
+
+#include "tests/support/folder.h"
+
+#include <H5Cpp.h>
+#include <doctest/doctest.h>
+
+using namespace orthant;
+
+namespace {
+
+std::string real_file(const char* name) { return std::string(ORTHANT_TEST_DATA) + "/fclib/" + name; }
+
+Solution solved(const Lcp& problem, const char* solver = "auto") {
+  Solution s;
+  make_solver(solver)->solve(problem, s);
+  return s;
+}
+
+void must_fail(const std::string& file, const std::string& words) {
+  std::string said;
+  try {
+    read_fclib(file);
+  } catch (const std::runtime_error& error) {
+    said = error.what();
+  }
+  CAPTURE(said);
+  CHECK(said.find(words) != std::string::npos);
+  CHECK(said.find('\n') == std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("fclib: piles written and read back are the same problems") {
+  const Folder folder;
+  for (const bool spatial : {false, true}) {
+    CAPTURE(spatial);
+    ContactProblem p{box_column(3, {.mu = 0.4, .mass_ratio = 3, .spatial = spatial}), spatial ? 3 : 2, 0, "column",
+                     "3 boxes"};
+    p.contacts = p.problem.size() / p.dimension;
+    write_fclib(folder / "p.hdf5", p);
+    const ContactProblem q = read_fclib(folder / "p.hdf5");
+    CHECK(q.title == "column");
+    CHECK(q.description == "3 boxes");
+    CHECK(q.dimension == p.dimension);
+    CHECK(q.contacts == p.contacts);
+    const auto &A = std::get<Delassus>(p.problem.A), &B = std::get<Delassus>(q.problem.A);
+    CHECK(A.W.column == B.W.column);
+    CHECK(A.W.value == B.W.value);
+    CHECK((A.inverse_mass - B.inverse_mass).cwiseAbs().maxCoeff() < 1e-16);
+    CHECK(p.problem.b == q.problem.b);
+    CHECK(p.problem.lo == q.problem.lo);
+    REQUIRE(p.problem.friction.size() == q.problem.friction.size());
+    for (std::size_t k = 0; k < p.problem.friction.size(); ++k) CHECK(q.problem.friction[k].mu == 0.4);
+
+    DenseMatrix entries;
+    to_dense(p.problem.A, entries);
+    p.problem.A = entries;
+    write_fclib(folder / "local.hdf5", p);
+    const ContactProblem local = read_fclib(folder / "local.hdf5");
+    DenseMatrix back;
+    to_dense(local.problem.A, back);
+    CHECK(back == entries);
+    CHECK(solved(local.problem).status == Status::solved);
+  }
+}
+
+TEST_CASE("fclib: joints stand behind the contacts as free rows, a full mass matrix is multiplied out") {
+  // One point of mass 2 on the ground, pushed by (3, -4), its x held by a joint: r_n = 4, r_t of no use, the joint bears 3.
+  ContactProblem p{{}, 2, 1, "", ""};
+  Eigen::SparseMatrix<double, Eigen::RowMajor> J(3, 2);
+  J.insert(0, 1) = 1, J.insert(1, 0) = 1, J.insert(2, 0) = 1;
+  p.problem.A = Delassus{RowSparse::from(J), {0.5, 0.5}, {}};
+  p.problem.b = {-2, 1.5, 1.5}, p.problem.lo = {0, -kInf, -kInf}, p.problem.hi = {kInf, kInf, kInf};
+  p.problem.friction = {{1, 0, 0.0}};
+  const Folder folder;
+  write_fclib(folder / "p.hdf5", p);
+  const auto check_it = [&] {
+    const Solution s = solved(read_fclib(folder / "p.hdf5").problem);
+    REQUIRE(s.status == Status::solved);
+    CHECK(s.z[0] == doctest::Approx(4));
+    CHECK(s.z[1] == 0);
+    CHECK(s.z[2] == doctest::Approx(-3));
+  };
+  check_it();
+  {  // the same masses, told as a matrix with an entry beside the diagonal that a second one takes away again
+    H5::H5File file(folder / "p.hdf5", H5F_ACC_RDWR);
+    for (const char* set : {"m", "n", "nz", "p", "i", "x"}) (void)set;
+    const int p_rows[] = {0, 2, 3}, columns[] = {0, 1, 1};
+    const double values[] = {2, 1e-14, 2};
+    const hsize_t three = 3;
+    for (const char* name : {"p", "i", "x"}) file.unlink(std::string("fclib_global/M/") + name);
+    const H5::DataSpace space(1, &three);
+    file.createDataSet("fclib_global/M/p", H5::PredType::NATIVE_INT, space).write(p_rows, H5::PredType::NATIVE_INT);
+    file.createDataSet("fclib_global/M/i", H5::PredType::NATIVE_INT, space).write(columns, H5::PredType::NATIVE_INT);
+    file.createDataSet("fclib_global/M/x", H5::PredType::NATIVE_DOUBLE, space)
+        .write(values, H5::PredType::NATIVE_DOUBLE);
+  }
+  CHECK(std::holds_alternative<RowSparse>(read_fclib(folder / "p.hdf5").problem.A));
+  check_it();
+}
+
+TEST_CASE("fclib: real files are read and solved") {
+  const ContactProblem boxes = read_fclib(real_file("Box_Stacks-i0122-82-5.hdf5"));
+  CHECK(boxes.title == "Box_stacks");
+  CHECK(boxes.dimension == 3);
+  CHECK(boxes.contacts == 82);
+  const ContactProblem capsules = read_fclib(real_file("Capsules-i125-1213.hdf5"));
+  CHECK(capsules.contacts == 286);
+  CHECK(capsules.problem.friction.size() == 572);
+  CHECK(capsules.problem.friction.front().mu == 0.7);
+  const Solution s = solved(boxes.problem);
+  CHECK(s.status == Status::solved);
+}
+
+TEST_CASE("fclib: what cannot be read says which file, which dataset and why") {
+  const Folder folder;
+  must_fail(folder / "none.hdf5", "no such file");
+  must_fail(folder.write("text.hdf5", "not HDF5 at all"), "is no HDF5 file");
+  const std::string whole = slurp(real_file("Capsules-i125-1213.hdf5"));
+  for (const std::size_t length : {whole.size() / 2, whole.size() - 1, std::size_t{600}})
+    must_fail(folder.write("cut.hdf5", whole.substr(0, length)), "cut.hdf5: ");
+  { H5::H5File(folder / "empty.hdf5", H5F_ACC_TRUNC); }
+  must_fail(folder / "empty.hdf5", "fclib_local or fclib_global");
+
+  const auto changed = [&](const char* path, auto value, const H5::PredType& type) {
+    folder.write("bad.hdf5", whole);
+    H5::H5File file(folder / "bad.hdf5", H5F_ACC_RDWR);
+    file.unlink(path);
+    const hsize_t one = 1;
+    file.createDataSet(path, type, H5::DataSpace(1, &one)).write(&value, type);
+  };
+  changed("fclib_local/spacedim", 4, H5::PredType::NATIVE_INT);
+  must_fail(folder / "bad.hdf5", "fclib_local/spacedim = 4: must be 2 or 3");
+  changed("fclib_local/W/nz", -3, H5::PredType::NATIVE_INT);
+  must_fail(folder / "bad.hdf5", "fclib_local/W/nz = -3");
+  changed("fclib_local/W/m", -1, H5::PredType::NATIVE_INT);
+  must_fail(folder / "bad.hdf5", "sizes must be >= 0");
+  changed("fclib_local/W/m", 857, H5::PredType::NATIVE_INT);
+  must_fail(folder / "bad.hdf5", "fclib_local/W/p must ascend");
+  changed("fclib_local/W/n", 100, H5::PredType::NATIVE_INT);
+  must_fail(folder / "bad.hdf5", "fclib_local/W has an entry at");
+  changed("fclib_local/vectors/q", std::nan(""), H5::PredType::NATIVE_DOUBLE);
+  must_fail(folder / "bad.hdf5", "fclib_local/vectors/q has 1 entries: must have 858");
+  changed("fclib_local/W/m", 1.5, H5::PredType::NATIVE_DOUBLE);
+  must_fail(folder / "bad.hdf5", "must hold whole numbers");
+  {
+    folder.write("bad.hdf5", whole);
+    H5::H5File file(folder / "bad.hdf5", H5F_ACC_RDWR);
+    file.unlink("fclib_local/vectors/mu");
+    const hsize_t endless = hsize_t{1} << 40;  // an address space full, promised by a hundred bytes
+    file.createDataSet("fclib_local/vectors/mu", H5::PredType::NATIVE_DOUBLE, H5::DataSpace(1, &endless), [] {
+      H5::DSetCreatPropList late;
+      const hsize_t chunk = 1024;
+      late.setChunk(1, &chunk);
+      return late;
+    }());
+  }
+  must_fail(folder / "bad.hdf5", "must have at most");
+}
+
+TEST_CASE("fclib: what is no contact problem is not written") {
+  const Folder folder;
+  const auto refuse = [&](const ContactProblem& p, const char* words) {
+    CHECK_THROWS_WITH_AS(write_fclib(folder / "p.hdf5", p), doctest::Contains(words), std::invalid_argument);
+    CHECK(!std::filesystem::exists(folder / "p.hdf5"));
+  };
+  ContactProblem p{Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(2, 2)), {-1, 1}), 2, 1, "", ""};
+  refuse(p, "row 1: must be friction of the normal row before it");
+  p.contacts = 2;
+  refuse(p, "contacts = 2");
+  p.dimension = 4;
+  refuse(p, "dimension = 4");
+}
