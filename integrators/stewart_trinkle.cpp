@@ -15,12 +15,13 @@ double speed(const ContactRows& rows, const Eigen::VectorXd& v) {
 
 void StewartTrinkle::close(double h, const State& x) {
   if (cone_ == Cone::coulomb)
-    close_at_end_of_flight(h, x, nearly(h, x), [](const ClosedContact&) { return true; });
+    close_at_end_of_flight(h, x, nearly(),
+                           [&](const ClosedContact& c) { return terms_.gap[c.contact] <= nearly(c.rows); });
   else
     close_at_end_of_flight(h, x, kInf, [&](const ClosedContact& c) {
       const ContactLaw& law = system_.law(c.contact);
       const double slip = apply(c.rows.tangent, v_new_.data()) - law.belt;
-      return terms_.gap[c.contact] <= nearly(h, x) + h * law.mu_at(slip) * std::abs(slip);
+      return terms_.gap[c.contact] <= nearly(c.rows) + h * law.mu_at(slip) * std::abs(slip);
     });
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
   for (std::size_t k = 0; k < wanted_.size(); ++k) {

@@ -14,6 +14,7 @@
 
 #include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/mechanics/joint_load.h>
+#include <orthant/integrators/extents.h>
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
@@ -51,6 +52,7 @@ class VelocityStepping : public Integrator {
     Form form;
     Cone cone = Cone::coulomb;
     SleepOptions sleep = {};
+    double parted = 0;  // of the way that the applied forces move a body, how far open counts as closed
   };
   VelocityStepping(const System& system, const Plan& plan);
 
@@ -67,17 +69,12 @@ class VelocityStepping : public Integrator {
     std::erase_if(terms_.closed, [&](const ClosedContact& c) { return !keep(c); });
     newtons_law(system_.laws(), terms_, x.v, wanted_);
   }
-  /// [m] Gaps at the end of free flight up to this may be the rounding of positions and of the last step's impulses.
-  double nearly(double h, const State& x) const { return touching(x.q) + 1e-8 * h * largest(v_new_); }
+  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls parted.
+  double nearly(const ContactRows& rows) const { return near_.of(rows.normal); }
+  double nearly() const { return near_.largest(); }  // of any contact
   /// γ_N⁺ that just closes the gap at the end of the step, to first order: g_N = 0 at q + h v⁺.
   double closing(const ClosedContact& c, double h) const {
     return apply(c.rows.normal, v_new_.data()) - terms_.gap[c.contact] / h;
-  }
-
-  /// [m/s², rad/s²] The largest acceleration that the applied forces would give a free body.
-  double free_fall() {
-    force_ = system_.inverse_mass().cwiseProduct(terms_.f);
-    return largest(force_);
   }
 
   Terms terms_;
@@ -85,6 +82,7 @@ class VelocityStepping : public Integrator {
   Eigen::VectorXd v_new_;       // before the contacts act: v_free
 
  private:
+  void measure(double h, const State& x);  // near_
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
   /// The pairs that can be closed in the step.
@@ -101,6 +99,7 @@ class VelocityStepping : public Integrator {
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
   Impact impact_;
+  Extents near_;  // [m]
   BroadPhase broad_phase_;
   Sleep sleep_;
   Passing passing_;
