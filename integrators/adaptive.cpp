@@ -17,6 +17,7 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kAhead = 0.2, kLatest = 0.4;
 constexpr double kLate = 0.1;      // of the tolerance: what accelerations do before a change of mode is taken note of
 constexpr double kDipMet = 1e-3;   // of an arc: so near to its ends a margin's least value has been looked at
+constexpr double kTogether = 4;    // of the rounding of gaps: contacts this near count as closed in a crossing
 constexpr double kNoise = 0.01;    // of the tolerance: slips and gaps are looked at no closer
 constexpr double kSwing = 3;       // [rad] that a load swings in an arc, at the most
 constexpr double kTelling = 0.01;  // below, the error of an arc that was cut short may be rounding
@@ -63,6 +64,9 @@ Adaptive::Adaptive(const System& system, const Options& options)
       gap_margins_(system.laws().size()),
       gaps_before_(system.laws().size()),
       closed_(system.laws().size()),
+      series_(system.laws().size()),
+      over_(system.laws().size()),
+      bounce_(system.laws().size()),
       q_(system.dof()),
       v_(system.dof()),
       v_new_(system.dof()),
@@ -226,6 +230,8 @@ bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, Ste
   wish = std::min(4 * wish, width * 0.7 / error_);
   settle_modes(width, x);
   if (land(x.t + width)) {
+    for (std::size_t c = 0; c < series_.size(); ++c)
+      if (!before_[c].lasting && sum_[c].normal > 0) note_bounce(static_cast<int>(c), x.t + width);
     accept(width, x, report);
     return true;
   }
@@ -294,6 +300,7 @@ void Adaptive::restart(double h) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   std::fill(gap_margins_.begin(), gap_margins_.end(), Margin{});
+  std::fill(series_.begin(), series_.end(), ImpactSeries{});
 }
 
 void Adaptive::load(const State& x) {
@@ -493,10 +500,14 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   evaluate_gaps(system_, terms_);
   terms_.closed.clear();
   for (int c = 0; c < system_.contacts(); ++c)
-    if (terms_.gap[c] <= 4 * slack_[at(c)] || motion_.modes[at(c)].lasting) terms_.closed.push_back({c, rows(c)});
+    if (terms_.gap[c] <= kTogether * slack_[at(c)] || motion_.modes[at(c)].lasting)
+      terms_.closed.push_back({c, rows(c)});
   newtons_law(system_.laws(), terms_, v_, wanted_);
   for (std::size_t k = 0; k < terms_.closed.size(); ++k)
-    if (const int c = terms_.closed[k].contact; closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
+    if (const int c = terms_.closed[k].contact; closed_[at(c)] || over_[at(c)]) {
+      wanted_[k].tangent = system_.law(c).belt;
+      if (over_[at(c)]) wanted_[k].normal = 0;
+    }
   formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
   if (!formulation_.solve(solver, report)) return false;
   note_forces(terms_, v_new_, wanted_);
@@ -511,6 +522,7 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
 bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report) {
   // Tangential restitution is for contacts that strike: not for what lasts, nor once more in the second half.
   for (std::size_t c = 0; c < closed_.size(); ++c) closed_[c] = !jumps && motion_.modes[c].lasting;
+  end_series(x.t);
   load(x);
   if (!plain_step(x, 0, h, joints, solver, report)) return false;
   store(row_[0]);
@@ -535,31 +547,76 @@ bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const 
   return true;
 }
 
+/// Of an impact that leaves the contact with v_, at t.
+void Adaptive::note_bounce(int contact, double t) {
+  ImpactSeries& series = series_[at(contact)];
+  series.add(t);
+  bounce_[at(contact)] = std::max(0.0, apply(rows(contact).normal, v_.data())) * series.interval / 4;
+}
+
+/// Contacts that strike in turn come to rounding of their gaps, and seem closed together, while their speeds are not small
+/// yet. What is left of their series is then one impact without restitution. One by itself is followed to its end.
+void Adaptive::end_series(double t) {
+  const auto goes_on = [&](const ImpactSeries& s) { return s.accumulates() && t <= s.last + s.interval; };
+  for (std::size_t c = 0; c < over_.size(); ++c) {
+    const ImpactSeries& s = series_[c];
+    const bool low = goes_on(s) && bounce_[c] * s.ratio <= kTogether * slack_[c];
+    over_[c] = low && std::any_of(series_.begin(), series_.end(),
+                                  [&](const ImpactSeries& other) { return goes_on(other) && other.last != s.last; });
+  }
+}
+
+/// Of the tangent of closed contact k, in the problem solved last.
+Index Adaptive::friction_row(std::size_t k) const {
+  auto row = static_cast<Index>(terms_.closed.size());
+  for (std::size_t i = 0; i < k; ++i) row += system_.law(terms_.closed[i].contact).frictional();
+  return row;
+}
+
+/// [m/s²] where motion_ has just evaluated its accelerations a.
+double Adaptive::gap_acceleration(int contact, const Eigen::VectorXd& a) {
+  const Kinematics& at = motion_.terms().at;
+  return std::visit([&](const auto& c) { return apply(c.rows(at).normal, a.data()) + c.bias(at).normal; },
+                    system_.scene().contacts[static_cast<std::size_t>(contact)]);
+}
+
 /// After a crossing of h from x: what lasts and how, from its second half; and what happened to each contact.
 void Adaptive::settle_modes(double h, const State& x) {
   const double tiny = 10 * formulation_.solution().residual + 1e-13 * v_new_.lpNorm<Eigen::Infinity>();
   before_ = motion_.modes;
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
-  auto tangent = static_cast<Index>(terms_.closed.size());
-  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
+  // The second half gave a contact a speed γ_N⁺ and would have changed it by −fall without the contact. It lasts if it flies
+  // no higher than rounding can tell; or if it was stopped, having been closed before, and would be back within a step
+  // (else an impact elsewhere sent it off).
+  const auto try_to_last = [&](std::size_t k, double fall) {
     const auto c = at(terms_.closed[k].contact);
-    const bool frictional = system_.laws()[c].frictional();
-    const double slip = frictional ? formulation_.solution().w[tangent++] : 0;
-    // The second half gave it a speed γ_N⁺ and would have changed it by −fall without contact. It lasts if it flies no
-    // higher than rounding can tell; or if it was stopped, having been closed before, and would be back within a step
-    // (else an impact elsewhere sent it off).
-    const Row& row = terms_.closed[k].rows.normal;
-    const double stopped_from = (1 + system_.laws()[c].e) * apply(row, v_half_.data());
-    const double rebound = apply(row, v_.data()), fall = stopped_from - problem().b[static_cast<Index>(k)];
+    const double rebound = apply(terms_.closed[k].rows.normal, v_.data());
     const bool low = rebound * rebound * h <= fall * slack_[c];
     const bool pressed = (closed_[c] || before_[c].lasting) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
-    if (!low && !(pressed && rebound <= 2 * std::abs(fall))) continue;
+    if (!low && !(pressed && rebound <= 2 * std::abs(fall))) return false;
     ContactMode& mode = motion_.modes[c];
     mode.lasting = true;
-    mode.sticks = frictional && std::abs(slip) <= tiny;
-    mode.slip = !frictional || mode.sticks ? 0 : slip < 0 ? -1 : 1;
+    if (!system_.laws()[c].frictional()) return true;
+    const double slip = formulation_.solution().w[friction_row(k)];
+    mode.sticks = std::abs(slip) <= tiny;
+    mode.slip = mode.sticks ? 0 : slip < 0 ? -1 : 1;
+    return true;
+  };
+  bool any = false;
+  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
+    const double e = system_.law(terms_.closed[k].contact).e;
+    const double stopped_from = (1 + e) * apply(terms_.closed[k].rows.normal, v_half_.data());
+    any |= try_to_last(k, stopped_from - problem().b[static_cast<Index>(k)]);
   }
   motion_.modes_changed();
+  // What falls freely together with what it lies on is pressed all the same, where that is held by contacts that last.
+  while (any && motion_.lasting().size() < terms_.closed.size() && motion_.accelerations(x.t + h, q_, v_, force_)) {
+    any = false;
+    for (std::size_t k = 0; k < terms_.closed.size(); ++k)
+      if (const int c = terms_.closed[k].contact; !motion_.modes[at(c)].lasting)
+        if (const double fall = -h / 2 * gap_acceleration(c, force_); fall > 0) any |= try_to_last(k, fall);
+    motion_.modes_changed();
+  }
   for (std::size_t c = 0; c < before_.size(); ++c) {
     gap_margins_[c] = {};
     if (before_[c].lasting || !(sum_[c].normal > 0)) continue;

@@ -9,8 +9,6 @@
 namespace orthant {
 namespace {
 
-constexpr int kBounces = 2;           // in a row, each interval shorter: an accumulation
-constexpr double kShrinking = 0.999;  // by at least this factor
 constexpr double kForceZero =
     1e-8;                           // of the largest force: contacts this near to opening or sliding off do so together
 constexpr double kSingular = 1e-2;  // independence of the joint rows below which a pose counts as next to singular
@@ -71,7 +69,7 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
   formulation_.clear(), problem_ = &formulation_.problem();
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
   crossed_ = known ? crossed_ - (x.t - start_) : -kInf;
-  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = shared_ = 0;
+  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = shared_ = instants_ = 0;
   good_ = known || begin(solver, x, report);
   while (good_ && lead_ == 0 && elapsed_ < h) {
     const double stop = next_stop() - start_;
@@ -351,7 +349,7 @@ void EventDriven::accept(double s, double end) {
 /// At now_: impacts, then the modes; their events.
 bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
   const double t = start_ + elapsed_;
-  if (static_cast<int>(events_.size()) >= options_.max_events)
+  if (++instants_ > options_.max_events)
     return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
   if (event && standstill_ == 0 && shares_anew(*event)) {
     if (++shared_ < kShares) crowded_ = std::max(0, crowded_ - 1);  // no event of a crowd, unless it goes on so
@@ -446,13 +444,10 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
 /// Before an impact at contact c.
 void EventDriven::note_bounce(int c) {
   Bounces& b = bounces_[at(c)];
-  const double t = start_ + elapsed_, interval = t - b.last, ratio = interval / b.interval;
-  b.shrinking = ratio < kShrinking ? b.shrinking + 1 : 0;
-  b.rest = ratio < 1 ? interval * ratio / (1 - ratio) : 0;
-  const double height = -now_.w.gap_rate[c] * interval / 4;  // of the last one, a parabola of this speed
-  b.height = height * ratio;
+  b.add(start_ + elapsed_);
+  const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
+  b.height = height * b.ratio;
   b.rounding = height <= 16 * gap_zero(c);
-  b.interval = interval, b.last = t;
 }
 
 /// Marks the contacts whose bounces need not be resolved any more, if there are any at this time.
@@ -462,11 +457,11 @@ bool EventDriven::accumulates() {
   bool any = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];
-    any = any || (b.last == t && (b.rounding || (b.shrinking >= kBounces && b.height <= low(c))));
+    any = any || (b.last == t && (b.rounding || (b.accumulates() && b.height <= low(c))));
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];
-    b.over = any && (b.rounding || b.shrinking >= kBounces) && t - b.last <= b.interval && now_.w.gap[c] <= low(c);
+    b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && now_.w.gap[c] <= low(c);
     touching_[at(c)] = touching_[at(c)] || b.over;
   }
   return any;

@@ -41,6 +41,7 @@
 #include <orthant/integrators/contact_watch.h>
 #include <orthant/integrators/dormand_prince.h>
 #include <orthant/integrators/impact.h>
+#include <orthant/integrators/impact_series.h>
 #include <orthant/integrators/moreau_jean.h>
 
 namespace orthant {
@@ -54,7 +55,7 @@ struct EventDrivenOptions {
   double touching = 1e-15;      // [m] gap taken as closed where another contact is struck
   double accumulation = 1e-14;  // [m] height of bounces that are not resolved any more
   double crossing = 1e-6;       // [s] first step of Moreau–Jean's method where events have no end or no answer
-  int max_events = 1000000;     // in one call of step()
+  int max_events = 1000000;     // instants of one call of step() at which contacts strike or change their modes
   template <class V> void visit(V&& v) {
     v("rtol", rtol, 1e-15, 1e-2), v("atol", atol, 1e-30, 1e-2), v("first_step", first_step, 0.0, 1e6);
     v("touching", touching, 0.0, 1e-3), v("accumulation", accumulation, 0.0, 1e-3);
@@ -71,12 +72,10 @@ class EventDriven final : public Integrator {
   std::string why() const override { return why_; }
 
  private:
-  struct Bounces {                         // a contact's impacts
-    double last = -kInf, interval = kInf;  // [s]
-    int shrinking = 0;                     // intervals in a row
-    double rest = 0, height = 0;           // [s] what is left of the series; [m] bound of the next bounce
-    bool rounding = false;                 // the last bounce was of the size of rounding
-    bool over = false;                     // accumulated, just now
+  struct Bounces : ImpactSeries {  // a contact's impacts
+    double height = 0;             // [m] bound of the next bounce
+    bool rounding = false;         // the last bounce was of the size of rounding
+    bool over = false;             // accumulated, just now
   };
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
@@ -139,6 +138,7 @@ class EventDriven final : public Integrator {
   Kinematics poses_;
   int standstill_ = 0;  // steps since time moved
   int crowded_ = 0;     // steps since it moved by more than next to nothing
+  int instants_ = 0;    // of this call at which something happened
   int shared_ = 0;      // times that friction was shared anew meanwhile
   Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_, none_;
   bool good_ = false;  // the last call ended at last_q_, last_v_
