@@ -97,7 +97,7 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
   for (int pass = 1;; ++pass) {
     formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
     formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
-    if (!formulation_.solve(solver, report)) {
+    if (!formulation_.solve(solver, report, crew())) {
       why_ = formulation_.contradiction();
       return false;
     }
