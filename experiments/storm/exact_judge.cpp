@@ -91,6 +91,9 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   double most_mu = 0;
   for (const Friction& f : p.friction) most_mu = std::max(most_mu, f.mu);
 
+  std::vector<T> cost(at(n), T(1));  // of moving z_i by 1: the largest change of a w, 1 at the least
+  for (Index i = 0; i < n; ++i) each(i, [&](Index j, const T& a) { cost[at(j)] = most_of<T>(cost[at(j)], abs(a)); });
+
   T whole(0);
   for (Index i = 0; i < n; ++i) {
     T terms = abs(copy.b[at(i)]), given = terms;
@@ -149,6 +152,16 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       side[at(i)] = below && above && lo == hi ? Side::stays : to_lower ? Side::lower : Side::upper;
       if (side[at(i)] == Side::stays) r[at(i)] = -1;  // a fixed row: any w
       moved[at(i)] = to_lower ? lo : hi;
+      T allowed = T(1.001) * most_of<T>(T(tolerance) * beta, T(20 * kEpsilon) * size[root]);
+      if (second) {  // its bound has moved along with its normal
+        const Index normal = friction[at(i)]->normal;
+        allowed += T(friction[at(i)]->mu) * cost[at(i)] * abs(moved[at(normal)] - x[at(normal)]);
+      }
+      if (cost[at(i)] * abs(moved[at(i)] - x[at(i)]) > allowed) {
+        finding.why = row_says(i, "distance of z from the bound that the sign of w asks for",
+                               static_cast<double>(abs(moved[at(i)] - x[at(i)])));
+        return finding;
+      }
     }
 
   finding.error = 0;

@@ -2,7 +2,7 @@
 //
 //   What `solved` promises, as a backward error: z̄ near z solves, without any tolerance, a problem near the one given.
 //   Row by row z stays where it is when |w_i| ≤ r, else z̄_i is the bound that the sign of w_i asks for (friction rows after
-//   their normals, ∓μ z̄_n). Then, with w̄ = A z̄ + b,
+//   their normals, ∓μ z̄_n), and the move may cost no more than r: |z̄_i − z_i| max(1, max_j |A_ji|) ≤ r. Then, with w̄ = A z̄ + b,
 //     |w̄_i| ≤ T on rows that stayed,  w̄_i ≥ −T at lo,  w̄_i ≤ T at hi,
 //     r = max(tolerance β, 20 ε S),  T = (n + 1)(1 + max μ) r,  ε S ≤ min(1e-6 (1 + β), 1e-4 β),
 //   S = max_i |b_i| + Σ_j |A_ij z_j|, and β the same of the data alone (certify.h). S and β are of each part of the problem,
