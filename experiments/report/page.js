@@ -100,6 +100,14 @@ function linesOf(sweep, rows, figure, choice) {
   return lines;
 }
 
+/** The parameters that no axis shows, as text: what a reader has to choose. */
+function besideAxes(row, figure) {
+  const axes = [figure.x, figure.y, figure.by];
+  const all = JSON.parse(row.parameters);
+  if (!axes.some((name) => name in all)) return row.parameters;
+  return JSON.stringify(Object.fromEntries(Object.entries(all).filter(([name]) => !axes.includes(name))));
+}
+
 function drawFigure(parent, sweep, rows, figure) {
   const block = add(parent, "section");
   add(block, "h2", figure.title);
@@ -110,9 +118,8 @@ function drawFigure(parent, sweep, rows, figure) {
       row[figure.x] !== null &&
       ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]),
   );
-  const axes = new Set([figure.x, figure.y, figure.by]);
-  const choices = unique(used.map((row) => row.parameters));
-  const chosen = !Object.keys(JSON.parse(choices[0] ?? "{}")).some((name) => axes.has(name)) && choices.length > 1;
+  const choices = unique(used.map((row) => besideAxes(row, figure)));
+  const chosen = choices.length > 1;
   const pick = document.createElement("select");
   pick.setAttribute("aria-label", "parameters");
   if (figure.worst) pick.add(new Option("the worst of all parameters", ""));
@@ -121,7 +128,7 @@ function drawFigure(parent, sweep, rows, figure) {
   if (!figure.worst && middle) pick.value = middle;
   const build = () => {
     const choice = chosen ? pick.value : "";
-    const some = choice ? used.filter((row) => row.parameters === choice) : used;
+    const some = choice ? used.filter((row) => besideAxes(row, figure) === choice) : used;
     return {
       lines: linesOf(sweep, some, figure, chosen ? choice : choices[0]),
       log: figure.log ?? "",

@@ -52,22 +52,32 @@ def draw_panel(axes, sweep, rows, figure, parameters):
         axes.plot(*zip(*points or NOTHING), label=name, color=colour, marker=marker, markersize=4.5)
 
 
+def beside_axes(row, figure):
+    """The parameters that no axis shows, as text: a panel each."""
+    parameters = json.loads(row["parameters"])
+    axes = {figure["x"], figure["y"], figure["by"]} & set(parameters)
+    if not axes:
+        return row["parameters"]
+    return json.dumps({name: value for name, value in parameters.items() if name not in axes})
+
+
 def draw(sweep, rows, figure, folder, about):
     rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
             all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None]
-    panels = list(dict.fromkeys(row["parameters"] for row in rows))
-    if figure.get("worst") or any(figure[key] in json.loads(panels[0]) for key in ("x", "y", "by")):
+    panels = list(dict.fromkeys(beside_axes(row, figure) for row in rows))
+    if figure.get("worst"):
         panels = [None]
     columns = min(3, len(panels))
     deep = -(-len(panels) // columns)
     size = (4 + 2.6 * columns, 2.6 + 2.4 * deep)  # [in]
     page, grid = plt.subplots(deep, columns, squeeze=False, sharex=True, sharey=True, figsize=size)
     for axes, parameters in zip(grid.flat, panels):
-        own = [row for row in rows if parameters in (None, row["parameters"])]
+        own = [row for row in rows if parameters in (None, beside_axes(row, figure))]
         draw_panel(axes, sweep, own, figure, parameters or "{}")
         if parameters:
             words = json.loads(parameters).items()
-            axes.set_title(", ".join(f"{'µ' if name == 'mu' else name} = {value:g}" for name, value in words))
+            axes.set_title(", ".join(value if name == "scene" else f"{'µ' if name == 'mu' else name} = {value:g}"
+                                     for name, value in words), fontsize=8.5)
         log = figure.get("log", "")
         axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),
                  xscale="log" if "x" in log else "linear", yscale="log" if "y" in log else "linear")

@@ -1,5 +1,7 @@
 #include "case.h"
 
+#include "drift.h"
+
 #include "experiments/support/manifest.h"
 #include "experiments/support/trajectory.h"
 
@@ -68,13 +70,14 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
   if (column == columns.end()) throw std::invalid_argument("measure '" + c.measure + "': the scene has no such column");
   Run run;
   Along along;
+  std::optional<Drift> drift;
   double seconds = kInf;
   std::unique_ptr<Integrator> integrator;
   for (int i = 0; i < std::max(1, c.repeats); ++i) {
     integrator = make_integrator(c.integrator_spec(), system);
-    along = {};
+    along = {}, drift.emplace(system);
     run = simulate(*integrator, *make_solver(c.solver), {.step = c.step, .duration = c.duration},
-                   [&](const Moment& moment) { along.add(moment); });
+                   [&](const Moment& moment) { along.add(moment), drift->add(moment.state); });
     seconds = std::min(seconds, run.seconds);
   }
   const bool solved = run.status == Status::solved;
@@ -107,6 +110,9 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
               {"energy_initial", number(run.energy_initial)},
               {"energy_final", number(run.energy_final)},
               {"energy_rise", number(run.max_energy_rise)},
+              {"energy_drift", number(drift->energy())},
+              {"momentum_drift", number(drift->momentum())},
+              {"spin_drift", number(drift->spin())},
               {"impulse", number(along.impulse)},
               {"friction_impulse", number(along.friction_impulse)},
               {"first_touch", number(along.first_touch)},
@@ -145,6 +151,7 @@ std::string Case::integrator_spec() const {
 std::vector<std::string> Case::sets() const {
   std::vector<std::string> all;
   for (const auto& [name, value] : parameters) {  // a scene file reads TOML, a built-in scene bare words
+    if (name == kSceneParameter) continue;
     const bool bare = value.is_string() && scene_text.empty();
     all.push_back(name + '=' +
                   (value.is_number() ? detail::text_of(value.get<double>())
@@ -190,6 +197,7 @@ double exact_measure(const Case& c) {
   if (c.scene != "slider_crank") refuse("the scene " + c.scene);
   if (c.duration != 0.2) refuse("duration = " + detail::text_of(c.duration));
   for (const auto& [name, value] : c.parameters) {
+    if (name == kSceneParameter) continue;
     if ((name != "mu" && name != "e") || !value.is_number()) refuse(name + " = " + value.dump());
     (name == "mu" ? mu : e) = value.get<double>();
   }

@@ -1,12 +1,15 @@
 // experiments/sweep/sweep.h — a sweep from a TOML file: which scene, by which integrators and solvers, over what.
 //
 //   question  = "…"                       what the sweep answers; the report begins with it
-//   scene     = "slider_crank"            built-in name, or a file's path from the sweep file's folder
+//   scene     = "slider_crank"            built-in name, or a file's path from the sweep file's folder; of every grid that
+//                                         has no scenes of its own
 //   duration  = 0.2                       [s]; default: the scene's
 //   measure   = "crank.theta"             a column of `orthant simulate --output`, at the end of the run
 //   reference = "exact"                   the slider-crank's table; or an integrator that is run once for all cases of the
 //                                         same scene: "event-driven:rtol=1e-12"; default: no errors
 //   [[grid]]                              every combination of what the lists hold; a value by itself is a list of one
+//   scene      = ["chain", "n_four_bar"]  these instead of the above; the name is then a parameter of the rows
+//   duration   = 20                       [s] instead of the above
 //   integrator = ["rattle", "moreau-jean:theta=0.6"]
 //   solver     = ["lemke"]                default
 //   step       = {from = 1e-3, to = 1e-6, count = 20, scale = "log"}   [s] moved so that it divides the duration;

@@ -1,0 +1,78 @@
+"""From the results of the studies what the article takes: reduce.py RESULTS DATA.
+
+Columns that are used, numbers to six digits; beside each study what asked for it (the sweep's text, as a fingerprint),
+which build answered, on what machine.
+"""
+import csv
+import hashlib
+import json
+import sys
+from pathlib import Path
+
+EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
+COLUMNS = {
+    "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves lcp_iterations seconds "
+                    "max_lcp_residual max_joint_residual",
+    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final touching impulse seconds",
+    "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
+                 "first_touch",
+    "conservation": "scene integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
+                    "energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
+}
+TABLES = {"lcp_shootout": ("summary.csv", "by_group.csv")}
+MACHINE = ("revision", "compiler", "flags", "cpu", "cores", "packages")
+
+
+def rounded(text):
+    try:
+        return f"{float(text):.6g}"
+    except ValueError:
+        return text
+
+
+def fingerprint(study):
+    return hashlib.sha256((EXPERIMENTS / f"{study}.sweep.toml").read_bytes()).hexdigest()[:16]
+
+
+def about(folder, **more):
+    manifest = json.loads((folder / "manifest.json").read_text())
+    return {key: manifest[key] for key in MACHINE if key in manifest} | more
+
+
+def reduce_sweep(results, data, study):
+    folder = results / study
+    with open(folder / "sweep.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    columns = COLUMNS[study].split()
+    with open(data / f"{study}.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(columns)
+        for row in rows:
+            if "repeats" in row and row["repeats"] == "0":
+                row["seconds"] = ""  # of runs beside others: says nothing
+            out.writerow([rounded(row.get(column, "")) for column in columns])
+    orders = [{key: value for key, value in one.items() if key not in ("sweep", "worst")} |
+              {"worst": [[float(rounded(x)) for x in pair] for pair in one["worst"]]}
+              for one in json.loads((folder / "orders.json").read_text() or "[]")]
+    text = "[\n" + ",\n".join(json.dumps(one) for one in orders) + "\n]\n"
+    (data / f"{study}.orders.json").write_text(text)
+    (data / f"{study}.times.csv").write_text((folder / "times.csv").read_text())
+    made = about(folder, command=f"experiments/run {study}", asked=fingerprint(study))
+    (data / f"{study}.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
+def main(results, data):
+    for study in COLUMNS:
+        if (results / study / "sweep.csv").exists():
+            reduce_sweep(results, data, study)
+    for study, files in TABLES.items():
+        for name in files:
+            if (results / study / name).exists():
+                (data / f"{study}.{name}").write_text((results / study / name).read_text())
+        manifest = json.loads((results / study / "manifest.json").read_text())
+        made = about(results / study, command=manifest["command"])
+        (data / f"{study}.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
