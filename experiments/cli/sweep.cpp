@@ -195,7 +195,7 @@ void add_results(CLI::App& app, int& exit_code) {
   CLI::Option* orders =
       command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV, or with --json");
   CLI::Option* times =
-      command->add_flag("--times", arguments->times, "wall time to an error [s] as CSV, or with --json");
+      command->add_flag("--times", arguments->times, "processor time to an error [s] as CSV, or with --json");
   CLI::Option* failures =
       command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay");
   CLI::Option* about =

@@ -153,7 +153,7 @@ function drawTimes(parent, sweep) {
   add(
     parent,
     "p",
-    "Wall time in milliseconds, the worst over the parameters; the cheapest setting from which on every finer one is as good; –: not reached in this sweep.",
+    "Processor time in milliseconds, the worst over the parameters; the cheapest setting from which on every finer one is as good; –: not reached in this sweep.",
     { className: "note" },
   );
   const best = sweep.targets.map((_, k) =>

@@ -1,6 +1,7 @@
 #include "drift.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace orthant {
@@ -42,10 +43,12 @@ Drift::Drift(const System& system) : system_(system) {
 
 void Drift::add(const State& x) {
   const double energy = orthant::energy(system_, x);
-  const Eigen::Vector3d now = momenta(system_, x);
-  if (!started_) energy_0_ = energy, start_ = now, started_ = true;
+  const bool first = !started_;
+  if (first) energy_0_ = energy, started_ = true;
   energy_ = std::max(energy_, std::abs(energy - energy_0_));
-  if (momentum_ != momentum_) return;
+  if (std::isnan(momentum_)) return;
+  const Eigen::Vector3d now = momenta(system_, x);
+  if (first) start_ = now;
   momentum_ = std::max(momentum_, (now - start_).head<2>().norm());
   spin_ = std::max(spin_, std::abs(now[2] - start_[2]));
 }

@@ -16,7 +16,8 @@
 //                                         default: the scene's.  scale: "linear" (default) or "log"
 //   rtol       = [1e-3, 1e-6]             for integrators to a tolerance; atol = max(rtol / 1000, 1e-15)
 //   set        = {mu = [0, 0.1]}          parameters of the scene; of a scene file: "contact.corner1.mu" = […]
-//   repeats    = 3                        runs alone on the machine, the fastest counts; default 0: on all cores, not timed
+//   repeats    = 3                        runs alone, timed in processor time, the fastest counts (longer than 0.1 s: one
+//                                         will do); default 0: on all cores, not timed
 //   time_limit = 60                       [s] a case; past it the case is a failure
 //   quick      = {step = …, set = {…}}    what --quick puts in place of the above; quick = false leaves the grid out
 //   [[figure]], [[animation]]             what the report shows: experiments/report/report.h

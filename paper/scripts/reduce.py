@@ -7,6 +7,7 @@ import csv
 import hashlib
 import json
 import sys
+from collections import Counter
 from pathlib import Path
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
@@ -16,10 +17,9 @@ COLUMNS = {
     "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final touching impulse seconds",
     "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
                  "first_touch",
-    "conservation": "scene integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
+    "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
                     "energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
 }
-TABLES = {"lcp_shootout": ("summary.csv", "by_group.csv")}
 MACHINE = ("revision", "compiler", "flags", "cpu", "cores", "packages")
 
 
@@ -61,17 +61,27 @@ def reduce_sweep(results, data, study):
     (data / f"{study}.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 
+def reduce_shootout(folder, data):
+    """Per solver and family: how often each result; per solver the median of time over the fastest."""
+    (data / "shootout.summary.csv").write_text((folder / "summary.csv").read_text())
+    with open(folder / "shootout.csv", newline="") as file:
+        tally = Counter((row["solver"], row["family"], row["result"]) for row in csv.DictReader(file))
+    with open(data / "shootout.families.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["solver", "family", "result", "problems"])
+        out.writerows([*key, number] for key, number in sorted(tally.items()))
+    manifest = json.loads((folder / "manifest.json").read_text())
+    made = about(folder, command="experiments/run shootout " + manifest["command"].split("lcp_shootout", 2)[-1].strip(),
+                 options=manifest["options"])
+    (data / "shootout.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
 def main(results, data):
     for study in COLUMNS:
         if (results / study / "sweep.csv").exists():
             reduce_sweep(results, data, study)
-    for study, files in TABLES.items():
-        for name in files:
-            if (results / study / name).exists():
-                (data / f"{study}.{name}").write_text((results / study / name).read_text())
-        manifest = json.loads((results / study / "manifest.json").read_text())
-        made = about(results / study, command=manifest["command"])
-        (data / f"{study}.about.json").write_text(json.dumps(made, indent=1) + "\n")
+    if (results / "lcp_shootout/shootout.csv").exists():
+        reduce_shootout(results / "lcp_shootout", data)
 
 
 if __name__ == "__main__":
