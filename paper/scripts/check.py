@@ -48,7 +48,7 @@ def problems():
         above = text.count("\n") - body.count("\n")
         for line, what in hand_typed(body):
             yield f"{path.name}:{line + above}: the number {what} is typed by hand"
-    whole = "\n".join(texts.values())
+    whole = "\n".join(re.sub(r"(?<!\\)%.*", "", text.split(r"\begin{document}")[-1]) for text in texts.values())
     used = set(re.findall(r"\\R\{([^}#]+)\}", whole))
     tables = set(re.findall(r"\\input\{generated/([^}]+)\}", whole))
     made = dict(files())
@@ -56,7 +56,7 @@ def problems():
     yield from (f"no number '{key}', which the text wants" for key in sorted(used - known))
     yield from (f"the number '{key}' is computed, but not used" for key in sorted(known - used))
     yield from (f"no table '{name}', which the text wants" for name in sorted(tables - {n[:-4] for n in made}))
-    yield from (f"the table '{name}' is computed, but not used" for name in sorted({n[:-4] for n in made} - tables))
+    yield from (f"the table '{name}' is computed, but not used" for name in sorted({n[:-4] for n in made} - tables - {"numbers"}))
     for name, text in made.items():
         path = PAPER / "generated" / name
         if not path.exists() or path.read_text() != text:

@@ -3,12 +3,13 @@ import math
 import re
 import tomllib
 
-from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex
+from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit
 
 CLASSICAL, SYMMETRIC = "moreau-jean:joints=position", "moreau-jean:joints=symmetric"
 NEAR = (0.9e-5, 1.1e-5)  # [s]
 WELL = 0.4  # restitution up to which the motion is well conditioned
 FIXED = (CLASSICAL, SYMMETRIC, "stewart-trinkle", "anitescu-potra", "paoli-schatzman", "generalized-alpha", "rattle")
+STUDIES = ("slider_crank", "friction", "clearance", "conservation", "shootout")
 TARGETS = ("0.01", "0.001", "1e-04", "1e-05", "1e-06", "1e-07", "1e-08", "1e-09")
 
 
@@ -40,15 +41,18 @@ def numbers(n):
     n["mechanism/omega1"] = tex(bodies["crank"]["omega"], 3)
     law = next(iter(contacts.values()))
     n["mechanism/mu"], n["mechanism/e"] = tex(law["mu"], 1), tex(law["e_n"], 1)
-    n["mechanism/reference_agreement"] = tex(exact["reference_agreement"]["value"], 1) + r"\,rad"
+    n["mechanism/reference_agreement"] = tex(exact["reference_agreement"]["value"]) + unit("rad")
     n["crank/duration"] = tex(scene["duration"], 1)
     n["crank/turns"] = tex(exact["theta1_end"]["value"] / (2 * math.pi))
     n["crank/e_bad"] = tex(max(row["e"] for row in table), 1)
     n["crank/e_well"] = tex(WELL, 1)
-    n["crank/h_near"] = tex(1e6 * sum(NEAR) / 2, 2) + r"\,\textmu s"
+    n["crank/h_near"] = tex(1e6 * sum(NEAR) / 2, 2) + unit(r"\mu s")
     fixed_runs = [row for row in table if row["solver"] == "lemke"]
-    n["crank/runs"], n["crank/runs_lemke"] = count(len(table)), count(len(fixed_runs))
+    n["crank/runs_lemke"] = count(len(fixed_runs))
     n["crank/unsolved_lemke"] = count(len(fixed_runs) - len(solved(fixed_runs)))
+    moreau = [row for name in ("slider_crank", "friction") for row in rows(name)
+              if row["solver"] == "lemke" and row["integrator"].startswith("moreau-jean")]
+    n["crank/moreau_runs"], n["crank/moreau_failed"] = count(len(moreau)), count(len(moreau) - len(solved(moreau)))
     n["crank/joint_residual"] = tex(max(row["max_joint_residual"] for row in solved(fixed_runs)), 1)
     n["crank/lcp_residual"] = tex(max(row["max_lcp_residual"] for row in solved(fixed_runs)), 1)
     best = [min((row for row in pick(solved(table), integrator="event-driven", mu=mu, e=e)), key=lambda r: r["rtol"])["error"]
@@ -65,11 +69,15 @@ def numbers(n):
     n["crank/order_rattle_inelastic"] = tex(min(inelastic), 3)
     times = {row["integrator"]: row for row in rows("slider_crank.times")}
     for target, name in (("0.001", "e3"), ("1e-06", "e6")):
-        n[f"crank/adaptive_{name}"] = tex(1e3 * times["adaptive"][f"to_{target}"]) + r"\,ms"
-    n["crank/event_driven_e9"] = tex(1e3 * times["event-driven"]["to_1e-09"]) + r"\,ms"
-    n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + r"\,ms"
-    n["crank/classical_e2"] = tex(1e3 * times[CLASSICAL]["to_0.01"]) + r"\,ms"
-    n["crank/symmetric_e2"] = tex(1e3 * times[SYMMETRIC]["to_0.01"]) + r"\,ms"
+        n[f"crank/adaptive_{name}"] = tex(1e3 * times["adaptive"][f"to_{target}"]) + unit("ms")
+    n["crank/event_driven_e9"] = tex(1e3 * times["event-driven"]["to_1e-09"]) + unit("ms")
+    n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + unit("ms")
+    timed = pick(solved(table), integrator=CLASSICAL, repeats=3)
+    n["crank/classical_finest"] = tex(1e6 * min(row["step"] for row in timed), 2) + unit(r"\mu s")
+    finest = pick(timed, step=min(row["step"] for row in timed))
+    n["crank/classical_finest_error"] = tex(max(row["error"] for row in finest), 1)
+    n["crank/classical_finest_cost"] = tex(1e3 * max(row["seconds"] for row in finest)) + unit("ms")
+    n["crank/symmetric_e2"] = tex(1e3 * times[SYMMETRIC]["to_0.01"]) + unit("ms")
     adaptive = max(row["lcp_solves"] for row in pick(solved(table), integrator="adaptive", rtol=1e-6))
     n["crank/adaptive_solves"] = count(int(adaptive))
     step = min(row["step"] for row in pick(table, integrator=SYMMETRIC, repeats=3))
@@ -77,7 +85,8 @@ def numbers(n):
     n["crank/symmetric_solves"] = count(int(max(row["lcp_solves"] for row in finest)))
     n["crank/symmetric_finest_error"] = tex(max(row["error"] for row in finest), 1)
     made = load("slider_crank.about")
-    n["machine/revision"] = code(made["revision"])
+    revisions = dict.fromkeys(load(f"{name}.about")["revision"] for name in STUDIES)
+    n["machine/revision"] = " and ".join(code(revision) for revision in revisions)
     n["machine/cpu"] = re.sub(r"\((R|TM)\)", "", made["cpu"]).replace("@", "at").strip()
     n["machine/cores"] = count(made["cores"])
     n["machine/compiler"] = made["compiler"]

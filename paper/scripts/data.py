@@ -51,6 +51,10 @@ def tex(x, digits=2):
         rf"\ensuremath{{10^{{{int(exponent)}}}}}"
 
 
+def unit(name):
+    return rf"\ensuremath{{\,\mathrm{{{name}}}}}"
+
+
 def count(n):
     return rf"\ensuremath{{{n:d}}}" if n < 10000 else rf"\ensuremath{{{n // 1000}\,{n % 1000:03d}}}"
 
@@ -71,3 +75,11 @@ def short(integrator):
     names = {"moreau-jean:joints=position": r"\code{moreau-jean}, classical",
              "moreau-jean:joints=symmetric": r"\code{moreau-jean}, symmetric", "moreau-jean": r"\code{moreau-jean}, symmetric"}
     return names.get(integrator) or code(re.sub(":.*", "", integrator))
+
+
+def unsolved(table):
+    """In words: how many runs of which scheme did not end solved."""
+    count_of = {i: len([r for r in pick(table, integrator=i) if r["status"] != "solved"])
+                for i in dict.fromkeys(row["integrator"] for row in table)}
+    words = [rf"{code(i)} {count(number)}" for i, number in count_of.items() if number]
+    return ", ".join(words) or "none"

@@ -24,10 +24,14 @@ def line(axes, integrator, points, **more):
                   **{"label": label, **more})
 
 
-def finish(figure, grid, folder, name, columns=3, room=0.2):
+def finish(figure, grid, folder, name, columns=5, room=0.13):
+    for axes in grid:  # within a decade labels would run into each other
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_minor_formatter("")
     handles = {h.get_label(): h for axes in grid for h in axes.get_legend_handles_labels()[0]}
     figure.tight_layout(rect=(0, room, 1, 1))
-    figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=columns, fontsize=8)
+    figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=columns, fontsize=7, columnspacing=1.2,
+                  handletextpad=0.4)
     figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
     plt.close(figure)
 
@@ -49,7 +53,7 @@ def convergence(folder):
 def cost(folder):
     table = [row for row in solved(rows("slider_crank")) if row["repeats"] and row["error"]]
     figure, grid = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True)
-    for axes, x, label in zip(grid, ("seconds", "lcp_solves"), ("wall time [s]", "complementarity problems solved")):
+    for axes, x, label in zip(grid, ("seconds", "lcp_solves"), ("processor time [s]", "complementarity problems solved")):
         for integrator in dict.fromkeys(row["integrator"] for row in table):
             own = pick(table, integrator=integrator)
             settings = {row["rtol"] or row["step"] for row in own}
@@ -67,14 +71,14 @@ def friction(folder):
     table = [row for row in solved(rows("friction")) if row["repeats"] == 0]
     figure, grid = plt.subplots(1, 3, figsize=(7.2, 3.4))
     turn = 2 * 3.141592653589793
-    for axes, what, label in ((grid[0], lambda r: turn * (r["energy_initial"] - r["energy_final"]) / abs(r["value"]), "energy lost in a revolution [J]"),
+    for axes, what, label in ((grid[0], lambda r: r["energy_final"], "energy left at the end [J]"),
                               (grid[1], lambda r: r["value"] / turn, "revolutions in the whole time"),
                               (grid[2], lambda r: 1e3 * r["touching"], "time in contact [ms]")):
         for integrator in dict.fromkeys(row["integrator"] for row in table):
             line(axes, integrator, [(r["mu"], what(r)) for r in pick(table, integrator=integrator, omega3=0)])
             line(axes, integrator, [(r["mu"], what(r)) for r in pick(table, integrator=integrator, omega3=-0.01)],
                  label=None, linestyle=":", alpha=0.6)
-        for mu in (2, 4.75):
+        for mu in (load("given")[k]["value"] for k in ("single_corner", "flush_face")):
             axes.axvline(mu, color=GREY, linewidth=0.7, linestyle="--")
         axes.set(xlabel=r"friction $\mu$", ylabel=label)
     finish(figure, grid, folder, "friction")
@@ -90,8 +94,9 @@ def tilt(folder):
     ensemble = [row for row in solved(rows("clearance")) if row["repeats"]]
     for integrator in ("event-driven", "moreau-jean", "rattle"):
         line(grid[1], integrator, [(r["omega3"], r["value"]) for r in pick(ensemble, integrator=integrator)], linestyle="none")
+    grid[1].ticklabel_format(useOffset=False)
     grid[1].set(xlabel=r"initial $\omega_3$ [rad/s]", ylabel=r"$\theta_1$ at the end [rad]")
-    finish(figure, grid, folder, "tilt", 3, 0.25)
+    finish(figure, grid, folder, "tilt", 4, 0.14)
 
 
 def energy(folder):
@@ -113,7 +118,7 @@ def energy(folder):
 def main(folder):
     plt.switch_backend("Agg")
     plt.rcParams.update(STYLE | {"font.family": "serif", "font.serif": ["Latin Modern Roman", "DejaVu Serif"], "font.size": 8.5,
-                                 "mathtext.fontset": "cm", "axes.titlesize": 9, "pdf.fonttype": 42})
+                                 "mathtext.fontset": "cm", "axes.titlesize": 9})
     folder.mkdir(parents=True, exist_ok=True)
     for draw in (convergence, cost, friction, tilt, energy):
         draw(folder)

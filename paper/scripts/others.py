@@ -3,13 +3,16 @@ import math
 import re
 from statistics import median
 
-from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex
+from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, unsolved
 
 FIXED = ("moreau-jean", "stewart-trinkle", "paoli-schatzman", "generalized-alpha", "rattle")
 
 
+TURN = 2 * math.pi
+
+
 def per_turn(row):
-    return 2 * math.pi * (row["energy_initial"] - row["energy_final"]) / abs(row["value"])
+    return TURN * (row["energy_initial"] - row["energy_final"]) / abs(row["value"])
 
 
 def friction_numbers(n):
@@ -17,20 +20,33 @@ def friction_numbers(n):
     schemes = pick(table, repeats=0)
     n["friction/runs"], n["friction/failed"] = count(len(schemes)), count(len(schemes) - len(solved(schemes)))
     n["friction/mu_most"] = tex(max(row["mu"] for row in table), 1)
-    n["friction/h"] = tex(1e6 * schemes[0]["step"], 2) + r"\,\textmu s"
-    n["friction/h_solvers"] = tex(1e3 * pick(table, repeats=1)[0]["step"], 1) + r"\,ms"
-    reference = pick(solved(schemes), integrator="event-driven", omega3=0)
-    last = max(row["mu"] for row in reference)
-    n["friction/reference_to"] = tex(last, 3)
+    n["friction/h"] = tex(1e6 * schemes[0]["step"], 2) + unit(r"\mu s")
+    n["friction/h_solvers"] = tex(1e3 * pick(table, repeats=1)[0]["step"], 1) + unit("ms")
     one = {row["mu"]: row for row in pick(solved(schemes), integrator="moreau-jean", omega3=0)}
-    n["friction/lost_none"], n["friction/lost_quarter"] = tex(per_turn(one[0.0])), tex(per_turn(one[0.25]))
-    n["friction/quarter"] = tex(0.25)
-    n["friction/turns_none"] = tex(one[0.0]["value"] / (2 * math.pi))
-    n["friction/turns_most"] = tex(one[max(one)]["value"] / (2 * math.pi))
+    quarter = 0.25
+    n["friction/lost_none"], n["friction/lost_quarter"] = tex(per_turn(one[0.0])), tex(per_turn(one[quarter]))
+    n["friction/quarter"] = tex(quarter)
+    jammed = min(mu for mu, row in one.items() if row["value"] < TURN / 2)
+    n["friction/jam_from"], n["friction/jam_before"] = tex(jammed, 3), tex(max(mu for mu in one if mu < jammed), 3)
+    n["friction/jam_angle"] = tex(one[jammed]["value"], 2)
+    n["friction/turns_none"] = tex(one[0.0]["value"] / TURN)
+    n["friction/turns_before"] = tex(max((mu, row) for mu, row in one.items() if mu < jammed)[1]["value"] / TURN)
+    n["friction/unsolved"] = unsolved(schemes)
+    event = pick(schemes, integrator="event-driven")
+    n["friction/event_runs"], n["friction/event_failed"] = count(len(event)), count(len(event) - len(solved(event)))
+    fixed = [row for row in schemes if row["integrator"] in FIXED]
+    n["friction/fixed_runs"], n["friction/fixed_failed"] = count(len(fixed)), count(len(fixed) - len(solved(fixed)))
     timed = pick(table, repeats=1)
+    n["friction/h_solvers"] = tex(1e3 * timed[0]["step"], 1) + unit("ms")
     n["friction/values"] = count(len({row["mu"] for row in timed}))
-    n["friction/tilt"] = tex(min(row["omega3"] for row in schemes), 1) + r"\,rad/s"
-    n["friction/single"], n["friction/flush"] = tex(2.0, 2), tex(4.75, 3)
+    n["friction/tilt"] = tex(min(row["omega3"] for row in schemes), 1) + unit("rad/s")
+    made = [row for row in solved(schemes) if row["energy_final"] > row["energy_initial"]]
+    n["friction/made"], n["friction/made_by"] = count(len(made)), ", ".join(code(i) for i in dict.fromkeys(
+        row["integrator"] for row in made)) or "none"
+    n["friction/made_most"] = tex(max((row["energy_final"] for row in made), default=0), 2) + unit("J")
+    n["friction/energy"] = tex(schemes[0]["energy_initial"], 2) + unit("J")
+    single = load("given")
+    n["friction/single"], n["friction/flush"] = tex(single["single_corner"]["value"], 2), tex(single["flush_face"]["value"], 3)
 
 
 def friction_tables(t):
@@ -38,7 +54,7 @@ def friction_tables(t):
     shown = (0, 0.25, 0.5, 1, 2, 3, 4.75, 6)
     lines = []
     for omega3, name in ((0, "upright"), (-0.01, "tilted")):
-        for label, what in (("energy lost in a revolution [J]", per_turn), (r"$\theta_1$ at the end [rad]", lambda r: r["value"]),
+        for label, what in (("energy left [J]", lambda r: r["energy_final"]), (r"$\theta_1$ at the end [rad]", lambda r: r["value"]),
                             ("time in contact [ms]", lambda r: 1e3 * r["touching"])):
             lines.append([f"{name}: {label}"] + [
                 tex(what(pick(table, integrator="moreau-jean", omega3=omega3, mu=mu)[0]), 3) for mu in shown])
@@ -79,12 +95,12 @@ def tilt(t, n):
     t["ensemble"] = tabular("llll", ["median, half of the range"] + [code(i) for i in ("event-driven", "moreau-jean", "rattle")],
                             lines)
     n["tilt/ensemble"] = count(len({row["omega3"] for row in ensemble}))
-    n["tilt/ensemble_most"] = tex(max(row["omega3"] for row in ensemble), 1) + r"\,rad/s"
-    n["tilt/ensemble_h"] = tex(1e6 * ensemble[0]["step"], 2) + r"\,\textmu s"
+    n["tilt/ensemble_most"] = tex(max(row["omega3"] for row in ensemble), 1) + unit("rad/s")
+    n["tilt/ensemble_h"] = tex(1e6 * ensemble[0]["step"], 2) + unit(r"\mu s")
     event = pick(solved(ensemble), integrator="event-driven")
     upright = [row["value"] for row in event if row["omega3"] == 0][0]
     tilted = [row["value"] for row in event if row["omega3"] != 0]
-    n["tilt/jump"] = tex(min(abs(upright - value) for value in tilted), 1) + r"\,rad"
+    n["tilt/jump"] = tex(min(abs(upright - value) for value in tilted), 1) + unit("rad")
     n["tilt/runs"] = count(len(rows("clearance")))
     n["tilt/failed"] = count(len(rows("clearance")) - len(solved(rows("clearance"))))
     clear = [fit for fit in load("clearance.orders") if fit["omega3"] == 0 and fit["e"] == 0.4]
@@ -92,8 +108,8 @@ def tilt(t, n):
         of = {fit["clearance"]: fit for fit in clear if fit["integrator"] == name}
         n[f"tilt/order_clearance_{name}_least"] = tex(min(f["order"] for f in of.values()))
         n[f"tilt/order_clearance_{name}_most"] = tex(max(f["order"] for f in of.values()))
-    n["tilt/clearance_least"] = tex(1e3 * min(f["clearance"] for f in clear), 1) + r"\,mm"
-    n["tilt/clearance_most"] = tex(1e3 * max(f["clearance"] for f in clear), 2) + r"\,mm"
+    n["tilt/clearance_least"] = tex(1e3 * min(f["clearance"] for f in clear), 1) + unit("mm")
+    n["tilt/clearance_most"] = tex(1e3 * max(f["clearance"] for f in clear), 2) + unit("mm")
 
 
 def solvers(t, n):
@@ -122,11 +138,11 @@ def solvers(t, n):
     n["solvers/problems"] = count(int(summary[0]["problems"]))
     n["solvers/solvers"] = count(len(summary))
     n["solvers/largest"] = count(int(about["options"]["largest"]))
-    n["solvers/time_limit"] = tex(about["options"]["time_limit"], 1) + r"\,s"
+    n["solvers/time_limit"] = tex(about["options"]["time_limit"], 1) + unit("s")
     n["solvers/wrong"] = count(sum(int(row["wrong"]) for row in summary))
     n["solvers/crashed"] = count(sum(int(row["crashed"]) for row in summary))
     n["solvers/steps"] = count(tally("lemke", lambda f: f == "steps")[1])
-    n["solvers/crank_h"] = tex(1e3 * crank[0]["step"], 1) + r"\,ms"
+    n["solvers/crank_h"] = tex(1e3 * crank[0]["step"], 1) + unit("ms")
     best = max(summary, key=lambda r: r["certified"])
     n["solvers/best"], n["solvers/best_certified"] = code(best["solver"]), count(int(best["certified"]))
     for name in ("lemke", "pgs", "newton-min", "newton-fb"):
@@ -177,20 +193,27 @@ def conservation(t, n):
                        lines)
     n["conservation/runs"], n["conservation/failed"] = count(len(table)), count(len(table) - len(solved(table)))
     for name, scene in (("long", "chain"), ("short", "slider_crank_ideal"), ("longest", "bouncing_ball")):
-        n[f"conservation/{name}"] = tex(pick(table, scene=scene)[0]["duration"], 3) + r"\,s"
+        n[f"conservation/{name}"] = tex(pick(table, scene=scene)[0]["duration"], 3) + unit("s")
     n["conservation/joints"] = tex(max(row["max_joint_residual"] for row in solved(table)), 1)
+    for name, joints in (("classical", ":joints=position"), ("symmetric", "")):
+        bars = pick(table, scene="n_four_bar", integrator="moreau-jean" + joints)
+        n[f"conservation/{name}_power"] = tex(slope([(r["step"], r["energy_drift"]) for r in bars]), 2)
+    folded = pick(solved(table), scene="n_four_bar", integrator="rattle")
+    n["conservation/folded"] = tex(max(r["energy_drift"] for r in folded), 2) + unit("J")
+    n["conservation/unsolved"] = unsolved(table)
     classical = pick(table, scene="slider_crank_ideal", integrator="moreau-jean:joints=position")
-    n["conservation/classical_power"] = tex(slope([(r["step"], r["energy_drift"]) for r in classical]), 3)
     symmetric = pick(table, scene="slider_crank_ideal", integrator="moreau-jean")
-    n["conservation/symmetric_power"] = tex(slope([(r["step"], r["energy_drift"]) for r in symmetric]), 3)
-    least, h = min((r["step"], r["energy_drift"]) for r in classical), None
-    n["conservation/classical_drift"] = tex(least[1], 1) + r"\,J"
-    n["conservation/symmetric_drift"] = tex(min((r["step"], r["energy_drift"]) for r in symmetric)[1], 1) + r"\,J"
-    n["conservation/h"] = tex(1e6 * least[0], 3) + r"\,\textmu s"
-    n["conservation/energy"] = tex(classical[0]["energy_initial"], 3) + r"\,J"
-    n["conservation/rise"] = tex(max(r["energy_rise"] for r in box), 1) + r"\,J"
+    least = min((r["step"], r["energy_drift"]) for r in classical)
+    n["conservation/classical_drift"] = tex(least[1], 1) + unit("J")
+    n["conservation/symmetric_drift"] = tex(min((r["step"], r["energy_drift"]) for r in symmetric)[1], 1) + unit("J")
+    n["conservation/h"] = tex(1e6 * least[0], 3) + unit(r"\mu s")
+    n["conservation/energy"] = tex(classical[0]["energy_initial"], 3) + unit("J")
+    n["conservation/rise"] = tex(max(r["energy_rise"] for r in box), 1) + unit("J")
+    n["conservation/rise_event"] = tex(max(r["energy_rise"] for r in pick(box, integrator="event-driven")), 1) + unit("J")
+    for name, integrator in (("event", "event-driven"), ("adaptive", "adaptive")):
+        n[f"conservation/spin_{name}"] = tex(max(r["spin_drift"] for r in pick(solved(box), integrator=integrator)), 1)
     ball = pick(table, scene="bouncing_ball", integrator="moreau-jean")
-    n["conservation/ball"] = tex(max(r["energy_drift"] for r in ball), 1) + r"\,J"
+    n["conservation/ball"] = tex(max(r["energy_drift"] for r in ball), 1) + unit("J")
 
 
 def notation(t):
@@ -203,11 +226,13 @@ def notation(t):
         return "$" + "".join(letters.get(c, c) for c in text) + "$"
 
     def words(text):
-        text = re.sub(r"`([^`]*)`", lambda m: code(m.group(1).replace("::", "::")), text)
-        text = re.sub(r"\b([A-Za-z]*[_γΦθ∂][A-Za-z_γΦθ∂/q]*( v)?)(?![^{]*\})", lambda m: maths(m.group(1)), text)
-        for letter, command in {"²": r"\textsuperscript{2}", "ᵢ": "", "ⱼ": "", "ε": r"$\varepsilon$", "Σ": r"$\sum$"}.items():
-            text = text.replace(letter, command)
-        return text
+        formulas = {"∂Φ/∂q": r"$\partial\Phi/\partial q$", "w = A z + b": "$w = A z + b$", "to z within": "to $z$ within",
+                    "3N": "$3N$", "units of w": "units of $w$", "²": r"\textsuperscript{2}"}
+        for plain, formula in formulas.items():
+            text = text.replace(plain, formula)
+        text = re.sub(r"\b(W_[NT]) v", lambda m: maths(m.group(0)), text)
+        text = "".join(rf"\ensuremath{{{letters[c]}}}" if c in letters else c for c in text)
+        return re.sub(r"`([^`]*)`", lambda m: code(m.group(1)), text)
 
     lines = []
     for line in (PAPER / "notes/notation.md").read_text().splitlines():
