@@ -3,17 +3,20 @@ import csv
 import json
 import math
 import re
+from functools import cache
 from pathlib import Path
 
 PAPER = Path(__file__).resolve().parents[1]
 DATA, GENERATED = PAPER / "data", PAPER / "generated"
 
 
+@cache
 def rows(name):
     with open(DATA / f"{name}.csv", newline="") as file:
         return [{key: number_or_text(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
+@cache
 def load(name):
     return json.loads((DATA / f"{name}.json").read_text())
 

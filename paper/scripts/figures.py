@@ -81,6 +81,7 @@ def friction(folder):
         for mu in (load("given")[k]["value"] for k in ("single_corner", "flush_face")):
             axes.axvline(mu, color=GREY, linewidth=0.7, linestyle="--")
         axes.set(xlabel=r"friction $\mu$", ylabel=label)
+    grid[0].set_ylim(-0.3, 1.05 * table[0]["energy_initial"])
     finish(figure, grid, folder, "friction")
 
 

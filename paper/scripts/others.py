@@ -242,7 +242,7 @@ def notation(t):
         if cells[0] == "ρ":
             cells[2] = "rounding level of $w$, below which it is unknown"
         lines.append([", ".join(maths(s.strip()) for s in cells[0].split(",")), words(cells[1]), words(cells[2]), words(cells[3])])
-    t["notation"] = tabular("llp{0.42\\textwidth}l", ["symbol", "in the program", "meaning", "size; unit"], lines)
+    t["notation"] = tabular("llp{0.37\\textwidth}l", ["symbol", "in the program", "meaning", "size; unit"], lines)
 
 
 def numbers(n):
