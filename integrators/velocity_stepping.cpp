@@ -7,6 +7,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
     : Integrator(system),
       terms_(system),
       v_new_(system.dof()),
+      q_new_(system.dof()),
       plan_(plan),
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
@@ -17,7 +18,6 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
       q_mid_(system.dof()),
-      q_new_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
@@ -33,17 +33,20 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   formulation_.clear();
   problem_ = &formulation_.problem();
   why_.clear();
+  joined_.clear();
   if (!free_flight(h, x, report) || !find_pairs(h, x, report)) return report;
   sleep_.begin(x, terms_, v_new_);
-  do close(h, x);
-  while (sleep_.disturbed(terms_, wanted_, v_new_));
-  note_forces(terms_, v_new_, wanted_);
-  if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
-    problem_ = &impact_.problem();
-    why_ = impact_.why();
-    return report;
-  }
-  if (!solve_contacts(h, x, solver, report)) return report;
+  do {
+    do close(h, x);
+    while (sleep_.disturbed(terms_, wanted_, v_new_));
+    note_forces(terms_, v_new_, wanted_);
+    if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
+      problem_ = &impact_.problem();
+      why_ = impact_.why();
+      return report;
+    }
+    if (!solve_contacts(h, x, solver, report)) return report;
+  } while (missed(h, x));
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
   sleep_.hold(h, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
