@@ -26,9 +26,10 @@ function table(parent, header, rows, words = 1, best = []) {
   rows.forEach((row, r) => line(row, "td", r));
 }
 
+const letters = { mu: "µ", omega3: "ω₃" };
 const parametersInWords = (text) =>
   Object.entries(JSON.parse(text))
-    .map(([k, v]) => `${k === "mu" ? "µ" : k} = ${v}`)
+    .map(([k, v]) => (k === "scene" ? v : `${letters[k] ?? k} = ${v}`))
     .join(", ") || "as the scene has it";
 
 /** The columns of a sweep as a list of rows; parameters are columns too, and so are losses that follow from others. */
@@ -41,7 +42,8 @@ function rowsOf(sweep) {
       ...JSON.parse(row.parameters),
       ...row,
       energy_lost: lost,
-      lost_per_turn: lost === null || !row.value ? null : (2 * Math.PI * lost) / Math.abs(row.value),
+      // of what turns by half a revolution at least
+      lost_per_turn: lost === null || !(Math.abs(row.value) > Math.PI) ? null : (2 * Math.PI * lost) / Math.abs(row.value),
     };
   });
 }

@@ -9,6 +9,7 @@ from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, save
 
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, "#56B4E9", "#6b4fa0", GREY, "black")
 LINES = list(zip(COLOURS, "sDo^vPX*d"))
+LETTERS = {"mu": "µ", "omega3": "ω₃"}
 NOTHING = [(np.nan, np.nan)]
 
 
@@ -18,7 +19,9 @@ def rows_of(sweep):
         row = dict(zip(sweep["rows"], values))
         if row["energy_initial"] is not None:
             row["energy_lost"] = row["energy_initial"] - row["energy_final"]
-            row["lost_per_turn"] = 2 * np.pi * row["energy_lost"] / abs(row["value"]) if row["value"] else None
+            row["lost_per_turn"] = None  # of what turns by half a revolution at least
+            if abs(row["value"] or 0) > np.pi:
+                row["lost_per_turn"] = 2 * np.pi * row["energy_lost"] / abs(row["value"])
         yield json.loads(row["parameters"]) | row
 
 
@@ -76,14 +79,19 @@ def draw(sweep, rows, figure, folder, about):
         draw_panel(axes, sweep, own, figure, parameters or "{}")
         if parameters:
             words = json.loads(parameters).items()
-            axes.set_title(", ".join(value if name == "scene" else f"{'µ' if name == 'mu' else name} = {value:g}"
+            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name, name)} = {value:g}"
                                      for name, value in words), fontsize=8.5)
         log = figure.get("log", "")
         axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),
                  xscale="log" if "x" in log else "linear", yscale="log" if "y" in log else "linear")
         axes.label_outer()
+    for axes in grid.flat[len(panels):]:
+        axes.remove()
+    for axes in grid[-2:-1, len(panels) - columns * (deep - 1):].flat:  # nothing below them
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel(figure.get("x_label", figure["x"]))
     handles = list({h.get_label(): h for axes in grid.flat for h in axes.get_legend_handles_labels()[0]}.values())
-    page.tight_layout(rect=(0, 0.05 + 0.25 * -(-len(handles) // 3) / page.get_figheight(), 1, 0.95))
+    page.tight_layout(rect=(0, (0.25 + 0.2 * -(-len(handles) // 3)) / page.get_figheight(), 1, 0.95))
     name = re.sub(r"[^a-z0-9]+", "_", figure["title"].lower()).strip("_")
     save(page, folder / name, figure["title"], about, handles, columns=3)
 
