@@ -26,10 +26,11 @@ function table(parent, header, rows, words = 1, best = []) {
   rows.forEach((row, r) => line(row, "td", r));
 }
 
-const letters = { mu: "µ", omega3: "ω₃" };
+const letters = { mu: "µ", omega3: "ω₃", e_n: "e" };
+const letter = (name) => letters[name.split(".").at(-1)] ?? name;
 const parametersInWords = (text) =>
   Object.entries(JSON.parse(text))
-    .map(([k, v]) => (k === "scene" ? v : `${letters[k] ?? k} = ${v}`))
+    .map(([k, v]) => (k === "scene" ? v : `${letter(k)} = ${v}`))
     .join(", ") || "as the scene has it";
 
 /** The columns of a sweep as a list of rows; parameters are columns too, and so are losses that follow from others. */
@@ -118,6 +119,8 @@ function drawFigure(parent, sweep, rows, figure) {
     (row) =>
       (figure.timed ? row.repeats > 0 : row.repeats === 0 || figure.timed === undefined) &&
       row[figure.x] !== null &&
+      row[figure.y] !== null &&
+      !(figure.x === "step" && row.rtol) && // there it is no step size but how far a call goes
       ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]),
   );
   const choices = unique(used.map((row) => besideAxes(row, figure)));

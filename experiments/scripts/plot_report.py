@@ -9,7 +9,7 @@ from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, save
 
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, "#56B4E9", "#6b4fa0", GREY, "black")
 LINES = list(zip(COLOURS, "sDo^vPX*d"))
-LETTERS = {"mu": "µ", "omega3": "ω₃"}
+LETTERS = {"mu": "µ", "omega3": "ω₃", "e_n": "e"}
 NOTHING = [(np.nan, np.nan)]
 
 
@@ -66,7 +66,8 @@ def beside_axes(row, figure):
 
 def draw(sweep, rows, figure, folder, about):
     rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
-            all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None]
+            all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None and
+            row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"])]
     panels = list(dict.fromkeys(beside_axes(row, figure) for row in rows))
     if figure.get("worst"):
         panels = [None]
@@ -79,7 +80,7 @@ def draw(sweep, rows, figure, folder, about):
         draw_panel(axes, sweep, own, figure, parameters or "{}")
         if parameters:
             words = json.loads(parameters).items()
-            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name, name)} = {value:g}"
+            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name.split(".")[-1], name)} = {value:g}"
                                      for name, value in words), fontsize=8.5)
         log = figure.get("log", "")
         axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),

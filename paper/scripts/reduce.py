@@ -6,6 +6,7 @@ which build answered, on what machine.
 import csv
 import hashlib
 import json
+import re
 import sys
 from collections import Counter
 from pathlib import Path
@@ -32,7 +33,10 @@ def rounded(text, digits=5):
 
 
 def fingerprint(study):
-    return hashlib.sha256((EXPERIMENTS / f"{study}.sweep.toml").read_bytes()).hexdigest()[:16]
+    """Of what the study's file asks for; what its report shows does not matter."""
+    text = (EXPERIMENTS / f"{study}.sweep.toml").read_text()
+    asked = re.split(r"^\[\[(?:animation|figure)\]\]", text, flags=re.M)[0]
+    return hashlib.sha256(asked.encode()).hexdigest()[:16]
 
 
 def about(folder, **more):
