@@ -58,7 +58,7 @@ int run_sweep(SweepArguments a) {
 
 struct ResultsArguments {
   std::string file, sweep, dumps;
-  bool csv = false, json = false, failures = false, orders = false, about = false, add = false;
+  bool csv = false, json = false, failures = false, orders = false, times = false, about = false, add = false;
 };
 
 using Json = nlohmann::ordered_json;
@@ -143,8 +143,15 @@ int run_results(ResultsArguments a) {
       for (Json& fit : fitted_orders(rows)) {
         fit["worst_error_finest_octave"] = fit.at("worst").back()[1],
         fit["h_finest_octave"] = fit.at("worst").back()[0];
-        fit.erase("worst");
+        if (!a.json) fit.erase("worst");
         lines.push_back(flat(name, fit));
+      }
+    } else if (a.times) {
+      for (const Json& entry : time_to_error(rows)) {
+        Json line = {{"sweep", name}, {"integrator", entry["integrator"]}, {"solver", entry["solver"]}};
+        for (std::size_t k = 0; k < error_targets().size(); ++k)
+          line["to_" + detail::text_of(error_targets()[k])] = entry["seconds"][k];
+        lines.push_back(line);
       }
     } else if (a.csv || a.json) {
       for (const ResultRow& row : rows) lines.push_back(flat(name, row));
@@ -159,7 +166,7 @@ int run_results(ResultsArguments a) {
   if (!found) throw std::invalid_argument("--sweep " + a.sweep + ": " + a.file + " has no such sweep");
   if (a.json)
     std::cout << Json(lines).dump(1) << '\n';
-  else if (a.csv || a.orders)
+  else if (a.csv || a.orders || a.times)
     print_csv(lines);
   return 0;
 }
@@ -185,16 +192,20 @@ void add_results(CLI::App& app, int& exit_code) {
   command->add_option("--sweep", arguments->sweep, "this sweep only");
   CLI::Option* csv = command->add_flag("--csv", arguments->csv, "every case as CSV");
   CLI::Option* json = command->add_flag("--json", arguments->json, "every case as JSON");
-  CLI::Option* orders = command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV");
+  CLI::Option* orders =
+      command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV, or with --json");
+  CLI::Option* times =
+      command->add_flag("--times", arguments->times, "processor time to an error [s] as CSV, or with --json");
   CLI::Option* failures =
       command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay");
   CLI::Option* about =
       command->add_flag("--about", arguments->about, "what was asked, by what build and machine, as JSON");
   command->add_option("--dumps", arguments->dumps, "folder for those problems; default: beside the file, .failures");
   command->add_flag("--add", arguments->add, "put the rows on standard input in (of orthant sweep --case)");
-  csv->excludes(json)->excludes(orders)->excludes(failures)->excludes(about);
-  json->excludes(orders)->excludes(failures)->excludes(about);
-  orders->excludes(failures)->excludes(about);
+  csv->excludes(json)->excludes(orders)->excludes(times)->excludes(failures)->excludes(about);
+  json->excludes(failures)->excludes(about);
+  orders->excludes(times)->excludes(failures)->excludes(about);
+  times->excludes(failures)->excludes(about);
   failures->excludes(about);
   command->callback([arguments, &exit_code] { exit_code = run_results(*arguments); });
 }
