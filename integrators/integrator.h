@@ -80,18 +80,9 @@ class Integrator {
   std::span<const Event> events() const { return events_; }  // located in the last step, in order of time
 
  protected:
-  /// [m] A gap up to this is the rounding of positions as far out as these: bodies that touch would else come apart for a
-  /// step now and then.
-  static double touching(const Eigen::VectorXd& q) { return 0x1p-48 * q.lpNorm<Eigen::Infinity>(); }
-
-  /// Of the velocities or accelerations of all bodies, the largest, translation or rotation: the same in every frame that
-  /// is turned.
-  static double largest(const Eigen::VectorXd& v) {
-    double square = 0;
-    for (Eigen::Index i = 0; i < v.size(); i += 3)
-      square = std::max({square, v[i] * v[i] + v[i + 1] * v[i + 1], v[i + 2] * v[i + 2]});
-    return std::sqrt(square);
-  }
+  /// [m] A gap up to this is the rounding of positions that are `far` out [m]: bodies that touch would else come apart for
+  /// a step now and then.
+  static double touching(double far) { return 0x1p-48 * far; }
 
   /// For schemes that have none: throws std::invalid_argument when the scene has dry friction in joints.
   void refuse_joint_friction(std::string_view scheme) const;

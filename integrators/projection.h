@@ -8,6 +8,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/basic_system.h>
+#include <orthant/integrators/extents.h>
 
 namespace orthant {
 
@@ -26,8 +27,11 @@ class Projection {
   double velocity(Terms& terms, Eigen::VectorXd& v);
 
  private:
+  double mismatch(const Terms& terms) const;  // of Φ, each row over 1 m + its bodies' coordinates
+
   const System& system_;
   BasicSystem basic_;
+  Extents far_;
   Eigen::VectorXd trial_, step_, rate_, lambda_;
 };
 
