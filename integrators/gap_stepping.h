@@ -21,7 +21,7 @@ class GapStepping : public VelocityStepping {
   virtual void want(double h, const State& x) = 0;
 
   /// [m] Contacts farther open at the end of free flight need not be asked at first.
-  virtual double reach(double, const State&) const { return kInf; }
+  virtual double reach() const { return kInf; }
 
   /// γ_N⁺ that just closes the gap at the end of the step, to first order.
   double closing(const ClosedContact& c, double h) const {

@@ -13,7 +13,7 @@ double speed(const ContactRows& rows, const Eigen::VectorXd& v) {
 
 }  // namespace
 
-double StewartTrinkle::reach(double h, const State& x) const { return cone_ == Cone::coulomb ? nearly(h, x) : kInf; }
+double StewartTrinkle::reach() const { return cone_ == Cone::coulomb ? nearly() : kInf; }
 
 double StewartTrinkle::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
   if (cone_ == Cone::coulomb) return closing(c, h);

@@ -29,7 +29,7 @@ class StewartTrinkle : public GapStepping {
  private:
   double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const final;
   void want(double h, const State& x) final;
-  double reach(double h, const State& x) const final;
+  double reach() const final;
 
   Cone cone_;
 };

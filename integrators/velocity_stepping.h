@@ -14,6 +14,7 @@
 
 #include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/mechanics/joint_load.h>
+#include <orthant/integrators/extents.h>
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
@@ -51,6 +52,7 @@ class VelocityStepping : public Integrator {
     Form form;
     Cone cone = Cone::coulomb;
     SleepOptions sleep = {};
+    double parted = 0;  // of the way that the applied forces move a body, how far open counts as closed
   };
   VelocityStepping(const System& system, const Plan& plan);
 
@@ -61,13 +63,9 @@ class VelocityStepping : public Integrator {
   /// and v_new_ is v_free again.
   virtual bool missed(double /*h*/, const State& /*x*/) { return false; }
 
-  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses.
-  double nearly(double h, const State& x) const { return touching(x.q) + 1e-8 * h * largest(v_new_); }
-  /// [m/s², rad/s²] The largest acceleration that the applied forces would give a free body.
-  double free_fall() {
-    force_ = system_.inverse_mass().cwiseProduct(terms_.f);
-    return largest(force_);
-  }
+  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls parted.
+  double nearly(const ContactRows& rows) const { return near_.of(rows.normal); }
+  double nearly() const { return near_.largest(); }  // of any contact
 
   Terms terms_;
   std::vector<Wanted> wanted_;  // one per closed contact
@@ -76,6 +74,7 @@ class VelocityStepping : public Integrator {
   std::vector<int> joined_;  // contacts that take part in this step whatever free flight makes of them
 
  private:
+  void measure(double h, const State& x);  // near_
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
   /// The pairs that can be closed in the step.
@@ -92,6 +91,7 @@ class VelocityStepping : public Integrator {
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
   Impact impact_;
+  Extents near_;  // [m]
   BroadPhase broad_phase_;
   Sleep sleep_;
   Passing passing_;

@@ -5,6 +5,7 @@
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/toml_nesting.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
@@ -23,6 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMostCases = 1e6, kMostValues = 1e5;
+constexpr std::uintmax_t kMostBytes = 16 << 20;  // of the file
 
 Json json_of(const toml::node& node) {
   if (const auto* table = node.as_table()) {
@@ -47,8 +49,12 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file) {
     check_readable(file);
+    std::error_code none;
+    if (const auto size = std::filesystem::file_size(file, none); !none && size > kMostBytes)
+      throw std::invalid_argument(file.string() + ": " + std::to_string(size) + " bytes: must be at most 16 MiB");
     std::ifstream in(file);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
+    refuse_deep(text, file.string());
     try {
       root_ = json_of(toml::parse(text, file.string()));
     } catch (const toml::parse_error& error) {
