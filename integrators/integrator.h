@@ -2,6 +2,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/system.h>
+#include <orthant/integrators/crew.h>
 #include <orthant/integrators/event.h>
 #include <orthant/integrators/passing.h>
 #include <orthant/solvers/solver.h>
@@ -31,7 +32,10 @@ struct StepReport {
   Passage passage;            // of bodies through each other, unseen, of schemes of fixed step
 
   /// Takes one more problem in; true: it is solved.
-  bool note(const Lcp& problem, const Solution& solution);
+  bool note(const Lcp& problem, const Solution& solution) {
+    return note(static_cast<int>(problem.size()), solution.status, solution.residual, solution.iterations);
+  }
+  bool note(int rows, Status status_of_it, double residual, int iterations);
 };
 
 struct Impulse {
@@ -62,6 +66,11 @@ class Integrator {
   /// status says it.
   virtual std::string why() const { return why_; }
 
+  /// From now on large islands of a step (islands.h) are solved at the same time, by the solver that step() is given and
+  /// these, one thread each. They should be solvers like that one: then every result is the same to the last bit, however
+  /// many they are. For the schemes of fixed step; stages of impacts (impact.h) stay with the one solver.
+  void employ(std::vector<std::unique_ptr<Solver>> helpers);
+
   const System& system() const { return system_; }
   const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
   const std::vector<Impulse>& impulses() const { return impulses_; }  // of the last step, one per contact
@@ -87,12 +96,18 @@ class Integrator {
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);
 
+  /// Whom to share islands with; null: nobody.
+  Crew* crew() const { return crew_.get(); }
+
   const System& system_;
   Eigen::VectorXd gaps_;
   std::vector<Impulse> impulses_;
   std::vector<double> frictions_;
   std::vector<Event> events_;
   std::string why_;
+
+ private:
+  std::unique_ptr<Crew> crew_;
 };
 
 }  // namespace orthant

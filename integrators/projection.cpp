@@ -16,11 +16,10 @@ Projection::Projection(const System& system, bool with_joints)
 double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   constexpr int kIterations = 20;
   constexpr double kTolerance = 1e-15;
-  set_poses(system_, t, q, terms.at);
-  evaluate_joint_residual(system_, terms);
+  move_poses(system_, t, q, terms.at);
+  evaluate_joints(system_, terms);
   if (terms.phi.size() == 0) return 0;
   if (basic_.joint_rows() == 0) return terms.phi.lpNorm<Eigen::Infinity>();
-  evaluate_joint_rows(system_, terms);
   if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
   far_.measure([&](Index i) { return largest_entry(q, i); });
   double left = mismatch(terms);
@@ -28,12 +27,12 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
     rate_ = -terms.phi;
     basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());
     trial_ = q + step_;
-    set_poses(system_, t, trial_, terms.at);
-    evaluate_joint_residual(system_, terms);
+    move_poses(system_, t, trial_, terms.at);
+    evaluate_joints(system_, terms);
     const double next = mismatch(terms);
     if (!(next < left)) {  // rounding level reached, or the iteration diverges: q is the better one
-      set_poses(system_, t, q, terms.at);
-      evaluate_joint_residual(system_, terms);
+      move_poses(system_, t, q, terms.at);
+      evaluate_joints(system_, terms);
       break;
     }
     q.swap(trial_);
@@ -54,10 +53,13 @@ double Projection::mismatch(const Terms& terms) const {
 
 double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
   if (basic_.joint_rows() == 0) return 0;
-  evaluate_joint_rows(system_, terms);
   const auto missing = [&] {
-    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms.missing_rate(i, v);
-    return rate_.lpNorm<Eigen::Infinity>();
+    double most = 0;
+    for (Index i = 0; i < rate_.size(); ++i) {
+      rate_[i] = terms.missing_rate(i, v);
+      most = std::max(most, std::abs(rate_[i]));
+    }
+    return most;
   };
   const auto correct = [&] {
     basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());

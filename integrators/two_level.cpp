@@ -147,7 +147,7 @@ TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
 
 bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
   if (formulation.problem().size() > 0) problem_ = &formulation.problem();
-  if (formulation.solve(solver, report)) return true;
+  if (formulation.solve(solver, report, crew())) return true;
   why_ = formulation.contradiction();
   return false;
 }

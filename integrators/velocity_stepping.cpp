@@ -7,6 +7,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
     : Integrator(system),
       terms_(system),
       v_new_(system.dof()),
+      q_new_(system.dof()),
       plan_(plan),
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
@@ -18,7 +19,6 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
       q_mid_(system.dof()),
-      q_new_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
@@ -34,19 +34,22 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   formulation_.clear();
   problem_ = &formulation_.problem();
   why_.clear();
+  joined_.clear();
   if (!free_flight(h, x, report)) return report;
   measure(h, x);
   if (!find_pairs(h, x, report)) return report;
   sleep_.begin(x, terms_, v_new_);
-  do close(h, x);
-  while (sleep_.disturbed(terms_, wanted_, v_new_));
-  note_forces(terms_, v_new_, wanted_);
-  if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
-    problem_ = &impact_.problem();
-    why_ = impact_.why();
-    return report;
-  }
-  if (!solve_contacts(h, x, solver, report)) return report;
+  do {
+    do close(h, x);
+    while (sleep_.disturbed(terms_, wanted_, v_new_));
+    note_forces(terms_, v_new_, wanted_);
+    if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
+      problem_ = &impact_.problem();
+      why_ = impact_.why();
+      return report;
+    }
+    if (!solve_contacts(h, x, solver, report)) return report;
+  } while (missed(h, x));
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
   sleep_.hold(h, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
@@ -108,7 +111,7 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
   for (int pass = 1;; ++pass) {
     formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
     formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
-    if (!formulation_.solve(solver, report)) {
+    if (!formulation_.solve(solver, report, crew())) {
       why_ = formulation_.contradiction();
       return false;
     }

@@ -26,6 +26,7 @@ struct SimulateArguments {
   std::vector<std::string> sets;
   std::optional<double> step, duration;
   long every = 1;
+  int threads = 1;
   bool json = false;
 };
 
@@ -143,6 +144,9 @@ int run_simulate(const SimulateArguments& arguments) {
   const System system(make_scene(arguments.scene, arguments.sets));
   const auto integrator = make_integrator(arguments.integrator, system);
   const auto solver = make_solver(arguments.solver);
+  std::vector<std::unique_ptr<Solver>> helpers;
+  for (int i = 1; i < arguments.threads; ++i) helpers.push_back(make_solver(arguments.solver));
+  integrator->employ(std::move(helpers));
   const Scene& scene = system.scene();
   const Clock clock{arguments.step.value_or(scene.step), arguments.duration.value_or(scene.duration), arguments.every};
   if (!arguments.output.empty()) check_writable(arguments.output);
@@ -190,6 +194,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--output", arguments->output, "trajectory: CSV, HDF5 (.h5) or VTK for ParaView (.pvd)");
   command->add_option("--every", arguments->every, "record every so many steps")->capture_default_str();
+  command
+      ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   command->add_flag("--json", arguments->json, "summary as one JSON object");
   command->callback([arguments, &exit_code] { exit_code = run_simulate(*arguments); });
 }

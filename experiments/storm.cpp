@@ -1,0 +1,256 @@
+// Is any verdict wrong? Random problems of every kind through every solver, each verdict checked again in exact arithmetic.
+//
+//   build/release/experiments/storm --output results/storm                        10⁶ problems; hours; goes on where it was
+//   build/release/experiments/storm --output results/storm --problems 5000        a share
+//   build/release/experiments/storm --only 123456                                 one problem, by its number
+//
+// Writes into the output folder: chunks.jsonl (one line a finished chunk: killed and started again, only what is missing is
+// done), storm.csv (kind × solver: how often which outcome), fault_*.json (each fault's problem, shrunk, for orthant replay).
+// Crashes and endless loops end a process of their own. Exit code 1 when there is a fault.
+#include "storm/storm.h"
+#include "storm/shrink.h"
+#include "support/isolated.h"
+#include "support/manifest.h"
+#include "support/progress.h"
+
+#include <orthant/core/lcp/io.h>
+#include <orthant/core/support/file.h>
+#include <orthant/core/support/options.h>
+
+#include <CLI/CLI.hpp>
+
+#include <fstream>
+#include <iostream>
+#include <set>
+#include <sstream>
+
+using namespace orthant;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path output = "results/storm";
+  std::uint64_t problems = 1000000, chunk = 200;
+  StormChoice choice;
+  std::vector<std::string> specs;
+  std::optional<std::uint64_t> only;
+  unsigned jobs = 1;
+  std::size_t memory = 4096;  // [MiB]
+  long shrunk = 20;
+};
+
+std::string line_of(const std::string& header, std::uint64_t first, const StormTally& tally) {
+  return header + ' ' + std::to_string(first) + ' ' + to_text(tally) + '\n';
+}
+
+/// Lines that are whole and of the same header; a last line that was cut off by a kill is dropped from the file.
+std::map<std::uint64_t, StormTally> finished(const std::filesystem::path& file, const std::string& header) {
+  std::map<std::uint64_t, StormTally> done;
+  std::ifstream in(file);
+  std::string line, kept;
+  while (std::getline(in, line)) {
+    if (in.eof()) break;  // no line end: not whole
+    if (!line.starts_with(header + ' '))
+      throw std::runtime_error(file.string() + ": was made with other choices or another build: take another --output");
+    std::istringstream words(line.substr(header.size()));
+    std::uint64_t first = 0;
+    words >> first >> std::ws;
+    std::string text;
+    std::getline(words, text);
+    done[first] = storm_tally_from_text(text);
+    kept += line + '\n';
+  }
+  in.close();
+  if (std::filesystem::exists(file) && std::filesystem::file_size(file) != kept.size()) write_whole(file, kept);
+  return done;
+}
+
+struct Storm {
+  const Arguments& a;
+  Isolated processes;
+  std::map<std::uint64_t, StormTally> done;
+  std::string header;
+
+  double most_seconds(std::uint64_t count, std::size_t solvers) const {
+    return 60 + 0.2 * static_cast<double>(count * solvers) + 2 * (a.choice.time_limit + a.choice.grace);
+  }
+
+  /// A chunk that did not come back is done again problem by problem, a problem solver by solver.
+  StormTally corner(std::uint64_t first, std::uint64_t count, const StormChoice& choice) {
+    StormTally tally;
+    std::optional<Outcome> outcome;
+    processes.start([=] { return to_text(storm(choice, first, count)); }, most_seconds(count, choice.solvers.size()),
+                    [&](const Outcome& o) { outcome = o; });
+    processes.wait_for_all();
+    if (outcome->kind == Outcome::finished) return storm_tally_from_text(outcome->text);
+    if (count > 1) {
+      for (std::uint64_t k = first; k < first + count; ++k) tally.add(corner(k, 1, choice));
+    } else if (choice.solvers.size() > 1) {
+      for (const StormSolver& solver : choice.solvers) {
+        StormChoice one = choice;
+        one.solvers = {solver};
+        tally.add(corner(first, 1, one));
+      }
+    } else {
+      const std::string kind(storm_problem(choice.seed, first).kind), &solver = choice.solvers[0].spec;
+      const auto what = outcome->kind == Outcome::killed ? StormResult::late : StormResult::crashed;
+      ++tally.rows[{kind, solver}].count[static_cast<std::size_t>(what)];
+      tally.faults.push_back(
+          {first, kind, solver, std::string(kStormResults[static_cast<std::size_t>(what)]), outcome->text});
+    }
+    return tally;
+  }
+
+  void run() {
+    Progress progress("storm", static_cast<double>(a.problems),
+                      static_cast<long>((a.problems + a.chunk - 1) / a.chunk));
+    std::ofstream lines(a.output / "chunks.jsonl", std::ios::app | std::ios::binary);
+    std::vector<std::uint64_t> again;
+    const auto keep = [&](std::uint64_t first, const StormTally& tally) {
+      lines << line_of(header, first, tally) << std::flush;
+      if (!lines)
+        throw std::runtime_error("cannot write " + (a.output / "chunks.jsonl").string() + ": the disk may be full");
+      done[first] = tally;
+    };
+    for (std::uint64_t first = 0; first < a.problems; first += a.chunk) {
+      const std::uint64_t count = std::min(a.chunk, a.problems - first);
+      if (done.contains(first)) {
+        progress.add(static_cast<double>(count), !done[first].faults.empty());
+        continue;
+      }
+      processes.start([this, first, count] { return to_text(storm(a.choice, first, count)); },
+                      most_seconds(count, a.choice.solvers.size()),
+                      [&, first, count](const Outcome& o) {
+                        const bool back = o.kind == Outcome::finished;
+                        if (back)
+                          keep(first, storm_tally_from_text(o.text));
+                        else
+                          again.push_back(first);
+                        progress.add(static_cast<double>(count), !back || !done[first].faults.empty());
+                      });
+    }
+    processes.wait_for_all();
+    for (const std::uint64_t first : again) keep(first, corner(first, std::min(a.chunk, a.problems - first), a.choice));
+  }
+
+  /// The fault's problem, as small as it gets, in a process of its own at every try.
+  void shrink_fault(const StormFault& fault) {
+    const StormProblem p = storm_problem(a.choice.seed, fault.k);
+    const auto outcome_of = [&](const Lcp& problem) {
+      std::string what;
+      processes.start(
+          [&, this] {
+            std::string why;
+            return std::string(
+                kStormResults[static_cast<std::size_t>(storm_one(problem, {}, fault.solver, a.choice, why))]);
+          },
+          2 * (a.choice.time_limit + a.choice.grace),
+          [&](const Outcome& o) {
+            what = o.kind == Outcome::finished ? o.text : o.kind == Outcome::killed ? "late" : "crashed";
+          });
+      processes.wait_for_all();
+      return what;
+    };
+    const auto shows = [&](const Lcp& problem) { return outcome_of(problem) == fault.what; };
+    const bool alone = shows(p.problem);  // else it takes another solver's answer, or what came before
+    const Lcp least = alone ? shrink(p.problem, shows) : p.problem;
+    const auto file =
+        a.output / ("fault_" + std::to_string(fault.k) + "_" + std::string(Spec::parse(fault.solver).name) + ".json");
+    write_problem(file, least,
+                  fault.kind + " " + std::to_string(fault.k) + ", " + fault.solver + ": " + fault.what + ", " +
+                      fault.why + (alone ? "" : " (only beside or after others)"));
+    std::cerr << "  " << file.string() << ", " << least.size() << " rows\n";
+  }
+};
+
+void write_table(const std::filesystem::path& file, const StormTally& all) {
+  std::ostringstream out;
+  out << "kind,solver";
+  for (const auto& what : kStormResults) out << ',' << what;
+  out << ",worst_error,proofs_exact,proofs_to_rounding\n";
+  for (const auto& [key, row] : all.rows) {
+    out << key.first << ',' << key.second;
+    for (const long count : row.count) out << ',' << count;
+    out << ',' << row.error << ',' << row.exact << ',' << row.rounded << '\n';
+  }
+  write_whole(file, out.str());
+}
+
+int report(const StormTally& all, std::uint64_t problems) {
+  std::map<std::string, StormTally::Row> by_solver;
+  StormTally::Row sum;
+  for (const auto& [key, row] : all.rows)
+    for (std::size_t i = 0; i < row.count.size(); ++i)
+      by_solver[key.second].count[i] += row.count[i], sum.count[i] += row.count[i];
+  std::cout << problems << " problems\n| solver |";
+  for (const auto& what : kStormResults) std::cout << ' ' << what << " |";
+  std::cout << "\n|---|" << [] {
+    std::string line;
+    for (std::size_t i = 0; i < kStormResults.size(); ++i) line += "---|";
+    return line;
+  }() << '\n';
+  by_solver["all"] = sum;
+  for (const auto& [solver, row] : by_solver) {
+    std::cout << "| " << solver << " |";
+    for (const long count : row.count) std::cout << ' ' << count << " |";
+    std::cout << '\n';
+  }
+  return all.faults.empty() ? 0 : 1;
+}
+
+int run(Arguments a) {
+  if (!a.specs.empty()) {
+    a.choice.solvers.clear();
+    for (const std::string& spec : a.specs) a.choice.solvers.push_back({spec});
+  }
+  std::filesystem::create_directories(a.output);
+  std::string header =
+      std::to_string(a.choice.seed) + '/' + std::to_string(a.chunk) + '/' + manifest()["revision"].get<std::string>();
+  for (const StormSolver& solver : a.choice.solvers) header += '/' + solver.spec;
+  std::ranges::replace(header, ' ', '_');
+  Storm storm_of{a, Isolated(a.jobs, a.memory << 20), {}, header};
+  StormTally all;
+  if (a.only) {
+    all = storm_of.corner(*a.only, 1, a.choice);
+  } else {
+    storm_of.done = finished(a.output / "chunks.jsonl", header);
+    storm_of.run();
+    for (const auto& [first, tally] : storm_of.done)
+      if (first < a.problems) all.add(tally);
+    write_table(a.output / "storm.csv", all);
+  }
+  const int exit_code = report(all, a.only ? 1 : a.problems);
+  long left = a.shrunk;
+  for (const StormFault& f : all.faults) {
+    std::cerr << "storm: problem " << f.k << " (" << f.kind << "), " << f.solver << ": " << f.what << ": " << f.why
+              << '\n';
+    if (left-- > 0) storm_of.shrink_fault(f);
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Random problems of every kind through every solver, each verdict checked again in exact arithmetic");
+  Arguments a;
+  app.add_option("--output", a.output, "folder")->capture_default_str();
+  app.add_option("--problems", a.problems, "how many")->capture_default_str();
+  app.add_option("--seed", a.choice.seed, "")->capture_default_str();
+  app.add_option("--solvers", a.specs, "as in orthant list, with options; default: all");
+  app.add_option("--only", a.only, "one problem, by its number");
+  app.add_option("--time-limit", a.choice.time_limit, "of a solve [s]")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->capture_default_str();
+  app.add_option("--jobs", a.jobs, "processes at a time")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--chunk", a.chunk, "problems a process")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--memory", a.memory, "of a process [MiB]; 0: no limit")->capture_default_str();
+  app.add_option("--shrink", a.shrunk, "at most so many faults")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(std::move(a));
+  } catch (const std::exception& error) {
+    std::cerr << "storm: " << error.what() << '\n';
+    return 2;
+  }
+}

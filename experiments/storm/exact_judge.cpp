@@ -1,0 +1,255 @@
+#include "exact_judge.h"
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/gmp.hpp>
+
+#include <numeric>
+#include <vector>
+
+namespace orthant {
+namespace {
+
+namespace mp = boost::multiprecision;
+using Rational = mp::number<mp::gmp_rational, mp::et_off>;
+using Wide = mp::number<mp::cpp_bin_float_quad::backend_type, mp::et_off>;
+
+constexpr Index kRational = 4;
+constexpr double kEpsilon = 0x1p-52;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The problem in numbers T, A as rows without its zeros; the operator is formed.
+template <class T> struct Copy {
+  struct Entry {
+    Index column;
+    T value;
+  };
+  std::vector<std::vector<Entry>> rows;
+  std::vector<T> b;
+  std::vector<Index> part;  // the first row of what row i is coupled with
+
+  explicit Copy(const Lcp& p) : rows(at(p.size())), part(at(p.size())) {
+    for (const double value : p.b) b.emplace_back(value);
+    const auto put = [&](Index i, Index j, const T& value) {
+      if (value != 0) rows[at(i)].push_back({j, value});
+    };
+    if (const auto* dense = std::get_if<DenseMatrix>(&p.A)) {
+      for (Index i = 0; i < p.size(); ++i)
+        for (Index j = 0; j < p.size(); ++j) put(i, j, T((*dense)(i, j)));
+    } else if (const auto* sparse = std::get_if<RowSparse>(&p.A)) {
+      for (Index i = 0; i < p.size(); ++i)
+        for (auto k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
+          put(i, sparse->column[k], T(sparse->value[k]));
+    } else {
+      const auto& [W, inverse_mass, regularization] = std::get<Delassus>(p.A);
+      std::vector<std::vector<T>> factor(at(W.rows), std::vector<T>(at(W.cols), T(0)));
+      for (Index i = 0; i < W.rows; ++i)
+        for (auto k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k)
+          factor[at(i)][at(W.column[k])] += T(W.value[k]);
+      for (Index i = 0; i < W.rows; ++i)
+        for (Index j = 0; j < W.rows; ++j) {
+          T sum(i == j && regularization.size() != 0 ? regularization[i] : 0.0);
+          for (Index k = 0; k < W.cols; ++k)
+            if (factor[at(i)][at(k)] != 0 && factor[at(j)][at(k)] != 0)
+              sum += factor[at(i)][at(k)] * factor[at(j)][at(k)] * T(inverse_mass[k]);
+          put(i, j, sum);
+        }
+    }
+    std::iota(part.begin(), part.end(), Index{0});
+    for (bool changed = true; changed;) {  // few rows: the simplest way there is
+      changed = false;
+      const auto join = [&](Index i, Index j) {
+        const Index least = std::min(part[at(i)], part[at(j)]);
+        changed = changed || part[at(i)] != least || part[at(j)] != least;
+        part[at(i)] = part[at(j)] = least;
+      };
+      for (Index i = 0; i < p.size(); ++i)
+        for (const Entry& entry : rows[at(i)]) join(i, entry.column);
+      for (const Friction& f : p.friction) join(f.row, f.normal);
+    }
+  }
+};
+
+double near_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
+
+template <class T> T least_of(const T& a, const T& b) { return a < b ? a : b; }
+template <class T> T most_of(const T& a, const T& b) { return a < b ? b : a; }
+template <class T> T runaway(const T& beta) { return least_of<T>(T(1e-6) * (1 + beta), T(1e-4) * beta); }
+
+std::string row_says(Index i, const char* what, double value) {
+  return "row " + std::to_string(i) + ": " + what + " = " + std::to_string(value);
+}
+
+template <class T> Finding solution(const Lcp& p, const Vector& z, double tolerance) {
+  const Copy<T> copy(p);
+  const Index n = p.size();
+  const auto each = [&](Index i, auto&& use) {
+    for (const auto& entry : copy.rows[at(i)]) use(entry.column, entry.value);
+  };
+  std::vector<T> x, w(copy.b), data(at(n), T(0)), size(at(n), T(0));
+  for (const double value : z) x.emplace_back(value);
+  double most_mu = 0;
+  for (const Friction& f : p.friction) most_mu = std::max(most_mu, f.mu);
+
+  std::vector<T> cost(at(n), T(1));  // of moving z_i by 1: the largest change of a w, 1 at the least
+  for (Index i = 0; i < n; ++i) each(i, [&](Index j, const T& a) { cost[at(j)] = most_of<T>(cost[at(j)], abs(a)); });
+
+  T whole(0);
+  for (Index i = 0; i < n; ++i) {
+    T terms = abs(copy.b[at(i)]), given = terms;
+    each(i, [&](Index j, const T& a) {
+      const bool on_bound = z[j] == p.lo[j] || z[j] == p.hi[j];
+      const double bound = on_bound ? z[j] : near_zero(p.lo[j], p.hi[j]);
+      if (bound != 0) given += abs(a) * T(std::abs(bound));
+      if (z[j] == 0) return;
+      const T term = a * x[at(j)];
+      w[at(i)] += term;
+      terms += abs(term);
+    });
+    T& part_data = data[at(copy.part[at(i)])];
+    T& part_size = size[at(copy.part[at(i)])];
+    part_data = most_of(part_data, given);
+    part_size = most_of(part_size, terms);
+    whole = most_of(whole, given);
+  }
+
+  // z̄, normals before their frictions.
+  enum class Side { stays, lower, upper };
+  std::vector<Side> side(at(n), Side::stays);
+  std::vector<T> moved(x);
+  std::vector<const Friction*> friction(at(n), nullptr);
+  for (const Friction& f : p.friction) friction[at(f.row)] = &f;
+  std::vector<T> r(at(n));
+  Finding finding;
+  for (const bool second : {false, true})
+    for (Index i = 0; i < n; ++i) {
+      if ((friction[at(i)] != nullptr) != second) continue;
+      const auto root = at(copy.part[at(i)]);
+      const T beta = data[root] > 0 ? data[root] : whole;
+      if (T(kEpsilon) * size[root] > T(1.001) * runaway(beta)) {
+        finding.why = row_says(i, "z has run away, rounding over scale",
+                               static_cast<double>(T(kEpsilon) * size[root] / (beta > 0 ? beta : T(1))));
+        return finding;
+      }
+      r[at(i)] = T(1.001) * most_of<T>(T(tolerance) * beta, T(20 * kEpsilon) * size[root]);
+      T lo(0), hi(0);
+      bool below = true, above = true;  // bounds there are
+      if (second) {
+        hi = T(friction[at(i)]->mu) * moved[at(friction[at(i)]->normal)];
+        lo = -hi;
+      } else {
+        below = p.lo[i] > -kInf, above = p.hi[i] < kInf;
+        if (below) lo = T(p.lo[i]);
+        if (above) hi = T(p.hi[i]);
+      }
+      const bool under = below && x[at(i)] < lo, over = above && x[at(i)] > hi;
+      if (!under && !over && abs(w[at(i)]) <= r[at(i)]) continue;
+      const bool to_lower = under || (!over && w[at(i)] > 0);
+      if (to_lower ? !below : !above) {
+        finding.why = row_says(i, "w", static_cast<double>(w[at(i)])) + " with no bound to rest on";
+        return finding;
+      }
+      side[at(i)] = below && above && lo == hi ? Side::stays : to_lower ? Side::lower : Side::upper;
+      if (side[at(i)] == Side::stays) r[at(i)] = -1;  // a fixed row: any w
+      moved[at(i)] = to_lower ? lo : hi;
+      T allowed = T(1.001) * most_of<T>(T(tolerance) * beta, T(20 * kEpsilon) * size[root]);
+      if (second) {  // its bound has moved along with its normal
+        const Index normal = friction[at(i)]->normal;
+        allowed += T(friction[at(i)]->mu) * cost[at(i)] * abs(moved[at(normal)] - x[at(normal)]);
+      }
+      if (cost[at(i)] * abs(moved[at(i)] - x[at(i)]) > allowed) {
+        finding.why = row_says(i, "distance of z from the bound that the sign of w asks for",
+                               static_cast<double>(abs(moved[at(i)] - x[at(i)])));
+        return finding;
+      }
+    }
+
+  finding.error = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (r[at(i)] < 0) continue;
+    const auto root = at(copy.part[at(i)]);
+    T value = w[at(i)];
+    each(i, [&](Index j, const T& a) {
+      if (moved[at(j)] != x[at(j)]) value += a * (moved[at(j)] - x[at(j)]);
+    });
+    const T violation = side[at(i)] == Side::stays ? abs(value) : side[at(i)] == Side::lower ? -value : value;
+    if (violation > 0 && data[root] > 0)
+      finding.error = std::max(finding.error, static_cast<double>(violation / data[root]));
+    if (violation <= T((static_cast<double>(n) + 1) * (1 + most_mu)) * r[at(i)]) continue;
+    finding.why = row_says(i, "violation over scale", static_cast<double>(violation / (whole > 0 ? whole : T(1))));
+    return finding;
+  }
+  finding.holds = true;
+  return finding;
+}
+
+}  // namespace
+
+Finding examine_solution(const Lcp& problem, const Vector& z, double tolerance) {
+  if (z.size() != problem.size() || !z.allFinite()) return {.why = "z is not finite, or of another size"};
+  return problem.size() <= kRational ? solution<Rational>(problem, z, tolerance)
+                                     : solution<Wide>(problem, z, tolerance);
+}
+
+Finding examine_proof(const Lcp& p, const Vector& u) {
+  const Index n = p.size();
+  Finding finding;
+  const auto refuse = [&](std::string why) {
+    finding.why = std::move(why);
+    return finding;
+  };
+  if (u.size() != n || !u.allFinite()) return refuse("u is not finite, or of another size");
+  std::vector<char> friction(at(n));
+  for (const Friction& f : p.friction) friction[at(f.row)] = 1;
+  const Copy<Rational> copy(p);
+  std::vector<Rational> g(at(n)), terms(at(n));
+  Rational value(0), norm(0), data(0);
+  std::vector<char> spoken(at(n));
+  for (Index i = 0; i < n; ++i) {
+    if (u[i] == 0) continue;
+    const bool below = p.lo[i] > -kInf, above = p.hi[i] < kInf;
+    if (friction[at(i)] != 0 || (below && above)) return refuse(row_says(i, "w has either sign, but u", u[i]));
+    if ((below && u[i] < 0) || (above && u[i] > 0)) return refuse(row_says(i, "wrong sign of u", u[i]));
+    spoken[at(copy.part[at(i)])] = 1;
+    const Rational weight(u[i]);
+    norm += abs(weight);
+    value += weight * copy.b[at(i)];
+    for (const auto& [j, a] : copy.rows[at(i)]) {
+      const Rational term = weight * a;
+      g[at(j)] += term;
+      terms[at(j)] += abs(term);
+    }
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (spoken[at(copy.part[at(i)])] == 0) continue;
+    Rational given = abs(copy.b[at(i)]);
+    for (const auto& [j, a] : copy.rows[at(i)])
+      for (const double bound : {p.lo[j], p.hi[j]})
+        if (std::abs(bound) < kInf) given += abs(a) * Rational(std::abs(bound));
+    data = most_of(data, given);
+  }
+  for (const Friction& f : p.friction) g[at(f.normal)] += Rational(f.mu) * abs(g[at(f.row)]);
+  Rational kappa(0);
+  for (Index j = 0; j < n; ++j) {
+    if (friction[at(j)] != 0 || g[at(j)] == 0) continue;
+    const double bound = g[at(j)] > 0 ? p.hi[j] : p.lo[j];
+    if (std::abs(bound) < kInf) {
+      value += g[at(j)] * Rational(bound);
+      continue;
+    }
+    if (terms[at(j)] == 0) return refuse(row_says(j, "friction alone pushes, g", static_cast<double>(g[at(j)])));
+    kappa = most_of<Rational>(kappa, abs(g[at(j)]) / terms[at(j)]);
+    const double finite = g[at(j)] > 0 ? p.lo[j] : p.hi[j];  // the slack counts from there
+    if (std::abs(finite) < kInf) value += g[at(j)] * Rational(finite);
+  }
+  finding.error = static_cast<double>(kappa);
+  if (value >= 0) return refuse("the largest u'w is " + std::to_string(static_cast<double>(value)) + ", not below 0");
+  if (kappa > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + std::to_string(finding.error));
+  // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i.
+  if (kappa > 0 && -value * Rational(kEpsilon) < runaway(data) * kappa * norm)
+    return refuse("a z within reach may use the slack of g");
+  finding.holds = true;
+  return finding;
+}
+
+}  // namespace orthant

@@ -1,0 +1,32 @@
+// experiments/storm/exact_judge.h — a third judge, written apart from certify(): every sum exact.
+//
+//   What `solved` promises, as a backward error: z̄ near z solves, without any tolerance, a problem near the one given.
+//   Row by row z stays where it is when |w_i| ≤ r, else z̄_i is the bound that the sign of w_i asks for (friction rows after
+//   their normals, ∓μ z̄_n), and the move may cost no more than r: |z̄_i − z_i| max(1, max_j |A_ji|) ≤ r. Then, with w̄ = A z̄ + b,
+//     |w̄_i| ≤ T on rows that stayed,  w̄_i ≥ −T at lo,  w̄_i ≤ T at hi,
+//     r = max(tolerance β, 20 ε S),  T = (n + 1)(1 + max μ) r,  ε S ≤ min(1e-6 (1 + β), 1e-4 β),
+//   S = max_i |b_i| + Σ_j |A_ij z_j|, and β the same of the data alone (certify.h). S and β are of each part of the problem,
+//   rows that A couples. T is r once for each row that may have moved: certify() weighs a move by what it costs.
+//
+//   What `infeasible` promises: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
+//   consequence. Exactly; or but for roundings of Aᵀu, where every z that uses them is so large that w is unknown.
+//
+//   Arithmetic: rationals up to kRational rows and for every proof, else 113 bits, in which products of doubles are exact.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+
+#include <string>
+
+namespace orthant {
+
+struct Finding {
+  bool holds = false;
+  double error = kInf;  // of a solution: the largest violation over β; of a proof: κ, 0 when it is exact
+  std::string why;      // empty when it holds
+};
+
+Finding examine_solution(const Lcp& problem, const Vector& z, double tolerance);
+Finding examine_proof(const Lcp& problem, const Vector& u);
+
+}  // namespace orthant

@@ -1,0 +1,177 @@
+#include "storm.h"
+
+#include "exact_judge.h"
+
+#include <orthant/solvers/registry.h>
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+namespace orthant {
+namespace {
+
+constexpr double kTolerance = 1e-10;  // the largest default of all solvers
+
+/// One problem's verdicts: a z or a proof that several solvers found is looked at once.
+class Verdicts {
+ public:
+  explicit Verdicts(const StormProblem& p) : p_(p) {}
+
+  StormResult judge(const Solution& s, double seconds, const StormChoice& choice, std::string& why,
+                    StormTally::Row& row) {
+    if (seconds > choice.time_limit + choice.grace) {
+      why = std::to_string(seconds) + " s";
+      return StormResult::late;
+    }
+    if (s.status == Status::solved) return solved(s, why, row);
+    if (s.status == Status::infeasible) return infeasible(s, why, row);
+    if (s.status == Status::unsupported) return StormResult::refused;
+    if (s.status != Status::not_run && s.residual == s.residual) return StormResult::failed;
+    why = "status " + std::string(name(s.status)) + ", residual " + std::to_string(s.residual);
+    return StormResult::wrong;
+  }
+
+ private:
+  template <class Examine>
+  const Finding& look(std::vector<std::pair<Vector, Finding>>& seen, const Vector& x, const Examine& examine) {
+    for (const auto& [known, finding] : seen)
+      if (known == x) return finding;
+    return seen.emplace_back(x, examine()).second;
+  }
+
+  StormResult solved(const Solution& s, std::string& why, StormTally::Row& row) {
+    const Finding& f = look(solutions_, s.z, [&] { return examine_solution(p_.problem, s.z, kTolerance); });
+    if (!f.holds)
+      why = f.why;
+    else if (p_.answer == Answer::infeasible || p_.answer == Answer::none)
+      why = "there is no solution, by construction";
+    else if (proved_)
+      why = "another solver's proof that there is no solution holds";
+    if (!why.empty()) return StormResult::wrong;
+    row.error = std::max(row.error, f.error);
+    found_ = true;
+    return StormResult::solved;
+  }
+
+  StormResult infeasible(const Solution& s, std::string& why, StormTally::Row& row) {
+    const Finding& f = look(proofs_, s.certificate, [&] { return examine_proof(p_.problem, s.certificate); });
+    if (!f.holds)
+      why = f.why;
+    else if (p_.answer && p_.answer != Answer::infeasible)
+      why = "there is no proof, by construction";
+    else if (found_)
+      why = "another solver's solution holds";
+    if (!why.empty()) return StormResult::wrong;
+    ++(f.error == 0 ? row.exact : row.rounded);
+    proved_ = true;
+    return StormResult::infeasible;
+  }
+
+  const StormProblem& p_;
+  std::vector<std::pair<Vector, Finding>> solutions_, proofs_;
+  bool found_ = false, proved_ = false;
+};
+
+struct Runner {
+  std::unique_ptr<Solver> solver;
+  Solution solution;
+
+  explicit Runner(const std::string& spec, double time_limit) : solver(make_solver(spec)) {
+    solver->set_time_limit(time_limit);
+  }
+
+  double solve(const Lcp& problem) {  // [s]
+    const auto begin = std::chrono::steady_clock::now();
+    solver->solve(problem, solution);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+};
+
+}  // namespace
+
+void StormTally::add(const StormTally& other) {
+  for (const auto& [key, more] : other.rows) {
+    Row& row = rows[key];
+    for (std::size_t i = 0; i < row.count.size(); ++i) row.count[i] += more.count[i];
+    row.error = std::max(row.error, more.error);
+    row.exact += more.exact, row.rounded += more.rounded;
+  }
+  faults.insert(faults.end(), other.faults.begin(), other.faults.end());
+}
+
+std::vector<StormSolver> storm_solvers() {
+  std::vector<StormSolver> all;
+  for (const SolverEntry& entry : solvers()) {
+    StormSolver solver{std::string(entry.name)};
+    if (entry.name == "ipopt") solver.every = 100;
+    if (entry.name == "nlopt") solver.every = 100;
+    if (entry.name == "enumerate") solver.every = 5, solver.largest = 8;
+    all.push_back(solver);
+  }
+  return all;
+}
+
+StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count) {
+  StormTally tally;
+  std::vector<Runner> runners;
+  for (const StormSolver& each : choice.solvers) runners.emplace_back(each.spec, choice.time_limit);
+  for (std::uint64_t k = first; k < first + count; ++k) {
+    const StormProblem p = storm_problem(choice.seed, k);
+    Verdicts verdicts(p);
+    const auto turn = k / storm_kinds().size();
+    for (std::size_t i = 0; i < runners.size(); ++i) {
+      const StormSolver& each = choice.solvers[i];
+      if (turn % static_cast<std::uint64_t>(each.every) != 0 || p.problem.size() > each.largest) continue;
+      StormTally::Row& row = tally.rows[{std::string(p.kind), each.spec}];
+      std::string why;
+      StormResult result = StormResult::crashed;
+      try {
+        const double seconds = runners[i].solve(p.problem);
+        result = verdicts.judge(runners[i].solution, seconds, choice, why, row);
+      } catch (const std::exception& error) {
+        why = error.what();
+      }
+      ++row.count[static_cast<std::size_t>(result)];
+      if (!why.empty())
+        tally.faults.push_back(
+            {k, std::string(p.kind), each.spec, std::string(kStormResults[static_cast<std::size_t>(result)]), why});
+    }
+  }
+  return tally;
+}
+
+StormResult storm_one(const Lcp& problem, std::optional<Answer> answer, const std::string& spec,
+                      const StormChoice& choice, std::string& why) {
+  const StormProblem p{"", problem, answer};
+  StormTally::Row row;
+  try {
+    Runner runner(spec, choice.time_limit);
+    const double seconds = runner.solve(problem);
+    return Verdicts(p).judge(runner.solution, seconds, choice, why, row);
+  } catch (const std::exception& error) {
+    why = error.what();
+    return StormResult::crashed;
+  }
+}
+
+std::string to_text(const StormTally& tally) {
+  nlohmann::json json = {{"rows", nlohmann::json::array()}, {"faults", nlohmann::json::array()}};
+  for (const auto& [key, row] : tally.rows)
+    json["rows"].push_back({key.first, key.second, row.count, row.error, row.exact, row.rounded});
+  for (const StormFault& f : tally.faults) json["faults"].push_back({f.k, f.kind, f.solver, f.what, f.why});
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+StormTally storm_tally_from_text(const std::string& text) {
+  const auto json = nlohmann::json::parse(text);
+  StormTally tally;
+  for (const auto& row : json.at("rows"))
+    tally.rows[{row.at(0), row.at(1)}] = {row.at(2), row.at(3), row.at(4), row.at(5)};
+  for (const auto& f : json.at("faults")) tally.faults.push_back({f.at(0), f.at(1), f.at(2), f.at(3), f.at(4)});
+  return tally;
+}
+
+}  // namespace orthant

@@ -1,0 +1,107 @@
+// The verdict storm: its judge catches what is wrong, its shrinker leaves what matters, and a share of it finds no fault.
+#include "experiments/storm/storm.h"
+#include "experiments/storm/exact_judge.h"
+#include "experiments/storm/shrink.h"
+
+#include <orthant/core/lcp/io.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+using namespace orthant;
+
+TEST_CASE("the exact judge takes exact answers and proofs, and none that is off by more than its tolerance") {
+  const auto lemke = make_solver("lemke");
+  Solution s;
+  int solutions = 0, proofs = 0;
+  for (const Known& known : known_problems()) {
+    INFO(known.name);
+    const Lcp& p = known.problem;
+    if (known.z.size() > 0) CHECK(examine_solution(p, known.z, 1e-10).holds);
+    lemke->solve(p, s);
+    if (s.status == Status::solved) {
+      ++solutions;
+      CHECK(examine_solution(p, s.z, 1e-10).holds);
+      if (known.answer != Answer::unique || known.accuracy > 0) continue;
+      const double size = std::max(1.0, s.z.lpNorm<Eigen::Infinity>());
+      for (Index i = 0; i < p.size(); ++i) {
+        if (p.lo[i] == p.hi[i]) continue;
+        Vector z = s.z;
+        z[i] += 1e-3 * size;
+        CHECK(!examine_solution(p, z, 1e-10).holds);
+      }
+    }
+    if (s.status == Status::infeasible) {
+      ++proofs;
+      CHECK(examine_proof(p, s.certificate).holds);
+      Vector u = -s.certificate;
+      CHECK(!examine_proof(p, u).holds);
+      u.setZero();
+      CHECK(!examine_proof(p, u).holds);
+    }
+  }
+  CHECK(solutions > 30);
+  CHECK(proofs >= 5);
+}
+
+TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound, a small part beside a large one") {
+  const Lcp ray = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, -1}, {-1, 1}}), Vector{-1, -1});
+  CHECK(!examine_solution(ray, Vector{1e16, 1e16}, 1e-10).holds);  // w is lost in rounding
+  const Lcp one = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(1, 1)), Vector{1});
+  CHECK(examine_solution(one, Vector{0}, 1e-10).holds);
+  CHECK(!examine_solution(one, Vector{-1e-3}, 1e-10).holds);
+  Lcp contact = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 0}, {0, 1}}), Vector{-1, -0.75});
+  contact.lo[1] = -kInf;
+  contact.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  CHECK(examine_solution(contact, Vector{1, 0.5}, 1e-10).holds);
+  CHECK(!examine_solution(contact, Vector{1, 0.75}, 1e-10).holds);
+  const Lcp apart = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(2, 2)), Vector{-1e12, -1});
+  CHECK(examine_solution(apart, Vector{1e12, 1}, 1e-10).holds);
+  CHECK(!examine_solution(apart, Vector{1e12, 0}, 1e-10).holds);  // 1 is 1e-12 of the other part's scale
+}
+
+TEST_CASE("a fault is shrunk to the rows and the entries that it needs") {
+  Random random(5);
+  Lcp p = random_contact_problem(6, 5, 0.5, random);
+  p.b[7] = -123.456;
+  const auto shows = [](const Lcp& q) {
+    for (Index i = 0; i < q.size(); ++i)
+      if (q.b[i] < -100) return true;
+    return false;
+  };
+  const Lcp least = shrink(p, shows);
+  CHECK(shows(least));
+  CHECK(least.size() == 1);
+  CHECK(least.friction.empty());
+  CHECK(std::get<DenseMatrix>(least.A)(0, 0) == 0);
+  check(least);
+}
+
+TEST_CASE("a storm's problem is the same each time, and all kinds come") {
+  std::set<std::string_view> kinds;
+  for (std::uint64_t k = 0; k < 400; ++k) {
+    const StormProblem a = storm_problem(3, k), b = storm_problem(3, k);
+    check(a.problem);
+    CHECK(to_json(a.problem) == to_json(b.problem));
+    CHECK(a.problem.size() >= 1);
+    CHECK(a.problem.size() <= 64);
+    kinds.insert(a.kind);
+  }
+  CHECK(kinds.size() == storm_kinds().size());
+}
+
+TEST_CASE("a share of the storm: no wrong verdict, no crash, nothing late") {
+  StormChoice choice;
+  choice.grace = 30;  // sanitizers, a busy machine
+  const StormTally tally = storm(choice, 0, 100);
+  std::array<long, kStormResults.size()> sum{};
+  for (const auto& [key, row] : tally.rows)
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += row.count[i];
+  for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
+  MESSAGE("solved ", sum[0], ", infeasible ", sum[1], ", refused ", sum[2], ", failed ", sum[3]);
+  CHECK(sum[0] > 400);
+  CHECK(sum[1] > 100);
+  CHECK(storm_tally_from_text(to_text(tally)).rows.size() == tally.rows.size());
+}

@@ -1,0 +1,108 @@
+// Every solver ends when its time is over or the caller raises the flag, wherever in its work that finds it.
+#include <orthant/core/lcp/families.h>
+#include <orthant/core/support/options.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <ctime>
+#include <thread>
+
+using namespace orthant;
+
+namespace {
+
+/// [s] of processor time, which a busy machine does not lengthen.
+double processor_time() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Lcp family_problem(const char* family, Index size, double hardness) {
+  return find_family(family)->make(size, hardness, 1).problem;
+}
+
+/// For each solver a problem that it takes, and works on for long: seconds to days.
+struct Long {
+  const char* spec;
+  Lcp problem;
+};
+std::vector<Long> long_work() {
+  Eigen::Matrix2d slow;  // a light block under one of 1e9 its mass
+  slow << 1, -1, -1, 1 + 1e-9;
+  const Lcp blocks = Lcp::standard(DenseMatrix(slow), Vector{-1, 0});
+  Eigen::MatrixXd skew(20, 20);  // without a solution, which no choice of sides shows early
+  Random random(1);
+  for (double& value : skew.reshaped()) value = random.normal();
+  skew = (skew - skew.transpose()).eval();
+  const Lcp large = family_problem("spd", 1500, 1e6), grid = family_problem("ball", 65025, 0);
+  return {{"auto", large},
+          {"lemke:max_pivots=1000000000", murty_problem(40)},
+          {"lemke:max_pivots=1000000000", large},
+          {"path", large},
+          {"path", grid},
+          {"pgs:max_sweeps=1000000000", blocks},
+          {"psor:max_sweeps=1000000000", grid},
+          {"sgs:max_sweeps=1000000000", blocks},
+          {"jacobi:max_iterations=1000000000", blocks},
+          {"nncg:max_sweeps=1000000000", grid},
+          {"apgd", grid},
+          {"mprgp", grid},
+          {"admm", grid},
+          {"dantzig", large},
+          {"murty:max_pivots=1000000000", murty_problem(40, true)},
+          {"block-pivot", grid},
+          {"newton-min", grid},
+          {"newton-fb", grid},
+          {"interior-point", grid},
+          {"ipopt", family_problem("spd", 700, 1e6)},
+          {"nlopt:max_evaluations=1000000000", large},
+          {"lemke-howson", family_problem("bimatrix", 1000, 0)},
+          {"enumerate", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))}};
+}
+
+}  // namespace
+
+TEST_CASE("every solver ends within a second of its time limit, and of a raised flag") {
+  constexpr double kGrace = 1;  // [s]: what one factorization of these takes, and a busy machine
+  std::vector<std::string> seen;
+  for (const auto& [spec, problem] : long_work()) {
+    INFO(std::string(spec), ", ", problem.size(), " rows");
+    seen.emplace_back(Spec::parse(spec).name);
+    const auto solver = make_solver(spec);
+    if (!solver->why_not(problem).empty()) {
+      MESSAGE(std::string(spec), ": ", solver->why_not(problem));
+      CHECK(solver->why_not(problem).find("built without") != std::string::npos);  // a back-end that is absent
+      continue;
+    }
+    Solution s;
+    constexpr double kLimit = 0.05;
+    solver->set_time_limit(kLimit);
+    double begin = processor_time();
+    solver->solve(problem, s);
+    const double limited = processor_time() - begin;
+    CHECK(limited < kLimit + kGrace);
+    CHECK(s.status == Status::time_limit);
+    solver->set_time_limit(kInf);
+
+    std::atomic<bool> cancel{false};
+    solver->set_cancel(&cancel);
+    begin = processor_time();
+    {
+      const std::jthread other([&cancel] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        cancel = true;
+      });
+      solver->solve(problem, s);
+    }
+    const double cancelled = processor_time() - begin;
+    CHECK(cancelled < kLimit + kGrace);
+    CHECK(s.status == Status::cancelled);
+    MESSAGE(std::string(spec), ": ", limited, " s, ", cancelled, " s");
+    CHECK(solver->solve(problem, s).status == Status::cancelled);  // raised beforehand
+    solver->set_cancel(nullptr);
+  }
+  for (const SolverEntry& entry : solvers()) CHECK(std::ranges::count(seen, entry.name) >= 1);
+}
