@@ -26,6 +26,8 @@ class Projection {
   /// [m/s, rad/s].
   double velocity(Terms& terms, Eigen::VectorXd& v);
 
+  void forget() { basic_.forget(); }  // see there
+
  private:
   const System& system_;
   BasicSystem basic_;
