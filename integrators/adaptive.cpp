@@ -70,10 +70,19 @@ Adaptive::Adaptive(const System& system, const Options& options)
       force_(system.dof()),
       lambda_(system.joint_rows()),
       sum_(system.laws().size()),
-      kick_(system.laws().size()) {
+      kick_(system.laws().size()),
+      far_(system.assembly()),
+      length_(system.cluster()),
+      speed_(system.cluster()),
+      omega_(system.cluster()),
+      slack_(system.laws().size()),
+      noise_(system.laws().size()),
+      weight_(2 * system.dof()) {
   refuse_joint_friction("adaptive");
   refuse_collisions("adaptive");
   require_plain_impacts(system, "adaptive");
+  for (const Contact& contact : system.scene().contacts)
+    bodies_.push_back(std::visit([](const auto& c) { return bodies_of(c); }, contact));
   at_start_ = terms_.at;
   missing_.reserve(system.laws().size());
   events_.reserve(64);  // of one call; more are taken as they come
@@ -238,7 +247,7 @@ bool Adaptive::decide(Solver& solver, State& x, StepReport& report) {
   motion_.watch_lasting(x.v, force_, end_.w);
   transition_.candidates.clear();
   for (const int c : motion_.lasting()) {
-    const double slip = end_.w.slip[c], none = 4 * late_ * std::abs(end_.w.slip_acceleration[c]) + slow();
+    const double slip = end_.w.slip[c], none = 4 * late_ * std::abs(end_.w.slip_acceleration[c]) + watch_.slow[at(c)];
     transition_.candidates.push_back({c, motion_.modes[at(c)].slip == 0 || std::abs(slip) <= none ? 0.0
                                          : slip > 0                                               ? 1.0
                                                                                                   : -1.0});
@@ -371,15 +380,16 @@ Adaptive::Outcome Adaptive::examine(double h, Solver& solver, const State& x, St
 /// [s] in which nothing changes by more than a part of the tolerance, from the accelerations at the arc's start.
 double Adaptive::late() const {
   double rate = 0;
-  for (Index i = 0; i < start_.a.size(); ++i)
-    rate = std::max(rate, std::max(std::abs(start_.a[i]), std::abs(motion_.free()[i])) * weight_[i % 3 == 2 ? 3 : 2]);
+  const Index n = system_.dof();
+  for (Index i = 0; i < n; ++i)
+    rate = std::max(rate, std::max(std::abs(start_.a[i]), std::abs(motion_.free()[i])) * weight_[n + i]);
   return std::max(2 * least_, kLate / rate);
 }
 
 /// [s] after the start, when a lasting contact's mode ends; infinite: it does not.
 double Adaptive::mode_end(double t, double s, Solver& solver, StepReport& report) {
   const auto when = [&](bool forces) {
-    const auto sign = watch_.first(slow(), forces);
+    const auto sign = watch_.first(forces);
     return sign ? sign->crossing.x * s : kInf;
   };
   const double end = when(true);
@@ -421,22 +431,23 @@ bool Adaptive::closes(const State& x, double offset) {
   for (int c = 0; c < system_.contacts(); ++c) {
     if (motion_.modes[at(c)].lasting) continue;
     if (terms_.gap[c] > 0) {
-      look(gap_margins_[at(c)], x, offset, terms_.gap[c]);
+      look(c, x, offset, terms_.gap[c]);
       continue;
     }
     const double gap = terms_.gap[c], rate = apply(rows(c).normal, v_.data());
-    if (rate > 0 && gap >= -slack_) continue;
+    const double slack = slack_[at(c)];
+    if (rate > 0 && gap >= -slack) continue;
     at_start_ = terms_.at;
     set_poses(system_, x.t, x.q, at_start_);
     std::swap(at_start_, terms_.at);
     const double before = std::visit([&](const auto& s) { return s.gap(terms_.at); }, system_.scene().contacts[at(c)]);
-    if (rate > 0 && before <= 2 * slack_) {  // it opens; else it closed on the way, and opens again
+    if (rate > 0 && before <= 2 * slack) {  // it opens; else it closed on the way, and opens again
       std::swap(at_start_, terms_.at);
       continue;
     }
     const double rate_before = apply(rows(c).normal, x.v.data());
-    const bool now = before <= 2 * slack_ && rate_before <= 0;  // what is left of the gap is rounding
-    const double when = now ? 0 : offset * closing(before - slack_, offset * rate_before, gap - slack_, offset * rate);
+    const bool now = before <= 2 * slack && rate_before <= 0;  // what is left of the gap is rounding
+    const double when = now ? 0 : offset * closing(before - slack, offset * rate_before, gap - slack, offset * rate);
     std::swap(at_start_, terms_.at);
     event_ = any ? std::min(event_, when) : when;
     any = true;
@@ -478,9 +489,10 @@ Adaptive::Outcome Adaptive::symmetric_step(const State& x, double offset, double
   return v_.allFinite() ? Outcome::done : Outcome::failed;
 }
 
-void Adaptive::look(Margin& gap, const State& x, double offset, double value) {
+void Adaptive::look(int contact, const State& x, double offset, double value) {
+  Margin& gap = gap_margins_[at(contact)];
   gap.add(x.t + offset, value);
-  if (const double dip = gap.dip(kNoise / weight_[0]) - x.t; dip > kDipMet * offset) dip_ = std::min(dip_, dip);
+  if (const double dip = gap.dip(noise_[at(contact)]) - x.t; dip > kDipMet * offset) dip_ = std::min(dip_, dip);
 }
 
 bool Adaptive::plain_step(const State& x, double offset, double h, double joints, Solver& solver, StepReport& report) {
@@ -488,7 +500,7 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   evaluate_gaps(system_, terms_);
   terms_.closed.clear();
   for (int c = 0; c < system_.contacts(); ++c)
-    if (terms_.gap[c] <= 4 * slack_ || motion_.modes[at(c)].lasting) terms_.closed.push_back({c, rows(c)});
+    if (terms_.gap[c] <= 4 * slack_[at(c)] || motion_.modes[at(c)].lasting) terms_.closed.push_back({c, rows(c)});
   newtons_law(system_.laws(), terms_, v_, wanted_);
   for (std::size_t k = 0; k < terms_.closed.size(); ++k)
     if (const int c = terms_.closed[k].contact; closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
@@ -546,7 +558,7 @@ void Adaptive::settle_modes(double h, const State& x) {
     const Row& row = terms_.closed[k].rows.normal;
     const double stopped_from = (1 + system_.laws()[c].e) * apply(row, v_half_.data());
     const double rebound = apply(row, v_.data()), fall = stopped_from - problem().b[static_cast<Index>(k)];
-    const bool low = rebound * rebound * h <= fall * slack_;
+    const bool low = rebound * rebound * h <= fall * slack_[c];
     const bool pressed = (closed_[c] || before_[c].lasting) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
     if (!low && !(pressed && rebound <= 2 * std::abs(fall))) continue;
     ContactMode& mode = motion_.modes[c];
@@ -589,25 +601,35 @@ void Adaptive::accept(double h, State& x, StepReport& report) {
 }
 
 void Adaptive::scale(const State& x) {
-  double length = 0, speed = 0, omega = 0;
-  for (Index i = 0; i < x.q.size(); i += 3) {
-    length = std::max({length, std::abs(x.q[i]), std::abs(x.q[i + 1])});
-    speed = std::max({speed, std::abs(x.v[i]), std::abs(x.v[i + 1])});
-    omega = std::max(omega, std::abs(x.v[i + 2]));
+  const auto translation = [](const Eigen::VectorXd& y) {
+    return [&y](Index i) { return std::max(std::abs(y[3 * i]), std::abs(y[3 * i + 1])); };
+  };
+  far_.measure(translation(x.q)), length_.measure(translation(x.q)), speed_.measure(translation(x.v));
+  omega_.measure([&](Index i) { return std::abs(x.v[3 * i + 2]); });
+  const auto tolerance = [&](double size) { return options_.atol + options_.rtol * size; };
+  const Index n = system_.dof();
+  for (Index i = 0; i < n; i += 3) {
+    weight_[i] = weight_[i + 1] = 1 / tolerance(length_.of_entry(i));
+    weight_[i + 2] = 1 / tolerance(1);
+    weight_[n + i] = weight_[n + i + 1] = 1 / tolerance(speed_.of_entry(i));
+    weight_[n + i + 2] = 1 / tolerance(omega_.of_entry(i));
   }
-  const auto weight = [&](double size) { return 1 / (options_.atol + options_.rtol * size); };
-  slack_ = 32 * kEps * length;
-  weight_ = {weight(length), weight(1), weight(speed), weight(omega)};
+  for (std::size_t c = 0; c < bodies_.size(); ++c) {
+    const auto [a, b] = bodies_[c];
+    slack_[c] = 32 * kEps * far_.of(a, b);
+    noise_[c] = kNoise * tolerance(length_.of(a, b));
+    watch_.slow[c] = kNone * tolerance(speed_.of(a, b));
+  }
 }
 
 double Adaptive::error(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  const Index n = system_.dof();
   double worst = 0;
-  for (Index i = 0; i < 2 * n; ++i) {
-    const double off = std::abs(a[i] - b[i]) * weight_[(i < n ? 0u : 2u) + (i % 3 == 2 ? 1u : 0u)];
-    if (!(off <= worst)) worst = off;  // NaN too
+  for (Index i = 0; i < weight_.size(); ++i) {
+    const double off = std::abs(a[i] - b[i]) * weight_[i];
+    if (!(off < kInf)) return kInf;  // NaN too
+    worst = std::max(worst, off);
   }
-  return std::isfinite(worst) ? worst : kInf;
+  return worst;
 }
 
 }  // namespace orthant

@@ -16,7 +16,8 @@
 //   late that accelerations do 0.1 of the tolerance meanwhile), and the modes are decided by the problem at acceleration
 //   level (contact_transition.h). Where that finds nothing new, or no answer, a step of Moreau–Jean goes on. Forces that are
 //   not unique (redundant rows) end no mode while others exist with which all go on, at these five points.
-//   Error norm: max |Δ| / (atol + rtol s); s = 1 rad for angles, else the scene's largest |x|, |ẋ|, |ω| at that time.
+//   Error norm: max |Δ| / (atol + rtol s); s = 1 rad for angles, else the largest |x|, |ẋ|, |ω| at that time of all bodies
+//   that can meet (extents.h).
 //   atol is in m, rad, m/s, rad/s alike. Measured on the slider-crank: |Δθ₁| after 3 turns is about rtol, from 1e-3
 //   (2 ms) over 1e-6 (5 ms) to 3e-8 (10 ms), where rounding of the gaps ends it.
 //   Cost: an arc of k columns k (k + 1) steps, each one factorization and one small dense system of the lasting contacts,
@@ -78,7 +79,6 @@ class Adaptive final : public Integrator {
   bool decide(Solver& solver, State& x, StepReport& report);
   void note_changes(double t);
   double late() const;
-  double slow() const { return kNone / weight_[2]; }  // [m/s] slips that count as none
   double crossing(double wish, double left) const;
   bool cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report);
   void watch_crowd(double t);
@@ -93,7 +93,7 @@ class Adaptive final : public Integrator {
   bool holds(double t, const MotionPoint& p, Solver& solver, StepReport& report);
   bool land(double t);
   bool closes(const State& x, double offset);
-  void look(Margin& gap, const State& x, double offset, double value);
+  void look(int contact, const State& x, double offset, double value);
   double plan(double taken);
   bool cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report);
   bool plain_step(const State& x, double offset, double h, double joints, Solver& solver, StepReport& report);
@@ -136,11 +136,15 @@ class Adaptive final : public Integrator {
   double late_ = 0,
          decided_ = -kInf;  // [s] how late after its end a mode is changed; when modes were decided at a standstill
   double dip_ = kInf;       // [s] likewise: where a margin is least, and nearly 0 or below
-  double slack_ = 0;        // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
   double error_ = 0;
-  double rise_ = 0;                   // [J] of energy, in the impacts of a crossing
-  ContactMotion::Residual residual_;  // of the joints
-  std::array<double, 4> weight_{};    // lengths, angles, speeds, angular velocities
+  double rise_ = 0;                                // [J] of energy, in the impacts of a crossing
+  ContactMotion::Residual residual_;               // of the joints
+  Extents far_, length_, speed_, omega_;           // of assemblies; of all that can meet
+  std::vector<std::pair<BodyId, BodyId>> bodies_;  // of each contact
+  std::vector<double>
+      slack_;  // [m] what rounding makes of a gap of 0: closed in a crossing, so that corners go together
+  std::vector<double> noise_;  // [m] gaps are looked at no closer
+  Eigen::VectorXd weight_;     // of errors of q and v, 1 / (atol + rtol s)
 };
 
 }  // namespace orthant

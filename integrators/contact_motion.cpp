@@ -36,6 +36,8 @@ ContactMotion::ContactMotion(const System& system)
       basic_(system),
       projection_(system),
       equations_(system, 2 * modes.size()),
+      far_(system.assembly()),
+      fast_(system.cluster()),
       free_(system.dof()),
       zero_(Eigen::VectorXd::Zero(system.dof())),
       rate_(system.joint_rows()),
@@ -124,21 +126,19 @@ void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
   evaluate_closed(system_, kInf, terms_);
   evaluate_biases(system_, terms_);
   w.gap = terms_.gap;
-  // Translations couple through the joints: the largest of all bodies counts. A rotation counts on its own body.
-  const auto largest = [](const Eigen::VectorXd& x) {
-    double most = 0;
-    for (Index i = 0; i < x.size(); i += 3) most = std::max({most, std::abs(x[i]), std::abs(x[i + 1])});
-    return most;
+  // Translations couple: the largest of a group counts. A rotation counts on its own body.
+  const auto translation = [](const Eigen::VectorXd& x) {
+    return [&x](Index i) { return std::max(std::abs(x[3 * i]), std::abs(x[3 * i + 1])); };
   };
-  const auto magnitude = [](const Row& row, double linear, const Eigen::VectorXd& x) {
+  const auto magnitude = [](const Row& row, const Extents& linear, const Eigen::VectorXd& x) {
     double sum = 0;
     const auto add = [&](BodyId body, const std::array<double, 3>& j) {
-      if (body >= 0) sum += (std::abs(j[0]) + std::abs(j[1])) * linear + std::abs(j[2] * x[3 * body + 2]);
+      if (body >= 0) sum += (std::abs(j[0]) + std::abs(j[1])) * linear.of(body) + std::abs(j[2] * x[3 * body + 2]);
     };
     add(row.a, row.ja), add(row.b, row.jb);
     return sum;
   };
-  const double far = largest(q), fast = largest(v);
+  far_.measure(translation(q)), fast_.measure(translation(v));
   for (Index i = 0; i < w.gap.size(); ++i) {
     const auto& [contact, rows] = terms_.closed[static_cast<std::size_t>(i)];
     const ContactBias& bias = terms_.contact_bias[static_cast<std::size_t>(i)];
@@ -146,8 +146,8 @@ void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
     w.gap_acceleration[i] = apply(rows.normal, a.data()) + bias.normal;
     w.slip[i] = slip_rate(system_.law(contact), rows, v);
     w.slip_acceleration[i] = apply(rows.tangent, a.data()) + bias.tangent;
-    w.gap_scale[i] = magnitude(rows.normal, far, q);
-    w.gap_rate_scale[i] = magnitude(rows.normal, fast, v), w.slip_scale[i] = magnitude(rows.tangent, fast, v);
+    w.gap_scale[i] = magnitude(rows.normal, far_, q);
+    w.gap_rate_scale[i] = magnitude(rows.normal, fast_, v), w.slip_scale[i] = magnitude(rows.tangent, fast_, v);
   }
 }
 

@@ -90,6 +90,7 @@ class ContactMotion {
   ContactEquations equations_;
   std::vector<int> lasting_;
   std::vector<double> normal_, tangent_;
+  Extents far_, fast_;  // [m], [m/s] of translations
   Vector share_;
   Eigen::VectorXd free_, zero_, rate_, lambda_;
 };

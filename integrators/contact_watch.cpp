@@ -19,7 +19,8 @@ void interpolate(const MotionPoint& a, const MotionPoint& b, double s, double x,
 }
 
 ContactWatch::ContactWatch(ContactMotion& motion)
-    : motion_(motion),
+    : slow(motion.modes.size()),
+      motion_(motion),
       inner_{MotionPoint(motion.system()), MotionPoint(motion.system()), MotionPoint(motion.system())} {}
 
 bool ContactWatch::look(double t, double s, const MotionPoint& a, const MotionPoint& b, double stop) {
@@ -53,13 +54,14 @@ double ContactWatch::value(const Sign& sign, const Watched& w) const {
   return 0;
 }
 
-double ContactWatch::slack(const Sign& sign, double slow) const {
+double ContactWatch::slack(const Sign& sign) const {
   const Watched &a = points_.front()->w, &b = points_.back()->w;
-  if (sign.watch == Watch::slip) return slow + kSame * a.slip_scale[sign.contact];
+  if (sign.watch == Watch::slip)
+    return slow[static_cast<std::size_t>(sign.contact)] + kSame * a.slip_scale[sign.contact];
   return 10 * kSame * std::max(a.normal.lpNorm<Eigen::Infinity>(), b.normal.lpNorm<Eigen::Infinity>());
 }
 
-std::optional<Sign> ContactWatch::first(double slow, bool forces) const {
+std::optional<Sign> ContactWatch::first(bool forces) const {
   std::optional<Sign> first;
   const auto take = [&](Sign sign, const std::optional<Crossing>& found, double from, double part) {
     if (!found || (first && first->crossing.x <= from + part * found->x)) return found.has_value();
@@ -74,7 +76,7 @@ std::optional<Sign> ContactWatch::first(double slow, bool forces) const {
       const Sign sign{watch, c, {}};
       std::array<double, kPoints> f;
       for (std::size_t i = 0; i < kPoints; ++i) f[i] = value(sign, points_[i]->w);
-      take(sign, first_crossing(quartic(f), slack(sign, slow)), 0, 1);
+      take(sign, first_crossing(quartic(f), slack(sign)), 0, 1);
     }
     if (mode.slip == 0) continue;
     const Sign sign{Watch::slip, c, {}};
@@ -83,7 +85,7 @@ std::optional<Sign> ContactWatch::first(double slow, bool forces) const {
       const Watched &a = points_[i]->w, &b = points_[i + 1]->w;
       const auto piece = cubic(mode.slip * a.slip[c], mode.slip * a.slip_acceleration[c], mode.slip * b.slip[c],
                                mode.slip * b.slip_acceleration[c], kPart * s_);
-      if (take(sign, first_crossing(piece, slack(sign, slow)), kPart * static_cast<double>(i), kPart)) break;
+      if (take(sign, first_crossing(piece, slack(sign)), kPart * static_cast<double>(i), kPart)) break;
     }
   }
   return first;

@@ -46,14 +46,16 @@ class ContactWatch {
   /// Looks into the step of length s [s] from a, at t, to b: accelerations, forces and slips at the inner points, at no
   /// time after `stop` [s]. False: they are not finite.
   bool look(double t, double s, const MotionPoint& a, const MotionPoint& b, double stop = kInf);
-  /// In the step looked at last. slow [m/s]: slips taken as none; without forces: only slips that stop.
-  std::optional<Sign> first(double slow, bool forces = true) const;
+  /// In the step looked at last. Without forces: only slips that stop.
+  std::optional<Sign> first(bool forces = true) const;
 
   double value(const Sign& sign, const Watched& w) const;                // ≥ 0 while the mode lasts
-  double slack(const Sign& sign, double slow) const;                     // what counts as 0 of it
+  double slack(const Sign& sign) const;                                  // what counts as 0 of it
   Impulse impulse(int contact) const;                                    // [N s] of the step
   const MotionPoint& point(std::size_t i) const { return *points_[i]; }  // i = 0..4, i/4 of the way
   static constexpr std::size_t kPoints = 5;
+
+  std::vector<double> slow;  // [m/s] one per contact: slips taken as none; set before first() and slack()
 
  private:
   ContactMotion& motion_;

@@ -60,6 +60,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
   refuse_joint_friction("event-driven");
   refuse_collisions("event-driven");
   events_.reserve(64 * impulses_.size());
+  std::fill(watch_.slow.begin(), watch_.slow.end(), options.atol);
 }
 
 StepReport EventDriven::step(double h, Solver& solver, State& x) {
@@ -291,7 +292,7 @@ bool EventDriven::try_step(double s) {
 }
 
 double EventDriven::slack(const Sign& sign) const {
-  return sign.watch == Watch::gap ? 2 * gap_zero(sign.contact) : watch_.slack(sign, options_.atol);
+  return sign.watch == Watch::gap ? 2 * gap_zero(sign.contact) : watch_.slack(sign);
 }
 
 /// The event function; ≥ 0 before the event. A start with overlap is let be.
@@ -302,8 +303,7 @@ double EventDriven::value(const Sign& sign, const Watched& w) const {
 std::optional<Sign> EventDriven::first_sign(double s) {
   std::optional<Sign> first;
   if (s <= 0) return first;
-  if (!motion_.lasting().empty() && watch_.look(start_ + elapsed_, s, now_, trial_, stop_))
-    first = watch_.first(options_.atol);
+  if (!motion_.lasting().empty() && watch_.look(start_ + elapsed_, s, now_, trial_, stop_)) first = watch_.first();
   const Watched &a = now_.w, &b = trial_.w;
   for (int c = 0; c < system_.contacts(); ++c) {
     if (motion_.modes[at(c)].lasting) continue;

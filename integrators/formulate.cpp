@@ -3,6 +3,7 @@
 namespace orthant {
 namespace {
 
+constexpr std::size_t kShared = 100;     // rows beyond the largest island's, from which on threads gain
 constexpr std::size_t kFormedRows = 64;  // up to here a dense A is cheaper than applying the operator again and again
 
 /// J_i M⁻¹ J_jᵀ of two rows.
@@ -67,7 +68,7 @@ Formulation::Formulation(const System& system, Form form, Cone cone)
                     static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
-  rows_.reserve(most), island_.reserve(most);
+  rows_.reserve(most);
   contacts_.reserve(contacts);
   lcp_.friction.reserve(contacts);
   const auto size = static_cast<Index>(most);
@@ -79,12 +80,21 @@ Formulation::Formulation(const System& system, Form form, Cone cone)
     columns_.resize(system.dof(), size);
   }
   lcp_.b.resize(0);
-  large_.A.emplace<Delassus>().inverse_mass = system.inverse_mass();
+  add_bench();
+  outcomes_.reserve(most);
+  for (Vector* each : {&found_.z, &found_.w}) each->resize(size);
   place_.resize(most), friction_of_.resize(most);
 }
 
 void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
                             const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
+  const bool resists = duration_ > 0 && !system_.scene().frictions.empty();
+  if (wanted.empty() && !resists &&
+      (form_ == Form::reduced || system_.joint_rows() == 0)) {  // most steps of most scenes
+    rows_.clear(), contacts_.clear(), clear();
+    blank_ = -1;
+    return;
+  }
   collect(terms, wanted);
   islands_.sort(rows_);
   retarget(wanted, v_free, joint_rate);
@@ -163,58 +173,92 @@ void Formulation::bind() {
   lcp_.friction.clear();
 }
 
-bool Formulation::solve(Solver& solver, StepReport& report) {
+bool Formulation::solve(Solver& solver, StepReport& report, Crew* crew) {
   if (lcp_.size() == 0) return true;
   if (blank_ >= 0) {
     report.status = Status::numerical_error;
     return false;
   }
-  return solve_once(solver, report) && (!regrade() || solve_once(solver, report));
+  return solve_once(solver, report, crew) && (!regrade() || solve_once(solver, report, crew));
 }
 
-bool Formulation::solve_once(Solver& solver, StepReport& report) {
+bool Formulation::solve_once(Solver& solver, StepReport& report, Crew* crew) {
   if (islands_.count() == 1) {
     solver.solve(lcp_, solution_, Start::warm);
     return report.note(lcp_, solution_);
   }
   const Index n = lcp_.size();
   if (solution_.z.size() != n) solution_.z.resize(n), solution_.z.setZero();
-  solution_.w.resize(n);
+  solution_.w.resize(n), found_.z.resize(n), found_.w.resize(n);
   solution_.residual = 0;
   std::fill(friction_of_.begin(), friction_of_.end(), nullptr);
   for (const Friction& f : lcp_.friction) friction_of_[static_cast<std::size_t>(f.row)] = &f;
-  for (int island = 0; island < islands_.count(); ++island) {
+  const int count = islands_.count();
+  if (outcomes_.size() < static_cast<std::size_t>(count)) outcomes_.resize(static_cast<std::size_t>(count));
+  const bool together = worth_sharing(crew);
+  if (together) {
+    while (benches_.size() < static_cast<std::size_t>(crew->size())) add_bench();
+    crew->run(count, solver, [this](int island, Solver& by, int worker) {
+      solve_island(island, by, benches_[static_cast<std::size_t>(worker)]);
+    });
+  }
+  for (int island = 0; island < count; ++island) {  // as if one after the other
+    if (!together) solve_island(island, solver, benches_[0]);
     const auto rows = islands_.rows(island);
-    Lcp& block = rows.size() > kFormedRows && std::holds_alternative<Delassus>(lcp_.A) ? large_ : small_;
-    cut_out(rows, block);
-    solver.solve(block, part_, Start::warm);
-    if (!report.note(block, part_)) {
-      solution_.status = part_.status;
-      solution_.certificate.resize(part_.certificate.size() > 0 ? n : 0);
+    const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
+    if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations)) {
+      solution_.status = outcome.status;
+      solution_.certificate.resize(outcome.certificate.size() > 0 ? n : 0);
       solution_.certificate.setZero();
-      for (Index i = 0; i < part_.certificate.size(); ++i)
-        solution_.certificate[rows[static_cast<std::size_t>(i)]] = part_.certificate[i];
+      for (Index i = 0; i < outcome.certificate.size(); ++i)
+        solution_.certificate[rows[static_cast<std::size_t>(i)]] = outcome.certificate[i];
       return false;
     }
-    solution_.residual = std::max(solution_.residual, part_.residual);
-    for (Index i = 0; i < block.size(); ++i) {
-      solution_.z[rows[static_cast<std::size_t>(i)]] = part_.z[i];
-      solution_.w[rows[static_cast<std::size_t>(i)]] = part_.w[i];
-    }
+    solution_.residual = std::max(solution_.residual, outcome.residual);
+    for (const int row : rows) solution_.z[row] = found_.z[row], solution_.w[row] = found_.w[row];
   }
   solution_.status = Status::solved;
   return true;
 }
 
+bool Formulation::worth_sharing(const Crew* crew) const {
+  if (crew == nullptr || crew->size() == 1) return false;
+  std::size_t largest = 0;
+  for (int island = 0; island < islands_.count(); ++island) largest = std::max(largest, islands_.rows(island).size());
+  return rows_.size() - largest >= kShared;
+}
+
+void Formulation::add_bench() {
+  benches_.emplace_back().large.A.emplace<Delassus>().inverse_mass = system_.inverse_mass();
+}
+
+/// Writes only what belongs to this island.
+void Formulation::solve_island(int island, Solver& solver, Bench& bench) {
+  const auto rows = islands_.rows(island);
+  const Lcp& block = cut_out(rows, bench);
+  const Solution& part = solver.solve(block, bench.part, Start::warm);
+  Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
+  outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
+  outcome.certificate.resize(part.certificate.size());
+  outcome.certificate = part.certificate;
+  for (Index i = 0; i < block.size(); ++i) {
+    const int row = rows[static_cast<std::size_t>(i)];
+    found_.z[row] = part.z[i], found_.w[row] = part.w[i];
+  }
+}
+
 /// Rows and columns of one island, its last z as the guess.
-void Formulation::cut_out(std::span<const int> rows, Lcp& block) {
+const Lcp& Formulation::cut_out(std::span<const int> rows, Bench& bench) {
   const auto n = static_cast<Index>(rows.size());
-  block.b.resize(n), block.lo.resize(n), block.hi.resize(n), part_.z.resize(n);
+  const bool applied = rows.size() > kFormedRows && std::holds_alternative<Delassus>(lcp_.A);
+  Lcp& block = applied ? bench.large : bench.small;
+  Vector& guess = bench.part.z;
+  block.b.resize(n), block.lo.resize(n), block.hi.resize(n), guess.resize(n);
   block.friction.clear();
   for (Index i = 0; i < n; ++i) {
     const int row = rows[static_cast<std::size_t>(i)];
     place_[static_cast<std::size_t>(row)] = static_cast<int>(i);
-    block.b[i] = lcp_.b[row], block.lo[i] = lcp_.lo[row], block.hi[i] = lcp_.hi[row], part_.z[i] = solution_.z[row];
+    block.b[i] = lcp_.b[row], block.lo[i] = lcp_.lo[row], block.hi[i] = lcp_.hi[row], guess[i] = solution_.z[row];
     if (const Friction* f = friction_of_[static_cast<std::size_t>(row)])  // its normal came before
       block.friction.push_back({i, place_[static_cast<std::size_t>(f->normal)], f->mu});
   }
@@ -222,9 +266,10 @@ void Formulation::cut_out(std::span<const int> rows, Lcp& block) {
     return rows_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])];
   };
   if (auto* delassus = std::get_if<Delassus>(&block.A)) {
-    island_.clear();
-    for (Index i = 0; i < n; ++i) island_.push_back(at(i));
-    return fill_delassus(island_, system_.dof(), *delassus);
+    bench.rows.clear();
+    for (Index i = 0; i < n; ++i) bench.rows.push_back(at(i));
+    fill_delassus(bench.rows, system_.dof(), *delassus);
+    return block;
   }
   auto& A = std::get<DenseMatrix>(block.A);
   A.resize(n, n);
@@ -236,6 +281,7 @@ void Formulation::cut_out(std::span<const int> rows, Lcp& block) {
     for (Index j = 0; j < n; ++j)
       for (Index i = j; i < n; ++i) A(i, j) = A(j, i) = coupling(at(i), at(j), system_.inverse_mass());
   }
+  return block;
 }
 
 std::string Formulation::contradiction() const {

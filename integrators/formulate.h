@@ -13,7 +13,7 @@
 //   contacts, A is kept as a Delassus operator and never formed.
 //   Both give the same step.
 //   Bodies that do not act on one another in the step are solved apart, one problem an island (islands.h): the answer of
-//   the whole one to rounding, found from smaller problems. The whole one is formed all the same, for problem() to show.
+//   the whole one to rounding, found from smaller problems, large ones at the same time where there is a crew. The whole one is formed all the same, for problem() to show.
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the coordinate.
 // Friction, by Cone:
 //   coulomb  |Λ_T| ≤ μ Λ_N against the slip; the matrix of the pure problem is not symmetric.
@@ -26,6 +26,7 @@
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/core/mechanics/basic_system.h>
+#include <orthant/integrators/crew.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/islands.h>
 
@@ -77,8 +78,9 @@ class Formulation {
   /// All rows become equations, w = 0.
   void bind();
 
-  /// Finds z, from the last one as the first guess; true: solved, or nothing to solve.
-  bool solve(Solver& solver, StepReport& report);
+  /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
+  /// with the crew, if there is one: the answer is the same to the last bit.
+  bool solve(Solver& solver, StepReport& report, Crew* crew = nullptr);
 
   /// In words, why there is no solution: of which rows the proof is made, or which contact has no normal; empty: there is
   /// no such proof.
@@ -110,8 +112,23 @@ class Formulation {
   /// whose slip z turned round. True: there were some, solve once more.
   bool regrade();
   /// The problem, or one an island, to the solver.
-  bool solve_once(Solver& solver, StepReport& report);
-  void cut_out(std::span<const int> rows, Lcp& block);
+  bool solve_once(Solver& solver, StepReport& report, Crew* crew);
+  bool worth_sharing(const Crew* crew) const;
+  struct Bench {       // what one worker needs for an island
+    Lcp small, large;  // its problem: dense; an operator, where the whole one is
+    Solution part;
+    std::vector<Row> rows;
+  };
+  /// What an island's solve came to; its z and w are in found_.
+  struct Outcome {
+    Status status = Status::not_run;
+    double residual = 0;
+    int iterations = 0;
+    Vector certificate;
+  };
+  const Lcp& cut_out(std::span<const int> rows, Bench& bench);
+  void add_bench();
+  void solve_island(int island, Solver& solver, Bench& bench);
   void fill_dense(const BasicSystem& basic, DenseMatrix& A);
 
   const System& system_;
@@ -125,11 +142,11 @@ class Formulation {
   Lcp lcp_;
   Solution solution_;
   Islands islands_;
-  Lcp small_, large_;  // of one island: dense; an operator, where the whole one is
-  Solution part_;
+  std::vector<Bench> benches_;  // one a worker
+  std::vector<Outcome> outcomes_;
+  Solution found_;                            // by islands, so far
   int blank_ = -1;                            // a closed contact without a normal
   const std::vector<Pair>* pairs_ = nullptr;  // of the terms last formulated, for names
-  std::vector<Row> island_;
   std::vector<int> place_;                    // of a row within its island
   std::vector<const Friction*> friction_of_;  // a row; null: none
 };

@@ -1,6 +1,8 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/generalized_alpha.h>
 
+#include <algorithm>
+
 namespace orthant {
 
 GeneralizedAlpha::GeneralizedAlpha(const System& system, const Options& options)
@@ -44,6 +46,7 @@ bool GeneralizedAlpha::start(const State& x, StepReport& report) {
 
 bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport& report) {
   constexpr int kPasses = 20;
+  constexpr double kEnough = 1e-13;
   // a⁺ = known + share s⁺
   const double share = (1 - alpha_f_) / (1 - alpha_m_), by_s = h * gamma_ * share, by_s2 = h * h * beta_ * share;
   const double keep_s = alpha_f_ / (1 - alpha_m_), keep_a = alpha_m_ / (1 - alpha_m_);
@@ -66,14 +69,17 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
     basic_.solve(force_.data(), rate_.data(), change_.data(), lambda_.data());
     s_new_ += change_;
     v_ += by_s * change_;
-    const double moved = by_s2 * change_.lpNorm<Eigen::Infinity>();
-    const double enough = 1e-13 * (1 + x.q.lpNorm<Eigen::Infinity>() + by_s2 * s_new_.lpNorm<Eigen::Infinity>());
-    if (moved <= enough || (moved <= 1e3 * enough && moved >= before)) return true;
+    far_.measure([&](Index i) { return largest_entry(x.q, i) + by_s2 * largest_entry(s_new_, i); });
+    double moved = 0;  // over what is known of a coordinate
+    for (Index i = 0; i < change_.size(); ++i)
+      moved = std::max(moved, by_s2 * std::abs(change_[i]) / (1 + far_.of_entry(i)));
+    if (moved <= kEnough || (moved <= 1e3 * kEnough && moved >= before)) return true;
     before = moved;
     std::swap(start_.at, end_.at);  // the next pass freezes its rows where basic_ is factorized
   }
   return fail(report, Status::numerical_error,
-              "the smooth motion does not converge: its last pass moved q by " + detail::text_of(before) + " m");
+              "the smooth motion does not converge: its last pass moved q by " +
+                  detail::text_of(by_s2 * change_.lpNorm<Eigen::Infinity>()) + " m");
 }
 
 }  // namespace orthant

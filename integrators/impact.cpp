@@ -90,9 +90,15 @@ bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::V
     }
   }
   v += v_ - before;
-  for (std::size_t k = 0; k < wanted.size(); ++k)
+  // What struck keeps the rate that its impulse left. What approached and got none only may not approach: which of two
+  // copies of a contact has the impulse is the solver's choice, and no other than the one law holds.
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    Wanted& w = wanted[k];
     if (sum_[static_cast<std::size_t>(terms.closed[k].contact)].normal > 0)
-      wanted[k].normal = std::max({0.0, apply(terms.closed[k].rows.normal, v_.data()), wanted[k].least});
+      w.normal = std::max({0.0, apply(terms.closed[k].rows.normal, v_.data()), w.least});
+    else if (w.approach < 0)
+      w.normal = std::max(0.0, w.least);
+  }
   return true;
 }
 

@@ -5,13 +5,17 @@
 
 namespace orthant {
 
-bool StepReport::note(const Lcp& problem, const Solution& solution) {
-  status = solution.status;
-  if (status == Status::solved) lcp_residual = std::max(lcp_residual, solution.residual);
-  lcp_rows = std::max(lcp_rows, static_cast<int>(problem.size()));
-  lcp_iterations += solution.iterations;
+bool StepReport::note(int rows, Status status_of_it, double residual, int iterations) {
+  status = status_of_it;
+  if (status == Status::solved) lcp_residual = std::max(lcp_residual, residual);
+  lcp_rows = std::max(lcp_rows, rows);
+  lcp_iterations += iterations;
   ++lcp_solves;
   return status == Status::solved;
+}
+
+void Integrator::employ(std::vector<std::unique_ptr<Solver>> helpers) {
+  crew_ = std::make_unique<Crew>(std::move(helpers));
 }
 
 void Integrator::refuse_joint_friction(std::string_view scheme) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/system.h>
+#include <orthant/integrators/crew.h>
 #include <orthant/integrators/event.h>
 #include <orthant/integrators/memory.h>
 #include <orthant/integrators/passing.h>
@@ -32,7 +33,10 @@ struct StepReport {
   Passage passage;            // of bodies through each other, unseen, of schemes of fixed step
 
   /// Takes one more problem in; true: it is solved.
-  bool note(const Lcp& problem, const Solution& solution);
+  bool note(const Lcp& problem, const Solution& solution) {
+    return note(static_cast<int>(problem.size()), solution.status, solution.residual, solution.iterations);
+  }
+  bool note(int rows, Status status_of_it, double residual, int iterations);
 };
 
 struct Impulse {
@@ -70,6 +74,11 @@ class Integrator {
   /// status says it.
   virtual std::string why() const { return why_; }
 
+  /// From now on large islands of a step (islands.h) are solved at the same time, by the solver that step() is given and
+  /// these, one thread each. They should be solvers like that one: then every result is the same to the last bit, however
+  /// many they are. For the schemes of fixed step; stages of impacts (impact.h) stay with the one solver.
+  void employ(std::vector<std::unique_ptr<Solver>> helpers);
+
   const System& system() const { return system_; }
   const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
   const std::vector<Impulse>& impulses() const { return impulses_; }  // of the last step, one per contact
@@ -79,18 +88,9 @@ class Integrator {
   std::span<const Event> events() const { return events_; }  // located in the last step, in order of time
 
  protected:
-  /// [m] A gap up to this is the rounding of positions as far out as these: bodies that touch would else come apart for a
-  /// step now and then.
-  static double touching(const Eigen::VectorXd& q) { return 0x1p-48 * q.lpNorm<Eigen::Infinity>(); }
-
-  /// Of the velocities or accelerations of all bodies, the largest, translation or rotation: the same in every frame that
-  /// is turned.
-  static double largest(const Eigen::VectorXd& v) {
-    double square = 0;
-    for (Eigen::Index i = 0; i < v.size(); i += 3)
-      square = std::max({square, v[i] * v[i] + v[i + 1] * v[i + 1], v[i + 2] * v[i + 2]});
-    return std::sqrt(square);
-  }
+  /// [m] A gap up to this is the rounding of positions that are `far` out [m]: bodies that touch would else come apart for
+  /// a step now and then.
+  static double touching(double far) { return 0x1p-48 * far; }
 
   /// For schemes that have none: throws std::invalid_argument when the scene has dry friction in joints.
   void refuse_joint_friction(std::string_view scheme) const;
@@ -111,6 +111,9 @@ class Integrator {
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);
 
+  /// Whom to share islands with; null: nobody.
+  Crew* crew() const { return crew_.get(); }
+
   const System& system_;
   Eigen::VectorXd gaps_;
   std::vector<Impulse> impulses_;
@@ -120,6 +123,7 @@ class Integrator {
 
  private:
   const Budget* budget_ = nullptr;
+  std::unique_ptr<Crew> crew_;
 };
 
 }  // namespace orthant

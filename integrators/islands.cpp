@@ -1,19 +1,9 @@
 #include <orthant/integrators/islands.h>
 
-#include <numeric>
-
 namespace orthant {
 
-Islands::Islands(const System& system) : fixed_(static_cast<std::size_t>(system.bodies())), block_(fixed_.size()) {
-  std::iota(fixed_.begin(), fixed_.end(), 0);
+Islands::Islands(const System& system) : fixed_(system.assembly()), block_(fixed_.size()) {
   parent_ = fixed_;
-  const auto connect = [&](const auto& element) {
-    const auto [a, b] = bodies_of(element);
-    join(a, b);
-  };
-  for (const Joint& joint : system.scene().joints) std::visit(connect, joint);
-  for (const Spring& spring : system.scene().springs) std::visit(connect, spring);
-  for (std::size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = find(static_cast<int>(i));
   const auto most =
       static_cast<std::size_t>(2 * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);

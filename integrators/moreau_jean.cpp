@@ -2,11 +2,10 @@
 
 namespace orthant {
 
-void MoreauJean::close(double h, const State& x) {
-  constexpr double kParted = 1e-3;  // of the way that the applied forces move anything
-  const double moved = h * h * free_fall();
+void MoreauJean::close(double /*h*/, const State& x) {
   evaluate_gaps(system_, terms_);
-  evaluate_closed(system_, nearly(h, x) + kParted * moved, terms_);
+  evaluate_closed(system_, nearly(), terms_);
+  std::erase_if(terms_.closed, [&](const ClosedContact& c) { return terms_.gap[c.contact] > nearly(c.rows); });
   newtons_law(system_.laws(), terms_, x.v, wanted_);
 }
 

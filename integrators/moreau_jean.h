@@ -2,7 +2,7 @@
 //
 //   The step of velocity_stepping.h with a = θ: everything at q_θ = q + θ h v, and
 //   closed: g_N(q_θ) ≤ 10⁻³ h² ‖M⁻¹ f‖;  0 ≤ Λ_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,  Λ_T ∈ −μ Λ_N Sgn(γ_T⁺ + e_T γ_T⁻).
-// The bound is not 0 because impulses are rounded: under 1e6 kg they leave rates of 1e-12 m/s and more, a contact at rest
+// The bound (of the bodies that can meet, extents.h) is not 0 because impulses are rounded: under 1e6 kg they leave rates of 1e-12 m/s and more, a contact at rest
 // would part for a step, and the light bodies of a stack would be shot off by the fall through such a gap.
 // Order 1 with impacts; 2 on smooth motion for θ = ½ and symmetric joints. Gaps are seen, never corrected: a contact
 // keeps the penetration, at most h |γ_N⁻|, at which it was closed.
@@ -29,10 +29,12 @@ class MoreauJean final : public VelocityStepping {
  public:
   using Options = MoreauJeanOptions;
   explicit MoreauJean(const System& system, const Options& options = {})
-      : VelocityStepping(system,
-                         {options.theta, options.theta, options.joints, options.form, Cone::coulomb, options.sleep}) {}
+      : VelocityStepping(system, {options.theta, options.theta, options.joints, options.form, Cone::coulomb,
+                                  options.sleep, kParted}) {}
 
  private:
+  static constexpr double kParted = 1e-3;
+
   void close(double h, const State& x) override;
 };
 

@@ -2,15 +2,14 @@
 
 namespace orthant {
 
-void PaoliSchatzman::close(double h, const State& x) {
-  const auto least = [&](const ClosedContact& c) {
-    const double e = system_.law(c.contact).e;
-    return e * apply(c.rows.normal, x.v.data()) + (1 + e) * closing(c, h);
-  };
-  close_at_end_of_flight(h, x, kInf, [&](const ClosedContact& c) {
-    return apply(c.rows.normal, v_new_.data()) <= least(c) + nearly(h, x) / h;
-  });
-  for (std::size_t k = 0; k < wanted_.size(); ++k) wanted_[k].normal = wanted_[k].least = least(terms_.closed[k]);
+double PaoliSchatzman::least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd&) const {
+  const double e = system_.law(c.contact).e;
+  return e * apply(c.rows.normal, x.v.data()) + (1 + e) * closing(c, h);
+}
+
+void PaoliSchatzman::want(double h, const State& x) {
+  for (std::size_t k = 0; k < wanted_.size(); ++k)
+    wanted_[k].normal = wanted_[k].least = least(terms_.closed[k], h, x, v_new_);
 }
 
 }  // namespace orthant

@@ -5,7 +5,8 @@
 //   With v_n = (q_n − q_{n−1})/h the state carries q_{n−1}, so that the first step and a change of h need nothing else,
 //   and this is the step of velocity_stepping.h with a = ½, θ = 1 and
 //     γ_N⁺ ≥ e γ_N⁻ − (1+e) g_N/h,   linearized about the end of free flight, as in stewart_trinkle.h.
-//   and the contacts that free flight would let violate this (rows are evaluated for all: O(contacts) a step).
+//   for the contacts that free flight, or the impulses of others, would let violate this (rows are evaluated for all:
+//   O(contacts) a step).
 //   An impact takes two steps: one ends at g_N = −e g_{N,n−1}, a penetration of O(h), the next has the velocity −e γ_N⁻.
 //   Coulomb friction is added at velocity level; the source has none.
 // Order 1: v is a backward difference, half a step late. g_N/h carries the rounding of gaps into velocities: ties
@@ -13,20 +14,21 @@
 // Source: Paoli & Schatzman, SIAM J. Numer. Anal. 40 (2002) 702-733 and 734-768.
 #pragma once
 
-#include <orthant/integrators/velocity_stepping.h>
+#include <orthant/integrators/gap_stepping.h>
 
 namespace orthant {
 
-class PaoliSchatzman final : public VelocityStepping {
+class PaoliSchatzman final : public GapStepping {
  public:
   using Options = VelocitySteppingOptions;
   explicit PaoliSchatzman(const System& system, const Options& options = {})
-      : VelocityStepping(system, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {
+      : GapStepping(system, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {
     require_plain_impacts(system, "paoli-schatzman");
   }
 
  private:
-  void close(double h, const State& x) override;
+  double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const override;
+  void want(double h, const State& x) override;
 };
 
 }  // namespace orthant

@@ -7,6 +7,7 @@ namespace orthant {
 Projection::Projection(const System& system, bool with_joints)
     : system_(system),
       basic_(system, with_joints),
+      far_(system.assembly()),
       trial_(system.dof()),
       step_(system.dof()),
       rate_(system.joint_rows()),
@@ -14,38 +15,51 @@ Projection::Projection(const System& system, bool with_joints)
 
 double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   constexpr int kIterations = 20;
-  set_poses(system_, t, q, terms.at);
-  evaluate_joint_residual(system_, terms);
+  constexpr double kTolerance = 1e-15;
+  move_poses(system_, t, q, terms.at);
+  evaluate_joints(system_, terms);
   if (terms.phi.size() == 0) return 0;
-  double residual = terms.phi.lpNorm<Eigen::Infinity>();
-  if (basic_.joint_rows() == 0) return residual;
-  evaluate_joint_rows(system_, terms);
+  if (basic_.joint_rows() == 0) return terms.phi.lpNorm<Eigen::Infinity>();
   if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
-  const double tolerance = 1e-15 * (1 + q.lpNorm<Eigen::Infinity>());
-  for (int i = 0; i < kIterations && residual > tolerance; ++i) {
+  far_.measure([&](Index i) { return largest_entry(q, i); });
+  double left = mismatch(terms);
+  for (int i = 0; i < kIterations && left > kTolerance; ++i) {
     rate_ = -terms.phi;
     basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());
     trial_ = q + step_;
-    set_poses(system_, t, trial_, terms.at);
-    evaluate_joint_residual(system_, terms);
-    const double next = terms.phi.lpNorm<Eigen::Infinity>();
-    if (!(next < residual)) {  // rounding level reached, or the iteration diverges: q is the better one
-      set_poses(system_, t, q, terms.at);
-      evaluate_joint_residual(system_, terms);
+    move_poses(system_, t, trial_, terms.at);
+    evaluate_joints(system_, terms);
+    const double next = mismatch(terms);
+    if (!(next < left)) {  // rounding level reached, or the iteration diverges: q is the better one
+      move_poses(system_, t, q, terms.at);
+      evaluate_joints(system_, terms);
       break;
     }
     q.swap(trial_);
-    residual = next;
+    left = next;
   }
-  return residual;
+  return terms.phi.lpNorm<Eigen::Infinity>();
+}
+
+double Projection::mismatch(const Terms& terms) const {
+  double worst = 0;
+  for (Index i = 0; i < terms.phi.size(); ++i) {
+    const double off = std::abs(terms.phi[i]) / (1 + far_.of(terms.G[static_cast<std::size_t>(i)]));
+    if (std::isnan(off)) return off;
+    worst = std::max(worst, off);
+  }
+  return worst;
 }
 
 double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
   if (basic_.joint_rows() == 0) return 0;
-  evaluate_joint_rows(system_, terms);
   const auto missing = [&] {
-    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms.missing_rate(i, v);
-    return rate_.lpNorm<Eigen::Infinity>();
+    double most = 0;
+    for (Index i = 0; i < rate_.size(); ++i) {
+      rate_[i] = terms.missing_rate(i, v);
+      most = std::max(most, std::abs(rate_[i]));
+    }
+    return most;
   };
   const auto correct = [&] {
     basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/basic_system.h>
+#include <orthant/integrators/extents.h>
 
 namespace orthant {
 
@@ -18,19 +19,21 @@ class Projection {
  public:
   explicit Projection(const System& system, bool with_joints = true);
 
-  /// Moves q at the time t; afterwards terms.at and terms.phi are those at q, and terms.G those at the first iterate. Returns max |Φ|
-  /// left [m, rad], infinity when the joint matrix is not usable. Without joints: sets the poses, 0.
+  /// Moves q at the time t; `terms.at` holds poses nearby. Afterwards terms.at, phi and G are those at q. Returns max |Φ| left [m, rad], infinity when the joint matrix is not usable. Without joints: sets the poses, 0.
   double position(double t, Terms& terms, Eigen::VectorXd& q);
 
-  /// Moves v at the coordinates that position() ended at, and evaluates terms.G there. Returns max |G v − ṡ| left
+  /// Moves v at the coordinates that position() ended at, with its terms. Returns max |G v − ṡ| left
   /// [m/s, rad/s].
   double velocity(Terms& terms, Eigen::VectorXd& v);
 
   void forget() { basic_.forget(); }  // see there
 
  private:
+  double mismatch(const Terms& terms) const;  // of Φ, each row over 1 m + its bodies' coordinates
+
   const System& system_;
   BasicSystem basic_;
+  Extents far_;
   Eigen::VectorXd trial_, step_, rate_, lambda_;
 };
 

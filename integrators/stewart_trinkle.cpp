@@ -13,15 +13,16 @@ double speed(const ContactRows& rows, const Eigen::VectorXd& v) {
 
 }  // namespace
 
-void StewartTrinkle::close(double h, const State& x) {
-  if (cone_ == Cone::coulomb)
-    close_at_end_of_flight(h, x, nearly(h, x), [](const ClosedContact&) { return true; });
-  else
-    close_at_end_of_flight(h, x, kInf, [&](const ClosedContact& c) {
-      const ContactLaw& law = system_.law(c.contact);
-      const double slip = apply(c.rows.tangent, v_new_.data()) - law.belt;
-      return terms_.gap[c.contact] <= nearly(h, x) + h * law.mu_at(slip) * std::abs(slip);
-    });
+double StewartTrinkle::reach() const { return cone_ == Cone::coulomb ? nearly() : kInf; }
+
+double StewartTrinkle::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
+  if (cone_ == Cone::coulomb) return closing(c, h);
+  const ContactLaw& law = system_.law(c.contact);
+  const double slip = apply(c.rows.tangent, v.data()) - law.belt;
+  return closing(c, h) + law.mu_at(slip) * std::abs(slip);
+}
+
+void StewartTrinkle::want(double h, const State& x) {
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
     const ContactRows& rows = terms_.closed[k].rows;

@@ -10,6 +10,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       start_(system),
       end_(system),
       basic_(system),
+      far_(system.assembly()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()),
@@ -47,10 +48,10 @@ bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_w
 
 bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
   constexpr int kIterations = 50;
-  const double enough = 1e-14 * (1 + x.q.lpNorm<Eigen::Infinity>());
+  q_end_ = x.q + path;
+  far_.measure([&](Index i) { return std::max(largest_entry(x.q, i), largest_entry(q_end_, i)); });
   if (broad_phase_
           .any()) {  // what contacts add to the path is no longer than the longest: bodies do not overlap deeper
-    q_end_ = x.q + path;
     set_poses(system_, x.t + h, q_end_, end_.at);
     if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
     if (!broad_phase_.find(2 * path, end_, BroadPhase::Reach::farthest))
@@ -65,6 +66,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
   positions_.resist(h * h / 2), velocities_.resist(h);
   free_ = path;                        // p without what the contacts add
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
+  Mismatch left;
   for (int i = 0; i < kIterations;) {
     q_end_ = x.q + path;
     set_poses(system_, x.t + h, q_end_, end_.at);
@@ -73,13 +75,13 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
     bool more = close_gaps() || joins;
     joins = false;
     i += !more;  // rows that join are as many as the contacts at the most
-    const double joints = joint_mismatch(), gaps = gap_mismatch(), left = std::max(joints, gaps);
-    if (!more && joints <= enough && gaps <= 10 * enough + 2 * accuracy) return true;
-    if (left > before / 2 && !more) {
+    left = mismatch(accuracy);
+    if (!more && left.none) return true;
+    if (!more && left.relative > before / 2) {
       if (!freeze_here(report)) return false;
       more = true;
     }
-    before = left;
+    before = left.relative;
 
     if (rate_.size() > 0) {
       rate_ = -end_.phi;
@@ -105,7 +107,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
     if (rows) positions_.advance(path, impulses_);
   }
   return fail(report, Status::numerical_error,
-              "the position stage does not converge: joints and gaps are left at " + detail::text_of(before) + " m");
+              "the position stage does not converge: joints and gaps are left at " + detail::text_of(left.size) + " m");
 }
 
 bool TwoLevel::freeze_here(StepReport& report) {
@@ -117,30 +119,40 @@ bool TwoLevel::freeze_here(StepReport& report) {
 }
 
 bool TwoLevel::close_gaps() {
-  const double zero = touching(q_end_);
+  const double zero = touching(far_.largest());
   bool more = false;
-  for (int i = 0; i < system_.contacts(); ++i)
-    if (end_.gap[i] <= zero && !has_rows_[static_cast<std::size_t>(i)]) {
-      add_closed(system_, i, start_);
-      has_rows_[static_cast<std::size_t>(i)] = more = true;
-    }
+  for (int i = 0; i < system_.contacts(); ++i) {
+    if (!(end_.gap[i] <= zero) || has_rows_[static_cast<std::size_t>(i)]) continue;
+    const auto [a, b] = bodies_of(system_, end_.pairs, i);
+    if (end_.gap[i] > touching(far_.of(a, b))) continue;
+    add_closed(system_, i, start_);
+    has_rows_[static_cast<std::size_t>(i)] = more = true;
+  }
   return more;
 }
 
-double TwoLevel::joint_mismatch() const { return end_.phi.size() > 0 ? end_.phi.lpNorm<Eigen::Infinity>() : 0; }
-
-double TwoLevel::gap_mismatch() const {
-  double left = 0;
-  for (const ClosedContact& c : start_.closed) {
-    const double gap = end_.gap[c.contact];
-    left = std::max(left, impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap);
+TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
+  constexpr double kRounding = 1e-14, kOfGaps = 10;
+  Mismatch m;
+  const auto note = [&](double off, double rounding, double allowed) {
+    m.size = std::max(m.size, off), m.relative = std::max(m.relative, off / rounding);
+    if (!(off <= allowed)) m.none = false;  // NaN too
+  };
+  for (Index i = 0; i < end_.phi.size(); ++i) {
+    const double rounding = kRounding * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
+    note(std::abs(end_.phi[i]), rounding, rounding);
   }
-  return left;
+  for (const ClosedContact& c : start_.closed) {
+    const double gap = end_.gap[c.contact], rounding = kRounding * (1 + far_.of(c.rows.normal));
+    note(impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap, rounding,
+         kOfGaps * rounding + 2 * accuracy);
+  }
+  return m;
 }
 
 bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
   if (formulation.problem().size() > 0) problem_ = &formulation.problem();
-  if (formulation.solve(solver, report)) return true;
+  if (formulation.solve(solver, report, crew())) return true;
   why_ = formulation.contradiction();
   return false;
 }
@@ -175,7 +187,7 @@ void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report
     fail(report, Status::numerical_error, "the motion is not finite");
     return;
   }
-  report.joint_residual = joint_mismatch();
+  report.joint_residual = end_.phi.size() > 0 ? end_.phi.lpNorm<Eigen::Infinity>() : 0;
   for (Index i = 0; i < rate_.size(); ++i)
     report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;

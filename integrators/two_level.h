@@ -4,8 +4,8 @@
 //     p⁺ = p + M̂⁻¹ (Gᵀ μ_G + W_Nᵀ μ_N + W_Tᵀ μ_T)  with  Φ(q + p⁺) = 0,   0 ≤ μ_N ⊥ g_N(q + p⁺) ≥ 0,
 //     and Coulomb's law between μ_T and the slip W_T p⁺; dry friction in joints up to h²/2 times its bound.
 //   By simplified Newton steps (the matrix stays, Φ and g_N are evaluated anew), each one solve with the joints and, where
-//   a gap would close, one complementarity problem, until Φ is at rounding and g_N too, or as near as the solver comes. Contacts whose gap is negative at an iterate get
-//   rows, the others have none. Where that converges slowly (next to a singular pose; a step much too large) the rows
+//   a gap would close, one complementarity problem, until Φ is at rounding (each row by its own bodies, extents.h) and g_N
+//   too, or as near as the solver comes. Contacts whose gap is negative at an iterate get rows, the others have none. Where that converges slowly (next to a singular pose; a step much too large) the rows
 //   are frozen anew at the iterate. μ [kg m] is an impulse times a time.
 //   Velocity stage: impulses P at the end of the step, its contacts those of the position stage with μ_N > 0:
 //     0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,   P_T ∈ −μ P_N Sgn(γ_T⁺ + e_T γ_T⁻),   G v⁺ = 0,
@@ -14,6 +14,7 @@
 
 #include <orthant/core/mechanics/basic_system.h>
 #include <orthant/core/mechanics/broad_phase.h>
+#include <orthant/integrators/extents.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
 
@@ -50,13 +51,17 @@ class TwoLevel : public Integrator {
 
   Terms start_, end_;  // where rows are frozen; q + path
   BasicSystem basic_;
+  Extents far_;  // [m] of the coordinates at hand
   Eigen::VectorXd force_, rate_, lambda_;
 
  private:
   bool close_gaps();                     // more contacts than before
   bool freeze_here(StepReport& report);  // start_ and basic_ move to end_.at
-  double joint_mismatch() const;         // at end_ [m, rad]
-  double gap_mismatch() const;           // of the closed contacts: open ones that push, negative gaps [m]
+  struct Mismatch {                 // at end_: of joints, of closed contacts that push though open, of negative gaps
+    double size = 0, relative = 0;  // [m, rad]; over what rounding makes of it
+    bool none = true;               // it is no more than rounding, and accuracy of the gaps
+  };
+  Mismatch mismatch(double accuracy) const;
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed

@@ -7,17 +7,18 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
     : Integrator(system),
       terms_(system),
       v_new_(system.dof()),
+      q_new_(system.dof()),
       plan_(plan),
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
       impact_(system, plan.form),
+      near_(system.cluster()),
       broad_phase_(system),
       sleep_(system, plan.sleep),
       passing_(system),
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
       q_mid_(system.dof()),
-      q_new_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
@@ -33,17 +34,22 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   formulation_.clear();
   problem_ = &formulation_.problem();
   why_.clear();
-  if (!free_flight(h, x, report) || !find_pairs(h, x, report)) return report;
+  joined_.clear();
+  if (!free_flight(h, x, report)) return report;
+  measure(h, x);
+  if (!find_pairs(h, x, report)) return report;
   sleep_.begin(x, terms_, v_new_);
-  do close(h, x);
-  while (sleep_.disturbed(terms_, wanted_, v_new_));
-  note_forces(terms_, v_new_, wanted_);
-  if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
-    problem_ = &impact_.problem();
-    why_ = impact_.why();
-    return report;
-  }
-  if (!solve_contacts(h, x, solver, report)) return report;
+  do {
+    do close(h, x);
+    while (sleep_.disturbed(terms_, wanted_, v_new_));
+    note_forces(terms_, v_new_, wanted_);
+    if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
+      problem_ = &impact_.problem();
+      why_ = impact_.why();
+      return report;
+    }
+    if (!solve_contacts(h, x, solver, report)) return report;
+  } while (missed(h, x));
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
   sleep_.hold(h, impulses_);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
@@ -84,13 +90,21 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   return v_new_.allFinite() || fail(report, Status::numerical_error, "the motion is not finite");
 }
 
+void VelocityStepping::measure(double h, const State& x) {
+  constexpr double kImpulses = 1e-8;  // of velocities
+  if (plan_.parted > 0) force_ = system_.inverse_mass().cwiseProduct(terms_.f);
+  near_.measure([&](Index i) {
+    const double forces = plan_.parted > 0 ? plan_.parted * h * h * largest_motion(force_, i) : 0;
+    return touching(largest_entry(x.q, i)) + kImpulses * h * largest_motion(v_new_, i) + forces;
+  });
+}
+
 bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) {
   if (!broad_phase_.any()) return true;
   double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
   for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
   q_mid_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
-  // What a scheme takes for closed may be open by a share of what the forces move anywhere, and by rounding.
-  q_mid_.array() += nearly(h, x) + 1e-2 * h * h * free_fall();
+  q_mid_.array() += 10 * nearly();  // what a scheme takes for closed may be open
   return broad_phase_.find(q_mid_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
 
@@ -102,7 +116,7 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
   for (int pass = 1;; ++pass) {
     formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
     formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
-    if (!formulation_.solve(solver, report)) {
+    if (!formulation_.solve(solver, report, crew())) {
       why_ = formulation_.contradiction();
       return false;
     }

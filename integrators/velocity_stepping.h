@@ -14,6 +14,7 @@
 
 #include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/mechanics/joint_load.h>
+#include <orthant/integrators/extents.h>
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>
@@ -52,40 +53,29 @@ class VelocityStepping : public Integrator {
     Form form;
     Cone cone = Cone::coulomb;
     SleepOptions sleep = {};
+    double parted = 0;  // of the way that the applied forces move a body, how far open counts as closed
   };
   VelocityStepping(const System& system, const Plan& plan);
 
   /// terms_ is at q_a, v_new_ is v_free: sets terms_.closed and wanted_.
   virtual void close(double h, const State& x) = 0;
 
-  /// For schemes that hold the gap at the end of the step. Rows at the end of free flight, q + h v_free, of the contacts
-  /// whose gap there is at most `threshold` and of which keep(contact) says so; wanted_ is Newton's law.
-  template <class Keep> void close_at_end_of_flight(double h, const State& x, double threshold, Keep&& keep) {
-    q_new_ = x.q + h * v_new_;
-    set_poses(system_, x.t + h, q_new_, terms_.at);
-    evaluate_gaps(system_, terms_);
-    evaluate_closed(system_, threshold, terms_);
-    std::erase_if(terms_.closed, [&](const ClosedContact& c) { return !keep(c); });
-    newtons_law(system_.laws(), terms_, x.v, wanted_);
-  }
-  /// [m] Gaps at the end of free flight up to this may be the rounding of positions and of the last step's impulses.
-  double nearly(double h, const State& x) const { return touching(x.q) + 1e-8 * h * largest(v_new_); }
-  /// γ_N⁺ that just closes the gap at the end of the step, to first order: g_N = 0 at q + h v⁺.
-  double closing(const ClosedContact& c, double h) const {
-    return apply(c.rows.normal, v_new_.data()) - terms_.gap[c.contact] / h;
-  }
+  /// The step is solved, v_new_ is v⁺. True: the solution violates contacts that close() left out; they are in joined_,
+  /// and v_new_ is v_free again.
+  virtual bool missed(double /*h*/, const State& /*x*/) { return false; }
 
-  /// [m/s², rad/s²] The largest acceleration that the applied forces would give a free body.
-  double free_fall() {
-    force_ = system_.inverse_mass().cwiseProduct(terms_.f);
-    return largest(force_);
-  }
+  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls parted.
+  double nearly(const ContactRows& rows) const { return near_.of(rows.normal); }
+  double nearly() const { return near_.largest(); }  // of any contact
 
   Terms terms_;
   std::vector<Wanted> wanted_;  // one per closed contact
   Eigen::VectorXd v_new_;       // before the contacts act: v_free
+  Eigen::VectorXd q_new_;
+  std::vector<int> joined_;  // contacts that take part in this step whatever free flight makes of them
 
  private:
+  void measure(double h, const State& x);  // near_
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
   /// The pairs that can be closed in the step.
@@ -102,6 +92,7 @@ class VelocityStepping : public Integrator {
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
   Impact impact_;
+  Extents near_;  // [m]
   BroadPhase broad_phase_;
   Sleep sleep_;
   Passing passing_;
@@ -111,7 +102,7 @@ class VelocityStepping : public Integrator {
   std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
-  Eigen::VectorXd q_mid_, q_new_, v_free_, force_, rate_, lambda_;
+  Eigen::VectorXd q_mid_, v_free_, force_, rate_, lambda_;
 };
 
 }  // namespace orthant

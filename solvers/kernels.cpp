@@ -19,6 +19,86 @@ ORTHANT_EVERY_WIDTH void add_multiple(double* __restrict x, double f, const doub
   }
 }
 
+namespace {
+
+// Eight numbers, in as many registers as they take.
+using Eight [[gnu::vector_size(64), gnu::aligned(8), gnu::may_alias]] = double;
+using Bits [[gnu::vector_size(64), gnu::aligned(8), gnu::may_alias]] = long long;
+
+/// Entries from … to − 1, one by one.
+void add_multiples_plainly(double* x, const double* f, int stride, const double* const* p, int count, Index from,
+                           Index to, double snap) {
+  for (Index i = from; i < to; ++i) {
+    double sum = x[i], most = std::abs(sum);
+    for (int q = 0; q < count; ++q) {
+      sum += f[q * stride] * p[q][i];
+      most = most > std::abs(sum) ? most : std::abs(sum);
+    }
+    x[i] = std::abs(sum) <= snap * most ? 0.0 : sum;
+  }
+}
+
+}  // namespace
+
+ORTHANT_EVERY_WIDTH void add_multiples(double* x, const double* f, const double* const* p, int count, Index size,
+                                       double snap) {
+  const Bits magnitude = Bits{} + 0x7fffffffffffffff;  // all but the signs
+  constexpr Index kWide = 2;                           // so that one sum need not wait for the other
+  Index i = 0;
+  for (; i + 8 * kWide <= size; i += 8 * kWide) {
+    Eight sum[kWide], most[kWide];
+    for (Index k = 0; k < kWide; ++k) {
+      sum[k] = *reinterpret_cast<const Eight*>(x + i + 8 * k);
+      most[k] = reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[k]) & magnitude);
+    }
+    for (int q = 0; q < count; ++q)
+      for (Index k = 0; k < kWide; ++k) {
+        sum[k] += f[q] * *reinterpret_cast<const Eight*>(p[q] + i + 8 * k);
+        const Eight now = reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[k]) & magnitude);
+        most[k] = most[k] > now ? most[k] : now;
+      }
+    for (Index k = 0; k < kWide; ++k)
+      *reinterpret_cast<Eight*>(x + i + 8 * k) =
+          reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[k]) & magnitude) <= snap * most[k] ? Eight{} : sum[k];
+  }
+  add_multiples_plainly(x, f, 1, p, count, i, size, snap);
+}
+
+// To watch how large a sum is on its way costs as much as to add. So the sums are looked at only where their end is small
+// beside what they can have been at the most.
+ORTHANT_EVERY_WIDTH void add_multiples_to_four(double* const* x, const double* f, const double* const* p, int count,
+                                               Index size, double snap, const double* reach) {
+  const Bits magnitude = Bits{} + 0x7fffffffffffffff;
+  constexpr int kRows = 4;
+  constexpr Index kWide = 2;
+  Index i = 0;
+  for (; i + 8 * kWide <= size; i += 8 * kWide) {
+    Eight sum[kRows][kWide];
+    for (int r = 0; r < kRows; ++r)
+      for (Index k = 0; k < kWide; ++k) sum[r][k] = *reinterpret_cast<const Eight*>(x[r] + i + 8 * k);
+    for (int q = 0; q < count; ++q)
+      for (Index k = 0; k < kWide; ++k) {
+        const Eight term = *reinterpret_cast<const Eight*>(p[q] + i + 8 * k);
+        for (int r = 0; r < kRows; ++r) sum[r][k] += f[kRows * q + r] * term;
+      }
+    Bits small = {};
+    for (int r = 0; r < kRows; ++r)
+      for (Index k = 0; k < kWide; ++k) {
+        const Eight before = *reinterpret_cast<const Eight*>(x[r] + i + 8 * k);
+        const Eight most = reinterpret_cast<Eight>(reinterpret_cast<Bits>(before) & magnitude) + reach[r];
+        small |= (reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[r][k]) & magnitude) <= 2 * snap * most) &
+                 (sum[r][k] != 0);
+      }
+    long long any = 0;
+    for (int lane = 0; lane < 8; ++lane) any |= small[lane];
+    for (int r = 0; r < kRows; ++r) {
+      if (any != 0) add_multiples_plainly(x[r], f + r, kRows, p, count, i, i + 8 * kWide, snap);
+      for (Index k = 0; k < kWide && any == 0; ++k) *reinterpret_cast<Eight*>(x[r] + i + 8 * k) = sum[r][k];
+    }
+  }
+  for (int r = 0; r < kRows; ++r) add_multiples_plainly(x[r], f + r, kRows, p, count, i, size, snap);
+}
+
 ORTHANT_EVERY_WIDTH void subtract_four(double* __restrict x, const double* __restrict f,
                                        const double* __restrict columns, Index stride, Index size) {
   const double f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];

@@ -46,6 +46,7 @@ bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& c
       y_ = z;
       const Status round = in_good_units(box, s);
       z = y_.cwiseMax(box.lo).cwiseMin(box.hi);
+      if (!polish_.improve(box, z, budget())) proximal(box, s, z);
       return round;
     });
     return true;
@@ -74,6 +75,26 @@ Status NewtonFb::attempt(const Lcp& problem, Solution& s) {
   else
     s.z = y_;
   return claim;
+}
+
+/// A + δ diag A with δ z beside b is regular where A is singular, and its solutions lead to one of A's: redundant contacts
+/// under large mass ratios, where the merit of A itself no longer tells good from bad. Rockafellar's proximal point.
+void NewtonFb::proximal(const Lcp& box, Solution& s, Vector& z) {
+  constexpr double kProximal = 1e-4;
+  constexpr int kRounds = 12;
+  proximal_ = box;
+  proximal_.A = DenseMatrix();
+  auto& A = std::get<DenseMatrix>(proximal_.A);
+  to_dense(box.A, A);
+  shift_ = kProximal * A.diagonal();
+  A.diagonal() += shift_;
+  for (int round = 0; round < kRounds && !budget().exhausted(); ++round) {
+    proximal_.b = box.b - shift_.cwiseProduct(z);
+    y_ = z;
+    in_good_units(proximal_, s);
+    z = y_.cwiseMax(box.lo).cwiseMin(box.hi);
+    if (polish_.improve(box, z, budget())) return;
+  }
 }
 
 /// The merit adds up rows: where their units lie far apart, they are brought together first.

@@ -22,6 +22,7 @@
 #include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/dense_lu.h>
 #include <orthant/solvers/frozen_friction.h>
+#include <orthant/solvers/polish.h>
 #include <orthant/solvers/scaling.h>
 #include <orthant/solvers/solver.h>
 
@@ -49,6 +50,7 @@ class NewtonFb final : public Solver {
   double tolerance() const override { return options_.tolerance; }
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   Status attempt(const Lcp& problem, Solution& s);
+  void proximal(const Lcp& box, Solution& s, Vector& z);
   Status in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
   Status iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ½‖Φ‖²; fills w_, phi_
@@ -59,6 +61,9 @@ class NewtonFb final : public Solver {
   Options options_;
   Pyramid pyramid_;
   FrozenFriction frozen_;
+  Polish polish_;
+  Lcp proximal_;
+  Vector shift_;
   detail::Scaling scaling_;
   Lcp scaled_;
   ActiveRows rows_;

@@ -1,7 +1,9 @@
 // solvers/tableau.h — the condensed tableau that Lemke's method pivots, in any scalar type.
 //
 //   w = M z + q + d z₀ (d = e) as a dictionary: each basic variable = constant + Σ coefficient · nonbasic variable.
-//   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only.
+//   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only; in
+//   double from kDelayed rows on it is delayed (delayed_pivots.h), and only the constants, the entering column and the
+//   leaving row are kept up to date.
 //   Free rows go first: their z enters for good (complete pivoting), their w leaves for good. What is left when the free
 //   block is singular is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
 //   Ratio test: z₀ leaves first on ties; else the lexicographic rule (rows of the basis inverse, read off the tableau),
@@ -11,6 +13,7 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
+#include <orthant/solvers/delayed_pivots.h>
 #include <orthant/solvers/kernels.h>
 
 #include <algorithm>
@@ -70,23 +73,12 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
   /// Lemke's method from the loaded tableau, at most `limit` pivots. After each, stop(z₀) is asked: true ends the run.
   template <class Stop> End run(int limit, const Stop& stop) {
-    int r = most_negative();
+    const int r = most_negative();
     if (r < 0) return End::solved;
-    int s = covering_;
-    for (;;) {
-      if (iterations_ >= limit) return End::limit;
-      const int leaving = basic_[u(r)];
-      pivot(r, s);
-      ++iterations_;
-      if (leaving == z0()) return End::solved;
-      if (stop(row_at(-1 - place_[u(z0())])[0])) return End::stopped;
-      s = place_[u(complement(leaving))];
-      r = ratio_test(s);
-      if (r < 0) {
-        entering_ = s;
-        return End::ray;
-      }
-    }
+    begin_delays();
+    const End end = follow(r, limit, stop);
+    end_delays();
+    return end;
   }
 
   int iterations() const { return iterations_; }  // pivots of Lemke's method, z₀'s entry counted
@@ -136,6 +128,22 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   void set_basic(int r, int variable) { basic_[u(r)] = variable, place_[u(variable)] = -1 - r; }
   void set_nonbasic(int s, int variable) { nonbasic_[u(s)] = variable, place_[u(variable)] = s; }
 
+  /// From z₀'s entry in row r on.
+  template <class Stop> End follow(int r, int limit, const Stop& stop) {
+    enter(covering_);
+    for (;;) {
+      if (iterations_ >= limit) return End::limit;
+      const int leaving = basic_[u(r)];
+      exchange(r);
+      ++iterations_;
+      if (leaving == z0()) return End::solved;
+      if (stop(constant(-1 - place_[u(z0())]))) return End::stopped;
+      enter(place_[u(complement(leaving))]);
+      r = ratio_test();
+      if (r < 0) return End::ray;
+    }
+  }
+
   template <class Entries>
   void fill(const Entries& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
     n_ = static_cast<int>(q.size());
@@ -184,6 +192,88 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       add_multiple(line, f, p, columns_);
       line[s] = f / divisor;
     }
+    swap(r, s);
+  }
+  // Delayed pivots: row_at(i) is what it was some pivots ago, until finish_row(i); the constants are in delays_.constant.
+  static constexpr bool kDelays = std::is_same_v<T, double>;
+  struct Delays {
+    bool on = false;
+    std::vector<double> column, constant;  // the entering column; constants
+    DelayedPivots pivots;
+  };
+  void begin_delays() {
+    if constexpr (kDelays) {
+      grow(delays_.column, u(stride_)), grow(delays_.constant, u(stride_));
+      delays_.on = rows_ >= kDelayed;
+      if (!delays_.on) return;
+      for (int i = 0; i < rows_; ++i) delays_.constant[u(i)] = row_at(i)[0];
+      delays_.pivots.reset(rows_, columns_, t_.data(), stride_, Roundings<T>::snap);
+    }
+  }
+  void end_delays() {
+    if constexpr (kDelays) {
+      if (!delays_.on) return;
+      delays_.pivots.finish();
+      for (int i = 0; i < rows_; ++i) row_at(i)[0] = delays_.constant[u(i)];
+      delays_.on = false;
+    }
+  }
+  const T& constant(int i) const {
+    if constexpr (kDelays)
+      if (delays_.on) return delays_.constant[u(i)];
+    return row_at(i)[0];
+  }
+  void finish_row(int i) {
+    if constexpr (kDelays)
+      if (delays_.on) delays_.pivots.finish_row(i);
+  }
+  void enter(int s) {
+    entering_ = s;
+    if constexpr (kDelays) {
+      if (delays_.on) return delays_.pivots.column(s, delays_.column.data());
+      for (int i = 0; i < rows_; ++i) delays_.column[u(i)] = row_at(i)[s];
+    }
+  }
+  /// Of the entering column.
+  const T& slope(int i) const {
+    if constexpr (kDelays)
+      return delays_.column[u(i)];
+    else
+      return row_at(i)[entering_];
+  }
+
+  /// The entering variable for that of row r.
+  void exchange(int r) {
+    if constexpr (kDelays)
+      if (delays_.on) return exchange_later(r);
+    pivot(r, entering_);
+  }
+  void exchange_later(int r) {
+    const int s = entering_;
+    double* const column = delays_.column.data();
+    double* const constants = delays_.constant.data();
+    delays_.pivots.finish_row(r);
+    T* const p = row_at(r);
+    const T divisor = p[s];
+    for (int c = 1; c < columns_; ++c) p[c] = -p[c] / divisor;
+    p[0] = 0;  // the constants are kept apart
+    const T moved = constants[r] = -constants[r] / divisor;
+    const T error = error_[u(r)] = error_[u(r)] / abs(divisor) + Roundings<T>::unit * abs(moved);
+    column[r] = 0;
+    for (int i = 0; i < rows_; ++i) {
+      const T f = column[i];
+      row_at(i)[s] = f / divisor;
+      if (f == 0) continue;
+      error_[u(i)] += abs(f) * error + Roundings<T>::unit * (abs(constants[i]) + abs(f * moved));
+      const T before = constants[i], after = before + f * moved;
+      constants[i] = abs(after) <= Roundings<T>::snap * abs(before) ? T(0) : after;
+    }
+    delays_.pivots.keep(column, p, s);
+    p[s] = T(1) / divisor;
+    swap(r, s);
+  }
+  /// The variables of row r and column s change places.
+  void swap(int r, int s) {
     const int leaving = basic_[u(r)];
     set_basic(r, nonbasic_[u(s)]);
     set_nonbasic(s, leaving);
@@ -202,30 +292,30 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     return r;
   }
 
-  int ratio_test(int s) {
+  int ratio_test() {
     T largest = 0;
     for (int i = 0; i < rows_; ++i)
-      if (!frozen_[u(i)]) largest = std::max(largest, abs(row_at(i)[s]));
+      if (!frozen_[u(i)]) largest = std::max(largest, abs(slope(i)));
     const T tiny = largest * Roundings<T>::pivot;
     const int z0_row = -1 - place_[u(z0())];
     int count = 0;
     T least = 0;
     for (int i = 0; i < rows_; ++i) {
-      const T slope = -row_at(i)[s];
-      if (!(slope > tiny) || frozen_[u(i)]) continue;
-      const T q = row_at(i)[0], ratio = q > 0 ? q / slope : T(0);
+      const T fall = -slope(i);
+      if (!(fall > tiny) || frozen_[u(i)]) continue;
+      const T q = constant(i), ratio = q > 0 ? q / fall : T(0);
       ratio_[u(count)] = ratio;
       list_[u(count)] = i;
       least = count == 0 ? ratio : std::min(least, ratio);
       ++count;
     }
     if (count == 0) return -1;
-    const auto blur = [&](int i) { return 8 * error_of_constant(i) / -row_at(i)[s]; };  // of the ratio; overlap: a tie
+    const auto blur = [&](int i) { return 8 * error_of_constant(i) / -slope(i); };  // of the ratio; overlap: a tie
     const T near = least * (T(1) + T(0x1p-12)), small = top_ * T(0x1p-20);
     T limit = least;
     int ties = 0;
     for (int k = 0; k < count; ++k)  // few are near: only those are looked at closely
-      if (ratio_[u(k)] <= near || row_at(list_[u(k)])[0] <= small) {
+      if (ratio_[u(k)] <= near || constant(list_[u(k)]) <= small) {
         list_[u(ties)] = list_[u(k)];
         ratio_[u(ties++)] = ratio_[u(k)];
       }
@@ -239,13 +329,16 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       if (list_[u(k)] == z0_row) return z0_row;
       list_[u(ties++)] = list_[u(k)];
     }
+    for (int k = 0; k < ties && ties > 1; ++k) finish_row(list_[u(k)]);
     for (int pair = 0; pair < split_end_ && ties > 1; ++pair) {  // columns of the basis inverse, one after the other
       if (!paired_[u(pair)]) continue;
       const int place = place_[u(w_of(pair))];
       T lowest = 0;
       for (int k = 0; k < ties; ++k) {
-        const T* const line = row_at(list_[u(k)]);
-        const T value = place > 0 ? line[place] / line[s] : (list_[u(k)] == -1 - place ? T(-1) / line[s] : T(0));
+        const T entry = slope(list_[u(k)]);
+        const T value = place > 0                   ? row_at(list_[u(k)])[place] / entry
+                        : list_[u(k)] == -1 - place ? T(-1) / entry
+                                                    : T(0);
         ratio_[u(k)] = value;
         lowest = k == 0 ? value : std::min(lowest, value);
       }
@@ -259,10 +352,11 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   }
   // What pivoting may have done to the constant of row i: the running bound, which compounds over many pivots and is
   // then cut at a share of Σ_j |B⁻¹_ij q_j|, the terms that the constant is the sum of.
-  T error_of_constant(int i) const {
-    const T* const line = row_at(i);
+  T error_of_constant(int i) {
     const T bound = error_[u(i)];
-    if (bound <= Roundings<T>::tie * abs(line[0])) return bound;
+    if (bound <= Roundings<T>::tie * abs(constant(i))) return bound;
+    finish_row(i);
+    const T* const line = row_at(i);
     T size = basic_[u(i)] < pairs_ ? given_[u(basic_[u(i)])] : T(0);
     for (int c = 1; c < columns_; ++c)
       if (nonbasic_[u(c)] < pairs_) size += abs(line[c]) * given_[u(nonbasic_[u(c)])];
@@ -335,6 +429,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   }
 
   static constexpr int covering_ = 1;  // the column of z₀ at the start
+  static constexpr int kDelayed = 48;  // rows; below, a pivot at once is as fast
   int n_ = 0, pairs_ = 0, split_end_ = 0, rows_ = 0, columns_ = 0, stride_ = 0, iterations_ = 0, entering_ = 0;
   Vector cover_;
   T top_ = 0;                                  // max |q|
@@ -343,6 +438,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   std::vector<int> origin_, list_;             // row of the problem that a pair belongs to; candidates of a ratio test
   std::vector<char> free_, frozen_, paired_;   // row of the problem is free; row of the tableau takes no part in ratio
                                                // tests; pair is complementary
+  struct None {};
+  [[no_unique_address]] std::conditional_t<kDelays, Delays, None> delays_;
 };
 
 }  // namespace orthant::detail

@@ -17,7 +17,9 @@ struct CornerWall {
   ContactLaw law;
 
   double gap(const Kinematics& k) const {
-    return k.at(b).turn(normal).dot(k.at(a).x + k.at(a).turn(point) - k.at(b).x) - normal.dot(wall_point);
+    const Vector2d P = k.at(a).x + k.at(a).turn(point);
+    if (b < 0) return normal.dot(P) - normal.dot(wall_point);
+    return k.at(b).turn(normal).dot(P - k.at(b).x) - normal.dot(wall_point);
   }
   ContactRows rows(const Kinematics& k) const {
     const Vector2d n = k.at(b).turn(normal), r_a = k.at(a).turn(point), r_b = k.at(a).x + r_a - k.at(b).x;

@@ -53,66 +53,88 @@ template <class F> void each_down(int n, F&& f) {
 /// Numbers to work on: a copy where their count is known, which the compiler keeps in registers; else where they are.
 template <int Count> struct Local {
   double value[static_cast<std::size_t>(Count)];
-  explicit Local(const double* from) { std::copy_n(from, Count, value); }
-  void store(double* to) const { std::copy_n(value, Count, to); }
   double& operator[](int i) { return value[i]; }
 };
 struct InPlace {
   double* value;
-  void store(double*) const {}
   double& operator[](int i) const { return value[i]; }
 };
-template <int N> Local<N * N> square(std::integral_constant<int, N>, double* from) { return Local<N * N>(from); }
-InPlace square(int, double* from) { return {from}; }
-template <int N> Local<N> line(std::integral_constant<int, N>, double* from) { return Local<N>(from); }
+/// `lower` of a square: on and below the diagonal, by rows.
+template <int N> Local<N * N> lower(std::integral_constant<int, N> n, double* from) {
+  Local<N * N> to;
+  each(n,
+       [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
+  return to;
+}
+InPlace lower(int, double* from) { return {from}; }
+template <int N> void store_lower(std::integral_constant<int, N> n, Local<N * N>& from, double* to) {
+  each(n,
+       [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
+}
+void store_lower(int, InPlace, double*) {}
+template <int N> Local<N> line(std::integral_constant<int, N> n, double* from) {
+  Local<N> to;
+  each(n, [&](auto i) { to[i] = from[i]; });
+  return to;
+}
 InPlace line(int, double* from) { return {from}; }
+template <int N> void store(std::integral_constant<int, N> n, Local<N>& from, double* to) {
+  each(n, [&](auto i) { to[i] = from[i]; });
+}
+void store(int, InPlace, double*) {}
 
 }  // namespace
 
 Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
     : n_(static_cast<int>(rows.size())),
       inverse_mass_(inverse_mass),
-      g_(6 * rows.size()),
-      h_(6 * rows.size()),
-      weight_(6 * rows.size()),
       S_(rows.size() * rows.size()),
       pivot_(rows.size()),
       inverse_pivot_(rows.size()) {
-  for (int i = 0; i < n_; ++i) {
-    const Row& row = rows[static_cast<std::size_t>(i)];
-    for (int side = 0; side < 2; ++side)
-      if (const BodyId body = side == 0 ? row.a : row.b; body >= 0) {
-        const int at = 6 * i + 3 * side;
-        for (int k = 0; k < 3; ++k) weight_[static_cast<std::size_t>(at + k)] = inverse_mass[3 * body + k];
-        sides_.push_back({i, at, 3 * body});
-      }
+  for (int first = 0; first < inverse_mass.size(); first += 3) {
+    const auto begin = sides_.size();
+    for (int i = 0; i < n_; ++i) {
+      const Row& row = rows[static_cast<std::size_t>(i)];
+      if (3 * row.a == first) sides_.push_back({i, 0, {}});
+      if (3 * row.b == first) sides_.push_back({i, 1, {}});
+    }
+    if (sides_.size() == begin) continue;
+    bodies_.push_back(
+        {first, static_cast<int>(begin), {inverse_mass[first], inverse_mass[first + 1], inverse_mass[first + 2]}});
+    for (std::size_t u = begin; u < sides_.size(); ++u)
+      for (std::size_t v = begin; v <= u; ++v) place_.push_back(sides_[u].row * n_ + sides_[v].row);
   }
-  for (const Side& u : sides_)
-    for (const Side& v : sides_)
-      if (u.first == v.first && v.row <= u.row) shared_.push_back({u.row * n_ + v.row, u.at, v.at});
+}
+
+template <class Sides, class Use> void Schur::each_body(Sides& sides, Use&& use) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const auto begin = static_cast<std::size_t>(bodies_[b].begin);
+    const auto end = b + 1 < bodies_.size() ? static_cast<std::size_t>(bodies_[b + 1].begin) : sides.size();
+    use(bodies_[b], std::span(sides.data() + begin, end - begin));
+  }
 }
 
 bool Schur::factorize(std::span<const Row> G, double dependent) {
-  double *g = g_.data(), *h = h_.data();
-  for (const Row& row : G) {
-    std::copy_n(row.ja.data(), 3, g), std::copy_n(row.jb.data(), 3, g + 3);
-    const double* weight = weight_.data() + (g - g_.data());
-    for (int k = 0; k < 6; ++k) h[k] = weight[k] * g[k];
-    g += 6, h += 6;
-  }
-  g = g_.data(), h = h_.data();
-  double* S = S_.data();
   std::fill(S_.begin(), S_.end(), 0.0);
-  for (const Shared& s : shared_) {
-    const double *u = g + s.g, *v = h + s.h;
-    S[s.at] += u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-  }
+  double* const S = S_.data();
+  const int* place = place_.data();
+  each_body(sides_, [&](const OnBody& body, std::span<Side> sides) {
+    const auto [m, n, j] = body.inverse_mass;
+    for (std::size_t u = 0; u < sides.size(); ++u) {
+      const double *const g = sides[u].part(G), x = g[0], y = g[1], z = g[2];
+      sides[u].h[0] = m * x, sides[u].h[1] = n * y, sides[u].h[2] = j * z;
+      for (std::size_t v = 0; v <= u; ++v) {
+        const auto& h = sides[v].h;
+        S[*place++] += x * h[0] + y * h[1] + z * h[2];
+      }
+    }
+  });
   return with_size(n_, [&](auto n) { return factorize_rows(n, dependent); });
 }
 
 /// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij.
 template <class N> bool Schur::factorize_rows(N n, double dependent) {
-  auto S = square(n, S_.data());
+  auto S = lower(n, S_.data());
   auto inverse = line(n, inverse_pivot_.data());
   auto pivot = line(n, pivot_.data());
   bool independent = true;
@@ -130,7 +152,7 @@ template <class N> bool Schur::factorize_rows(N n, double dependent) {
     pivot[i] = left, inverse[i] = holds ? 1 / left : 0;  // 0: what follows stays finite, for finite()
   });
   if (!independent) return false;
-  S.store(S_.data()), inverse.store(inverse_pivot_.data()), pivot.store(pivot_.data());
+  store_lower(n, S, S_.data()), store(n, inverse, inverse_pivot_.data()), store(n, pivot, pivot_.data());
   return true;
 }
 
@@ -146,33 +168,44 @@ double Schur::independence() const {
 
 void Schur::solve(const double* f, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
-  if (lambda != c) std::copy_n(c, n_, lambda);
-  for (const Side& side : sides_) {
-    const double *row = g_.data() + side.at, *v = x + side.first;
-    lambda[side.row] -= row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
-  }
-  with_size(n_, [&](auto n) { solve_rows(n, x, lambda); });
+  if (lambda != c)
+    for (int i = 0; i < n_; ++i) lambda[i] = c[i];
+  each_body(sides_, [&](const OnBody& body, std::span<const Side> sides) {
+    const double f0 = f[body.first], f1 = f[body.first + 1], f2 = f[body.first + 2];
+    for (const Side& side : sides) lambda[side.row] -= side.h[0] * f0 + side.h[1] * f1 + side.h[2] * f2;
+  });
+  with_size(n_, [&](auto n) { solve_rows(n, lambda); });
+  add_rows(lambda, x);
 }
 
 void Schur::solve_rates(const double* c, double* x, double* lambda) const {
-  std::fill_n(x, inverse_mass_.size(), 0.0);
-  if (lambda != c) std::copy_n(c, n_, lambda);
-  with_size(n_, [&](auto n) { solve_rows(n, x, lambda); });
+  for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = 0;
+  if (lambda != c)
+    for (int i = 0; i < n_; ++i) lambda[i] = c[i];
+  with_size(n_, [&](auto n) { solve_rows(n, lambda); });
+  add_rows(lambda, x);
 }
 
-/// S λ = λ, x += M⁻¹ Gᵀ λ.
-template <class N> void Schur::solve_rows(N n, double* x, double* lambda) const {
+/// x += M⁻¹ Gᵀ λ.
+void Schur::add_rows(const double* lambda, double* x) const {
+  each_body(sides_, [&](const OnBody& body, std::span<const Side> sides) {
+    double *const v = x + body.first, v0 = v[0], v1 = v[1], v2 = v[2];
+    for (const Side& side : sides) {
+      const double by = lambda[side.row];
+      v0 += side.h[0] * by, v1 += side.h[1] * by, v2 += side.h[2] * by;
+    }
+    v[0] = v0, v[1] = v1, v[2] = v2;
+  });
+}
+
+/// S λ = λ.
+template <class N> void Schur::solve_rows(N n, double* lambda) const {
   const double *L = S_.data(), *inverse = inverse_pivot_.data();
   auto y = line(n, lambda);
   each(n, [&](auto i) { each(i, [&](auto k) { y[i] -= L[i * n + k] * y[k]; }); });
   each(n, [&](auto i) { y[i] *= inverse[i]; });
   each_down(n, [&](auto i) { each(i, [&](auto k) { y[k] -= L[i * n + k] * y[i]; }); });
-  y.store(lambda);
-  for (const Side& side : sides_) {
-    const double* row = h_.data() + side.at;
-    double* v = x + side.first;
-    for (int k = 0; k < 3; ++k) v[k] += row[k] * lambda[side.row];
-  }
+  store(n, y, lambda);
 }
 
 }  // namespace orthant

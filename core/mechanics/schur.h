@@ -7,6 +7,7 @@
 
 #include <orthant/core/mechanics/geometry.h>
 
+#include <array>
 #include <span>
 
 namespace orthant {
@@ -30,21 +31,30 @@ class Schur {
   bool finite() const;  // the S of the last factorization, where that gave up on it
 
  private:
-  struct Shared {  // rows i ≥ j meet in a body: S_ij += g · h, places of three numbers each
-    int at, g, h;
+  struct Side {               // a row's part on one body
+    int row, which;           // which: 0 its ja, 1 its jb
+    std::array<double, 3> h;  // that part, times M⁻¹
+    const double* part(std::span<const Row> G) const {
+      const Row& r = G[static_cast<std::size_t>(row)];
+      return which == 0 ? r.ja.data() : r.jb.data();
+    }
   };
-  struct Side {  // of a row: where its three numbers are, and the first coordinate of their body
-    int row, at, first;
+  struct OnBody {  // the sides from `begin` (to where the next body's begin) act on the coordinates from `first` on
+    int first, begin;
+    std::array<double, 3> inverse_mass;
   };
   template <class N> bool factorize_rows(N n, double dependent);
-  template <class N> void solve_rows(N n, double* x, double* lambda) const;
+  template <class N> void solve_rows(N n, double* lambda) const;
+  void add_rows(const double* lambda, double* x) const;
+  /// use(body, its sides) for every body that has any.
+  template <class Sides, class Use> void each_body(Sides& sides, Use&& use) const;
 
   int n_;
   Eigen::VectorXd inverse_mass_;
-  std::vector<Side> sides_;             // those not on the ground
-  std::vector<double> g_, h_, weight_;  // 6 n: the rows of G, of G M⁻¹, and M⁻¹ (0 for the ground)
-  std::vector<Shared> shared_;
-  std::vector<double> S_;                      // n × n by rows: S_ii, below the diagonal L
+  std::vector<Side> sides_;  // by bodies, rows ascending; those on the ground have none
+  std::vector<OnBody> bodies_;
+  std::vector<int> place_;  // of S_ij in S_, for each two sides of one body, in the order of assembly
+  std::vector<double> S_;   // n × n by rows: S_ii, below the diagonal L
   std::vector<double> pivot_, inverse_pivot_;  // D_i, 1 / D_i
 };
 

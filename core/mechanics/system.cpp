@@ -4,11 +4,59 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace orthant {
+namespace {
+
+/// Connected components of bodies; the ground connects nothing.
+class Groups {
+ public:
+  explicit Groups(std::size_t bodies) : first_(bodies) { std::iota(first_.begin(), first_.end(), 0); }
+
+  void connect(BodyId a, BodyId b) {
+    if (a < 0 || b < 0) return;
+    const auto [low, high] = std::minmax({find(a), find(b)});
+    first_[static_cast<std::size_t>(high)] = low;
+  }
+  /// Of each body the first one of its group.
+  std::vector<int> first() {
+    for (int& body : first_) body = find(body);
+    return first_;
+  }
+
+ private:
+  int find(int body) {
+    for (int next = 0; (next = first_[static_cast<std::size_t>(body)]) != body; body = next)
+      first_[static_cast<std::size_t>(body)] = first_[static_cast<std::size_t>(next)];  // halves the way
+    return body;
+  }
+
+  std::vector<int> first_;
+};
+
+}  // namespace
 
 System::System(Scene scene) : scene_(std::move(scene)) {
   check(scene_);
+  Groups groups(scene_.bodies.size());
+  const auto connect = [&](const auto& element) {
+    const auto [a, b] = bodies_of(element);
+    groups.connect(a, b);
+  };
+  for (const Joint& joint : scene_.joints) std::visit(connect, joint);
+  for (const Spring& spring : scene_.springs) std::visit(connect, spring);
+  assembly_ = groups.first();
+  for (const Contact& contact : scene_.contacts) std::visit(connect, contact);
+  for (const JointFriction& friction : scene_.frictions) connect(friction);
+  for (const Collision& collision : scene_.collisions) {
+    BodyId last = kGround;
+    for (const Shape& shape : collision.shapes) {
+      groups.connect(last, shape.body);
+      if (shape.body >= 0) last = shape.body;
+    }
+  }
+  cluster_ = groups.first();
   mass_.resize(dof());
   weight_.setZero(dof());
   for (int i = 0; i < bodies(); ++i) {
@@ -19,9 +67,9 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   inverse_mass_ = mass_.cwiseInverse();
   for (const Joint& joint : scene_.joints) {
     first_row_.push_back(joint_rows_);
-    joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
+    joint_rows_ += row_count(joint);
+    driven_ = driven_ || orthant::driven(joint);
     if (const auto* drive = std::get_if<Drive>(&joint)) {
-      driven_ = true;
       const std::vector<double>& times = drive->law.table.times();
       breakpoints_.insert(breakpoints_.end(), times.begin(), times.end());
       if (drive->law.amplitude != 0) swing_ = std::max(swing_, std::abs(drive->law.omega));

@@ -18,6 +18,10 @@ class System {
   int joint_rows() const { return joint_rows_; }
   int first_row(std::size_t joint) const { return first_row_[joint]; }
   bool driven() const { return driven_; }  // some joint is given in time
+  /// Of each body the first one that joints and springs connect it with, itself maybe.
+  const std::vector<int>& assembly() const { return assembly_; }
+  /// Likewise the first one of all whose motion can ever meet its own, through contacts too.
+  const std::vector<int>& cluster() const { return cluster_; }
   /// The listed ones, then room for the pairs of each collision that are near each other.
   int contacts() const { return listed() + pairs_.back(); }
   int listed() const { return static_cast<int>(scene_.contacts.size()); }
@@ -41,6 +45,7 @@ class System {
   Scene scene_;
   int joint_rows_ = 0;
   std::vector<int> first_row_;  // of each joint
+  std::vector<int> assembly_, cluster_;
   bool driven_ = false;
   Eigen::VectorXd mass_, inverse_mass_, weight_;
   std::vector<ContactLaw> laws_;

@@ -32,6 +32,24 @@ void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinemat
   at.t = t;
 }
 
+void move_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at) {
+  constexpr double kLittle = 0x1p-7;  // [rad] beyond it the terms left out of the series are more than rounding
+  const auto bodies = static_cast<std::size_t>(system.bodies());
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const double* qi = q.data() + 3 * i;
+    Pose& pose = at.pose[i];
+    const double turn = qi[2] - pose.theta, square = turn * turn;
+    if (!(std::abs(turn) <= kLittle)) {
+      pose = {{qi[0], qi[1]}, qi[2], std::cos(qi[2]), std::sin(qi[2])};
+      continue;
+    }
+    const double sine = turn * (1 - square / 6 * (1 - square / 20));
+    const double less = square / 2 * (1 - square / 12 * (1 - square / 30));  // 1 − cosine
+    pose = {{qi[0], qi[1]}, qi[2], pose.c - (pose.c * less + pose.s * sine), pose.s - (pose.s * less - pose.c * sine)};
+  }
+  at.t = t;
+}
+
 void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at) {
   const auto bodies = static_cast<std::size_t>(system.bodies());
   at.twist.resize(bodies + 1);
@@ -60,7 +78,10 @@ template <class What> void each_joint(const System& system, What&& what) {
     std::visit(
         [&](const auto& j) {
           what(j, row);
-          row += j.kRows;
+          if constexpr (requires { j.row_count(); })
+            row += j.row_count();
+          else
+            row += j.kRows;
         },
         joint);
 }
@@ -74,7 +95,17 @@ void evaluate_joint_residual(const System& system, Terms& terms) {
 void evaluate_joint_rows(const System& system, Terms& terms) {
   each_joint(system, [&](const auto& joint, int row) {
     joint.rows(terms.at, terms.G.data() + row);
-    if constexpr (requires { joint.law; }) joint.rate(terms.at, terms.joint_rate.data() + row);
+    if constexpr (requires(double* rate) { joint.rate(terms.at, rate); })
+      joint.rate(terms.at, terms.joint_rate.data() + row);
+  });
+}
+
+void evaluate_joints(const System& system, Terms& terms) {
+  each_joint(system, [&](const auto& joint, int row) {
+    joint.residual(terms.at, terms.phi.data() + row);
+    joint.rows(terms.at, terms.G.data() + row);
+    if constexpr (requires(double* rate) { joint.rate(terms.at, rate); })
+      joint.rate(terms.at, terms.joint_rate.data() + row);
   });
 }
 

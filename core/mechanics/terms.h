@@ -41,6 +41,9 @@ struct Terms {
 };
 
 void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at);
+/// The same from the poses that `at` has: a body that turned little has its cosine and sine turned on, to one rounding
+/// more, in a quarter of the time that new ones take.
+void move_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at);
 void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at);
 
 /// Each reads terms.at; what needs velocities reads twists too. All in the order of the scene.
@@ -48,6 +51,8 @@ void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, T
 void evaluate_joint_residual(const System& system, Terms& terms);
 /// G and joint_rate.
 void evaluate_joint_rows(const System& system, Terms& terms);
+/// Both.
+void evaluate_joints(const System& system, Terms& terms);
 void evaluate_gaps(const System& system, Terms& terms);
 /// The gap of one contact, listed or one of these pairs, in poses `at` of its two bodies.
 double gap_of(const System& system, const std::vector<Pair>& pairs, int contact, const Kinematics& at);

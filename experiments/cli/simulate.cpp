@@ -29,6 +29,7 @@ struct SimulateArguments {
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
+  int threads = 1;
   bool json = false, resume = false;
 };
 
@@ -155,6 +156,9 @@ int run_simulate(const SimulateArguments& arguments) {
   const System system(make_scene(arguments.scene, arguments.sets));
   const auto integrator = make_integrator(arguments.integrator, system);
   const auto solver = make_solver(arguments.solver);
+  std::vector<std::unique_ptr<Solver>> helpers;
+  for (int i = 1; i < arguments.threads; ++i) helpers.push_back(make_solver(arguments.solver));
+  integrator->employ(std::move(helpers));
   const Scene& scene = system.scene();
   const Clock clock{.step = arguments.step.value_or(scene.step),
                     .duration = arguments.duration.value_or(scene.duration),
@@ -233,6 +237,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command
       ->add_option("--time-limit", arguments->time_limit, "of the run [s of wall time]; what is done by then is kept")
       ->check(CLI::Range(1e-6, 1e9));
+  command
+      ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   command->add_flag("--json", arguments->json, "summary as one JSON object");
   command->callback([arguments, &exit_code] { exit_code = run_simulate(*arguments); });
 }

@@ -14,11 +14,13 @@
 namespace orthant {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct SweepArguments {
   std::string file, results;
   std::vector<std::string> keys;
   unsigned jobs = 0;
-  bool quick = false, list = false;
+  bool quick = false, list = false, json = false;
 };
 
 int run_sweep(SweepArguments a) {
@@ -43,14 +45,29 @@ int run_sweep(SweepArguments a) {
   Results results(a.results);
   if (a.list) {
     results.declare(sweep);
+    Json missing = Json::array();
     for (const Case& c : sweep.cases)
-      if (!results.has(c.key())) std::cout << c.key() << '\n';
+      if (!results.has(c.key())) missing.push_back(c.key());
+    if (a.json) {
+      std::cout << missing.dump() << '\n';
+    } else {
+      for (const Json& key : missing) std::cout << key.get<std::string>() << '\n';
+    }
     return 0;
   }
   const Tally tally = run_sweep(sweep, results, a.results, a.jobs);
   const auto rows = results.rows(sweep.name);
   const auto failed =
       std::count_if(rows.begin(), rows.end(), [](const ResultRow& r) { return r.at("status") != "solved"; });
+  if (a.json) {
+    const Json json = {{"sweep", sweep.name},
+                       {"results", a.results},
+                       {"cases", rows.size()},
+                       {"new", tally.run},
+                       {"not_solved", failed}};
+    std::cout << json.dump() << '\n';
+    return 0;
+  }
   std::cout << sweep.name << ": " << rows.size() << " cases in " << a.results << ", " << tally.run << " of them new, "
             << failed << " not solved" << (failed > 0 ? " (orthant results " + a.results + " --failures)" : "") << '\n';
   return 0;
@@ -58,10 +75,8 @@ int run_sweep(SweepArguments a) {
 
 struct ResultsArguments {
   std::string file, sweep, dumps;
-  bool csv = false, json = false, failures = false, orders = false, about = false, add = false;
+  bool csv = false, json = false, failures = false, orders = false, times = false, about = false, add = false;
 };
-
-using Json = nlohmann::ordered_json;
 
 /// The parameters as columns of their own; without the dumped problem, which is long.
 Json flat(const std::string& sweep, const ResultRow& row) {
@@ -143,8 +158,15 @@ int run_results(ResultsArguments a) {
       for (Json& fit : fitted_orders(rows)) {
         fit["worst_error_finest_octave"] = fit.at("worst").back()[1],
         fit["h_finest_octave"] = fit.at("worst").back()[0];
-        fit.erase("worst");
+        if (!a.json) fit.erase("worst");
         lines.push_back(flat(name, fit));
+      }
+    } else if (a.times) {
+      for (const Json& entry : time_to_error(rows)) {
+        Json line = {{"sweep", name}, {"integrator", entry["integrator"]}, {"solver", entry["solver"]}};
+        for (std::size_t k = 0; k < error_targets().size(); ++k)
+          line["to_" + detail::text_of(error_targets()[k])] = entry["seconds"][k];
+        lines.push_back(line);
       }
     } else if (a.csv || a.json) {
       for (const ResultRow& row : rows) lines.push_back(flat(name, row));
@@ -159,7 +181,7 @@ int run_results(ResultsArguments a) {
   if (!found) throw std::invalid_argument("--sweep " + a.sweep + ": " + a.file + " has no such sweep");
   if (a.json)
     std::cout << Json(lines).dump(1) << '\n';
-  else if (a.csv || a.orders)
+  else if (a.csv || a.orders || a.times)
     print_csv(lines);
   return 0;
 }
@@ -174,6 +196,7 @@ void add_sweep(CLI::App& app, int& exit_code) {
   command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")->capture_default_str();
   command->add_flag("--quick", arguments->quick, "the reduced grid");
   command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
+  command->add_flag("--json", arguments->json, "how it ended, or the list, as JSON");
   command->add_option("--case", arguments->keys, "KEY ...: run these, print their rows as JSON, keep nothing");
   command->callback([arguments, &exit_code] { exit_code = run_sweep(*arguments); });
 }
@@ -185,16 +208,20 @@ void add_results(CLI::App& app, int& exit_code) {
   command->add_option("--sweep", arguments->sweep, "this sweep only");
   CLI::Option* csv = command->add_flag("--csv", arguments->csv, "every case as CSV");
   CLI::Option* json = command->add_flag("--json", arguments->json, "every case as JSON");
-  CLI::Option* orders = command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV");
+  CLI::Option* orders =
+      command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV, or with --json");
+  CLI::Option* times =
+      command->add_flag("--times", arguments->times, "processor time to an error [s] as CSV, or with --json");
   CLI::Option* failures =
       command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay");
   CLI::Option* about =
       command->add_flag("--about", arguments->about, "what was asked, by what build and machine, as JSON");
   command->add_option("--dumps", arguments->dumps, "folder for those problems; default: beside the file, .failures");
   command->add_flag("--add", arguments->add, "put the rows on standard input in (of orthant sweep --case)");
-  csv->excludes(json)->excludes(orders)->excludes(failures)->excludes(about);
-  json->excludes(orders)->excludes(failures)->excludes(about);
-  orders->excludes(failures)->excludes(about);
+  csv->excludes(json)->excludes(orders)->excludes(times)->excludes(failures)->excludes(about);
+  json->excludes(failures)->excludes(about);
+  orders->excludes(times)->excludes(failures)->excludes(about);
+  times->excludes(failures)->excludes(about);
   failures->excludes(about);
   command->callback([arguments, &exit_code] { exit_code = run_results(*arguments); });
 }

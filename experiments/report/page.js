@@ -26,9 +26,11 @@ function table(parent, header, rows, words = 1, best = []) {
   rows.forEach((row, r) => line(row, "td", r));
 }
 
+const letters = { mu: "µ", omega3: "ω₃", e_n: "e" };
+const letter = (name) => letters[name.split(".").at(-1)] ?? name;
 const parametersInWords = (text) =>
   Object.entries(JSON.parse(text))
-    .map(([k, v]) => `${k === "mu" ? "µ" : k} = ${v}`)
+    .map(([k, v]) => (k === "scene" ? v : `${letter(k)} = ${v}`))
     .join(", ") || "as the scene has it";
 
 /** The columns of a sweep as a list of rows; parameters are columns too, and so are losses that follow from others. */
@@ -41,7 +43,8 @@ function rowsOf(sweep) {
       ...JSON.parse(row.parameters),
       ...row,
       energy_lost: lost,
-      lost_per_turn: lost === null || !row.value ? null : (2 * Math.PI * lost) / Math.abs(row.value),
+      // of what turns by half a revolution at least
+      lost_per_turn: lost === null || !(Math.abs(row.value) > Math.PI) ? null : (2 * Math.PI * lost) / Math.abs(row.value),
     };
   });
 }
@@ -100,6 +103,14 @@ function linesOf(sweep, rows, figure, choice) {
   return lines;
 }
 
+/** The parameters that no axis shows, as text: what a reader has to choose. */
+function besideAxes(row, figure) {
+  const axes = [figure.x, figure.y, figure.by];
+  const all = JSON.parse(row.parameters);
+  if (!axes.some((name) => name in all)) return row.parameters;
+  return JSON.stringify(Object.fromEntries(Object.entries(all).filter(([name]) => !axes.includes(name))));
+}
+
 function drawFigure(parent, sweep, rows, figure) {
   const block = add(parent, "section");
   add(block, "h2", figure.title);
@@ -108,11 +119,12 @@ function drawFigure(parent, sweep, rows, figure) {
     (row) =>
       (figure.timed ? row.repeats > 0 : row.repeats === 0 || figure.timed === undefined) &&
       row[figure.x] !== null &&
+      row[figure.y] !== null &&
+      !(figure.x === "step" && row.rtol) && // there it is no step size but how far a call goes
       ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]),
   );
-  const axes = new Set([figure.x, figure.y, figure.by]);
-  const choices = unique(used.map((row) => row.parameters));
-  const chosen = !Object.keys(JSON.parse(choices[0] ?? "{}")).some((name) => axes.has(name)) && choices.length > 1;
+  const choices = unique(used.map((row) => besideAxes(row, figure)));
+  const chosen = choices.length > 1;
   const pick = document.createElement("select");
   pick.setAttribute("aria-label", "parameters");
   if (figure.worst) pick.add(new Option("the worst of all parameters", ""));
@@ -121,7 +133,7 @@ function drawFigure(parent, sweep, rows, figure) {
   if (!figure.worst && middle) pick.value = middle;
   const build = () => {
     const choice = chosen ? pick.value : "";
-    const some = choice ? used.filter((row) => row.parameters === choice) : used;
+    const some = choice ? used.filter((row) => besideAxes(row, figure) === choice) : used;
     return {
       lines: linesOf(sweep, some, figure, chosen ? choice : choices[0]),
       log: figure.log ?? "",
@@ -146,7 +158,7 @@ function drawTimes(parent, sweep) {
   add(
     parent,
     "p",
-    "Wall time in milliseconds, the worst over the parameters; the cheapest setting from which on every finer one is as good; –: not reached in this sweep.",
+    "Processor time in milliseconds, the worst over the parameters; the cheapest setting from which on every finer one is as good; –: not reached in this sweep.",
     { className: "note" },
   );
   const best = sweep.targets.map((_, k) =>

@@ -107,14 +107,31 @@ Json animation(const Json& wanted, const std::string& scene) {
 
 Json by_column(const std::vector<ResultRow>& rows) {
   Json columns = Json::object();
-  for (const char* name : {"integrator",     "solver",   "parameters",
-                           "step",           "rtol",     "repeats",
-                           "status",         "why",      "value",
-                           "error",          "seconds",  "lcp_solves",
-                           "lcp_iterations", "events",   "energy_initial",
-                           "energy_final",   "impulse",  "friction_impulse",
-                           "first_touch",    "touching", "max_joint_residual",
-                           "max_penetration"}) {
+  for (const char* name : {"integrator",
+                           "solver",
+                           "parameters",
+                           "step",
+                           "rtol",
+                           "repeats",
+                           "status",
+                           "why",
+                           "value",
+                           "error",
+                           "seconds",
+                           "lcp_solves",
+                           "lcp_iterations",
+                           "events",
+                           "energy_initial",
+                           "energy_final",
+                           "impulse",
+                           "friction_impulse",
+                           "first_touch",
+                           "touching",
+                           "max_joint_residual",
+                           "max_penetration",
+                           "energy_drift",
+                           "momentum_drift",
+                           "spin_drift"}) {
     Json& column = columns[name] = Json::array();
     for (const ResultRow& row : rows) column.push_back(row.at(name));
   }

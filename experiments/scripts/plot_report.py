@@ -9,6 +9,7 @@ from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, save
 
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, "#56B4E9", "#6b4fa0", GREY, "black")
 LINES = list(zip(COLOURS, "sDo^vPX*d"))
+LETTERS = {"mu": "µ", "omega3": "ω₃", "e_n": "e"}
 NOTHING = [(np.nan, np.nan)]
 
 
@@ -18,7 +19,9 @@ def rows_of(sweep):
         row = dict(zip(sweep["rows"], values))
         if row["energy_initial"] is not None:
             row["energy_lost"] = row["energy_initial"] - row["energy_final"]
-            row["lost_per_turn"] = 2 * np.pi * row["energy_lost"] / abs(row["value"]) if row["value"] else None
+            row["lost_per_turn"] = None  # of what turns by half a revolution at least
+            if abs(row["value"] or 0) > np.pi:
+                row["lost_per_turn"] = 2 * np.pi * row["energy_lost"] / abs(row["value"])
         yield json.loads(row["parameters"]) | row
 
 
@@ -52,28 +55,44 @@ def draw_panel(axes, sweep, rows, figure, parameters):
         axes.plot(*zip(*points or NOTHING), label=name, color=colour, marker=marker, markersize=4.5)
 
 
+def beside_axes(row, figure):
+    """The parameters that no axis shows, as text: a panel each."""
+    parameters = json.loads(row["parameters"])
+    axes = {figure["x"], figure["y"], figure["by"]} & set(parameters)
+    if not axes:
+        return row["parameters"]
+    return json.dumps({name: value for name, value in parameters.items() if name not in axes})
+
+
 def draw(sweep, rows, figure, folder, about):
     rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
-            all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None]
-    panels = list(dict.fromkeys(row["parameters"] for row in rows))
-    if figure.get("worst") or any(figure[key] in json.loads(panels[0]) for key in ("x", "y", "by")):
+            all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None and
+            row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"])]
+    panels = list(dict.fromkeys(beside_axes(row, figure) for row in rows))
+    if figure.get("worst"):
         panels = [None]
     columns = min(3, len(panels))
     deep = -(-len(panels) // columns)
     size = (4 + 2.6 * columns, 2.6 + 2.4 * deep)  # [in]
     page, grid = plt.subplots(deep, columns, squeeze=False, sharex=True, sharey=True, figsize=size)
     for axes, parameters in zip(grid.flat, panels):
-        own = [row for row in rows if parameters in (None, row["parameters"])]
+        own = [row for row in rows if parameters in (None, beside_axes(row, figure))]
         draw_panel(axes, sweep, own, figure, parameters or "{}")
         if parameters:
             words = json.loads(parameters).items()
-            axes.set_title(", ".join(f"{'µ' if name == 'mu' else name} = {value:g}" for name, value in words))
+            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name.split(".")[-1], name)} = {value:g}"
+                                     for name, value in words), fontsize=8.5)
         log = figure.get("log", "")
         axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),
                  xscale="log" if "x" in log else "linear", yscale="log" if "y" in log else "linear")
         axes.label_outer()
+    for axes in grid.flat[len(panels):]:
+        axes.remove()
+    for axes in grid[-2:-1, len(panels) - columns * (deep - 1):].flat:  # nothing below them
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel(figure.get("x_label", figure["x"]))
     handles = list({h.get_label(): h for axes in grid.flat for h in axes.get_legend_handles_labels()[0]}.values())
-    page.tight_layout(rect=(0, 0.05 + 0.25 * -(-len(handles) // 3) / page.get_figheight(), 1, 0.95))
+    page.tight_layout(rect=(0, (0.25 + 0.2 * -(-len(handles) // 3)) / page.get_figheight(), 1, 0.95))
     name = re.sub(r"[^a-z0-9]+", "_", figure["title"].lower()).strip("_")
     save(page, folder / name, figure["title"], about, handles, columns=3)
 

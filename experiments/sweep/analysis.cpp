@@ -155,6 +155,16 @@ std::string answer(const std::vector<ResultRow>& rows) {
                (*best)["integrator"].get<std::string>() + ")";
   }
   if (!costs.empty()) return text + " In the worst case an error of " + costs + ".";
+  const auto largest = [&](const char* column) {
+    double most = -1;
+    for (const ResultRow& row : rows)
+      if (solved(row) && row.contains(column) && !row.at(column).is_null()) most = std::max(most, number(row, column));
+    return most;
+  };
+  if (const double momentum = largest("momentum_drift"); momentum >= 0)  // something isolated: what is kept
+    return text + " Momentum is kept to " + short_number(momentum) + " N s, spin to " +
+           short_number(largest("spin_drift")) + " N m s, joints to " + short_number(largest("max_joint_residual")) +
+           " m, in the worst run.";
   double low = kInf, high = -kInf;  // no times: what was lost
   for (const ResultRow& row : rows)
     if (solved(row)) {

@@ -12,7 +12,7 @@ namespace orthant {
 /// failed, worst ([h, error] by octave).
 nlohmann::ordered_json fitted_orders(const std::vector<ResultRow>& rows);
 
-/// Wall time to errors of 1e-2 … 1e-9: for each integrator and solver that has timed rows, and each set of parameters, the
+/// Processor time to errors of 1e-2 … 1e-9: for each integrator and solver that has timed rows, and each set of parameters, the
 /// cheapest setting from which on every finer one is as good (no lucky run counts); the worst over the sets of parameters
 /// in which anybody gets there, null where one of them is not reached. Keys: integrator, solver, seconds (by target).
 nlohmann::ordered_json time_to_error(const std::vector<ResultRow>& rows);

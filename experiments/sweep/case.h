@@ -16,6 +16,9 @@
 
 namespace orthant {
 
+/// Where a grid lists scenes, its name is a parameter as well: so rows of different scenes are never taken together.
+inline constexpr const char* kSceneParameter = "scene";
+
 struct Case {
   std::string scene, scene_text;                                   // built-in name or file; the text of a file
   std::vector<std::pair<std::string, nlohmann::json>> parameters;  // of the scene, by name

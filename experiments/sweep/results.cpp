@@ -13,7 +13,7 @@
 namespace orthant {
 namespace {
 
-constexpr int kOurs = 0x6f727468, kVersion = 1;  // "orth"; both stand in the file's head
+constexpr int kOurs = 0x6f727468, kVersion = 2;  // "orth"; both stand in the file's head
 
 constexpr Column kColumns[] = {
     {"key", "TEXT PRIMARY KEY"},
@@ -45,6 +45,9 @@ constexpr Column kColumns[] = {
     {"energy_initial", "REAL"},
     {"energy_final", "REAL"},
     {"energy_rise", "REAL"},
+    {"energy_drift", "REAL"},
+    {"momentum_drift", "REAL"},
+    {"spin_drift", "REAL"},
     {"impulse", "REAL"},
     {"friction_impulse", "REAL"},
     {"first_touch", "REAL"},

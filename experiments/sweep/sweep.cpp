@@ -65,16 +65,12 @@ class Reader {
 
   Sweep read(bool quick) {
     only(root_, "", {"question", "scene", "duration", "measure", "reference", "grid", "figure", "animation"});
-    Sweep sweep{.name = file_.stem().stem().string(), .question = text("question", ""), .scene = text("scene")};
-    common_.scene = sweep.scene;
-    const auto beside = file_.parent_path() / sweep.scene;
-    const auto named = scenes();
-    if (std::none_of(named.begin(), named.end(), [&](const auto& entry) { return entry.name == sweep.scene; })) {
-      common_.scene = std::filesystem::exists(beside) ? beside.string() : sweep.scene;
-      const Scene scene = in_file("scene", [&] { return make_scene(common_.scene); });  // throws, in words
-      std::ifstream in(common_.scene);
-      common_.scene_text.assign(std::istreambuf_iterator<char>(in), {});
-    }
+    const bool grids_have = root_.contains("grid") && root_["grid"].is_array() &&
+                            std::ranges::all_of(root_["grid"], [](const Json& grid) { return grid.contains("scene"); });
+    Sweep sweep{.name = file_.stem().stem().string(),
+                .question = text("question", ""),
+                .scene = grids_have ? text("scene", "") : text("scene")};
+    if (!sweep.scene.empty()) set_scene(common_, "scene", sweep.scene);
     common_.measure = text("measure", "energy");
     common_.reference = text("reference", "");
     if (!common_.reference.empty() && common_.reference != "exact") check_integrator("reference", common_.reference);
@@ -151,6 +147,16 @@ class Reader {
     return all;
   }
 
+  void set_scene(Case& c, const std::string& key, const std::string& name) const {
+    c.scene = name, c.scene_text.clear();
+    const auto named = scenes();
+    if (std::ranges::any_of(named, [&](const auto& entry) { return entry.name == name; })) return;
+    if (const auto beside = file_.parent_path() / name; std::filesystem::exists(beside)) c.scene = beside.string();
+    const Scene scene = in_file(key, [&] { return make_scene(c.scene); });  // throws, in words
+    std::ifstream in(c.scene);
+    c.scene_text.assign(std::istreambuf_iterator<char>(in), {});
+  }
+
   void check_integrator(const std::string& key, const std::string& spec) const {
     static const System anything = [] {
       Scene scene;
@@ -162,7 +168,8 @@ class Reader {
 
   /// Every combination; what each key brings is applied to all cases so far.
   std::vector<Case> cases(Json grid, bool quick) const {
-    static const std::set<std::string> kKeys = {"integrator", "solver", "step", "rtol", "set", "repeats", "time_limit"};
+    static const std::set<std::string> kKeys = {"scene", "duration", "integrator", "solver",    "step",
+                                                "rtol",  "set",      "repeats",    "time_limit"};
     std::set<std::string> with_quick = kKeys;
     with_quick.insert("quick");
     only(grid, "grid.", with_quick);
@@ -196,6 +203,12 @@ class Reader {
             [&](Case& c, const Json& value) { c.integrator = word("grid.integrator", value); });
     combine("grid.solver", grid.value("solver", Json("lemke")),
             [&](Case& c, const Json& value) { c.solver = word("grid.solver", value); });
+    if (grid.contains("scene"))
+      combine("grid.scene", grid["scene"], [&](Case& c, const Json& value) {
+        const std::string name = word("grid.scene", value);
+        set_scene(c, "grid.scene", name);
+        c.parameters.emplace_back(kSceneParameter, std::filesystem::path(name).stem().string());
+      });
     const Json set = grid.value("set", Json::object());
     if (!set.is_object()) fail("grid.set", set.dump(), "must be a table");
     for (const auto& [name, node] : set.items())
@@ -204,7 +217,7 @@ class Reader {
     if (grid.contains("rtol"))
       combine("grid.rtol", grid["rtol"],
               [&](Case& c, const Json& value) { c.rtol = number("grid.rtol", value, 1e-16, 1); });
-    set_times(all);
+    set_times(all, grid);
     combine("grid.step", grid.value("step", Json(nullptr)), [&](Case& c, const Json& value) {
       if (value.is_null()) return;
       c.step = number("grid.step", value, 1e-15, c.duration);
@@ -216,10 +229,10 @@ class Reader {
 
   /// The scene's own step and duration, where the file has none; every scene is read once, so that bad parameters are
   /// told before anything runs.
-  void set_times(std::vector<Case>& all) const {
-    std::map<std::vector<std::string>, Clock> known;
+  void set_times(std::vector<Case>& all, const Json& grid) const {
+    std::map<std::pair<std::string, std::vector<std::string>>, Clock> known;
     for (Case& c : all) {
-      const auto [at, fresh] = known.try_emplace(c.sets());
+      const auto [at, fresh] = known.try_emplace({c.scene, c.sets()});
       if (fresh) {
         const Scene scene = in_file("grid.set", [&] { return make_scene(c.scene, c.sets()); });
         in_file("grid.set", [&] { return orthant::check(scene), 0; });
@@ -229,7 +242,9 @@ class Reader {
         at->second = {.step = scene.step, .duration = scene.duration};
       }
       c.step = at->second.step;
-      c.duration = root_.contains("duration") ? number("duration", root_["duration"], 1e-12, 1e9) : at->second.duration;
+      c.duration = grid.contains("duration")    ? number("grid.duration", grid["duration"], 1e-12, 1e9)
+                   : root_.contains("duration") ? number("duration", root_["duration"], 1e-12, 1e9)
+                                                : at->second.duration;
     }
   }
 

@@ -1,19 +1,23 @@
 // experiments/sweep/sweep.h — a sweep from a TOML file: which scene, by which integrators and solvers, over what.
 //
 //   question  = "…"                       what the sweep answers; the report begins with it
-//   scene     = "slider_crank"            built-in name, or a file's path from the sweep file's folder
+//   scene     = "slider_crank"            built-in name, or a file's path from the sweep file's folder; of every grid that
+//                                         has no scenes of its own
 //   duration  = 0.2                       [s]; default: the scene's
 //   measure   = "crank.theta"             a column of `orthant simulate --output`, at the end of the run
 //   reference = "exact"                   the slider-crank's table; or an integrator that is run once for all cases of the
 //                                         same scene: "event-driven:rtol=1e-12"; default: no errors
 //   [[grid]]                              every combination of what the lists hold; a value by itself is a list of one
+//   scene      = ["chain", "n_four_bar"]  these instead of the above; the name is then a parameter of the rows
+//   duration   = 20                       [s] instead of the above
 //   integrator = ["rattle", "moreau-jean:theta=0.6"]
 //   solver     = ["lemke"]                default
 //   step       = {from = 1e-3, to = 1e-6, count = 20, scale = "log"}   [s] moved so that it divides the duration;
 //                                         default: the scene's.  scale: "linear" (default) or "log"
 //   rtol       = [1e-3, 1e-6]             for integrators to a tolerance; atol = max(rtol / 1000, 1e-15)
 //   set        = {mu = [0, 0.1]}          parameters of the scene; of a scene file: "contact.corner1.mu" = […]
-//   repeats    = 3                        runs alone on the machine, the fastest counts; default 0: on all cores, not timed
+//   repeats    = 3                        runs alone, timed in processor time, the fastest counts (longer than 0.1 s: one
+//                                         will do); default 0: on all cores, not timed
 //   time_limit = 60                       [s] a case; past it the case is a failure
 //   quick      = {step = …, set = {…}}    what --quick puts in place of the above; quick = false leaves the grid out
 //   [[figure]], [[animation]]             what the report shows: experiments/report/report.h

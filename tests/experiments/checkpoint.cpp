@@ -62,7 +62,7 @@ TEST_CASE("a full disk leaves what was there, and the run says so") {
   REQUIRE(here.run(here.command("--duration 0.01 --output run.csv")).exit_code == 0);
   const std::string before = slurp(here.path / "run.csv");
   // A file may grow to 4 blocks of 512 bytes here: what a full disk does to a larger one.
-  const Reply full = here.run("trap '' XFSZ; ulimit -f 4; " + here.command("--output run.csv"));
+  const Reply full = here.run("trap '' XFSZ; ulimit -f 4; " + here.command("--duration 0.05 --output run.csv"));
   INFO(full.err);
   CHECK(full.exit_code != 0);
   CHECK(full.err.find("run.csv") != std::string::npos);
@@ -71,5 +71,5 @@ TEST_CASE("a full disk leaves what was there, and the run says so") {
   for (const auto& entry : std::filesystem::directory_iterator(here.path))
     files += entry.path().string().find("run.csv") != std::string::npos;
   CHECK(files == 1);  // no temporary one is left
-  CHECK(here.run(here.command("--output /dev/full")).exit_code == 1);
+  CHECK(here.run(here.command("--duration 0.01 --output /dev/full")).exit_code == 1);
 }

@@ -111,6 +111,37 @@ TEST_CASE("every solver of the registry carries the laws") {
       }
 }
 
+TEST_CASE("a contact that is listed twice changes no impact, whichever copy a solver gives the impulse") {
+  const auto plank = [](Restitution restitution, Impacts impacts, double mu, double e, int again) {
+    Scene s{.gravity = {0, -9.81}, .duration = 0.2, .step = 1e-3, .restitution = restitution, .impacts = impacts};
+    const BodyId body = s.body({.mass = 1, .inertia = 0.2, .position = {0, 0.2}, .velocity = {0.3, -1}, .omega = 0.4});
+    for (int i = 0; i < 4; ++i) {
+      const CornerWall corner{.a = body, .corner = {i % 2 == 0 ? -0.5 : 0.4, -0.1}, .law = {.mu = mu, .e = e}};
+      if (i < 2 || i - 2 == again || again == 2) s.contact(corner);
+    }
+    return s;
+  };
+  for (const char* integrator : {"moreau-jean", "stewart-trinkle"})
+    for (const Restitution restitution : kRestitutions)
+      for (const Impacts impacts : kOrders)
+        for (const double mu : {0.0, 0.2})
+          for (const double e : {0.5, 0.9}) {
+            const State once = end(plank(restitution, impacts, mu, e, -1), integrator);
+            for (const int again : {0, 1, 2})
+              for (const char* solver : {"lemke", "path", "auto", "psor:omega=1", "newton-min"}) {
+                CAPTURE(integrator);
+                CAPTURE(static_cast<int>(restitution));
+                CAPTURE(static_cast<int>(impacts));
+                CAPTURE(mu);
+                CAPTURE(e);
+                CAPTURE(again);
+                CAPTURE(solver);
+                const State twice = end(plank(restitution, impacts, mu, e, again), integrator, solver);
+                CHECK((twice.v - once.v).lpNorm<Eigen::Infinity>() < 1e-9);
+              }
+          }
+}
+
 TEST_CASE("column of grains: impulses of all levels, exact for every law") {
   for (const char* integrator : kWithLaws)
     for (const Restitution restitution : kRestitutions) {

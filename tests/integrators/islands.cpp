@@ -6,7 +6,11 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+#include <atomic>
+#include <barrier>
 #include <cmath>
+#include <stdexcept>
 
 using namespace orthant;
 
@@ -80,6 +84,60 @@ TEST_CASE("an island moves as it does alone, to the bit") {
   const Run one = run(stacks(1, 0.4), "moreau-jean", 2e-3), many = run(stacks(7, 0.4), "moreau-jean", 2e-3);
   REQUIRE(many.status == Status::solved);
   CHECK(many.final.q.head(6) == one.final.q);
+}
+
+TEST_CASE("islands at the same time: to the bit what they are one after the other, however many threads") {
+  const System system(stacks(60, 0.4));  // 240 rows, once all lie
+  for (const char* integrator : {"moreau-jean", "rattle"})
+    for (const char* solver : {"lemke", "auto", "psor"}) {
+      CAPTURE(integrator);
+      CAPTURE(solver);
+      struct End {
+        Eigen::VectorXd q, v;
+        long solves = 0, iterations = 0;
+        bool operator==(const End&) const = default;
+      };
+      const auto end = [&](int helpers) {
+        const auto scheme = make_integrator(integrator, system);
+        std::vector<std::unique_ptr<Solver>> more;
+        for (int i = 0; i < helpers; ++i) more.push_back(make_solver(solver));
+        scheme->employ(std::move(more));
+        const auto one = make_solver(solver);
+        State x = system.initial_state();
+        End result;
+        for (int k = 0; k < 120; ++k) {
+          const StepReport report = scheme->step(4e-3, *one, x);
+          result.solves += report.lcp_solves, result.iterations += report.lcp_iterations;
+          if (report.status != Status::solved) break;
+        }
+        result.q = x.q, result.v = x.v;
+        return result;
+      };
+      const End alone = end(0);
+      CHECK(alone.solves > 1000);
+      CHECK(end(1) == alone);
+      CHECK(end(7) == alone);
+    }
+}
+
+TEST_CASE("a crew works at the same time, does each task once, and tells the first failure") {
+  std::vector<std::unique_ptr<Solver>> helpers;
+  for (int i = 0; i < 2; ++i) helpers.push_back(make_solver("pgs"));
+  Crew crew(std::move(helpers));
+  const auto own = make_solver("pgs");
+  REQUIRE(crew.size() == 3);
+  std::barrier together(3);  // one worker alone would wait here for ever
+  crew.run(3, *own, [&](int, Solver&, int) { together.arrive_and_wait(); });
+  std::array<std::atomic<int>, 100> done{};
+  for (int round = 0; round < 50; ++round)
+    crew.run(100, *own, [&](int task, Solver&, int worker) {
+      if (worker >= 0 && worker < 3) ++done[static_cast<std::size_t>(task)];
+    });
+  for (const auto& times : done) CHECK(times == 50);
+  auto fails = [](int task, Solver&, int) {
+    if (task == 3 || task == 40) throw std::runtime_error(std::to_string(task));
+  };
+  CHECK_THROWS_WITH_AS(crew.run(60, *own, fails), "3", std::runtime_error);
 }
 
 TEST_CASE("solving apart and sleeping allocate nothing after the first steps") {

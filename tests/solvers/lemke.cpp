@@ -1,6 +1,7 @@
 #include <orthant/solvers/lemke.h>
 
 #include <orthant/core/lcp/collection.h>
+#include <orthant/solvers/delayed_pivots.h>
 #include <orthant/solvers/enumerate.h>
 
 #include <doctest/doctest.h>
@@ -50,6 +51,57 @@ TEST_CASE("Lemke takes 2^n pivots on Murty's and Fathi's problems and 2 on the t
     CHECK(pivots(minus_ones(L * L.transpose())) == 1 << n);
     CHECK(pivots(murty_problem(n, true)) == 2);
   }
+}
+
+TEST_CASE("Lemke takes 2^n pivots where pivots are delayed, too: Murty's rows among others that follow them") {
+  Random random(17);
+  for (const int n : {5, 6, 8, 9})
+    for (const int rows : {48, 63, 100}) {
+      INFO("n = ", n, ", rows = ", rows);
+      Eigen::MatrixXd M = Eigen::MatrixXd::Identity(rows, rows);
+      M.topLeftCorner(n, n) = std::get<DenseMatrix>(murty_problem(n).A);
+      for (int i = n; i < rows; ++i)
+        for (int j = 0; j < n; ++j) M(i, j) = random.integer(0, 2) == 0 ? 0 : random.normal();
+      Vector q(Eigen::VectorXd::Constant(rows, 1e6));  // such rows never leave
+      q.head(n).setConstant(-1);
+      Lemke lemke(LemkeOptions{.rescue = false});
+      Solution s;
+      lemke.solve(Lcp::standard(DenseMatrix(M), q), s);
+      CHECK(s.status == Status::solved);
+      CHECK(s.iterations == 1 << n);
+      CHECK(s.z[0] == 1);
+      CHECK(s.z.tail(rows - 1).isZero(0));
+    }
+}
+
+TEST_CASE("Delayed pivots: a column, a row and the whole are what pivots at once make of them") {
+  Random random(29);
+  const int rows = 21, columns = 38;
+  const auto number = [&] { return static_cast<double>(random.integer(-3, 3)); };  // sums are exact
+  Eigen::Matrix<double, -1, -1, Eigen::RowMajor> T(rows, columns);
+  for (double& entry : T.reshaped()) entry = number();
+  auto at_once = T;
+  detail::DelayedPivots pending;
+  pending.reset(rows, columns, T.data(), columns, 0x1p-46);
+  Eigen::VectorXd f(rows), p(columns), column(rows);
+  for (int k = 0; k < 3 * detail::DelayedPivots::kMost + 5; ++k) {
+    for (double& each : f) each = random.integer(0, 2) == 0 ? 0 : number();
+    for (double& each : p) each = number();
+    const int s = random.integer(0, columns - 1), row = random.integer(0, rows - 1);
+    at_once += f * p.transpose();
+    at_once.col(s) = f;  // a column that the caller writes
+    T.col(s) = f;
+    pending.keep(f.data(), p.data(), s);
+    const int asked = random.integer(0, columns - 1);
+    pending.column(asked, column.data());
+    CHECK(column == at_once.col(asked));
+    pending.finish_row(row);
+    CHECK(T.row(row) == at_once.row(row));
+    if (k % 13 == 0) at_once /= 2, pending.finish(), T /= 2;  // so that numbers stay short
+  }
+  CHECK(pending.count() > 0);
+  pending.finish();
+  CHECK(T == at_once);
 }
 
 TEST_CASE("Lemke ends honestly at its pivot limit; its rescue takes other paths") {

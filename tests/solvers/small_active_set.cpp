@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -122,5 +123,34 @@ TEST_CASE("kernels: bit for bit the plain loops, whatever the width of the machi
       most = std::max(most, std::abs(start[u]));
     }
     CHECK(detail::largest(start.data(), n) == most);
+
+    // Sums of several terms, for one row and for four; columns[…] as terms, some of which cancel to noise.
+    const int count = 4;
+    const double snap = n % 2 == 0 ? 0x1p-3 : 0x1p-40;  // most sums looked at, or hardly any
+    std::array<const double*, 4> term;
+    for (int q = 0; q < count; ++q) term[static_cast<std::size_t>(q)] = columns.data() + q * (n + 3);
+    const auto factors = numbers(4 * count);
+    std::array<std::vector<double>, 4> rows{numbers(n), numbers(n), start, numbers(n)};
+    const auto before = rows;
+    std::array<double*, 4> line;
+    std::array<double, 4> reach{};
+    for (std::size_t r = 0; r < 4; ++r) {
+      line[r] = rows[r].data();
+      for (std::size_t q = 0; q < 4; ++q) reach[r] += std::abs(factors[4 * q + r]) * detail::largest(term[q], n);
+    }
+    detail::add_multiples_to_four(line.data(), factors.data(), term.data(), count, n, snap, reach.data());
+    for (std::size_t r = 0; r < 4; ++r) {
+      std::array<double, 4> f_r;
+      for (std::size_t q = 0; q < 4; ++q) f_r[q] = factors[4 * q + r];
+      auto alone = before[r];
+      detail::add_multiples(alone.data(), f_r.data(), term.data(), count, n, snap);
+      for (int i = 0; i < n; ++i) {
+        const auto u = static_cast<std::size_t>(i);
+        double sum = before[r][u], largest = std::abs(sum);
+        for (std::size_t q = 0; q < 4; ++q) sum += f_r[q] * term[q][u], largest = std::max(largest, std::abs(sum));
+        CHECK(alone[u] == (std::abs(sum) <= snap * largest ? 0 : sum));
+        CHECK(rows[r][u] == alone[u]);
+      }
+    }
   }
 }

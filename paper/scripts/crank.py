@@ -1,0 +1,126 @@
+"""What the article says of the slider-crank: the mechanism itself and the first study, convergence and cost."""
+import math
+import re
+import tomllib
+
+from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit
+
+CLASSICAL, SYMMETRIC = "moreau-jean:joints=position", "moreau-jean:joints=symmetric"
+NEAR = (0.9e-5, 1.1e-5)  # [s]
+WELL = 0.4  # restitution up to which the motion is well conditioned
+FIXED = (CLASSICAL, SYMMETRIC, "stewart-trinkle", "anitescu-potra", "paoli-schatzman", "generalized-alpha", "rattle")
+STUDIES = ("slider_crank", "friction", "clearance", "conservation", "shootout")
+TARGETS = ("0.01", "0.001", "1e-04", "1e-05", "1e-06", "1e-07", "1e-08", "1e-09")
+
+
+def mechanism():
+    scene = tomllib.loads((PAPER.parent / "core/scenes/slider_crank.toml").read_text())
+    return scene, {body["name"]: body for body in scene["body"]}, {c["name"]: c for c in scene["contact"]}
+
+
+def untimed(table):
+    return pick(table, repeats=0, solver="lemke")
+
+
+def near(table, integrator, mu, e):
+    return max(row["error"] for row in pick(solved(untimed(table)), integrator=integrator, mu=mu, e=e,
+                                            step=lambda h: NEAR[0] <= h <= NEAR[1]))
+
+
+def fits(integrator, keep):
+    return [fit for fit in load("slider_crank.orders") if fit["integrator"] == integrator and fit["solver"] == "lemke"
+            and keep(fit["e"])]
+
+
+def numbers(n):
+    table = rows("slider_crank")
+    scene, bodies, contacts = mechanism()
+    exact = load("given")
+    n["mechanism/coordinates"] = count(3 * len(bodies))
+    n["mechanism/joint_rows"] = count(2 * len(scene["joint"]))
+    n["mechanism/omega1"] = tex(bodies["crank"]["omega"], 3)
+    law = next(iter(contacts.values()))
+    n["mechanism/mu"], n["mechanism/e"] = tex(law["mu"], 1), tex(law["e_n"], 1)
+    n["mechanism/reference_agreement"] = tex(exact["reference_agreement"]["value"]) + unit("rad")
+    n["crank/duration"] = tex(scene["duration"], 1)
+    n["crank/turns"] = tex(exact["theta1_end"]["value"] / (2 * math.pi))
+    n["crank/e_bad"] = tex(max(row["e"] for row in table), 1)
+    n["crank/e_well"] = tex(WELL, 1)
+    n["crank/h_near"] = tex(1e6 * sum(NEAR) / 2, 2) + unit(r"\mu s")
+    fixed_runs = [row for row in table if row["solver"] == "lemke"]
+    n["crank/runs_lemke"] = count(len(fixed_runs))
+    n["crank/unsolved_lemke"] = count(len(fixed_runs) - len(solved(fixed_runs)))
+    moreau = [row for name in ("slider_crank", "friction") for row in rows(name)
+              if row["solver"] == "lemke" and row["integrator"].startswith("moreau-jean")]
+    n["crank/moreau_runs"], n["crank/moreau_failed"] = count(len(moreau)), count(len(moreau) - len(solved(moreau)))
+    n["crank/joint_residual"] = tex(max(row["max_joint_residual"] for row in solved(fixed_runs)), 1)
+    n["crank/lcp_residual"] = tex(max(row["max_lcp_residual"] for row in solved(fixed_runs)), 1)
+    best = [min((row for row in pick(solved(table), integrator="event-driven", mu=mu, e=e)), key=lambda r: r["rtol"])["error"]
+            for mu in (0, 0.01, 0.1) for e in (0, WELL)]
+    n["crank/event_driven_best"] = tex(max(best), 1)
+    ratios = [near(table, CLASSICAL, mu, e) / near(table, SYMMETRIC, mu, e) for mu in (0, 0.01, 0.1) for e in (0, WELL)]
+    n["crank/ratio_least"], n["crank/ratio_most"] = tex(min(ratios)), tex(max(ratios))
+    bad = [near(table, i, mu, max(row["e"] for row in table)) for i in (CLASSICAL, SYMMETRIC) for mu in (0, 0.01, 0.1)]
+    n["crank/bad_least"], n["crank/bad_most"] = tex(min(bad), 1), tex(max(bad), 1)
+    for name, integrator in (("classical", CLASSICAL), ("symmetric", SYMMETRIC), ("rattle", "rattle")):
+        orders = [fit["order"] for fit in fits(integrator, lambda e: e <= WELL)]
+        n[f"crank/order_{name}_least"], n[f"crank/order_{name}_most"] = tex(min(orders), 3), tex(max(orders), 3)
+    inelastic = [fit["order"] for fit in fits("rattle", lambda e: e == 0)]
+    n["crank/order_rattle_inelastic"] = tex(min(inelastic), 3)
+    times = {row["integrator"]: row for row in rows("slider_crank.times")}
+    for target, name in (("0.001", "e3"), ("1e-06", "e6")):
+        n[f"crank/adaptive_{name}"] = tex(1e3 * times["adaptive"][f"to_{target}"]) + unit("ms")
+    n["crank/event_driven_e9"] = tex(1e3 * times["event-driven"]["to_1e-09"]) + unit("ms")
+    n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + unit("ms")
+    timed = pick(solved(table), integrator=CLASSICAL, repeats=3)
+    n["crank/classical_finest"] = tex(1e6 * min(row["step"] for row in timed), 2) + unit(r"\mu s")
+    finest = pick(timed, step=min(row["step"] for row in timed))
+    n["crank/classical_finest_error"] = tex(max(row["error"] for row in finest), 1)
+    n["crank/classical_finest_cost"] = tex(1e3 * max(row["seconds"] for row in finest)) + unit("ms")
+    n["crank/symmetric_e2"] = tex(1e3 * times[SYMMETRIC]["to_0.01"]) + unit("ms")
+    adaptive = max(row["lcp_solves"] for row in pick(solved(table), integrator="adaptive", rtol=1e-6))
+    n["crank/adaptive_solves"] = count(int(adaptive))
+    step = min(row["step"] for row in pick(table, integrator=SYMMETRIC, repeats=3))
+    finest = pick(solved(table), integrator=SYMMETRIC, repeats=3, step=step)
+    n["crank/symmetric_solves"] = count(int(max(row["lcp_solves"] for row in finest)))
+    n["crank/symmetric_finest_error"] = tex(max(row["error"] for row in finest), 1)
+    made = load("slider_crank.about")
+    revisions = dict.fromkeys(load(f"{name}.about")["revision"] for name in STUDIES)
+    n["machine/revision"] = " and ".join(code(revision) for revision in revisions)
+    n["machine/cpu"] = re.sub(r"\((R|TM)\)", "", made["cpu"]).replace("@", "at").strip()
+    n["machine/cores"] = count(made["cores"])
+    n["machine/compiler"] = made["compiler"]
+
+
+def tables(t):
+    table = rows("slider_crank")
+    scene, bodies, contacts = mechanism()
+    half, crank, rod = contacts["corner2"]["point"], scene["joint"][0]["point_b"], scene["joint"][1]["point_b"]
+    lines = [["crank", tex(2 * abs(crank[0]), 3), tex(bodies["crank"]["mass"]), tex(bodies["crank"]["inertia"])],
+             ["rod", tex(2 * abs(rod[0]), 3), tex(bodies["rod"]["mass"]), tex(bodies["rod"]["inertia"])],
+             ["slider", rf"{tex(2 * half[0], 1)} by {tex(2 * half[1], 1)}",
+              tex(bodies["slider"]["mass"]), tex(bodies["slider"]["inertia"])]]
+    wall = abs(contacts["corner2"]["wall"]["point"][1]) - half[1]
+    lines.append([r"clearance, each side", tex(wall, 1), "", ""])
+    t["parameters"] = tabular("llll", ["", "length [m]", "mass [kg]", r"inertia [kg\,m\textsuperscript{2}]"], lines)
+
+    cases = [(mu, e) for mu in (0, 0.01, 0.1) for e in (0, 0.4, 0.9)]
+    lines = [[short(i)] + [tex(near(table, i, mu, e), 2) for mu, e in cases] for i in (CLASSICAL, SYMMETRIC)]
+    head = [r"$\mu$, $e$"] + [rf"{tex(mu, 1)}, {tex(e, 1)}" for mu, e in cases]
+    t["near"] = tabular("l" + 9 * "l", head, lines)
+
+    lines = []
+    for integrator in FIXED:
+        line = [short(integrator)]
+        for keep in (lambda e: e == 0, lambda e: e == WELL, lambda e: e > WELL):
+            some = fits(integrator, keep)
+            orders = [fit["order"] for fit in some]
+            line += [rf"{tex(min(orders), 3)} \dots\ {tex(max(orders), 3)}", tex(max(fit["scatter"] for fit in some), 1)]
+        lines.append(line)
+    es = [tex(e, 1) for e in (0, 0.4, 0.9)]
+    t["orders"] = tabular("lllllll", ["scheme"] + [x for e in es for x in (rf"$e = {e}$", "scatter")], lines)
+
+    lines = [[short(row["integrator"])] +
+             ["--" if row[f"to_{k}"] is None else tex(1e3 * row[f"to_{k}"]) for k in TARGETS]
+             for row in rows("slider_crank.times")]
+    t["times"] = tabular("l" + 8 * "r", ["error [rad]"] + [tex(float(k), 1) for k in TARGETS], lines)

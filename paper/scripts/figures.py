@@ -1,0 +1,129 @@
+"""The article's figures, from data/: figures.py FOLDER. PDF, in the article's type; same data, same bytes."""
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+from data import PAPER, load, pick, rows, solved
+
+sys.path.insert(0, str(PAPER.parent / "experiments/scripts"))
+from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, STYLE  # noqa: E402
+
+LOOK = {"moreau-jean:joints=position": (ORANGE, "s", "moreau-jean, classical"), "moreau-jean:joints=symmetric": (BLUE, "o", "moreau-jean, symmetric"),
+        "moreau-jean": (BLUE, "o", "moreau-jean, symmetric"),
+        "stewart-trinkle": (GREEN, "^", "stewart-trinkle"), "anitescu-potra": ("#8C6D1F", "v", "anitescu-potra"),
+        "paoli-schatzman": (PINK, "P", "paoli-schatzman"), "generalized-alpha": ("#56B4E9", "D", "generalized-alpha"),
+        "rattle": (RED, "X", "rattle"), "adaptive": ("black", "*", "adaptive"), "event-driven": (GREY, "d", "event-driven")}
+ERROR = r"error of $\theta_1$ [rad]"
+
+
+def line(axes, integrator, points, **more):
+    colour, marker, label = LOOK[integrator]
+    if points:
+        axes.plot(*zip(*sorted(points)), color=colour, marker=marker, markersize=4, linewidth=1.1,
+                  **{"label": label, **more})
+
+
+def finish(figure, grid, folder, name, columns=5, room=0.13):
+    for axes in grid:  # within a decade labels would run into each other
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_minor_formatter("")
+    handles = {h.get_label(): h for axes in grid for h in axes.get_legend_handles_labels()[0]}
+    figure.tight_layout(rect=(0, room, 1, 1))
+    figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=columns, fontsize=7, columnspacing=1.2,
+                  handletextpad=0.4)
+    figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
+    plt.close(figure)
+
+
+def convergence(folder):
+    figure, grid = plt.subplots(1, 3, figsize=(7.2, 3.5), sharey=True)
+    fits = load("slider_crank.orders")
+    for axes, e in zip(grid, (0, 0.4, 0.9)):
+        for fit in fits:
+            if fit["mu"] == 0.01 and fit["e"] == e and fit["solver"] == "lemke" and fit["integrator"] in LOOK:
+                line(axes, fit["integrator"], fit["worst"])
+        axes.plot([1e-5, 1e-4], [3e-6, 3e-5], color=GREY, linestyle="--", linewidth=0.8)
+        axes.text(1.1e-4, 3e-5, "order 1", fontsize=7, color=GREY, va="center")
+        axes.set(xscale="log", yscale="log", xlabel="step size $h$ [s]", title=f"$\\mu = 0.01$, $e = {e:g}$")
+    grid[0].set_ylabel(ERROR)
+    finish(figure, grid, folder, "convergence")
+
+
+def cost(folder):
+    table = [row for row in solved(rows("slider_crank")) if row["repeats"] and row["error"]]
+    figure, grid = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True)
+    for axes, x, label in zip(grid, ("seconds", "lcp_solves"), ("processor time [s]", "complementarity problems solved")):
+        for integrator in dict.fromkeys(row["integrator"] for row in table):
+            own = pick(table, integrator=integrator)
+            settings = {row["rtol"] or row["step"] for row in own}
+            worst = []
+            for s in settings:
+                same = [row for row in own if (row["rtol"] or row["step"]) == s]
+                worst.append((max(row[x] for row in same), max(row["error"] for row in same)))
+            line(axes, integrator, worst)
+        axes.set(xscale="log", yscale="log", xlabel=label)
+    grid[0].set_ylabel(ERROR + ", worst case")
+    finish(figure, grid, folder, "cost")
+
+
+def friction(folder):
+    table = [row for row in solved(rows("friction")) if row["repeats"] == 0]
+    figure, grid = plt.subplots(1, 3, figsize=(7.2, 3.4))
+    turn = 2 * 3.141592653589793
+    for axes, what, label in ((grid[0], lambda r: r["energy_final"], "energy left at the end [J]"),
+                              (grid[1], lambda r: r["value"] / turn, "revolutions in the whole time"),
+                              (grid[2], lambda r: 1e3 * r["touching"], "time in contact [ms]")):
+        for integrator in dict.fromkeys(row["integrator"] for row in table):
+            line(axes, integrator, [(r["mu"], what(r)) for r in pick(table, integrator=integrator, omega3=0)])
+            line(axes, integrator, [(r["mu"], what(r)) for r in pick(table, integrator=integrator, omega3=-0.01)],
+                 label=None, linestyle=":", alpha=0.6)
+        for mu in (load("given")[k]["value"] for k in ("single_corner", "flush_face")):
+            axes.axvline(mu, color=GREY, linewidth=0.7, linestyle="--")
+        axes.set(xlabel=r"friction $\mu$", ylabel=label)
+    grid[0].set_ylim(-0.3, 1.05 * table[0]["energy_initial"])
+    finish(figure, grid, folder, "friction")
+
+
+def tilt(folder):
+    figure, grid = plt.subplots(1, 2, figsize=(7.2, 3.1))
+    fits = [fit for fit in load("clearance.orders") if fit["e"] == 0.4 and fit["clearance"] == 0.001 and fit["integrator"] == "rattle"]
+    for fit, colour, marker in zip(fits, (BLUE, GREEN, ORANGE, RED, PINK), "os^vD"):
+        grid[0].plot(*zip(*fit["worst"]), color=colour, marker=marker, markersize=4, linewidth=1.1,
+                     label=rf"rattle, $\omega_3 = {fit['omega3']:g}$ rad/s")
+    grid[0].set(xscale="log", yscale="log", xlabel="step size $h$ [s]", ylabel=ERROR)
+    ensemble = [row for row in solved(rows("clearance")) if row["repeats"]]
+    for integrator in ("event-driven", "moreau-jean", "rattle"):
+        line(grid[1], integrator, [(r["omega3"], r["value"]) for r in pick(ensemble, integrator=integrator)], linestyle="none")
+    grid[1].ticklabel_format(useOffset=False)
+    grid[1].set(xlabel=r"initial $\omega_3$ [rad/s]", ylabel=r"$\theta_1$ at the end [rad]")
+    finish(figure, grid, folder, "tilt", 4, 0.14)
+
+
+def energy(folder):
+    table = [row for row in solved(rows("conservation")) if row["rtol"] is None]
+    figure, grid = plt.subplots(1, 3, figsize=(7.2, 3.4))
+    for axes, scene, name in zip(grid, ("chain", "slider_crank_ideal", "floating_box"), ("double pendulum", "ideal slider-crank", "floating box: spin")):
+        own = [row for row in table if scene in row["scene"]]
+        if scene == "floating_box":
+            own = pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})
+        y = "spin_drift" if scene == "floating_box" else "energy_drift"
+        for integrator in dict.fromkeys(row["integrator"] for row in own):
+            line(axes, integrator, [(r["step"], max(r[y], 1e-16)) for r in pick(own, integrator=integrator)])
+        axes.set(xscale="log", yscale="log", xlabel="step size $h$ [s]", title=name)
+    grid[0].set_ylabel(r"$\max|E - E_0|$ [J]")
+    grid[2].set_ylabel(r"$\max|L - L_0|$ [N m s]")
+    finish(figure, grid, folder, "energy")
+
+
+def main(folder):
+    plt.switch_backend("Agg")
+    plt.rcParams.update(STYLE | {"font.family": "serif", "font.serif": ["Latin Modern Roman", "DejaVu Serif"], "font.size": 8.5,
+                                 "mathtext.fontset": "cm", "axes.titlesize": 9})
+    folder.mkdir(parents=True, exist_ok=True)
+    for draw in (convergence, cost, friction, tilt, energy):
+        draw(folder)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

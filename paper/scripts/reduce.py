@@ -1,0 +1,96 @@
+"""From the results of the studies what the article takes: reduce.py RESULTS DATA.
+
+Columns that are used, numbers to five digits (nine where differences count); beside each study what asked for it (the sweep's text, as a fingerprint),
+which build answered, on what machine.
+"""
+import csv
+import hashlib
+import json
+import re
+import sys
+from collections import Counter
+from pathlib import Path
+
+EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
+COLUMNS = {
+    "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds "
+                    "max_lcp_residual max_joint_residual",
+    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final touching impulse seconds",
+    "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
+                 "first_touch",
+    "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
+                    "energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
+}
+EXACT = ("value", "energy_initial", "energy_final", "impulse", "first_touch")  # differences of these are looked at
+MACHINE = ("revision", "compiler", "flags", "cpu", "cores", "packages")
+
+
+def rounded(text, digits=5):
+    try:
+        return f"{float(text):.{digits}g}"
+    except ValueError:
+        return text
+
+
+def fingerprint(study):
+    """Of what the study's file asks for; what its report shows does not matter."""
+    text = (EXPERIMENTS / f"{study}.sweep.toml").read_text()
+    asked = re.split(r"^\[\[(?:animation|figure)\]\]", text, flags=re.M)[0]
+    return hashlib.sha256(asked.encode()).hexdigest()[:16]
+
+
+def about(folder, **more):
+    manifest = json.loads((folder / "manifest.json").read_text())
+    return {key: manifest[key] for key in MACHINE if key in manifest} | more
+
+
+def reduce_sweep(results, data, study):
+    folder = results / study
+    with open(folder / "sweep.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    columns = COLUMNS[study].split()
+    with open(data / f"{study}.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(columns)
+        for row in rows:
+            if "repeats" in row and row["repeats"] == "0":
+                row["seconds"] = ""  # of runs beside others: says nothing
+                if study == "clearance":  # the ladders: their fits are in the .orders.json
+                    row |= dict.fromkeys(("value", "error", "energy_initial", "energy_final", "impulse", "first_touch"), "")
+            out.writerow([rounded(row.get(column, ""), 9 if column in EXACT else 5) for column in columns])
+    orders = [{key: value for key, value in one.items() if key not in ("sweep", "worst")} |
+              {"worst": [[float(rounded(x)) for x in pair] for pair in one["worst"]]}
+              for one in json.loads((folder / "orders.json").read_text() or "[]")]
+    if orders:
+        (data / f"{study}.orders.json").write_text("[\n" + ",\n".join(json.dumps(one) for one in orders) + "\n]\n")
+    if (folder / "times.csv").read_text().strip():
+        (data / f"{study}.times.csv").write_text((folder / "times.csv").read_text())
+    made = about(folder, command=f"experiments/run {study}", asked=fingerprint(study))
+    (data / f"{study}.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
+def reduce_shootout(folder, data):
+    """Per solver and family: how often each result; per solver the median of time over the fastest."""
+    (data / "shootout.summary.csv").write_text((folder / "summary.csv").read_text())
+    with open(folder / "shootout.csv", newline="") as file:
+        tally = Counter((row["solver"], row["family"], row["result"]) for row in csv.DictReader(file))
+    with open(data / "shootout.families.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["solver", "family", "result", "problems"])
+        out.writerows([*key, number] for key, number in sorted(tally.items()))
+    manifest = json.loads((folder / "manifest.json").read_text())
+    made = about(folder, command="experiments/run shootout " + manifest["command"].split("lcp_shootout", 2)[-1].strip(),
+                 options=manifest["options"])
+    (data / "shootout.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
+def main(results, data):
+    for study in COLUMNS:
+        if (results / study / "sweep.csv").exists():
+            reduce_sweep(results, data, study)
+    if (results / "lcp_shootout/shootout.csv").exists():
+        reduce_shootout(results / "lcp_shootout", data)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
