@@ -105,6 +105,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   const double end = x.t + h;
   least_ = 8 * kEps * (std::abs(x.t) + h), limit_ = kInf;
   while (end - x.t > least_) {
+    if (stopped(report)) break;
     const double left = std::min(end, system_.next_breakpoint(x.t + least_)) - x.t;
     double wanted = std::min(arc_, kSwing / system_.swing());
     if (system_.contacts() > 0) {
@@ -146,6 +147,12 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
   if (report.status == Status::solved) x.t = end;
   last_ = x;
   return report;
+}
+
+void Adaptive::remember(Memory& memory) {
+  memory(last_, arc_, impact_, change_, floor_, crowd_since_, crowd_, aim_, decided_, motion_, gap_margins_,
+         formulation_);
+  basic_.forget();
 }
 
 /// Where more steps are done in a time than could be wanted, crossings are not made shorter than floor_ any more; where

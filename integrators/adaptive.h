@@ -59,6 +59,7 @@ class Adaptive final : public Integrator {
   using Options = AdaptiveOptions;
   explicit Adaptive(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
+  void remember(Memory& memory) override;
   const Lcp& problem() const override { return formulation_.problem(); }
 
  private:

@@ -53,6 +53,12 @@ void ContactMotion::modes_changed() {
   normal_.assign(lasting_.size(), 0), tangent_.assign(lasting_.size(), 0);
 }
 
+void ContactMotion::remember(Memory& memory) {
+  memory(modes);
+  if (memory.reading()) modes_changed();
+  basic_.forget(), projection_.forget();
+}
+
 bool ContactMotion::accelerations(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
   set_poses(system_, t, q, terms_.at);
   set_twists(system_, v, terms_.at);

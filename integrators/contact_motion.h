@@ -12,6 +12,8 @@
 #include <orthant/integrators/contact_equations.h>
 #include <orthant/integrators/projection.h>
 
+#include <orthant/integrators/memory.h>
+
 #include <span>
 
 namespace orthant {
@@ -32,6 +34,10 @@ struct Watched {
   Eigen::VectorXd gap, gap_rate, gap_acceleration, slip, slip_acceleration, normal, tangent;
   Eigen::VectorXd gap_scale, gap_rate_scale, slip_scale;  // Σ |J_k| |q_k|, Σ |J_k| |v_k|: what they are rounded from
   explicit Watched(Index contacts);
+  void remember(Memory& memory) {
+    memory(gap, gap_rate, gap_acceleration, slip, slip_acceleration, normal, tangent);
+    memory(gap_scale, gap_rate_scale, slip_scale);
+  }
 };
 
 class ContactMotion {
@@ -40,6 +46,7 @@ class ContactMotion {
 
   std::vector<ContactMode> modes;  // one per contact; call modes_changed() after writing
   void modes_changed();
+  void remember(Memory& memory);
   std::span<const int> lasting() const { return lasting_; }
 
   /// dof. False: not finite, no usable matrix.

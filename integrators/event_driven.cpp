@@ -72,6 +72,10 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
   start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = shared_ = instants_ = 0;
   good_ = known || begin(solver, x, report);
   while (good_ && lead_ == 0 && elapsed_ < h) {
+    if (stopped(report)) {
+      good_ = false;
+      break;
+    }
     const double stop = next_stop() - start_;
     good_ = advance(solver, std::min(h, stop), stop > h, report);
     if (good_ && elapsed_ == stop) good_ = renew(solver, report);
@@ -88,6 +92,11 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
                  "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
   last_q_ = x.q, last_v_ = x.v;
   return report;
+}
+
+void EventDriven::remember(Memory& memory) {
+  memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, lead_, redundant_, least_independence_, load_, flight_,
+         flight_time_, bounces_, crossing_, crossed_, no_answer_, residual_, motion_, formulation_, impact_, stepping_);
 }
 
 /// Those of accumulations lie a little ahead of their place.

@@ -68,6 +68,7 @@ class EventDriven final : public Integrator {
   using Options = EventDrivenOptions;
   explicit EventDriven(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
+  void remember(Memory& memory) override;
   const Lcp& problem() const override { return *problem_; }
   std::string why() const override { return why_; }
 
@@ -80,6 +81,10 @@ class EventDriven final : public Integrator {
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
     using MotionPoint::MotionPoint;
+    void remember(Memory& memory) {
+      MotionPoint::remember(memory);
+      memory(independence);
+    }
   };
 
   void sort_events();

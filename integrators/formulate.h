@@ -88,7 +88,8 @@ class Formulation {
 
   const Lcp& problem() const { return lcp_; }
   const Solution& solution() const { return solution_; }
-  void clear() { lcp_.b.resize(0); }  // no problem, until the next is built
+  void remember(Memory& memory) { memory(solution_.z); }  // the next guess
+  void clear() { lcp_.b.resize(0); }                      // no problem, until the next is built
 
   /// The impulse of dry friction i of the scene, where it has rows.
   double joint_friction(std::size_t i) const {

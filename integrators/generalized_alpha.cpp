@@ -55,6 +55,7 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
   s_new_ = s_;
   path_ = x.q + path_known_ + by_s2 * s_new_;
   set_poses(system_, x.t + h, path_, start_.at);
+  if (!system_.scene().springs.empty()) evaluate_forces(system_, x.t + h, x.v, start_);  // their rows, there
   if (!factorize(start_, by_s2, by_s, report)) return false;
   double before = kInf;
   for (int pass = 0; pass < kPasses; ++pass) {

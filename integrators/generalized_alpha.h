@@ -30,6 +30,10 @@ class GeneralizedAlpha final : public TwoLevel {
   using Options = GeneralizedAlphaOptions;
   explicit GeneralizedAlpha(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
+  void remember(Memory& memory) override {
+    TwoLevel::remember(memory);
+    memory(s_, a_, q_last_, v_last_);
+  }
 
  private:
   bool start(const State& x, StepReport& report);                           // s_ and a_ where x is not the last one

@@ -45,6 +45,8 @@ class Impact {
   /// Adds the impulses of the last strike(), if it was one.
   void add_to(std::vector<Impulse>& impulses) const;
 
+  void remember(Memory& memory) { memory(formulation_); }
+
   const std::string& why() const { return why_; }
   const Lcp& problem() const { return formulation_.problem(); }
 

@@ -4,6 +4,7 @@
 #include <orthant/core/mechanics/system.h>
 #include <orthant/integrators/crew.h>
 #include <orthant/integrators/event.h>
+#include <orthant/integrators/memory.h>
 #include <orthant/integrators/passing.h>
 #include <orthant/solvers/solver.h>
 
@@ -59,6 +60,13 @@ class Integrator {
   /// that controls its step leaves it at the last time it reached.
   virtual StepReport step(double h, Solver& solver, State& x) = 0;
 
+  /// All that the scheme remembers from one step to the next, to `memory` or from it (memory.h): a scheme that has read it
+  /// goes on bit for bit as this one, which forgets what only saves it work (pivots chosen, matrices factorized).
+  virtual void remember(Memory& memory) = 0;
+
+  /// Asked now and then by schemes that divide their step; null: none. It must outlive the steps.
+  void set_budget(const Budget* budget) { budget_ = budget; }
+
   /// The last complementarity problem, to dump and replay; of size 0 when there was none.
   virtual const Lcp& problem() const = 0;
 
@@ -93,6 +101,13 @@ class Integrator {
   /// For schemes that remember what each contact did: throws std::invalid_argument when the scene has collisions.
   void refuse_collisions(std::string_view scheme) const;
 
+  /// True once the time is over or the caller has cancelled; the report says which.
+  bool stopped(StepReport& report) const {
+    if (budget_ == nullptr || !budget_->exhausted()) return false;
+    report.status = budget_->cancelled() ? Status::cancelled : Status::time_limit;
+    return true;
+  }
+
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);
 
@@ -107,6 +122,7 @@ class Integrator {
   std::string why_;
 
  private:
+  const Budget* budget_ = nullptr;
   std::unique_ptr<Crew> crew_;
 };
 

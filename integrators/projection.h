@@ -27,6 +27,8 @@ class Projection {
   /// [m/s, rad/s].
   double velocity(Terms& terms, Eigen::VectorXd& v);
 
+  void forget() { basic_.forget(); }  // see there
+
  private:
   double mismatch(const Terms& terms) const;  // of Φ, each row over 1 m + its bodies' coordinates
 

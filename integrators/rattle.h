@@ -27,6 +27,10 @@ class Rattle final : public TwoLevel {
   };
   explicit Rattle(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
+  void remember(Memory& memory) override {
+    TwoLevel::remember(memory);
+    factorized_there_ = false;
+  }
 
  private:
   bool half_kick(double h, const State& x, StepReport& report);   // path_ predicted, without contacts

@@ -42,6 +42,8 @@ class Recording {
     std::fill(friction_.begin(), friction_.end(), 0.0);
   }
 
+  void remember(Memory& memory) { memory(written_, sum_, friction_, events_); }
+
   double seconds = 0;
 
  private:
@@ -62,6 +64,41 @@ class Recording {
   std::vector<Event> events_;
 };
 
+/// Time limit and cancellation of a run, handed on to what works in it; free where there is neither.
+class Watchdog {
+ public:
+  Watchdog(const Clock& clock, Integrator& integrator, Solver& solver)
+      : on_(clock.time_limit < kInf || clock.cancel != nullptr), integrator_(integrator), solver_(solver) {
+    if (!on_) return;
+    budget_.start(clock.time_limit, clock.cancel);
+    integrator_.set_budget(&budget_);
+    solver_.set_cancel(clock.cancel);
+  }
+  ~Watchdog() {
+    if (!on_) return;
+    integrator_.set_budget(nullptr);
+    solver_.set_cancel(nullptr);
+    solver_.set_time_limit(kInf);
+  }
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+
+  /// Asked before each step: true when the run is over.
+  bool barks(Status& status) {
+    if (!on_) return false;
+    solver_.set_time_limit(budget_.remaining());
+    if (!budget_.exhausted()) return false;
+    status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
+    return true;
+  }
+
+ private:
+  bool on_;
+  Budget budget_;
+  Integrator& integrator_;
+  Solver& solver_;
+};
+
 void note(const StepReport& report, Run& run) {
   run.energy_rises += report.energy_rise > 0;
   if (report.energy_rise > run.max_energy_rise) {
@@ -78,6 +115,25 @@ void note(const StepReport& report, Run& run) {
   run.rejected += report.rejected;
   run.lcp_solves += report.lcp_solves;
   run.lcp_iterations += report.lcp_iterations;
+}
+
+void remember(Run& run, Memory& memory) {
+  memory(run.final, run.steps, run.seconds, run.energy_initial, run.max_joint_residual, run.max_penetration,
+         run.max_lcp_residual, run.max_joint_rate, run.accepted, run.rejected, run.lcp_solves, run.lcp_iterations,
+         run.events, run.energy_rises, run.max_energy_rise, run.max_rise_time, run.passages, run.first_passage,
+         run.first_passage_time);
+}
+
+/// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
+void remember(const Clock& clock, Run& run, Recording& recording, Integrator& integrator, Memory& memory) {
+  Clock same = clock;
+  memory(same.step, same.duration, same.every);
+  if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
+    throw std::invalid_argument("checkpoint: was made with step = " + detail::text_of(same.step) +
+                                ", duration = " + detail::text_of(same.duration) +
+                                ", every = " + std::to_string(same.every) + ": must be those of this run");
+  remember(run, memory);
+  memory(recording, integrator);
 }
 
 /// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that keeps
@@ -117,13 +173,18 @@ void check(const Clock& clock) {
     refuse("step", detail::text_of(clock.step), "must be > 0 and finite");
   if (!(clock.duration > 0) || !std::isfinite(clock.duration))
     refuse("duration", detail::text_of(clock.duration), "must be > 0 and finite");
+  if (!(clock.time_limit >= 0)) refuse("time_limit", detail::text_of(clock.time_limit), "must be >= 0");
   if (clock.every < 1) refuse("every", std::to_string(clock.every), "must be >= 1");
   if (clock.duration / clock.step > 1e15)
     refuse("step", detail::text_of(clock.step), "must be at least duration / 1e15");
 }
 
-Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record) {
+Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record,
+             const Restart& restart) {
   check(clock);
+  if (restart.every < 0 || (restart.every > 0 && !restart.save))
+    throw std::invalid_argument("restart.every = " + std::to_string(restart.every) +
+                                ": must be >= 0, and with it something that saves");
   const System& system = integrator.system();
   Run run;
   run.final = system.initial_state();
@@ -136,14 +197,28 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   set_poses(system, x.t, x.q, start.at);
   BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
-  recording.write(x, {}, start.gap);
+  if (restart.from.empty()) {
+    recording.write(x, {}, start.gap);
+  } else {
+    Memory memory(restart.from);
+    remember(clock, run, recording, integrator, memory);
+    memory.end();
+    if (x.q.size() != system.dof() || x.v.size() != system.dof())
+      throw std::invalid_argument("checkpoint: is of another scene");
+  }
+  const double seconds_before = run.seconds;
 
   // A remainder below a billionth of a step is the rounding of duration / step.
   const auto whole = static_cast<long>(std::floor(clock.duration / clock.step * (1 + 1e-12) + 1e-9));
   const double rest = clock.duration - static_cast<double>(whole) * clock.step;
   const long total = whole + (whole == 0 || rest > 1e-9 * clock.step ? 1 : 0);
   const auto begin = WallClock::now();
-  for (long k = 0; k < total; ++k) {
+  Watchdog watchdog(clock, integrator, solver);
+  for (long k = run.steps; k < total; ++k) {
+    if (watchdog.barks(run.status)) {
+      recording.end(false, x, {}, integrator);
+      break;
+    }
     const double t = x.t;
     const StepReport report = integrator.step(k < whole ? clock.step : rest, solver, x);
     if (report.status != Status::solved) {
@@ -159,8 +234,15 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
     note(report, run);
     run.events += static_cast<long>(integrator.events().size());
     recording.add(run.steps, run.steps == total, x, report, integrator);
+    if (restart.every > 0 && run.steps % restart.every == 0) {
+      const auto saving = WallClock::now();
+      Memory memory;
+      remember(clock, run, recording, integrator, memory);
+      restart.save(memory.bytes());
+      recording.seconds += std::chrono::duration<double>(WallClock::now() - saving).count();
+    }
   }
-  run.seconds = std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;
+  run.seconds = seconds_before + std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;
   run.energy_final = energy(system, x);
   return run;
 }

@@ -3,6 +3,7 @@
 
 #include <orthant/integrators/integrator.h>
 
+#include <atomic>
 #include <functional>
 
 namespace orthant {
@@ -42,15 +43,28 @@ struct Moment {
 using Recorder = std::function<void(const Moment&)>;
 
 struct Clock {
-  double step = 1e-3;   // h > 0 [s]; the last step is shorter when the duration is no multiple of it
-  double duration = 1;  // > 0 [s]
-  long every = 1;       // record every so many steps, besides the first and the last moment
+  double step = 1e-3;        // h > 0 [s]; the last step is shorter when the duration is no multiple of it
+  double duration = 1;       // > 0 [s]
+  long every = 1;            // record every so many steps, besides the first and the last moment
+  double time_limit = kInf;  // [s] of wall time; past it the run ends with Status::time_limit
+  const std::atomic<bool>* cancel = nullptr;  // raised by another thread: the run ends with Status::cancelled
+};
+
+/// Going on later, exactly: what a run needs for that, saved now and then. A run that goes on from it takes the bits that
+/// this one takes; beside one that saves nothing, sparse factorizations may differ by rounding, as pivots are chosen anew.
+struct Restart {
+  long every = 0;                                      // steps between two savings; 0: none
+  std::function<void(const std::string& bytes)> save;  // called with what to keep, at the ends of steps
+  std::string from;                                    // such bytes, to go on from; empty: the start
 };
 
 /// Steps from the system's initial state; where that breaks joints, from the nearest state that keeps them, in the metric
 /// of M (projection.h). Throws std::invalid_argument for a bad clock; a step that fails ends the run with its status, and
-/// integrator.problem() is the problem that was not solved.
-Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record = {});
+/// integrator.problem() is the problem that was not solved. With a time limit or a flag in `clock`, the solver's own are
+/// replaced by them; within a step that looks at them only now and then, the run may end a little late.
+/// With restart.from the moments before it are not recorded again; bytes that do not fit throw std::invalid_argument.
+Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record = {},
+             const Restart& restart = {});
 
 /// Throws std::invalid_argument naming field, value and rule.
 void check(const Clock& clock);

@@ -41,6 +41,8 @@ class Sleep {
   /// The step is done: who falls asleep.
   void end(double h, const Terms& terms, const std::vector<Impulse>& impulses, State& x);
 
+  void remember(Memory& memory) { memory(island_, islands_so_far_, rest_, force_, pairs_, f_, last_q_, last_v_); }
+
   int sleeping() const;  // bodies
 
  private:

@@ -28,6 +28,11 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
   refuse_loaded_friction(name);
 }
 
+void TwoLevel::remember(Memory& memory) {
+  memory(positions_, velocities_);
+  basic_.forget();
+}
+
 void TwoLevel::begin() {
   velocities_.clear();
   problem_ = &velocities_.problem();

@@ -22,6 +22,7 @@ namespace orthant {
 
 class TwoLevel : public Integrator {
  public:
+  void remember(Memory& memory) override;
   const Lcp& problem() const final { return *problem_; }
 
  protected:

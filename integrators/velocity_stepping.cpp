@@ -63,6 +63,11 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   return report;
 }
 
+void VelocityStepping::remember(Memory& memory) {
+  memory(formulation_, impact_, sleep_, taken_, loads_, last_q_, last_v_);
+  basic_.forget(), projection_.forget();
+}
+
 bool VelocityStepping::free_flight(double h, const State& x, StepReport& report) {
   const double at = plan_.at;
   q_mid_ = x.q + at * h * x.v;

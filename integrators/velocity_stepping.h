@@ -43,6 +43,7 @@ struct VelocitySteppingOptions {
 class VelocityStepping : public Integrator {
  public:
   StepReport step(double h, Solver& solver, State& x) final;
+  void remember(Memory& memory) final;
   const Lcp& problem() const final { return *problem_; }
 
  protected:

@@ -228,6 +228,10 @@ bool BasicSystem::factorize(const System& system, const Terms& terms, double sti
   return true;
 }
 
+void BasicSystem::forget() {
+  if (sparse_) klu_free_numeric(&sparse_->numeric, &sparse_->common);
+}
+
 void BasicSystem::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
   if (schur_) return schur_->solve(f, c, x, lambda);

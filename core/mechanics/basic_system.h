@@ -40,6 +40,9 @@ class BasicSystem {
   /// Right-hand side f = rowᵀ, c = 0.
   void solve_row(const Row& row, double* x) const;
 
+  /// The next factorization chooses its pivots anew, as the first one does: what it gives depends on no matrix before.
+  void forget();
+
   int joint_rows() const { return rows_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
   /// What is left of the most dependent joint row of the last factorization, squared over its S_ii, in (0, 1]: near 0 next

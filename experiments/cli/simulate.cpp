@@ -1,6 +1,8 @@
 // orthant simulate SCENE — one run: a trajectory as CSV, a summary for people or as JSON.
 #include "commands.h"
 
+#include "../support/checkpoint.h"
+#include "../support/manifest.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
 
@@ -16,19 +18,29 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 
 namespace orthant {
 namespace {
 
 struct SimulateArguments {
-  std::string scene, integrator = "moreau-jean", solver = "lemke", output;
+  std::string scene, integrator = "moreau-jean", solver = "lemke", output, checkpoint;
   std::vector<std::string> sets;
-  std::optional<double> step, duration;
-  long every = 1;
+  std::optional<double> step, duration, time_limit;
+  long every = 1, checkpoint_every = 1000;
   int threads = 1;
-  bool json = false;
+  bool json = false, resume = false;
 };
+
+/// All that decides a run, in one text: a checkpoint of another is no place to go on from.
+std::string label_of(const SimulateArguments& a) {
+  std::string label = "revision " + manifest()["revision"].get<std::string>() + ", integrator " + a.integrator +
+                      ", solver " + a.solver + ", scene " + a.scene;
+  for (const std::string& set : a.sets) label += ", " + set;
+  if (std::ifstream file(a.scene); file) label += "\n" + std::string(std::istreambuf_iterator<char>(file), {});
+  return label;
+}
 
 nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& columns,
                                const std::vector<double>& last) {
@@ -148,17 +160,40 @@ int run_simulate(const SimulateArguments& arguments) {
   for (int i = 1; i < arguments.threads; ++i) helpers.push_back(make_solver(arguments.solver));
   integrator->employ(std::move(helpers));
   const Scene& scene = system.scene();
-  const Clock clock{arguments.step.value_or(scene.step), arguments.duration.value_or(scene.duration), arguments.every};
+  const Clock clock{.step = arguments.step.value_or(scene.step),
+                    .duration = arguments.duration.value_or(scene.duration),
+                    .every = arguments.every,
+                    .time_limit = arguments.time_limit.value_or(kInf)};
   if (!arguments.output.empty()) check_writable(arguments.output);
 
   warn_of_start(system);
   const auto columns = trajectory_columns(scene);
   std::vector<double> table, last;
-  const Run run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+  Restart restart;
+  if (!arguments.checkpoint.empty()) {
+    check_writable(arguments.checkpoint);
+    const std::string label = label_of(arguments);
+    restart.every = arguments.checkpoint_every;
+    restart.save = [&, label](const std::string& bytes) {
+      write_checkpoint(arguments.checkpoint, {label, table, last, bytes});
+    };
+    if (arguments.resume && std::filesystem::exists(arguments.checkpoint)) {
+      Checkpoint kept = read_checkpoint(arguments.checkpoint);
+      if (kept.label != label)
+        throw std::invalid_argument(arguments.checkpoint + ": is of another run (" +
+                                    kept.label.substr(0, kept.label.find('\n')) + "): must be of this one (" +
+                                    label.substr(0, label.find('\n')) + ")");
+      table = std::move(kept.table), last = std::move(kept.last), restart.from = std::move(kept.run);
+    }
+  } else if (arguments.resume) {
+    throw std::invalid_argument("--resume: needs --checkpoint FILE, to go on from");
+  }
+  const auto record = [&](const Moment& moment) {
     if (!arguments.output.empty()) append_row(system, moment, table);
     last.clear();
     append_row(system, moment, last);
-  });
+  };
+  const Run run = simulate(*integrator, *solver, clock, record, restart);
   if (!arguments.output.empty()) write_trajectory(arguments.output, scene, columns, table);
   warn_of_energy(scene, run);
   warn_of_passages(scene, run);
@@ -194,6 +229,14 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--output", arguments->output, "trajectory: CSV, HDF5 (.h5) or VTK for ParaView (.pvd)");
   command->add_option("--every", arguments->every, "record every so many steps")->capture_default_str();
+  command->add_option("--checkpoint", arguments->checkpoint, "a file to go on from after a kill, written now and then");
+  command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
+      ->check(CLI::Range(1, 1000000000))
+      ->capture_default_str();
+  command->add_flag("--resume", arguments->resume, "go on from the checkpoint, if there is one; to the same bits");
+  command
+      ->add_option("--time-limit", arguments->time_limit, "of the run [s of wall time]; what is done by then is kept")
+      ->check(CLI::Range(1e-6, 1e9));
   command
       ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")
       ->check(CLI::Range(1, 256))

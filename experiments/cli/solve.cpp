@@ -18,7 +18,8 @@ namespace {
 
 struct SolveArguments {
   std::string problem, matrix, vector, lower, upper, solver = "lemke";
-  bool json = false, error_bound = false;
+  std::optional<double> time_limit;
+  bool json = false, error_bound = false, log = false;
 };
 
 Lcp read(const SolveArguments& a) {
@@ -51,6 +52,9 @@ int run_solve(const SolveArguments& a) {
   const auto solver = make_solver(a.solver);
   const Lcp problem = read(a);
   Solution s;
+  IterationLog log;
+  if (a.log) solver->set_log(&log);
+  solver->set_time_limit(a.time_limit.value_or(kInf));
   const auto begin = std::chrono::steady_clock::now();
   solver->solve(problem, s);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -78,10 +82,20 @@ int run_solve(const SolveArguments& a) {
     json["error_bound"] = bound < kInf ? nlohmann::ordered_json(bound) : nullptr;  // null: none is known
   }
   if (!reason.empty()) json["why_not"] = reason;
+  if (a.log) {
+    json["log"] = nlohmann::ordered_json::array();
+    for (const auto& [iteration, merit, step, event] : log)
+      json["log"].push_back({{"iteration", iteration}, {"merit", merit}, {"step", step}, {"event", event}});
+  }
   if (a.json) {
     std::cout << json.dump(2) << '\n';
   } else {
-    for (const auto& [key, value] : json.items()) std::cout << key << " = " << value << '\n';
+    for (const auto& [key, value] : json.items()) {
+      if (key != "log") std::cout << key << " = " << value << '\n';
+    }
+    for (const auto& entry : log)
+      std::cout << "log " << entry.iteration << ": merit " << entry.merit << ", step " << entry.step
+                << (entry.event.empty() ? "" : ", ") << entry.event << '\n';
   }
   if (!reason.empty()) std::cerr << "orthant: " << a.solver << " cannot take this problem: " << reason << '\n';
   return exit_code_of(s.status);
@@ -98,6 +112,8 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--lower", arguments->lower, "lower bounds, Matrix Market; default 0");
   command->add_option("--upper", arguments->upper, "upper bounds, Matrix Market; default infinity");
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--time-limit", arguments->time_limit, "of the solve [s]")->check(CLI::Range(1e-6, 1e9));
+  command->add_flag("--log", arguments->log, "its iterations, too");
   command->add_flag("--error-bound", arguments->error_bound, "a bound on |z - solution|, where theory gives one");
   command->add_flag("--json", arguments->json, "answer as one JSON object");
   command->callback([arguments, &exit_code] { exit_code = run_solve(*arguments); });

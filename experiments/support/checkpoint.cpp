@@ -1,0 +1,53 @@
+#include "checkpoint.h"
+
+#include <orthant/core/support/file.h>
+#include <orthant/integrators/memory.h>
+
+#include <cstdint>
+#include <fstream>
+
+namespace orthant {
+namespace {
+
+constexpr std::string_view kMagic = "orthant checkpoint 1\n";
+
+/// FNV-1a, 64 bits (Fowler, Noll & Vo): tells damage, not malice.
+std::uint64_t check_sum(std::string_view bytes) {
+  std::uint64_t sum = 0xcbf29ce484222325u;
+  for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
+  return sum;
+}
+
+void remember(Checkpoint& c, Memory& memory) { memory(c.label, c.table, c.last, c.run); }
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint) {
+  Memory body, sum;
+  remember(checkpoint, body);
+  std::uint64_t check = check_sum(body.bytes());
+  sum(check);
+  write_whole(file, std::string(kMagic) + sum.bytes() + body.bytes());
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& file) {
+  check_readable(file);
+  std::ifstream in(file, std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  std::string_view left = text;
+  std::uint64_t check = 0;
+  if (!left.starts_with(kMagic) || left.size() < kMagic.size() + sizeof check)
+    throw std::runtime_error(file.string() + ": is no checkpoint of this version");
+  left.remove_prefix(kMagic.size());
+  Memory(left.substr(0, sizeof check))(check);
+  left.remove_prefix(sizeof check);
+  if (check_sum(left) != check)
+    throw std::runtime_error(file.string() + ": is a damaged checkpoint: its check sum differs");
+  Checkpoint checkpoint;
+  Memory memory(left);
+  remember(checkpoint, memory);
+  memory.end();
+  return checkpoint;
+}
+
+}  // namespace orthant

@@ -1,0 +1,22 @@
+// experiments/support/checkpoint.h — a run's state in a file, to go on from after a kill.
+//
+//   File: one line of text, a check sum of what follows, then the bytes of Memory (integrators/memory.h). Written whole or not at
+//   all (core/support/file.h). Throws std::runtime_error naming the file for what is no checkpoint, or a damaged one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+struct Checkpoint {
+  std::string label;                // what run this is: another one does not go on from it
+  std::vector<double> table, last;  // rows recorded so far; the last moment
+  std::string run;                  // simulate.h, Restart
+};
+
+void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint);
+Checkpoint read_checkpoint(const std::filesystem::path& file);
+
+}  // namespace orthant

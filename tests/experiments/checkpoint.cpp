@@ -1,0 +1,75 @@
+// A killed simulation goes on from its checkpoint to the file that it would have written; nothing is ever half a file.
+#include <doctest/doctest.h>
+
+#include "tests/support/folder.h"
+
+using namespace orthant;
+
+namespace {
+
+struct Runs : Folder {
+  static std::string command(const std::string& more, int every = 50) {
+    return "'" ORTHANT_CLI "' simulate slider_crank --step 1e-5 --every " + std::to_string(every) + " " + more;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("killed and resumed, a simulation writes the file that it would have written") {
+  const Runs here;
+  REQUIRE(here.run(here.command("--checkpoint whole.ckpt --checkpoint-every 700 --output whole.csv")).exit_code == 0);
+  const std::string whole = slurp(here.path / "whole.csv");
+  REQUIRE(lines(whole) > 300);
+  const std::string resumed = here.command("--checkpoint c.ckpt --checkpoint-every 700 --resume --output part.csv");
+  int kills = 0;
+  for (int i = 1; i <= 40; ++i) {
+    const std::string limit = std::to_string(0.02 + 0.01 * i);
+    const Reply reply = here.run("timeout -s KILL " + limit + " " + resumed);
+    if (reply.exit_code == 0) break;
+    ++kills;
+    if (std::filesystem::exists(here.path / "part.csv")) CHECK(slurp(here.path / "part.csv") == whole);
+  }
+  CHECK(kills > 0);
+  CHECK(here.run(resumed).exit_code == 0);
+  CHECK(slurp(here.path / "part.csv") == whole);
+}
+
+TEST_CASE("a checkpoint of another run, a damaged one and none are told in words") {
+  const Runs here;
+  const std::string kept = "--duration 0.01 --checkpoint c.ckpt --checkpoint-every 100 ";
+  REQUIRE(here.run(here.command(kept)).exit_code == 0);
+  const auto says = [&](const std::string& command, const char* words) {
+    const Reply reply = here.run(command);
+    INFO(reply.err);
+    CHECK(reply.exit_code == 1);
+    CHECK(lines(reply.err) == 1);
+    CHECK(reply.err.find(words) != std::string::npos);
+  };
+  says(here.command(kept + "--resume --set mu=0.2"), "is of another run");
+  says(here.command(kept + "--resume --solver path"), "is of another run");
+  says(here.command(kept + "--resume", 7), "checkpoint: was made with");
+  says(here.command("--resume"), "--resume: needs --checkpoint");
+  std::string bytes = slurp(here.path / "c.ckpt");
+  bytes[bytes.size() / 2] ^= 1;
+  here.write("c.ckpt", bytes);
+  says(here.command(kept + "--resume"), "damaged checkpoint");
+  here.write("c.ckpt", "orthant");
+  says(here.command(kept + "--resume"), "is no checkpoint");
+}
+
+TEST_CASE("a full disk leaves what was there, and the run says so") {
+  const Runs here;
+  REQUIRE(here.run(here.command("--duration 0.01 --output run.csv")).exit_code == 0);
+  const std::string before = slurp(here.path / "run.csv");
+  // A file may grow to 4 blocks of 512 bytes here: what a full disk does to a larger one.
+  const Reply full = here.run("trap '' XFSZ; ulimit -f 4; " + here.command("--duration 0.05 --output run.csv"));
+  INFO(full.err);
+  CHECK(full.exit_code != 0);
+  CHECK(full.err.find("run.csv") != std::string::npos);
+  CHECK(slurp(here.path / "run.csv") == before);
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(here.path))
+    files += entry.path().string().find("run.csv") != std::string::npos;
+  CHECK(files == 1);  // no temporary one is left
+  CHECK(here.run(here.command("--duration 0.01 --output /dev/full")).exit_code == 1);
+}

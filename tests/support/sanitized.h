@@ -1,0 +1,12 @@
+// tests/support/sanitized.h — whether this build is slowed down by a sanitizer, for tests that would take too long there.
+#pragma once
+
+namespace orthant {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+}  // namespace orthant
