@@ -57,6 +57,9 @@ double horizon(const System& system, const Kinematics& poses, const Eigen::Vecto
     } else if constexpr (std::is_same_v<Kind, PolygonPolygon>) {
       turning(c.a), turning(c.b);
       moving(c.a, c.b, centres(c.a, middle(c.corners_a), c.b, middle(c.corners_b)) / 2);
+    } else if constexpr (std::is_same_v<Kind, CustomContact>) {
+      turning(c.a), turning(c.b);
+      moving(c.a, c.b, c.length() / 2);
     } else if (!std::holds_alternative<Angle>(c.of.kind())) {
       std::visit([&](const auto& along) { turning(along.a), turning(along.b); }, c.of.kind());
     }

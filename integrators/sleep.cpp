@@ -103,8 +103,8 @@ void Sleep::end(double h, const Terms& terms, const std::vector<Impulse>& impuls
       if (body >= 0 && system_.law(c.contact).belt != 0) rest_[static_cast<std::size_t>(body)] = 0;
   }
   for (const Joint& joint : system_.scene().joints)
-    if (const auto* drive = std::get_if<Drive>(&joint)) {
-      const auto [a, b] = bodies_of(*drive);
+    if (driven(joint)) {
+      const auto [a, b] = std::visit([](const auto& j) { return bodies_of(j); }, joint);
       for (const BodyId body : {a, b})
         if (body >= 0) rest_[static_cast<std::size_t>(body)] = 0;
     }

@@ -37,7 +37,7 @@ JointLoad::JointLoad(const System& system, int joint) {
   body_ = a >= 0 ? a : b;
   for (const int i : copies_of(system.scene(), joint)) {
     const int first = system.first_row(static_cast<std::size_t>(i));
-    const int rows = std::visit([](const auto& j) { return j.kRows; }, joints[static_cast<std::size_t>(i)]);
+    const int rows = row_count(joints[static_cast<std::size_t>(i)]);
     for (int row = first; row < first + rows; ++row) rows_.push_back(row);
   }
 }

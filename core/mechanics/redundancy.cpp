@@ -104,6 +104,7 @@ std::string row_name(const Joint& joint, int row) {
         if constexpr (std::is_same_v<T, Fixed>) return pick({"x", "y", "angle"});
         if constexpr (std::is_same_v<T, Distance>) return pick({"length"});
         if constexpr (std::is_same_v<T, Drive>) return pick({"motion"});
+        if constexpr (std::is_same_v<T, CustomJoint>) return std::to_string(row + 1);
       },
       joint);
 }
@@ -156,8 +157,7 @@ std::string describe(const Redundancy& redundancy, const System& system) {
   std::vector<std::size_t> joint_of;  // of each row
   std::vector<int> row_in;            // its place in that joint
   for (std::size_t j = 0; j < joints.size(); ++j)
-    for (int k = 0; k < std::visit([](const auto& x) { return x.kRows; }, joints[j]); ++k)
-      joint_of.push_back(j), row_in.push_back(k);
+    for (int k = 0; k < row_count(joints[j]); ++k) joint_of.push_back(j), row_in.push_back(k);
   const auto name = [&](std::size_t j) {
     return "\"" + std::visit([](const auto& x) { return x.name; }, joints[j]) + "\"";
   };

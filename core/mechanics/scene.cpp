@@ -1,3 +1,4 @@
+#include <orthant/core/mechanics/derivatives.h>
 #include <orthant/core/mechanics/scene.h>
 #include <orthant/core/support/options.h>
 
@@ -145,6 +146,13 @@ void examine(const Element& e, const Drive& j) {
   e.finite("amplitude", j.law.amplitude), e.finite("omega", j.law.omega), e.finite("phase", j.law.phase);
 }
 
+void examine(const Element& e, const CustomJoint& j) {
+  e.pair(j.a, j.b);
+  if (j.row_count() < 1 || j.row_count() > 3)
+    e.fail("kRows", "kRows = " + std::to_string(j.row_count()) + ": must be 1, 2 or 3");
+  if (const std::string wrong = wrong_derivative(j, e.start()); !wrong.empty()) e.fail("rows", wrong);
+}
+
 void examine(const Element& e, const CornerWall& c) {
   e.pair(c.a, c.b), e.finite("point", c.point);
   e.finite("wall_point", c.wall_point), e.unit("normal", c.normal), e.law(c.law);
@@ -184,6 +192,11 @@ void examine(const Element& e, const Limit& c) {
   examine(e, c.of), e.finite("bound", c.bound), e.law(c.law);
   if (c.side == Limit::Side::lower) apart(e, c.of);
   e.require(!c.law.frictional(), "mu", std::max(c.law.mu, c.law.mu_static), "0: a limit has no friction");
+}
+
+void examine(const Element& e, const CustomContact& c) {
+  e.pair(c.a, c.b), e.law(c.law);
+  if (const std::string wrong = wrong_derivative(c, e.start()); !wrong.empty()) e.fail("rows", wrong);
 }
 
 void examine(const Element& e, const Collision& c) {

@@ -7,6 +7,8 @@
 
 #include <orthant/core/mechanics/collision.h>
 #include <orthant/core/mechanics/contact_sets.h>
+#include <orthant/core/mechanics/custom_contact.h>
+#include <orthant/core/mechanics/custom_joint.h>
 #include <orthant/core/mechanics/distance.h>
 #include <orthant/core/mechanics/drive.h>
 #include <orthant/core/mechanics/fixed.h>
@@ -21,6 +23,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -36,9 +39,29 @@ struct Body {
   double omega = 0;              // [rad/s]
 };
 
-using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive>;
-using Contact = std::variant<CornerWall, DiscWall, DiscDisc, DiscPolygon, PolygonPolygon, Journal, Limit>;
+using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, CustomJoint>;
+using Contact =
+    std::variant<CornerWall, DiscWall, DiscDisc, DiscPolygon, PolygonPolygon, Journal, Limit, CustomContact>;
 using Spring = std::variant<PointSpring, TorsionSpring, JointSpring>;
+
+template <class T, class Variant> inline constexpr bool kAlternative = false;
+template <class T, class... Kinds>
+inline constexpr bool kAlternative<T, std::variant<Kinds...>> = (std::is_same_v<T, Kinds> || ...);
+
+inline int row_count(const Joint& joint) {
+  const auto count = [](const auto& j) {
+    if constexpr (requires { j.row_count(); })
+      return j.row_count();
+    else
+      return j.kRows;
+  };
+  return std::visit(count, joint);
+}
+/// Whether the joint is given in time.
+inline bool driven(const Joint& joint) {
+  const auto* custom = std::get_if<CustomJoint>(&joint);
+  return std::holds_alternative<Drive>(joint) || (custom != nullptr && custom->driven());
+}
 
 struct Scene {
   Vector2d gravity{0, 0};  // [m/s²]
@@ -60,6 +83,13 @@ struct Scene {
   }
   void joint(Joint j) { add(joints, std::move(j), "joint"); }
   void contact(Contact c) { add(contacts, std::move(c), "contact"); }
+  /// Kinds from outside; one that is derived from a built-in kind is its own, not cut down to that.
+  template <JointKind T>
+    requires(!kAlternative<T, Joint>)
+  void joint(T j) { joint(Joint(CustomJoint(std::move(j)))); }
+  template <ContactKind T>
+    requires(!kAlternative<T, Contact>)
+  void contact(T c) { contact(Contact(CustomContact(std::move(c)))); }
   /// What contact_sets.h makes: contact_set(guide({…})), contact_set(polygon_polygon({…})).
   template <class Set> void contact_set(const Set& contacts_of_it) {
     for (const auto& c : contacts_of_it) contact(c);
@@ -93,8 +123,8 @@ struct SceneError : std::invalid_argument {
 
 /// Throws SceneError naming element, field, value and rule: masses and inertias > 0, finite numbers, two different
 /// bodies that exist, unit directions, radii and lengths > 0, convex polygons, bearings wider than their journals, 0 ≤ μ ≤ 1e6,
-/// μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints ascending, at
-/// least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
+/// μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints ascending, rows of
+/// custom joints and contacts that are the derivatives they stand for (derivatives.h), at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 
 /// The same scene with every pair that a collision stands for as a contact of its own, behind the others: NAME_1, NAME_2, …

@@ -67,9 +67,9 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   inverse_mass_ = mass_.cwiseInverse();
   for (const Joint& joint : scene_.joints) {
     first_row_.push_back(joint_rows_);
-    joint_rows_ += std::visit([](const auto& j) { return j.kRows; }, joint);
+    joint_rows_ += row_count(joint);
+    driven_ = driven_ || orthant::driven(joint);
     if (const auto* drive = std::get_if<Drive>(&joint)) {
-      driven_ = true;
       const std::vector<double>& times = drive->law.table.times();
       breakpoints_.insert(breakpoints_.end(), times.begin(), times.end());
       if (drive->law.amplitude != 0) swing_ = std::max(swing_, std::abs(drive->law.omega));

@@ -78,7 +78,10 @@ template <class What> void each_joint(const System& system, What&& what) {
     std::visit(
         [&](const auto& j) {
           what(j, row);
-          row += j.kRows;
+          if constexpr (requires { j.row_count(); })
+            row += j.row_count();
+          else
+            row += j.kRows;
         },
         joint);
 }
@@ -92,7 +95,8 @@ void evaluate_joint_residual(const System& system, Terms& terms) {
 void evaluate_joint_rows(const System& system, Terms& terms) {
   each_joint(system, [&](const auto& joint, int row) {
     joint.rows(terms.at, terms.G.data() + row);
-    if constexpr (requires { joint.law; }) joint.rate(terms.at, terms.joint_rate.data() + row);
+    if constexpr (requires(double* rate) { joint.rate(terms.at, rate); })
+      joint.rate(terms.at, terms.joint_rate.data() + row);
   });
 }
 

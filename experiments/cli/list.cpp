@@ -1,10 +1,12 @@
 // orthant list — what can be named on the command line: solvers, integrators, scenes, each with its options.
-//   --markdown prints the solvers as the README's table, which a test compares.
+//   --json the same for programs; --markdown prints the solvers as the README's table, which a test compares.
 #include "commands.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
+
+#include <nlohmann/json.hpp>
 
 #include <iostream>
 
@@ -20,6 +22,13 @@ template <class Entries> void print(const char* title, const Entries& entries) {
   }
 }
 
+template <class Entries> nlohmann::ordered_json as_json(const Entries& entries) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& entry : entries)
+    list.push_back({{"name", entry.name}, {"summary", entry.summary}, {"options", entry.options()}});
+  return list;
+}
+
 void print_table() {
   std::cout << "| solver | what it is |\n|---|---|\n";
   for (const SolverEntry& entry : solvers()) std::cout << "| `" << entry.name << "` | " << entry.summary << " |\n";
@@ -29,17 +38,27 @@ void print_table() {
 
 void add_list(CLI::App& app, int& exit_code) {
   auto what = std::make_shared<std::string>();
-  auto markdown = std::make_shared<bool>(false);
+  auto markdown = std::make_shared<bool>(false), json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("list", "Solvers, integrators and scenes, with their options");
   command->add_option("what", *what, "solvers, integrators or scenes; default: all")
       ->check(CLI::IsMember({"solvers", "integrators", "scenes"}));
   command->add_flag("--markdown", *markdown, "the solvers as a table for the README");
-  command->callback([what, markdown, &exit_code] {
+  command->add_flag("--json", *json, "all of it as one JSON object")->excludes("--markdown");
+  command->callback([what, markdown, json, &exit_code] {
     exit_code = 0;
     if (*markdown) return print_table();
-    if (what->empty() || *what == "solvers") print("solvers", solvers());
-    if (what->empty() || *what == "integrators") print("integrators", integrators());
-    if (what->empty() || *what == "scenes") print("scenes", scenes());
+    const auto asked = [&](const char* kind) { return what->empty() || *what == kind; };
+    if (*json) {
+      nlohmann::ordered_json all;
+      if (asked("solvers")) all["solvers"] = as_json(solvers());
+      if (asked("integrators")) all["integrators"] = as_json(integrators());
+      if (asked("scenes")) all["scenes"] = as_json(scenes());
+      std::cout << all.dump(2) << '\n';
+      return;
+    }
+    if (asked("solvers")) print("solvers", solvers());
+    if (asked("integrators")) print("integrators", integrators());
+    if (asked("scenes")) print("scenes", scenes());
   });
 }
 

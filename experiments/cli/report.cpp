@@ -12,15 +12,20 @@ namespace orthant {
 void add_report(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string results, output = "report.html";
+    bool json = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("report", "Results of orthant sweep as one HTML page that needs nothing else");
   command->add_option("results", arguments->results, "SQLite file")->required();
   command->add_option("--output", arguments->output, "the page")->capture_default_str();
+  command->add_flag("--json", arguments->json, "where it is, as one JSON object");
   command->callback([arguments, &exit_code] {
     check_writable(arguments->output);
     write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));
-    std::cout << "report: " << arguments->output << '\n';
+    if (arguments->json)
+      std::cout << nlohmann::json{{"report", arguments->output}}.dump() << '\n';
+    else
+      std::cout << "report: " << arguments->output << '\n';
     exit_code = 0;
   });
 }

@@ -14,11 +14,13 @@
 namespace orthant {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct SweepArguments {
   std::string file, results;
   std::vector<std::string> keys;
   unsigned jobs = 0;
-  bool quick = false, list = false;
+  bool quick = false, list = false, json = false;
 };
 
 int run_sweep(SweepArguments a) {
@@ -43,14 +45,29 @@ int run_sweep(SweepArguments a) {
   Results results(a.results);
   if (a.list) {
     results.declare(sweep);
+    Json missing = Json::array();
     for (const Case& c : sweep.cases)
-      if (!results.has(c.key())) std::cout << c.key() << '\n';
+      if (!results.has(c.key())) missing.push_back(c.key());
+    if (a.json) {
+      std::cout << missing.dump() << '\n';
+    } else {
+      for (const Json& key : missing) std::cout << key.get<std::string>() << '\n';
+    }
     return 0;
   }
   const Tally tally = run_sweep(sweep, results, a.results, a.jobs);
   const auto rows = results.rows(sweep.name);
   const auto failed =
       std::count_if(rows.begin(), rows.end(), [](const ResultRow& r) { return r.at("status") != "solved"; });
+  if (a.json) {
+    const Json json = {{"sweep", sweep.name},
+                       {"results", a.results},
+                       {"cases", rows.size()},
+                       {"new", tally.run},
+                       {"not_solved", failed}};
+    std::cout << json.dump() << '\n';
+    return 0;
+  }
   std::cout << sweep.name << ": " << rows.size() << " cases in " << a.results << ", " << tally.run << " of them new, "
             << failed << " not solved" << (failed > 0 ? " (orthant results " + a.results + " --failures)" : "") << '\n';
   return 0;
@@ -60,8 +77,6 @@ struct ResultsArguments {
   std::string file, sweep, dumps;
   bool csv = false, json = false, failures = false, orders = false, times = false, about = false, add = false;
 };
-
-using Json = nlohmann::ordered_json;
 
 /// The parameters as columns of their own; without the dumped problem, which is long.
 Json flat(const std::string& sweep, const ResultRow& row) {
@@ -181,6 +196,7 @@ void add_sweep(CLI::App& app, int& exit_code) {
   command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")->capture_default_str();
   command->add_flag("--quick", arguments->quick, "the reduced grid");
   command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
+  command->add_flag("--json", arguments->json, "how it ended, or the list, as JSON");
   command->add_option("--case", arguments->keys, "KEY ...: run these, print their rows as JSON, keep nothing");
   command->callback([arguments, &exit_code] { exit_code = run_sweep(*arguments); });
 }

@@ -80,6 +80,8 @@ class Sketch {
     if (j.b != kGround && j.point_b != Vector2d(0, 0)) add(j.b, false, {Vector2d(0, 0), j.point_b});
   }
   void operator()(const Drive&) {}
+  void operator()(const CustomJoint&) {}
+  void operator()(const CustomContact&) {}
 
   std::vector<Outline> finish() {
     for (const auto& [body, points] : corners_)

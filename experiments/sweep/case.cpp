@@ -139,8 +139,18 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
                                                         ", solver " + c.solver + ", case " + c.key());
 }
 
+/// The file that this code was loaded from: the program, or the Python package's module.
 std::string whole_program() {
-  std::ifstream in("/proc/self/exe", std::ios::binary);
+  const auto here = reinterpret_cast<std::uintptr_t>(&fingerprint);
+  std::ifstream maps("/proc/self/maps");
+  std::string line, file = "/proc/self/exe";
+  while (std::getline(maps, line)) {  // BEGIN-END … FILE, hexadecimal
+    std::size_t dash = 0;
+    const std::uintptr_t begin = std::stoull(line, &dash, 16), end = std::stoull(line.substr(dash + 1), nullptr, 16);
+    if (const auto name = line.find('/'); begin <= here && here < end && name != std::string::npos)
+      file = line.substr(name);
+  }
+  std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 

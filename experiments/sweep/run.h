@@ -9,7 +9,7 @@
 
 namespace orthant {
 
-/// How many cases were run here, and how many of those were not solved. `jobs` 0: one a core. Forks: no other threads.
+/// How many of the sweep's cases were run here, and how many of those were not solved. `jobs` 0: one a core. Forks: no other threads.
 struct Tally {
   int run = 0, failed = 0;
 };

@@ -192,6 +192,7 @@ void assemble(Prismatic& j, const VectorXd& q) {
   j.point_b = to_body(q, j.b, to_world(q, j.a, j.point_a + 0.7 * j.axis));
   j.angle = angle_of(q, j.b) - angle_of(q, j.a);
 }
+void assemble(CustomJoint& /*j*/, const VectorXd& /*q*/) {}
 void assemble(Drive& j, const VectorXd& q) {
   Kinematics at;
   at.pose.resize(4);

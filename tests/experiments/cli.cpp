@@ -226,6 +226,13 @@ TEST_CASE("orthant list names everything, with options") {
                            "joints", "clearance"})
     CHECK(a.out.find(word) != std::string::npos);
   CHECK(folder.orthant("list solvers").out.find("moreau-jean") == std::string::npos);
+
+  const auto json = nlohmann::json::parse(folder.orthant("list --json").out);
+  CHECK(json.at("solvers").size() > 15);
+  CHECK(json.at("integrators")[0].at("options").get<std::string>().find("theta") != std::string::npos);
+  CHECK(json.at("scenes")[0].at("name") == "bouncing_ball");
+  CHECK(!nlohmann::json::parse(folder.orthant("list solvers --json").out).contains("scenes"));
+  CHECK(folder.orthant("list --json --markdown").exit_code == 1);
 }
 
 TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the error bound") {

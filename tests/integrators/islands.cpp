@@ -134,7 +134,7 @@ TEST_CASE("a crew works at the same time, does each task once, and tells the fir
       if (worker >= 0 && worker < 3) ++done[static_cast<std::size_t>(task)];
     });
   for (const auto& times : done) CHECK(times == 50);
-  const auto fails = [](int task, Solver&, int) {
+  auto fails = [](int task, Solver&, int) {
     if (task == 3 || task == 40) throw std::runtime_error(std::to_string(task));
   };
   CHECK_THROWS_WITH_AS(crew.run(60, *own, fails), "3", std::runtime_error);

@@ -3,11 +3,16 @@
 import doctest
 import os
 import pathlib
+import re
+import shutil
 import subprocess
 import sys
 import time
 
 import orthant
+import pytest
+
+DOCS = pathlib.Path(__file__).parents[2] / "experiments" / "docs"
 
 
 def test_import_is_quick():
@@ -22,10 +27,44 @@ def test_import_is_quick():
 
 
 def test_examples_in_docstrings():
-    for module in (orthant, orthant._mechanics):
+    for module in (orthant, orthant._mechanics, orthant._sweep):
         assert doctest.testmod(module, extraglobs=vars(orthant)).failed == 0
 
 
 def test_everything_public_is_documented():
     for name in orthant.__all__:
         assert name.startswith("__") or name in ("revision", "LogEntry") or getattr(orthant, name).__doc__, name
+
+
+def test_type_hints_hold(tmp_path):
+    """mypy, strict, over the sources and the stub of the compiled part; and what the stub promises is there."""
+    package = pathlib.Path(orthant.__file__).resolve().parent
+    if not shutil.which("mypy"):
+        pytest.skip("no mypy here")
+    run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), "-p", "orthant"],
+                         cwd=package.parent, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout
+    stub = (package / "_orthant.pyi").read_text(encoding="utf-8")
+    promised = set(re.findall(r"^(?:def|class) (\w+)", stub, re.M)) | {"__version__", "revision"}
+    there = {name for name in dir(orthant._orthant) if not name.startswith("__") or name == "__version__"}
+    assert promised == there
+    for name in re.findall(r"^class (\w+)", stub, re.M):
+        body = stub.split(f"class {name}:")[1].split("\nclass ")[0].split("\ndef ")[0]
+        assert set(re.findall(r"def (\w+)", body)) <= set(dir(getattr(orthant._orthant, name))), name
+
+
+@pytest.mark.skipif(not DOCS.exists(), reason="the tests stand alone here")
+def test_decision_tables_name_what_there_is_and_come_from_a_run(tmp_path):
+    """The tables of the documentation name registered solvers and integrators; tables.py makes such tables."""
+    def names(file):
+        return set(re.findall(r"`([a-z-]+)`", (DOCS / "data" / file).read_text(encoding="utf-8")))
+
+    assert "auto" in names("solvers.csv") <= {entry.name for entry in orthant.solvers()}
+    assert names("integrators.csv") <= {entry.name for entry in orthant.integrators()}
+    (tmp_path / "shootout.csv").write_text(
+        "problem,group,solver,result,seconds\n" + "".join(
+            f"p{p},friction,{solver},{result},{seconds}\n" for p in range(2)
+            for solver, result, seconds in (("lemke", "certified", 2e-6), ("pgs", "certified" if p else "failed", 1e-6),
+                                            ("path", "certified", 4e-6), ("murty", "refused", 0))), encoding="utf-8")
+    made = subprocess.run([sys.executable, DOCS / "tables.py", "solvers", tmp_path], check=True, capture_output=True, text=True)
+    assert made.stdout.splitlines()[1] == "contacts with friction,2,`lemke`,2,1.5,`path`,2,3,`pgs`,1,1"

@@ -7,19 +7,20 @@
 
 `solve`, `analyse`, `enumerate_solutions`, `error_bound`: problems `z in [lower, upper], w = M z + q`, row by row
 complementary. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilibria`: bimatrix games.
-`Scene`, `simulate`: planar mechanisms with joints, clearances, impacts and friction.
+`Scene`, `simulate`, `sweep`: planar mechanisms with joints, clearances, impacts and friction.
 Nothing is called solved that an independent judge has not recomputed and accepted.
 """
 
 from ._files import read_problem, write_npz
 from ._mechanics import Scene, Trajectory, integrators, scenes, simulate
-from ._nonlinear import Equilibrium, McpResult, equilibria, equilibrium, solve_mcp
-from ._orthant import Face, LogEntry, Problem, Result, Solutions, __version__, revision, write_fclib, write_problem
+from ._nonlinear import McpResult, equilibria, equilibrium, solve_mcp
+from ._orthant import Equilibrium, Face, LogEntry, Problem, Result, Solutions, __version__, revision, write_fclib, write_problem
 from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bound, solve, solvers
+from ._sweep import sweep
 
 __all__ = [
     "Delassus", "Equilibrium", "Face", "LogEntry", "McpResult", "Problem", "Result", "Scene", "Solutions", "Solver",
     "Trajectory", "__version__", "analyse", "enumerate_solutions", "equilibria", "equilibrium", "error_bound",
-    "integrators", "read_problem", "revision", "scenes", "simulate", "solve", "solve_mcp", "solvers", "write_fclib",
+    "integrators", "read_problem", "revision", "scenes", "simulate", "solve", "solve_mcp", "solvers", "sweep", "write_fclib",
     "write_npz", "write_problem",
 ]

@@ -13,6 +13,7 @@ from ._spec import Entry, text_of
 
 if TYPE_CHECKING:
     import numpy as np
+    import numpy.typing as npt
     import pandas
 
 _KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load", "drive")
@@ -116,13 +117,13 @@ class Trajectory:
     unsolved: the Problem that stopped it, else None.
     """
 
-    def __init__(self, columns: list[str], table: np.ndarray, summary: dict[str, Any], unsolved: Optional[Problem]) -> None:
+    def __init__(self, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any], unsolved: Optional[Problem]) -> None:
         self.columns, self.table, self.summary, self.unsolved = columns, table, summary, unsolved
         self._place = {name: i for i, name in enumerate(columns)}
 
     @property
     def status(self) -> str:
-        return self.summary["status"]
+        return str(self.summary["status"])
 
     @property
     def solved(self) -> bool:
@@ -130,14 +131,14 @@ class Trajectory:
 
     @property
     def why(self) -> str:
-        return self.summary["why"]
+        return str(self.summary["why"])
 
     @property
-    def t(self) -> np.ndarray:
+    def t(self) -> npt.NDArray[np.float64]:
         """(rows,) [s]"""
         return self["t"]
 
-    def __getitem__(self, column: str) -> np.ndarray:
+    def __getitem__(self, column: str) -> npt.NDArray[np.float64]:
         if column not in self._place:
             raise KeyError(f"{column}: must be one of {', '.join(self.columns)}")
         return self.table[:, self._place[column]]

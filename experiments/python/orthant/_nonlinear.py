@@ -12,19 +12,21 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    Vector = npt.NDArray[np.float64]
+
 
 class McpResult(NamedTuple):
     """What `solve_mcp` gives back."""
 
     status: str
     solved: bool
-    z: np.ndarray  # (n,)
-    F: np.ndarray  # (n,) F(z)
+    z: Vector  # (n,)
+    F: Vector  # (n,) F(z)
     residual: float  # natural residual in units of F
     iterations: int
 
 
-def solve_mcp(F: Callable[[np.ndarray], npt.ArrayLike], jacobian: Callable[[np.ndarray], Any], start: npt.ArrayLike,
+def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector], Any], start: npt.ArrayLike,
               lower: Optional[npt.ArrayLike] = None, upper: Optional[npt.ArrayLike] = None, *,
               time_limit: Optional[float] = None, **options: Any) -> McpResult:
     """Find lower <= z <= upper: F >= 0 where z = lower, F <= 0 where z = upper, else F = 0 (default: 0 and infinity).

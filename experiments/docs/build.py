@@ -1,0 +1,101 @@
+"""The documentation as a site: pages of this folder, READMEs, and the reference made from headers and docstrings.
+
+    ./experiments/run docs                                     into build/docs; needs the Python package, which is built first
+    build.py --output DIR --package build/release/python       the same by hand
+"""
+import argparse
+import re
+import shutil
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+KATEX = Path("/usr/share/javascript/katex")
+# READMEs and notes that are pages here as they stand there.
+PAGES = {
+    "scenes.md": "core/scenes/README.md",
+    "examples.md": "experiments/examples/README.md",
+    "peers.md": "experiments/benchmarks/README.md",
+    "theory/tilted_start.md": "paper/notes/tilted_start.md",
+}
+FOLDERS = {
+    "core/lcp": "Problems, solutions, the judge",
+    "core/mechanics": "Mechanisms: bodies, joints, contacts, their terms",
+    "core/scenes": "Built-in scenes",
+    "core/support": "Support",
+    "solvers": "Solvers",
+    "integrators": "Integrators",
+}
+
+
+def page_of(text):
+    """A README's Markdown: links to files of the tree become their names."""
+    return re.sub(r"\[([^\]]+)\]\((?!https?:|#)([^)]+)\)", r"\1 (`\2`)", text)
+
+
+def header_page(header):
+    """A header's page: the comment it opens with says what, how, from where; then the declarations."""
+    lines = header.read_text(encoding="utf-8").splitlines()
+    count = next((i for i, line in enumerate(lines) if not line.startswith("//")), len(lines))
+    name = header.relative_to(ROOT)
+    about = [line[2:].removeprefix(" ") for line in lines[:count]]
+    title = re.sub(r"^\S+\.h — ", "", about[0]).rstrip(".:") if about else str(name)
+    return (f"# {name.stem}\n\n*{title}.*\n\n```text\n" + "\n".join(about) + "\n```\n\n"
+            f"`#include <orthant/{name}>`\n\n```{{code-block}} c++\n" + "\n".join(lines[count:]).strip() + "\n```\n"), title
+
+
+def write_reference(folder):
+    index = ["# C++ reference", "", "Every public header: what it says of itself, then its declarations. A header is meant to be",
+             "read whole; sources are cited there.", ""]
+    for part, title in FOLDERS.items():
+        target = folder / part.replace("/", "_")
+        target.mkdir(parents=True)
+        rows, names = [], []
+        for header in sorted((ROOT / part).glob("*.h")):
+            text, about = header_page(header)
+            (target / f"{header.stem}.md").write_text(text, encoding="utf-8")
+            names.append(header.stem)
+            rows.append(f"| [{header.name}]({header.stem}.md) | {about.replace('|', chr(92) + '|')} |")
+        listed = "\n".join(names)
+        (target / "index.md").write_text(f"# {title}\n\n`{part}`\n\n| header | |\n|---|---|\n" + "\n".join(rows) +
+                                         f"\n\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n", encoding="utf-8")
+        index.append(f"- [{title}]({target.name}/index.md): `{part}`")
+    index += ["", "```{toctree}", ":hidden:", ""] + [f"{part.replace('/', '_')}/index" for part in FOLDERS] + ["```", ""]
+    (folder / "index.md").write_text("\n".join(index), encoding="utf-8")
+
+
+def gather(source):
+    """All pages in one folder, as Sphinx wants them; nothing is written into the tree."""
+    shutil.rmtree(source, ignore_errors=True)
+    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "build.py"))
+    for page, file in PAGES.items():
+        (source / page).write_text(page_of((ROOT / file).read_text(encoding="utf-8")), encoding="utf-8")
+    shutil.copy(ROOT / "paper/notation.csv", source / "theory/notation.csv")
+    shutil.copytree(ROOT / "experiments/examples", source / "examples", ignore=shutil.ignore_patterns("*.md"))
+    write_reference(source / "reference/cpp")
+    static = source / "_static/katex"
+    if not KATEX.is_dir():
+        sys.exit(f"docs: {KATEX} is missing, which draws the formulas (Debian: libjs-katex)")
+    shutil.copytree(KATEX, static)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--output", type=Path, default=ROOT / "build/docs", help="default: %(default)s")
+    parser.add_argument("--package", type=Path, default=ROOT / "build/release/python", help="default: %(default)s")
+    a = parser.parse_args()
+    source = a.output / "source"
+    gather(source)
+    sys.path.insert(0, str(a.package.resolve()))  # autodoc imports the package
+    from sphinx.cmd.build import main as sphinx
+
+    status = sphinx(["-q", "-W", "--keep-going", "-n", "-j", "2", "-b", "html", "-d", str(a.output / "doctrees"), str(source),
+                     str(a.output / "html")])
+    if status == 0:
+        print(f"docs: {a.output / 'html/index.html'}")
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()

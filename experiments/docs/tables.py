@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+"""The decision tables of the documentation, from what an experiment measured: CSV on standard output.
+
+    tables.py solvers results/lcp_shootout > experiments/docs/data/solvers.csv
+    tables.py integrators results/work_precision > experiments/docs/data/integrators.csv
+"""
+import csv
+import statistics
+import sys
+from pathlib import Path
+
+GROUPS = {"definite": "symmetric positive definite", "semidefinite": "positive semidefinite",
+          "P-matrix": "P, not symmetric", "grid": "obstacles on grids, sparse", "friction": "contacts with friction",
+          "infeasible": "without solution (proof asked for)", "other": "games, options, known hard ones"}
+NOT_COUNTED = {"enumerate"}  # an oracle for small ones
+BEST = 3
+
+
+def solvers(folder):
+    """Of each group the solvers that certified most of its problems, by time among equals."""
+    with open(folder / "shootout.csv", encoding="utf-8") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["solver"] not in NOT_COUNTED]
+    fastest = {}  # of each problem
+    for row in rows:
+        if row["result"] == "certified":
+            fastest[row["problem"]] = min(fastest.get(row["problem"], 1e300), float(row["seconds"]))
+    yield ["problems", "number", *(cell for i in range(BEST) for cell in (f"{i + 1}.", "right", "time"))]
+    for group, words in GROUPS.items():
+        part = [row for row in rows if row["group"] == group]
+        count = len({row["problem"] for row in part})
+        if not count:
+            continue
+        ranking = []
+        for solver in {row["solver"] for row in part}:
+            times = [float(row["seconds"]) / fastest[row["problem"]] for row in part
+                     if row["solver"] == solver and row["result"] == "certified"]
+            if times:
+                ranking.append((-len(times), statistics.median(times), solver))
+        cells = []
+        for right, time, solver in sorted(ranking)[:BEST]:
+            cells += [f"`{solver}`", str(-right), f"{time:.2g}"]
+        yield [words, str(count), *cells, *[""] * (3 * BEST - len(cells))]
+
+
+def integrators(folder):
+    """Milliseconds that an error takes."""
+    with open(folder / "time_to_error.csv", encoding="utf-8") as stream:
+        table = list(csv.reader(stream))
+    yield ["integrator", *(f"to {target.removeprefix('to_')}" for target in table[0][1:])]
+    for name, *seconds in table[1:]:
+        yield [f"`{name}`", *(f"{1e3 * float(cell):.2g}" if cell and float(cell) < 1e300 else "–" for cell in seconds)]
+
+
+def main():
+    if len(sys.argv) != 3 or sys.argv[1] not in ("solvers", "integrators"):
+        sys.exit(__doc__)
+    make = solvers if sys.argv[1] == "solvers" else integrators
+    csv.writer(sys.stdout, lineterminator="\n").writerows(make(Path(sys.argv[2])))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,164 @@
+"""Sweeps: every combination of what lists hold, into one SQLite file."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+from . import _orthant
+from ._mechanics import _toml
+
+if TYPE_CHECKING:
+    import pandas
+
+_LOOK_AGAIN = 0.2  # [s]
+
+
+def sweep(what: Union[str, os.PathLike[str]], *, results: Union[str, os.PathLike[str], None] = None, quick: bool = False,
+          jobs: int = 0, client: Any = None, progress: bool = True, **keys: Any) -> Union[pandas.DataFrame, list[dict[str, Any]]]:
+    """Run every case of a sweep that its results lack; give back all its rows, as a pandas frame where there is pandas.
+
+    what: a sweep file, NAME.sweep.toml, or a scene, built-in or TOML, with the file's keys by keyword: measure (a column
+    of the trajectory), duration [s], reference, grid={"integrator": [...], "step": [...], "set": {"mu": [...]}} or a list
+    of such. Then the file is written beside the results, and `orthant sweep` takes it, too.
+    results: SQLite file, default results/NAME.sqlite. A row a case, by a key of all that determines it: killed and called
+    again, what is missing is done; several programs may work at one file. quick: the file's reduced grid.
+    jobs: processes on this machine, 0: one a core. client: a distributed.Client or its scheduler's address; its workers
+    run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
+    A case that fails is a row with its status. Raises ValueError naming file, key, value and rule.
+    """
+    file, results = _files(what, results, keys)
+    name, count, missing = _orthant._declare_sweep(file, quick, results)
+    with _Bar(name, count, progress) as bar:
+        bar.at(count - len(missing))
+        if not missing:
+            pass
+        elif client is None:
+            _by_processes(file, quick, results, jobs, name, bar)
+        else:
+            _by_dask(client, file, quick, results, missing, bar)
+    return _table(_orthant._sweep_rows(results, name))
+
+
+def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
+    given = Path(what)
+    if given.name.endswith(".sweep.toml"):
+        if keys:
+            raise TypeError(f"{next(iter(keys))}: a sweep file holds its keys itself: must be given for a scene only")
+        name = given.name[: -len(".sweep.toml")]
+        return given.absolute(), Path(results or f"results/{name}.sqlite").absolute()
+    kept = Path(results or f"results/{given.stem}.sqlite").absolute()
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    file = kept.with_suffix(".sweep.toml")
+    text = _sweep_toml({"scene": str(given.absolute()) if given.suffix == ".toml" else os.fspath(what), **keys})
+    if not file.exists() or file.read_text(encoding="utf-8") != text:
+        file.write_text(text, encoding="utf-8")
+    return file, kept
+
+
+def _sweep_toml(keys: dict[str, Any]) -> str:
+    lists = {key: [value] if isinstance(value, dict) else list(value) for key, value in keys.items()
+             if key in ("grid", "figure", "animation")}
+    lines = [f"{key} = {_toml(value)}" for key, value in keys.items() if key not in lists]
+    for kind, tables in lists.items():
+        for table in tables:
+            lines += ["", f"[[{kind}]]"] + [f"{key} = {_toml(value)}" for key, value in table.items()]
+    return "\n".join(lines) + "\n"
+
+
+class _Bar:
+    """Cases done, of how many."""
+
+    def __init__(self, name: str, count: int, shown: bool) -> None:
+        self._bar: Any = None
+        if shown and importlib.util.find_spec("tqdm"):
+            from tqdm.auto import tqdm
+
+            self._bar = tqdm(total=count, desc=name, unit="case")
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    @property
+    def shown(self) -> bool:
+        return self._bar is not None
+
+    def at(self, done: int) -> None:
+        if self._bar is not None:
+            self._bar.update(done - self._bar.n)
+
+
+def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, bar: _Bar) -> None:
+    """By a fresh interpreter, which forks one process a case: a crash there is a row, and nothing happens here."""
+    code = ("import json, sys; sys.path[:], call = json.loads(sys.argv[1]); from orthant import _orthant; "
+            "_orthant._run_sweep(*call)")
+    call = json.dumps([sys.path, [str(file), bool(quick), str(results), int(jobs)]])
+    child = subprocess.Popen([sys.executable, "-c", code, call], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE, text=True)
+    try:
+        while True:
+            try:
+                _, said = child.communicate(timeout=_LOOK_AGAIN)
+                break
+            except subprocess.TimeoutExpired:
+                if bar.shown:
+                    bar.at(len(_orthant._sweep_rows(results, name)))
+    except BaseException:  # stopped by hand: what is done stays done
+        child.terminate()
+        child.wait()
+        raise
+    if bar.shown:
+        bar.at(len(_orthant._sweep_rows(results, name)))
+    if child.returncode != 0:
+        raise RuntimeError(f"sweep {name}: {said.strip().splitlines()[-1] if said.strip() else 'ended'} "
+                           f"(exit code {child.returncode}); called again, it goes on")
+
+
+def _run_case(file: Path, quick: bool, key: str) -> str:
+    return _orthant._run_case(file, quick, key)
+
+
+def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[str], bar: _Bar) -> None:
+    from distributed import Client, as_completed
+
+    ours = isinstance(client, str)
+    workers = Client(client) if ours else client  # type: ignore[no-untyped-call]
+    try:
+        futures = [workers.submit(_run_case, file, quick, key, key=f"orthant-{key}", retries=2) for key in missing]
+        total, done, lost = len(missing), 0, []
+        for future in as_completed(futures):  # type: ignore[no-untyped-call]
+            if future.status == "finished":
+                _orthant._keep_row(results, future.result())
+                done += 1
+                bar.at(done)
+            else:
+                lost.append(f"{future.key}: {future.exception()!r}")
+            future.release()
+        if lost:
+            raise RuntimeError(f"sweep: {len(lost)} of {total} cases were lost, the first: {lost[0]}; called again, it goes on")
+    finally:
+        if ours:
+            workers.close()
+
+
+def _table(lines: list[str]) -> Any:
+    rows = []
+    for line in lines:
+        row = json.loads(line)
+        row.pop("problem", None)  # of a failed step: long; `orthant results --failures` writes it
+        parameters = row.pop("parameters", None)
+        rows.append({**json.loads(parameters or "{}"), **row})
+    if importlib.util.find_spec("pandas") is None:
+        return rows
+    import pandas
+
+    return pandas.DataFrame(rows)

@@ -1,0 +1,62 @@
+// Sweeps from Python: the same files, cases and results as those of `orthant sweep`.
+#include "module.h"
+
+#include "../sweep/run.h"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+
+namespace orthant::python {
+namespace py = pybind11;
+namespace {
+
+using Path = std::filesystem::path;
+
+/// The sweep's name, all its keys, and those that the results lack.
+py::tuple declare(const Path& file, bool quick, const Path& results) {
+  const Sweep sweep = read_sweep(file, quick);
+  if (const Path folder = results.parent_path(); !folder.empty()) std::filesystem::create_directories(folder);
+  Results kept(results);
+  kept.declare(sweep);
+  std::vector<std::string> missing;
+  for (const Case& c : sweep.cases)
+    if (!kept.has(c.key())) missing.push_back(c.key());
+  return py::make_tuple(sweep.name, sweep.cases.size(), missing);
+}
+
+/// All that is missing. Forks: for a process of its own, without threads.
+void run(const Path& file, bool quick, const Path& results, unsigned jobs) {
+  const Sweep sweep = read_sweep(file, quick);
+  Results kept(results);
+  run_sweep(sweep, kept, results, jobs);
+}
+
+std::string run_one(const Path& file, bool quick, const std::string& key) {
+  const Sweep sweep = read_sweep(file, quick);
+  const auto c = std::find_if(sweep.cases.begin(), sweep.cases.end(), [&](const Case& x) { return x.key() == key; });
+  if (c == sweep.cases.end())
+    throw std::invalid_argument("case " + key + ": must be one of " + file.string() + " as this build (" + revision() +
+                                ") sees it");
+  const py::gil_scoped_release others_may_run;
+  return run_case(*c).dump();
+}
+
+std::vector<std::string> rows(const Path& results, const std::string& name) {
+  std::vector<std::string> lines;
+  for (const ResultRow& row : Results(results, Results::read_only).rows(name)) lines.push_back(row.dump());
+  return lines;
+}
+
+}  // namespace
+
+void add_sweeps(py::module_& m) {
+  m.def("_declare_sweep", &declare);
+  m.def("_run_sweep", &run);
+  m.def("_run_case", &run_one);
+  m.def("_keep_row", [](const Path& results, const std::string& row) { Results(results).add(ResultRow::parse(row)); });
+  m.def("_sweep_rows", &rows);
+}
+
+}  // namespace orthant::python

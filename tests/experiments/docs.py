@@ -1,0 +1,169 @@
+"""docs.py PAGES BUILD PREFIX CXX: every block of code of the documentation runs, and says what the page says.
+
+A page's blocks share one empty folder. By language:
+  python    one after the other in one namespace, by this interpreter
+  toml, cpp, cmake   a first line `# file: NAME` or `// file: NAME` writes the file for the blocks that follow; a C++ program
+            that no console block of its page builds is built and run here
+  console   `$ COMMAND` by bash; the lines below it, if any, are its output, where ... stands for anything
+Any other language is an error, but for `text` and `none`, which are no code. SETS_UP lists the commands that are not run,
+since they install or measure for minutes; each must be on some page.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SETS_UP = {
+    "export PATH=$PWD/build/release:$PATH": "done here, with this build's folder",
+    "export PATH=$PWD/build/release:$PATH PYTHONPATH=$PWD/build/release/python": "likewise",
+    "./experiments/scripts/setup release": "what the tests were built by",
+    "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
+    "./experiments/run shootout --quick": "a minute, on a machine that does nothing else",
+    "experiments/docs/tables.py solvers results/lcp_shootout > experiments/docs/data/solvers.csv": "needs the run above",
+    "./experiments/run work_precision": "two minutes",
+    "experiments/docs/tables.py integrators results/work_precision > experiments/docs/data/integrators.csv": "needs that run",
+}
+NOT_CODE = {"text", "none", "{csv-table}", "{toctree}", "{eval-rst}", "{automodule}", "{literalinclude}"}
+
+
+def blocks(text):
+    """(line, language, lines) of each fenced block."""
+    inside = None
+    for number, line in enumerate(text.splitlines(), 1):
+        if inside is None:
+            if match := re.match(r"\s*```+\s*([^\s]*)", line):
+                inside = (number, match[1], [])
+        elif re.match(r"\s*```+\s*$", line):
+            yield inside
+            inside = None
+        else:
+            inside[2].append(line)
+    if inside is not None:
+        raise SystemExit(f"line {inside[0]}: a block that does not end")
+
+
+def matches(said, expected):
+    pattern = ".*?".join(re.escape(part) for part in "\n".join(expected).split("..."))
+    return re.fullmatch(pattern + r"\s*", said, re.S) is not None
+
+
+class Page:
+    def __init__(self, file, build, prefix, compiler):
+        self.file, self.build, self.prefix, self.compiler = file, build, prefix, compiler
+        self.folder, self.home = (Path(tempfile.mkdtemp(prefix=kind)) for kind in ("page", "home"))
+        self.python, self.programs, self.failures, self.run_count, self.not_run = [], [], 0, 0, set()
+        self.environment = {**os.environ, "PATH": f"{build}:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
+                            "PYTHONPATH": f"{build}/python", "PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{prefix}/share/pkgconfig"}
+        (self.home / "orthant").symlink_to(prefix)
+
+    def fail(self, line, words):
+        self.failures += 1
+        print(f"{self.file}:{line}: {words}", file=sys.stderr)
+
+    def bash(self, command):
+        return subprocess.run(["bash", "-c", command], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+
+    def console(self, line, lines):
+        commands = []
+        for text in lines:
+            if text.startswith("$ "):
+                commands.append((text[2:], []))
+            elif commands:
+                commands[-1][1].append(text)
+            else:
+                self.fail(line, "a console block begins with no command")
+        for command, expected in commands:
+            if command in SETS_UP:
+                self.not_run.add(command)
+                continue
+            if match := re.fullmatch(r"export (.*)", command):  # kept for the commands below
+                for name, value in re.findall(r"(\w+)=(\S+)", match[1]):
+                    self.environment[name] = self.bash(f'echo "{value}"').stdout.strip()
+                continue
+            self.run_count += 1
+            done = self.bash(command)
+            if done.returncode != 0:
+                self.fail(line, f"$ {command}\nended with {done.returncode}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+            elif expected and not matches(done.stdout, expected):
+                self.fail(line, f"$ {command}\nshould say:\n" + "\n".join(expected) + f"\nand says:\n{done.stdout[:2000]}")
+
+    def keep(self, line, language, lines):
+        match = re.match(r"(?:#|//) file: (\S+)$", lines[0] if lines else "")
+        if match:
+            (self.folder / match[1]).write_text("\n".join(lines) + "\n", encoding="utf-8")
+            if language == "cpp":
+                self.programs.append((line, match[1]))
+        elif language == "toml":  # a scene by itself
+            self.run_count += 1
+            (self.folder / "block.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+            done = self.bash("orthant simulate block.toml --duration 0.002")
+            if done.returncode != 0:
+                self.fail(line, f"no scene that runs: {done.stderr}")
+        else:
+            self.fail(line, f"a {language} block without `file: NAME`")
+
+    def build_programs(self, text):
+        for line, name in self.programs:
+            if re.search(r"^\$ cmake --build", text, re.M):
+                continue
+            self.run_count += 1
+            done = self.bash(f"$CXX -std=c++20 {name} -o program $(pkg-config --cflags --libs orthant) && ./program")
+            if done.returncode != 0:
+                self.fail(line, f"{name}: {done.stdout}{done.stderr[-3000:]}")
+
+    def run_python(self):
+        """In one go; each block's line numbers are those of the page."""
+        if not self.python:
+            return
+        self.run_count += len(self.python)
+        source = []
+        for line, lines in self.python:
+            source += [""] * (line - len(source)) + lines
+        (self.folder / "page.py").write_text("\n".join(source) + "\n", encoding="utf-8")
+        done = subprocess.run([sys.executable, "-s", "page.py"], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+        if done.returncode != 0:
+            self.fail(self.python[0][0], done.stderr)
+
+    def check(self):
+        text = self.file.read_text(encoding="utf-8")
+        for line, language, lines in blocks(text):
+            if language == "python":
+                self.python.append((line, lines))
+            elif language == "console":
+                self.run_python(), self.python.clear()  # files it writes may be wanted
+                self.console(line, lines)
+            elif language in ("toml", "cpp", "cmake"):
+                self.keep(line, language, lines)
+            elif language not in NOT_CODE:
+                self.fail(line, f"language '{language}': must be python, toml, cpp, cmake, console, text or none")
+        self.run_python()
+        self.build_programs(text)
+        shutil.rmtree(self.folder), shutil.rmtree(self.home)
+        return self.failures
+
+
+def main():
+    folder, build, prefix = (Path(x).resolve() for x in sys.argv[1:4])
+    failures, not_run, count = 0, set(), 0
+    for file in sorted(folder.rglob("*.md")):
+        page = Page(file, build, prefix, sys.argv[4])
+        failures += page.check()
+        not_run |= page.not_run
+        count += page.run_count
+        print(f"{file.relative_to(folder)}: {page.run_count} run")
+    for command in sorted(not_run):
+        print(f"not run here ({SETS_UP[command]}): {command}")
+    for command in sorted(SETS_UP.keys() - not_run):
+        failures += 1
+        print(f"no page has the command that is not run: {command}", file=sys.stderr)
+    if count < 30:
+        failures += 1
+        print(f"only {count} blocks: the pages were not found", file=sys.stderr)
+    sys.exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+"""Sweeps from Python: the same rows as `orthant sweep` writes, by processes of this machine and by Dask."""
+
+import pathlib
+import shutil
+import subprocess
+
+import orthant
+import pytest
+
+pd = pytest.importorskip("pandas")
+BALL = {"duration": 0.5, "measure": "ball.y", "reference": "event-driven:rtol=1e-10",
+        "grid": {"integrator": ["moreau-jean", "rattle"], "step": [1e-2, 1e-3]}}
+FIGURES = ["integrator", "step", "status", "value", "error"]
+
+
+def test_every_combination_is_a_row_and_a_second_call_does_nothing(tmp_path):
+    frame = orthant.sweep("bouncing_ball", results=tmp_path / "ball.sqlite", progress=False, **BALL)
+    assert len(frame) == 4 and (frame["status"] == "solved").all()
+    assert sorted(set(zip(frame["integrator"], frame["step"]))) == [
+        ("moreau-jean", 1e-3), ("moreau-jean", 1e-2), ("rattle", 1e-3), ("rattle", 1e-2)]
+    coarse, fine = (frame[(frame["integrator"] == "moreau-jean") & (frame["step"] == h)]["error"].iloc[0] for h in (1e-2, 1e-3))
+    assert 0 < abs(fine) < abs(coarse)
+    before = (tmp_path / "ball.sweep.toml").stat().st_mtime_ns
+    again = orthant.sweep("bouncing_ball", results=tmp_path / "ball.sqlite", progress=False, **BALL)
+    assert again["seconds"].equals(frame["seconds"])  # times differ from run to run: nothing ran
+    assert (tmp_path / "ball.sweep.toml").stat().st_mtime_ns == before
+
+
+def test_the_command_gives_the_same(tmp_path):
+    command = pathlib.Path(orthant.__file__).parents[2] / "orthant"
+    if not command.exists():
+        pytest.skip("the tests stand alone here")
+    frame = orthant.sweep("bouncing_ball", results=tmp_path / "ball.sqlite", progress=False, **BALL)
+    subprocess.run([command, "sweep", "ball.sweep.toml", "--results", "theirs.sqlite"], cwd=tmp_path, check=True, capture_output=True)
+    theirs = orthant._sweep._table(orthant._orthant._sweep_rows(tmp_path / "theirs.sqlite", "ball"))
+    assert [c for c in FIGURES if c in frame] and all(frame[c].equals(theirs[c]) for c in FIGURES if c in frame)
+
+
+def test_parameters_are_columns_and_the_bar_counts(tmp_path, capsys):
+    pytest.importorskip("tqdm")
+    frame = orthant.sweep("slider_crank", results=tmp_path / "s.sqlite", duration=0.002, measure="crank.theta",
+                          grid=[{"integrator": "moreau-jean", "step": 1e-4, "set": {"mu": [0, 0.1]}}])
+    assert list(frame["mu"]) == [0, 0.1]
+    assert "2/2" in capsys.readouterr().err
+
+
+def test_by_dask(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    here = orthant.sweep("bouncing_ball", results=tmp_path / "here.sqlite", progress=False, **BALL)
+    with distributed.Client(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as client:
+        there = orthant.sweep("bouncing_ball", results=tmp_path / "there.sqlite", progress=False, client=client, **BALL)
+    assert all(here[c].equals(there[c]) for c in FIGURES if c in here)
+
+
+def test_what_is_wrong_is_named(tmp_path):
+    with pytest.raises(ValueError, match="integrator.*eulr|eulr"):
+        orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", grid={"integrator": "eulr"})
+    with pytest.raises(ValueError, match="no_such"):
+        orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", no_such=1, grid={"integrator": "rattle"})
+    file = tmp_path / "b.sweep.toml"
+    shutil.copy(tmp_path / "a.sweep.toml", file)
+    with pytest.raises(TypeError, match="measure: a sweep file holds its keys itself"):
+        orthant.sweep(file, measure="ball.y")
