@@ -70,6 +70,8 @@ class Dump {
     for (const Polygon* corners : {&c.corners_a, &c.corners_b})
       for (const Vector2d& corner : *corners) put(corner);
   }
+  void joint(const CustomJoint&) { FAIL("a file has none"); }
+  void contact(const CustomContact&) { FAIL("a file has none"); }
   void contact(const Journal& c) {
     put("journal", c.name, c.a, c.centre_a, c.radius_a, c.b, c.centre_b, c.radius_b, c.law);
   }

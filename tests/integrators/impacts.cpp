@@ -113,10 +113,11 @@ TEST_CASE("every solver of the registry carries the laws") {
 
 TEST_CASE("a contact that is listed twice changes no impact, whichever copy a solver gives the impulse") {
   const auto plank = [](Restitution restitution, Impacts impacts, double mu, double e, int again) {
-    Scene s{.gravity = {0, -9.81}, .duration = 0.2, .step = 1e-3, .restitution = restitution, .impacts = impacts};
+    Scene s{.gravity = {0, -9.81}, .restitution = restitution, .impacts = impacts};
+    s.duration = 0.2, s.step = 1e-3;
     const BodyId body = s.body({.mass = 1, .inertia = 0.2, .position = {0, 0.2}, .velocity = {0.3, -1}, .omega = 0.4});
     for (int i = 0; i < 4; ++i) {
-      const CornerWall corner{.a = body, .corner = {i % 2 == 0 ? -0.5 : 0.4, -0.1}, .law = {.mu = mu, .e = e}};
+      const CornerWall corner{.a = body, .point = {i % 2 == 0 ? -0.5 : 0.4, -0.1}, .law = {.mu = mu, .e = e}};
       if (i < 2 || i - 2 == again || again == 2) s.contact(corner);
     }
     return s;
