@@ -64,9 +64,6 @@ Adaptive::Adaptive(const System& system, const Options& options)
       gap_margins_(system.laws().size()),
       gaps_before_(system.laws().size()),
       closed_(system.laws().size()),
-      series_(system.laws().size()),
-      over_(system.laws().size()),
-      bounce_(system.laws().size()),
       q_(system.dof()),
       v_(system.dof()),
       v_new_(system.dof()),
@@ -237,8 +234,6 @@ bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, Ste
   wish = std::min(4 * wish, width * 0.7 / error_);
   settle_modes(width, x);
   if (land(x.t + width)) {
-    for (std::size_t c = 0; c < series_.size(); ++c)
-      if (!before_[c].lasting && sum_[c].normal > 0) note_bounce(static_cast<int>(c), x.t + width);
     accept(width, x, report);
     return true;
   }
@@ -307,7 +302,6 @@ void Adaptive::restart(double h) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   std::fill(gap_margins_.begin(), gap_margins_.end(), Margin{});
-  std::fill(series_.begin(), series_.end(), ImpactSeries{});
 }
 
 void Adaptive::load(const State& x) {
@@ -511,10 +505,7 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
       terms_.closed.push_back({c, rows(c)});
   newtons_law(system_.laws(), terms_, v_, wanted_);
   for (std::size_t k = 0; k < terms_.closed.size(); ++k)
-    if (const int c = terms_.closed[k].contact; closed_[at(c)] || over_[at(c)]) {
-      wanted_[k].tangent = system_.law(c).belt;
-      if (over_[at(c)]) wanted_[k].normal = 0;
-    }
+    if (const int c = terms_.closed[k].contact; closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
   formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
   if (!formulation_.solve(solver, report)) return false;
   note_forces(terms_, v_new_, wanted_);
@@ -529,7 +520,6 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
 bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report) {
   // Tangential restitution is for contacts that strike: not for what lasts, nor once more in the second half.
   for (std::size_t c = 0; c < closed_.size(); ++c) closed_[c] = !jumps && motion_.modes[c].lasting;
-  end_series(x.t);
   load(x);
   if (!plain_step(x, 0, h, joints, solver, report)) return false;
   store(row_[0]);
@@ -552,25 +542,6 @@ bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const 
     row_[0].tail(n) += (x.v - 2 * v_half_ + v_) / 4;
   error_ = std::max(error_, error(row_[0], row_[1])) / kCrossing;
   return true;
-}
-
-/// Of an impact that leaves the contact with v_, at t.
-void Adaptive::note_bounce(int contact, double t) {
-  ImpactSeries& series = series_[at(contact)];
-  series.add(t);
-  bounce_[at(contact)] = std::max(0.0, apply(rows(contact).normal, v_.data())) * series.interval / 4;
-}
-
-/// Contacts that strike in turn come to rounding of their gaps, and seem closed together, while their speeds are not small
-/// yet. What is left of their series is then one impact without restitution. One by itself is followed to its end.
-void Adaptive::end_series(double t) {
-  const auto goes_on = [&](const ImpactSeries& s) { return s.accumulates() && t <= s.last + s.interval; };
-  for (std::size_t c = 0; c < over_.size(); ++c) {
-    const ImpactSeries& s = series_[c];
-    const bool low = goes_on(s) && bounce_[c] * s.ratio <= kTogether * slack_[c];
-    over_[c] = low && std::any_of(series_.begin(), series_.end(),
-                                  [&](const ImpactSeries& other) { return goes_on(other) && other.last != s.last; });
-  }
 }
 
 /// Of the tangent of closed contact k, in the problem solved last.

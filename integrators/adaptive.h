@@ -11,8 +11,7 @@
 //   Moreau–Jean step with the scene's own laws goes across. Its error (against the same step in two halves, and a bound for
 //   what these may overlook) is of first order, so it is as short as the tolerance asks. A contact closed in both halves
 //   that does not open lasts from then on: that is how the infinitely many impacts of an accumulation end, without a rule
-//   of their own, unless contacts strike in turn (impact_series.h): what is left when their gaps are rounding is one impact
-//   without restitution. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
+//   of their own. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
 //   points of the arc (contact_watch.h), not in the steps' Λ, which alternate: the arc is done again to just after it (so
 //   late that accelerations do 0.1 of the tolerance meanwhile), and the modes are decided by the problem at acceleration
 //   level (contact_transition.h). Where that finds nothing new, or no answer, a step of Moreau–Jean goes on. Forces that are
@@ -38,7 +37,6 @@
 #include <orthant/integrators/contact_transition.h>
 #include <orthant/integrators/contact_watch.h>
 #include <orthant/integrators/impact.h>
-#include <orthant/integrators/impact_series.h>
 
 #include <array>
 
@@ -100,8 +98,6 @@ class Adaptive final : public Integrator {
   bool cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report);
   bool plain_step(const State& x, double offset, double h, double joints, Solver& solver, StepReport& report);
   bool predict(double t, double h, double joints);
-  void note_bounce(int contact, double t);
-  void end_series(double t);
   Index friction_row(std::size_t k) const;
   double gap_acceleration(int contact, const Eigen::VectorXd& a);
   void settle_modes(double h, const State& x);
@@ -123,9 +119,6 @@ class Adaptive final : public Integrator {
   std::vector<ContactBias> missing_;
   std::vector<Margin> gap_margins_, gaps_before_;  // gaps_before_: at the start of the arc
   std::vector<bool> closed_;                       // in the first half of a crossing
-  std::vector<ImpactSeries> series_;               // of each contact
-  std::vector<bool> over_;                         // its series goes on lower than rounding: it has come to its end
-  std::vector<double> bounce_;                     // [m] height of a bounce at its last speed, as long as its last one
   std::vector<Eigen::VectorXd> row_;               // q, v of every column of the extrapolation
   Eigen::VectorXd q_, v_, v_new_, v_half_, force_, lambda_;
   std::vector<Impulse> sum_;

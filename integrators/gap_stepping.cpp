@@ -1,8 +1,22 @@
 #include <orthant/integrators/gap_stepping.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace orthant {
+namespace {
+
+/// Σ |J_k| way_k: how far the contact may close while no coordinate moves farther than its way.
+double farthest(const Row& row, const Eigen::VectorXd& way) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (row.a >= 0) sum += std::abs(row.ja[k]) * way[3 * row.a + static_cast<Index>(k)];
+    if (row.b >= 0) sum += std::abs(row.jb[k]) * way[3 * row.b + static_cast<Index>(k)];
+  }
+  return sum;
+}
+
+}  // namespace
 
 void GapStepping::close(double h, const State& x) {
   flight_ = v_new_;
@@ -25,8 +39,8 @@ void GapStepping::close(double h, const State& x) {
 
 bool GapStepping::missed(double h, const State& x) {
   if (terms_.closed.empty() || v_new_ == flight_) return false;
-  const std::size_t before = joined_.size();
-  const std::size_t taking_part = terms_.closed.size();
+  way_ = h * (x.v.cwiseAbs() + flight_.cwiseAbs());
+  const std::size_t before = joined_.size(), taking_part = terms_.closed.size();
   for (int i = 0, next = 0; i < system_.contacts(); ++i) {
     if (static_cast<std::size_t>(next) < taking_part && terms_.closed[static_cast<std::size_t>(next)].contact == i) {
       ++next;
@@ -37,7 +51,8 @@ bool GapStepping::missed(double h, const State& x) {
     const ClosedContact c = terms_.closed.back();
     terms_.closed.pop_back();
     const double rate = apply(c.rows.normal, v_new_.data());
-    if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h)
+    if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
+        terms_.gap[i] <= farthest(c.rows.normal, way_))
       joined_.push_back(i);
   }
   if (joined_.size() == before) return false;

@@ -4,7 +4,9 @@
 //   rows are linearized: g_N = 0 at q + h v⁺ is γ_N⁺ = γ_N,free − g_N/h.
 // All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of the
 // others may drive them shut: what the solution violates then joins the problem, which is solved anew, until nothing is
-// violated. So the answer is that of the whole problem, at the cost of the contacts that take part.
+// violated. So the answer is that of the whole problem, at the cost of the contacts that take part. What joins is nearer than
+// the two bodies come by themselves, h (|v| + |v_free|): farther away (a row of balls with gaps) a contact that is shut by an
+// impulse is made in the next step, as in the source, so that pairs found by a grid are all there are.
 #pragma once
 
 #include <orthant/integrators/velocity_stepping.h>
@@ -33,6 +35,7 @@ class GapStepping : public VelocityStepping {
   bool missed(double h, const State& x) final;
 
   Eigen::VectorXd flight_;  // v_free
+  Eigen::VectorXd way_;
 };
 
 }  // namespace orthant

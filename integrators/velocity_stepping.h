@@ -78,7 +78,7 @@ class VelocityStepping : public Integrator {
   void measure(double h, const State& x);  // near_
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
-  /// The pairs that can be closed in the step.
+  /// The pairs that can be closed in the step, terms_.at being on its way.
   bool find_pairs(double h, const State& x, StepReport& report);
   /// The step's problem and what it does to v_new_. From a new start joints' loads are not known, and are found by
   /// repetition.

@@ -64,6 +64,8 @@ class NewtonFb final : public Solver {
   Polish polish_;
   Lcp proximal_;
   Vector shift_;
+  bool near_ = false;  // the last merit was small
+  int refinements_ = 0;
   detail::Scaling scaling_;
   Lcp scaled_;
   ActiveRows rows_;

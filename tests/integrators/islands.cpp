@@ -16,6 +16,14 @@ using namespace orthant;
 
 namespace {
 
+struct End {
+  Eigen::VectorXd q, v;
+  long solves = 0, iterations = 0;
+  bool operator==(const End& other) const {
+    return q == other.q && v == other.v && solves == other.solves && iterations == other.iterations;
+  }
+};
+
 /// n stacks of two discs each on a floor, thrown at each other's floor at different times, `apart` metres between them.
 Scene stacks(int n, double mu, double apart = 3) {
   Scene s;
@@ -92,11 +100,6 @@ TEST_CASE("islands at the same time: to the bit what they are one after the othe
     for (const char* solver : {"lemke", "auto", "psor"}) {
       CAPTURE(integrator);
       CAPTURE(solver);
-      struct End {
-        Eigen::VectorXd q, v;
-        long solves = 0, iterations = 0;
-        bool operator==(const End&) const = default;
-      };
       const auto end = [&](int helpers) {
         const auto scheme = make_integrator(integrator, system);
         std::vector<std::unique_ptr<Solver>> more;
