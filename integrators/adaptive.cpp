@@ -551,13 +551,6 @@ Index Adaptive::friction_row(std::size_t k) const {
   return row;
 }
 
-/// [m/s²] where motion_ has just evaluated its accelerations a.
-double Adaptive::gap_acceleration(int contact, const Eigen::VectorXd& a) {
-  const Kinematics& at = motion_.terms().at;
-  return std::visit([&](const auto& c) { return apply(c.rows(at).normal, a.data()) + c.bias(at).normal; },
-                    system_.scene().contacts[static_cast<std::size_t>(contact)]);
-}
-
 /// After a crossing of h from x: what lasts and how, from its second half; and what happened to each contact.
 void Adaptive::settle_modes(double h, const State& x) {
   const double tiny = 10 * formulation_.solution().residual + 1e-13 * v_new_.lpNorm<Eigen::Infinity>();
@@ -571,30 +564,20 @@ void Adaptive::settle_modes(double h, const State& x) {
     const double rebound = apply(terms_.closed[k].rows.normal, v_.data());
     const bool low = rebound * rebound * h <= fall * slack_[c];
     const bool pressed = (closed_[c] || before_[c].lasting) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
-    if (!low && !(pressed && rebound <= 2 * std::abs(fall))) return false;
+    if (!low && !(pressed && rebound <= 2 * std::abs(fall))) return;
     ContactMode& mode = motion_.modes[c];
     mode.lasting = true;
-    if (!system_.laws()[c].frictional()) return true;
+    if (!system_.laws()[c].frictional()) return;
     const double slip = formulation_.solution().w[friction_row(k)];
     mode.sticks = std::abs(slip) <= tiny;
     mode.slip = mode.sticks ? 0 : slip < 0 ? -1 : 1;
-    return true;
   };
-  bool any = false;
   for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
     const double e = system_.law(terms_.closed[k].contact).e;
     const double stopped_from = (1 + e) * apply(terms_.closed[k].rows.normal, v_half_.data());
-    any |= try_to_last(k, stopped_from - problem().b[static_cast<Index>(k)]);
+    try_to_last(k, stopped_from - problem().b[static_cast<Index>(k)]);
   }
   motion_.modes_changed();
-  // What falls freely together with what it lies on is pressed all the same, where that is held by contacts that last.
-  while (any && motion_.lasting().size() < terms_.closed.size() && motion_.accelerations(x.t + h, q_, v_, force_)) {
-    any = false;
-    for (std::size_t k = 0; k < terms_.closed.size(); ++k)
-      if (const int c = terms_.closed[k].contact; !motion_.modes[at(c)].lasting)
-        if (const double fall = -h / 2 * gap_acceleration(c, force_); fall > 0) any |= try_to_last(k, fall);
-    motion_.modes_changed();
-  }
   for (std::size_t c = 0; c < before_.size(); ++c) {
     gap_margins_[c] = {};
     if (before_[c].lasting || !(sum_[c].normal > 0)) continue;
