@@ -544,38 +544,29 @@ bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const 
   return true;
 }
 
-/// Of the tangent of closed contact k, in the problem solved last.
-Index Adaptive::friction_row(std::size_t k) const {
-  auto row = static_cast<Index>(terms_.closed.size());
-  for (std::size_t i = 0; i < k; ++i) row += system_.law(terms_.closed[i].contact).frictional();
-  return row;
-}
-
 /// After a crossing of h from x: what lasts and how, from its second half; and what happened to each contact.
 void Adaptive::settle_modes(double h, const State& x) {
   const double tiny = 10 * formulation_.solution().residual + 1e-13 * v_new_.lpNorm<Eigen::Infinity>();
   before_ = motion_.modes;
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
-  // The second half gave a contact a speed γ_N⁺ and would have changed it by −fall without the contact. It lasts if it flies
-  // no higher than rounding can tell; or if it was stopped, having been closed before, and would be back within a step
-  // (else an impact elsewhere sent it off).
-  const auto try_to_last = [&](std::size_t k, double fall) {
+  auto tangent = static_cast<Index>(terms_.closed.size());
+  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
     const auto c = at(terms_.closed[k].contact);
-    const double rebound = apply(terms_.closed[k].rows.normal, v_.data());
+    const bool frictional = system_.laws()[c].frictional();
+    const double slip = frictional ? formulation_.solution().w[tangent++] : 0;
+    // The second half gave it a speed γ_N⁺ and would have changed it by −fall without contact. It lasts if it flies no
+    // higher than rounding can tell; or if it was stopped, having been closed before, and would be back within a step
+    // (else an impact elsewhere sent it off).
+    const Row& row = terms_.closed[k].rows.normal;
+    const double stopped_from = (1 + system_.laws()[c].e) * apply(row, v_half_.data());
+    const double rebound = apply(row, v_.data()), fall = stopped_from - problem().b[static_cast<Index>(k)];
     const bool low = rebound * rebound * h <= fall * slack_[c];
     const bool pressed = (closed_[c] || before_[c].lasting) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
-    if (!low && !(pressed && rebound <= 2 * std::abs(fall))) return;
+    if (!low && !(pressed && rebound <= 2 * std::abs(fall))) continue;
     ContactMode& mode = motion_.modes[c];
     mode.lasting = true;
-    if (!system_.laws()[c].frictional()) return;
-    const double slip = formulation_.solution().w[friction_row(k)];
-    mode.sticks = std::abs(slip) <= tiny;
-    mode.slip = mode.sticks ? 0 : slip < 0 ? -1 : 1;
-  };
-  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
-    const double e = system_.law(terms_.closed[k].contact).e;
-    const double stopped_from = (1 + e) * apply(terms_.closed[k].rows.normal, v_half_.data());
-    try_to_last(k, stopped_from - problem().b[static_cast<Index>(k)]);
+    mode.sticks = frictional && std::abs(slip) <= tiny;
+    mode.slip = !frictional || mode.sticks ? 0 : slip < 0 ? -1 : 1;
   }
   motion_.modes_changed();
   for (std::size_t c = 0; c < before_.size(); ++c) {

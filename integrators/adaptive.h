@@ -98,7 +98,6 @@ class Adaptive final : public Integrator {
   bool cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report);
   bool plain_step(const State& x, double offset, double h, double joints, Solver& solver, StepReport& report);
   bool predict(double t, double h, double joints);
-  Index friction_row(std::size_t k) const;
   void settle_modes(double h, const State& x);
   void accept(double h, State& x, StepReport& report);
   void scale(const State& x);
