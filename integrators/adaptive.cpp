@@ -25,8 +25,6 @@ constexpr int kCrowd = 200;        // inner steps, rejected ones too, after whic
 constexpr double kLeastFloor = 1e-6, kMostFloor = 1e-4;  // [s]
 constexpr double kCrossing = 0.2;  // of the tolerance: an event's error is of one sign, and comes on top of the arcs'
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Where the cubic through value and rate at 0 and 1 last turns from positive to negative; 0 when it never is positive.
 double closing(double g0, double r0, double g1, double r1) {
   const double c2 = 3 * (g1 - g0) - 2 * r0 - r1, c3 = 2 * (g0 - g1) + r0 + r1;

@@ -59,11 +59,11 @@ class ContactEquations {
   template <class Dense> void solve_as(const Vector& share) {
     Eigen::CompleteOrthogonalDecomposition<Dense> decomposition;
     decomposition.setThreshold(1e-10);
-    using Column = Eigen::Matrix<double, -1, 1, 0, Dense::MaxRowsAtCompileTime, 1>;
-    const Column root = share.cwiseSqrt();
+    using Few = Eigen::Matrix<double, -1, 1, 0, Dense::MaxRowsAtCompileTime, 1>;
+    const Few root = share.cwiseSqrt();
     decomposition.compute(Dense(A * root.asDiagonal()));
     dependent = decomposition.rank() < size();
-    z = root.cwiseProduct(decomposition.solve(Column(-b)));
+    z = root.cwiseProduct(decomposition.solve(Few(-b)));
   }
 
   Index dof_;

@@ -20,12 +20,10 @@ constexpr double kPressed = 1e-6;     // of the accelerations: a contact let go 
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
 constexpr Index kFewRows = 12;             // problems that are enumerated
-constexpr int kCrowd = 15;                 // steps in a row, each shorter than
+constexpr int kShortSteps = 15;            // steps in a row, each shorter than
 constexpr int kShares = 200;               // times that friction is shared anew in such a row, which count for no event
 constexpr double kSoon = 50;               // crossings: no calm has come since the last one
 constexpr double kCrowded = 1e-4;          // of a crossing: events are taken to have no end
-
-std::size_t at(int contact) { return static_cast<std::size_t>(contact); }
 
 }  // namespace
 
@@ -172,7 +170,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
   if (early && last && !event && motion_.lasting().empty()) return look_ahead(rest);
   ++flight_, flight_time_ += s;
   accept(s, end);
-  if (crowded_ > (elapsed_ - crossed_ < kSoon * crossing_ ? kCrowd / 4 : kCrowd))
+  if (crowded_ > (elapsed_ - crossed_ < kSoon * crossing_ ? kShortSteps / 4 : kShortSteps))
     return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_)) ||
            cross(solver, end, report);
   return !event || change_modes(solver, event, report) || (no_answer_ && cross(solver, end, report));

@@ -33,7 +33,7 @@ void Sleep::wake(int island) {
 }
 
 void Sleep::begin(const State& x, const Terms& terms, Eigen::VectorXd& v_free) {
-  constexpr double kSame = 1e-9;
+  constexpr double kSameLoad = 1e-9;
   if (!on()) return;
   if (!terms.pairs.empty()) {
     carry<Impulse>(system_, pairs_, terms.pairs, force_, scratch_);
@@ -47,7 +47,7 @@ void Sleep::begin(const State& x, const Terms& terms, Eigen::VectorXd& v_free) {
   for (BodyId b = 0; b < system_.bodies(); ++b) {
     if (!asleep(b)) continue;
     const auto was = f_.segment<3>(3 * b);
-    if ((terms.f.segment<3>(3 * b) - was).lpNorm<Eigen::Infinity>() > kSame * was.lpNorm<Eigen::Infinity>())
+    if ((terms.f.segment<3>(3 * b) - was).lpNorm<Eigen::Infinity>() > kSameLoad * was.lpNorm<Eigen::Infinity>())
       wake(island_[static_cast<std::size_t>(b)]);
   }
   for (BodyId b = 0; b < system_.bodies(); ++b)

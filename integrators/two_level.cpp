@@ -132,18 +132,18 @@ bool TwoLevel::close_gaps() {
 }
 
 TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
-  constexpr double kRounding = 1e-14, kOfGaps = 10;
+  constexpr double kOfPlaces = 1e-14, kOfGaps = 10;
   Mismatch m;
   const auto note = [&](double off, double rounding, double allowed) {
     m.size = std::max(m.size, off), m.relative = std::max(m.relative, off / rounding);
     if (!(off <= allowed)) m.none = false;  // NaN too
   };
   for (Index i = 0; i < end_.phi.size(); ++i) {
-    const double rounding = kRounding * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
+    const double rounding = kOfPlaces * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
     note(std::abs(end_.phi[i]), rounding, rounding);
   }
   for (const ClosedContact& c : start_.closed) {
-    const double gap = end_.gap[c.contact], rounding = kRounding * (1 + far_.of(c.rows.normal));
+    const double gap = end_.gap[c.contact], rounding = kOfPlaces * (1 + far_.of(c.rows.normal));
     note(impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap, rounding,
          kOfGaps * rounding + 2 * accuracy);
   }

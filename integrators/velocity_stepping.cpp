@@ -110,7 +110,7 @@ bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) 
 
 bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, StepReport& report) {
   constexpr int kPasses = 50;
-  constexpr double kSame = 1e-12;  // of the largest load
+  constexpr double kSameLoads = 1e-12;  // of the largest load
   const bool known = loads_.empty() || (last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_);
   if (!known) std::fill(loads_.begin(), loads_.end(), 0.0), v_free_ = v_new_;
   for (int pass = 1;; ++pass) {
@@ -125,7 +125,7 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
     for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = formulation_.joint_friction(i);
     if (loads_.empty()) return true;
     const double change = note_loads(h, x);
-    if (known || pass == kPasses || change <= kSame * *std::max_element(loads_.begin(), loads_.end())) return true;
+    if (known || pass == kPasses || change <= kSameLoads * *std::max_element(loads_.begin(), loads_.end())) return true;
     v_new_ = v_free_;
   }
 }

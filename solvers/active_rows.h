@@ -92,8 +92,6 @@ class ActiveRows {  // reuse it
   double scale(Index i) const { return scale_[i] > 0 ? scale_[i] : 1.0; }
 
  private:
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
   /// The inside rows; z on the bounds elsewhere, `near` (0 when null) inside.
   void choose(const Vector* near) {
     inside_.clear();

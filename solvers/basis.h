@@ -71,8 +71,6 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
   bool factorize_gathered();
   void gather_core();
   template <class Lu> void solve_core(Lu& lu, View x);
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
   Index n_ = 0;
   bool sparse_ = false;
   int update_limit_ = 64;

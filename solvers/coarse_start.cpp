@@ -6,8 +6,6 @@ namespace {
 constexpr Index kFew = 64;   // rows that need no start
 constexpr int kEnough = 20;  // iterations on a level: a start need not be a solution
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 bool is_z_matrix(const RowSparse& A) {
   for (Index i = 0; i < A.rows; ++i)
     for (int k = A.start[at(i)]; k < A.start[at(i + 1)]; ++k)

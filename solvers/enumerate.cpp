@@ -24,8 +24,6 @@ using exact::Table;
 constexpr double kMostChoices = 1 << 20;
 constexpr Index kMostRows = 100;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 enum Choice : signed char { lower, inside, upper };
 
 // Which forms are ≠ 0 somewhere in a polyhedron: z − lo > 0, hi − z > 0, w > 0, w < 0; one bit a row.

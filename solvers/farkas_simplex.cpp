@@ -15,8 +15,6 @@ namespace orthant {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 class Stop final : public ClpEventHandler {  // asked after each iteration
  public:
   explicit Stop(const Budget& budget) : budget_(&budget) {}

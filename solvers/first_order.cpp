@@ -48,8 +48,6 @@ std::string named(Index i, Index j, double value) {
   return text.str();
 }
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 double entry(const RowSparse& A, Index i, Index j) {
   const auto begin = A.column.begin() + A.start[at(i)], end = A.column.begin() + A.start[at(i) + 1];
   const auto it = std::lower_bound(begin, end, static_cast<int>(j));

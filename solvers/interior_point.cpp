@@ -14,8 +14,6 @@ constexpr double kExact = 1e-13;  // residual, relative as certify() has it, at 
 constexpr double kNoise = 16;     // ρ (solution.h) times this: what rounding explains
 constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start beside Mehrotra's
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The largest entry of each row, 1 for none.
 void row_sizes(const Matrix& A, Vector& size) {
   size.resize(order(A));

@@ -18,8 +18,6 @@ using Int = ip::Index;
 using Map = Eigen::Map<Eigen::VectorXd>;
 using ConstMap = Eigen::Map<const Eigen::VectorXd>;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// Either program of ipopt.h as Ipopt asks for it: x = (z, m), g = w + m.
 class Program final : public ip::TNLP {
  public:

@@ -30,7 +30,7 @@ using detail::Wide;
 constexpr int kRestarts = 12;      // with other covering vectors
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
 constexpr Index kExtended = 100;   // rows beyond which refinement comes sooner to the same
-constexpr Index kExact = 24;       // rows up to which rationals stay short
+constexpr Index kRational = 24;    // rows up to which rationals stay short
 constexpr Index kTableau = 10000;
 constexpr Index kRevisedOnly = 2000;  // rows beyond which no tableau is tried after the revised form
 constexpr Index kWide = 600;          // rows up to which 256 bits take seconds
@@ -58,8 +58,6 @@ struct Nearby {
   const Vector& shift;
   double operator()(Index i, Index j) const { return i == j ? M(i, i) + shift[i] : M(i, j); }
 };
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -368,7 +366,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
         claim = work.attempt(work.wide_tableau, limit > 0 ? std::min(limit, few) : few, problem, s, nearby);
         return true;
       case Arithmetic::exact:
-        if (rows > kExact) break;
+        if (rows > kRational) break;
         claim = work.attempt(work.exact_tableau, limit > 0 ? std::min(limit, few) : few, problem, s);
         return true;
     }

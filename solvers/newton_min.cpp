@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace orthant {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   if (!problem.friction.empty()) start_ = s.z;

@@ -67,7 +67,6 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
   enum class Side : char { lower, upper, inside };
   using Sum = std::conditional_t<std::is_floating_point_v<T>, long double, T>;
   using Values = Reusable<Eigen::Matrix<T, Eigen::Dynamic, 1>>;  // by position
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   int t_code() const { return static_cast<int>(3 * n_); }
   int index_of(int code) const { return code % static_cast<int>(n_); }
   int kind_of(int code) const { return code / static_cast<int>(n_); }  // 0: z, 1: w, 2: v, 3: t

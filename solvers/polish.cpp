@@ -9,10 +9,8 @@ namespace {
 
 constexpr int kGuesses = 4, kRounds = 8;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// By the judge's own allowance for rounding (certify.h).
-bool exact(const Solution& s) { return s.status == Status::solved; }
+bool is_exact(const Solution& s) { return s.status == Status::solved; }
 
 /// What is not known of w counts as wrong, or else a runaway z would do.
 double error(const Solution& s) { return std::max(s.residual, s.rounding); }
@@ -46,12 +44,12 @@ bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget) {
   better(p, z);
   zero_ = Eigen::VectorXd::Zero(p.size());
   if (!(error(best_) < kInf)) return false;
-  for (int kind = 0; kind < kGuesses && !exact(best_) && !budget.exhausted(); ++kind) {
+  for (int kind = 0; kind < kGuesses && !is_exact(best_) && !budget.exhausted(); ++kind) {
     guess(p, kind);
     for (int round = 0; round < kRounds && !budget.exhausted(); ++round) {
       if (!rows_.solve() && !rows_.solve_near(kind == 3 ? zero_ : best_.z)) break;
       better(p, rows_.z);
-      if (exact(best_) && best_.residual <= best_.rounding) break;
+      if (is_exact(best_) && best_.residual <= best_.rounding) break;
       bool moved = false;
       for (Index i = 0; i < p.size(); ++i) {
         const Side side = rows_.better(i);
@@ -62,7 +60,7 @@ bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget) {
     }
   }
   z = best_.z;
-  return exact(best_);
+  return is_exact(best_);
 }
 
 }  // namespace orthant

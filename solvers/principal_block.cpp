@@ -15,8 +15,6 @@ namespace {
 
 constexpr double kGrowth = 1e4;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// Pivots below this part of the largest are what rounding leaves of a singular block of m rows. The entries of a shift
 /// span many powers of ten by intention: nothing but 0 is small then.
 double zero(Index m, const Vector* shift) {

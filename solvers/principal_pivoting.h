@@ -66,8 +66,6 @@ class PrincipalPivoting {  // reuse it: the second problem of a size allocates n
   }
 
  private:
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
   template <class T> void refine(const PrincipalTableau<T>& t) {
     auto& inside = basis_.unknown;
     inside.clear();

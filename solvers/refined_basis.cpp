@@ -7,8 +7,6 @@ namespace orthant::detail {
 
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 // a + b = sum + error, exactly (Knuth).
 struct Sum {
   double sum, error;

@@ -48,7 +48,6 @@ class RevisedLemke {  // reuse it
 
  private:
   static constexpr int kLost = -1;
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   int covering() const { return 2 * n_; }
   template <class Add> void column(int variable, const Add& add) const;
   bool factorize();

@@ -79,8 +79,6 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
   bool trivial() const { return trivial_; }  // all ones
 
  private:
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
   /// The middle of the exponents of each column, or of each row: term(i, j, M_ij) is its index and a scaled entry.
   template <class Each, class Term> void center(Vector& scale, const Each& each, const Term& term) {
     range_.assign(at(scale.size()), {5000, -5000});

@@ -15,8 +15,6 @@ constexpr int kPatience = 3;  // of them that make nothing better
 constexpr double kMissed = 1e-9;
 constexpr double kNoise = 16;  // roundings of its terms by which a w_i = 0 may look wrong
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 void SmallActiveSet::load(const Lcp& problem) {

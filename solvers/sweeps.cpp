@@ -6,8 +6,6 @@
 namespace orthant {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 double dot(const RowSparse& A, Index i, const Vector& x) {
   double sum = 0;
   for (std::size_t k = at(A.start[at(i)]); k < at(A.start[at(i) + 1]); ++k) sum += A.value[k] * x[A.column[k]];

@@ -8,6 +8,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND orthant_warnings -Wduplicated-cond -Wlogical-op)
   # GCC 12 guesses these after inlining, inside Eigen as well, and guesses wrong; missing fields of a designated
   # initializer are our way of taking defaults.
+  # And a file that a unity build includes is no header.
+  list(APPEND orthant_warnings -Wno-subobject-linkage)
   list(APPEND orthant_warnings -Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict -Wno-missing-field-initializers)
 endif()
 
@@ -17,4 +19,9 @@ endif()
 function(orthant_compile_options target)
   target_compile_options(${target} PRIVATE ${orthant_warnings} -ffp-contract=off -fno-semantic-interposition $<$<BOOL:${ORTHANT_WERROR}>:-Werror>)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+endfunction()
+
+# orthant_compile_quickly(target): for code that waits for the libraries, whose optimizing costs more than it can save.
+function(orthant_compile_quickly target)
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
 endfunction()

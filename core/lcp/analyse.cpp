@@ -27,7 +27,6 @@ constexpr Index kSubsets = 12;      // rows of which all subsets are looked at
 constexpr Index kSignPatterns = 5;  // rows of which all supports with all signs are looked at
 constexpr Index kDense = 1000;      // rows for dense eigenvalues and factorizations
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 Verdict verdict(bool yes) { return yes ? Verdict::yes : Verdict::no; }
 
 Table symmetric_part(const Table& A) {

@@ -14,8 +14,6 @@ constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
 constexpr double kFormed = 7e7;     // products up to which an operator's entries are formed
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 // w ← A z + b, abs ← |A| |z| + |b|; a Delassus operator is bounded through its factors, as it is applied.
 void apply(const Matrix& A, const Vector& b, const Vector& z, Vector& w, Vector& abs, Vector& inner,
            Vector& inner_abs) {

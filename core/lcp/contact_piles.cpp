@@ -17,7 +17,7 @@ using Point = Eigen::Vector3d;
 // Boxes and the points where they touch, then all rows at once.
 class Builder {
  public:
-  explicit Builder(const Pile& pile) : pile_(pile), freedoms_(pile.spatial ? 6 : 3) {
+  explicit Builder(const ContactPile& pile) : pile_(pile), freedoms_(pile.spatial ? 6 : 3) {
     if (!(pile.mu >= 0) || !(pile.mass_ratio > 0) || !std::isfinite(pile.slope))
       throw std::invalid_argument("pile: mu = " + std::to_string(pile.mu) + ", mass_ratio = " +
                                   std::to_string(pile.mass_ratio) + ": mu must be ≥ 0, mass_ratio > 0, slope finite");
@@ -85,7 +85,7 @@ class Builder {
     return row;
   }
 
-  Pile pile_;
+  ContactPile pile_;
   int freedoms_, rows_ = 0;
   std::vector<double> inverse_mass_;
   std::vector<Point> centres_;
@@ -99,7 +99,7 @@ void require(const char* what, Index value) {
 
 }  // namespace
 
-Lcp box_column(Index boxes, const Pile& pile) {
+Lcp box_column(Index boxes, const ContactPile& pile) {
   require("boxes", boxes);
   Builder builder(pile);
   for (Index k = 0; k < boxes; ++k) {
@@ -111,7 +111,7 @@ Lcp box_column(Index boxes, const Pile& pile) {
   return builder.problem();
 }
 
-Lcp loaded_table(Index legs, const Pile& pile) {
+Lcp loaded_table(Index legs, const ContactPile& pile) {
   require("legs", legs);
   Builder builder(pile);
   const int plate = builder.box({0, 0, 1}, {4, 4, 0.2}, 1);
@@ -128,7 +128,7 @@ Lcp loaded_table(Index legs, const Pile& pile) {
   return builder.problem();
 }
 
-Lcp brick_wall(Index courses, const Pile& pile) {
+Lcp brick_wall(Index courses, const ContactPile& pile) {
   require("courses", courses);
   if (pile.spatial) throw std::invalid_argument("spatial = true: brick walls are planar");
   Builder builder(pile);

@@ -14,18 +14,18 @@
 
 namespace orthant {
 
-struct Pile {
+struct ContactPile {
   double mu = 0.5, mass_ratio = 1, slope = 0;
   bool spatial = false;
 };
 
 /// One column of cubes of side 1 m; n = boxes × 2 (planar) or 4 (spatial) contacts × rows a contact.
-Lcp box_column(Index boxes, const Pile& pile);
+Lcp box_column(Index boxes, const ContactPile& pile);
 
 /// A rigid plate on legs × 1 (planar) or legs × legs (spatial) feet, two loads of mass mass_ratio · 1 kg on its top.
-Lcp loaded_table(Index legs, const Pile& pile);
+Lcp loaded_table(Index legs, const ContactPile& pile);
 
 /// A wall of `courses` courses of bricks 2 × 1 m, each on the two halves below (planar), courses bricks in the lowest.
-Lcp brick_wall(Index courses, const Pile& pile);
+Lcp brick_wall(Index courses, const ContactPile& pile);
 
 }  // namespace orthant

@@ -9,7 +9,7 @@ namespace orthant {
 
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kRoundoff = std::numeric_limits<double>::epsilon();
 
 using Sparse = Formed::Sparse;
 
@@ -31,13 +31,13 @@ Formed formed(const Matrix& A) {
     result.value += R;
     result.error += R;
   }
-  result.error *= static_cast<double>(W.cols + 4) * kEpsilon;
+  result.error *= static_cast<double>(W.cols + 4) * kRoundoff;
   return result;
 }
 
 Formed symmetric_part(const Formed& A) {
   Formed S{0.5 * (A.value + Sparse(A.value.transpose())), 0.5 * (A.error + Sparse(A.error.transpose()))};
-  S.error += kEpsilon * S.value.cwiseAbs();
+  S.error += kRoundoff * S.value.cwiseAbs();
   return S;
 }
 
@@ -80,7 +80,7 @@ bool surely_definite(const Formed& symmetric, double above) {
   Sparse S = scale.asDiagonal() * symmetric.value * scale.asDiagonal();
   S.diagonal().array() -= above * scale.array().square();  // one more rounding of the diagonal, in γ
   const Vector error(Eigen::VectorXd(scale.asDiagonal() * (symmetric.error * scale)));
-  const double gamma = static_cast<double>(n + 4) * kEpsilon;
+  const double gamma = static_cast<double>(n + 4) * kRoundoff;
   const double trace = S.diagonal().sum() + above * scale.squaredNorm();
   const double shift = 1.01 * (gamma / (1 - gamma) * trace + error.maxCoeff()) + 0x1p-1000;
   if (!(shift < 1)) return false;

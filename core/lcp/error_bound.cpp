@@ -19,10 +19,8 @@ using exact::Sign;
 using Sparse = Formed::Sparse;
 using Errors = std::vector<Filtered>;
 
-constexpr Index kSubsets = 12;
+constexpr Index kEnumerated = 12;
 constexpr double kUp = 1 + 0x1p-40;  // covers the few roundings of what it multiplies
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 double upper(const Filtered& x) { return (std::abs(x.value) + x.error) * kUp; }
 double least(const Filtered& x) { return x.value - x.error; }
@@ -108,7 +106,7 @@ bool solve(std::vector<Errors>& B) {
 
 double bound_p(const Formed& A, const Lcp& problem, const Vector& z, const Errors& w) {
   const Index n = z.size();
-  if (n > kSubsets || analyse(problem.A).p != Verdict::yes) return kInf;
+  if (n > kEnumerated || analyse(problem.A).p != Verdict::yes) return kInf;
   Errors r(at(n));
   for (Index i = 0; i < n; ++i)  // rows divided by A_ii > 0, as for H₊
     r[at(i)] = residual(z[i], problem.lo[i], problem.hi[i], w[at(i)], entry(A, i, i));

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
   throw std::runtime_error(file.string() + ": " + what);
 }
 
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{4} << 30;
+constexpr std::uintmax_t kLargestMatrixFile = std::uintmax_t{4} << 30;
 constexpr std::size_t kLongestLine = 1000;
 
 /// A file's text, once everything is checked that CHOLMOD's reader takes on trust or guesses: without a banner it guesses
@@ -46,7 +46,8 @@ class Checker {
     std::ifstream in(file, std::ios::binary);
     if (!in) refuse(file, std::string("cannot read: ") + std::strerror(errno));
     std::error_code none;
-    if (const auto size = fs::file_size(file, none); !none && size > kLargestFile) refuse(file, "is larger than 4 GiB");
+    if (const auto size = fs::file_size(file, none); !none && size > kLargestMatrixFile)
+      refuse(file, "is larger than 4 GiB");
     result_.text.assign(std::istreambuf_iterator<char>(in), {});
   }
 

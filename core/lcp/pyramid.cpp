@@ -8,8 +8,6 @@ namespace {
 
 enum Kind { free_row, lower, upper, box, friction };
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 bool Pyramid::needed(const Lcp& p) {

@@ -23,7 +23,7 @@ struct Subject {
 };
 
 /// Differences are good for six digits or so.
-std::string text(double x) {
+std::string six_digits(double x) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.6g", x);
   return digits;
@@ -64,8 +64,8 @@ std::string compare(const Subject& s, const Kinematics& k) {
                  (c == 0   ? "x"
                   : c == 1 ? "y"
                            : "angle") +
-                 " of body " + std::to_string(body) + " is " + text(told) + ": differences of " + s.value_name +
-                 " give " + text(by_differences);
+                 " of body " + std::to_string(body) + " is " + six_digits(told) + ": differences of " + s.value_name +
+                 " give " + six_digits(by_differences);
       }
       unit[place] = 0;
     }
@@ -97,14 +97,14 @@ std::string compare(const Subject& s, const Kinematics& k) {
     if (i < static_cast<std::size_t>(s.values)) {
       const double by_differences = -(plus[i] - minus[i]) / (2 * kDifference);
       if (!(std::abs(by_differences - rate[i]) <= kAgree * (1 + std::abs(by_differences))))
-        return "rate[" + std::to_string(i) + "] is " + text(rate[i]) + ": differences of " + s.value_name +
-               " in time give " + text(by_differences);
+        return "rate[" + std::to_string(i) + "] is " + six_digits(rate[i]) + ": differences of " + s.value_name +
+               " in time give " + six_digits(by_differences);
     }
     const double by_differences =
         (apply(ahead[i], v.data()) - apply(behind[i], v.data()) - (rate_ahead[i] - rate_behind[i])) / (2 * kDifference);
     if (!(std::abs(by_differences - bias[i]) <= kAgree * (1 + std::abs(by_differences) + speed)))
-      return "bias of " + s.row_name(static_cast<int>(i)) + " is " + text(bias[i]) + ": differences of the row give " +
-             text(by_differences);
+      return "bias of " + s.row_name(static_cast<int>(i)) + " is " + six_digits(bias[i]) +
+             ": differences of the row give " + six_digits(by_differences);
   }
   return {};
 }

@@ -8,9 +8,9 @@
 namespace orthant {
 namespace {
 
-constexpr double kDependent = 3e-7;  // length left of a row of length 1
-constexpr double kPart = 1e-6;       // coefficient of a row that takes part in a combination
-constexpr double kMove = 0.1;        // [rad], or of the scene's size
+constexpr double kIndependent = 3e-7;  // length left of a row of length 1
+constexpr double kPart = 1e-6;         // coefficient of a row that takes part in a combination
+constexpr double kMove = 0.1;          // [rad], or of the scene's size
 
 constexpr double kOff = 1e-6;  // [m, rad] by which a combination of rows may miss: rounding of a scene's digits
 
@@ -51,7 +51,7 @@ Repeats dependencies(Eigen::MatrixXd rows, Eigen::MatrixXd& basis) {
       left -= known * part;
       parts += part;
     }
-    if (left.norm() > kDependent && rank < basis.cols()) {
+    if (left.norm() > kIndependent && rank < basis.cols()) {
       R.col(rank).head(rank) = parts;
       R(rank, rank) = left.norm();
       basis.col(rank++) = left.normalized();

@@ -7,8 +7,6 @@ namespace orthant::exact {
 
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 struct Ray {
   Row x;
   std::vector<char> zero;  // per row of G so far: G x = 0 there

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <initializer_list>
 #include <new>
 #include <utility>
@@ -13,6 +14,9 @@
 namespace orthant {
 
 using Index = Eigen::Index;
+
+/// An index of Eigen's as one of the standard library's.
+constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// An Eigen expression (a Map) that owns its storage. Behaves like `Plain` in every expression.
 /// Assigning an expression of another size resizes first: the expression must not refer to this object then.

@@ -16,8 +16,6 @@ using Wide = mp::number<mp::cpp_bin_float_quad::backend_type, mp::et_off>;
 constexpr Index kRational = 4;
 constexpr double kEpsilon = 0x1p-52;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The problem in numbers T, A as rows without its zeros; the operator is formed.
 template <class T> struct Copy {
   struct Entry {

@@ -26,8 +26,6 @@ using namespace orthant;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 void check_each(const std::vector<double>& a, const std::vector<double>& b, double tolerance = 1e-15) {
   REQUIRE(a.size() == b.size());
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::abs(a[i] - b[i]) <= tolerance);
@@ -83,7 +81,8 @@ TEST_CASE("from sliding to rolling") {
   CHECK(sphere.at(2).v == doctest::Approx(25.0 / 7).epsilon(1e-15));
   CHECK(disc.rolling_time() == doctest::Approx(0.84947332653754672103).epsilon(1e-15));
   CHECK(disc.at(disc.rolling_time()).x == doctest::Approx(3.539472193906444671).epsilon(1e-15));
-  const Roll holds{.mu = 0.165, .speed = 0, .slope = kPi / 6}, slips{.mu = 0.1, .speed = 0, .slope = kPi / 6};
+  const Roll holds{.mu = 0.165, .speed = 0, .slope = std::numbers::pi / 6},
+      slips{.mu = 0.1, .speed = 0, .slope = std::numbers::pi / 6};
   CHECK(holds.at(1).v == doctest::Approx(3.5035714285714285714).epsilon(1e-15));
   CHECK(slips.at(1).v == doctest::Approx(4.0554290788874656875).epsilon(1e-15));
   CHECK(-slips.omega(1) == doctest::Approx(2.1239273027813357812).epsilon(1e-15));
@@ -133,7 +132,7 @@ TEST_CASE("Painleve's rod: none, one or two contact forces") {
   check_each(PainleveRod{.mu = 1, .omega = 4}.forces(), {0});
   check_each(PainleveRod{}.forces(), {});
   check_each(PainleveRod{.omega = 4}.forces(), {0, 22.504175279993270}, 1e-12);
-  CHECK(std::abs(PainleveRod{.mu = 1.3471506281091268, .angle = kPi / 3}.A()) < 1e-15);
+  CHECK(std::abs(PainleveRod{.mu = 1.3471506281091268, .angle = std::numbers::pi / 3}.A()) < 1e-15);
   CHECK(PainleveRod{}.A() == doctest::Approx(-0.2).epsilon(1e-14));
   // Its drawing has these very A and b: W_N (W_N + μ W_T)ᵀ / m where the friction pushes, and the bias less gravity.
   for (const double omega : {0.0, 4.0}) {

@@ -12,7 +12,6 @@
 
 using namespace orthant;
 using exact::Rational;
-using exact::Table;
 
 namespace {
 
@@ -26,11 +25,11 @@ Matrix dense(std::initializer_list<double> rows) {
 }
 
 /// Laplace's expansion: nothing in common with elimination.
-Rational determinant(const Table& A) {
+Rational determinant(const exact::Table& A) {
   if (A.empty()) return 1;
   Rational sum = 0;
   for (std::size_t j = 0; j < A.size(); ++j) {
-    Table minor;
+    exact::Table minor;
     for (std::size_t i = 1; i < A.size(); ++i) {
       minor.push_back(A[i]);
       minor.back().erase(minor.back().begin() + static_cast<long>(j));
@@ -40,8 +39,8 @@ Rational determinant(const Table& A) {
   return sum;
 }
 
-Table principal(const Table& A, unsigned subset) {
-  Table B;
+exact::Table principal(const exact::Table& A, unsigned subset) {
+  exact::Table B;
   for (std::size_t i = 0; i < A.size(); ++i) {
     if ((subset >> i & 1U) == 0) continue;
     B.emplace_back();
@@ -81,8 +80,8 @@ TEST_CASE("small integer matrices: P, P0, definiteness, K, rank agree with the m
     if (trial % 3 == 1) M += Eigen::MatrixXd::Identity(n, n) * random.integer(0, 4);
     const Matrix A = DenseMatrix(M);
     const Analysis a = analyse(A);
-    const Table T = exact::table(A);
-    const Table S = exact::table(DenseMatrix(M + M.transpose()));
+    const exact::Table T = exact::table(A);
+    const exact::Table S = exact::table(DenseMatrix(M + M.transpose()));
     bool all_positive = true, none_negative = true, pd = true, psd = true;
     for (unsigned subset = 1; subset >> n == 0; ++subset) {
       const Rational det = determinant(principal(T, subset)), sym = determinant(principal(S, subset));

@@ -14,7 +14,7 @@ namespace {
 
 std::string real_file(const char* name) { return std::string(ORTHANT_TEST_DATA) + "/fclib/" + name; }
 
-Solution solved(const Lcp& problem, const char* solver = "auto") {
+Solution solution_by(const Lcp& problem, const char* solver = "auto") {
   Solution s;
   make_solver(solver)->solve(problem, s);
   return s;
@@ -64,7 +64,7 @@ TEST_CASE("fclib: piles written and read back are the same problems") {
     DenseMatrix back;
     to_dense(local.problem.A, back);
     CHECK(back == entries);
-    CHECK(solved(local.problem).status == Status::solved);
+    CHECK(solution_by(local.problem).status == Status::solved);
   }
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("fclib: joints stand behind the contacts as free rows, a full mass mat
   const Folder folder;
   write_fclib(folder / "p.hdf5", p);
   const auto check_it = [&] {
-    const Solution s = solved(read_fclib(folder / "p.hdf5").problem);
+    const Solution s = solution_by(read_fclib(folder / "p.hdf5").problem);
     REQUIRE(s.status == Status::solved);
     CHECK(s.z[0] == doctest::Approx(4));
     CHECK(s.z[1] == 0);
@@ -112,7 +112,7 @@ TEST_CASE("fclib: real files are read and solved") {
   CHECK(capsules.contacts == 286);
   CHECK(capsules.problem.friction.size() == 572);
   CHECK(capsules.problem.friction.front().mu == 0.7);
-  const Solution s = solved(boxes.problem);
+  const Solution s = solution_by(boxes.problem);
   CHECK(s.status == Status::solved);
 }
 

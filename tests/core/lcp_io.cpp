@@ -15,14 +15,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Folder {  // of this test alone, gone afterwards
+class IoFolder {  // of this test alone, gone afterwards
  public:
-  Folder() : path_(fs::temp_directory_path() / ("orthant_io_" + std::to_string(getpid()))) {
+  IoFolder() : path_(fs::temp_directory_path() / ("orthant_io_" + std::to_string(getpid()))) {
     fs::create_directories(path_);
   }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+  ~IoFolder() { fs::remove_all(path_); }
+  IoFolder(const IoFolder&) = delete;
+  IoFolder& operator=(const IoFolder&) = delete;
   fs::path write(const char* name, const std::string& text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
     return path_ / name;
@@ -36,27 +36,29 @@ class Folder {  // of this test alone, gone afterwards
   fs::path path_;
 };
 
-bool same(const Vector& a, const Vector& b) {  // bit for bit: −0 is not 0
+bool same_to_the_bit(const Vector& a, const Vector& b) {  // bit for bit: −0 is not 0
   return a.size() == b.size() &&
          (a.size() == 0 || std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0);
 }
-bool same(const RowSparse& a, const RowSparse& b) {
+bool same_to_the_bit(const RowSparse& a, const RowSparse& b) {
   return a.rows == b.rows && a.cols == b.cols && a.start == b.start && a.column == b.column && a.value == b.value;
 }
-bool same(const Matrix& a, const Matrix& b) {
+bool same_to_the_bit(const Matrix& a, const Matrix& b) {
   if (a.index() != b.index()) return false;
   if (const auto* dense = std::get_if<DenseMatrix>(&a)) return *dense == std::get<DenseMatrix>(b);
-  if (const auto* sparse = std::get_if<RowSparse>(&a)) return same(*sparse, std::get<RowSparse>(b));
+  if (const auto* sparse = std::get_if<RowSparse>(&a)) return same_to_the_bit(*sparse, std::get<RowSparse>(b));
   const auto &x = std::get<Delassus>(a), &y = std::get<Delassus>(b);
-  return same(x.W, y.W) && same(x.inverse_mass, y.inverse_mass) && same(x.regularization, y.regularization);
+  return same_to_the_bit(x.W, y.W) && same_to_the_bit(x.inverse_mass, y.inverse_mass) &&
+         same_to_the_bit(x.regularization, y.regularization);
 }
-bool same(const Lcp& a, const Lcp& b) {
+bool same_to_the_bit(const Lcp& a, const Lcp& b) {
   if (a.friction.size() != b.friction.size()) return false;
   for (std::size_t k = 0; k < a.friction.size(); ++k)
     if (a.friction[k].row != b.friction[k].row || a.friction[k].normal != b.friction[k].normal ||
         a.friction[k].mu != b.friction[k].mu)
       return false;
-  return same(a.A, b.A) && same(a.b, b.b) && same(a.lo, b.lo) && same(a.hi, b.hi);
+  return same_to_the_bit(a.A, b.A) && same_to_the_bit(a.b, b.b) && same_to_the_bit(a.lo, b.lo) &&
+         same_to_the_bit(a.hi, b.hi);
 }
 
 template <class Read> std::string error(const Read& read) {
@@ -77,7 +79,7 @@ bool contains(const std::string& text, const char* part) { return text.find(part
 }  // namespace
 
 TEST_CASE("problem files bring every problem back bit for bit, in every storage") {
-  const Folder folder;
+  const IoFolder folder;
   Random random(31);
   std::vector<Lcp> problems;
   for (const Known& k : known_problems()) problems.push_back(k.problem), problems.push_back(as_sparse(k.problem));
@@ -88,26 +90,26 @@ TEST_CASE("problem files bring every problem back bit for bit, in every storage"
   problems.back().b[2] = -1.7976931348623157e308;
   for (const Lcp& p : problems) {
     write_problem(folder / "p.json", p, "a note: \"quoted\", ü, \n");
-    CHECK(same(read_problem(folder / "p.json"), p));
+    CHECK(same_to_the_bit(read_problem(folder / "p.json"), p));
   }
   CHECK(folder.files() == 1);  // no temporary file left behind
 }
 
 TEST_CASE("Matrix Market files come back bit for bit") {
-  const Folder folder;
+  const IoFolder folder;
   Random random(32);
   const Lcp p = random_spd_problem(6, random);
   write_matrix_market(folder / "M.mtx", p.A);
   write_matrix_market(folder / "q.mtx", p.b);
-  CHECK(same(read_matrix_market(folder / "M.mtx"), p.A));
-  CHECK(same(read_matrix_market_vector(folder / "q.mtx"), p.b));
+  CHECK(same_to_the_bit(read_matrix_market(folder / "M.mtx"), p.A));
+  CHECK(same_to_the_bit(read_matrix_market_vector(folder / "q.mtx"), p.b));
   const Lcp sparse = as_sparse(p);
   write_matrix_market(folder / "S.mtx", sparse.A);
-  CHECK(same(read_matrix_market(folder / "S.mtx"), sparse.A));
+  CHECK(same_to_the_bit(read_matrix_market(folder / "S.mtx"), sparse.A));
 }
 
 TEST_CASE("Matrix Market: formats, fields and symmetries mean what the format says") {
-  const Folder folder;
+  const IoFolder folder;
   const auto dense = [&](const std::string& text) {
     DenseMatrix A;
     to_dense(read_matrix_market(folder.write("m.mtx", text)), A);
@@ -133,7 +135,7 @@ TEST_CASE("Matrix Market: formats, fields and symmetries mean what the format sa
 }
 
 TEST_CASE("Matrix Market: what is wrong is said in one line, quickly") {
-  const Folder folder;
+  const IoFolder folder;
   const auto why = [&](const std::string& text) {
     return error([&] { read_matrix_market(folder.write("m.mtx", text)); });
   };
@@ -199,7 +201,7 @@ TEST_CASE("problem files: what is wrong is said in one line, quickly") {
 }
 
 TEST_CASE("a file that cannot be written leaves nothing behind and says why") {
-  const Folder folder;
+  const IoFolder folder;
   const Lcp p = known_problems().front().problem;
   CHECK(contains(error([&] { write_problem(folder / "no/such/folder.json", p); }), "cannot write"));
   write_problem(folder / "p.json", p);

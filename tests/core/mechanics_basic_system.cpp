@@ -8,21 +8,21 @@ namespace orthant {
 namespace {
 
 using testing::dense;
+using testing::Draws;
 using testing::MatrixXd;
 using testing::mismatch;
-using testing::Random;
 using testing::SaddleSolution;
 using testing::solve;
 using testing::VectorXd;
 
 constexpr double kExact = 1e-12;
 
-Body random_body(Random& random) {
+Body random_body(Draws& random) {
   return {"", random(0.5, 2), random(0.5, 2), random.point(3), random(-3, 3), random.point(), random(-1, 1)};
 }
 
 /// One joint of every kind in a row of bodies: 8 rows.
-Scene one_of_each(Random& r) {
+Scene one_of_each(Draws& r) {
   Scene s{.gravity = {0, -9.81}};
   for (int i = 0; i < 4; ++i) s.body(random_body(r));
   s.joint(Revolute{"", kGround, 0, r.point(), r.point()});
@@ -32,7 +32,7 @@ Scene one_of_each(Random& r) {
   return s;
 }
 
-Scene with_springs(Scene s, Random& r) {
+Scene with_springs(Scene s, Draws& r) {
   s.spring(PointSpring{"", 0, 3, r.point(), r.point(), r(1, 9), r(1, 9), r(0, 1)});
   s.spring(PointSpring{"", kGround, 1, r.point(), r.point(), r(1, 9), r(1, 9), r(0, 1)});
   s.spring(TorsionSpring{"", 3, 0, r(1, 9), r(1, 9), r(-1, 1)});
@@ -46,7 +46,7 @@ Scene by_klu(Scene s) {
 }
 
 /// n links hanging in a row, each pinned to the one before.
-Scene chain(int n, Random& r) {
+Scene chain(int n, Draws& r) {
   Scene s{.gravity = {0, -9.81}};
   for (int i = 0; i < n; ++i) {
     s.body(random_body(r));
@@ -76,7 +76,7 @@ SaddleSolution reference(const System& system, const Terms& terms, const VectorX
 }
 
 /// BasicSystem against the reference, at a random state, with a random right-hand side.
-void compare(const Scene& scene, Random& random, double k_weight = 0, double c_weight = 0) {
+void compare(const Scene& scene, Draws& random, double k_weight = 0, double c_weight = 0) {
   const System system(scene);
   BasicSystem basic(system);
   for (int repeat = 0; repeat < 3; ++repeat) {  // factorizations after the first take another way through KLU
@@ -103,7 +103,7 @@ TEST_CASE(
     "the saddle system is solved as its definition says: no joints, dense, KLU, springs with and without weight") {
   for (int seed = 0; seed < 10; ++seed) {
     CAPTURE(seed);
-    Random random(static_cast<std::uint64_t>(seed));
+    Draws random(static_cast<std::uint64_t>(seed));
     const Scene joints = one_of_each(random);
     Scene free = joints;
     free.joints.clear();
@@ -117,12 +117,12 @@ TEST_CASE(
 }
 
 TEST_CASE("a chain of 50 pendulums: KLU agrees with the dense solution") {
-  Random random(50);
+  Draws random(50);
   compare(chain(50, random), random);
 }
 
 TEST_CASE("dense and KLU give the same motion") {
-  Random random(3);
+  Draws random(3);
   const Scene scene = one_of_each(random);
   const System few(scene), sparse(by_klu(scene));
   const VectorXd q = random.vector(few.dof(), 3), v = random.vector(few.dof());
@@ -132,7 +132,7 @@ TEST_CASE("dense and KLU give the same motion") {
 }
 
 TEST_CASE("without its joints the basic system is the masses and the springs") {
-  Random random(4);
+  Draws random(4);
   const System system(one_of_each(random));
   const Terms terms = testing::all_terms(system, random.vector(system.dof()), random.vector(system.dof()));
   BasicSystem basic(system, false);
@@ -146,7 +146,7 @@ TEST_CASE("a pin given twice or three times moves as if given once, and the pins
     for (int copies = 2; copies <= 3; ++copies) {
       CAPTURE(klu);
       CAPTURE(copies);
-      Random random(5);
+      Draws random(5);
       Scene scene = one_of_each(random);
       if (klu) scene = by_klu(scene);
       const System once(scene);
@@ -176,7 +176,7 @@ TEST_CASE("two pins between the same two bodies hold them as a weld does") {
     for (int seed = 0; seed < 30; ++seed) {
       CAPTURE(klu);
       CAPTURE(seed);
-      Random r(static_cast<std::uint64_t>(seed));
+      Draws r(static_cast<std::uint64_t>(seed));
       Scene scene{.gravity = {0, -9.81}};
       scene.body(random_body(r)), scene.body(random_body(r));
       scene.bodies[1].position = scene.bodies[0].position, scene.bodies[1].angle = scene.bodies[0].angle;
@@ -215,7 +215,7 @@ TEST_CASE("redundant joints are found and solved at every size and mass ratio") 
           CAPTURE(size);
           CAPTURE(ratio);
           CAPTURE(seed);
-          Random r(static_cast<std::uint64_t>(seed));
+          Draws r(static_cast<std::uint64_t>(seed));
           Scene weld{.gravity = {0, -9.81}};
           for (int i = 0; i < 3; ++i) {
             const double mass = r(0.5, 2) * (i == 1 ? ratio : 1);
@@ -272,7 +272,7 @@ TEST_CASE("joints that drifted apart by less than anyone sees do not lock a redu
         CAPTURE(klu);
         CAPTURE(drift);
         CAPTURE(seed);
-        Random random(static_cast<std::uint64_t>(seed));
+        Draws random(static_cast<std::uint64_t>(seed));
         const System system(klu ? by_klu(parallelogram()) : parallelogram());
         const VectorXd q = system.initial_state().q + random.vector(system.dof(), drift);
         VectorXd v = VectorXd::Zero(system.dof());
@@ -289,7 +289,7 @@ TEST_CASE("joints that drifted apart by less than anyone sees do not lock a redu
 }
 
 TEST_CASE("after a redundant pose the next one is solved as ever") {
-  Random random(6);
+  Draws random(6);
   Scene scene = one_of_each(random);
   const System system(scene);
   BasicSystem basic(system);
@@ -310,7 +310,7 @@ TEST_CASE("heavy and light bodies, large and small units: independent joints are
     for (const double ratio : {1e-6, 1e-3, 1e3, 1e6}) {
       CAPTURE(klu);
       CAPTURE(ratio);
-      Random random(8);
+      Draws random(8);
       Scene scene = one_of_each(random);
       scene.bodies[1].mass *= ratio, scene.bodies[1].inertia *= ratio;
       scene.bodies[3].mass /= ratio, scene.bodies[3].inertia /= ratio;
@@ -330,7 +330,7 @@ TEST_CASE("heavy and light bodies, large and small units: independent joints are
 
 TEST_CASE("numbers that are none are refused, and the object is good again afterwards") {
   for (const bool klu : {false, true}) {
-    Random random(9);
+    Draws random(9);
     const System system(klu ? by_klu(one_of_each(random)) : one_of_each(random));
     const Terms good = testing::all_terms(system, random.vector(system.dof()), random.vector(system.dof()));
     for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -348,7 +348,7 @@ TEST_CASE("numbers that are none are refused, and the object is good again after
 }
 
 TEST_CASE("a mechanism and its gravity turned together accelerate turned") {
-  Random random(10);
+  Draws random(10);
   for (int i = 0; i < 5; ++i) {
     Scene scene = with_springs(one_of_each(random), random);
     const double angle = random(-3, 3);

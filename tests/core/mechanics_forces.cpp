@@ -9,15 +9,15 @@ namespace {
 
 using testing::central_difference;
 using testing::dense;
+using testing::Draws;
 using testing::mismatch;
-using testing::Random;
 using testing::VectorXd;
 
 constexpr double kFine = 1e-7;  // of a central difference at h = 1e-5, with room
 
 constexpr std::pair<BodyId, BodyId> kPairs[] = {{0, 1}, {1, 0}, {kGround, 1}, {0, kGround}};
 
-std::vector<Spring> springs(BodyId a, BodyId b, Random& r) {
+std::vector<Spring> springs(BodyId a, BodyId b, Draws& r) {
   return {PointSpring{"", a, b, r.point(), r.point(), r(1, 9), r(1, 9), r(0, 1)},
           TorsionSpring{"", a, b, r(1, 9), r(1, 9), r(-1, 1)}, JointSpring{"", Angle{a, b}, r(1, 9), r(1, 9), r(-1, 1)},
           JointSpring{"", Slide{a, b, r.point(), r.point(), r.direction()}, r(1, 9), r(1, 9), r(-1, 1)}};
@@ -52,7 +52,7 @@ template <class Claim> void for_all_springs(Claim&& claim) {
         CAPTURE(b);
         CAPTURE(kind);
         CAPTURE(seed);
-        Random random(static_cast<std::uint64_t>(seed));
+        Draws random(static_cast<std::uint64_t>(seed));
         claim(springs(a, b, random)[kind], random);
       }
   }
@@ -61,7 +61,7 @@ template <class Claim> void for_all_springs(Claim&& claim) {
 }  // namespace
 
 TEST_CASE("a spring's force and gravity are minus the gradient of the energy") {
-  for_all_springs([](const Spring& spring, Random& random) {
+  for_all_springs([](const Spring& spring, Draws& random) {
     const System system = two_bodies({without_damping(spring)}, {0.3, -9.81});
     const VectorXd q = random.vector(6, 3), rest = VectorXd::Zero(6);
     VectorXd gradient(6);
@@ -83,7 +83,7 @@ TEST_CASE("energy is kinetic, plus weight times height, plus springs") {
 }
 
 TEST_CASE("a damper takes energy at the rate c times the squared rate of its length, and never gives any") {
-  for_all_springs([](const Spring& spring, Random& random) {
+  for_all_springs([](const Spring& spring, Draws& random) {
     const System system = two_bodies({without_stiffness(spring)});
     const VectorXd q = random.vector(6, 3), v = random.vector(6, 3);
     const Terms terms = testing::all_terms(system, q, v);
@@ -95,7 +95,7 @@ TEST_CASE("a damper takes energy at the rate c times the squared rate of its len
 }
 
 TEST_CASE("a spring's row carries all that its tension changes with") {
-  for_all_springs([](const Spring& spring, Random& random) {
+  for_all_springs([](const Spring& spring, Draws& random) {
     const System system = two_bodies({spring});
     const VectorXd q = random.vector(6, 3), v = random.vector(6, 3), rest = VectorXd::Zero(6);
     const SpringState now = testing::all_terms(system, q, v).springs[0];
@@ -126,7 +126,7 @@ TEST_CASE("a spring of length zero pushes with a finite force") {
 TEST_CASE(
     "a load's power is force times the velocity of its point plus torque times angular velocity, times factor(t)") {
   for (int seed = 0; seed < 20; ++seed) {
-    Random random(static_cast<std::uint64_t>(seed));
+    Draws random(static_cast<std::uint64_t>(seed));
     const Load load{"", 1, random.point(), random.point(), random(-1, 1), [](double t) { return 2 * t; }};
     Scene scene;
     scene.body({}), scene.body({});

@@ -8,40 +8,40 @@ namespace {
 
 using testing::central_difference;
 using testing::dense;
+using testing::Draws;
 using testing::mismatch;
-using testing::Random;
 using testing::VectorXd;
 
-constexpr double kFine = 1e-7;  // of a central difference at h = 1e-5, with room
+constexpr double kCentral = 1e-7;  // of a central difference at h = 1e-5, with room
 constexpr int kSeeds = 20;
 
 template <class Element> struct Kind {
   std::string name;
-  Element (*make)(BodyId a, BodyId b, Random& random);
+  Element (*make)(BodyId a, BodyId b, Draws& random);
 };
 
 const Kind<Joint> kJoints[] = {
     {"revolute",
-     [](BodyId a, BodyId b, Random& r) -> Joint {
+     [](BodyId a, BodyId b, Draws& r) -> Joint {
        return Revolute{"", a, b, r.point(), r.point()};
      }},
     {"prismatic",
-     [](BodyId a, BodyId b, Random& r) -> Joint {
+     [](BodyId a, BodyId b, Draws& r) -> Joint {
        return Prismatic{"", a, b, r.point(), r.point(), r.direction(), r(-1, 1)};
      }},
-    {"fixed", [](BodyId a, BodyId b, Random& r) -> Joint { return Fixed{"", a, b, r.point(), r.point(), r(-1, 1)}; }},
+    {"fixed", [](BodyId a, BodyId b, Draws& r) -> Joint { return Fixed{"", a, b, r.point(), r.point(), r(-1, 1)}; }},
     {"distance",
-     [](BodyId a, BodyId b, Random& r) -> Joint { return Distance{"", a, b, r.point(), r.point(), r(0.1, 2)}; }},
+     [](BodyId a, BodyId b, Draws& r) -> Joint { return Distance{"", a, b, r.point(), r.point(), r(0.1, 2)}; }},
     {"driven angle",
-     [](BodyId a, BodyId b, Random& r) -> Joint {
+     [](BodyId a, BodyId b, Draws& r) -> Joint {
        return Drive{"", Angle{a, b}, {.offset = r(-1, 1)}};
      }},
     {"driven slide",
-     [](BodyId a, BodyId b, Random& r) -> Joint {
+     [](BodyId a, BodyId b, Draws& r) -> Joint {
        return Drive{"", Slide{a, b, r.point(), r.point(), r.direction()}, {.offset = r(-1, 1)}};
      }},
     {"driven distance",
-     [](BodyId a, BodyId b, Random& r) -> Joint {
+     [](BodyId a, BodyId b, Draws& r) -> Joint {
        return Drive{"", Span{a, b, r.point(), r.point()}, {.offset = r(0.1, 2)}};
      }},
 };
@@ -49,24 +49,24 @@ const Kind<Joint> kJoints[] = {
 /// Between fixed points of both bodies.
 const Kind<Contact> kPointContacts[] = {
     {"corner-wall",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return CornerWall{"", a, r.point(), b, r.point(), r.direction(), {}};
      }},
     {"disc-wall",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return DiscWall{"", a, r.point(), r(0.1, 1), b, r.point(), r.direction(), {}};
      }},
     {"disc-disc",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return DiscDisc{"", a, r.point(), r(0.1, 1), b, r.point(), r(0.1, 1), {}};
      }},
     {"journal",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return Journal{"", a, r.point(), r(0.1, 1), b, r.point(), r(2, 9), {}};
      }},
 };
 
-Polygon random_polygon(Random& random) {
+Polygon random_polygon(Draws& random) {
   const auto n = static_cast<std::size_t>(random(3, 8));
   Polygon corners(n);
   const double radius = random(0.3, 1.5), first = random(0, 1);
@@ -81,32 +81,32 @@ Polygon random_polygon(Random& random) {
 /// Whose point of contact, or meaning, changes with the pose.
 const Kind<Contact> kOtherContacts[] = {
     {"disc-polygon",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return DiscPolygon{"", a, r.point(), r(0.1, 1), b, random_polygon(r), {}};
      }},
     {"polygon-polygon, point 0",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return PolygonPolygon{"", a, random_polygon(r), b, random_polygon(r), 0, {}};
      }},
     {"polygon-polygon, point 1",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return PolygonPolygon{"", a, random_polygon(r), b, random_polygon(r), 1, {}};
      }},
     {"lower limit of an angle",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return Limit{"", Angle{a, b}, Limit::Side::lower, r(-1, 1), {}};
      }},
     {"upper limit of a slide",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return Limit{"", Slide{a, b, r.point(), r.point(), r.direction()}, Limit::Side::upper, r(-1, 1), {}};
      }},
     {"rope",
-     [](BodyId a, BodyId b, Random& r) -> Contact {
+     [](BodyId a, BodyId b, Draws& r) -> Contact {
        return Limit{"", Span{a, b, r.point(), r.point()}, Limit::Side::upper, r(0.1, 3), {}};
      }},
 };
 
-constexpr std::pair<BodyId, BodyId> kPairs[] = {{0, 1}, {1, 0}, {kGround, 1}, {0, kGround}};
+constexpr std::pair<BodyId, BodyId> kBodyPairs[] = {{0, 1}, {1, 0}, {kGround, 1}, {0, kGround}};
 
 /// Three bodies; the last has no part in anything.
 Scene three_bodies() {
@@ -115,15 +115,15 @@ Scene three_bodies() {
   return s;
 }
 
-struct Motion {
+struct Moving {
   VectorXd q, v, a;
   VectorXd q_at(double t) const { return q + t * v + t * t / 2 * a; }
   VectorXd v_at(double t) const { return v + t * a; }
 };
 
 /// Bodies 0 and 1 are well apart, and from the ground's origin: links and discs have a direction.
-Motion random_motion(Random& random) {
-  Motion m{random.vector(9), random.vector(9, 3), random.vector(9, 3)};
+Moving random_motion(Draws& random) {
+  Moving m{random.vector(9), random.vector(9, 3), random.vector(9, 3)};
   m.q[0] += 5, m.q[1] += 4, m.q[3] -= 5, m.q[4] += 3;
   return m;
 }
@@ -139,7 +139,7 @@ VectorXd moved(const VectorXd& q, double angle, const Vector2d& shift) {
 }
 
 /// Velocity, by finite differences, of the point of body `id` that is at `where` at t = 0.
-Vector2d material_velocity(const Motion& m, BodyId id, const Vector2d& where) {
+Vector2d material_velocity(const Moving& m, BodyId id, const Vector2d& where) {
   if (id == kGround) return {0, 0};
   const auto pose = [&](double t) { return Eigen::Vector3d(m.q_at(t).segment<3>(3 * id)); };
   const Vector2d local = Eigen::Rotation2Dd(-pose(0)[2]) * (where - pose(0).head<2>());
@@ -209,14 +209,14 @@ void assemble(Distance& j, const VectorXd& q) {
 /// Each kind between two bodies either way round and with the ground, at random states.
 template <class Element, std::size_t N, class Claim> void for_all(const Kind<Element> (&kinds)[N], const Claim& claim) {
   for (const auto& kind : kinds)
-    for (const auto& pair : kPairs) {
+    for (const auto& pair : kBodyPairs) {
       const BodyId a = pair.first, b = pair.second;  // names that a lambda may capture
       for (int seed = 0; seed < kSeeds; ++seed) {
         CAPTURE(kind.name);
         CAPTURE(a);
         CAPTURE(b);
         CAPTURE(seed);
-        Random random(static_cast<std::uint64_t>(seed));
+        Draws random(static_cast<std::uint64_t>(seed));
         claim(kind.make(a, b, random), random);
       }
     }
@@ -237,40 +237,40 @@ double gap(const System& system, const VectorXd& q) {
 }  // namespace
 
 TEST_CASE("joint rows are the derivatives of the joint's residual") {
-  for_all(kJoints, [](const Joint& joint, Random& random) {
+  for_all(kJoints, [](const Joint& joint, Draws& random) {
     Scene scene = three_bodies();
     scene.joint(joint);
     const System system(scene);
-    const Motion m = random_motion(random);
+    const Moving m = random_motion(random);
     const auto G = dense(testing::all_terms(system, m.q, m.v).G, system.dof());
     REQUIRE(G.rows() == system.joint_rows());
     for (int k = 0; k < system.dof(); ++k) {
       const VectorXd e = VectorXd::Unit(system.dof(), k);
       const VectorXd slope = central_difference([&](double s) { return residual(system, m.q + s * e); });
-      CHECK(mismatch(VectorXd(G.col(k)), slope) < kFine);
+      CHECK(mismatch(VectorXd(G.col(k)), slope) < kCentral);
     }
     CHECK(G.rightCols(3).isZero(0));  // the body without a part in it
   });
 }
 
 TEST_CASE("joint biases are the rate of G v at zero acceleration") {
-  for_all(kJoints, [](const Joint& joint, Random& random) {
+  for_all(kJoints, [](const Joint& joint, Draws& random) {
     Scene scene = three_bodies();
     scene.joint(joint);
     const System system(scene);
-    const Motion m = random_motion(random);
+    const Moving m = random_motion(random);
     const auto rate = [&](double t) -> VectorXd {
       return dense(testing::all_terms(system, m.q_at(t), m.v_at(t)).G, system.dof()) * m.v_at(t);
     };
     const Terms now = testing::all_terms(system, m.q, m.v);
     const VectorXd expected = central_difference(rate) - dense(now.G, system.dof()) * m.a;
-    CHECK(mismatch(now.joint_bias, expected) < kFine);
+    CHECK(mismatch(now.joint_bias, expected) < kCentral);
   });
 }
 
 TEST_CASE("an assembled joint neither sees nor resists a motion of the whole plane") {
-  for_all(kJoints, [](Joint joint, Random& random) {
-    const Motion m = random_motion(random);
+  for_all(kJoints, [](Joint joint, Draws& random) {
+    const Moving m = random_motion(random);
     std::visit([&](auto& j) { assemble(j, m.q); }, joint);
     Scene scene = three_bodies();
     scene.joint(joint);
@@ -287,25 +287,25 @@ TEST_CASE("an assembled joint neither sees nor resists a motion of the whole pla
 }
 
 TEST_CASE("a contact's normal row is the derivative of its gap") {
-  for_all_contacts([](const Contact& contact, Random& random) {
+  for_all_contacts([](const Contact& contact, Draws& random) {
     Scene scene = three_bodies();
     scene.contact(contact);
     const System system(scene);
-    const Motion m = random_motion(random);
+    const Moving m = random_motion(random);
     const VectorXd row = dense(testing::all_terms(system, m.q, m.v).closed[0].rows.normal, system.dof());
     VectorXd slope(system.dof());
     for (int k = 0; k < system.dof(); ++k)
       slope[k] = central_difference([&](double s) { return gap(system, m.q + s * VectorXd::Unit(system.dof(), k)); });
-    CHECK(mismatch(row, slope) < kFine);
+    CHECK(mismatch(row, slope) < kCentral);
   });
 }
 
 TEST_CASE("contact biases are the rates of W v at zero acceleration, normal and tangential, open or closed") {
-  for_all_contacts([](const Contact& contact, Random& random) {
+  for_all_contacts([](const Contact& contact, Draws& random) {
     Scene scene = three_bodies();
     scene.contact(contact);
     const System system(scene);
-    const Motion m = random_motion(random);
+    const Moving m = random_motion(random);
     const auto rates = [&](double t) -> VectorXd {
       const ContactRows rows = testing::all_terms(system, m.q_at(t), m.v_at(t)).closed[0].rows;
       const VectorXd v = m.v_at(t);
@@ -314,17 +314,17 @@ TEST_CASE("contact biases are the rates of W v at zero acceleration, normal and 
     const Terms now = testing::all_terms(system, m.q, m.v);
     const ContactRows rows = now.closed[0].rows;
     const VectorXd measured = central_difference(rates);
-    CHECK(mismatch(now.contact_bias[0].normal, measured[0] - apply(rows.normal, m.a.data())) < kFine);
-    CHECK(mismatch(now.contact_bias[0].tangent, measured[1] - apply(rows.tangent, m.a.data())) < kFine);
+    CHECK(mismatch(now.contact_bias[0].normal, measured[0] - apply(rows.normal, m.a.data())) < kCentral);
+    CHECK(mismatch(now.contact_bias[0].tangent, measured[1] - apply(rows.tangent, m.a.data())) < kCentral);
   });
 }
 
 TEST_CASE("a closed contact's rows are the relative velocity of the two bodies' points that touch") {
-  for_all(kPointContacts, [](const Contact& contact, Random& random) {
+  for_all(kPointContacts, [](const Contact& contact, Draws& random) {
     Scene scene = three_bodies();
     scene.contact(contact);
     const System system(scene);
-    Motion m = random_motion(random);
+    Moving m = random_motion(random);
     // Close it: move a body along the normal by the gap.
     const Meeting open = std::visit([&](const auto& c) { return meeting(c, m.q); }, contact);
     const double distance = gap(system, m.q);
@@ -338,8 +338,8 @@ TEST_CASE("a closed contact's rows are the relative velocity of the two bodies' 
     const Vector2d slip = material_velocity(m, at.a, at.point) - material_velocity(m, at.b, at.point);
     const Vector2d tangent(at.normal.y(), -at.normal.x());  // to the right, seen along the normal from b to a
     const ContactRows rows = testing::all_terms(system, m.q, m.v).closed[0].rows;
-    CHECK(mismatch(apply(rows.normal, m.v.data()), at.normal.dot(slip)) < kFine);
-    CHECK(mismatch(apply(rows.tangent, m.v.data()), tangent.dot(slip)) < kFine);
+    CHECK(mismatch(apply(rows.normal, m.v.data()), at.normal.dot(slip)) < kCentral);
+    CHECK(mismatch(apply(rows.tangent, m.v.data()), tangent.dot(slip)) < kCentral);
 
     // Forces of a contact inside the scene have no resultant and no moment: the rows ignore a motion of the plane.
     if (at.a == kGround || at.b == kGround) return;
@@ -372,11 +372,11 @@ TEST_CASE("gaps of drawings with known distances") {
 }
 
 TEST_CASE("two discs do not know which of them is the first") {
-  Random random(7);
+  Draws random(7);
   for (int i = 0; i < kSeeds; ++i) {
     const DiscDisc one{"", 0, random.point(), random(0.1, 1), 1, random.point(), random(0.1, 1), {}};
     const DiscDisc other{"", one.b, one.centre_b, one.radius_b, one.a, one.centre_a, one.radius_a, {}};
-    const Motion m = random_motion(random);
+    const Moving m = random_motion(random);
     Scene scene = three_bodies();
     scene.contact(one), scene.contact(other);
     const Terms terms = testing::all_terms(System(scene), m.q, m.v);

@@ -8,8 +8,8 @@
 namespace orthant {
 namespace {
 
+using testing::Draws;
 using testing::mismatch;
-using testing::Random;
 using testing::VectorXd;
 
 constexpr double kTurn = 6.283185307179586;
@@ -63,9 +63,9 @@ struct Couple {
   }
 };
 
-const Couple kPairs[] = {{rectangle(2, 1), rectangle(1, 1)}, {rectangle(4, 0.5), rectangle(0.2, 1.5)},
-                         {regular(6, 1), rectangle(2, 2)},   {regular(3, 1), regular(3, 0.7)},
-                         {regular(5, 1), regular(4, 0.7)},   {regular(16, 1), rectangle(3, 1)}};
+const Couple kCouples[] = {{rectangle(2, 1), rectangle(1, 1)}, {rectangle(4, 0.5), rectangle(0.2, 1.5)},
+                           {regular(6, 1), rectangle(2, 2)},   {regular(3, 1), regular(3, 0.7)},
+                           {regular(5, 1), regular(4, 0.7)},   {regular(16, 1), rectangle(3, 1)}};
 
 Vector2d gaps(const System& system, const VectorXd& q) {
   return testing::all_terms(system, q, VectorXd::Zero(q.size())).gap;
@@ -74,9 +74,9 @@ Vector2d gaps(const System& system, const VectorXd& q) {
 }  // namespace
 
 TEST_CASE("the nearer of a pair's two points is as far as the polygons are, where they are near") {
-  Random random(3);
+  Draws random(3);
   int near = 0;
-  for (const Couple& pair : kPairs) {
+  for (const Couple& pair : kCouples) {
     const System system = pair.system();
     for (int i = 0; i < 3000; ++i) {
       VectorXd q = random.vector(6, 3);
@@ -94,7 +94,7 @@ TEST_CASE("the nearer of a pair's two points is as far as the polygons are, wher
 
 TEST_CASE(
     "both gaps are continuous near contact while a polygon slides, rocks and rolls on a face, overhanging or not") {
-  Random random(4);
+  Draws random(4);
   double worst = 0;
   const double sizes[] = {0.4, 1, 3};  // of the lower polygon's half-width
   for (const std::size_t corners : {4u, 6u, 16u})
@@ -128,8 +128,8 @@ TEST_CASE(
 }
 
 TEST_CASE("a pair of polygons does not know which of them is the first, nor where their corners begin to be counted") {
-  Random random(5);
-  for (const Couple& pair : kPairs) {
+  Draws random(5);
+  for (const Couple& pair : kCouples) {
     Polygon turned(pair.a.begin() + 1, pair.a.end());
     turned.push_back(pair.a[0]);
     const System one = pair.system(), begun = Couple{turned, pair.b}.system();
@@ -172,7 +172,7 @@ TEST_CASE("flat faces touch at the ends of their overlap, with the normal of bot
 }
 
 TEST_CASE("a disc against a polygon is one against its faces and corners") {
-  Random random(6);
+  Draws random(6);
   const Polygon corners = regular(5, 1);
   for (int i = 0; i < 2000; ++i) {
     Scene s;

@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using testing::Draws;
 using testing::MatrixXd;
 using testing::mismatch;
-using testing::Random;
 using testing::VectorXd;
 
 /// θ₁, θ₂, θ₃ and their rates.
@@ -61,7 +61,7 @@ MinimalEquations minimal(const Angles& a) {
   return e;
 }
 
-Angles random_angles(Random& random) {
+Angles random_angles(Draws& random) {
   const Vector3d theta(random(-3, 3), random(-1, 1), random(-0.05, 0.05));
   return {theta, {random(-150, 150), random(-100, 100), random(-10, 10)}};
 }
@@ -85,7 +85,7 @@ template <class Solve> Forces slide(Solve&& solve, const VectorXd& free, const M
 
 TEST_CASE("assembled: the pins hold, at rest and in motion") {
   for (int seed = 0; seed < 20; ++seed) {
-    Random random(static_cast<std::uint64_t>(seed));
+    Draws random(static_cast<std::uint64_t>(seed));
     const System system(slider_crank());
     const State x = assembled({}, random_angles(random));
     const Terms terms = testing::all_terms(system, x.q, x.v);
@@ -101,7 +101,7 @@ TEST_CASE("assembled: the pins hold, at rest and in motion") {
 
 TEST_CASE("gaps are those of the corners in three coordinates") {
   const SliderCrank p;
-  Random random(1);
+  Draws random(1);
   for (int i = 0; i < 20; ++i) {
     const Angles a = random_angles(random);
     const State x = assembled(p, a);
@@ -123,7 +123,7 @@ TEST_CASE("nine coordinates and three accelerate alike, with no corner, one, or 
     for (int seed = 0; seed < 25; ++seed) {
       CAPTURE(closed.size());
       CAPTURE(seed);
-      Random random(static_cast<std::uint64_t>(seed));
+      Draws random(static_cast<std::uint64_t>(seed));
       Angles a = random_angles(random);
       if (closed.size() == 2) {  // flat on the wall, sliding along it
         a.theta[2] = a.omega[2] = 0;

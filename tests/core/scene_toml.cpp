@@ -141,11 +141,11 @@ body = "rod"
 wall = {normal = [0, 2]}
 )";
 
-struct Mistake {
+struct FileMistake {
   std::string text, message;
 };
 
-const Mistake kMistakes[] = {
+const FileMistake kFileMistakes[] = {
     // Not TOML.
     {"gravity = [0, -9.81", "s.toml:1: "},
     {kBodies + "mass 1", "s.toml:15: "},
@@ -738,7 +738,7 @@ TEST_CASE("angles, lengths and rests that are left out are those of the initial 
 
 TEST_CASE("every mistake in a file is told with file, line, element, key, value and rule") {
   REQUIRE(error_of(kCorner).empty());
-  for (const Mistake& mistake : kMistakes) {
+  for (const FileMistake& mistake : kFileMistakes) {
     CAPTURE(mistake.text);
     const std::string error = error_of(mistake.text);
     INFO("said: " << error);

@@ -18,7 +18,7 @@ using namespace orthant;
 
 namespace {
 
-constexpr const char* kSweep = R"(
+constexpr const char* kSmallSweep = R"(
 question = "Does it work?"
 scene = "slider_crank"
 measure = "crank.theta"
@@ -71,7 +71,7 @@ TEST_SUITE_BEGIN("slow");  // for sanitizers: whole programs, several times
 
 TEST_CASE("a sweep gives the same table however often, by however many at once, killed midway or not") {
   const Sweeps folder;
-  folder.write("a.sweep.toml", kSweep);
+  folder.write("a.sweep.toml", kSmallSweep);
   const Reply whole = folder.orthant("sweep a.sweep.toml --results whole.sqlite --jobs 1");
   CAPTURE(whole.err);
   REQUIRE(whole.exit_code == 0);
@@ -116,7 +116,7 @@ TEST_CASE("a sweep by Dask workers: one is killed midway, no case is lost or dou
     MESSAGE("no distributed: not tested");
     return;
   }
-  folder.write("a.sweep.toml", kSweep);
+  folder.write("a.sweep.toml", kSmallSweep);
   CHECK(folder.orthant("sweep a.sweep.toml --results whole.sqlite").exit_code == 0);
   const Reply a = folder.run("/usr/bin/python3 -s -E '" ORTHANT_TEST_DATA "/../experiments/dask.py' '" ORTHANT_SCRIPTS
                              "/sweep_dask.py' '" ORTHANT_CLI "' \"$PWD/a.sweep.toml\" \"$PWD/dask.sqlite\"");
@@ -132,7 +132,7 @@ TEST_SUITE_END();
 
 TEST_CASE("a sweep's errors: against the exact motion as against an integrator's, each run of it made once") {
   const Sweeps folder;
-  std::string text = kSweep;
+  std::string text = kSmallSweep;
   text.replace(text.find("count = 10"), 10, "count = 2");
   folder.write("exact.sweep.toml", text);
   text.replace(text.find("\"exact\""), 7, "\"event-driven:rtol=1e-12\"");
@@ -259,7 +259,7 @@ TEST_CASE("bad sweep files: one line that names file, key, value and rule") {
 
 TEST_CASE("results that cannot be written or read: one line with file and reason; a full disk loses no row") {
   const Sweeps folder;
-  folder.write("a.sweep.toml", kSweep);
+  folder.write("a.sweep.toml", kSmallSweep);
   folder.write("text.sqlite", std::string(5000, 'x'));
   for (const auto& [file, word] : {std::array{"/proc/r.sqlite", "/proc"}, std::array{"text.sqlite", "no results file"},
                                    std::array{"a.sweep.toml/r.sqlite", "a.sweep.toml"}}) {

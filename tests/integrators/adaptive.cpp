@@ -45,9 +45,9 @@ double slider_crank_error(const SliderCrankExact& exact, double tolerance, long*
 }
 
 /// A solver that gives up from its nth problem on.
-class GivesUp final : public Solver {
+class NeverSolves final : public Solver {
  public:
-  explicit GivesUp(int after) : left_(after), lemke_(make_solver("lemke")) {}
+  explicit NeverSolves(int after) : left_(after), lemke_(make_solver("lemke")) {}
 
  private:
   Status run(const Lcp& problem, Solution& s, Start) override {
@@ -198,7 +198,7 @@ TEST_CASE("where it cannot go on, the last time reached is kept, with a reason")
   const System system(bouncing_ball({.e = 0.5}));
   const double first = BouncingBall{}.impact_time(1);
   {
-    GivesUp solver(0);
+    NeverSolves solver(0);
     Adaptive scheme(system);
     State x = system.initial_state();
     CHECK(scheme.step(1, solver, x).status == Status::stalled);
@@ -307,7 +307,7 @@ TEST_CASE("output times that fall on impacts: the shortest step is one that can 
 }
 
 TEST_CASE("boxes and balls fall, tumble and come to lie: energy falls, nothing sinks in") {
-  testing::Random random(5);
+  testing::Draws random(5);
   for (int trial = 0; trial < 12; ++trial) {
     CAPTURE(trial);
     Scene s{.gravity = {0, -kGravity}};

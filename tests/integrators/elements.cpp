@@ -16,10 +16,10 @@ namespace {
 
 using testing::mismatch;
 
-const std::string kAll[] = {"moreau-jean",       "stewart-trinkle", "anitescu-potra", "paoli-schatzman",
-                            "generalized-alpha", "rattle",          "event-driven",   "adaptive"};
+const std::string kEveryScheme[] = {"moreau-jean",       "stewart-trinkle", "anitescu-potra", "paoli-schatzman",
+                                "generalized-alpha", "rattle",          "event-driven",   "adaptive"};
 const std::string kSecondOrder[] = {"moreau-jean", "generalized-alpha", "rattle"};
-const std::string kExact[] = {"event-driven:rtol=1e-10,atol=1e-12", "adaptive:rtol=1e-8,atol=1e-10"};
+const std::string kLocating[] = {"event-driven:rtol=1e-10,atol=1e-12", "adaptive:rtol=1e-8,atol=1e-10"};
 
 /// A crank turned by a motor, rod and slider: every position is a formula of the crank's angle.
 Scene driven_crank(const TimeLaw& law) {
@@ -77,7 +77,7 @@ TEST_CASE("a driven slider-crank is where its crank is told to be, at constant a
                           {.rate_of_change = 40, .amplitude = 0.4, .omega = 60},
                           {.table = Spline({0, 0.03, 0.06, 0.1}, {0, 2, 1, 3})}};
   for (const TimeLaw& law : laws)
-    for (const std::string& scheme : kAll) {
+    for (const std::string& scheme : kEveryScheme) {
       CAPTURE(scheme);
       double off = 0;
       const Run r = run(driven_crank(law), scheme, 5e-4, [&](const Moment& m) {
@@ -102,8 +102,8 @@ TEST_CASE("a bead runs out on a bar turned at constant speed as cosh: errors of 
     CAPTURE(scheme);
     CHECK(std::log2(error(scheme, 0.02) / error(scheme, 0.01)) == doctest::Approx(2).epsilon(0.05));
   }
-  CHECK(error(kExact[0], 0.1) < 1e-8);
-  CHECK(error(kExact[1], 0.1) < 1e-6);
+  CHECK(error(kLocating[0], 0.1) < 1e-8);
+  CHECK(error(kLocating[1], 0.1) < 1e-6);
 }
 
 TEST_CASE("a spring on a shaken cart: driven slide, forced vibration, second order") {
@@ -121,8 +121,8 @@ TEST_CASE("a spring on a shaken cart: driven slide, forced vibration, second ord
     CAPTURE(scheme);
     CHECK(std::log2(error(scheme, 0.02) / error(scheme, 0.01)) == doctest::Approx(2).epsilon(0.05));
   }
-  CHECK(error(kExact[0], 0.1) < 1e-8);
-  CHECK(error(kExact[1], 0.1) < 1e-6);
+  CHECK(error(kLocating[0], 0.1) < 1e-8);
+  CHECK(error(kLocating[1], 0.1) < 1e-6);
 }
 
 TEST_CASE("a ball on a table that is moved up and down: a wall of a driven body") {
@@ -135,7 +135,7 @@ TEST_CASE("a ball on a table that is moved up and down: a wall of a driven body"
   s.joint(Drive{"shaker", Slide{kGround, table, {0, 0}, {0, 0}, {0, 1}}, {.amplitude = A, .omega = W}});
   s.contact(DiscWall{"foot", ball, {0, 0}, 0.1, table, {0, 0}, {0, 1}, {}});
   const double leaves = std::asin(9.81 / (A * W * W)) / W;  // s̈ = −g
-  for (const std::string& scheme : {kExact[0], kExact[1]}) {
+  for (const std::string& scheme : {kLocating[0], kLocating[1]}) {
     CAPTURE(scheme);
     double released = -1, landed = -1;
     const Run r = run(s, scheme, 0.01, [&](const Moment& m) {
@@ -159,7 +159,7 @@ TEST_CASE("an arm between two stops bounces to and fro") {
   s.contact(Limit{"up", Angle{kGround, arm}, Limit::Side::upper, 1, {.e = 0.5}});
   s.contact(Limit{"down", Angle{kGround, arm}, Limit::Side::lower, -0.5, {.e = 0.5}});
   // Up at t = 1, back at half the speed over 1.5 rad at t = 4.
-  for (const std::string& scheme : kAll) {
+  for (const std::string& scheme : kEveryScheme) {
     CAPTURE(scheme);
     s.duration = 2;
     const Run r = run(s, scheme, 1e-3);
@@ -168,13 +168,13 @@ TEST_CASE("an arm between two stops bounces to and fro") {
     CHECK(r.final.v[2] == doctest::Approx(-0.5).epsilon(1e-5));
   }
   s.duration = 5;
-  const Run r = run(s, kExact[0], 0.1);
+  const Run r = run(s, kLocating[0], 0.1);
   CHECK(r.final.q[2] == doctest::Approx(-0.25).epsilon(1e-9));
   CHECK(r.final.v[2] == doctest::Approx(0.25).epsilon(1e-9));
 }
 
 TEST_CASE("a slide limit stops a slider; a rope turns back what pulls it taut") {
-  for (const std::string& scheme : kAll) {
+  for (const std::string& scheme : kEveryScheme) {
     CAPTURE(scheme);
     Scene s{.duration = 1};
     const auto slider = s.body({.name = "slider", .velocity = {1, 1}});
@@ -209,8 +209,8 @@ TEST_CASE("a journal slides in its bearing as a pendulum of the clearance's leng
   Scene link{.gravity = {0, -g}, .duration = 0.5};
   link.body(s.bodies[0]);
   link.joint(Distance{"link", kGround, 0, {0, 0}, {0, 0}, clearance});
-  const Run expected = run(link, kExact[0], 0.01);
-  for (const std::string& scheme : kExact) {
+  const Run expected = run(link, kLocating[0], 0.01);
+  for (const std::string& scheme : kLocating) {
     CAPTURE(scheme);
     const Run r = run(s, scheme, 0.01);
     REQUIRE(r.status == Status::solved);
@@ -229,7 +229,7 @@ TEST_CASE("a journal dropped from the middle of its bearing strikes it when it h
   Scene s{.gravity = {0, -9.81}, .duration = 0.02};
   const auto pin = s.body({.name = "pin"});
   s.contact(Journal{"bearing", pin, {0, 0}, 0.01, kGround, {0, 0}, 0.01 + c, {.mu = 0.1}});
-  for (const std::string& scheme : kAll) {
+  for (const std::string& scheme : kEveryScheme) {
     CAPTURE(scheme);
     double first = -1;
     const Run r = run(s, scheme, 1e-5, [&](const Moment& m) {
@@ -246,7 +246,7 @@ TEST_CASE("clearance in the slider's pin, with friction and impacts: event-drive
   const auto scenes = std::filesystem::path(ORTHANT_TEST_DATA).parent_path().parent_path() / "core" / "scenes";
   Scene s = read_scene(scenes / "slider_crank_pin.toml");
   s.duration = 0.04;
-  const Run located = run(s, kExact[0], 1e-3), stepped = run(s, kExact[1], 1e-3);
+  const Run located = run(s, kLocating[0], 1e-3), stepped = run(s, kLocating[1], 1e-3);
   REQUIRE(located.status == Status::solved);
   REQUIRE(stepped.status == Status::solved);
   CHECK(located.events > 20);

@@ -41,12 +41,6 @@ double mean_error(Scene scene, double duration, std::string_view spec, double h,
   return sum / static_cast<double>(r.steps + 1);
 }
 
-double theta1_error(const SliderCrankExact& exact, std::string_view spec, double h) {
-  const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), spec, h);
-  REQUIRE(r.status == Status::solved);
-  return std::abs(r.final.q[kTheta1] - exact.theta1);
-}
-
 template <class Error>
 void expect_order(std::string_view spec, double order, const Ladder& ladder, Error&& error, double within = 0.15) {
   const Fit fit = fit_order(ladder, [&](double h) { return error(h); });

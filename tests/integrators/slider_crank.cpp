@@ -12,12 +12,6 @@ using namespace orthant;
 
 namespace {
 
-double theta1_error(const SliderCrankExact& exact, std::string_view integrator, double h) {
-  const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), integrator, h);
-  REQUIRE(r.status == Status::solved);
-  return std::abs(r.final.q[kTheta1] - exact.theta1);
-}
-
 template <class Claim>
 void for_each_gentle_case(Claim&& claim) {  // e ≤ 0.4: the motion is well conditioned over all 0.2 s
   for (const SliderCrankExact& exact : slider_crank_exact())

@@ -12,7 +12,6 @@
 
 using namespace orthant;
 using exact::Rational;
-using exact::Row;
 
 namespace {
 
@@ -67,7 +66,7 @@ bool member(const SolutionFace& face, const Vector& z) {
     G.back()[k] = 1;
   }
   for (std::size_t i = 0; i <= n; ++i) {  // the last equation: Σ a = τ
-    Row row(count + 1);
+    exact::Row row(count + 1);
     for (std::size_t k = 0; k < count; ++k) {
       const bool vertex = k < face.vertices.size();
       const Vector& g = vertex ? face.vertices[k] : face.directions[k - face.vertices.size()];
@@ -79,7 +78,7 @@ bool member(const SolutionFace& face, const Vector& z) {
     G.push_back(row);
   }
   const auto rays = exact::cone(G, count + 1).rays;
-  return std::any_of(rays.begin(), rays.end(), [&](const Row& ray) { return ray[count] > 0; });
+  return std::any_of(rays.begin(), rays.end(), [&](const exact::Row& ray) { return ray[count] > 0; });
 }
 
 }  // namespace

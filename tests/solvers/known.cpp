@@ -122,9 +122,9 @@ std::string word(Status status, const HardCase& hard) {
 }
 
 /// What is not answered, word by word; a word that most cases get names the others.
-class Table {
+class KnownTable {
  public:
-  explicit Table(std::string solver) : solver_(std::move(solver)) {}
+  explicit KnownTable(std::string solver) : solver_(std::move(solver)) {}
   void add(const std::string& word, const std::string& what) { runs_.emplace_back(word, what); }
   std::string text() const {
     std::map<std::string, std::size_t> count;
@@ -195,7 +195,7 @@ TEST_CASE("every solver on every hard case in every storage: the right answer or
     if (entry.make("")->why_not(Lcp::standard(DenseMatrix(), Vector())).find("built without") != 0)
       specs.emplace_back(entry.name);
   for (const std::string& solver : specs) {
-    Table table(solver);
+    KnownTable table(solver);
     const std::string before = expected.count(solver) ? expected.at(solver) : "";
     for (std::size_t k = 0; k < cases.size(); ++k) {
       std::vector<std::string> words;

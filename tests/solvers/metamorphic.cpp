@@ -13,8 +13,6 @@ using namespace orthant;
 
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 Lcp dense(const Lcp& p) {
   Lcp q = p;
   DenseMatrix A;
@@ -169,16 +167,16 @@ double distance(const Vector& a, const Vector& b) {
 }
 
 /// How far answers may differ, relative to ‖z‖∞; 0: not a bit. A problem of condition 1e10 may cost the others 1e9 of it.
-struct Promise {
+struct Promises {
   double permuted = 1e-5, scaled = 1e-2, twice = 1e-5, mirrored = 1e-5, restored = 1e-5, warm = 1e-5;
   bool stays_solved = false;  // what is solved in the first words is so in the second
   bool uses_start = false;
 };
-const Promise& promise(std::string_view solver) {
+const Promises& promises_of(std::string_view solver) {
   // z = lo + y and z = y − μ z_n round once more in Lemke's and the oracle's pure form. First-order methods, and any
   // newcomer, stop when the judge is content, which is sooner where the units are far apart.
   constexpr double once = 1e-15, few = 2e-14, lu = 1e-13;
-  static const std::map<std::string_view, Promise> table = {
+  static const std::map<std::string_view, Promises> table = {
       {"dantzig", {0, 0, 0, 0, 0, 0, true, false}},
       {"murty", {0, 0, 0, 0, 0, 0, true, false}},
       {"lemke", {once, 0, 0, once, 0, 0, true, false}},
@@ -190,7 +188,7 @@ const Promise& promise(std::string_view solver) {
       {"newton-fb", {lu, lu, lu, lu, lu, lu, true, true}},
       {"pgs", {1e-6, 1e-2, lu, lu, lu, 1e-6, true, true}},
   };
-  static const Promise newcomer;
+  static const Promises newcomer;
   const auto found = table.find(solver);
   return found != table.end() ? found->second : newcomer;
 }
@@ -198,13 +196,13 @@ const Promise& promise(std::string_view solver) {
 struct Retelling {
   const char* name;
   Retold (*retell)(const Lcp&, Random&);
-  double Promise::*allowed;
+  double Promises::*allowed;
 };
-constexpr Retelling kRetellings[] = {{"permuted", permuted, &Promise::permuted},
-                                     {"scaled", scaled, &Promise::scaled},
-                                     {"twice", twice, &Promise::twice},
-                                     {"mirrored", mirrored, &Promise::mirrored},
-                                     {"restored", restored, &Promise::restored}};
+constexpr Retelling kRetellings[] = {{"permuted", permuted, &Promises::permuted},
+                                     {"scaled", scaled, &Promises::scaled},
+                                     {"twice", twice, &Promises::twice},
+                                     {"mirrored", mirrored, &Promises::mirrored},
+                                     {"restored", restored, &Promises::restored}};
 
 /// Where a solved problem need not stay solved, and why.
 bool excused(std::string_view solver, std::string_view how, std::string_view told) {
@@ -237,7 +235,7 @@ TEST_CASE("order, units, sign, a copy, storage: the answer is the same in every 
   for (const SolverEntry& entry : solvers()) {
     const auto solver = entry.make("");
     solver->set_time_limit(5);
-    const Promise& promised = promise(entry.name);
+    const Promises& promised = promises_of(entry.name);
     Random random(55);
     Solution s, t;
     for (const auto& [told, p] : all) {
@@ -262,7 +260,7 @@ TEST_CASE("warm starts: any guess leads to the cold answer, the answer itself ba
   for (const SolverEntry& entry : solvers()) {
     const auto solver = entry.make("");
     solver->set_time_limit(5);
-    const Promise& promised = promise(entry.name);
+    const Promises& promised = promises_of(entry.name);
     Random random(56);
     Solution s, t;
     for (const auto& [told, p] : all) {

@@ -20,7 +20,7 @@ Vector blurred(const Vector& z, double size, Random& random) {
   return result;
 }
 
-double judged(const Lcp& problem, const Vector& z) {
+double residual_of(const Lcp& problem, const Vector& z) {
   Solution s;
   s.z = z;
   Judge().certify(problem, 0, Status::stalled, s);
@@ -67,10 +67,10 @@ TEST_CASE("polishing never makes z worse, keeps it in the bounds, and leaves wha
     Vector z(Eigen::VectorXd::Zero(p.size()));
     for (double& value : z) value = random.normal();
     z = z.cwiseMax(p.lo).cwiseMin(p.hi);
-    const double before = judged(p, z);
+    const double before = residual_of(p, z);
     const bool exact = polish.improve(p, z, {});
     CHECK((z.array() >= p.lo.array() && z.array() <= p.hi.array()).all());
-    CHECK(judged(p, z) <= (exact ? 1e-14 : before));
+    CHECK(residual_of(p, z) <= (exact ? 1e-14 : before));
   }
   const Lcp p = random_spd_problem(3, random);
   Vector z{1, std::numeric_limits<double>::quiet_NaN(), 0};

@@ -9,7 +9,7 @@ using namespace orthant;
 
 namespace {
 
-template <class F> std::string error(const F& f) {
+template <class F> std::string message_of(const F& f) {
   try {
     f();
   } catch (const std::invalid_argument& e) {
@@ -25,12 +25,12 @@ TEST_CASE("solvers are made by name; a wrong name or option is answered with the
     CHECK(make_solver(entry.name) != nullptr);
     CHECK_FALSE(entry.options().empty());
   }
-  const std::string unknown = error([] { make_solver("simplex"); });
+  const std::string unknown = message_of([] { make_solver("simplex"); });
   for (const SolverEntry& entry : solvers()) CHECK(unknown.find(entry.name) != std::string::npos);
-  CHECK(error([] { make_solver("pgs:omega=3"); }).find("omega") != std::string::npos);
-  CHECK(error([] { make_solver("pgs:speed=3"); }).find("max_sweeps") != std::string::npos);
-  CHECK(error([] { make_solver("lemke:rescue=maybe"); }).find("true or false") != std::string::npos);
-  CHECK(error([] { make_solver("pgs:omega=1.3,max_sweeps=50"); }) == "");
+  CHECK(message_of([] { make_solver("pgs:omega=3"); }).find("omega") != std::string::npos);
+  CHECK(message_of([] { make_solver("pgs:speed=3"); }).find("max_sweeps") != std::string::npos);
+  CHECK(message_of([] { make_solver("lemke:rescue=maybe"); }).find("true or false") != std::string::npos);
+  CHECK(message_of([] { make_solver("pgs:omega=1.3,max_sweeps=50"); }) == "");
 }
 
 TEST_CASE("data that are not finite give numerical_error, a malformed problem throws: every solver") {
@@ -51,7 +51,7 @@ TEST_CASE("data that are not finite give numerical_error, a malformed problem th
     }
     Lcp p = murty_problem(3);
     p.lo = Vector{0};
-    CHECK(error([&] { solver->solve(p, s); }).find("lo has 1 entries") != std::string::npos);
+    CHECK(message_of([&] { solver->solve(p, s); }).find("lo has 1 entries") != std::string::npos);
     const Status after = solver->solve(murty_problem(3), s).status;  // and is none the worse for it
     CHECK(after == (solver->why_not(murty_problem(3)).empty() ? Status::solved : Status::unsupported));
   }

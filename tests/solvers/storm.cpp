@@ -10,17 +10,17 @@ using namespace orthant;
 
 namespace {
 
-struct Tally {
+struct Counts {
   int solved = 0, infeasible = 0, honest = 0, missed = 0;
 };
 
 /// Thousands of small degenerate problems, the oracle beside the solver.
-Tally storm(const std::string& spec, Kinds kinds, int problems, std::uint64_t seed) {
+Counts storm(const std::string& spec, Kinds kinds, int problems, std::uint64_t seed) {
   Random random(seed);
   const auto solver = make_solver(spec);
   Enumerate oracle;
   Solution s, truth;
-  Tally tally;
+  Counts tally;
   for (int k = 0; k < problems; ++k) {
     const Lcp p = random_integer_problem(random.integer(1, 6), kinds, random);
     if (!oracle.why_not(p).empty()) continue;
@@ -60,7 +60,7 @@ TEST_CASE("random integer problems: Lemke's answers stand, its proofs agree with
                {{.free = true, .box = true, .friction = true}, "all"}};
   std::uint64_t seed = 100;
   for (const auto& [kinds, what] : cases) {
-    const Tally tally = storm("lemke", kinds, 2000, ++seed);
+    const Counts tally = storm("lemke", kinds, 2000, ++seed);
     MESSAGE(what, ": solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
     CHECK(tally.missed == 0);
@@ -72,7 +72,7 @@ TEST_CASE("random integer problems: Lemke's answers stand, its proofs agree with
 TEST_CASE("random integer problems of no promised class: dantzig's answers and proofs stand") {
   std::uint64_t seed = 150;
   for (const Kinds kinds : {Kinds{}, Kinds{.free = true, .box = true}, Kinds{.friction = true}}) {
-    const Tally tally = storm("dantzig", kinds, 2000, ++seed);
+    const Counts tally = storm("dantzig", kinds, 2000, ++seed);
     MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
     CHECK(tally.solved > 400);
@@ -84,7 +84,7 @@ TEST_CASE("random integer problems: path's answers and proofs stand, and few of 
   std::uint64_t seed = 170;
   for (const Kinds kinds : {Kinds{}, Kinds{.free = true}, Kinds{.box = true}, Kinds{.friction = true},
                             Kinds{.free = true, .box = true, .friction = true}}) {
-    const Tally tally = storm("path", kinds, 1000, ++seed);
+    const Counts tally = storm("path", kinds, 1000, ++seed);
     MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
     CHECK(tally.missed <= 0.03 * tally.solved);  // its restarts are no search of all bases
@@ -96,7 +96,7 @@ TEST_CASE("random integer problems: path's answers and proofs stand, and few of 
 TEST_CASE("random integer problems: the minimizers' answers and proofs stand") {
   for (const auto& [spec, problems] : {std::pair{"ipopt:restarts=0", 40}, {"nlopt:max_evaluations=1000", 400}})
     for (const Kinds kinds : {Kinds{}, Kinds{.free = true, .box = true}, Kinds{.friction = true}}) {
-      const Tally tally = storm(spec, kinds, problems, 190);
+      const Counts tally = storm(spec, kinds, problems, 190);
       MESSAGE(std::string(spec), ": solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ",
               tally.honest, " of which solvable ", tally.missed);
       CHECK(tally.missed <= (kinds.friction ? 0.5 : 0.1) * tally.solved);  // friction's merit is not convex
@@ -104,7 +104,7 @@ TEST_CASE("random integer problems: the minimizers' answers and proofs stand") {
 }
 
 TEST_CASE("random integer problems: what projected Gauss-Seidel calls solved is solved") {
-  const Tally tally = storm("pgs:max_sweeps=1000", {.box = true, .friction = true}, 3000, 200);
+  const Counts tally = storm("pgs:max_sweeps=1000", {.box = true, .friction = true}, 3000, 200);
   MESSAGE("solved ", tally.solved, ", honest ", tally.honest, " of which solvable ", tally.missed);
   CHECK(tally.solved > 100);
 }

@@ -14,9 +14,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// The same numbers from the same seed with every standard library.
-class Random {
+class Draws {
  public:
-  explicit Random(std::uint64_t seed) : bits_(seed) {}
+  explicit Draws(std::uint64_t seed) : bits_(seed) {}
   double operator()(double low, double high) {
     return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
   }

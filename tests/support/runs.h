@@ -2,10 +2,14 @@
 #pragma once
 
 #include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/scenes/slider_crank_exact.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/simulate.h>
 #include <orthant/solvers/registry.h>
 
+#include <doctest/doctest.h>
+
+#include <cmath>
 #include <string_view>
 
 namespace orthant {
@@ -26,5 +30,11 @@ inline Run run_for(Scene scene, double duration, std::string_view integrator, do
 inline constexpr std::string_view kPosition = "moreau-jean:joints=position";
 inline constexpr std::string_view kSymmetric = "moreau-jean:joints=symmetric";
 inline constexpr Eigen::Index kTheta1 = 2, kTheta3 = 8;
+
+inline double theta1_error(const SliderCrankExact& exact, std::string_view integrator, double h) {
+  const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), integrator, h);
+  REQUIRE(r.status == Status::solved);
+  return std::abs(r.final.q[kTheta1] - exact.theta1);
+}
 
 }  // namespace orthant
