@@ -355,7 +355,11 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
         claim = work.attempt(work.tableau, limit, problem, s);
         return true;
       case Arithmetic::refined:
-        claim = work.attempt_refined(limit > 0 ? limit : 20000 + 100 * static_cast<int>(n), problem, s);
+        // Few rows have few bases: a longer path goes in circles.
+        claim = work.attempt_refined(limit > 0       ? limit
+                                     : rows > kExact ? 20000 + 100 * static_cast<int>(n)
+                                                     : few,
+                                     problem, s);
         return true;
       case Arithmetic::extended:
         if (rows > kExtended) break;

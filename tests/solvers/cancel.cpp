@@ -39,7 +39,7 @@ std::vector<Long> long_work() {
   Random random(1);
   for (double& value : skew.reshaped()) value = random.normal();
   skew = (skew - skew.transpose()).eval();
-  const Lcp large = family_problem("spd", 1500, 1e6), grid = family_problem("ball", 65025, 0);
+  const Lcp large = family_problem("spd", 1000, 1e6), grid = family_problem("ball", 65025, 0);
   return {{"auto", large},
           {"lemke:max_pivots=1000000000", murty_problem(40)},
           {"lemke:max_pivots=1000000000", large},

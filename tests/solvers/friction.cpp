@@ -46,8 +46,8 @@ TEST_CASE("friction in Stewart and Trinkle's form is solved whatever the mass ra
 TEST_SUITE("slow") {
   TEST_CASE("friction in Stewart and Trinkle's form, 60 and 100 contacts") {
     for (const char* spec : {"lemke", "path"}) {
-      for (const double ratio : {1.0, 1e6, 1e10}) all_pass(spec, 60, 0.5, ratio, 10);
-      for (const double ratio : {1.0, 1e6, 1e10}) all_pass(spec, 100, 0.8, ratio, 2);
+      for (const double ratio : {1.0, 1e6, 1e10}) all_pass(spec, 60, 0.5, ratio, 3);
+      for (const double ratio : {1.0, 1e6}) all_pass(spec, 100, 0.8, ratio, 1);
     }
   }
 }

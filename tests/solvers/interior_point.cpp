@@ -1,4 +1,4 @@
-// interior-point: monotone problems of every kind, exactly; catalogue cases; proofs; warm start; obstacles of 512² nodes.
+// interior-point: monotone problems of every kind, exactly; catalogue cases; proofs; warm start; obstacles of 256² nodes.
 #include <orthant/core/lcp/collection.h>
 #include <orthant/core/lcp/obstacles.h>
 #include <orthant/solvers/interior_point.h>
@@ -253,9 +253,9 @@ TEST_CASE("interior-point: the options are read; time and cancellation end it; t
 }
 
 TEST_SUITE("slow") {
-  TEST_CASE("interior-point: 2000 planted rows, half of them degenerate") {
+  TEST_CASE("interior-point: 1000 planted rows, half of them degenerate") {
     Random random(8);
-    const Known known = planted_problem(2000, 1000, 1000, random);
+    const Known known = planted_problem(1000, 500, 500, random);
     Solution s;
     const double time = seconds([&] { InteriorPoint().solve(known.problem, s); });
     MESSAGE(s.iterations, " iterations, ", time, " s, residual ", s.residual);
@@ -263,8 +263,8 @@ TEST_SUITE("slow") {
     CHECK(independent_residual(known.problem, s.z) < 1e-12);
   }
 
-  TEST_CASE("interior-point: ball obstacle on 512 x 512 nodes, to block-pivot's residual, in the work of 30 systems") {
-    const Lcp p = ball_obstacle(513).problem;
+  TEST_CASE("interior-point: ball obstacle on 256 x 256 nodes, to block-pivot's residual, in the work of 30 systems") {
+    const Lcp p = ball_obstacle(257).problem;
     Vector x = p.b;
     SparseCholesky cholesky;
     const double once = seconds([&] {

@@ -226,7 +226,7 @@ TEST_SUITE("slow") {
         INFO(entry.name, " on ", hard.name);
         const bool able = (entry.name == "block-pivot" || entry.name == "newton-min") &&
                           std::holds_alternative<RowSparse>(hard.problem.A);
-        hard.seconds = able ? 10 : 0.3;
+        hard.seconds = able ? 10 : 0.1;
         const Status status = honest(std::string(entry.name), hard, hard.problem);
         if (able) CHECK(status == Status::solved);
       }

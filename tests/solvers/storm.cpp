@@ -84,12 +84,12 @@ TEST_CASE("random integer problems: path's answers and proofs stand, and few of 
   std::uint64_t seed = 170;
   for (const Kinds kinds : {Kinds{}, Kinds{.free = true}, Kinds{.box = true}, Kinds{.friction = true},
                             Kinds{.free = true, .box = true, .friction = true}}) {
-    const Counts tally = storm("path", kinds, 1000, ++seed);
+    const Counts tally = storm("path", kinds, 500, ++seed);
     MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
     CHECK(tally.missed <= 0.03 * tally.solved);  // its restarts are no search of all bases
-    CHECK(tally.solved > 200);
-    CHECK(tally.infeasible > 50);
+    CHECK(tally.solved > 100);
+    CHECK(tally.infeasible > 25);
   }
 }
 

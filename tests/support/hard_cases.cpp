@@ -156,7 +156,7 @@ std::vector<HardCase> large_cases() {
   all.push_back(ball(32, 109, 0.005746855747640334));
   all.push_back(ball(64, 421, 0.0005991416656477844));
   all.push_back(journal(50, 50, -0.18048799500843138, 824));
-  all.push_back(string_on_node(4096));
+  all.push_back(string_on_node(2048));
   Random random(26);
   all.push_back(planted(400, 200, random));
   all.back().accuracy = 1e-13;
