@@ -17,7 +17,6 @@ namespace {
 
 using exact::Filtered;
 using exact::Rational;
-using exact::Row;
 using exact::Sign;
 using exact::Table;
 
@@ -86,7 +85,7 @@ class Walk {
   std::optional<Support> support(Node<Filtered>& node);
   bool leaf(Node<Filtered>& node);
   bool leaf(Node<Rational>& node);
-  Row point(Node<Rational>& node, const Row& x, const Rational& one);
+  exact::Row point(Node<Rational>& node, const exact::Row& x, const Rational& one);
 
   Found found_;
   Stop stop_;
@@ -113,12 +112,12 @@ void Walk::form(const Lcp& problem) {
   for (const Friction& f : friction_) coupled[at(f.row)] = &f;
 
   // z in the entries x: z − lo, hi − z, z itself on free rows, z + μ z_n on friction rows.
-  Table z(at(n), Row(at(columns_)));
+  Table z(at(n), exact::Row(at(columns_)));
   Node<Rational> root;
   root.left = static_cast<int>(n);
   root.any_sign.assign(at(columns_), 0);
   for (Index i = 0; i < n; ++i) {
-    Row& zi = z[at(i)];
+    exact::Row& zi = z[at(i)];
     const bool below = lo_[i] != -kInf, above = hi_[i] != kInf;
     zi[at(i) + 1] = below || !above ? 1 : -1;
     if (below || above) zi[0] = below ? lo_[i] : hi_[i];
@@ -128,7 +127,7 @@ void Walk::form(const Lcp& problem) {
     for (std::size_t k = 0; k < at(columns_); ++k) z[at(f.row)][k] -= Rational(f.mu) * z[at(f.normal)][k];
 
   Table forms;
-  const auto add = [&](Row form, int wanted) {
+  const auto add = [&](exact::Row form, int wanted) {
     forms.push_back(std::move(form));
     root.wanted.push_back(wanted);
     return static_cast<int>(forms.size()) - 1;
@@ -144,7 +143,7 @@ void Walk::form(const Lcp& problem) {
     line.z = add(z[at(i)], 0);
     const auto distance = [&](double bound,
                               int sign) {  // sign · (z_i − bound), the bound being −sign μ z_n with friction
-      Row d = z[at(i)];
+      exact::Row d = z[at(i)];
       if (f == nullptr)
         d[0] -= bound;
       else
@@ -155,7 +154,7 @@ void Walk::form(const Lcp& problem) {
     };
     if (below) line.from_lower = distance(lo_[i], 1);
     if (above) line.to_upper = distance(hi_[i], -1);
-    Row w(at(columns_));
+    exact::Row w(at(columns_));
     w[0] = problem.b[i];
     for (std::size_t j = 0; j < at(n); ++j)
       if (!A[at(i)][j].is_zero())
@@ -170,7 +169,7 @@ void Walk::form(const Lcp& problem) {
   lines_.insert(lines_.begin(), free.begin(), free.end());  // rows without a choice first
 
   forms_ = static_cast<int>(forms.size());
-  for (Row& form : forms) root.forms.insert(root.forms.end(), form.begin(), form.end());
+  for (exact::Row& form : forms) root.forms.insert(root.forms.end(), form.begin(), form.end());
   exact_.resize(lines_.size() + 1);
   filtered_.resize(lines_.size() + 1);
   path_.resize(lines_.size());
@@ -311,8 +310,8 @@ bool Walk::leaf(Node<Filtered>& node) {
   return visit_exactly(lines_.size());
 }
 
-Row Walk::point(Node<Rational>& node, const Row& x, const Rational& one) {
-  Row z(at(rows_));
+exact::Row Walk::point(Node<Rational>& node, const exact::Row& x, const Rational& one) {
+  exact::Row z(at(rows_));
   for (const Line& line : lines_) {
     const Rational* const form = form_of(node, line.z);
     Rational& value = z[at(line.row)] = form[0] * one;
@@ -323,7 +322,7 @@ Row Walk::point(Node<Rational>& node, const Row& x, const Rational& one) {
 
 bool Walk::leaf(Node<Rational>& node) {
   const std::size_t dimension = at(node.left) + 1;
-  Table G(1, Row(dimension));  // homogeneous in (1, x)
+  Table G(1, exact::Row(dimension));  // homogeneous in (1, x)
   G[0][0] = 1;
   for (int f = 0; f < forms_; ++f) {
     if (node.wanted[at(f)] == 0) continue;
@@ -335,11 +334,11 @@ bool Walk::leaf(Node<Rational>& node) {
   exact::Cone cone;
   if (node.left > 0)
     cone = exact::cone(G, dimension);
-  else if (std::all_of(G.begin(), G.end(), [](const Row& g) { return g[0] >= 0; }))
+  else if (std::all_of(G.begin(), G.end(), [](const exact::Row& g) { return g[0] >= 0; }))
     cone.rays = {{1}};
   Piece piece;
-  std::vector<Row*> generators;
-  for (Row& ray : cone.rays) {
+  std::vector<exact::Row*> generators;
+  for (exact::Row& ray : cone.rays) {
     if (!ray[0].is_zero()) {
       const Rational scale = ray[0];
       for (Rational& entry : ray) entry /= scale;
@@ -348,14 +347,14 @@ bool Walk::leaf(Node<Rational>& node) {
     generators.push_back(&ray);
   }
   if (piece.vertices.empty()) return false;
-  for (Row& line : cone.lines) {
+  for (exact::Row& line : cone.lines) {
     piece.lines.push_back(point(node, line, line[0]));
     generators.push_back(&line);
   }
   for (const Line& line : lines_) {
     const auto mark = [&](int f, std::size_t above, std::size_t below) {
       if (f < 0 || line.bit == 0) return;
-      for (const Row* x : generators) {
+      for (const exact::Row* x : generators) {
         Rational value = 0;
         for (std::size_t k = 0; k < dimension; ++k) value += form_of(node, f)[k] * (*x)[k];
         if (value > 0) piece.support[above] |= line.bit;
@@ -369,14 +368,14 @@ bool Walk::leaf(Node<Rational>& node) {
   return seen_.insert(piece.support).second && found_(piece);
 }
 
-Vector rounded(const Row& x) {
+Vector rounded(const exact::Row& x) {
   Vector result;
   result.resize(static_cast<Index>(x.size()));
   for (std::size_t i = 0; i < x.size(); ++i) result[static_cast<Index>(i)] = exact::nearest(x[i]);
   return result;
 }
 
-Vector direction(Row x) {
+Vector direction(exact::Row x) {
   Rational largest = 0;
   for (const Rational& entry : x) largest = std::max(largest, Rational(abs(entry)));
   for (Rational& entry : x) entry /= largest;
@@ -387,13 +386,13 @@ SolutionFace face(const Piece& piece) {
   SolutionFace result;
   Table span = piece.directions;
   span.insert(span.end(), piece.lines.begin(), piece.lines.end());
-  for (const Row& vertex : piece.vertices) {
+  for (const exact::Row& vertex : piece.vertices) {
     span.push_back(vertex);
     for (std::size_t i = 0; i < vertex.size(); ++i) span.back()[i] -= piece.vertices.front()[i];
     result.vertices.push_back(rounded(vertex));
   }
-  for (const Row& d : piece.directions) result.directions.push_back(direction(d));
-  for (const Row& d : piece.lines) result.lines.push_back(direction(d));
+  for (const exact::Row& d : piece.directions) result.directions.push_back(direction(d));
+  for (const exact::Row& d : piece.lines) result.lines.push_back(direction(d));
   result.dimension = static_cast<Index>(exact::reduce(span, piece.vertices.front().size()).size());
   return result;
 }
@@ -445,7 +444,7 @@ Status Enumerate::run(const Lcp& problem, Solution& s, Start) {
   Walk walk(
       problem,
       [&](const Piece& piece) {
-        return accepted = std::any_of(piece.vertices.begin(), piece.vertices.end(), [&](const Row& vertex) {
+        return accepted = std::any_of(piece.vertices.begin(), piece.vertices.end(), [&](const exact::Row& vertex) {
                  candidate.z = rounded(vertex);
                  candidate_judge_.certify(problem, options_.tolerance, Status::solved, candidate);
                  return candidate.status == Status::solved;

@@ -10,8 +10,8 @@ namespace orthant {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kExact = 1e-13;  // residual, relative as certify() has it, at which crossover is done
-constexpr double kNoise = 16;     // ρ (solution.h) times this: what rounding explains
+constexpr double kExact = 1e-13;   // residual, relative as certify() has it, at which crossover is done
+constexpr double kExplained = 16;  // ρ (solution.h) times this: what rounding explains
 constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start beside Mehrotra's
 
 /// The largest entry of each row, 1 for none.
@@ -199,7 +199,7 @@ bool InteriorPoint::solve_inside(const Lcp& p, const Vector* b, double most, Vec
 
 /// The number of rows on the wrong side, by more than rounding explains; they change sides.
 Index InteriorPoint::correct(const Vector& z) {
-  const double noise = kNoise * trial_.rounding;
+  const double noise = kExplained * trial_.rounding;
   Index count = 0;
   for (const Index i : open_) {
     Side& side = side_[at(i)];
@@ -228,7 +228,7 @@ bool InteriorPoint::cross(const Lcp& p, int iteration) {
     for (const double most : {1e-8, 1e-11, 1e-14}) {
       if (!solve_inside(p, &p.b, most, z)) return false;
       if (keep(p, z)) return log(iteration, trial_.residual, 0, "crossover"), true;
-      if (inside_error_ <= kNoise * trial_.rounding) break;  // else A_FF has eigenvalues as small as D
+      if (inside_error_ <= kExplained * trial_.rounding) break;  // else A_FF has eigenvalues as small as D
     }
     const Index count = correct(z);
     log(iteration, static_cast<double>(count), 0, "rows change sides");

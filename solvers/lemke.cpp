@@ -356,9 +356,9 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
         return true;
       case Arithmetic::refined:
         // Few rows have few bases: a longer path goes in circles.
-        claim = work.attempt_refined(limit > 0       ? limit
-                                     : rows > kExact ? 20000 + 100 * static_cast<int>(n)
-                                                     : few,
+        claim = work.attempt_refined(limit > 0          ? limit
+                                     : rows > kRational ? 20000 + 100 * static_cast<int>(n)
+                                                        : few,
                                      problem, s);
         return true;
       case Arithmetic::extended:

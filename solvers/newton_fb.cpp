@@ -19,17 +19,17 @@ using detail::Slope;
 namespace {
 
 constexpr std::array kWeights = {1.0, 1e-3, 1e-6, 1e-9};  // of d z beside w
-constexpr Index kDense = 5000;                            // rows of a dense factorization, friction in its pure form
+constexpr Index kDenseRows = 5000;                        // rows of a dense factorization, friction in its pure form
 constexpr int kRefinements = 8;                           // of frozen friction, in one run
 constexpr double kNear = 1e-3;                            // of b: merits that count as near the end
-constexpr int kPatience = 40;                             // iterations in which ‖Φ‖ should halve
+constexpr int kHalving = 40;                              // iterations in which ‖Φ‖ should halve
 
 }  // namespace
 
 std::string NewtonFb::why_not(const Lcp& problem) const {
   const Index n = problem.size() + 3 * static_cast<Index>(problem.friction.size());
-  if (n <= kDense || (std::holds_alternative<RowSparse>(problem.A) && problem.friction.empty())) return {};
-  return "n = " + std::to_string(n) + ": dense problems take at most " + std::to_string(kDense) + " rows";
+  if (n <= kDenseRows || (std::holds_alternative<RowSparse>(problem.A) && problem.friction.empty())) return {};
+  return "n = " + std::to_string(n) + ": dense problems take at most " + std::to_string(kDenseRows) + " rows";
 }
 
 Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
@@ -214,7 +214,7 @@ Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
   for (int begun = s.iterations; s.iterations - begun < options_.max_iterations;) {
     creeping = now < 0.25 * best ? 0 : creeping + 1;
     best = creeping == 0 ? now : best;
-    if (!patient_ && creeping > kPatience) return Status::stalled;
+    if (!patient_ && creeping > kHalving) return Status::stalled;
     near_ = std::sqrt(now) <= kNear * size;
     if (std::sqrt(now) <= 1e-15 * size) return Status::solved;
     if (std::sqrt(now) <= 1e-4 * size && polish(p, z)) {

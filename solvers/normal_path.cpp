@@ -13,9 +13,9 @@ template <class T> const T kPivot = std::is_same_v<T, double>        ? T(0x1p-36
                                     : std::is_same_v<T, long double> ? T(0x1p-47)
                                                                      : T(0x1p-192);  // beside its column
 // What refinement changes shows how far rounding reaches, that of the data included: an entry of the entering column no
-// larger than kNoise of it is a zero, as cancellation leaves it in the degenerate problems of contact mechanics; ratios
+// larger than kPivotNoise of it is a zero, as cancellation leaves it in the degenerate problems of contact mechanics; ratios
 // that differ by no more than kTie of it are tied.
-constexpr int kNoise = 1024, kTie = 256;
+constexpr int kPivotNoise = 1024, kTie = 256;
 constexpr std::size_t kRoom = 2000000;  // numbers kept of a path
 
 }  // namespace
@@ -215,7 +215,7 @@ template <class T> bool NormalPath<T>::solve_entering() {
   basis_.solve(d_);
   refine(d_);
   for (Index k = 0; k < n_; ++k)
-    if (abs(d_[k]) <= kNoise * abs(correction_[k])) d_[k] = 0;
+    if (abs(d_[k]) <= kPivotNoise * abs(correction_[k])) d_[k] = 0;
   return d_.allFinite();
 }
 

@@ -39,14 +39,15 @@ constexpr Variation kVariations[] = {
     {"on the ray, other covering", false, true, Digits::extended, 0, 7},
     {"from another start, proximal", true, false, Digits::plain, 1, 8},
 };
-constexpr Index kExtended = 1000;   // rows up to which long double is worth its time
-constexpr Index kWide = 600;        // and 256 bits, of linear problems
-constexpr double kTrusted = 1e4;    // growth of the merit up to which a step is taken on trust
-constexpr int kCrashNonlinear = 2;  // a step costs a Jacobian there, and is counted as one
-constexpr double kDescent = 1e-4;   // share of the promised decrease that must be had
+constexpr Index kExtendedRows = 1000;  // rows up to which long double is worth its time
+constexpr Index kWideRows = 600;       // and 256 bits, of linear problems
+constexpr double kTrusted = 1e4;       // growth of the merit up to which a step is taken on trust
+constexpr int kCrashNonlinear = 2;     // a step costs a Jacobian there, and is counted as one
+constexpr double kDescent = 1e-4;      // share of the promised decrease that must be had
 
 bool worth(const Variation& v, Index n, bool linear) {
-  return v.digits == Digits::plain || (v.digits == Digits::extended && n <= kExtended) || (linear && n <= kWide);
+  return v.digits == Digits::plain || (v.digits == Digits::extended && n <= kExtendedRows) ||
+         (linear && n <= kWideRows);
 }
 
 /// The problem as the method sees it, linear or not.

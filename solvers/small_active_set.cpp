@@ -9,11 +9,11 @@
 namespace orthant {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr int kMost = 12;     // factorizations
-constexpr int kPatience = 3;  // of them that make nothing better
+constexpr double kRoundoff = std::numeric_limits<double>::epsilon();
+constexpr int kMost = 12;   // factorizations
+constexpr int kPasses = 3;  // of them that make nothing better
 constexpr double kMissed = 1e-9;
-constexpr double kNoise = 16;  // roundings of its terms by which a w_i = 0 may look wrong
+constexpr double kRoundings = 16;  // roundings of its terms by which a w_i = 0 may look wrong
 
 }  // namespace
 
@@ -117,7 +117,7 @@ bool SmallActiveSet::newton(Vector& z) {
     for (Index r = 0; r < m; ++r) block(r, place_[at(f.normal)]) += f.mu * (*A_)(inside_[at(r)], f.row);
   const double largest = detail::largest(block.data(), m * m);
   if (!(largest < kInf)) return false;
-  rank_ = lu_.factorize(static_cast<double>(2 * m) * kEpsilon * largest);
+  rank_ = lu_.factorize(static_cast<double>(2 * m) * kRoundoff * largest);
   correct(z);
   return true;
 }
@@ -137,10 +137,10 @@ Index SmallActiveSet::mend(const Vector& z) {
   const Index n = z.size();
   double reach = 0;
   for (Index i = 0; i < n; ++i) reach = std::max(reach, std::abs(z[i]));
-  const double z_noise = kNoise * kEpsilon * reach;
+  const double z_noise = kRoundings * kRoundoff * reach;
   Index wrong = 0;
   for (Index i = 0; i < n; ++i) {
-    const double noise = kNoise * kEpsilon * size_[i];
+    const double noise = kRoundings * kRoundoff * size_[i];
     const bool friction = normal_[at(i)] >= 0;
     const double normal = friction ? z[normal_[at(i)]] : 0;
     const double hi = friction ? mu_[i] * std::max(normal, 0.0) : hi_[i], lo = friction ? -hi : lo_[i];
@@ -173,13 +173,13 @@ bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations) {
   else
     guess(z);
   Index least = n + 1;
-  for (int k = 0, patience = kPatience; k < (monotone ? n : kMost); ++k) {
+  for (int k = 0, patience = kPasses; k < (monotone ? n : kMost); ++k) {
     if (!newton(z)) return false;
     const Index wrong = mend(z);
     if (wrong == 0) {
       const auto settled = [&] {
         for (const Index i : inside_)
-          if (!(std::abs(w_[i]) <= kNoise * kEpsilon * size_[i])) return false;
+          if (!(std::abs(w_[i]) <= kRoundings * kRoundoff * size_[i])) return false;
         return true;
       };
       if (!settled()) correct(z);
@@ -191,7 +191,7 @@ bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations) {
       return z.allFinite();
     }
     if (wrong < least)
-      least = wrong, patience = kPatience;
+      least = wrong, patience = kPasses;
     else if (!monotone && --patience < 0)
       return false;
   }

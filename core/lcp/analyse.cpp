@@ -17,9 +17,7 @@ namespace {
 
 using exact::Filtered;
 using exact::Rational;
-using exact::Row;
 using exact::Sign;
-using exact::Table;
 using Sparse = Formed::Sparse;
 
 constexpr Index kElimination = 40;  // rows that are eliminated in rationals
@@ -29,29 +27,29 @@ constexpr Index kDense = 1000;      // rows for dense eigenvalues and factorizat
 
 Verdict verdict(bool yes) { return yes ? Verdict::yes : Verdict::no; }
 
-Table symmetric_part(const Table& A) {
-  Table S = A;
+exact::Table symmetric_part(const exact::Table& A) {
+  exact::Table S = A;
   for (std::size_t i = 0; i < A.size(); ++i)
     for (std::size_t j = 0; j < A.size(); ++j) S[i][j] = (A[i][j] + A[j][i]) / 2;
   return S;
 }
 
-Table transposed(const Table& A) {
-  Table T = A;
+exact::Table transposed(const exact::Table& A) {
+  exact::Table T = A;
   for (std::size_t i = 0; i < A.size(); ++i)
     for (std::size_t j = 0; j < A.size(); ++j) T[i][j] = A[j][i];
   return T;
 }
 
-Table comparison(const Table& A) {
-  Table C = A;
+exact::Table comparison(const exact::Table& A) {
+  exact::Table C = A;
   for (std::size_t i = 0; i < A.size(); ++i)
     for (std::size_t j = 0; j < A.size(); ++j) C[i][j] = i == j ? Rational(abs(A[i][i])) : Rational(-abs(A[i][j]));
   return C;
 }
 
 // All pivots on the diagonal, in the given order, are positive: all leading principal minors are.
-bool leading_minors_positive(Table A) {
+bool leading_minors_positive(exact::Table A) {
   for (std::size_t k = 0; k < A.size(); ++k) {
     if (A[k][k] <= 0) return false;
     for (std::size_t i = k + 1; i < A.size(); ++i) {
@@ -63,7 +61,7 @@ bool leading_minors_positive(Table A) {
 }
 
 // S symmetric. Diagonal pivots where positive; what is left must then be zero.
-bool semidefinite(Table S) {
+bool semidefinite(exact::Table S) {
   std::vector<char> done(S.size(), 0);
   for (;;) {
     std::size_t p = 0;
@@ -109,7 +107,7 @@ template <class T> Sign eliminate(std::vector<std::vector<T>>& B) {
   return static_cast<Sign>(det);
 }
 
-template <class T> std::vector<std::vector<T>> block(const Table& A, const std::vector<std::size_t>& rows) {
+template <class T> std::vector<std::vector<T>> block(const exact::Table& A, const std::vector<std::size_t>& rows) {
   std::vector<std::vector<T>> B(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (const std::size_t j : rows) B[i].push_back(T(A[rows[i]][j]));
@@ -128,7 +126,7 @@ template <class Visit> void for_each_subset(std::size_t n, Visit&& visit) {  // 
   }
 }
 
-void principal_minors(const Table& A, Analysis& result) {
+void principal_minors(const exact::Table& A, Analysis& result) {
   result.p = result.p0 = Verdict::yes;
   for_each_subset(A.size(), [&](const std::vector<std::size_t>& rows) {
     auto fast = block<Filtered>(A, rows);
@@ -148,7 +146,7 @@ void principal_minors(const Table& A, Analysis& result) {
 
 // A minimizer of xᵀS x on the simplex with the fewest entries has a regular block S_αα, and S_αα x_α = λ e: λ < 0 ⟺
 // S_αα⁻¹ e < 0.
-bool copositive(const Table& S) {
+bool copositive(const exact::Table& S) {
   bool yes = true;
   const auto negative = [](const auto& B) {
     bool all = true;
@@ -175,19 +173,19 @@ bool copositive(const Table& S) {
 
 // For each support α and signs σ: some x_α > 0 with B x ≤ 0, B x ≠ 0, B = σ A_αα σ, is a counterexample. The sum of all
 // generators of { x ≥ 0, B x ≤ 0 } has every x_i > 0 and every (B x)_i < 0 that any member has.
-bool column_sufficient(const Table& A) {
+bool column_sufficient(const exact::Table& A) {
   bool yes = true;
   for_each_subset(A.size(), [&](const std::vector<std::size_t>& rows) {
     const std::size_t m = rows.size();
     for (unsigned long signs = 0; yes && signs >> (m - 1) == 0; ++signs) {
-      Table G(2 * m, Row(m));
+      exact::Table G(2 * m, exact::Row(m));
       for (std::size_t i = 0; i < m; ++i) {
         G[i][i] = 1;
         for (std::size_t j = 0; j < m; ++j)
           G[m + i][j] = ((signs >> i ^ signs >> j) & 1UL) != 0 ? A[rows[i]][rows[j]] : Rational(-A[rows[i]][rows[j]]);
       }
-      Row sum(m);
-      for (const Row& ray : exact::cone(G, m).rays)
+      exact::Row sum(m);
+      for (const exact::Row& ray : exact::cone(G, m).rays)
         for (std::size_t i = 0; i < m; ++i) sum[i] += ray[i];
       bool positive = true, strict = false;
       for (std::size_t i = 0; i < m; ++i) {
@@ -354,7 +352,7 @@ Analysis analyse(const Matrix& A) {
   const bool delassus = std::holds_alternative<Delassus>(A);
   const Formed f = formed(A);
   const Formed S = symmetric_part(f);
-  Table exactly;
+  exact::Table exactly;
   if (n <= kElimination) exactly = exact::table(A);
 
   // Signs of entries.
@@ -389,14 +387,14 @@ Analysis analyse(const Matrix& A) {
 
   // Definiteness, H₊ and K, rank.
   if (!exactly.empty()) {
-    const Table symmetric = symmetric_part(exactly);
+    const exact::Table symmetric = symmetric_part(exactly);
     result.positive_definite = verdict(leading_minors_positive(symmetric));
     result.positive_semidefinite = verdict(semidefinite(symmetric));
     result.h_plus = Verdict::yes;
     for (std::size_t i = 0; i < at(n); ++i)
       if (exactly[i][i] <= 0) result.h_plus = Verdict::no;
     if (is_yes(result.h_plus)) result.h_plus = verdict(leading_minors_positive(comparison(exactly)));
-    Table copy = exactly;
+    exact::Table copy = exactly;
     result.rank = static_cast<Index>(exact::reduce(copy, at(n)).size());
   } else {
     if (surely_definite(S))

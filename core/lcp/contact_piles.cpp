@@ -10,7 +10,7 @@ namespace orthant {
 
 namespace {
 
-constexpr double kStep = 1e-3, kGravity = 9.81;  // s, m/s²
+constexpr double kStep = 1e-3, kFall = 9.81;  // s, m/s²
 
 using Point = Eigen::Vector3d;
 
@@ -56,8 +56,8 @@ class Builder {
     Delassus A{RowSparse::from(W), Eigen::Map<Eigen::VectorXd>(inverse_mass_.data(), coordinates), {}};
     Eigen::VectorXd v = Eigen::VectorXd::Zero(coordinates);
     for (Index k = 0; k < coordinates; k += freedoms_) {
-      v[k] = kStep * kGravity * std::sin(pile_.slope);
-      v[k + (pile_.spatial ? 2 : 1)] = -kStep * kGravity * std::cos(pile_.slope);
+      v[k] = kStep * kFall * std::sin(pile_.slope);
+      v[k + (pile_.spatial ? 2 : 1)] = -kStep * kFall * std::cos(pile_.slope);
     }
     Lcp p = Lcp::standard(std::move(A), Vector(W * v));
     p.friction = std::move(friction_);

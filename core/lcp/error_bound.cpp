@@ -22,7 +22,7 @@ using Errors = std::vector<Filtered>;
 constexpr Index kEnumerated = 12;
 constexpr double kUp = 1 + 0x1p-40;  // covers the few roundings of what it multiplies
 
-double upper(const Filtered& x) { return (std::abs(x.value) + x.error) * kUp; }
+double at_most(const Filtered& x) { return (std::abs(x.value) + x.error) * kUp; }
 double least(const Filtered& x) { return x.value - x.error; }
 
 Errors slack(const Formed& A, const Lcp& problem, const Vector& z) {
@@ -49,7 +49,7 @@ double bound_h_plus(const Formed& A, const Lcp& problem, const Vector& z, const 
   for (Index i = 0; i < n; ++i) {
     const Filtered d = entry(A, i, i);
     if (exact::sign(d) != Sign::positive) return kInf;
-    right[i] = upper(residual(z[i], problem.lo[i], problem.hi[i], w[at(i)], d)) * (d.value + d.error) * kUp;
+    right[i] = at_most(residual(z[i], problem.lo[i], problem.hi[i], w[at(i)], d)) * (d.value + d.error) * kUp;
   }
   if (!right.allFinite()) return kInf;
   Eigen::SparseLU<Sparse> lu(comparison(A));
@@ -82,7 +82,7 @@ double bound_definite(const Formed& A, const Lcp& problem, const Vector& z, cons
   }
   for_each_entry(A, [&](Index i, Index j, const Filtered& a) { exact::add_product(sum[at(j)], a, r[at(i)]); });
   double square = 0;
-  for (const Filtered& x : sum) square += upper(x) * upper(x);
+  for (const Filtered& x : sum) square += at_most(x) * at_most(x);
   return std::sqrt(square) / modulus * (1 + static_cast<double>(n + 8) * 0x1p-52);
 }
 
@@ -118,7 +118,7 @@ double bound_p(const Formed& A, const Lcp& problem, const Vector& z, const Error
       if ((subset >> i & 1UL) != 0)
         rows.push_back(i);
       else
-        bound = std::max(bound, upper(r[at(i)]));
+        bound = std::max(bound, at_most(r[at(i)]));
     }
     std::vector<Errors> B(rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -130,7 +130,7 @@ double bound_p(const Formed& A, const Lcp& problem, const Vector& z, const Error
       B[i].push_back(right);
     }
     if (!solve(B)) return kInf;
-    for (std::size_t i = 0; i < B.size(); ++i) bound = std::max(bound, upper(exact::quotient(B[i].back(), B[i][i])));
+    for (std::size_t i = 0; i < B.size(); ++i) bound = std::max(bound, at_most(exact::quotient(B[i].back(), B[i][i])));
   }
   return bound;
 }

@@ -60,13 +60,13 @@ struct InPlace {
   double& operator[](int i) const { return value[i]; }
 };
 /// `lower` of a square: on and below the diagonal, by rows.
-template <int N> Local<N * N> lower(std::integral_constant<int, N> n, double* from) {
+template <int N> Local<N * N> triangle(std::integral_constant<int, N> n, double* from) {
   Local<N * N> to;
   each(n,
        [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
   return to;
 }
-InPlace lower(int, double* from) { return {from}; }
+InPlace triangle(int, double* from) { return {from}; }
 template <int N> void store_lower(std::integral_constant<int, N> n, Local<N * N>& from, double* to) {
   each(n,
        [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
@@ -134,7 +134,7 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
 
 /// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij.
 template <class N> bool Schur::factorize_rows(N n, double dependent) {
-  auto S = lower(n, S_.data());
+  auto S = triangle(n, S_.data());
   auto inverse = line(n, inverse_pivot_.data());
   auto pivot = line(n, pivot_.data());
   bool independent = true;

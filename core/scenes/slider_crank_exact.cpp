@@ -3,7 +3,7 @@
 namespace orthant {
 namespace {
 
-constexpr SliderCrankExact kExact[] = {
+constexpr SliderCrankExact kGolden[] = {
     // mu, e, theta1, theta2, omega1, omega2, energy
     {0, 0, 18.1619629812479, .319789543032696, 75.5148771224814, -32.5973343337239, 7.13659022998617},
     {0, 0.4, 18.1768772105354, .313403926627515, 77.7409700029758, -31.2025375478460, 7.15272512811625},
@@ -20,10 +20,10 @@ constexpr double kImpactTimes[] = {2.6925027520212121e-3, 5.6123631902104173e-3,
 
 }  // namespace
 
-std::span<const SliderCrankExact> slider_crank_exact() { return kExact; }
+std::span<const SliderCrankExact> slider_crank_exact() { return kGolden; }
 
 std::optional<SliderCrankExact> slider_crank_exact(double mu, double e) {
-  for (const SliderCrankExact& exact : kExact)
+  for (const SliderCrankExact& exact : kGolden)
     if (exact.mu == mu && exact.e == e) return exact;
   return {};
 }
