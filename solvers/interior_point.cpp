@@ -169,8 +169,9 @@ bool InteriorPoint::start(const Lcp& p, double farther) {
 bool InteriorPoint::keep(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(lo_).cwiseMin(hi_);
   judge_.certify(p, kExact, Status::solved, trial_);
-  if (trial_.residual < best_.residual) best_.residual = trial_.residual, best_.z = trial_.z;
-  return trial_.status == Status::solved;
+  const bool solved = trial_.status == Status::solved;  // row by row: the largest residual may still be another's
+  if (solved || trial_.residual < best_.residual) best_.residual = trial_.residual, best_.z = trial_.z;
+  return solved;
 }
 
 /// Proximal steps from z towards w = 0 inside, w = A z + b (b null: 0), the weights D brought to at most `most` of A's

@@ -40,7 +40,13 @@ Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
 }
 
 bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
-  if (!problem.friction.empty() && (attempt -= 2) <= 0) {
+  if (problem.size() == 0) return false;
+  const bool friction = !problem.friction.empty();
+  if (!friction && --attempt == 0) {
+    light_rows(problem, s);
+    return true;
+  }
+  if (friction && (attempt -= 2) <= 0) {
     log(s.iterations, s.residual, 0, "bounds of friction frozen");
     s.z = start_;
     if (attempt == 0) s.z.setZero();
@@ -55,13 +61,22 @@ bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& c
     });
     return true;
   }
-  if (attempt > static_cast<int>(kWeights.size()) || problem.size() == 0) return false;
-  patient_ = attempt == static_cast<int>(kWeights.size());
-  weight_of_z_ = patient_ ? kWeights[0] : kWeights[static_cast<std::size_t>(attempt)];
+  const bool warm = !friction && (start_.array() != 0).any();  // what led nowhere is not started from again
+  const auto index = static_cast<std::size_t>(warm ? attempt - 1 : attempt);
+  if (index > kWeights.size()) return false;
+  patient_ = index == kWeights.size();
+  weight_of_z_ = patient_ ? kWeights[0] : kWeights[index];
   s.z = start_;
-  log(s.iterations, s.residual, 0, patient_ ? "patiently" : "z weighs less");
+  if (warm) s.z.setZero();
+  log(s.iterations, s.residual, 0, patient_ ? "patiently" : index == 0 ? "from zero" : "z weighs less");
   claim = this->attempt(problem, s);
+  if (!friction) light_rows(problem, s);
   return true;
+}
+
+/// Without friction. The merit adds up rows: near the end a light one may not be right yet.
+void NewtonFb::light_rows(const Lcp& problem, Solution& s) {
+  if (near_) polish_.improve(problem, s.z, budget(), true);
 }
 
 Status NewtonFb::attempt(const Lcp& problem, Solution& s) {

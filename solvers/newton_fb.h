@@ -9,7 +9,7 @@
 //   gives the last digits; the judge decides.
 //   d_i is A's largest entry in the row. Where z is much larger than w/d (mass ratios of 1e10), w alone counts in Φ and
 //   the iteration creeps: a run that creeps or fails is made again with d 1e-3, 1e-6, 1e-9 times that, at
-//   last patiently with d.
+//   last patiently with d; without friction from 0 after a warm start, and with d itself first.
 //   Friction rows through the pure form (pyramid.h), then as a fixed point of box problems (frozen_friction.h); rows and columns scaled by powers of 2 where the entries span many
 //   orders (scaling.h). The start value is used.  A stationary point of the merit that is
 //   no solution → stalled (for P0-matrices there is none).
@@ -50,6 +50,7 @@ class NewtonFb final : public Solver {
   double tolerance() const override { return options_.tolerance; }
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   Status attempt(const Lcp& problem, Solution& s);
+  void light_rows(const Lcp& problem, Solution& s);
   void proximal(const Lcp& box, Solution& s, Vector& z);
   Status in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
   Status iterate(const Lcp& problem, Solution& s, Vector& z);

@@ -6,6 +6,7 @@
 namespace orthant {
 Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
+  warm_ = start == Start::warm;
   if (!problem.friction.empty()) start_ = s.z;
   if (problem.friction.empty()) {
     if (start == Start::cold && !(options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z))) {
@@ -25,7 +26,22 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
 }
 
 bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
-  if (attempt > 2 || problem.friction.empty()) return false;
+  if (problem.friction.empty()) {
+    if (attempt > 3 || (attempt == 2 && !warm_)) return false;
+    if (attempt == 2) {
+      s.z.setZero();
+      claim = run(problem, s, Start::cold);
+    } else {
+      polish_.improve(problem, s.z, budget(), true);  // the merit adds up rows: a light one may not be right yet
+    }
+    return true;
+  }
+  if (attempt > 3) return false;
+  if (attempt == 3) {  // the pure form once more
+    s.z.setZero();
+    claim = run(problem, s, Start::cold);
+    return true;
+  }
   s.z = start_;
   if (attempt == 2) s.z.setZero();
   claim = frozen_.iterate(problem, s.z, budget(), [this, &s](const Lcp& box, Vector& z) {

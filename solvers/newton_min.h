@@ -7,7 +7,7 @@
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
 //   Friction rows through the pure form (pyramid.h); where that fails, as a fixed point of box problems
-//   (frozen_friction.h). The start value is used; cold, without friction, it is that of
+//   (frozen_friction.h). The start value is used, and after failing from it 0; cold, without friction, it is that of
 //   coarse problems for sparse Z-matrices (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
@@ -18,6 +18,7 @@
 #include <orthant/solvers/coarse_start.h>
 #include <orthant/solvers/dense_cholesky.h>
 #include <orthant/solvers/frozen_friction.h>
+#include <orthant/solvers/polish.h>
 #include <orthant/solvers/solver.h>
 
 #include <vector>
@@ -53,6 +54,8 @@ class NewtonMin final : public Solver {
   FrozenFriction frozen_;
   ActiveRows rows_;
   CoarseStart coarse_;
+  Polish polish_;
+  bool warm_ = false;  // the last run's start
   Vector start_, y_, w_, trial_, scratch_, H_, direction_, gradient_, from_;
   std::vector<double> recent_;
   DenseMatrix J_, normal_;

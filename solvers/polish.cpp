@@ -21,7 +21,8 @@ double error(const Solution& s) { return std::max(s.residual, s.rounding); }
 bool Polish::better(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
   judge_.certify(p, 0, Status::stalled, trial_);
-  if (!(error(trial_) < error(best_))) return false;
+  const bool smaller = error(trial_) < error(best_);
+  if (each_row_ && exact(trial_) != exact(best_) ? !exact(trial_) : !smaller) return false;
   best_ = trial_;
   return true;
 }
@@ -39,8 +40,10 @@ void Polish::guess(const Lcp& p, int kind) {
   }
 }
 
-bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget) {
+bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget, bool each_row) {
+  each_row_ = each_row;
   best_.residual = best_.rounding = kInf;
+  best_.status = Status::not_run;
   better(p, z);
   zero_ = Eigen::VectorXd::Zero(p.size());
   if (!(error(best_) < kInf)) return false;

@@ -21,7 +21,9 @@ class Polish {  // reuse it
  public:
   /// z n: replaced by what is better by the judge's residual and rounding, within the bounds; not finite, it stays what
   /// it is. True when the judge, allowing for rounding only, calls the end solved. `problem` without friction rows.
-  bool improve(const Lcp& problem, Vector& z, const Budget& budget);
+  /// `each_row`: what the judge accepts row by row beats what only has a smaller largest residual (the bounds of frozen
+  /// friction settle better by the latter).
+  bool improve(const Lcp& problem, Vector& z, const Budget& budget, bool each_row = false);
 
  private:
   bool better(const Lcp& problem, const Vector& z);
@@ -29,6 +31,7 @@ class Polish {  // reuse it
 
   Judge judge_;
   Solution trial_, best_;
+  bool each_row_ = false;
   ActiveRows rows_;
   Vector zero_;
 };
