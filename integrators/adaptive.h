@@ -24,6 +24,9 @@
 //   and five more evaluations where contacts last.
 //   Between the points looked at a gap is held against the parabola through the last three: where it may dip to zero an
 //   arc ends, and it is looked at anew from there. No load or drive swings by more than 3 rad in an arc.
+//   Where a lasting contact's normal jumps (a polygon's corner comes to an edge) landing would change more than the
+//   tolerance allows: such an arc is not taken, but made shorter, and at last crossed. At tight tolerances that may end in
+//   numerical_error instead.
 //   Limits: a dip narrower than that shows can be missed. Flights no higher than rounding of the coordinates are not told
 //   from rest. Joints and lasting contacts hold to rounding: the gap within the tolerance at which a contact was made goes.
 //   Motion that depends discontinuously on its start (corners that strike almost together) is followed,
@@ -137,6 +140,7 @@ class Adaptive final : public Integrator {
          decided_ = -kInf;  // [s] how late after its end a mode is changed; when modes were decided at a standstill
   double dip_ = kInf;       // [s] likewise: where a margin is least, and nearly 0 or below
   double error_ = 0;
+  bool jumped_ = false;                            // rows have, at the end of an arc
   double rise_ = 0;                                // [J] of energy, in the impacts of a crossing
   ContactMotion::Residual residual_;               // of the joints
   Extents far_, length_, speed_, omega_;           // of assemblies; of all that can meet

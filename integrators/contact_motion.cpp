@@ -42,7 +42,8 @@ ContactMotion::ContactMotion(const System& system)
       zero_(Eigen::VectorXd::Zero(system.dof())),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
-  lasting_.reserve(modes.size()), normal_.reserve(modes.size()), tangent_.reserve(modes.size());
+  lasting_.reserve(modes.size()), normal_.reserve(modes.size()), tangent_.reserve(modes.size()),
+      taken_.reserve(modes.size());
   share_.resize(static_cast<Index>(2 * modes.size()));
 }
 
@@ -50,7 +51,7 @@ void ContactMotion::modes_changed() {
   lasting_.clear();
   for (int i = 0; i < system_.contacts(); ++i)
     if (modes[static_cast<std::size_t>(i)].lasting) lasting_.push_back(i);
-  normal_.assign(lasting_.size(), 0), tangent_.assign(lasting_.size(), 0);
+  normal_.assign(lasting_.size(), 0), tangent_.assign(lasting_.size(), 0), taken_.assign(lasting_.size(), 0);
 }
 
 void ContactMotion::remember(Memory& memory) {
@@ -199,7 +200,9 @@ ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eig
     left.joint = projection_.position(t, terms_, q);
   }
   left.rate = projection_.velocity(terms_, v);
-  if (!lasting_.empty()) correct(false, v);
+  if (lasting_.empty()) return left;
+  for (std::size_t i = 0; i < lasting_.size(); ++i) taken_[i] = apply(terms_.closed[i].rows.normal, v.data());
+  correct(false, v);
   return left;
 }
 

@@ -73,6 +73,9 @@ class ContactMotion {
   Residual residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // of the joints
   /// Infinite residual: no usable matrix.
   Residual project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v);
+  /// [m/s] γ_N of lasting contact i, by the order of lasting(), that the last project() took out of v: no more than a
+  /// scheme's error, unless the contact's normal has jumped, at an edge where a polygon's corner or face comes to its end.
+  double rate_taken(std::size_t i) const { return taken_[i]; }
 
   const System& system() const { return system_; }
   const BasicSystem& basic() const { return basic_; }    // as factorized last
@@ -89,7 +92,7 @@ class ContactMotion {
   Projection projection_;
   ContactEquations equations_;
   std::vector<int> lasting_;
-  std::vector<double> normal_, tangent_;
+  std::vector<double> normal_, tangent_, taken_;
   Extents far_, fast_;  // [m], [m/s] of translations
   Vector share_;
   Eigen::VectorXd free_, zero_, rate_, lambda_;

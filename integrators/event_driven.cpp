@@ -14,6 +14,9 @@ constexpr double kForceZero =
 constexpr double kSingular = 1e-2;  // independence of the joint rows below which a pose counts as next to singular
 constexpr double kNearest = 1e-4;   // likewise: a state is better found from both sides
 constexpr double kBlurred = 1e-6;   // likewise: but not from steps with a stage as near as this
+constexpr double kTurned = 1e-7;    // of the speeds that make up a gap's rate: its normal has jumped
+constexpr double kInstant = 8;      // roundings of the time: no shorter step tells when
+constexpr double kMuch = 1e9;       // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;  // of a step: the widest interval without a stage of the method is around it
 constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages are near enough to project them there
 constexpr double kPressed = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
@@ -151,6 +154,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
       h_ = s < h_ ? std::max(h_, factor * s) : factor * s;
       break;
     }
+    if (error < kInf && turns(s) && find_turn(s)) return turn(solver, s, end, report);
     ++report.rejected;
     h_ = s *= error < kInf ? factor : 0.1;
     if (s < 1e-3 * kRounding * (std::abs(start_) + elapsed_) + 1e-30)
@@ -180,6 +184,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
 /// rounding shows in accelerations by 1/δ³: no reason to divide the step further, which would only look closer.
 double EventDriven::error_of_step(double s) {
   if (!try_step(s)) return kInf;
+  if (turns(s)) return kMuch;
   const double blur = 1e-16 * std::pow(least_independence_, -1.5);
   return rk_.error(s, q_scale_, v_scale_) / (least_independence_ < kSingular ? std::max(1.0, blur / options_.rtol) : 1);
 }
@@ -283,8 +288,52 @@ bool EventDriven::try_step(double s) {
   q_scale_ = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
   v_scale_ = options_.atol + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
   const double end = std::min(t + s, stop_);
+  free_v_ = trial_.v;
   trial_residual_ = motion_.project(end, trial_.q, trial_.v);
   return trial_residual_.joint < kInf && observe(trial_, end);
+}
+
+/// Lasting contact i stands for another normal at the end of the trial step than at its start.
+bool EventDriven::turned(std::size_t i, double s) const {
+  const double scale = now_.w.gap_rate_scale[motion_.lasting()[i]] + s * motion_.free().lpNorm<Eigen::Infinity>();
+  return std::abs(motion_.rate_taken(i)) > options_.atol + std::max(kTurned, 1e3 * options_.rtol) * scale;
+}
+
+bool EventDriven::turns(double s) const {
+  if (least_independence_ < kSingular) return false;  // velocities are not known well enough to tell
+  for (std::size_t i = 0; i < motion_.lasting().size(); ++i)
+    if (turned(i, s)) return true;
+  return false;
+}
+
+/// Shortens the step to where contacts turn. False: what happens sooner has to be looked at first.
+bool EventDriven::find_turn(double& s) {
+  double low = 0, high = s;
+  const auto instant = [&] { return kInstant * kRounding * (std::abs(start_) + elapsed_ + high); };
+  while (high - low > instant()) {
+    s = (low + high) / 2;
+    if (!try_step(s)) return false;
+    (turns(s) ? high : low) = s;
+  }
+  return try_step(s = high) && turns(s) && rk_.error(s, q_scale_, v_scale_) <= 1 && !first_sign(low);
+}
+
+/// Takes the trial step, at the end of which contacts have turned: they are let go, and what follows is decided anew.
+bool EventDriven::turn(Solver& solver, double s, double end, StepReport& report) {
+  released_.assign(released_.size(), false);
+  for (std::size_t i = 0; i < motion_.lasting().size(); ++i) released_[at(motion_.lasting()[i])] = turned(i, s);
+  accept(s, end);
+  now_.v = free_v_;
+  ++report.accepted, h_ = 0;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    if (!released_[at(c)]) continue;
+    motion_.modes[at(c)] = {};
+    events_.push_back({start_ + elapsed_, EventKind::release, c, 0, 0});
+  }
+  motion_.modes_changed();
+  residual_ = motion_.project(start_ + elapsed_, now_.q, now_.v);
+  if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");
+  return change_modes(solver, {}, report) || (no_answer_ && cross(solver, end, report));
 }
 
 double EventDriven::slack(const Sign& sign) const {

@@ -28,6 +28,8 @@
 //   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³, δ
 //   the distance: such poses are passed over in one step, no stage of which is very near. A state there that the caller
 //   asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from there).
+//   Where a lasting contact's normal jumps (a corner comes to the end of its face, and lies against an edge from then on) a step
+//   ends, too, as near to it as time can be told; its velocity is no more along the contact then: it strikes, or leaves.
 //   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided anew.
 //   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
 //   impact or an acceleration-level problem without solution, or one with several, ends the run, see why(). Rounding in
@@ -100,7 +102,11 @@ class EventDriven final : public Integrator {
   double independence() const;
   bool observe(Point& p, double t);
   bool try_step(double s);
+  bool turned(std::size_t lasting, double s) const;
+  bool turns(double s) const;
+  bool find_turn(double& s);
   void accept(double s, double end);
+  bool turn(Solver& solver, double s, double end, StepReport& report);
 
   double value(const Sign& sign, const Watched& w) const;
   double slack(const Sign& sign) const;
@@ -145,7 +151,7 @@ class EventDriven final : public Integrator {
   int crowded_ = 0;     // steps since it moved by more than next to nothing
   int instants_ = 0;    // of this call at which something happened
   int shared_ = 0;      // times that friction was shared anew meanwhile
-  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_, none_;
+  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, free_v_, last_q_, last_v_, none_;
   bool good_ = false;  // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;
   std::vector<Bounces> bounces_;

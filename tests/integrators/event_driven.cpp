@@ -608,3 +608,34 @@ TEST_CASE("friction shared anew at one time again and again: a crowd in the end,
     CHECK((fine.final.q - coarse.final.q).lpNorm<Eigen::Infinity>() <= 1e-10);
   }
 }
+
+TEST_CASE("a box's corner comes to the edge of another box: its normal jumps there, no velocity does") {
+  const auto box = [](double x, double y) { return Polygon{{-x, -y}, {x, -y}, {x, y}, {-x, y}}; };
+  const Polygon lower = box(0.31852913583277875, 0.24240270589579332),
+                upper = box(0.22594898883315664, 0.16566352649908661);
+  const ContactLaw law{.mu = 0.38899049574070471};
+  Scene s{.gravity = {0, -9.81}};
+  s.body({.mass = 1.5084387842771163,
+          .inertia = 0.080560628107586518,
+          .position = {-0.15733223164759308, 0.32864295135966332},
+          .angle = 1.5278482063092722,
+          .velocity = {-0.87180006373450325, -0.60615651709754947},
+          .omega = 2.6527271013350129});
+  s.body({.mass = 0.95068959020101795,
+          .inertia = 0.024875537697188237,
+          .position = {-0.10095706132862046, 0.83339687041986343},
+          .angle = -0.14673138132570901,
+          .velocity = {-0.55527520936132668, -0.94283611939874934},
+          .omega = 4.6506000620929999});
+  s.contact_set(polygon_wall({.name = "floor", .a = 0, .law = law}, lower));
+  s.contact_set(polygon_polygon({.name = "pair", .a = 0, .corners_a = lower, .b = 1, .corners_b = upper, .law = law}));
+  const Eigen::VectorXd exact = run_for(s, 0.013, "moreau-jean", 1e-6).final.q;  // to 1e-7
+  for (const char* spec : {"event-driven", "event-driven:rtol=1e-8", "adaptive"})
+    for (const double h : {0.013, 1e-3}) {
+      CAPTURE(spec);
+      CAPTURE(h);
+      const Run r = run_for(s, 0.013, spec, h);
+      REQUIRE(r.status == Status::solved);
+      CHECK((r.final.q - exact).lpNorm<Eigen::Infinity>() <= 1e-6);
+    }
+}
