@@ -22,7 +22,7 @@ bool Polish::better(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
   judge_.certify(p, 0, Status::stalled, trial_);
   const bool smaller = error(trial_) < error(best_);
-  if (each_row_ && exact(trial_) != exact(best_) ? !exact(trial_) : !smaller) return false;
+  if (each_row_ && is_exact(trial_) != is_exact(best_) ? !is_exact(trial_) : !smaller) return false;
   best_ = trial_;
   return true;
 }

@@ -17,7 +17,7 @@ namespace {
 using testing::mismatch;
 
 const std::string kEveryScheme[] = {"moreau-jean",       "stewart-trinkle", "anitescu-potra", "paoli-schatzman",
-                                "generalized-alpha", "rattle",          "event-driven",   "adaptive"};
+                                    "generalized-alpha", "rattle",          "event-driven",   "adaptive"};
 const std::string kSecondOrder[] = {"moreau-jean", "generalized-alpha", "rattle"};
 const std::string kLocating[] = {"event-driven:rtol=1e-10,atol=1e-12", "adaptive:rtol=1e-8,atol=1e-10"};
 

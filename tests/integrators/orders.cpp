@@ -119,21 +119,3 @@ TEST_CASE("slider-crank with clearance, e = 0: order 1, RATTLE 2" * doctest::tes
           [&](double h) { return theta1_error(exact, scheme.spec, h); }, 0.3);
     }
 }
-
-TEST_CASE("slider-crank with clearance: time to an error of 1e-3 rad" * doctest::test_suite("slow")) {
-  for (const Scheme& scheme : kSchemes)
-    for (const SliderCrankExact& exact : slider_crank_exact()) {
-      if (exact.e > 0.4 || (exact.e > 0 && scheme.spec == "anitescu-potra")) continue;  // another impact law
-      double h = 4e-4, error = 1, seconds = 0;
-      for (; error > 1e-3 && h > 1e-7; h /= std::sqrt(2)) {
-        error = 0, seconds = kInf;
-        for (const double stretch : {1.0, 0.93, 0.87}) {  // neighbours too: an error that happens to be small is none
-          const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), scheme.spec, stretch * h);
-          error = std::max(error, std::abs(r.final.q[kTheta1] - exact.theta1));
-          seconds = std::min(seconds, r.seconds);
-        }
-      }
-      MESSAGE(scheme.spec << ", mu = " << exact.mu << ", e = " << exact.e << ": error " << error
-                          << " at h = " << h * std::sqrt(2) << " in " << 1e3 * seconds << " ms");
-    }
-}

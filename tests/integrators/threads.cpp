@@ -28,14 +28,14 @@ std::vector<Job> all_jobs() {
   return jobs;
 }
 
-/// Status, words and all bits of the last state after 30 steps; or why not.
+/// Status, words and all bits of the last state after ten steps; or why not.
 void run(Job& job) {
   try {
     const System system(make_scene(job.scene));
     const auto integrator = make_integrator(job.integrator, system);
     const auto solver = make_solver(job.solver);
     const double step = std::min(system.scene().step, 1e-3);
-    const Run run = simulate(*integrator, *solver, {.step = step, .duration = 30 * step});
+    const Run run = simulate(*integrator, *solver, {.step = step, .duration = 10 * step});
     job.bits = std::string(name(run.status)) + run.why + ' ';
     for (const auto* x : {&run.final.q, &run.final.v})
       job.bits.append(reinterpret_cast<const char*>(x->data()), static_cast<std::size_t>(x->size()) * sizeof(double));
