@@ -62,8 +62,6 @@ Adaptive::Adaptive(const System& system, const Options& options)
       gap_margins_(system.laws().size()),
       gaps_before_(system.laws().size()),
       closed_(system.laws().size()),
-      series_(system.laws().size()),
-      over_(system.laws().size()),
       q_(system.dof()),
       v_(system.dof()),
       v_new_(system.dof()),
@@ -148,7 +146,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
 }
 
 void Adaptive::remember(Memory& memory) {
-  memory(last_, arc_, impact_, change_, floor_, crowd_since_, crowd_, aim_, decided_, motion_, gap_margins_, series_,
+  memory(last_, arc_, impact_, change_, floor_, crowd_since_, crowd_, aim_, decided_, motion_, gap_margins_,
          formulation_);
   basic_.forget();
 }
@@ -303,7 +301,6 @@ void Adaptive::restart(double h) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   std::fill(gap_margins_.begin(), gap_margins_.end(), Margin{});
-  std::fill(series_.begin(), series_.end(), ImpactSeries{});
 }
 
 void Adaptive::load(const State& x) {
@@ -507,14 +504,11 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   evaluate_gaps(system_, terms_);
   terms_.closed.clear();
   for (int c = 0; c < system_.contacts(); ++c)
-    if (terms_.gap[c] <= kTogether * slack_[at(c)] || motion_.modes[at(c)].lasting || over_[at(c)])
+    if (terms_.gap[c] <= kTogether * slack_[at(c)] || motion_.modes[at(c)].lasting)
       terms_.closed.push_back({c, rows(c)});
   newtons_law(system_.laws(), terms_, v_, wanted_);
-  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
-    const int c = terms_.closed[k].contact;
-    if (closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
-    if (over_[at(c)]) wanted_[k].normal = 0;
-  }
+  for (std::size_t k = 0; k < terms_.closed.size(); ++k)
+    if (const int c = terms_.closed[k].contact; closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
   formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
   if (!formulation_.solve(solver, report)) return false;
   note_forces(terms_, v_new_, wanted_);
@@ -526,26 +520,9 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   return true;
 }
 
-/// Marks the contacts whose series of impacts end within a crossing from x, where those of several do: one in itself needs no
-/// rule. Two ratios of resolved intervals make a series, and the gaps taken for zero count as the error of a crossing.
-void Adaptive::end_series(double width, const State& x) {
-  std::fill(over_.begin(), over_.end(), false);
-  set_poses(system_, x.t, x.q, terms_.at);
-  evaluate_gaps(system_, terms_);
-  int ending = 0;
-  for (std::size_t c = 0; c < over_.size(); ++c) {
-    const ImpactSeries& s = series_[c];
-    over_[c] = s.shrinking >= 3 && s.rest <= width && x.t - s.last <= s.interval &&
-               terms_.gap[static_cast<Index>(c)] <= kCrossing / kNoise * noise_[c];
-    ending += over_[c];
-  }
-  if (ending < 2) std::fill(over_.begin(), over_.end(), false);
-}
-
 bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report) {
   // Tangential restitution is for contacts that strike: not for what lasts, nor once more in the second half.
   for (std::size_t c = 0; c < closed_.size(); ++c) closed_[c] = !jumps && motion_.modes[c].lasting;
-  end_series(h, x);
   load(x);
   if (!plain_step(x, 0, h, joints, solver, report)) return false;
   store(row_[0]);
@@ -599,7 +576,6 @@ void Adaptive::settle_modes(double h, const State& x) {
     gap_margins_[c] = {};
     if (before_[c].lasting || !(sum_[c].normal > 0)) continue;
     const bool impact = !motion_.modes[c].lasting || system_.laws()[c].e == 0;
-    series_[c].add(x.t + std::clamp(event_, 0.0, h));
     events_.push_back({x.t + h, impact ? EventKind::impact : EventKind::accumulation, static_cast<int>(c),
                        sum_[c].normal, sum_[c].tangent});
   }
