@@ -80,7 +80,7 @@ def draw(sweep, rows, figure, folder, about):
         draw_panel(axes, sweep, own, figure, parameters or "{}")
         if parameters:
             words = json.loads(parameters).items()
-            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name.split(".")[-1], name)} = {value:g}"
+            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name.split('.')[-1], name)} = {value:g}"
                                      for name, value in words), fontsize=8.5)
         log = figure.get("log", "")
         axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),
