@@ -21,8 +21,9 @@ constexpr double kTogether = 4;    // of the rounding of gaps: contacts this nea
 constexpr double kNoise = 0.01;    // of the tolerance: slips and gaps are looked at no closer
 constexpr double kSwing = 3;       // [rad] that a load swings in an arc, at the most
 constexpr double kTelling = 0.01;  // below, the error of an arc that was cut short may be rounding
-constexpr int kCrowd = 200;        // inner steps, rejected ones too, after which is looked how far they came
-constexpr double kLeastFloor = 1e-6, kMostFloor = 1e-4;  // [s]
+constexpr int kCrowd = 1000;       // inner steps, rejected ones too, after which is looked how far they came
+constexpr double kSteep = 0.9;     // a series of impacts whose intervals shrink so fast ends by itself: no crowd
+constexpr double kLeastFloor = 1e-8, kMostFloor = 1e-4;  // [s]
 constexpr double kCrossing = 0.2;  // of the tolerance: an event's error is of one sign, and comes on top of the arcs'
 
 /// Where the cubic through value and rate at 0 and 1 last turns from positive to negative; 0 when it never is positive.
@@ -55,6 +56,7 @@ Adaptive::Adaptive(const System& system, const Options& options)
       motion_(system),
       watch_(motion_),
       transition_(system),
+      strikes_(system),
       start_(system),
       end_(system),
       formulation_(system, Form::reduced),
@@ -62,9 +64,12 @@ Adaptive::Adaptive(const System& system, const Options& options)
       gap_margins_(system.laws().size()),
       gaps_before_(system.laws().size()),
       closed_(system.laws().size()),
+      series_(system.laws().size()),
+      over_(system.laws().size()),
       q_(system.dof()),
       v_(system.dof()),
       v_new_(system.dof()),
+      v_before_(system.dof()),
       v_half_(system.dof()),
       force_(system.dof()),
       lambda_(system.joint_rows()),
@@ -108,9 +113,8 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
       horizon_ = std::max(horizon(system_, terms_.at, x.v, none_), least_);
       wanted = std::min(wanted, horizon_);
     }
-    const double taken = limit_ <= wanted      ? std::min(limit_, left)
-                         : wanted > 0.9 * left ? left
-                                               : std::min(wanted, left / 2);
+    const double wish = wanted > 0.9 * left ? left : std::min(wanted, left / 2);
+    const double taken = std::min(limit_, limit_ <= wanted ? left : wish);
     limit_ = kInf;
     scale(x);
     bool fine = true;
@@ -146,8 +150,8 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
 }
 
 void Adaptive::remember(Memory& memory) {
-  memory(last_, arc_, impact_, change_, floor_, crowd_since_, crowd_, aim_, decided_, motion_, gap_margins_,
-         formulation_);
+  memory(last_, arc_, impact_, change_, floor_, crowd_since_, crowd_, aim_, decided_, motion_, gap_margins_, series_,
+         formulation_, strikes_);
   basic_.forget();
 }
 
@@ -157,7 +161,7 @@ void Adaptive::watch_crowd(double t) {
   if (++crowd_ < kCrowd) return;
   const double pace = (t - crowd_since_) / kCrowd;
   if (pace < std::max(2 * floor_, kLeastFloor / 2))
-    floor_ = std::clamp(2 * floor_, kLeastFloor, kMostFloor);
+    floor_ = std::clamp(4 * floor_, kLeastFloor, kMostFloor);
   else if (pace > 20 * floor_)
     floor_ = 0;
   crowd_ = 0, crowd_since_ = t;
@@ -187,7 +191,7 @@ void Adaptive::finish(double taken, State& x, StepReport& report) {
 
 /// An arc with an impact at event_: it is stopped short of it, or crossed when it is near.
 bool Adaptive::pass(double taken, double left, Solver& solver, State& x, StepReport& report) {
-  const double width = crossing(impact_, left);
+  const double width = crossing(x.t, impact_, left);
   if (event_ <= kLatest * width || event_ - kAhead * width <= least_) return cross_here(true, left, solver, x, report);
   limit_ = std::max(least_, std::min(event_ - kAhead * width, 0.9 * taken));
   ++report.rejected;
@@ -214,18 +218,26 @@ bool Adaptive::change(double taken, double left, Solver& solver, State& x, StepR
   return cross_here(false, left, solver, x, report);
 }
 
-/// [s] the width of a crossing, of which the last one left `wish`.
-double Adaptive::crossing(double wish, double left) const {
-  return std::max(std::min(std::max(floor_, least_), left), std::min({wish, left, arc_ / 8, horizon_}));
+/// [s] no crossing from t is made shorter, whatever its error. A series of impacts with an end in sight is no crowd.
+double Adaptive::shortest(double t) const {
+  const bool ends = std::any_of(series_.begin(), series_.end(), [&](const ImpactSeries& s) {
+    return s.accumulates() && s.ratio < kSteep && t <= s.last + s.interval;
+  });
+  return ends ? least_ : std::max(floor_, least_);
+}
+
+/// [s] the width of a crossing from t, of which the last one left `wish`.
+double Adaptive::crossing(double t, double wish, double left) const {
+  return std::max(std::min(shortest(t), left), std::min({wish, left, arc_ / 8, horizon_}));
 }
 
 /// A crossing from x, if its error allows; a jump of the velocity is expected in it, or only one of the acceleration.
 bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report) {
   double& wish = jumps ? impact_ : change_;
-  const double width = crossing(wish, left);
+  const double width = crossing(x.t, wish, left);
   // Where contacts and joints leave no motion, only G v⁺ = 0 fits the contacts' rows.
   if (!cross(width, jumps, 2, solver, x, report) && !cross(width, jumps, 1, solver, x, report)) return false;
-  if (error_ > 1 && width > std::max(floor_, least_)) {
+  if (error_ > 1 && width > shortest(x.t)) {
     wish = width * std::max(0.7 / error_, 1e-3);
     ++report.rejected;
     return true;
@@ -301,6 +313,7 @@ void Adaptive::restart(double h) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   std::fill(gap_margins_.begin(), gap_margins_.end(), Margin{});
+  std::fill(series_.begin(), series_.end(), ImpactSeries{});
 }
 
 void Adaptive::load(const State& x) {
@@ -504,11 +517,20 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   evaluate_gaps(system_, terms_);
   terms_.closed.clear();
   for (int c = 0; c < system_.contacts(); ++c)
-    if (terms_.gap[c] <= kTogether * slack_[at(c)] || motion_.modes[at(c)].lasting)
+    if (terms_.gap[c] <= kTogether * slack_[at(c)] || motion_.modes[at(c)].lasting || over_[at(c)])
       terms_.closed.push_back({c, rows(c)});
+  if (in_turn_) {
+    v_before_ = v_;
+    if (!strikes_.strike_in_turn(terms_, basic_, over_, v_, solver, report)) return false;
+    v_new_ += v_ - v_before_;
+    strikes_.add_to(sum_);
+  }
   newtons_law(system_.laws(), terms_, v_, wanted_);
-  for (std::size_t k = 0; k < terms_.closed.size(); ++k)
-    if (const int c = terms_.closed[k].contact; closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
+  for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
+    const int c = terms_.closed[k].contact;
+    if (closed_[at(c)]) wanted_[k].tangent = system_.law(c).belt;
+    if (over_[at(c)]) wanted_[k].normal = 0;
+  }
   formulation_.formulate(terms_, basic_, wanted_, v_new_, lambda_);
   if (!formulation_.solve(solver, report)) return false;
   note_forces(terms_, v_new_, wanted_);
@@ -520,9 +542,27 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   return true;
 }
 
+/// Marks the contacts that strike in turn, at ever shorter intervals, and next within a crossing from x: it cannot tell them
+/// apart any more. Two ratios of resolved intervals make a series, and the gaps taken for zero count as a crossing's error.
+void Adaptive::end_series(double width, const State& x) {
+  set_poses(system_, x.t, x.q, terms_.at);
+  evaluate_gaps(system_, terms_);
+  double first = kInf, last = -kInf, interval = kInf;
+  for (std::size_t c = 0; c < over_.size(); ++c) {
+    const ImpactSeries& s = series_[c];
+    over_[c] = s.shrinking >= 3 && s.last + s.interval * s.ratio <= x.t + 2 * width && x.t - s.last <= s.interval &&
+               terms_.gap[static_cast<Index>(c)] <= kCrossing / kNoise * noise_[c];
+    if (!over_[c]) continue;
+    first = std::min(first, s.last), last = std::max(last, s.last), interval = std::min(interval, s.interval);
+  }
+  in_turn_ = last - first > kInTurn * interval;
+  if (!in_turn_) std::fill(over_.begin(), over_.end(), false);
+}
+
 bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const State& x, StepReport& report) {
   // Tangential restitution is for contacts that strike: not for what lasts, nor once more in the second half.
   for (std::size_t c = 0; c < closed_.size(); ++c) closed_[c] = !jumps && motion_.modes[c].lasting;
+  end_series(h, x);
   load(x);
   if (!plain_step(x, 0, h, joints, solver, report)) return false;
   store(row_[0]);
@@ -576,6 +616,7 @@ void Adaptive::settle_modes(double h, const State& x) {
     gap_margins_[c] = {};
     if (before_[c].lasting || !(sum_[c].normal > 0)) continue;
     const bool impact = !motion_.modes[c].lasting || system_.laws()[c].e == 0;
+    series_[c].add(x.t + std::clamp(event_, 0.0, h));
     events_.push_back({x.t + h, impact ? EventKind::impact : EventKind::accumulation, static_cast<int>(c),
                        sum_[c].normal, sum_[c].tangent});
   }

@@ -10,8 +10,9 @@
 //   Events end an arc. A gap that closes is foretold from the gaps looked at; the arc stops just short, and one plain
 //   Moreau–Jean step with the scene's own laws goes across. Its error (against the same step in two halves, and a bound for
 //   what these may overlook) is of first order, so it is as short as the tolerance asks. A contact closed in both halves
-//   that does not open lasts from then on: that is how the infinitely many impacts of an accumulation end, without a rule
-//   of their own. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
+//   that does not open lasts from then on. Impacts at ever shorter intervals (impact_series.h) whose rest would fit into one
+//   crossing, but for several contacts in turn: that crossing has no restitution for them; else they would strike in it
+//   together, and rebound. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
 //   points of the arc (contact_watch.h), not in the steps' Λ, which alternate: the arc is done again to just after it (so
 //   late that accelerations do 0.1 of the tolerance meanwhile), and the modes are decided by the problem at acceleration
 //   level (contact_transition.h). Where that finds nothing new, or no answer, a step of Moreau–Jean goes on. Forces that are
@@ -40,6 +41,7 @@
 #include <orthant/integrators/contact_transition.h>
 #include <orthant/integrators/contact_watch.h>
 #include <orthant/integrators/impact.h>
+#include <orthant/integrators/impact_series.h>
 
 #include <array>
 
@@ -82,10 +84,12 @@ class Adaptive final : public Integrator {
   bool decide(Solver& solver, State& x, StepReport& report);
   void note_changes(double t);
   double late() const;
-  double crossing(double wish, double left) const;
+  double shortest(double t) const;
+  double crossing(double t, double wish, double left) const;
   bool cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report);
   void watch_crowd(double t);
   void give_up(const State& x, StepReport& report);
+  void end_series(double width, const State& x);
   void load(const State& x);
   void store(Eigen::VectorXd& y) const;
   Outcome arc(double h, Solver& solver, const State& x, StepReport& report);
@@ -113,6 +117,7 @@ class Adaptive final : public Integrator {
   ContactMotion motion_;  // its modes are those of the arc
   ContactWatch watch_;
   ContactTransition transition_;
+  Impact strikes_;
   MotionPoint start_, end_;  // of an arc
   Formulation formulation_;
   std::vector<Wanted> wanted_;
@@ -120,8 +125,11 @@ class Adaptive final : public Integrator {
   std::vector<ContactBias> missing_;
   std::vector<Margin> gap_margins_, gaps_before_;  // gaps_before_: at the start of the arc
   std::vector<bool> closed_;                       // in the first half of a crossing
+  std::vector<ImpactSeries> series_;               // of each contact
+  std::vector<char> over_;                         // in a crossing: the contact's series ends within
+  bool in_turn_ = false;                           // there are such contacts
   std::vector<Eigen::VectorXd> row_;               // q, v of every column of the extrapolation
-  Eigen::VectorXd q_, v_, v_new_, v_half_, force_, lambda_;
+  Eigen::VectorXd q_, v_, v_new_, v_before_, v_half_, force_, lambda_;
   std::vector<Impulse> sum_;
   std::vector<Impulse> kick_;
   Eigen::VectorXd none_;

@@ -48,6 +48,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
       none_(Eigen::VectorXd::Zero(system.dof())),
       bounces_(impulses_.size()),
       touching_(impulses_.size()),
+      in_turn_(impulses_.size()),
       released_(impulses_.size()),
       slides_(impulses_.size()),
       held_(impulses_.size()),
@@ -459,14 +460,17 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
   now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
   newtons_law(system_.laws(), terms, now_.v, wanted_);
-  if (plastic) {
-    for (Wanted& wanted : wanted_) wanted.normal = 0;
-  } else {
-    stage_v_ = now_.v;
-    problem_ = &impact_.problem();
+  stage_v_ = now_.v;
+  problem_ = &impact_.problem();
+  const bool in_turn = plastic && ends_in_turn();
+  if (in_turn)
+    no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
+  else if (!plastic)
     no_answer_ = !impact_.strike(terms, motion_.basic(), stage_v_, wanted_, now_.v, solver, report);
-    if (no_answer_) return fail(report, report.status, impact_.why());
-  }
+  if (no_answer_) return fail(report, report.status, impact_.why());
+  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_);
+  if (plastic)
+    for (Wanted& wanted : wanted_) wanted.normal = 0;
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
   problem_ = &formulation_.problem();
   no_answer_ = !formulation_.solve(solver, report);
@@ -482,7 +486,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
              : "the impact was not solved");
   }
   formulation_.advance(now_.v, hit_);
-  if (!plastic) impact_.add_to(hit_);
+  if (in_turn || !plastic) impact_.add_to(hit_);
   report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, hit_));
   const double t = start_ + elapsed_;
   for (const ClosedContact& closed : terms.closed) {
@@ -506,6 +510,16 @@ void EventDriven::note_bounce(int c) {
   b.rounding = height <= 16 * gap_zero(c);
 }
 
+/// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
+template <class Low> bool EventDriven::waits(const Bounces& ending, const Low& low) const {
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const Bounces& b = bounces_[at(c)];
+    const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
+    if (between && !motion_.modes[at(c)].lasting && !(b.accumulates() && now_.w.gap[c] <= low(c))) return true;
+  }
+  return false;
+}
+
 /// Marks the contacts whose bounces need not be resolved any more, if there are any at this time.
 bool EventDriven::accumulates() {
   const double t = start_ + elapsed_;
@@ -513,7 +527,7 @@ bool EventDriven::accumulates() {
   bool any = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];
-    any = any || (b.last == t && (b.rounding || (b.accumulates() && b.height <= low(c))));
+    any = any || (b.last == t && (b.rounding || (b.accumulates() && b.height <= low(c) && !waits(b, low))));
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];
@@ -521,6 +535,18 @@ bool EventDriven::accumulates() {
     touching_[at(c)] = touching_[at(c)] || b.over;
   }
   return any;
+}
+
+/// Whether several of the series that are over had their impacts in turn: in_turn_.
+bool EventDriven::ends_in_turn() {
+  double first = kInf, last = -kInf, interval = kInf;
+  for (std::size_t c = 0; c < in_turn_.size(); ++c) {
+    const Bounces& b = bounces_[c];
+    in_turn_[c] = b.over && !motion_.modes[c].lasting;
+    if (!in_turn_[c]) continue;
+    first = std::min(first, b.last), last = std::max(last, b.last), interval = std::min(interval, b.interval);
+  }
+  return last - first > kInTurn * interval;
 }
 
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it

@@ -118,7 +118,9 @@ class EventDriven final : public Integrator {
   bool cross(Solver& solver, double end, StepReport& report);
   void close_together();
   void note_bounce(int contact);
+  template <class Low> bool waits(const Bounces& ending, const Low& low) const;
   bool accumulates();
+  bool ends_in_turn();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool shares_anew(const Sign& event);
   double force_zero() const;
@@ -155,7 +157,9 @@ class EventDriven final : public Integrator {
   bool good_ = false;  // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;
   std::vector<Bounces> bounces_;
-  std::vector<char> touching_, released_;
+  std::vector<char> touching_,
+      in_turn_;  // of an impact without restitution: struck one after the other
+  std::vector<char> released_;
   std::vector<double> slides_;
   std::vector<char> held_;
   std::vector<int> struck_;

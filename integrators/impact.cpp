@@ -57,6 +57,45 @@ bool Impact::solve(Solver& solver, StepReport& report) {
   return true;
 }
 
+bool Impact::one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
+                        Solver& solver, StepReport& report) {
+  for (int impacts = 0;; ++impacts) {
+    approach_.clear();
+    for (const ClosedContact& c : terms.closed)
+      approach_.push_back(may == nullptr || (*may)[at(c.contact)] ? -apply(c.rows.normal, v_.data()) : kInf);
+    double fastest = 0;
+    for (const double approach : approach_)
+      if (approach < kInf) fastest = std::max(fastest, approach);
+    if (fastest <= kLeft * first) return true;
+    if (impacts == kMostImpacts) {
+      report.status = Status::iteration_limit;
+      why_ = "impacts one after the other do not end: after " + std::to_string(impacts) +
+             " contacts still approach at " + detail::text_of(fastest) + " m/s";
+      return false;
+    }
+    struck_.closed.clear();
+    for (std::size_t k = 0; k < approach_.size(); ++k)
+      if (approach_[k] >= (1 - kTie) * fastest) struck_.closed.push_back(terms.closed[k]);
+    if (!act(basic, solver, report)) return false;
+  }
+}
+
+bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
+                            Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  why_.clear();
+  double first = 0;
+  for (const ClosedContact& c : terms.closed)
+    if (in_turn[at(c.contact)]) first = std::max(first, -apply(c.rows.normal, v.data()));
+  any_ = first > kRestSpeed;
+  if (!any_) return true;
+  std::fill(sum_.begin(), sum_.end(), Impulse{});
+  v_ = v;
+  if (form_ == Form::full) struck_.G = terms.G;
+  if (!one_by_one(terms, basic, &in_turn, first, solver, report)) return false;
+  v = v_;
+  return true;
+}
+
 bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
                     std::vector<Wanted>& wanted, Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   any_ = false;
@@ -69,26 +108,9 @@ bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::V
   v_ = before;
   if (form_ == Form::full) struck_.G = terms.G;
   struck_.closed = terms.closed;
-  if (impacts_ == Impacts::simultaneous) {
-    if (!act(basic, solver, report)) return false;
-  } else {
-    for (int impacts = 0;; ++impacts) {
-      approach_.clear();
-      for (const ClosedContact& c : terms.closed) approach_.push_back(-apply(c.rows.normal, v_.data()));
-      const double fastest = *std::max_element(approach_.begin(), approach_.end());
-      if (fastest <= kLeft * first) break;
-      if (impacts == kMostImpacts) {
-        report.status = Status::iteration_limit;
-        why_ = "impacts one after the other do not end: after " + std::to_string(impacts) +
-               " contacts still approach at " + detail::text_of(fastest) + " m/s";
-        return false;
-      }
-      struck_.closed.clear();
-      for (std::size_t k = 0; k < approach_.size(); ++k)
-        if (approach_[k] >= (1 - kTie) * fastest) struck_.closed.push_back(terms.closed[k]);
-      if (!act(basic, solver, report)) return false;
-    }
-  }
+  const bool struck = impacts_ == Impacts::simultaneous ? act(basic, solver, report)
+                                                        : one_by_one(terms, basic, nullptr, first, solver, report);
+  if (!struck) return false;
   v += v_ - before;
   // What struck keeps the rate that its impulse left. What approached and got none only may not approach: which of two
   // copies of a contact has the impulse is the solver's choice, and no other than the one law holds.

@@ -42,7 +42,14 @@ class Impact {
   bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before, std::vector<Wanted>& wanted,
               Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
-  /// Adds the impulses of the last strike(), if it was one.
+  /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely many
+  /// impacts those that move v by more than 1e-10 of the first, at one instant. in_turn, one a contact of the scene, strike
+  /// one after the other, the fastest first, and all other closed contacts each time with them. v: before, and after.
+  /// What is struck in turn and not at once keeps another share of its friction, the more the slower the series decays.
+  bool strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
+                      Eigen::VectorXd& v, Solver& solver, StepReport& report);
+
+  /// Adds the impulses of the last strike, if it was one.
   void add_to(std::vector<Impulse>& impulses) const;
 
   void remember(Memory& memory) { memory(formulation_); }
@@ -51,6 +58,10 @@ class Impact {
   const Lcp& problem() const { return formulation_.problem(); }
 
  private:
+  /// The contacts that may (null: all), strike at v_ one after the other, the fastest first, until none approaches faster
+  /// than kLeft of `first` [m/s]; what is no such contact strikes each time.
+  bool one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
+                  Solver& solver, StepReport& report);
   /// The contacts struck_.closed strike at v_, by the law of restitution.
   bool act(const BasicSystem& basic, Solver& solver, StepReport& report);
   bool solve(Solver& solver, StepReport& report);

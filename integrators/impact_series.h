@@ -8,6 +8,8 @@
 
 namespace orthant {
 
+inline constexpr double kInTurn = 0.05;  // of their intervals: series so far apart have their impacts in turn
+
 struct ImpactSeries {
   double last = -std::numeric_limits<double>::infinity();     // [s]
   double interval = std::numeric_limits<double>::infinity();  // [s]
