@@ -21,9 +21,8 @@ constexpr double kTogether = 4;    // of the rounding of gaps: contacts this nea
 constexpr double kNoise = 0.01;    // of the tolerance: slips and gaps are looked at no closer
 constexpr double kSwing = 3;       // [rad] that a load swings in an arc, at the most
 constexpr double kTelling = 0.01;  // below, the error of an arc that was cut short may be rounding
-constexpr int kCrowd = 1000;       // inner steps, rejected ones too, after which is looked how far they came
-constexpr double kSteep = 0.9;     // a series of impacts whose intervals shrink so fast ends by itself: no crowd
-constexpr double kLeastFloor = 1e-8, kMostFloor = 1e-4;  // [s]
+constexpr int kCrowd = 200;        // inner steps, rejected ones too, after which is looked how far they came
+constexpr double kLeastFloor = 1e-6, kMostFloor = 1e-4;  // [s]
 constexpr double kCrossing = 0.2;  // of the tolerance: an event's error is of one sign, and comes on top of the arcs'
 
 /// Where the cubic through value and rate at 0 and 1 last turns from positive to negative; 0 when it never is positive.
@@ -161,7 +160,7 @@ void Adaptive::watch_crowd(double t) {
   if (++crowd_ < kCrowd) return;
   const double pace = (t - crowd_since_) / kCrowd;
   if (pace < std::max(2 * floor_, kLeastFloor / 2))
-    floor_ = std::clamp(4 * floor_, kLeastFloor, kMostFloor);
+    floor_ = std::clamp(2 * floor_, kLeastFloor, kMostFloor);
   else if (pace > 20 * floor_)
     floor_ = 0;
   crowd_ = 0, crowd_since_ = t;
@@ -191,7 +190,7 @@ void Adaptive::finish(double taken, State& x, StepReport& report) {
 
 /// An arc with an impact at event_: it is stopped short of it, or crossed when it is near.
 bool Adaptive::pass(double taken, double left, Solver& solver, State& x, StepReport& report) {
-  const double width = crossing(x.t, impact_, left);
+  const double width = crossing(impact_, left);
   if (event_ <= kLatest * width || event_ - kAhead * width <= least_) return cross_here(true, left, solver, x, report);
   limit_ = std::max(least_, std::min(event_ - kAhead * width, 0.9 * taken));
   ++report.rejected;
@@ -218,26 +217,18 @@ bool Adaptive::change(double taken, double left, Solver& solver, State& x, StepR
   return cross_here(false, left, solver, x, report);
 }
 
-/// [s] no crossing from t is made shorter, whatever its error. A series of impacts with an end in sight is no crowd.
-double Adaptive::shortest(double t) const {
-  const bool ends = std::any_of(series_.begin(), series_.end(), [&](const ImpactSeries& s) {
-    return s.accumulates() && s.ratio < kSteep && t <= s.last + s.interval;
-  });
-  return ends ? least_ : std::max(floor_, least_);
-}
-
-/// [s] the width of a crossing from t, of which the last one left `wish`.
-double Adaptive::crossing(double t, double wish, double left) const {
-  return std::max(std::min(shortest(t), left), std::min({wish, left, arc_ / 8, horizon_}));
+/// [s] the width of a crossing, of which the last one left `wish`.
+double Adaptive::crossing(double wish, double left) const {
+  return std::max(std::min(std::max(floor_, least_), left), std::min({wish, left, arc_ / 8, horizon_}));
 }
 
 /// A crossing from x, if its error allows; a jump of the velocity is expected in it, or only one of the acceleration.
 bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report) {
   double& wish = jumps ? impact_ : change_;
-  const double width = crossing(x.t, wish, left);
+  const double width = crossing(wish, left);
   // Where contacts and joints leave no motion, only G v⁺ = 0 fits the contacts' rows.
   if (!cross(width, jumps, 2, solver, x, report) && !cross(width, jumps, 1, solver, x, report)) return false;
-  if (error_ > 1 && width > shortest(x.t)) {
+  if (error_ > 1 && width > std::max(floor_, least_)) {
     wish = width * std::max(0.7 / error_, 1e-3);
     ++report.rejected;
     return true;
@@ -542,7 +533,7 @@ bool Adaptive::plain_step(const State& x, double offset, double h, double joints
   return true;
 }
 
-/// Marks the contacts that strike in turn, at ever shorter intervals, and next within a crossing from x: it cannot tell them
+/// Marks two contacts that strike in turn, at ever shorter intervals, and next within a crossing from x: it cannot tell them
 /// apart any more. Two ratios of resolved intervals make a series, and the gaps taken for zero count as a crossing's error.
 void Adaptive::end_series(double width, const State& x) {
   set_poses(system_, x.t, x.q, terms_.at);
@@ -555,7 +546,7 @@ void Adaptive::end_series(double width, const State& x) {
     if (!over_[c]) continue;
     first = std::min(first, s.last), last = std::max(last, s.last), interval = std::min(interval, s.interval);
   }
-  in_turn_ = last - first > kInTurn * interval;
+  in_turn_ = std::count(over_.begin(), over_.end(), true) == 2 && last - first > kInTurn * interval;
   if (!in_turn_) std::fill(over_.begin(), over_.end(), false);
 }
 
@@ -595,6 +586,10 @@ void Adaptive::settle_modes(double h, const State& x) {
   auto tangent = static_cast<Index>(terms_.closed.size());
   for (std::size_t k = 0; k < terms_.closed.size(); ++k) {
     const auto c = at(terms_.closed[k].contact);
+    // What approached struck, whichever copy of a contact has the impulse.
+    if (closed_[c] && !before_[c].lasting && !(sum_[c].normal > 0) &&
+        apply(terms_.closed[k].rows.normal, x.v.data()) < 0)
+      series_[c].add(x.t + std::clamp(event_, 0.0, h));
     const bool frictional = system_.laws()[c].frictional();
     const double slip = frictional ? formulation_.solution().w[tangent++] : 0;
     // The second half gave it a speed γ_N⁺ and would have changed it by −fall without contact. It lasts if it flies no

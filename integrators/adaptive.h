@@ -10,9 +10,9 @@
 //   Events end an arc. A gap that closes is foretold from the gaps looked at; the arc stops just short, and one plain
 //   Moreau–Jean step with the scene's own laws goes across. Its error (against the same step in two halves, and a bound for
 //   what these may overlook) is of first order, so it is as short as the tolerance asks. A contact closed in both halves
-//   that does not open lasts from then on. Impacts at ever shorter intervals (impact_series.h) whose rest would fit into one
-//   crossing, but for several contacts in turn: that crossing has no restitution for them; else they would strike in it
-//   together, and rebound. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
+//   that does not open lasts from then on. Two contacts that strike in turn, at ever shorter intervals (impact_series.h), and
+//   both within one crossing: they go on there, one after the other at one instant, until they last (impact.h); else they
+//   would strike together, and rebound. A force that ends, a cone that is left, a slip that stops shows in the true forces and slips at five
 //   points of the arc (contact_watch.h), not in the steps' Λ, which alternate: the arc is done again to just after it (so
 //   late that accelerations do 0.1 of the tolerance meanwhile), and the modes are decided by the problem at acceleration
 //   level (contact_transition.h). Where that finds nothing new, or no answer, a step of Moreau–Jean goes on. Forces that are
@@ -84,8 +84,7 @@ class Adaptive final : public Integrator {
   bool decide(Solver& solver, State& x, StepReport& report);
   void note_changes(double t);
   double late() const;
-  double shortest(double t) const;
-  double crossing(double t, double wish, double left) const;
+  double crossing(double wish, double left) const;
   bool cross_here(bool jumps, double left, Solver& solver, State& x, StepReport& report);
   void watch_crowd(double t);
   void give_up(const State& x, StepReport& report);

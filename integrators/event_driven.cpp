@@ -45,6 +45,7 @@ EventDriven::EventDriven(const System& system, const Options& options)
       earlier_(system),
       q_scale_(system.dof()),
       v_scale_(system.dof()),
+      noise_(Eigen::VectorXd::Zero(system.dof())),
       none_(Eigen::VectorXd::Zero(system.dof())),
       bounces_(impulses_.size()),
       touching_(impulses_.size()),
@@ -97,8 +98,9 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
 }
 
 void EventDriven::remember(Memory& memory) {
-  memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, lead_, redundant_, least_independence_, load_, flight_,
-         flight_time_, bounces_, crossing_, crossed_, no_answer_, residual_, motion_, formulation_, impact_, stepping_);
+  memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, noise_, lead_, redundant_, least_independence_, load_,
+         flight_, flight_time_, bounces_, crossing_, crossed_, no_answer_, residual_, motion_, formulation_, impact_,
+         stepping_);
 }
 
 /// Those of accumulations lie a little ahead of their place.
@@ -116,6 +118,7 @@ bool EventDriven::fail(StepReport& report, Status status, std::string why) {
 bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   now_.q = x.q, now_.v = x.v, h_ = options_.first_step;
   flight_ = 0, flight_time_ = 0;
+  noise_.setZero(now_.v.size());
   std::fill(bounces_.begin(), bounces_.end(), Bounces{});
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
@@ -144,6 +147,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
   stop_ = last ? kInf : std::nextafter(start_ + end, -kInf);
   if (!(h_ > 0)) h_ = first_guess(rest);
   double s = std::min(h_, rest);
+  const auto rejected = report.rejected;
   if (system_.contacts() > 0) {
     set_poses(system_, start_ + elapsed_, now_.q, poses_);
     s = std::min(s, horizon(system_, poses_, now_.v, now_.a));
@@ -156,6 +160,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
       break;
     }
     if (error < kInf && turns(s) && find_turn(s)) return turn(solver, s, end, report);
+    if (report.rejected == rejected) measure_noise();
     ++report.rejected;
     h_ = s *= error < kInf ? factor : 0.1;
     if (s < 1e-3 * kRounding * (std::abs(start_) + elapsed_) + 1e-30)
@@ -188,6 +193,18 @@ double EventDriven::error_of_step(double s) {
   if (turns(s)) return kMuch;
   const double blur = 1e-16 * std::pow(least_independence_, -1.5);
   return rk_.error(s, q_scale_, v_scale_) / (least_independence_ < kSingular ? std::max(1.0, blur / options_.rtol) : 1);
+}
+
+/// What rounding of the coordinates makes of the accelerations at now_: no step is held to less. Far from the origin that is
+/// much where a contact's normal hangs on a small clearance.
+void EventDriven::measure_noise() {
+  if (now_.independence < kSingular) return;
+  stage_q_ = now_.q;
+  for (Index i = 0; i < stage_q_.size(); ++i) stage_q_[i] *= 1 + (i % 2 == 0 ? 2 : -2) * kRounding;
+  if (motion_.accelerations(start_ + elapsed_, stage_q_, now_.v, noise_))
+    noise_ = (noise_ - now_.a).cwiseAbs();
+  else
+    noise_.setZero();
 }
 
 /// When a singular pose is met, if it is in this step or soon after: δ, the root of the joint rows' independence, goes
@@ -287,7 +304,7 @@ bool EventDriven::try_step(double s) {
   };
   if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, add_push)) return false;
   q_scale_ = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
-  v_scale_ = options_.atol + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
+  v_scale_ = options_.atol + s * noise_.array() + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
   const double end = std::min(t + s, stop_);
   free_v_ = trial_.v;
   trial_residual_ = motion_.project(end, trial_.q, trial_.v);
@@ -460,6 +477,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
   now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
   newtons_law(system_.laws(), terms, now_.v, wanted_);
+  restrict_to_strikes(wanted_);
   stage_v_ = now_.v;
   problem_ = &impact_.problem();
   const bool in_turn = plastic && ends_in_turn();
@@ -468,7 +486,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   else if (!plastic)
     no_answer_ = !impact_.strike(terms, motion_.basic(), stage_v_, wanted_, now_.v, solver, report);
   if (no_answer_) return fail(report, report.status, impact_.why());
-  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_);
+  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
   if (plastic)
     for (Wanted& wanted : wanted_) wanted.normal = 0;
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
@@ -616,7 +634,7 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
                slides_[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
         held_[at(c)] = false, slides_[at(c)] = 0, again = true;
   }
-  load_ = 0;
+  load_ = 0, noise_.setZero();
   note_changes(event.has_value() && !struck);
   return true;
 }

@@ -24,7 +24,7 @@
 //   has no answer that could be computed, a step of Moreau-Jean's method of `crossing` goes across, or of twice the last one
 //   where no calm has come since, up to 1e-4 s. What it leaves no faster than it falls within it lasts. Its error is of
 //   first order: speeds times its length. Runs without crowds have none.
-//   Smooth error per step: rtol |y_i| + atol, y = (q, v). An event's time is found to rounding of the event function.
+//   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the accelerations. An event's time is found to rounding of the event function.
 //   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³, δ
 //   the distance: such poses are passed over in one step, no stage of which is very near. A state there that the caller
 //   asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from there).
@@ -96,6 +96,7 @@ class EventDriven final : public Integrator {
   bool advance(Solver& solver, double end, bool last, StepReport& report);
   double error_of_step(double s);
   std::optional<double> pose_in(double s) const;
+  void measure_noise();
   bool pass_over(double& s, double rest);
   bool look_ahead(double s);
   double first_guess(double rest) const;
@@ -153,8 +154,9 @@ class EventDriven final : public Integrator {
   int crowded_ = 0;     // steps since it moved by more than next to nothing
   int instants_ = 0;    // of this call at which something happened
   int shared_ = 0;      // times that friction was shared anew meanwhile
-  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, free_v_, last_q_, last_v_, none_;
-  bool good_ = false;  // the last call ended at last_q_, last_v_
+  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, free_v_, last_q_, last_v_;
+  Eigen::VectorXd noise_, none_;  // noise_: of the accelerations [m/s², rad/s²]
+  bool good_ = false;             // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;
   std::vector<Bounces> bounces_;
   std::vector<char> touching_,

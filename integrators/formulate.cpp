@@ -61,6 +61,11 @@ void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const 
   }
 }
 
+void restrict_to_strikes(std::vector<Wanted>& wanted) {
+  for (Wanted& w : wanted)
+    if (!(-w.approach > kRestSpeed + std::abs(w.free - w.approach))) w.tangent = w.law->belt;
+}
+
 Formulation::Formulation(const System& system, Form form, Cone cone)
     : system_(system), form_(form), cone_(cone), islands_(system) {
   const auto contacts = static_cast<std::size_t>(system.contacts());

@@ -55,6 +55,13 @@ struct Wanted {
 void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const Eigen::VectorXd& v,
                  std::vector<Wanted>& wanted);
 
+/// A slower approach is a contact at rest. [m/s]
+inline constexpr double kRestSpeed = 1e-9;
+
+/// Tangential restitution is for contacts that strike: that approach faster than kRestSpeed, and than the step's forces
+/// make them (free − approach). All others slip under friction alone.
+void restrict_to_strikes(std::vector<Wanted>& wanted);
+
 class Formulation {
  public:
   explicit Formulation(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);

@@ -7,9 +7,9 @@
 namespace orthant {
 namespace {
 
-constexpr double kRestSpeed = 1e-9;  // [m/s] a slower approach is a contact at rest
-constexpr double kTie = 1e-9;        // of the fastest approach: as fast
-constexpr double kLeft = 1e-10;      // of the first approach: the rest of an infinite sequence
+constexpr double kTie = 1e-9;  // of the fastest approach: as fast
+constexpr int kMostInTurn = 1000;
+constexpr double kLeft = 1e-10;  // of the first approach: the rest of an infinite sequence
 
 }  // namespace
 
@@ -67,6 +67,7 @@ bool Impact::one_by_one(const Terms& terms, const BasicSystem& basic, const std:
     for (const double approach : approach_)
       if (approach < kInf) fastest = std::max(fastest, approach);
     if (fastest <= kLeft * first) return true;
+    if (may != nullptr && impacts == kMostInTurn) return true;
     if (impacts == kMostImpacts) {
       report.status = Status::iteration_limit;
       why_ = "impacts one after the other do not end: after " + std::to_string(impacts) +

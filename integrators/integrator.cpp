@@ -1,3 +1,4 @@
+#include <orthant/core/support/options.h>
 #include <orthant/integrators/integrator.h>
 
 #include <algorithm>
@@ -32,6 +33,19 @@ void Integrator::refuse_loaded_friction(std::string_view scheme) const {
           "integrator " + std::string(scheme) + ": friction \"" + f.name +
           "\" depends on the joint's load: mu must be 0, or the integrator one that knows it, " +
           "such as moreau-jean or stewart-trinkle");
+}
+
+void Integrator::refuse_tangential_restitution(std::string_view scheme) const {
+  const auto refuse = [&](const std::string& what, const ContactLaw& law) {
+    if (law.e_t != 0)
+      throw std::invalid_argument(
+          "integrator " + std::string(scheme) + ": " + what + " has e_t = " + detail::text_of(law.e_t) +
+          ": must be 0, or the integrator one that knows it, " + "such as moreau-jean or stewart-trinkle");
+  };
+  for (int i = 0; i < system_.listed(); ++i)
+    refuse("contact \"" + std::visit([](const auto& c) { return c.name; }, system_.scene().contacts[at(i)]) + "\"",
+           system_.law(i));
+  for (const Collision& c : system_.scene().collisions) refuse("collision \"" + c.name + "\"", c.law);
 }
 
 void Integrator::refuse_collisions(std::string_view scheme) const {

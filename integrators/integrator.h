@@ -94,6 +94,8 @@ class Integrator {
 
   /// For schemes that have none: throws std::invalid_argument when the scene has dry friction in joints.
   void refuse_joint_friction(std::string_view scheme) const;
+  /// For schemes that have none: throws std::invalid_argument when a contact has e_t ≠ 0.
+  void refuse_tangential_restitution(std::string_view scheme) const;
 
   /// For schemes that do not know the joints' loads: throws std::invalid_argument when dry friction depends on them.
   void refuse_loaded_friction(std::string_view scheme) const;

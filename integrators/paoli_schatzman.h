@@ -8,7 +8,9 @@
 //   for the contacts that free flight, or the impulses of others, would let violate this (rows are evaluated for all:
 //   O(contacts) a step).
 //   An impact takes two steps: one ends at g_N = −e g_{N,n−1}, a penetration of O(h), the next has the velocity −e γ_N⁻.
-//   Coulomb friction is added at velocity level; the source has none.
+//   Coulomb friction is added at velocity level; the source has none. It acts in both steps of an impact, each with that
+//   step's normal impulse: where slip stops or turns between them, or couples with the normal, that is another law than
+//   Newton's with friction in one impact. Tangential restitution would act twice: it is refused.
 // Order 1: v is a backward difference, half a step late. g_N/h carries the rounding of gaps into velocities: ties
 // between contacts (a face on two corners) are lost from h = 1e-6 s or so down.
 // Source: Paoli & Schatzman, SIAM J. Numer. Anal. 40 (2002) 702-733 and 734-768.
@@ -24,6 +26,7 @@ class PaoliSchatzman final : public GapStepping {
   explicit PaoliSchatzman(const System& system, const Options& options = {})
       : GapStepping(system, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {
     require_plain_impacts(system, "paoli-schatzman");
+    refuse_tangential_restitution("paoli-schatzman");
   }
 
  private:

@@ -11,6 +11,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       end_(system),
       basic_(system),
       far_(system.assembly()),
+      path_(system.assembly()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()),
@@ -158,13 +159,24 @@ bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& repor
 }
 
 void TwoLevel::hand_over(const State& x) {
+  constexpr double kOfPath = 1e-8;
   carrying_.clear();
-  for (const ClosedContact& c : start_.closed)
-    if (impulses_[static_cast<std::size_t>(c.contact)].normal > 0) carrying_.push_back(c.contact);
+  path_.measure([&](Index i) {
+    return std::max(std::abs(q_end_[3 * i] - x.q[3 * i]), std::abs(q_end_[3 * i + 1] - x.q[3 * i + 1]));
+  });
+  for (int i = 0; i < system_.contacts(); ++i) {
+    bool touches = impulses_[static_cast<std::size_t>(i)].normal > 0;
+    if (!touches && end_.gap[i] < kInf) {  // rounding, of what was far out before, too, does not decide who strikes now
+      const auto [a, b] = bodies_of(system_, end_.pairs, i);
+      touches = end_.gap[i] <= touching(far_.of(a, b)) + kOfPath * path_.of(a, b);
+    }
+    if (touches) carrying_.push_back(i);
+  }
   start_.closed.clear(), end_.closed.clear();
   if (!carrying_.empty()) set_poses(system_, x.t, x.q, start_.at);
   for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
   newtons_law(system_.laws(), start_, x.v, wanted_);
+  restrict_to_strikes(wanted_);
   for (std::size_t k = 0; k < wanted_.size(); ++k) {  // the work is that of the rows at the end
     const ContactRows& rows = end_.closed[k].rows;
     wanted_[k].approach = apply(rows.normal, x.v.data());

@@ -7,7 +7,8 @@
 //   a gap would close, one complementarity problem, until Φ is at rounding (each row by its own bodies, extents.h) and g_N
 //   too, or as near as the solver comes. Contacts whose gap is negative at an iterate get rows, the others have none. Where that converges slowly (next to a singular pose; a step much too large) the rows
 //   are frozen anew at the iterate. μ [kg m] is an impulse times a time.
-//   Velocity stage: impulses P at the end of the step, its contacts those of the position stage with μ_N > 0:
+//   Velocity stage: impulses P at the end of the step, its contacts those of the position stage with μ_N > 0, or which
+//   have come to touch:
 //     0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,   P_T ∈ −μ P_N Sgn(γ_T⁺ + e_T γ_T⁻),   G v⁺ = 0,
 //   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths too.
 #pragma once
@@ -40,7 +41,7 @@ class TwoLevel : public Integrator {
   /// μ of dry friction i of the scene, of the last reach() [kg m] or [kg m²].
   double friction_carried(std::size_t i) const { return positions_.joint_friction(i); }
 
-  /// Closes in end_ the contacts that carry μ_N > 0, and sets what is wanted of their rates, from x.
+  /// Closes in end_ the contacts that carry μ_N > 0 or touch, and sets what is wanted of their rates, from x.
   void hand_over(const State& x);
 
   /// Velocity stage about basic_, factorized at end_.at: adds to v what P does; impulses_ holds P.
@@ -51,7 +52,7 @@ class TwoLevel : public Integrator {
 
   Terms start_, end_;  // where rows are frozen; q + path
   BasicSystem basic_;
-  Extents far_;  // [m] of the coordinates at hand
+  Extents far_, path_;  // [m] of the coordinates at hand; of the step
   Eigen::VectorXd force_, rate_, lambda_;
 
  private:

@@ -43,6 +43,7 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
     do close(h, x);
     while (sleep_.disturbed(terms_, wanted_, v_new_));
     note_forces(terms_, v_new_, wanted_);
+    restrict_to_strikes(wanted_);
     if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
       problem_ = &impact_.problem();
       why_ = impact_.why();

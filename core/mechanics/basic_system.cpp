@@ -2,6 +2,7 @@
 
 #include <klu.h>
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@ namespace orthant {
 namespace {
 
 constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
+constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
 constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
 
 const std::array<double, 3>& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
@@ -39,6 +41,10 @@ struct BasicSystem::Sparse {
   klu_symbolic* symbolic = nullptr;
   klu_numeric* numeric = nullptr;
   int n = 0;
+  // For independence(): M^−½ Gᵀ, its square S, and S's factors, analysed once.
+  mutable Eigen::SparseMatrix<double> half, square;
+  mutable Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors;
+  mutable Eigen::VectorXd diagonal;
 
   Sparse(const System& system, const Terms& terms, int rows) : n(system.dof() + rows) {
     struct Entry {
@@ -116,7 +122,7 @@ struct BasicSystem::Sparse {
         put(joint_place[12 * r + 6 + static_cast<std::size_t>(k)], -entry);
       }
     if (numeric != nullptr && klu_refactor(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
-        well_conditioned())
+        well_conditioned() && pivots_still_fit())
       return true;
     klu_free_numeric(&numeric, &common);
     numeric = klu_factor(start.data(), index.data(), value.data(), symbolic, &common);
@@ -137,8 +143,32 @@ struct BasicSystem::Sparse {
       if (!(std::abs(rhs[static_cast<std::size_t>(j)] - known(j)) < 1e-6)) return false;
     return true;
   }
+  /// Pivots chosen for another matrix may be small in this one, next to a singular pose above all, and entries grow.
+  bool pivots_still_fit() {
+    return klu_rgrowth(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
+           common.rgrowth > kMostGrowth;
+  }
   bool well_conditioned() {  // cheap estimate: the smallest against the largest pivot
     return common.status == KLU_OK && klu_rcond(symbolic, numeric, &common) != 0 && common.rcond > 1e-15;
+  }
+  /// The least D_i / S_ii of S = G M⁻¹ Gᵀ = L D Lᵀ.
+  double independence(const Eigen::VectorXd& inverse_mass) const {
+    const Index dof = inverse_mass.size();
+    half.resize(dof, n - dof);
+    half.reserve(static_cast<Index>(joint_place.size()) / 2);
+    for (int r = static_cast<int>(dof); r < n; ++r) {  // the columns of −Gᵀ
+      half.startVec(r - dof);
+      for (int k = start[static_cast<std::size_t>(r)]; k < start[static_cast<std::size_t>(r) + 1]; ++k)
+        if (const int i = index[static_cast<std::size_t>(k)]; i < dof)
+          half.insertBack(i, r - dof) = value[static_cast<std::size_t>(k)] * std::sqrt(inverse_mass[i]);
+    }
+    half.finalize();
+    square = half.transpose() * half;
+    if (factors.rows() != square.rows()) factors.analyzePattern(square);
+    factors.factorize(square);
+    if (factors.info() != Eigen::Success) return 0;
+    diagonal = factors.permutationP() * square.diagonal();
+    return std::max(0.0, factors.vectorD().cwiseQuotient(diagonal).minCoeff());
   }
   bool finite() const {
     return std::all_of(value.begin(), value.end(), [](double number) { return std::isfinite(number); });
@@ -203,10 +233,8 @@ BasicSystem::BasicSystem(const System& system, bool with_joints)
       lambda_(rows_) {
   if (rows_ == 0 && system.scene().springs.empty()) return;
   const Terms terms = topology(system);
-  if (rows_ > kDenseRows || !system.scene().springs.empty())
-    sparse_ = std::make_unique<Sparse>(system, terms, rows_);
-  else
-    schur_.emplace(inverse_mass_, terms.G);
+  if (rows_ > kDenseRows || !system.scene().springs.empty()) sparse_ = std::make_unique<Sparse>(system, terms, rows_);
+  if (rows_ > 0 && rows_ <= kDenseRows) schur_.emplace(inverse_mass_, terms.G);
 }
 
 BasicSystem::~BasicSystem() = default;
@@ -215,17 +243,24 @@ BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
 bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
   redundant_ = false;
   const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
-  if (sparse_) {
+  const bool springs = !terms.springs.empty() && (stiffness_weight != 0 || damping_weight != 0);
+  way_ = rows_ > kDenseRows || springs ? Way::sparse : rows_ > 0 ? Way::dense : Way::diagonal;
+  if (way_ == Way::sparse) {
     if (sparse_->factorize(system, terms, stiffness_weight, damping_weight)) return true;
     if (!sparse_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
   } else {
-    if (!schur_ || schur_->factorize(G, kDependent)) return true;
+    if (way_ == Way::diagonal || schur_->factorize(G, kDependent)) return true;
     if (!schur_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G);
   }
   redundant_ = true;
   return true;
+}
+
+double BasicSystem::independence() const {
+  if (redundant_ || rows_ == 0) return 1;
+  return way_ == Way::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
 }
 
 void BasicSystem::forget() {
@@ -234,8 +269,8 @@ void BasicSystem::forget() {
 
 void BasicSystem::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
-  if (schur_) return schur_->solve(f, c, x, lambda);
-  if (sparse_) {
+  if (way_ == Way::dense) return schur_->solve(f, c, x, lambda);
+  if (way_ == Way::sparse) {
     Eigen::Map<Eigen::VectorXd> rhs(sparse_->rhs.data(), sparse_->n);
     rhs.head(dof_) = Eigen::Map<const Eigen::VectorXd>(f, dof_);
     if (rows_ > 0) rhs.tail(rows_) = Eigen::Map<const Eigen::VectorXd>(c, rows_);
@@ -248,7 +283,7 @@ void BasicSystem::solve(const double* f, const double* c, double* x, double* lam
 }
 
 void BasicSystem::solve_rates(const double* c, double* x, double* lambda) const {
-  if (schur_ && !redundant_) return schur_->solve_rates(c, x, lambda);
+  if (way_ == Way::dense && !redundant_) return schur_->solve_rates(c, x, lambda);
   solve(zero_.data(), c, x, lambda);
 }
 

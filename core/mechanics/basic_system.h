@@ -3,8 +3,8 @@
 //   M̂ x − Gᵀ λ = f,   G x = c,      M̂ = M + Σ_springs row ⊗ row (k_weight k + c_weight c)
 // This is the DAE's matrix that is left when contact and friction are removed; contacts enter through its inverse.
 // Three ways, by what the scene contains:
-//   no joints, no springs   x = M⁻¹ f
-//   few joint rows, no springs  S = G M⁻¹ Gᵀ, dense (schur.h)
+//   M̂ = M, no joints        x = M⁻¹ f
+//   M̂ = M, few joint rows   S = G M⁻¹ Gᵀ, dense (schur.h)
 //   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
 // Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken (copies
 // of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S, whose
@@ -46,15 +46,18 @@ class BasicSystem {
   int joint_rows() const { return rows_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
   /// What is left of the most dependent joint row of the last factorization, squared over its S_ii, in (0, 1]: near 0 next
-  /// to a singular pose. 1 where it is not known (redundant rows, the sparse matrix).
-  double independence() const { return schur_ && !redundant_ ? schur_->independence() : 1; }
+  /// to a singular pose. 1 where there are no joints, or redundant ones. Of the sparse matrix it is found when asked for,
+  /// at the cost of another factorization.
+  double independence() const;
 
  private:
   struct Sparse;     // KLU and the pattern
   struct LeastNorm;  // for redundant joints
+  enum class Way { diagonal, dense, sparse };
 
   int dof_ = 0, rows_ = 0;
   bool redundant_ = false;
+  Way way_ = Way::diagonal;  // of the last factorization
   Eigen::VectorXd inverse_mass_;
   std::optional<Schur> schur_;
   std::unique_ptr<LeastNorm> least_norm_;

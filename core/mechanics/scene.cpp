@@ -144,6 +144,8 @@ void examine(const Element& e, const Coordinate& c) {
 void examine(const Element& e, const Drive& j) {
   examine(e, j.of), apart(e, j.of), e.finite("offset", j.law.offset), e.finite("rate", j.law.rate_of_change);
   e.finite("amplitude", j.law.amplitude), e.finite("omega", j.law.omega), e.finite("phase", j.law.phase);
+  if (const double start = j.law.value(0); std::holds_alternative<Span>(j.of.kind()) && start < 0)
+    e.fail("offset", "starts at a distance of " + detail::text_of(start) + " m: must be ≥ 0");
 }
 
 void examine(const Element& e, const CustomJoint& j) {

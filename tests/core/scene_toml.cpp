@@ -299,6 +299,12 @@ const FileMistake kFileMistakes[] = {
     {kBodies + "[[joint]]\ntype = \"drive\"\nof = \"angle\"\nbodies = [\"rod\", \"cart\"]\n"
                "table = {times = [0, 0], values = [1, 2]}",
      "s.toml:19: joint \"joint1\": table.times = [0, 0]: must be ascending"},
+    {kBodies + "[[joint]]\ntype = \"revolute\"\nname = \"pin\"\nbodies = [\"ground\", \"rod\"]\n"
+               "[[joint]]\ntype = \"drive\"\njoint = \"pin\"\nof = \"angle\"\nrate = 1",
+     "of = 'angle': must be left out where \"joint\" says what is meant"},
+    {kBodies + "[[joint]]\ntype = \"drive\"\nof = \"distance\"\nbodies = [\"ground\", \"rod\"]\npoint_a = [1, 0]\n"
+               "offset = -1",
+     "joint \"joint1\": starts at a distance of -1 m: must be ≥ 0"},
     {kBodies + "[[joint]]\ntype = \"drive\"\njoint = \"joint1\"",
      "s.toml:17: joint \"joint1\": joint = 'joint1': must be the name of a joint written before"},
     {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"cart\"]",

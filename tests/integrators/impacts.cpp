@@ -193,6 +193,32 @@ TEST_CASE("Newton's law with friction raises the energy, is told on it; Poisson'
     for (const double h : {1e-3, 1e-4}) CHECK(run(slider_crank(), integrator, h).energy_rises == 0);
 }
 
+TEST_CASE("tangential restitution is for impacts: what slides on is under friction alone, scheme by scheme") {
+  Scene block;
+  block.gravity = {0, -kGravity};
+  block.body({.mass = 1, .inertia = 1, .position = {0, 0}, .velocity = {2, 0}});
+  block.contact(CornerWall{"floor", 0, {0, 0}, kGround, {0, 0}, {0, 1}, {.mu = 0.3, .e_t = -1}});
+  const SphereBounce ball{.mu = 10};
+  Scene bounce = sphere_bounce(ball);
+  for (Contact& c : bounce.contacts) std::visit([](auto& contact) { contact.law.e_t = 0.5; }, c);
+  const double grip = 1 / (1 + 1 / ball.inertia_factor);  // of Δγ_T that goes into v_x
+  for (const std::string_view spec :
+       {"moreau-jean", "stewart-trinkle", "generalized-alpha", "rattle", "event-driven", "adaptive"}) {
+    CAPTURE(spec);
+    const Run slid = run_for(block, 0.5, spec, 1e-3);
+    REQUIRE(slid.status == Status::solved);
+    CHECK(std::abs(slid.final.v[0] - (2 - 0.3 * kGravity * 0.5)) <= (spec == "adaptive" ? 1e-6 : 1e-9));
+    const Run bounced = run(bounce, spec, bounce.step);
+    REQUIRE(bounced.status == Status::solved);
+    CHECK(std::abs(bounced.final.v[0] - (ball.vx - grip * 1.5 * ball.vx)) <= 1e-9);
+  }
+  CHECK_THROWS_WITH_AS(
+      make_integrator("paoli-schatzman", System(block)),
+      "integrator paoli-schatzman: contact \"floor\" has e_t = -1: must be 0, or the integrator one that "
+      "knows it, such as moreau-jean or stewart-trinkle",
+      std::invalid_argument);
+}
+
 TEST_CASE("an integrator that cannot take a law says so when it is made") {
   for (const IntegratorEntry& entry : integrators())
     for (const auto& [restitution, impacts] :

@@ -50,6 +50,7 @@ bool Reader::time_law(Fields& f, TimeLaw& law) {
 Coordinate Reader::coordinate(Fields& f) const {
   const toml::node* joint = f.find("joint");
   const toml::node* of = f.find("of");
+  if (joint != nullptr && of != nullptr) f.refuse("of", *of, "left out where \"joint\" says what is meant");
   if (joint != nullptr) return free_at(f, *joint);
   if (of == nullptr) f.fail(f.table(), "missing key \"joint\" or \"of\"");
   const auto kind = of->value_exact<std::string>();
