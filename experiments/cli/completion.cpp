@@ -42,7 +42,7 @@ void print_script(const CLI::App& app) {
     std::cout << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
   std::cout << "    esac\n"
                "  fi\n"
-               "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
+               "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"  // zsh and old bash have no mapfile
                "}\n"
                "complete -o default -F _orthant orthant\n";
 }
