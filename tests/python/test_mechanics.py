@@ -1,7 +1,5 @@
 """Scenes and runs from Python."""
 
-import signal
-import threading
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -93,12 +91,12 @@ def test_trajectories_as_files(tmp_path):
         run.write(tmp_path / "run.vtk")
 
 
-def test_a_time_limit_and_ctrl_c_end_a_run():
+def test_a_time_limit_and_ctrl_c_end_a_run(ctrl_c):
     run = orthant.simulate("slider_crank", step=1e-8, every=1000000, time_limit=0.2)
     assert run.status == "time_limit" and 0 < run.summary["t"] < 0.2
     with pytest.raises(ValueError, match="time_limit = -1"):
         orthant.simulate(ball(), time_limit=-1)
-    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+    ctrl_c()
     with pytest.raises(KeyboardInterrupt):
         orthant.simulate("slider_crank", step=1e-8, every=1000000, time_limit=60)
 

