@@ -42,6 +42,10 @@ constexpr Step kSteps[] = {
     {"block-pivot", "symmetric, positive diagonal",
      [](const Look& p) { return smooth(p) && !p.applied && p.symmetric && p.positive_diagonal && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
+    // Thousands of sweeps cost less than path's restarts do, which seldom help where its first variation ended nowhere.
+    {"path:restarts=0", "large, friction",
+     [](const Look& p) { return p.friction && p.n > kSmall && (p.sparse || p.n <= kDense); }},
+    {"nncg:max_sweeps=20000", "large, friction", [](const Look& p) { return p.friction && p.n > kSmall; }},
     {"path", "any kind", [](const Look& p) { return p.sparse || p.n <= kDense; }},
     {"interior-point", "perhaps monotone", smooth},
     {"lemke", "small enough for more digits", [](const Look& p) { return p.n <= kDense; }},

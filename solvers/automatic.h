@@ -8,6 +8,7 @@
 //                          lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) block-pivot and newton-min from coarse grids
 //     large, frictionless  block-pivot where symmetric with A_ii > 0, interior-point
+//     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
 //   With a time limit each step may take half of what is left, the last all of it.
 //   A start value is passed on, and a tolerance other than the default. Guarantees: those of the solver that answered.

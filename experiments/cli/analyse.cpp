@@ -1,10 +1,8 @@
 // orthant analyse — what kind of matrix a problem has, so that a method can be chosen.
 #include "commands.h"
-
-#include "../support/problem_file.h"
+#include "problem_arguments.h"
 
 #include <orthant/core/lcp/analyse.h>
-#include <orthant/core/lcp/io.h>
 
 #include <nlohmann/json.hpp>
 
@@ -16,14 +14,12 @@ namespace orthant {
 namespace {
 
 struct AnalyseArguments {
-  std::string file;
+  ProblemArguments problem;
   bool json = false;
 };
 
 int run_analyse(const AnalyseArguments& arguments) {
-  const Matrix A =
-      arguments.file.ends_with(".mtx") ? read_matrix_market(arguments.file) : read_problem_file(arguments.file).A;
-  const Analysis a = analyse(A);
+  const Analysis a = analyse(read_matrix(arguments.problem));
 
   nlohmann::ordered_json rank = a.rank;
   if (a.rank < 0) rank = name(Verdict::not_decided);
@@ -64,9 +60,14 @@ int run_analyse(const AnalyseArguments& arguments) {
 void add_analyse(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<AnalyseArguments>();
   CLI::App* command = app.add_subcommand("analyse", "What kind of matrix: definite, P, K, copositive, rank, condition");
-  command->add_option("file", arguments->file, "JSON problem file, or a matrix in Matrix Market form (.mtx)")
-      ->required();
+  command->add_option("problem", arguments->problem.problem, "JSON problem file, FCLIB file, or a matrix (.mtx)");
+  command->add_option("--matrix", arguments->problem.matrix, "M, Matrix Market");
   command->add_flag("--json", arguments->json, "answer as one JSON object; rows count from 0");
+  command->footer(
+      "Exit codes: 0 done, 1 bad input.\n"
+      "Examples:\n"
+      "  orthant analyse M.mtx\n"
+      "  orthant analyse mine.json --json");
   command->callback([arguments, &exit_code] { exit_code = run_analyse(*arguments); });
 }
 

@@ -29,18 +29,20 @@ void print_script(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands(nullptr)) commands += command->get_name() + " ";
   std::cout << "_orthant() {\n"
                "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
+               "  (( COMP_CWORD == 1 )) && before=orthant  # whatever path it was called by\n"
                "  case $before in\n"
                "    --solver) words='"
             << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators())
-            << "' ;;\n    simulate) words='" << names(scenes()) << "' ;;\n    orthant) words='" << commands
-            << "--help --version' ;;\n  esac\n"
+            << "' ;;\n    simulate) words='" << names(scenes())
+            << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands
+            << "--help --version --json' ;;\n  esac\n"
                "  if [[ -z $words && $word == -* ]]; then\n"
                "    case ${COMP_WORDS[1]} in\n";
   for (const CLI::App* command : app.get_subcommands(nullptr))
     std::cout << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
   std::cout << "    esac\n"
                "  fi\n"
-               "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
+               "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"  // zsh and old bash have no mapfile
                "}\n"
                "complete -o default -F _orthant orthant\n";
 }

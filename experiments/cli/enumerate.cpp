@@ -1,7 +1,6 @@
 // orthant enumerate — every solution of a small problem, exactly.
 #include "commands.h"
-
-#include "../support/problem_file.h"
+#include "problem_arguments.h"
 
 #include <orthant/solvers/enumerate.h>
 
@@ -18,8 +17,8 @@ std::vector<std::vector<double>> lists(const std::vector<Vector>& vectors) {
   return all;
 }
 
-int run_enumerate(const std::string& file, bool as_json) {
-  const SolutionSet set = enumerate_solutions(read_problem_file(file));
+int run_enumerate(const ProblemArguments& problem, bool as_json) {
+  const SolutionSet set = enumerate_solutions(read_problem(problem));
   nlohmann::ordered_json json = {{"isolated", lists(set.isolated)}, {"faces", nlohmann::ordered_json::array()}};
   for (const SolutionFace& f : set.faces)
     json["faces"].push_back({{"dimension", f.dimension},
@@ -39,12 +38,17 @@ int run_enumerate(const std::string& file, bool as_json) {
 }  // namespace
 
 void add_enumerate(CLI::App& app, int& exit_code) {
-  auto file = std::make_shared<std::string>();
+  auto problem = std::make_shared<ProblemArguments>();
   auto json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("enumerate", "All solutions of a small problem (20 rows, 12 of them boxes)");
-  command->add_option("problem", *file, "JSON problem file or FCLIB file (.hdf5)")->required();
+  add_problem_options(*command, *problem);
   command->add_flag("--json", *json, "answer as one JSON object");
-  command->callback([file, json, &exit_code] { exit_code = run_enumerate(*file, *json); });
+  command->footer(
+      "Exit codes: 0 there are solutions, 1 bad input or too large, 2 there is none.\n"
+      "Examples:\n"
+      "  orthant enumerate --matrix M.mtx --vector q.mtx\n"
+      "  orthant enumerate mine.json --json");
+  command->callback([problem, json, &exit_code] { exit_code = run_enumerate(*problem, *json); });
 }
 
 }  // namespace orthant

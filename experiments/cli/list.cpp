@@ -44,6 +44,10 @@ void add_list(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"solvers", "integrators", "scenes"}));
   command->add_flag("--markdown", *markdown, "the solvers as a table for the README");
   command->add_flag("--json", *json, "all of it as one JSON object")->excludes("--markdown");
+  command->footer(
+      "Examples:\n"
+      "  orthant list\n"
+      "  orthant list solvers --json");
   command->callback([what, markdown, json, &exit_code] {
     exit_code = 0;
     if (*markdown) return print_table();

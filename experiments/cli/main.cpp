@@ -18,17 +18,34 @@ std::string one_line(std::string text) {
 }
 
 /// What a report of a fault needs: revision, compiler, packages, and which optional back-ends are in it.
-std::string version_text() {
-  const auto m = orthant::manifest();
-  std::string text = "orthant " + m["version"].get<std::string>() + " (" + m["revision"].get<std::string>() + ")\n" +
-                     m["compiler"].get<std::string>() + ", " + m["flags"].get<std::string>();
-  for (const auto& [package, version] : m["packages"].items())
-    text += "\n" + package + " " + version.get<std::string>();
+nlohmann::ordered_json version() {
+  auto m = orthant::manifest();
+  m.erase("written");
   const auto problem = orthant::Lcp::standard(orthant::DenseMatrix(Eigen::MatrixXd::Identity(1, 1)), {-1});
   for (const char* backend : {"ipopt", "nlopt"})
-    text += std::string("\n") + backend + ": " +
-            (orthant::make_solver(backend)->why_not(problem).empty() ? "present" : "absent");
-  return text;
+    m["backends"][backend] = orthant::make_solver(backend)->why_not(problem).empty();
+  return m;
+}
+
+void print_version(bool as_json) {
+  const auto m = version();
+  if (as_json) {
+    std::cout << m.dump(2) << '\n';
+    return;
+  }
+  std::cout << "orthant " << m["version"].get<std::string>() << " (" << m["revision"].get<std::string>() << ")\n"
+            << m["compiler"].get<std::string>() << ", " << m["flags"].get<std::string>() << '\n';
+  for (const auto& [package, number] : m["packages"].items())
+    std::cout << package << ' ' << number.get<std::string>() << '\n';
+  for (const auto& [backend, present] : m["backends"].items())
+    std::cout << backend << ": " << (present ? "present" : "absent") << '\n';
+}
+
+[[noreturn]] void ask_for_a_subcommand(const CLI::App& app, const std::string& given) {
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) known += " " + command->get_name();
+  throw std::invalid_argument((given.empty() ? "a subcommand is needed" : "'" + given + "' is no subcommand") +
+                              ", one of:" + known);
 }
 
 }  // namespace
@@ -41,9 +58,16 @@ int main(int argc, char** argv) {
       "  orthant simulate slider_crank --set mu=0.1 --step 1e-5 --output run.csv\n"
       "  orthant solve --matrix M.mtx --vector q.mtx --solver lemke --json\n"
       "  orthant analyse M.mtx\n"
+      "  orthant enumerate --matrix M.mtx --vector q.mtx\n"
       "  orthant replay failed_step_17.json\n"
-      "  orthant list");
-  app.set_version_flag("--version", version_text, "What this is, built from what and how");
+      "  orthant sweep mine.sweep.toml --results mine.sqlite\n"
+      "  orthant results mine.sqlite --orders\n"
+      "  orthant report mine.sqlite --output mine.html\n"
+      "  orthant list solvers\n"
+      "orthant COMMAND --help has more of each.");
+  bool version = false, json = false;
+  CLI::Option* asked = app.add_flag("--version", version, "What this is, built from what and how");
+  app.add_flag("--json", json, "with --version: as one JSON object")->needs(asked);
   int exit_code = 1;
   orthant::add_solve(app, exit_code);
   orthant::add_analyse(app, exit_code);
@@ -56,11 +80,15 @@ int main(int argc, char** argv) {
   orthant::add_report(app, exit_code);
   orthant::add_completion(app, exit_code);
   try {
+    const std::string first = argc > 1 ? argv[1] : "-";
+    if (!first.starts_with('-') &&
+        app.get_subcommands([&](const CLI::App* c) { return c->get_name() == first; }).empty())
+      ask_for_a_subcommand(app, first);
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
-      std::string known;
-      for (const CLI::App* command : app.get_subcommands(nullptr)) known += " " + command->get_name();
-      throw std::invalid_argument("a subcommand is needed, one of:" + known);
+      if (!version) ask_for_a_subcommand(app, "");
+      print_version(json);
+      return 0;
     }
   } catch (const CLI::Success& help) {
     return app.exit(help);

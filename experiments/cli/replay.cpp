@@ -1,7 +1,6 @@
 // orthant replay — one problem, such as that of a failed step, by every solver: who solves it, how well, how fast?
 #include "commands.h"
-
-#include "../support/problem_file.h"
+#include "problem_arguments.h"
 
 #include <orthant/solvers/registry.h>
 
@@ -15,14 +14,14 @@ namespace orthant {
 namespace {
 
 struct ReplayArguments {
-  std::string file;
+  ProblemArguments problem;
   std::vector<std::string> solvers;
   double time_limit = 10;
   bool json = false;
 };
 
 int run_replay(const ReplayArguments& a) {
-  const Lcp problem = read_problem_file(a.file);
+  const Lcp problem = read_problem(a.problem);
   std::vector<std::string> specs = a.solvers;
   if (specs.empty())
     for (const SolverEntry& entry : solvers()) specs.emplace_back(entry.name);
@@ -47,7 +46,8 @@ int run_replay(const ReplayArguments& a) {
   if (a.json) {
     std::cout << table.dump(2) << '\n';
   } else {
-    std::cout << a.file << ": " << problem.size() << " rows, " << problem.friction.size() << " of them friction\n"
+    std::cout << a.problem.label() << ": " << problem.size() << " rows, " << problem.friction.size()
+              << " of them friction\n"
               << std::left << std::setw(20) << "solver" << std::setw(17) << "status" << std::setw(12) << "residual"
               << std::setw(12) << "iterations"
               << "seconds\n";
@@ -69,12 +69,17 @@ int run_replay(const ReplayArguments& a) {
 void add_replay(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ReplayArguments>();
   CLI::App* command = app.add_subcommand("replay", "One problem, such as a failed step's, by every solver");
-  command->add_option("problem", arguments->file, "JSON problem file or FCLIB file (.hdf5)")->required();
+  add_problem_options(*command, arguments->problem);
   command->add_option("--solver", arguments->solvers, "NAME[:option=value,...], may be repeated; default: all");
   command->add_option("--time-limit", arguments->time_limit, "of each solver [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "the table as JSON");
+  command->footer(
+      "Exit codes: 0 one solved it, 1 bad input, 2 one proved it infeasible, 3 none did either.\n"
+      "Examples:\n"
+      "  orthant replay failed_step_17.json\n"
+      "  orthant replay failed_step_17.json --solver lemke --solver pgs:omega=1.3 --json");
   command->callback([arguments, &exit_code] { exit_code = run_replay(*arguments); });
 }
 

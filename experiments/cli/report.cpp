@@ -19,6 +19,10 @@ void add_report(CLI::App& app, int& exit_code) {
   command->add_option("results", arguments->results, "SQLite file")->required();
   command->add_option("--output", arguments->output, "the page")->capture_default_str();
   command->add_flag("--json", arguments->json, "where it is, as one JSON object");
+  command->footer(
+      "Exit codes: 0 done, 1 bad input.\n"
+      "Example:\n"
+      "  orthant report mine.sqlite --output mine.html");
   command->callback([arguments, &exit_code] {
     check_writable(arguments->output);
     write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));

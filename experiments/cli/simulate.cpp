@@ -164,7 +164,7 @@ int run_simulate(const SimulateArguments& arguments) {
                     .duration = arguments.duration.value_or(scene.duration),
                     .every = arguments.every,
                     .time_limit = arguments.time_limit.value_or(kInf)};
-  if (!arguments.output.empty()) check_writable(arguments.output);
+  if (!arguments.output.empty()) check_trajectory_file(arguments.output), check_writable(arguments.output);
 
   warn_of_start(system);
   const auto columns = trajectory_columns(scene);
@@ -227,7 +227,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--output", arguments->output, "trajectory: CSV, HDF5 (.h5) or VTK for ParaView (.pvd)");
+  command->add_option("--output", arguments->output, "trajectory: .csv, .h5 (HDF5), or .pvd (VTK, for ParaView)");
   command->add_option("--every", arguments->every, "record every so many steps")->capture_default_str();
   command->add_option("--checkpoint", arguments->checkpoint, "a file to go on from after a kill, written now and then");
   command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
@@ -242,6 +242,12 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "summary as one JSON object");
+  command->footer(
+      "Exit codes: 0 solved to the end, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved.\n"
+      "Examples:\n"
+      "  orthant simulate slider_crank --set mu=0.1 --step 1e-5 --output run.csv\n"
+      "  orthant simulate mine.toml --integrator adaptive:rtol=1e-6 --step 1e-2 --output run.pvd\n"
+      "  orthant simulate mine.toml --set contact.floor.mu=0.3 --json");
   command->callback([arguments, &exit_code] { exit_code = run_simulate(*arguments); });
 }
 

@@ -1,11 +1,9 @@
-// orthant solve — one problem from files: Matrix Market or a JSON problem file.
+// orthant solve — one problem from files: Matrix Market, JSON or FCLIB.
 #include "commands.h"
-
-#include "../support/problem_file.h"
+#include "problem_arguments.h"
 
 #include <orthant/core/lcp/active_set.h>
 #include <orthant/core/lcp/error_bound.h>
-#include <orthant/core/lcp/io.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
@@ -17,40 +15,17 @@ namespace orthant {
 namespace {
 
 struct SolveArguments {
-  std::string problem, matrix, vector, lower, upper, solver = "lemke";
+  ProblemArguments problem;
+  std::string solver = "auto";
   std::optional<double> time_limit;
   bool json = false, error_bound = false, log = false;
 };
-
-Lcp read(const SolveArguments& a) {
-  if (!a.problem.empty()) {
-    if (!a.matrix.empty() || !a.vector.empty() || !a.lower.empty() || !a.upper.empty())
-      throw std::invalid_argument("either a problem file or --matrix and --vector, not both");
-    return read_problem_file(a.problem);
-  }
-  if (a.matrix.empty() || a.vector.empty())
-    throw std::invalid_argument("solve needs a problem file, or --matrix and --vector");
-  Lcp problem = Lcp::standard(read_matrix_market(a.matrix), read_matrix_market_vector(a.vector));
-  const auto same_size = [&](const std::string& file, Index size) {
-    if (size != order(problem.A))
-      throw std::invalid_argument(file + ": has " + std::to_string(size) + " entries: must have " +
-                                  std::to_string(order(problem.A)) + ", as " + a.matrix + " has rows");
-  };
-  same_size(a.vector, problem.size());
-  for (Index i = 0; i < problem.size(); ++i)
-    if (!std::isfinite(problem.b[i]))
-      throw std::invalid_argument(a.vector + ": entry " + std::to_string(i + 1) + " must be finite");
-  if (!a.lower.empty()) problem.lo = read_matrix_market_vector(a.lower), same_size(a.lower, problem.lo.size());
-  if (!a.upper.empty()) problem.hi = read_matrix_market_vector(a.upper), same_size(a.upper, problem.hi.size());
-  check(problem);
-  return problem;
-}
 
 std::vector<double> list(const Vector& x) { return {x.data(), x.data() + x.size()}; }
 
 int run_solve(const SolveArguments& a) {
   const auto solver = make_solver(a.solver);
-  const Lcp problem = read(a);
+  const Lcp problem = read_problem(a.problem);
   Solution s;
   IterationLog log;
   if (a.log) solver->set_log(&log);
@@ -106,16 +81,18 @@ int run_solve(const SolveArguments& a) {
 void add_solve(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SolveArguments>();
   CLI::App* command = app.add_subcommand("solve", "Solve one problem: find z in [lower, upper] with w = M z + q");
-  command->add_option("problem", arguments->problem, "JSON problem file or FCLIB file (.hdf5)");
-  command->add_option("--matrix", arguments->matrix, "M, Matrix Market");
-  command->add_option("--vector", arguments->vector, "q, Matrix Market");
-  command->add_option("--lower", arguments->lower, "lower bounds, Matrix Market; default 0");
-  command->add_option("--upper", arguments->upper, "upper bounds, Matrix Market; default infinity");
+  add_problem_options(*command, arguments->problem);
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
   command->add_option("--time-limit", arguments->time_limit, "of the solve [s]")->check(CLI::Range(1e-6, 1e9));
   command->add_flag("--log", arguments->log, "its iterations, too");
   command->add_flag("--error-bound", arguments->error_bound, "a bound on |z - solution|, where theory gives one");
   command->add_flag("--json", arguments->json, "answer as one JSON object");
+  command->footer(
+      "Exit codes: 0 solved, 1 bad input, 2 proved infeasible, 3 not solved.\n"
+      "Examples:\n"
+      "  orthant solve --matrix M.mtx --vector q.mtx\n"
+      "  orthant solve mine.json --solver pgs:omega=1.3,max_sweeps=500 --log\n"
+      "  orthant solve contacts.hdf5 --time-limit 10 --json");
   command->callback([arguments, &exit_code] { exit_code = run_solve(*arguments); });
 }
 

@@ -113,20 +113,23 @@ void print_csv(const std::vector<Json>& lines) {
   }
 }
 
-/// Each failure in words; its problem, where there is one, into a file that `orthant solve` replays.
-void print_failure(const ResultRow& row, const std::filesystem::path& dumps) {
+/// The problem of a failure into a file that `orthant solve` replays; empty: it kept none.
+std::string dump_problem(const ResultRow& row, const std::filesystem::path& dumps) {
+  if (!row.at("problem").is_string()) return {};
+  std::filesystem::create_directories(dumps);
+  const auto file = dumps / (row.at("key").get<std::string>() + ".json");
+  write_whole(file, row.at("problem").get<std::string>());
+  return file.string();
+}
+
+/// Each failure in words.
+void print_failure(const ResultRow& row, const std::string& dump) {
   std::cout << row.at("key").get<std::string>() << ": " << row.at("status").get<std::string>();
   if (row.at("why").is_string() && row.at("why") != "") std::cout << " (" << row.at("why").get<std::string>() << ")";
   std::cout << ": " << row.at("integrator").get<std::string>() << ", " << row.at("solver").get<std::string>()
             << ", step " << detail::text_of(row.at("step").get<double>()) << ", "
             << row.at("parameters").get<std::string>();
-  if (row.at("problem").is_string()) {
-    std::filesystem::create_directories(dumps);
-    const auto file = dumps / (row.at("key").get<std::string>() + ".json");
-    write_whole(file, row.at("problem").get<std::string>());
-    std::cout << "; replay: orthant solve " << file.string();
-  }
-  std::cout << '\n';
+  std::cout << (dump.empty() ? "" : "; replay: orthant solve " + dump) << '\n';
 }
 
 int add_rows(const std::string& file) {
@@ -152,8 +155,16 @@ int run_results(ResultsArguments a) {
     if (a.about) {
       std::cout << about.dump(2) << '\n';
     } else if (a.failures) {
-      for (const ResultRow& row : rows)
-        if (row.at("status") != "solved") print_failure(row, a.dumps);
+      for (const ResultRow& row : rows) {
+        if (row.at("status") == "solved") continue;
+        const std::string dump = dump_problem(row, a.dumps);
+        if (!a.json) {
+          print_failure(row, dump);
+          continue;
+        }
+        lines.push_back(flat(name, row));
+        lines.back()["dump"] = dump.empty() ? Json() : Json(dump);
+      }
     } else if (a.orders) {
       for (Json& fit : fitted_orders(rows)) {
         fit["worst_error_finest_octave"] = fit.at("worst").back()[1],
@@ -198,6 +209,11 @@ void add_sweep(CLI::App& app, int& exit_code) {
   command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
   command->add_flag("--json", arguments->json, "how it ended, or the list, as JSON");
   command->add_option("--case", arguments->keys, "KEY ...: run these, print their rows as JSON, keep nothing");
+  command->footer(
+      "Exit codes: 0 done, whatever the cases' statuses, 1 bad input.\n"
+      "Examples:\n"
+      "  orthant sweep experiments/slider_crank.sweep.toml --quick\n"
+      "  orthant sweep mine.sweep.toml --results mine.sqlite --jobs 4 --json");
   command->callback([arguments, &exit_code] { exit_code = run_sweep(*arguments); });
 }
 
@@ -207,22 +223,29 @@ void add_results(CLI::App& app, int& exit_code) {
   command->add_option("file", arguments->file, "SQLite file of orthant sweep")->required();
   command->add_option("--sweep", arguments->sweep, "this sweep only");
   CLI::Option* csv = command->add_flag("--csv", arguments->csv, "every case as CSV");
-  CLI::Option* json = command->add_flag("--json", arguments->json, "every case as JSON");
+  CLI::Option* json = command->add_flag("--json", arguments->json, "every case, or what is asked besides, as JSON");
   CLI::Option* orders =
       command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV, or with --json");
   CLI::Option* times =
       command->add_flag("--times", arguments->times, "processor time to an error [s] as CSV, or with --json");
   CLI::Option* failures =
-      command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay");
+      command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay, or with --json");
   CLI::Option* about =
       command->add_flag("--about", arguments->about, "what was asked, by what build and machine, as JSON");
   command->add_option("--dumps", arguments->dumps, "folder for those problems; default: beside the file, .failures");
   command->add_flag("--add", arguments->add, "put the rows on standard input in (of orthant sweep --case)");
   csv->excludes(json)->excludes(orders)->excludes(times)->excludes(failures)->excludes(about);
-  json->excludes(failures)->excludes(about);
+  json->excludes(about);
   orders->excludes(times)->excludes(failures)->excludes(about);
   times->excludes(failures)->excludes(about);
   failures->excludes(about);
+  command->footer(
+      "Exit codes: 0 done, 1 bad input.\n"
+      "Examples:\n"
+      "  orthant results mine.sqlite\n"
+      "  orthant results mine.sqlite --csv > mine.csv\n"
+      "  orthant results mine.sqlite --orders --json\n"
+      "  orthant results mine.sqlite --failures");
   command->callback([arguments, &exit_code] { exit_code = run_results(*arguments); });
 }
 

@@ -42,13 +42,19 @@ def solvers(folder):
         yield [words, str(count), *cells, *[""] * (3 * BEST - len(cells))]
 
 
+def two_digits(value):
+    """140 and not 1.4e+02."""
+    text = f"{value:.2g}"
+    return f"{float(text):.0f}" if "e+" in text else text
+
+
 def integrators(folder):
     """Milliseconds that an error takes."""
     with open(folder / "time_to_error.csv", encoding="utf-8") as stream:
         table = list(csv.reader(stream))
     yield ["integrator", *(f"to {target.removeprefix('to_')}" for target in table[0][1:])]
     for name, *seconds in table[1:]:
-        yield [f"`{name}`", *(f"{1e3 * float(cell):.2g}" if cell and float(cell) < 1e300 else "–" for cell in seconds)]
+        yield [f"`{name}`", *(two_digits(1e3 * float(cell)) if cell and float(cell) < 1e300 else "–" for cell in seconds)]
 
 
 def main():

@@ -1,8 +1,10 @@
 // Scenes come as TOML text, the one format; runs go out as one table.
 #include "arrays.h"
+#include "interrupt.h"
 #include "module.h"
 
 #include "../support/trajectory.h"
+#include "../support/trajectory_files.h"
 
 #include <orthant/core/mechanics/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
@@ -10,6 +12,7 @@
 #include <orthant/solvers/registry.h>
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 namespace orthant::python {
 namespace py = pybind11;
@@ -35,15 +38,19 @@ py::dict summary(const Run& run) {
   d["events"] = run.events;
   d["energy_rises"] = run.energy_rises;
   d["max_energy_rise"] = run.max_energy_rise;
+  d["passages"] = run.passages;
   return d;
 }
 
 py::tuple run_scene(const Scene& scene, const std::string& integrator_spec, const std::string& solver_spec,
-                    std::optional<double> step, std::optional<double> duration, long every) {
+                    std::optional<double> step, std::optional<double> duration, long every,
+                    std::optional<double> time_limit) {
   const System system(scene);
   const auto integrator = make_integrator(integrator_spec, system);
   const auto solver = make_solver(solver_spec);
-  const Clock clock{step.value_or(scene.step), duration.value_or(scene.duration), every};
+  const Interruptible interruptible;
+  const Clock clock{step.value_or(scene.step), duration.value_or(scene.duration), every, time_limit.value_or(kInf),
+                    interruptible.flag()};
   const auto columns = trajectory_columns(scene);
   std::vector<double> table;
   Run run;
@@ -51,11 +58,20 @@ py::tuple run_scene(const Scene& scene, const std::string& integrator_spec, cons
     const py::gil_scoped_release others_may_run;
     run = simulate(*integrator, *solver, clock, [&](const Moment& moment) { append_row(system, moment, table); });
   }
+  interruptible.raise();
   const auto width = static_cast<py::ssize_t>(columns.size());
   const py::array_t<double> array({static_cast<py::ssize_t>(table.size()) / width, width}, table.data());
   py::object unsolved = py::none();
   if (run.status != Status::solved && integrator->problem().size() > 0) unsolved = py::cast(Lcp(integrator->problem()));
   return py::make_tuple(columns, array, summary(run), unsolved);
+}
+
+void write_run(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
+               const py::array_t<double, py::array::c_style | py::array::forcecast>& table) {
+  if (table.ndim() != 2 || columns != trajectory_columns(scene) ||
+      table.shape(1) != static_cast<py::ssize_t>(columns.size()))
+    throw std::invalid_argument("table: must have the columns of the scene's runs");
+  write_trajectory(file, scene, columns, {table.data(), table.data() + table.size()});
 }
 
 }  // namespace
@@ -75,6 +91,7 @@ void add_mechanics(py::module_& m) {
   m.def("_make_scene",
         [](const std::string& name, const std::vector<std::string>& sets) { return make_scene(name, sets); });
   m.def("_simulate", &run_scene);
+  m.def("_write_trajectory", &write_run);
   m.def("_integrators", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
     for (const IntegratorEntry& e : integrators()) table.emplace_back(e.name, e.summary, e.options());

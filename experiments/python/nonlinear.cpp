@@ -14,7 +14,7 @@ namespace orthant::python {
 namespace py = pybind11;
 namespace {
 
-py::dict solve_mcp(const py::function& F, const py::function& jacobian, py::handle start, py::handle lower,
+py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle start, py::handle lower,
                    py::handle upper, const std::string& options, std::optional<double> time_limit) {
   Solution s;
   read(start, "start", -1, Entries::finite, s.z);

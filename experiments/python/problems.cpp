@@ -1,5 +1,6 @@
 // Linear problems: what the caller gives is read into the solver's own memory, solved without the interpreter's lock.
 #include "arrays.h"
+#include "interrupt.h"
 #include "module.h"
 
 #include "../support/problem_file.h"
@@ -22,18 +23,30 @@ namespace orthant::python {
 namespace py = pybind11;
 namespace {
 
+void read_friction(py::handle from, std::vector<Friction>& to) {
+  to.clear();
+  if (from.is_none()) return;
+  const auto wrong = [&](const std::string& place) {
+    throw py::type_error(place + ": must be (row, normal row, mu) triples, such as [(1, 0, 0.3)]");
+  };
+  if (!py::isinstance<py::iterable>(from)) wrong("friction");
+  for (const py::handle entry : from) {
+    try {
+      const auto f = entry.cast<std::tuple<Index, Index, double>>();
+      to.push_back({std::get<0>(f), std::get<1>(f), std::get<2>(f)});
+    } catch (const py::cast_error&) {
+      wrong("friction[" + std::to_string(to.size()) + "]");
+    }
+  }
+}
+
 /// M, q, lower, upper, friction of the Python side; None: 0 for lower, ∞ for upper, no friction.
 void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
   read(M, "M", to.A);
   const Index n = order(to.A);
+  if (q.is_none()) throw py::type_error("q is missing: must be (" + std::to_string(n) + ",), or M a Problem");
   read(q, "q", n, Entries::finite, to.b);
-  to.friction.clear();
-  if (!friction.is_none()) {
-    for (const py::handle entry : friction) {
-      const auto f = entry.cast<std::tuple<Index, Index, double>>();
-      to.friction.push_back({std::get<0>(f), std::get<1>(f), std::get<2>(f)});
-    }
-  }
+  read_friction(friction, to.friction);
   if (lower.is_none())
     to.lo = Eigen::VectorXd::Zero(n);
   else
@@ -86,14 +99,14 @@ class PythonSolver {
     } else {
       read_problem_into(problem_, M, q, lower, upper, friction);
     }
-    if (time_limit && !(*time_limit > 0))
-      throw std::invalid_argument("time_limit = " + std::to_string(*time_limit) + ": must be > 0 [s]");
     const bool warm = !start.is_none();
     if (warm) read(start, "start", problem->size(), Entries::finite, solution_.z);
     IterationLog entries;
     solver_->set_log(log ? &entries : nullptr);
     solver_->set_time_limit(time_limit.value_or(kInf));
     double seconds = 0;
+    const Interruptible interruptible;
+    solver_->set_cancel(interruptible.flag());
     {
       const py::gil_scoped_release others_may_run;
       const auto begin = std::chrono::steady_clock::now();
@@ -101,6 +114,7 @@ class PythonSolver {
       seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
     solver_->set_log(nullptr);
+    interruptible.raise();
     const Solution& s = solution_;
     return {name(s.status),    to_numpy(s.z),
             to_numpy(s.w),     s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
@@ -219,7 +233,7 @@ void add_problems(py::module_& m) {
       .def("__len__", &Lcp::size)
       .def("__repr__", [](const Lcp& p) { return "Problem(n=" + std::to_string(p.size()) + ")"; });
 
-  py::class_<LogEntry>(m, "LogEntry")
+  py::class_<LogEntry>(m, "LogEntry", "What a solver did: iteration, merit, step, and in words where there are some.")
       .def_readonly("iteration", &LogEntry::iteration)
       .def_readonly("merit", &LogEntry::merit)
       .def_readonly("step", &LogEntry::step)

@@ -138,8 +138,16 @@ Json by_column(const std::vector<ResultRow>& rows) {
   return columns;
 }
 
+/// Beside the program where it was installed, else in the source tree that it was built from.
+std::filesystem::path folder_of_parts() {
+  std::error_code error;
+  const auto installed =
+      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "../share/orthant/report";
+  return !error && std::filesystem::is_directory(installed, error) ? installed : std::filesystem::path(ORTHANT_REPORT);
+}
+
 std::string part(const std::string& name) {
-  const std::filesystem::path file = std::filesystem::path(ORTHANT_REPORT) / name;
+  const std::filesystem::path file = folder_of_parts() / name;
   check_readable(file);
   std::ifstream in(file);
   return {std::istreambuf_iterator<char>(in), {}};

@@ -78,8 +78,15 @@ void write_vtk(const fs::path& file, const Scene& scene, std::size_t width, cons
 
 }  // namespace
 
+void check_trajectory_file(const fs::path& file) {
+  for (const char* end : {".csv", ".h5", ".hdf5", ".pvd"})
+    if (file.extension() == end) return;
+  throw std::invalid_argument(file.string() + ": must end in .csv, .h5, .hdf5 or .pvd");
+}
+
 void write_trajectory(const fs::path& file, const Scene& scene, const std::vector<std::string>& columns,
                       const std::vector<double>& table) {
+  check_trajectory_file(file);
   const fs::path end = file.extension();
   if (end == ".h5" || end == ".hdf5") return write_whole(file, hdf5_of(columns, table));
   if (end == ".pvd") return write_vtk(file, scene, columns.size(), table);

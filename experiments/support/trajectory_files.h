@@ -1,6 +1,6 @@
 // experiments/support/trajectory_files.h — a run's table as a file, by the name's end.
 //
-//   .csv        (and every other end)  one line a moment, numbers in their shortest exact form
+//   .csv        one line a moment, numbers in their shortest exact form
 //   .h5, .hdf5  HDF5: one array of doubles a column, named as the column
 //   .pvd        VTK for ParaView: an index of the moments, and beside it NAME.vtu files in a folder NAME, one a moment, with the
 //               bodies' outlines in place (cells), their number, velocity [m/s] and angular velocity [rad/s]
@@ -14,7 +14,10 @@
 
 namespace orthant {
 
-/// `columns` and `table` as trajectory.h has them. Each file whole or not at all; throws std::runtime_error.
+/// Throws std::invalid_argument where the name ends in none of these: before a long run, not after it.
+void check_trajectory_file(const std::filesystem::path& file);
+
+/// `columns` and `table` as trajectory.h has them. Each file whole or not at all; throws std::runtime_error, or as above.
 void write_trajectory(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
                       const std::vector<double>& table);
 

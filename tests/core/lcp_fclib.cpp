@@ -116,6 +116,19 @@ TEST_CASE("fclib: real files are read and solved") {
   CHECK(s.status == Status::solved);
 }
 
+TEST_SUITE("slow") {
+  TEST_CASE("fclib: what path's first try leaves, auto gives to sweeps, in seconds") {
+    const Lcp capsules = read_fclib(real_file("Capsules-i125-1213.hdf5")).problem;
+    const auto solver = make_solver("auto");
+    solver->set_time_limit(60);
+    IterationLog log;
+    solver->set_log(&log);
+    Solution s;
+    CHECK(solver->solve(capsules, s).status == Status::solved);
+    CHECK(log.back().event.find("nncg") != std::string::npos);
+  }
+}
+
 TEST_CASE("fclib: what cannot be read says which file, which dataset and why") {
   const Folder folder;
   must_fail(folder / "none.hdf5", "no such file");

@@ -85,7 +85,7 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   folder.write("nan.mtx", "%%MatrixMarket matrix array real general\n1 1\nnan\n");
   folder.write("q1.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
 
-  const std::array<std::array<std::string, 2>, 21> bad = {{
+  const std::array<std::array<std::string, 2>, 22> bad = {{
       {"simulate no_such_scene", "no_such_scene"},
       {"simulate missing.toml", "missing.toml"},
       {"simulate negative.toml", "mass"},
@@ -105,6 +105,7 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
       {"simulate slider_crank --solver nobody", "nobody"},
       {"simulate slider_crank --integrator nobody", "nobody"},
       {"simulate slider_crank --output no/such/folder.csv", "no/such"},
+      {"simulate slider_crank --output run.vtk", "run.vtk: must end in .csv, .h5, .hdf5 or .pvd"},
       {"solve --matrix nonsquare.mtx --vector q.mtx", "nonsquare.mtx"},
       {"solve --matrix nan.mtx --vector q1.mtx", "nan.mtx"},
   }};
@@ -264,6 +265,45 @@ TEST_CASE("the README's table of solvers is what orthant list --markdown prints"
   CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../README.md").find(a.out) != std::string::npos);
 }
 
+TEST_CASE("every command that takes a problem takes Matrix Market files; solve asks auto") {
+  const Cli folder;
+  folder.write("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n1\n1\n2\n");
+  folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-5\n-6\n");
+  folder.write("u.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n9\n");
+  const auto json = [&](const std::string& arguments) {
+    const Reply a = folder.orthant(arguments + " --json");
+    CAPTURE(arguments);
+    CHECK(a.exit_code == 0);
+    return nlohmann::json::parse(a.out);
+  };
+  const std::string files = " --matrix M.mtx --vector q.mtx", box = files + " --upper u.mtx";
+  CHECK(json("enumerate" + box).at("isolated") == nlohmann::json::parse("[[1.0, 2.5]]"));
+  CHECK(json("replay --solver lemke" + box).at(0).at("status") == "solved");
+  CHECK(json("analyse --matrix M.mtx").at("P") == "yes");
+  CHECK(json("solve" + files).at("solver") == "auto");
+  for (const char* arguments : {"enumerate", "replay", "analyse", "enumerate M.mtx", "enumerate --matrix M.mtx",
+                                "solve p.json --lower u.mtx"}) {
+    CAPTURE(arguments);
+    const Reply a = folder.orthant(arguments);
+    CHECK(a.exit_code == 1);
+    CHECK(lines(a.err) == 1);
+  }
+  CHECK(folder.orthant("enumerate M.mtx").err.find("--matrix M.mtx --vector FILE") != std::string::npos);
+}
+
+TEST_CASE("every command's --help has an example of its own and says what its exit codes mean") {
+  const Cli folder;
+  for (const std::string command :
+       {"solve", "analyse", "enumerate", "replay", "simulate", "sweep", "results", "report"}) {
+    CAPTURE(command);
+    const Reply a = folder.orthant(command + " --help");
+    CHECK(a.exit_code == 0);
+    CHECK(a.out.find("\n  orthant " + command + " ") != std::string::npos);
+    CHECK(a.out.find("Exit codes: 0 ") != std::string::npos);
+  }
+  CHECK(folder.orthant("solv").err.starts_with("orthant: 'solv' is no subcommand, one of: solve "));
+}
+
 TEST_CASE("orthant enumerate, replay, --version, completion") {
   const Cli folder;
   const std::string file = folder.write("p.json", R"({"format": "orthant-lcp", "version": 1,
@@ -293,13 +333,21 @@ TEST_CASE("orthant enumerate, replay, --version, completion") {
   CHECK(version.out.find("Eigen 3.") != std::string::npos);
   CHECK(version.out.find("ipopt: ") != std::string::npos);
 
+  const auto build = nlohmann::json::parse(folder.orthant("--version --json").out);
+  CHECK(build.at("backends").at("ipopt").is_boolean());
+  CHECK(version.out.find(build.at("revision").get<std::string>()) != std::string::npos);
+  CHECK(folder.orthant("--json").exit_code == 1);
+
   const Reply script = folder.orthant("completion");
   folder.write("completion.bash",
                script.out +
                    "COMP_WORDS=(orthant solve --solver le) COMP_CWORD=3; _orthant; echo ${COMPREPLY[@]}\n"
                    "COMP_WORDS=(orthant sim) COMP_CWORD=1; _orthant; echo ${COMPREPLY[@]}\n"
-                   "COMP_WORDS=(orthant solve --err) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n");
-  CHECK(folder.run("bash completion.bash").out == "lemke lemke-howson\nsimulate\n--error-bound\n");
+                   "COMP_WORDS=(orthant solve --err) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(build/orthant enu) COMP_CWORD=1; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(orthant list s) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n");
+  CHECK(folder.run("bash completion.bash").out ==
+        "lemke lemke-howson\nsimulate\n--error-bound\nenumerate\nsolvers scenes\n");
 }
 
 TEST_CASE("orthant simulate: trajectories as HDF5 and for ParaView hold what the CSV does") {

@@ -1,7 +1,8 @@
 """docs.py PAGES BUILD PREFIX CXX: every block of code of the documentation runs, and says what the page says.
+The README's C++, too, and its commands on built-in scenes and lists.
 
 A page's blocks share one empty folder. By language:
-  python    one after the other in one namespace, by this interpreter
+  python    one after the other in one namespace, by this interpreter; those after a console block run with all before them
   toml, cpp, cmake   a first line `# file: NAME` or `// file: NAME` writes the file for the blocks that follow; a C++ program
             that no console block of its page builds is built and run here
   console   `$ COMMAND` by bash; the lines below it, if any, are its output, where ... stands for anything
@@ -55,6 +56,7 @@ class Page:
         self.file, self.build, self.prefix, self.compiler = file, build, prefix, compiler
         self.folder, self.home = (Path(tempfile.mkdtemp(prefix=kind)) for kind in ("page", "home"))
         self.python, self.programs, self.failures, self.run_count, self.not_run = [], [], 0, 0, set()
+        self.python_done = 0
         self.environment = {**os.environ, "PATH": f"{build}:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
                             "PYTHONPATH": f"{build}/python", "PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{prefix}/share/pkgconfig"}
         (self.home / "orthant").symlink_to(prefix)
@@ -116,16 +118,17 @@ class Page:
 
     def run_python(self):
         """In one go; each block's line numbers are those of the page."""
-        if not self.python:
+        if len(self.python) == self.python_done:
             return
-        self.run_count += len(self.python)
+        self.run_count += len(self.python) - self.python_done
+        self.python_done = len(self.python)
         source = []
         for line, lines in self.python:
             source += [""] * (line - len(source)) + lines
         (self.folder / "page.py").write_text("\n".join(source) + "\n", encoding="utf-8")
         done = subprocess.run([sys.executable, "-s", "page.py"], cwd=self.folder, env=self.environment, capture_output=True, text=True)
         if done.returncode != 0:
-            self.fail(self.python[0][0], done.stderr)
+            self.fail(self.python[-1][0], done.stderr)
 
     def check(self):
         text = self.file.read_text(encoding="utf-8")
@@ -133,7 +136,7 @@ class Page:
             if language == "python":
                 self.python.append((line, lines))
             elif language == "console":
-                self.run_python(), self.python.clear()  # files it writes may be wanted
+                self.run_python()  # files it writes may be wanted
                 self.console(line, lines)
             elif language in ("toml", "cpp", "cmake"):
                 self.keep(line, language, lines)
@@ -141,8 +144,31 @@ class Page:
                 self.fail(line, f"language '{language}': must be python, toml, cpp, cmake, console, text or none")
         self.run_python()
         self.build_programs(text)
+        return self.done()
+
+    def done(self):
         shutil.rmtree(self.folder), shutil.rmtree(self.home)
         return self.failures
+
+    def check_readme(self):
+        """Its C++ is the inside of a program. Of its commands those run that need no file of the reader's and no minutes."""
+        text = self.file.read_text(encoding="utf-8")
+        for line, language, lines in blocks(text):
+            if language == "cpp":
+                top = [x for x in lines if x.startswith(("#include", "using "))]
+                inside = [x for x in lines if x not in top]
+                (self.folder / "main.cpp").write_text("\n".join([*top, "int main() {", *inside, "}", ""]), encoding="utf-8")
+                self.programs.append((line, "main.cpp"))
+        self.build_programs(text)
+        for number, line in enumerate(text.splitlines(), 1):
+            if match := re.match(r"    build/release/(orthant (?:simulate slider_crank|list).*)", line):
+                self.run_count += 1
+                done = self.bash(match[1].split("  #")[0])
+                if done.returncode != 0:
+                    self.fail(number, f"$ {match[1]}\nended with {done.returncode}: {done.stderr[-2000:]}")
+        if self.run_count < 4:
+            self.fail(1, "the C++ and the commands were not found")
+        return self.done()
 
 
 def main():
@@ -154,6 +180,9 @@ def main():
         not_run |= page.not_run
         count += page.run_count
         print(f"{file.relative_to(folder)}: {page.run_count} run")
+    readme = Page(folder.parents[1] / "README.md", build, prefix, sys.argv[4])
+    failures += readme.check_readme()
+    print(f"README.md: {readme.run_count} run")
     for command in sorted(not_run):
         print(f"not run here ({SETS_UP[command]}): {command}")
     for command in sorted(SETS_UP.keys() - not_run):

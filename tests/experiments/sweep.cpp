@@ -192,6 +192,9 @@ TEST_CASE("what fails is a row: its problem can be replayed; refused, out of tim
   const std::string dump = "r.failures/" + rows[1].at("key").get<std::string>() + ".json";
   CHECK(failures.out.find("orthant solve " + dump) != std::string::npos);
   CHECK(folder.orthant("solve " + dump).exit_code == 0);
+  const auto listed = nlohmann::json::parse(folder.orthant("results r.sqlite --failures --sweep f --json").out);
+  REQUIRE(listed.size() == 3);
+  CHECK(listed[0].at("dump") == dump);
   CHECK(folder.orthant("results r.sqlite")
             .out.find("f: 4 of 4 cases done, 1 iteration_limit, 1 solved, 1 time_limit, 1 unsupported") !=
         std::string::npos);

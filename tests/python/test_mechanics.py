@@ -1,5 +1,7 @@
 """Scenes and runs from Python."""
 
+import xml.etree.ElementTree as ET
+
 import numpy as np
 import orthant
 import pytest
@@ -55,6 +57,9 @@ def test_what_is_wrong_is_named(tmp_path):
         orthant.Scene.named("no_such")
     with pytest.raises(ValueError, match="step"):
         orthant.simulate(ball(), step=-1)
+    for key, bad in (("step", "a"), ("duration", [1]), ("every", 0.5), ("integrator", 3), ("solver", None)):
+        with pytest.raises(TypeError, match=f"{key} = .*: must be"):
+            orthant.simulate(ball(), **{key: bad})
     with pytest.raises(ValueError, match="unknown integrator 'eulr'|'eulr'"):
         orthant.simulate(ball(), integrator="eulr")
     with pytest.raises(KeyError, match="ball.z"):
@@ -68,6 +73,32 @@ def test_a_run_that_fails_says_so_and_keeps_its_problem():
     run = orthant.simulate(scene, solver="pgs:max_sweeps=1,tolerance=1e-15", step=1e-4, duration=0.1)
     assert not run.solved and run.summary["t"] < 0.1
     assert run.unsolved is not None and orthant.solve(run.unsolved, solver="lemke").solved
+
+
+def test_trajectories_as_files(tmp_path):
+    run = orthant.simulate(ball(), duration=0.01)
+    run.write(tmp_path / "run.csv")
+    lines = (tmp_path / "run.csv").read_text().splitlines()
+    assert lines[0].split(",") == run.columns and [float(x) for x in lines[-1].split(",")] == run.table[-1].tolist()
+    run.write(tmp_path / "run.h5")
+    assert (tmp_path / "run.h5").read_bytes()[:4] == b"\x89HDF"
+    run.write(tmp_path / "run.pvd")
+    moments = ET.parse(tmp_path / "run.pvd").getroot().findall("Collection/DataSet")
+    assert [float(m.get("timestep")) for m in moments] == run.t.tolist()
+    piece = ET.parse(tmp_path / moments[-1].get("file")).getroot().find("UnstructuredGrid/Piece")
+    assert len(piece.find("Points/DataArray").text.split()) == 3 * int(piece.get("NumberOfPoints"))
+    with pytest.raises(ValueError, match="run.vtk: must end in .csv, .h5, .hdf5 or .pvd"):
+        run.write(tmp_path / "run.vtk")
+
+
+def test_a_time_limit_and_ctrl_c_end_a_run(ctrl_c):
+    run = orthant.simulate("slider_crank", step=1e-8, every=1000000, time_limit=0.2)
+    assert run.status == "time_limit" and 0 < run.summary["t"] < 0.2
+    with pytest.raises(ValueError, match="time_limit = -1"):
+        orthant.simulate(ball(), time_limit=-1)
+    ctrl_c()
+    with pytest.raises(KeyboardInterrupt):
+        orthant.simulate("slider_crank", step=1e-8, every=1000000, time_limit=60)
 
 
 def test_registries():

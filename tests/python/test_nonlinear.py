@@ -41,6 +41,10 @@ def test_what_callbacks_raise_or_return_is_told():
         orthant.solve_mcp(lambda z: np.zeros(3), slope, np.zeros(4))
     with pytest.raises(ValueError, match="jacobian returned another shape"):
         orthant.solve_mcp(kojima_shindo, lambda z: np.eye(3), np.zeros(4))
+    with pytest.raises(TypeError, match="F = 3: must be a function of z"):
+        orthant.solve_mcp(3, slope, np.zeros(4))
+    with pytest.raises(ValueError, match="time_limit = -1: must be > 0"):
+        orthant.solve_mcp(kojima_shindo, slope, np.zeros(4), time_limit=-1)
     with pytest.raises(ValueError, match="unknown option"):
         orthant.solve_mcp(kojima_shindo, slope, np.zeros(4), no_such=1)
 

@@ -1,5 +1,6 @@
 """Linear problems from Python: answers, storages, words for what is wrong, threads, cost."""
 
+import signal
 import threading
 import time
 
@@ -102,6 +103,7 @@ def test_options_are_checked_and_reach_the_solver():
     (TypeError, "M has dtype complex128: must be real", (M + 0j, q)),
     (TypeError, "q has dtype <U1: must be real", (M, ["a", "b"])),
     (TypeError, "M has dtype object", ([[None, 1], [1, 1]], q)),
+    (TypeError, r"q is missing: must be \(2,\)", (M,)),
 ])
 def test_what_is_wrong_is_named(error, words, arguments):
     with pytest.raises(error, match=words):
@@ -113,6 +115,19 @@ def test_bad_friction_is_named():
         orthant.solve(M, q, friction=[(1, 5, 0.3)])
     with pytest.raises(ValueError, match=r"friction\[0\].mu = -1"):
         orthant.solve(M, q, friction=[(1, 0, -1)])
+    for bad, place in ((3, "friction"), ([(1, 0)], r"friction\[0\]"), ([(1, 0, 0.3), (1, 0, "a")], r"friction\[1\]")):
+        with pytest.raises(TypeError, match=place + r": must be \(row, normal row, mu\) triples"):
+            orthant.solve(M, q, friction=bad)
+
+
+def test_times_and_files_that_are_none_are_named(tmp_path):
+    for solve in (orthant.solve, orthant.Solver().solve):
+        with pytest.raises(TypeError, match="time_limit = 'a': must be a number"):
+            solve(M, q, time_limit="a")
+        with pytest.raises(ValueError, match="time_limit = nan: must be > 0"):
+            solve(M, q, time_limit=np.nan)
+    with pytest.raises(ValueError, match="M.mtx: Matrix Market holds a matrix, not a problem"):
+        orthant.read_problem(tmp_path / "M.mtx")
 
 
 def test_analyse_says_none_where_it_does_not_know():
@@ -169,6 +184,29 @@ def test_the_interpreter_is_free_while_a_solver_works():
     assert ticks > 5
 
 
+def test_ctrl_c_ends_a_solve(ctrl_c):
+    """In the main thread; a signal between calls is none of ours, and the solver answers again afterwards."""
+    A, b = random_problem(2500)
+    ctrl_c()
+    begin = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        orthant.solve(A, b, solver="lemke")
+    assert time.perf_counter() - begin < 5
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert orthant.solve(M, q, solver="lemke").solved
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+    assert orthant.solve(M, q, solver="lemke").solved
+
+
+def test_a_handler_that_does_not_raise_sees_the_run_cancelled(ctrl_c):
+    A, b = random_problem(2500)
+    heard = []
+    signal.signal(signal.SIGINT, lambda *_: heard.append(1))
+    ctrl_c()
+    assert orthant.solve(A, b, solver="lemke").status == "cancelled" and heard
+
+
 def test_a_solver_at_work_refuses_a_second_thread():
     A, b = random_problem(600)
     solver, errors = orthant.Solver("lemke"), []
@@ -187,7 +225,7 @@ def test_a_solver_at_work_refuses_a_second_thread():
 
 
 def test_a_call_costs_microseconds():
-    """10 x 10: what a call takes beyond the solver itself, 15 us asked for (3 measured, on a quiet machine)."""
+    """10 x 10: what a call takes beyond the solver itself, 15 us asked for (3 to 9 measured, by machine)."""
     A, b = random_problem(10)
 
     def beyond():
@@ -195,7 +233,9 @@ def test_a_call_costs_microseconds():
         inside = sum(orthant.solve(A, b).seconds for _ in range(100))
         return (time.perf_counter() - begin - inside) / 100
 
-    assert min(beyond() for _ in range(30)) < 15e-6
+    best = min(beyond() for _ in range(30))
+    print(f"{1e6 * best:.1f} us beyond the solver")  # pytest -s shows it
+    assert best < 15e-6
 
 
 def test_npz_and_fclib(tmp_path):

@@ -20,6 +20,8 @@ def read_problem(file: Path) -> Problem:
     NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3) may be
     absent. Raises ValueError or RuntimeError naming file, field and rule.
     """
+    if os.fspath(file).endswith(".mtx"):
+        raise ValueError(f"{file}: Matrix Market holds a matrix, not a problem: must be read by scipy.io.mmread, and q as well")
     if not os.fspath(file).endswith(".npz"):
         return _orthant._read_problem(file)
     import numpy as np

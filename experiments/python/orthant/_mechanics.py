@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem
-from ._spec import Entry, text_of
+from ._spec import Entry, seconds, text_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -117,8 +117,10 @@ class Trajectory:
     unsolved: the Problem that stopped it, else None.
     """
 
-    def __init__(self, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any], unsolved: Optional[Problem]) -> None:
+    def __init__(self, scene: _orthant._Scene, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any],
+                 unsolved: Optional[Problem]) -> None:
         self.columns, self.table, self.summary, self.unsolved = columns, table, summary, unsolved
+        self._scene = scene
         self._place = {name: i for i, name in enumerate(columns)}
 
     @property
@@ -152,16 +154,22 @@ class Trajectory:
 
         return pandas.DataFrame(self.table, columns=self.columns).set_index("t")
 
+    def write(self, file: Union[str, os.PathLike[str]]) -> None:
+        """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the bodies' outlines, for ParaView)."""
+        _orthant._write_trajectory(file, self._scene, self.columns, self.table)
+
     def __repr__(self) -> str:
         return f"Trajectory(status='{self.status}', rows={len(self)}, t={self.summary['t']:g})"
 
 
 def simulate(scene: Union[Scene, str], *, integrator: str = "moreau-jean", solver: str = "lemke",
-             step: Optional[float] = None, duration: Optional[float] = None, every: int = 1) -> Trajectory:
+             step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
+             time_limit: Optional[float] = None) -> Trajectory:
     """Run a scene: a Scene, a built-in name or a TOML file.
 
     integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
-    scene's. every: record every so many steps. The interpreter's lock is released meanwhile.
+    scene's. every: record every so many steps. time_limit: [s] of wall time; what is done by then is kept, with the status
+    'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C ends a run.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
     """
     if isinstance(scene, Scene):
@@ -170,7 +178,13 @@ def simulate(scene: Union[Scene, str], *, integrator: str = "moreau-jean", solve
         checked = _orthant._make_scene(scene, [])
     else:
         raise TypeError(f"scene {scene!r}: must be a Scene, a built-in name or a TOML file")
-    return Trajectory(*_orthant._simulate(checked, integrator, solver, step, duration, every))
+    for what, word in (("integrator", integrator), ("solver", solver)):
+        if not isinstance(word, str):
+            raise TypeError(f"{what} = {word!r}: must be a name, such as 'moreau-jean' or 'pgs:omega=1.3'")
+    if not hasattr(every, "__index__"):
+        raise TypeError(f"every = {every!r}: must be a whole number of steps")
+    return Trajectory(checked, *_orthant._simulate(checked, integrator, solver, seconds("step", step), seconds("duration", duration),
+                                                   every, seconds("time_limit", time_limit)))
 
 
 def integrators() -> list[Entry]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional
 
 from . import _orthant
 from ._orthant import Equilibrium
-from ._spec import text_of
+from ._spec import seconds, text_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,8 +35,11 @@ def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector],
     start: (n,). options: those of the solver `path`. What the callbacks raise is passed on.
     Source: Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156.
     """
+    for what, value in (("F", F), ("jacobian", jacobian)):
+        if not callable(value):
+            raise TypeError(f"{what} = {value!r}: must be a function of z")
     given = ",".join(f"{key}={text_of(value)}" for key, value in options.items())
-    return McpResult(**_orthant._solve_mcp(F, jacobian, start, lower, upper, given, time_limit))
+    return McpResult(**_orthant._solve_mcp(F, jacobian, start, lower, upper, given, seconds("time_limit", time_limit)))
 
 
 def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0) -> Equilibrium:

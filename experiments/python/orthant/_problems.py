@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem, Result, Solutions
-from ._spec import Entry, spec
+from ._spec import Entry, seconds, spec
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -39,7 +39,7 @@ class Solver:
               upper: Optional[Array] = None, *, friction: FrictionRows = None, start: Optional[Array] = None,
               time_limit: Optional[float] = None, log: bool = False) -> Result:
         """As the function `solve`."""
-        return self._solver.solve(M, q, lower, upper, friction, start, time_limit, log)
+        return self._solver.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit), log)
 
     def __repr__(self) -> str:
         return f"Solver('{self._solver.spec}')"
@@ -59,14 +59,14 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
     solver: a name of `solvers()`; options: that solver's, such as solve(M, q, solver="pgs", omega=1.3).
     start: (n,) a guess. time_limit: [s] of wall time. log: keep what the solver did in `result.log`.
     Returns a Result; a hard problem has a status, never a wrong answer called solved. The interpreter's lock is released
-    meanwhile. Raises ValueError or TypeError naming argument, place and rule.
+    meanwhile; Ctrl-C ends a solve. Raises ValueError or TypeError naming argument, place and rule.
     Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
     """
     key = spec(solver, options) if options or not isinstance(solver, str) else solver
     kept = _kept.__dict__.get(key)
     if kept is None:
         kept = _kept.__dict__[key] = _orthant._Solver(key)
-    return kept.solve(M, q, lower, upper, friction, start, time_limit, log)
+    return kept.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit), log)
 
 
 def solvers() -> list[Entry]:

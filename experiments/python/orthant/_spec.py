@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Optional
 
 
 class Entry(NamedTuple):
@@ -24,6 +24,19 @@ def text_of(value: Any) -> str:
     if isinstance(value, str):
         return value
     raise TypeError(f"option value {value!r}: must be a number, a bool or a word")
+
+
+def seconds(name: str, value: Any) -> Optional[float]:
+    """A time that the caller gives, or None."""
+    if value is None:
+        return None
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {value!r}: must be a number [s]") from None
+    if not number > 0:
+        raise ValueError(f"{name} = {number:g}: must be > 0 [s]")
+    return number
 
 
 def spec(name: str, options: dict[str, Any]) -> str:
