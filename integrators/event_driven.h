@@ -17,7 +17,8 @@
 //   restitution takes the place of all that follow, for all contacts in this state, and they last. The event has the time
 //   extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as zero, and the
 //   impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some 10 times
-//   `accumulation`. Infinitely many alternate impacts of several contacts end likewise.
+//   `accumulation`. Series that several contacts have in turn end together, when all are that low; their remaining impacts,
+//   which may still be large, follow one after the other at that instant (impact.h).
 //   Contacts that bear a load together share it in proportion to what each can bear; one at the bound of its friction
 //   stays there while others hold it.
 //   Crowds: where events go on without end (steps in a row that lead nowhere: chatter, hyperstatic friction) or an instant
