@@ -30,8 +30,8 @@
 //   numerical_error instead.
 //   Limits: a dip narrower than that shows can be missed. Flights no higher than rounding of the coordinates are not told
 //   from rest. Joints and lasting contacts hold to rounding: the gap within the tolerance at which a contact was made goes.
-//   Motion that depends discontinuously on its start (corners that strike almost together) is followed,
-//   but no tolerance makes it converge. Where events crowd (200 steps and rejected ones that come on by less than a
+//   Motion that depends discontinuously on its start is followed as long as the tolerance tells its events apart, and series
+//   of two contacts to their limit. Painlevé's paradox is passed over by a crossing, without a word. Where events crowd (200 steps and rejected ones that come on by less than a
 //   microsecond each, on the average) crossings are not made shorter than 1e-6 s, later 2e-6, … 1e-4 s, whatever their
 //   error, until it is calm again. A step ends where a load jumps or bends (its breakpoints).
 // Source: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), V; Deuflhard, SIAM Review 27 (1985) 505-535;

@@ -59,6 +59,17 @@ Table table_of(const py::array_t<double>& a, std::string_view name) {
 bool is_sparse(py::handle from) { return py::hasattr(from, "tocsr") && py::hasattr(from, "nnz"); }
 bool is_delassus(py::handle from) { return py::hasattr(from, "W") && py::hasattr(from, "inverse_mass"); }
 
+/// SciPy's own routines read past the ends of arrays whose pointers lie: they are looked through first.
+void require_sound(py::handle matrix, const std::string& label) {
+  if (!py::hasattr(matrix, "check_format")) return;
+  try {
+    matrix.attr("check_format")(true);
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_ValueError)) throw;
+    refuse(label + " is no sound sparse matrix: " + py::str(error.value()).cast<std::string>());
+  }
+}
+
 std::vector<int> indices(const py::object& from, const std::string& label) {
   const auto wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(from);
   if (wide.size() > 0 && wide.at(wide.size() - 1) > std::numeric_limits<int>::max())
@@ -86,6 +97,7 @@ void read(py::handle from, std::string_view name, Index n, Entries entries, Vect
 void read(py::handle from, std::string_view name, RowSparse& to) {
   const std::string label(name);
   if (!is_sparse(from)) throw py::type_error(label + ": must be a scipy.sparse matrix");
+  require_sound(from, label);
   py::object csr = from.attr("tocsr")();
   if (!csr.attr("has_canonical_format").cast<bool>()) {
     if (csr.is(from)) csr = csr.attr("copy")();  // the caller's own is left as it is

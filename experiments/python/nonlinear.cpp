@@ -24,15 +24,18 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
   if (!lower.is_none()) read(lower, "lower", n, Entries::numbers, problem.lo);
   if (!upper.is_none()) read(upper, "upper", n, Entries::numbers, problem.hi);
   const auto numbers = [](const py::object& value, const char* what) {
+    if (const auto any = py::array::ensure(value); any && any.dtype().kind() == 'c')
+      throw py::type_error(std::string(what) + " returned complex numbers: must be real");
     const auto a = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
-    if (!a) throw py::type_error(std::string(what) + " returned no array of numbers");
+    if (!a || value.is_none()) throw py::type_error(std::string(what) + " returned no array of numbers");
     return a;
   };
   problem.F = [&](const Vector& z, Vector& value) {  // NaN is the solver's to avoid: it steps back
     const auto a = numbers(F(to_numpy(z)), "F");
     if (a.ndim() != 1 || a.shape(0) != n)
-      throw std::invalid_argument("F returned " + std::to_string(a.size()) + " numbers: must be (" + std::to_string(n) +
-                                  ",)");
+      throw std::invalid_argument("F returned " + std::to_string(a.size()) + " numbers" +
+                                  (a.ndim() == 1 ? "" : " in " + std::to_string(a.ndim()) + " dimensions") +
+                                  ": must be (" + std::to_string(n) + ",)");
     value = Eigen::Map<const Eigen::VectorXd>(a.data(), n);
   };
   problem.jacobian = [&](const Vector& z, Matrix& J) {
@@ -72,10 +75,15 @@ void add_nonlinear(py::module_& m) {
       .def_readonly("cost_2", &Equilibrium::cost_2)
       .def_readonly("label", &Equilibrium::label);
   m.def("_equilibrium", [](py::handle A, py::handle B, int label) {
-    return lemke_howson(read_table(A, "A"), read_table(B, "B"), label);
+    const Eigen::MatrixXd a = read_table(A, "A"), b = read_table(B, "B");
+    const py::gil_scoped_release others_may_run;
+    return lemke_howson(a, b, label);
   });
-  m.def("_equilibria",
-        [](py::handle A, py::handle B) { return lemke_howson_all(read_table(A, "A"), read_table(B, "B")); });
+  m.def("_equilibria", [](py::handle A, py::handle B) {
+    const Eigen::MatrixXd a = read_table(A, "A"), b = read_table(B, "B");
+    const py::gil_scoped_release others_may_run;
+    return lemke_howson_all(a, b);
+  });
 }
 
 }  // namespace orthant::python

@@ -281,6 +281,7 @@ void add_problems(py::module_& m) {
   m.def("_error_bound", [](const Lcp& p, py::handle z) {
     Vector x;
     read(z, "z", p.size(), Entries::finite, x);
+    const py::gil_scoped_release others_may_run;
     return error_bound(p, x);
   });
 

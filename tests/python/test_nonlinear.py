@@ -57,3 +57,12 @@ def test_games():
     assert np.isclose(e.cost_1, e.x @ A @ e.y) and (A @ e.y).min() >= e.cost_1 - 1e-12
     with pytest.raises(ValueError, match="label"):
         orthant.equilibrium(A, B, 17)
+
+
+def test_complex_numbers_from_callbacks_are_refused():
+    with pytest.raises(TypeError, match="F returned complex numbers"):
+        orthant.solve_mcp(lambda z: kojima_shindo(z) + 1j, slope, np.zeros(4))
+    with pytest.raises(TypeError, match="jacobian returned complex numbers"):
+        orthant.solve_mcp(kojima_shindo, lambda z: slope(z) + 1j, np.zeros(4))
+    with pytest.raises(ValueError, match="F returned 4 numbers in 2 dimensions"):
+        orthant.solve_mcp(lambda z: kojima_shindo(z)[:, None], slope, np.zeros(4))

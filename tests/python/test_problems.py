@@ -257,3 +257,41 @@ def test_npz_and_fclib(tmp_path):
         orthant.read_problem(tmp_path / "bad.npz")
     with pytest.raises(ValueError, match="row 0: must be a normal|row 1: must be friction|contacts"):
         orthant.write_fclib(tmp_path / "q.hdf5", orthant.Problem(A, b), dimension=2)
+
+
+@pytest.mark.parametrize("pointers", [[0, 10**6, 4], [0, 100, 4], [0, -5, 4], [0, 3, 2]])
+def test_pointers_of_a_sparse_matrix_that_lie(tmp_path, pointers):
+    file = tmp_path / "p.npz"
+    np.savez(file, M_data=[2.0, 1, 1, 2], M_indices=[0, 1, 0, 1], M_indptr=pointers, q=[-5.0, -6])
+    with pytest.raises(ValueError, match="p.npz: "):
+        orthant.read_problem(file)
+    for kind in (sp.csr_matrix, sp.csc_matrix):
+        M = kind(np.array([[2.0, 1], [1, 2]]))
+        M.indptr[:] = pointers
+        with pytest.raises(ValueError, match="M is no sound sparse matrix"):
+            orthant.solve(M, [-5.0, -6])
+
+
+@pytest.mark.parametrize("fields, said", [
+    ({"M_data": [1.0], "M_indices": [0]}, "M_indptr is missing"),
+    ({"M_data": [1.0, 1], "M_indices": [0, 1.5], "M_indptr": [0, 1, 2]}, "M_indices has shape .* of integers"),
+    ({"M": np.eye(2), "q": np.ones((2, 1))}, "q has shape .2, 1.: must be one-dimensional"),
+    ({"M": np.eye(2), "friction": [[1, 0]]}, "friction has shape .* must be .k, 3."),
+    ({"M": np.eye(2), "friction": [[1.7, 0, 0.5]]}, "friction.0. = 1.7, 0.0: must be the numbers of two rows"),
+])
+def test_npz_fields_that_are_wrong_are_named(tmp_path, fields, said):
+    np.savez(tmp_path / "p.npz", **{"q": [-1.0, -1.0], **fields})
+    with pytest.raises(ValueError, match=f"p.npz: {said}"):
+        orthant.read_problem(tmp_path / "p.npz")
+
+
+def test_what_is_no_npz(tmp_path):
+    (tmp_path / "p.npz").write_bytes(b"garbage")
+    with pytest.raises(ValueError, match="p.npz: must be NumPy's NPZ"):
+        orthant.read_problem(tmp_path / "p.npz")
+
+
+def test_solvers_with_other_options_are_not_kept_for_ever():
+    for omega in np.linspace(0.5, 1.5, 100):
+        assert orthant.solve([[2.0]], [-1.0], solver="pgs", omega=float(omega)).solved
+    assert len(orthant._problems._kept.__dict__) <= orthant._problems._MOST_KEPT

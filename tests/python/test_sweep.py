@@ -61,3 +61,13 @@ def test_what_is_wrong_is_named(tmp_path):
     shutil.copy(tmp_path / "a.sweep.toml", file)
     with pytest.raises(TypeError, match="measure: a sweep file holds its keys itself"):
         orthant.sweep(file, measure="ball.y")
+
+
+def test_a_sweep_file_of_the_users_is_not_written_over(tmp_path):
+    own = tmp_path / "a.sweep.toml"
+    own.write_text("scene = 'mine'\n")
+    with pytest.raises(ValueError, match="a.sweep.toml exists and was not written by orthant.sweep"):
+        orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", **BALL)
+    assert own.read_text() == "scene = 'mine'\n"
+    with pytest.raises(ValueError, match="jobs = -1: must be a whole number"):
+        orthant.sweep("bouncing_ball", results=tmp_path / "b.sqlite", jobs=-1, **BALL)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Union
+import zipfile
+import zlib
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem
@@ -26,21 +28,60 @@ def read_problem(file: Path) -> Problem:
         return _orthant._read_problem(file)
     import numpy as np
 
-    with np.load(file, allow_pickle=False) as data:
+    try:
+        archive = np.load(file, allow_pickle=False)
+    except (ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise ValueError(f"{file}: must be NumPy's NPZ: {error}") from None
+    if not isinstance(archive, np.lib.npyio.NpzFile):
+        raise ValueError(f"{file}: must be NumPy's NPZ of several arrays, not one array")
+    with archive as data:
         known = {"M", "q", "lower", "upper", "friction", *_SPARSE}
         if unknown := sorted(set(data.files) - known):
             raise ValueError(f"{file}: {unknown[0]} is no known field: must be one of {', '.join(sorted(known))}")
         if "q" not in data or ("M" in data) == ("M_data" in data):
             raise ValueError(f"{file}: must have q, and either M or {', '.join(_SPARSE)}")
-        q = data["q"]
-        if "M" in data:
-            M = data["M"]
-        else:
-            import scipy.sparse
+        fields = {}
+        for key in data.files:
+            try:
+                fields[key] = data[key]
+            except (ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+                raise ValueError(f"{file}: {key} cannot be read: {error}") from None
+    q = fields["q"]
+    if q.ndim != 1:
+        raise ValueError(f"{file}: q has shape {q.shape}: must be one-dimensional")
+    try:
+        M = fields["M"] if "M" in fields else _by_rows(fields, len(q))
+        return Problem(M, q, fields.get("lower"), fields.get("upper"), _friction(fields.get("friction")))
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{file}: {error}") from None
 
-            M = scipy.sparse.csr_matrix(tuple(data[key] for key in _SPARSE), shape=(len(q), len(q)))
-        friction = [(int(row), int(normal), float(mu)) for row, normal, mu in data["friction"]] if "friction" in data else None
-        return Problem(M, q, data["lower"] if "lower" in data else None, data["upper"] if "upper" in data else None, friction)
+
+def _by_rows(fields: dict[str, Any], n: int) -> Any:
+    import scipy.sparse
+
+    if missing := [key for key in _SPARSE if key not in fields]:
+        raise ValueError(f"{missing[0]} is missing: must be there with {', '.join(k for k in _SPARSE if k in fields)}")
+    for key in _SPARSE:
+        if fields[key].ndim != 1 or (key != "M_data" and fields[key].dtype.kind not in "iu"):
+            raise ValueError(f"{key} has shape {fields[key].shape} and type {fields[key].dtype}: must be one-dimensional"
+                             + ("" if key == "M_data" else ", of integers"))
+    try:
+        return scipy.sparse.csr_matrix(tuple(fields[key] for key in _SPARSE), shape=(n, n))
+    except ValueError as error:
+        raise ValueError(f"{', '.join(_SPARSE)} are no {n} x {n} matrix by rows: {error}") from None
+
+
+def _friction(table: Any) -> Optional[list[tuple[int, int, float]]]:
+    if table is None:
+        return None
+    if table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf":
+        raise ValueError(f"friction has shape {table.shape} and type {table.dtype}: must be (k, 3), real")
+    rows = []
+    for i, (row, normal, mu) in enumerate(table):
+        if not (float(row).is_integer() and float(normal).is_integer()):
+            raise ValueError(f"friction[{i}] = {row}, {normal}: must be the numbers of two rows")
+        rows.append((int(row), int(normal), float(mu)))
+    return rows
 
 
 def write_npz(file: Path, problem: Problem) -> None:

@@ -45,6 +45,7 @@ class Solver:
         return f"Solver('{self._solver.spec}')"
 
 
+_MOST_KEPT = 32
 _kept = threading.local()  # solvers by spec, one set a thread: their memory is warm
 
 
@@ -65,6 +66,8 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
     key = spec(solver, options) if options or not isinstance(solver, str) else solver
     kept = _kept.__dict__.get(key)
     if kept is None:
+        while len(_kept.__dict__) >= _MOST_KEPT:
+            del _kept.__dict__[next(iter(_kept.__dict__))]  # the oldest
         kept = _kept.__dict__[key] = _orthant._Solver(key)
     return kept.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit), log)
 

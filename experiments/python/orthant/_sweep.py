@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import pandas
 
 _LOOK_AGAIN = 0.2  # [s]
+_WRITTEN = "# Written by orthant.sweep"
 
 
 def sweep(what: Union[str, os.PathLike[str]], *, results: Union[str, os.PathLike[str], None] = None, quick: bool = False,
@@ -32,6 +33,8 @@ def sweep(what: Union[str, os.PathLike[str]], *, results: Union[str, os.PathLike
     run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
     A case that fails is a row with its status. Raises ValueError naming file, key, value and rule.
     """
+    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 0:
+        raise ValueError(f"jobs = {jobs!r}: must be a whole number >= 0 (0: one a core)")
     file, results = _files(what, results, keys)
     name, count, missing = _orthant._declare_sweep(file, quick, results)
     with _Bar(name, count, progress) as bar:
@@ -55,9 +58,13 @@ def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
     kept = Path(results or f"results/{given.stem}.sqlite").absolute()
     kept.parent.mkdir(parents=True, exist_ok=True)
     file = kept.with_suffix(".sweep.toml")
-    text = _sweep_toml({"scene": str(given.absolute()) if given.suffix == ".toml" else os.fspath(what), **keys})
-    if not file.exists() or file.read_text(encoding="utf-8") != text:
-        file.write_text(text, encoding="utf-8")
+    text = f"{_WRITTEN}, which writes it anew when asked for something else.\n" + _sweep_toml({"scene": str(given.absolute()) if given.suffix == ".toml" else os.fspath(what), **keys})
+    if not file.exists() or (said := file.read_text(encoding="utf-8")) != text:
+        if file.exists() and not said.startswith(_WRITTEN):
+            raise ValueError(f"{file} exists and was not written by orthant.sweep: results must have another name")
+        temporary = Path(f"{file}.tmp{os.getpid()}")  # whole or not at all
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, file)
     return file, kept
 
 
