@@ -43,8 +43,9 @@ class Impact {
               Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
   /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely many
-  /// impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a contact of the scene, strike
-  /// one after the other, the fastest first, and all other closed contacts each time with them. v: before, and after.
+  /// impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a contact of
+  /// the scene, strike one after the other, the fastest first, and all other closed contacts each time with them. v: before,
+  /// and after.
   /// What is struck in turn and not at once keeps another share of its friction, the more the slower the series decays.
   bool strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
                       Eigen::VectorXd& v, Solver& solver, StepReport& report);
