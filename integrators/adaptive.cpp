@@ -110,6 +110,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
     if (system_.contacts() > 0) {
       set_poses(system_, x.t, x.q, terms_.at);
       horizon_ = std::max(horizon(system_, terms_.at, x.v, none_), least_);
+      begin_margins(x.t);
       wanted = std::min(wanted, horizon_);
     }
     const double wish = wanted > 0.9 * left ? left : std::min(wanted, left / 2);
@@ -425,12 +426,22 @@ bool Adaptive::holds(double t, const MotionPoint& p, Solver& solver, StepReport&
 /// and parabola are off by some of what it bends between two of them.
 double Adaptive::Margin::dip(double noise) const {
   const auto& [c, b, a] = last;
+  if (a.value < b.value && b.value < c.value) return kInf;  // what was least before b has shown when b was looked at
   const double slope = (c.value - b.value) / (c.t - b.t),
                bend = (slope - (b.value - a.value) / (b.t - a.t)) / (c.t - a.t);
   const double apart = std::max(c.t - b.t, b.t - a.t), bent = bend * apart * apart;
   if (!(bent > noise) || !(a.t > -kInf)) return kInf;
   const double least = (b.t + c.t) / 2 - slope / (2 * bend);
   return c.value + (least - c.t) * (slope + bend * (least - b.t)) < bent / 2 ? least : kInf;
+}
+
+/// The gaps where an arc begins at t, of those that have not been looked at yet; terms_.at are the poses.
+void Adaptive::begin_margins(double t) {
+  const auto fresh = [](const Margin& gap) { return gap.last[0].t == -kInf; };
+  if (std::none_of(gap_margins_.begin(), gap_margins_.end(), fresh)) return;
+  evaluate_gaps(system_, terms_);
+  for (std::size_t c = 0; c < gap_margins_.size(); ++c)
+    if (fresh(gap_margins_[c])) gap_margins_[c].add(t, terms_.gap[static_cast<Index>(c)]);
 }
 
 bool Adaptive::closes(const State& x, double offset) {

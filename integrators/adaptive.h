@@ -98,6 +98,7 @@ class Adaptive final : public Integrator {
   double mode_end(double t, double s, Solver& solver, StepReport& report);
   bool holds(double t, const MotionPoint& p, Solver& solver, StepReport& report);
   bool land(double t);
+  void begin_margins(double t);
   bool closes(const State& x, double offset);
   void look(int contact, const State& x, double offset, double value);
   double plan(double taken);
