@@ -63,7 +63,9 @@ Adaptive::Adaptive(const System& system, const Options& options)
       gap_margins_(system.laws().size()),
       gaps_before_(system.laws().size()),
       closed_(system.laws().size()),
+      half_rate_(system.laws().size()),
       series_(system.laws().size()),
+      released_(system.laws().size(), -kInf),
       over_(system.laws().size()),
       q_(system.dof()),
       v_(system.dof()),
@@ -151,7 +153,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
 
 void Adaptive::remember(Memory& memory) {
   memory(last_, arc_, impact_, change_, floor_, crowd_since_, crowd_, aim_, decided_, motion_, gap_margins_, series_,
-         formulation_, strikes_);
+         released_, formulation_, strikes_);
   basic_.forget();
 }
 
@@ -236,7 +238,8 @@ bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, Ste
   }
   wish = std::min(4 * wish, width * 0.7 / error_);
   settle_modes(width, x);
-  if (land(x.t + width)) {
+  // Twice: a contact that now lasts may have had a gap that turns its normal when it goes, as in a journal's clearance.
+  if (land(x.t + width) && land(x.t + width)) {
     accept(width, x, report);
     return true;
   }
@@ -275,7 +278,7 @@ void Adaptive::note_changes(double t) {
   for (std::size_t c = 0; c < before_.size(); ++c) {
     const ContactMode &before = before_[c], &after = motion_.modes[c];
     const auto happens = [&](EventKind kind) { events_.push_back({t, kind, static_cast<int>(c), 0, 0}); };
-    if (before.lasting && !after.lasting) happens(EventKind::release), gap_margins_[c] = {};
+    if (before.lasting && !after.lasting) happens(EventKind::release), gap_margins_[c] = {}, released_[c] = t;
     if (before.lasting && before.slip != 0 && after.sticks) happens(EventKind::stick);
     if (before.sticks && after.slip != 0) happens(EventKind::slip);
   }
@@ -306,6 +309,7 @@ void Adaptive::restart(double h) {
   motion_.modes_changed();
   std::fill(gap_margins_.begin(), gap_margins_.end(), Margin{});
   std::fill(series_.begin(), series_.end(), ImpactSeries{});
+  std::fill(released_.begin(), released_.end(), -kInf);
 }
 
 void Adaptive::load(const State& x) {
@@ -362,7 +366,7 @@ Adaptive::Outcome Adaptive::examine(double h, Solver& solver, const State& x, St
   if (jumped_) return Outcome::failed;
   if (system_.contacts() == 0) return Outcome::done;
   set_poses(system_, x.t + h, q_, terms_.at);
-  Outcome outcome = closes(x, h) ? Outcome::impact : Outcome::done;
+  Outcome outcome = closes(x, h, false) ? Outcome::impact : Outcome::done;
   if (!motion_.lasting().empty()) {
     const double impact = outcome == Outcome::impact ? event_ : kInf;
     start_.q = x.q, start_.v = x.v, end_.q = q_, end_.v = v_;
@@ -444,7 +448,9 @@ void Adaptive::begin_margins(double t) {
     if (fresh(gap_margins_[c])) gap_margins_[c].add(t, terms_.gap[static_cast<Index>(c)]);
 }
 
-bool Adaptive::closes(const State& x, double offset) {
+/// Whether gaps are closed offset into an arc from x: event_ is when the first closed. `midway`: in the middle of a step,
+/// where q is of first order only.
+bool Adaptive::closes(const State& x, double offset, bool midway) {
   evaluate_gaps(system_, terms_);
   bool any = false;
   for (int c = 0; c < system_.contacts(); ++c) {
@@ -453,6 +459,8 @@ bool Adaptive::closes(const State& x, double offset) {
       look(c, x, offset, terms_.gap[c]);
       continue;
     }
+    const bool let_go = released_[at(c)] == x.t;  // its gap begins like t³: less than such a q is off by
+    if (let_go && midway) continue;
     const double gap = terms_.gap[c], rate = apply(rows(c).normal, v_.data());
     const double slack = slack_[at(c)];
     if (rate > 0 && gap >= -slack) continue;
@@ -460,13 +468,17 @@ bool Adaptive::closes(const State& x, double offset) {
     set_poses(system_, x.t, x.q, at_start_);
     std::swap(at_start_, terms_.at);
     const double before = std::visit([&](const auto& s) { return s.gap(terms_.at); }, system_.scene().contacts[at(c)]);
-    if (rate > 0 && before <= 2 * slack) {  // it opens; else it closed on the way, and opens again
+    // It opens, or has not moved beyond rounding (a normal that turns has rates of its own, midway); else it closed on
+    // the way.
+    if (before <= 2 * slack && (rate > 0 || gap >= -slack)) {
       std::swap(at_start_, terms_.at);
       continue;
     }
     const double rate_before = apply(rows(c).normal, x.v.data());
     const bool now = before <= 2 * slack && rate_before <= 0;  // what is left of the gap is rounding
-    const double when = now ? 0 : offset * closing(before - slack, offset * rate_before, gap - slack, offset * rate);
+    const double when = let_go ? offset / 2
+                        : now  ? 0
+                               : offset * closing(before - slack, offset * rate_before, gap - slack, offset * rate);
     std::swap(at_start_, terms_.at);
     event_ = any ? std::min(event_, when) : when;
     any = true;
@@ -494,7 +506,7 @@ bool Adaptive::predict(double t, double h, double joints) {
 
 Adaptive::Outcome Adaptive::symmetric_step(const State& x, double offset, double h) {
   if (!predict(x.t + offset, h, 2)) return Outcome::failed;
-  if (system_.contacts() > 0 && closes(x, offset + h / 2)) return Outcome::impact;
+  if (system_.contacts() > 0 && closes(x, offset + h / 2, true)) return Outcome::impact;
   if (!motion_.lasting().empty()) {
     evaluate_closed(system_, motion_.lasting(), terms_);
     missing_.clear();
@@ -572,7 +584,8 @@ bool Adaptive::cross(double h, bool jumps, double joints, Solver& solver, const 
   load(x);
   if (!plain_step(x, 0, h / 2, joints, solver, report)) return false;
   std::fill(closed_.begin(), closed_.end(), false);
-  for (const ClosedContact& c : terms_.closed) closed_[at(c.contact)] = true;
+  for (const auto& [contact, rows] : terms_.closed)
+    closed_[at(contact)] = true, half_rate_[at(contact)] = apply(rows.normal, v_.data());
   v_half_ = v_;
   if (!plain_step(x, h / 2, h / 2, joints, solver, report)) return false;
   store(row_[1]);
@@ -603,14 +616,17 @@ void Adaptive::settle_modes(double h, const State& x) {
       series_[c].add(x.t + std::clamp(event_, 0.0, h));
     const bool frictional = system_.laws()[c].frictional();
     const double slip = frictional ? formulation_.solution().w[tangent++] : 0;
-    // The second half gave it a speed γ_N⁺ and would have changed it by −fall without contact. It lasts if it flies no
-    // higher than rounding can tell; or if it was stopped, having been closed before, and would be back within a step
-    // (else an impact elsewhere sent it off).
+    // The second half gave it a speed γ_N⁺ and would have changed it by −fall without contact, the turning of its normal
+    // included; where it has no impulse, what the others did is known too. It lasts if it flies no higher than rounding
+    // can tell; or if it was stopped, having been closed before, and would be back within a step (else an impact
+    // elsewhere sent it off).
     const Row& row = terms_.closed[k].rows.normal;
-    const double stopped_from = (1 + system_.laws()[c].e) * apply(row, v_half_.data());
-    const double rebound = apply(row, v_.data()), fall = stopped_from - problem().b[static_cast<Index>(k)];
+    const double w = formulation_.solution().w[static_cast<Index>(k)], e = over_[c] ? 0 : system_.laws()[c].e;
+    const double rate = apply(row, v_half_.data()), before = closed_[c] ? half_rate_[c] : rate;
+    const double rebound = apply(row, v_.data());
+    const double fall = before - (w > tiny ? rebound : problem().b[static_cast<Index>(k)] - e * rate);
     const bool low = rebound * rebound * h <= fall * slack_[c];
-    const bool pressed = (closed_[c] || before_[c].lasting) && formulation_.solution().w[static_cast<Index>(k)] <= tiny;
+    const bool pressed = (closed_[c] || before_[c].lasting) && w <= tiny;
     if (!low && !(pressed && rebound <= 2 * std::abs(fall))) continue;
     ContactMode& mode = motion_.modes[c];
     mode.lasting = true;

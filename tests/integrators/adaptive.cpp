@@ -257,6 +257,33 @@ TEST_CASE("curved contacts end where their force does: off a disc, over a polygo
   }
 }
 
+TEST_CASE("a ball against the inside of a ring, no gravity: only the turning of the normal presses it on") {
+  // It comes at 60 degrees to the wall; each impact halves its normal speed, each chord spans 2 atan(v_n / v_t).
+  constexpr double e = 0.5;
+  Scene s{.gravity = {0, 0}, .duration = 8};
+  s.body({.position = {0.5, 0}, .velocity = {0, -1}});
+  s.contact(Journal{"", 0, {0, 0}, 0.25, kGround, {0, 0}, 1.25, {.e = e}});
+  double t = std::sqrt(3) / 2, angle = -std::numbers::pi / 3, normal = e * std::sqrt(3) / 2;
+  const double tangential = 0.5;
+  for (; normal > 1e-17; normal *= e) {
+    angle -= 2 * std::atan2(normal, tangential);
+    t += 2 * normal / (normal * normal + tangential * tangential);
+  }
+  angle -= tangential * (s.duration - t);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    CAPTURE(tolerance);
+    const Run r = run_to(s, s.duration, tolerance);
+    CHECK(std::hypot(r.final.q[0] - std::cos(angle), r.final.q[1] - std::sin(angle)) <= 10 * tolerance);
+    CHECK(r.accepted + r.rejected < 300);
+  }
+}
+
+TEST_CASE("contacts that end cost few steps: their gaps begin like t³, and are not taken for ones that close") {
+  long steps = 0;
+  CHECK(slider_crank_error(slider_crank_exact(0.01, 0).value(), 3e-4, &steps) <= 3e-4);
+  CHECK(steps < 250);
+}
+
 TEST_CASE("a lever that jams on a wall: the impact leaves no motion, and it stays") {
   Scene s{.gravity = {0, -9.81}};
   const auto lever = s.body({.mass = 1, .inertia = 0.1, .position = {0.5, 0}});
