@@ -255,7 +255,7 @@ TEST_CASE("check() names field, value and rule") {
   };
   CHECK(broken([](Lcp& q) { q.b = Vector{1}; }).find("b has 1 entries: must be 2") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.lo[1] = kNaN; }).find("row 1 has bounds [nan, inf]") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = 2, q.hi[1] = 1; }).find("lo <= hi") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = 2, q.hi[1] = 1; }).find("lower <= upper") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.lo[1] = kInf; }).find("lo < inf") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.A = DenseMatrix(Eigen::MatrixXd(2, 3)); }).find("2 x 3: must be square") !=
         std::string::npos);
