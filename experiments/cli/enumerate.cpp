@@ -28,13 +28,13 @@ int run_enumerate(const EnumerateArguments& a) {
   const Lcp problem = read_problem(a.problem);
   budget.start(a.time_limit.value_or(kInf), nullptr);
   const SolutionSet set = enumerate_solutions(problem, [&] { return budget.exhausted(); });
-  nlohmann::ordered_json json = {
-      {"complete", set.complete}, {"isolated", lists(set.isolated)}, {"faces", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json = {{"isolated", lists(set.isolated)}, {"faces", nlohmann::ordered_json::array()}};
   for (const SolutionFace& f : set.faces)
     json["faces"].push_back({{"dimension", f.dimension},
                              {"vertices", lists(f.vertices)},
                              {"directions", lists(f.directions)},
                              {"lines", lists(f.lines)}});
+  json["complete"] = set.complete;
   if (a.json) {
     std::cout << json.dump(2) << '\n';
   } else {
