@@ -282,7 +282,7 @@ TEST_CASE("orthant list names everything, with options") {
           if (o.at("name") == asked) return o;
     return nlohmann::json();
   };
-  CHECK(option("solvers", "pgs", "omega").at("range") == nlohmann::json::parse("[0, 2]"));
+  CHECK(option("solvers", "pgs", "omega").at("range") == nlohmann::json::parse("[0.001, 1.999]"));
   CHECK(option("solvers", "lemke", "rescue").at("default") == true);
   CHECK(option("integrators", "moreau-jean", "joints").at("choices").size() > 1);
   CHECK(json.at("scenes")[0].at("name") == "bouncing_ball");

@@ -425,11 +425,13 @@ def beside(work, until=0.2):
     return ticks, seconds
 
 
+LARGE = large_problem(1200)
 CORNERS = -np.eye(18), np.ones(18)  # each of a cube is a solution
-LONG = {"analyse": lambda t: orthant.analyse(large_problem(1200)[0], time_limit=t),
+COSTS = np.random.default_rng(1).random((2, 60, 60))
+LONG = {"analyse": lambda t: orthant.analyse(LARGE[0], time_limit=t),
         "enumerate": lambda t: orthant.enumerate_solutions(*CORNERS, time_limit=t),
-        "error bound": lambda t: orthant.error_bound(*large_problem(700), z=np.ones(700), time_limit=t),
-        "equilibria": lambda t: orthant.equilibria(*np.random.default_rng(1).random((2, 60, 60)), time_limit=t)}
+        "error bound": lambda t: orthant.error_bound(*LARGE, z=np.ones(1200), time_limit=t),
+        "equilibria": lambda t: orthant.equilibria(*COSTS, time_limit=t)}
 
 
 @pytest.mark.parametrize("name", LONG)
@@ -453,7 +455,7 @@ def test_what_is_not_done_in_time_is_said():
     a = orthant.analyse(random_problem(12)[0], time_limit=1e-9)
     assert a["p"] is None and a["symmetric"] is True and np.isnan(a["condition"])
     with pytest.raises(TimeoutError, match="time_limit"):
-        orthant.equilibria(*np.random.default_rng(1).random((2, 40, 40)), time_limit=1e-3)
+        orthant.equilibria(*COSTS, time_limit=1e-3)
 
 
 def test_bytes_that_are_no_text_are_written_as_numbers(tmp_path):
