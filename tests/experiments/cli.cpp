@@ -167,7 +167,7 @@ TEST_CASE("a full disk behind standard output is no success") {
   const Cli folder;
   for (const char* arguments : {"list", "--version", "simulate bouncing_ball --duration 0.01", "solve --help"}) {
     CAPTURE(arguments);
-    const Reply a = folder.orthant(std::string(arguments) + " > /dev/full");
+    const Reply a = folder.run("('" ORTHANT_CLI "' " + std::string(arguments) + " > /dev/full)");
     CHECK(a.exit_code == 1);
     CHECK(a.err.find("orthant: cannot write standard output: No space left") != std::string::npos);
   }
