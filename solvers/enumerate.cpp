@@ -399,9 +399,10 @@ SolutionFace face(const Piece& piece) {
 
 }  // namespace
 
-SolutionSet enumerate_solutions(const Lcp& problem) {
+SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>& stop) {
   check(problem);
-  if (!finite(problem)) throw std::invalid_argument("enumerate_solutions: A and b must be finite");
+  if (!finite(problem))
+    throw std::invalid_argument("enumerate_solutions: every number of matrix and vector must be finite");
   if (const std::string reason = Enumerate().why_not(problem); !reason.empty()) throw std::invalid_argument(reason);
   std::vector<std::pair<Support, SolutionFace>> all;
   std::vector<Support> faces;  // only these can hold others: no two pieces are the same
@@ -412,9 +413,9 @@ SolutionSet enumerate_solutions(const Lcp& problem) {
         if (all.back().second.dimension > 0) faces.push_back(piece.support);
         return false;
       },
-      [] { return false; });
-  walk.run();
+      [&] { return stop && stop(); });
   SolutionSet result;
+  result.complete = walk.run();
   for (auto& [support, f] : all) {
     if (std::any_of(faces.begin(), faces.end(), [&](const Support& s) { return s != support && within(support, s); }))
       continue;

@@ -25,6 +25,7 @@
 
 #include <orthant/solvers/solver.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,13 @@ struct SolutionFace {
 struct SolutionSet {
   std::vector<Vector> isolated;
   std::vector<SolutionFace> faces;
+  bool complete =
+      true;  // false: stopped; these are solutions, but there may be more, and faces may be parts of larger ones
 };
 
+/// `stop` is asked now and then; it ends the search where it says true.
 /// Throws std::invalid_argument when the problem is malformed, not finite or too large.
-SolutionSet enumerate_solutions(const Lcp& problem);
+SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>& stop = {});
 
 struct EnumerateOptions {
   double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it

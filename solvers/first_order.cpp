@@ -44,7 +44,7 @@ namespace {
 
 std::string named(Index i, Index j, double value) {
   std::ostringstream text;
-  text << "A(" << i << ", " << j << ") = " << value;
+  text << "entry (" << i << ", " << j << ") = " << value;
   return text.str();
 }
 
@@ -89,7 +89,7 @@ std::string quadratic_why_not(const Matrix& A) {
       reason =
           named(i, j, value) + ", " + named(j, i, other) + ": must be equal, the method minimizes a quadratic form";
     else if (!(std::abs(value) <= (1 + 1e-12) * size))
-      reason = named(i, j, value) + ": larger than its diagonal entries allow, A is not positive semidefinite";
+      reason = named(i, j, value) + ": larger than its diagonal entries allow, the matrix is not positive semidefinite";
     return reason.empty();
   });
   return reason;

@@ -90,12 +90,11 @@ struct Game {
     const double high = costs.maxCoeff(), span = std::max(high - costs.minCoeff(), std::numeric_limits<double>::min());
     return ((high - costs.array()) / span + 1).matrix();
   }
-  /// Drops a label and goes on until it is there again. stop(pivots) is asked at each: false when it said true.
-  template <class Stop> bool follow(int label, const Stop& stop) {
+  /// Drops a label and goes on until it is there again. `stop` is asked at each pivot: false when it said true.
+  bool follow(int label, const std::function<bool()>& stop) {
     Polytope* turn = p.rests(label) ? &p : &q;
-    int pivots = 0;
     for (int entering = label;;) {
-      if (stop(pivots++)) return false;
+      if (stop && stop()) return false;
       const int leaving = turn->enter(entering);
       if (leaving == label) return true;
       turn = turn == &p ? &q : &p;
@@ -113,8 +112,6 @@ struct Game {
   }
 };
 
-bool never(int) { return false; }
-
 void check_game(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   if (A.rows() != B.rows() || A.cols() != B.cols() || A.size() == 0)
     throw std::invalid_argument("lemke_howson: A is " + std::to_string(A.rows()) + " x " + std::to_string(A.cols()) +
@@ -125,24 +122,26 @@ void check_game(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
 
 }  // namespace
 
-Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int label) {
+Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int label,
+                         const std::function<bool()>& stop) {
   check_game(A, B);
   Game game(A, B);
   if (label < 0 || label >= game.m + game.k)
     throw std::invalid_argument("lemke_howson: label = " + std::to_string(label) + ": must be in [0, " +
                                 std::to_string(game.m + game.k - 1) + "]");
-  game.follow(label, never);
+  if (!game.follow(label, stop)) return {};
   return game.equilibrium(label);
 }
 
-std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                          const std::function<bool()>& stop) {
   check_game(A, B);
   std::vector<Game> open = {Game(A, B)};  // the origin, then every equilibrium: paths start from each
   std::vector<Equilibrium> found;
   for (std::size_t from = 0; from < open.size(); ++from)
     for (int label = 0; label < open[from].m + open[from].k; ++label) {
       Game game = open[from];
-      game.follow(label, never);
+      if (!game.follow(label, stop)) return found;
       if (game.at_origin()) continue;
       const Equilibrium e = game.equilibrium(label);
       const bool known = std::any_of(found.begin(), found.end(), [&](const Equilibrium& f) {
@@ -160,7 +159,7 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
   const Index n = p.size();
   for (Index i = 0; i < n; ++i)
     if (p.lo[i] != 0 || p.hi[i] != kInf || p.b[i] != -1)
-      return "row " + std::to_string(i) + ": a bimatrix game has bounds [0, inf) and b = -1";
+      return "row " + std::to_string(i) + ": a bimatrix game has bounds [0, inf) and -1 in the vector";
   if (n > 10000) return "n = " + std::to_string(n) + ": the dense tableaus take at most 10000 rows";
   DenseMatrix M;
   to_dense(p.A, M);
@@ -174,7 +173,7 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
   M = M(order_, order_).eval();
   if (m == 0 || m == n || (M.topLeftCorner(m, m).array() != 0).any() ||
       (M.bottomRightCorner(n - m, n - m).array() != 0).any())
-    return "A has no zero blocks on its diagonal, in whatever order: it is no bimatrix game [0, A; B^T, 0]";
+    return "the matrix has no zero blocks on its diagonal, in whatever order: it is no bimatrix game [0, A; B^T, 0]";
   if (!(M.topRightCorner(m, n - m).array() > 0).all() || !(M.bottomLeftCorner(n - m, m).array() > 0).all())
     return "costs must be > 0 (add a constant: the equilibria stay)";
   A_ = M.topRightCorner(m, n - m);
@@ -185,7 +184,7 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
 
 Status LemkeHowson::follow(int label, Solution& s) {
   Game game(A_, B_);
-  const bool there = game.follow(label, [&](int) {
+  const bool there = game.follow(label, [&] {
     log(++s.iterations, 0, 0, "pivot");
     return budget().exhausted();
   });

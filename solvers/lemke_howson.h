@@ -14,6 +14,7 @@
 
 #include <orthant/solvers/solver.h>
 
+#include <functional>
 #include <vector>
 
 namespace orthant {
@@ -25,11 +26,15 @@ struct Equilibrium {
 };
 
 /// One equilibrium of the game with costs A, B (m × k, finite) missing `label` in [0, m + k); any real costs.
+/// `stop` is asked at each pivot; where it says true, x and y come back empty.
 /// Throws std::invalid_argument for bad shapes, numbers or labels.
-Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int label);
+Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int label,
+                         const std::function<bool()>& stop = {});
 
-/// The different ones that paths connect: over all labels from the origin, then over all labels from each one found.
-std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+/// The different ones that paths connect: over all labels from the origin, then over all labels from each one found;
+/// those found until `stop` said true.
+std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                          const std::function<bool()>& stop = {});
 
 struct LemkeHowsonOptions {
   double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it

@@ -12,7 +12,7 @@ std::string Minimizer::why_not(const Lcp& problem) const {
   A.load(problem.A);
   return std::holds_alternative<Delassus>(problem.A) || A.symmetric()
              ? ""
-             : "A is not symmetric, as form=quadratic needs it";
+             : "the matrix is not symmetric, as form=quadratic needs it";
 }
 
 Status Minimizer::run(const Lcp& problem, Solution& s, Start start) {

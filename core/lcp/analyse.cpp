@@ -116,9 +116,17 @@ template <class T> std::vector<std::vector<T>> block(const exact::Table& A, cons
   return B;
 }
 
-template <class Visit> void for_each_subset(std::size_t n, Visit&& visit) {  // not ∅; visit returns false to stop
+struct Late {};  // thrown where the caller has waited long enough
+
+void ask(const std::function<bool()>& stop) {
+  if (stop && stop()) throw Late{};
+}
+
+template <class Visit>  // not ∅; visit returns false to end
+void for_each_subset(std::size_t n, const std::function<bool()>& stop, Visit&& visit) {
   std::vector<std::size_t> rows;
   for (unsigned long subset = 1; subset >> n == 0; ++subset) {
+    ask(stop);
     rows.clear();
     for (std::size_t i = 0; i < n; ++i)
       if ((subset >> i & 1UL) != 0) rows.push_back(i);
@@ -126,27 +134,28 @@ template <class Visit> void for_each_subset(std::size_t n, Visit&& visit) {  // 
   }
 }
 
-void principal_minors(const exact::Table& A, Analysis& result) {
-  result.p = result.p0 = Verdict::yes;
-  for_each_subset(A.size(), [&](const std::vector<std::size_t>& rows) {
+void principal_minors(const exact::Table& A, const std::function<bool()>& stop, Analysis& result) {
+  Verdict p = Verdict::yes, p0 = Verdict::yes;
+  for_each_subset(A.size(), stop, [&](const std::vector<std::size_t>& rows) {
     auto fast = block<Filtered>(A, rows);
     Sign det = eliminate(fast);
     if (det == Sign::unknown) {
       auto slow = block<Rational>(A, rows);
       det = eliminate(slow);
     }
-    if (det != Sign::positive && result.p == Verdict::yes) {
-      result.p = Verdict::no;
+    if (det != Sign::positive && p == Verdict::yes) {
+      p = result.p = Verdict::no;
       result.not_p.assign(rows.begin(), rows.end());
     }
-    if (det == Sign::negative) result.p0 = Verdict::no;
-    return result.p0 == Verdict::yes;
+    if (det == Sign::negative) p0 = Verdict::no;
+    return p0 == Verdict::yes;
   });
+  result.p = p, result.p0 = p0;
 }
 
 // A minimizer of xᵀS x on the simplex with the fewest entries has a regular block S_αα, and S_αα x_α = λ e: λ < 0 ⟺
 // S_αα⁻¹ e < 0.
-bool copositive(const exact::Table& S) {
+bool copositive(const exact::Table& S, const std::function<bool()>& stop) {
   bool yes = true;
   const auto negative = [](const auto& B) {
     bool all = true;
@@ -157,7 +166,7 @@ bool copositive(const exact::Table& S) {
     }
     return all ? Sign::negative : Sign::unknown;
   };
-  for_each_subset(S.size(), [&](const std::vector<std::size_t>& rows) {
+  for_each_subset(S.size(), stop, [&](const std::vector<std::size_t>& rows) {
     auto fast = block<Filtered>(S, rows);
     Sign outcome = eliminate(fast);
     if (outcome != Sign::unknown && outcome != Sign::zero) outcome = negative(fast);
@@ -173,9 +182,9 @@ bool copositive(const exact::Table& S) {
 
 // For each support α and signs σ: some x_α > 0 with B x ≤ 0, B x ≠ 0, B = σ A_αα σ, is a counterexample. The sum of all
 // generators of { x ≥ 0, B x ≤ 0 } has every x_i > 0 and every (B x)_i < 0 that any member has.
-bool column_sufficient(const exact::Table& A) {
+bool column_sufficient(const exact::Table& A, const std::function<bool()>& stop) {
   bool yes = true;
-  for_each_subset(A.size(), [&](const std::vector<std::size_t>& rows) {
+  for_each_subset(A.size(), stop, [&](const std::vector<std::size_t>& rows) {
     const std::size_t m = rows.size();
     for (unsigned long signs = 0; yes && signs >> (m - 1) == 0; ++signs) {
       exact::Table G(2 * m, exact::Row(m));
@@ -320,22 +329,9 @@ void small_minors(const Formed& A, Analysis& result) {
     }
 }
 
-}  // namespace
-
-std::string_view name(Verdict verdict) {
-  return verdict == Verdict::yes ? "yes" : verdict == Verdict::no ? "no" : "not decided";
-}
-
-Analysis analyse(const Matrix& A) {
-  Lcp whole;
-  whole.A = A;
-  whole.b.resize(order(A));
-  whole.b.setZero();
-  whole.lo = whole.hi = whole.b;
-  check(whole);
-  if (!finite(whole)) throw std::invalid_argument("analyse: A must be finite");
-  Analysis result;
-  const Index n = result.n = order(A);
+/// Fills in one answer after the other: what stands there when it is stopped holds.
+void decide(const Matrix& A, const std::function<bool()>& stop, Analysis& result) {
+  const Index n = result.n;
   const auto is_yes = [](Verdict v) { return v == Verdict::yes; };
   const auto settle = [](Verdict& v, Verdict to) {
     if (v == Verdict::not_decided) v = to;
@@ -347,7 +343,7 @@ Analysis analyse(const Matrix& A) {
       *v = Verdict::yes;
     result.rank = 0;
     result.condition = 1;
-    return result;
+    return;
   }
   const bool delassus = std::holds_alternative<Delassus>(A);
   const Formed f = formed(A);
@@ -386,6 +382,7 @@ Analysis analyse(const Matrix& A) {
   result.diagonally_dominant = dominant(f);
 
   // Definiteness, H₊ and K, rank.
+  ask(stop);
   if (!exactly.empty()) {
     const exact::Table symmetric = symmetric_part(exactly);
     result.positive_definite = verdict(leading_minors_positive(symmetric));
@@ -403,6 +400,7 @@ Analysis analyse(const Matrix& A) {
       result.positive_semidefinite = Verdict::yes;  // W M⁻¹ Wᵀ + R with M⁻¹, R ≥ 0
     else if (surely_not_semidefinite(S))
       result.positive_definite = result.positive_semidefinite = Verdict::no;
+    ask(stop);
     if (diagonal_positive && surely_h_matrix(f))
       result.h_plus = Verdict::yes;
     else if (!delassus && !diagonal_positive)
@@ -415,8 +413,8 @@ Analysis analyse(const Matrix& A) {
 
   // Minors.
   if (n <= kSubsets) {
-    principal_minors(exactly, result);
-    result.copositive = verdict(copositive(symmetric_part(exactly)));
+    principal_minors(exactly, stop, result);
+    result.copositive = verdict(copositive(symmetric_part(exactly), stop));
   } else {
     if (is_yes(result.positive_definite) || is_yes(result.h_plus))
       result.p = Verdict::yes;
@@ -434,11 +432,35 @@ Analysis analyse(const Matrix& A) {
   } else if (is_yes(result.p) || is_yes(result.positive_semidefinite)) {
     result.column_sufficient = result.row_sufficient = Verdict::yes;
   } else if (n <= kSignPatterns) {
-    result.column_sufficient = verdict(column_sufficient(exactly));
-    result.row_sufficient = verdict(column_sufficient(transposed(exactly)));
+    result.column_sufficient = verdict(column_sufficient(exactly, stop));
+    result.row_sufficient = verdict(column_sufficient(transposed(exactly), stop));
   }
   if (result.rank < 0 && (is_yes(result.p) || is_yes(result.positive_definite))) result.rank = n;
+  ask(stop);
   result.condition = condition(f.value);
+}
+
+}  // namespace
+
+std::string_view name(Verdict verdict) {
+  return verdict == Verdict::yes ? "yes" : verdict == Verdict::no ? "no" : "not decided";
+}
+
+Analysis analyse(const Matrix& A, const std::function<bool()>& stop) {
+  Lcp whole;
+  whole.A = A;
+  whole.b.resize(order(A));
+  whole.b.setZero();
+  whole.lo = whole.hi = whole.b;
+  check(whole);
+  if (!finite(whole)) throw std::invalid_argument("analyse: every entry must be finite");
+  Analysis result;
+  result.n = order(A);
+  result.condition = std::numeric_limits<double>::quiet_NaN();
+  try {
+    decide(A, stop, result);
+  } catch (const Late&) {
+  }
   return result;
 }
 

@@ -17,6 +17,7 @@
 
 #include <orthant/core/lcp/problem.h>
 
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -40,7 +41,8 @@ struct Analysis {
   double condition = kInf;  // estimate of ‖A‖₁ ‖A⁻¹‖₁; kInf: singular to working precision, NaN: not estimated
 };
 
+/// `stop` is asked now and then; once it says true, what is open stays so (condition: NaN).
 /// Throws std::invalid_argument when A is not square or not finite.
-Analysis analyse(const Matrix& A);
+Analysis analyse(const Matrix& A, const std::function<bool()>& stop = {});
 
 }  // namespace orthant

@@ -67,13 +67,16 @@ double bound_h_plus(const Formed& A, const Lcp& problem, const Vector& z, const 
   return kInf;
 }
 
-double bound_definite(const Formed& A, const Lcp& problem, const Vector& z, const Errors& w) {
+double bound_definite(const Formed& A, const Lcp& problem, const Vector& z, const Errors& w,
+                      const std::function<bool()>& stop) {
   const Index n = z.size();
   const Formed S = symmetric_part(A);
   double modulus = 0.99 * Eigen::VectorXd(S.value.diagonal()).minCoeff();
   if (!surely_definite(S)) return kInf;
-  for (int k = 0; k < 150 && !surely_definite(S, modulus); ++k) modulus /= k < 20 ? std::sqrt(2.0) : 2.0;
-  if (!surely_definite(S, modulus)) return kInf;
+  for (int k = 0; !surely_definite(S, modulus); ++k) {
+    if (k == 150 || stop()) return kInf;
+    modulus /= k < 20 ? std::sqrt(2.0) : 2.0;
+  }
   const Filtered d(Eigen::VectorXd(A.value.diagonal()).maxCoeff());  // w/d: any d > 0 will do, this one keeps r small
   Errors r(at(n)), sum(at(n));
   for (Index i = 0; i < n; ++i) {
@@ -137,7 +140,7 @@ double bound_p(const Formed& A, const Lcp& problem, const Vector& z, const Error
 
 }  // namespace
 
-double error_bound(const Lcp& problem, const Vector& z) {
+double error_bound(const Lcp& problem, const Vector& z, const std::function<bool()>& asked) {
   check(problem);
   const Index n = problem.size();
   if (z.size() != n) throw std::invalid_argument("error_bound: z must have " + std::to_string(n) + " entries");
@@ -146,7 +149,8 @@ double error_bound(const Lcp& problem, const Vector& z) {
   const Formed A = formed(problem.A);
   const Errors w = slack(A, problem, z);
   double bound = bound_h_plus(A, problem, z, w);
-  bound = std::min(bound, bound_definite(A, problem, z, w));
+  const auto stop = [&] { return asked && asked(); };
+  if (!stop()) bound = std::min(bound, bound_definite(A, problem, z, w, stop));
   if (bound == kInf) bound = bound_p(A, problem, z, w);
   return bound >= 0 ? bound : kInf;  // NaN: no bound
 }

@@ -16,10 +16,13 @@
 
 #include <orthant/core/lcp/solution.h>
 
+#include <functional>
+
 namespace orthant {
 
 /// In units of z; kInf where none is known or z is not finite. Throws std::invalid_argument unless z has n entries.
 /// No solver computes it: it costs factorizations.
-double error_bound(const Lcp& problem, const Vector& z);
+/// `stop` is asked now and then; where it says true, the bound is what is proved by then, most often none.
+double error_bound(const Lcp& problem, const Vector& z, const std::function<bool()>& stop = {});
 
 }  // namespace orthant

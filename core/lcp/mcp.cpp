@@ -13,9 +13,8 @@ void check(const Mcp& p) {
                                 std::to_string(p.lo.size()) + ", as lo");
   for (Index i = 0; i < p.size(); ++i)
     if (!(p.lo[i] <= p.hi[i]) || p.lo[i] == kInf || p.hi[i] == -kInf)
-      throw std::invalid_argument("Mcp: lo[" + std::to_string(i) + "] = " + std::to_string(p.lo[i]) + ", hi[" +
-                                  std::to_string(i) + "] = " + std::to_string(p.hi[i]) +
-                                  ": must be lo <= hi, with a number between them");
+      throw std::invalid_argument("row " + std::to_string(i) + " has bounds [" + std::to_string(p.lo[i]) + ", " +
+                                  std::to_string(p.hi[i]) + "]: must be lower <= upper, with a number between them");
   if (!p.F) throw std::invalid_argument("Mcp: F is empty: must be a function");
   if (!p.jacobian) throw std::invalid_argument("Mcp: jacobian is empty: must be a function");
 }

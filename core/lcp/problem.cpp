@@ -52,15 +52,15 @@ struct CheckMatrix {
     check_rows("A", M);
   }
   void operator()(const Delassus& M) const {
-    check_rows("A.W", M.W);
+    check_rows("W", M.W);
     if (M.inverse_mass.size() != M.W.cols)
-      refuse("problem: A.inverse_mass has ", M.inverse_mass.size(), " entries: must be ", M.W.cols,
+      refuse("problem: inverse_mass has ", M.inverse_mass.size(), " entries: must be ", M.W.cols,
              ", one a column of W");
     if (M.regularization.size() != 0 && M.regularization.size() != M.W.rows)
-      refuse("problem: A.regularization has ", M.regularization.size(), " entries: must be none or ", M.W.rows,
+      refuse("problem: regularization has ", M.regularization.size(), " entries: must be none or ", M.W.rows,
              ", one a row of W");
-    check_nonnegative("A.inverse_mass", M.inverse_mass);
-    check_nonnegative("A.regularization", M.regularization);
+    check_nonnegative("inverse_mass", M.inverse_mass);
+    check_nonnegative("regularization", M.regularization);
   }
 };
 
@@ -77,7 +77,7 @@ void check_friction(const Lcp& p) {
       refuse("problem: friction row ", f.row, " has bounds [", p.lo[f.row], ", ", p.hi[f.row],
              "]: must be -inf and inf, friction sets them");
     if (!(p.lo[f.normal] >= 0))
-      refuse("problem: row ", f.normal, ", normal of friction row ", f.row, ", has lo = ", p.lo[f.normal],
+      refuse("problem: row ", f.normal, ", normal of friction row ", f.row, ", has the lower bound ", p.lo[f.normal],
              ": must be >= 0");
     if (k > 0) ascending = ascending && p.friction[k - 1].row < f.row;
   }
@@ -144,7 +144,7 @@ void check(const Lcp& problem) {
   for (Index i = 0; i < n; ++i)
     if (!(problem.lo[i] <= problem.hi[i] && problem.lo[i] < kInf && problem.hi[i] > -kInf))
       refuse("problem: row ", i, " has bounds [", problem.lo[i], ", ", problem.hi[i],
-             "]: must be lo <= hi, lo < inf, hi > -inf");
+             "]: must be lower <= upper, lower < inf, upper > -inf");
   check_friction(problem);
 }
 

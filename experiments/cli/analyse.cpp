@@ -3,6 +3,7 @@
 #include "problem_arguments.h"
 
 #include <orthant/core/lcp/analyse.h>
+#include <orthant/solvers/budget.h>
 
 #include <nlohmann/json.hpp>
 
@@ -15,11 +16,15 @@ namespace {
 
 struct AnalyseArguments {
   ProblemArguments problem;
+  std::optional<double> time_limit;
   bool json = false;
 };
 
 int run_analyse(const AnalyseArguments& arguments) {
-  const Analysis a = analyse(read_matrix(arguments.problem));
+  Budget budget;
+  const Matrix A = read_matrix(arguments.problem);
+  budget.start(arguments.time_limit.value_or(kInf), nullptr);
+  const Analysis a = analyse(A, [&] { return budget.exhausted(); });
 
   nlohmann::ordered_json rank = a.rank;
   if (a.rank < 0) rank = name(Verdict::not_decided);
@@ -41,16 +46,14 @@ int run_analyse(const AnalyseArguments& arguments) {
                                  {"largest entry", a.largest},
                                  {"condition", a.condition}};
   if (!a.not_p.empty()) json["minor not positive"] = a.not_p;  // rows, counted from 0
-  if (!std::isfinite(a.condition)) json["condition"] = "infinite";
+  if (!std::isfinite(a.condition))
+    json["condition"] = std::isnan(a.condition) ? name(Verdict::not_decided) : "infinite";
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
     return 0;
   }
   for (const auto& [key, value] : json.items())
-    std::cout << std::left << std::setw(24) << key
-              << (value.is_string() ? value.get<std::string>()
-                  : value.is_null() ? "infinite"
-                                    : value.dump())
+    std::cout << std::left << std::setw(24) << key << (value.is_string() ? value.get<std::string>() : value.dump())
               << '\n';
   return 0;
 }
@@ -62,6 +65,7 @@ void add_analyse(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("analyse", "What kind of matrix: definite, P, K, copositive, rank, condition");
   command->add_option("problem", arguments->problem.problem, "JSON problem file, FCLIB file, or a matrix (.mtx)");
   command->add_option("--matrix", arguments->problem.matrix, "M, Matrix Market");
+  add_time_limit(*command, arguments->time_limit, "[s]; what is open by then is told as not decided");
   command->add_flag("--json", arguments->json, "answer as one JSON object; rows count from 0");
   command->footer(
       "Exit codes: 0 done, 1 bad input.\n"

@@ -23,6 +23,15 @@ void add_results(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
+/// --time-limit, of `what`.
+template <class Seconds> CLI::Option* add_time_limit(CLI::App& command, Seconds& seconds, const std::string& what) {
+  return command.add_option("--time-limit", seconds, what)->check([](const std::string& text) {
+    double value = 0;  // CLI::Range would let NaN pass
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= 1e-6 && value <= 1e9;
+    return good ? std::string() : "'" + text + "': must be a time in [1e-6, 1e9] s";
+  });
+}
+
 /// What the shell is told of an answer; 1 is bad input.
 inline int exit_code_of(Status status) { return status == Status::solved ? 0 : status == Status::infeasible ? 2 : 3; }
 

@@ -6,7 +6,10 @@
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
+#include <nlohmann/json.hpp>
+
 #include <iostream>
+#include <sstream>
 
 namespace orthant {
 namespace {
@@ -24,34 +27,44 @@ std::string long_options(const CLI::App& command) {
   return list;
 }
 
-void print_script(const CLI::App& app) {
+std::string script(const CLI::App& app) {
+  std::ostringstream out;
   std::string commands;
   for (const CLI::App* command : app.get_subcommands(nullptr)) commands += command->get_name() + " ";
-  std::cout << "_orthant() {\n"
-               "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
-               "  (( COMP_CWORD == 1 )) && before=orthant  # whatever path it was called by\n"
-               "  case $before in\n"
-               "    --solver) words='"
-            << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators())
-            << "' ;;\n    simulate) words='" << names(scenes())
-            << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands
-            << "--help --version --json' ;;\n  esac\n"
-               "  if [[ -z $words && $word == -* ]]; then\n"
-               "    case ${COMP_WORDS[1]} in\n";
+  out << "_orthant() {\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
+         "  (( COMP_CWORD == 1 )) && before=orthant  # whatever path it was called by\n"
+         "  case $before in\n"
+         "    --solver) words='"
+      << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators()) << "' ;;\n    simulate) words='"
+      << names(scenes()) << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands
+      << "--help --version --json' ;;\n  esac\n"
+         "  if [[ -z $words && $word == -* ]]; then\n"
+         "    case ${COMP_WORDS[1]} in\n";
   for (const CLI::App* command : app.get_subcommands(nullptr))
-    std::cout << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
-  std::cout << "    esac\n"
-               "  fi\n"
-               "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"  // zsh and old bash have no mapfile
-               "}\n"
-               "complete -o default -F _orthant orthant\n";
+    out << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
+  out << "    esac\n"
+         "  fi\n"
+         "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"  // zsh and old bash have no mapfile
+         "}\n"
+         "complete -o default -F _orthant orthant\n";
+  return out.str();
 }
 
 }  // namespace
 
 void add_completion(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("completion", "A script for bash: source <(orthant completion)");
-  command->callback([&app, &exit_code] { print_script(app), exit_code = 0; });
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "as one JSON object");
+  command->footer(
+      "Exit codes: 0 done.\n"
+      "Example:\n"
+      "  source <(orthant completion)");
+  command->callback([&app, &exit_code, json] {
+    std::cout << (*json ? nlohmann::json{{"bash", script(app)}}.dump() + '\n' : script(app));
+    exit_code = 0;
+  });
 }
 
 }  // namespace orthant

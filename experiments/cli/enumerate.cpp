@@ -17,20 +17,34 @@ std::vector<std::vector<double>> lists(const std::vector<Vector>& vectors) {
   return all;
 }
 
-int run_enumerate(const ProblemArguments& problem, bool as_json) {
-  const SolutionSet set = enumerate_solutions(read_problem(problem));
+struct EnumerateArguments {
+  ProblemArguments problem;
+  std::optional<double> time_limit;
+  bool json = false;
+};
+
+int run_enumerate(const EnumerateArguments& a) {
+  Budget budget;
+  const Lcp problem = read_problem(a.problem);
+  budget.start(a.time_limit.value_or(kInf), nullptr);
+  const SolutionSet set = enumerate_solutions(problem, [&] { return budget.exhausted(); });
   nlohmann::ordered_json json = {{"isolated", lists(set.isolated)}, {"faces", nlohmann::ordered_json::array()}};
   for (const SolutionFace& f : set.faces)
     json["faces"].push_back({{"dimension", f.dimension},
                              {"vertices", lists(f.vertices)},
                              {"directions", lists(f.directions)},
                              {"lines", lists(f.lines)}});
-  if (as_json) {
+  json["complete"] = set.complete;
+  if (a.json) {
     std::cout << json.dump(2) << '\n';
   } else {
     std::cout << set.isolated.size() << " isolated, " << set.faces.size() << " faces of solutions\n";
     for (const auto& z : json["isolated"]) std::cout << "z = " << z << '\n';
     for (const auto& face : json["faces"]) std::cout << "face = " << face << '\n';
+  }
+  if (!set.complete) {
+    std::cerr << "orthant: the time was over: there may be more\n";
+    return exit_code_of(Status::time_limit);
   }
   return set.isolated.empty() && set.faces.empty() ? exit_code_of(Status::infeasible) : 0;
 }
@@ -38,17 +52,17 @@ int run_enumerate(const ProblemArguments& problem, bool as_json) {
 }  // namespace
 
 void add_enumerate(CLI::App& app, int& exit_code) {
-  auto problem = std::make_shared<ProblemArguments>();
-  auto json = std::make_shared<bool>(false);
+  auto arguments = std::make_shared<EnumerateArguments>();
   CLI::App* command = app.add_subcommand("enumerate", "All solutions of a small problem (20 rows, 12 of them boxes)");
-  add_problem_options(*command, *problem);
-  command->add_flag("--json", *json, "answer as one JSON object");
+  add_problem_options(*command, arguments->problem);
+  add_time_limit(*command, arguments->time_limit, "[s]; what is found by then is told");
+  command->add_flag("--json", arguments->json, "answer as one JSON object");
   command->footer(
-      "Exit codes: 0 there are solutions, 1 bad input or too large, 2 there is none.\n"
+      "Exit codes: 0 there are solutions, 1 bad input or too large, 2 there is none, 3 not all was searched in time.\n"
       "Examples:\n"
       "  orthant enumerate --matrix M.mtx --vector q.mtx\n"
       "  orthant enumerate mine.json --json");
-  command->callback([problem, json, &exit_code] { exit_code = run_enumerate(*problem, *json); });
+  command->callback([arguments, &exit_code] { exit_code = run_enumerate(*arguments); });
 }
 
 }  // namespace orthant

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include <iostream>
+#include <regex>
+#include <sstream>
 
 namespace orthant {
 namespace {
@@ -22,10 +24,32 @@ template <class Entries> void print(const char* title, const Entries& entries) {
   }
 }
 
+nlohmann::ordered_json value_of(const std::string& text) {  // a number or a word
+  const auto value = nlohmann::ordered_json::parse(text, nullptr, false);
+  return value.is_discarded() ? nlohmann::ordered_json(text) : value;
+}
+
+/// What describe() writes of them, "omega=1 in [0, 2], form=auto of {auto|dense}, rescue=true", taken apart.
+nlohmann::ordered_json options_as_json(std::string text) {
+  auto list = nlohmann::ordered_json::array();
+  static const std::regex option(R"((\w+)=([^, ]+)(?: in \[([^,]+), ([^\]]+)\]| of \{([^}]*)\})?)");
+  for (std::sregex_iterator o(text.begin(), text.end(), option); o != std::sregex_iterator(); ++o) {
+    const std::smatch& part = *o;
+    nlohmann::ordered_json entry = {{"name", part.str(1)}, {"default", value_of(part.str(2))}};
+    if (part[3].matched) entry["range"] = {value_of(part.str(3)), value_of(part.str(4))};
+    if (part[5].matched) {
+      std::istringstream choices(part.str(5));
+      for (std::string choice; std::getline(choices, choice, '|');) entry["choices"].push_back(choice);
+    }
+    list.push_back(entry);
+  }
+  return list;
+}
+
 template <class Entries> nlohmann::ordered_json as_json(const Entries& entries) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& entry : entries)
-    list.push_back({{"name", entry.name}, {"summary", entry.summary}, {"options", entry.options()}});
+    list.push_back({{"name", entry.name}, {"summary", entry.summary}, {"options", options_as_json(entry.options())}});
   return list;
 }
 
@@ -45,6 +69,7 @@ void add_list(CLI::App& app, int& exit_code) {
   command->add_flag("--markdown", *markdown, "the solvers as a table for the README");
   command->add_flag("--json", *json, "all of it as one JSON object")->excludes("--markdown");
   command->footer(
+      "Exit codes: 0 done, 1 bad input.\n"
       "Examples:\n"
       "  orthant list\n"
       "  orthant list solvers --json");

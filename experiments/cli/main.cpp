@@ -2,19 +2,24 @@
 #include "commands.h"
 
 #include "../support/manifest.h"
+#include "../support/printable.h"
 
 #include <orthant/solvers/registry.h>
 
+#include <cerrno>
+#include <cstring>
 #include <exception>
 #include <iostream>
 
 namespace {
 
-/// Messages quote input, and input may hold line ends: one error stays one line.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
-  return text;
+/// What was written has arrived: a full disk is no success.
+int finish(int exit_code) {
+  std::cout.flush();
+  if (std::cout) return exit_code;
+  std::cerr << "orthant: cannot write standard output" << (errno != 0 ? std::string(": ") + std::strerror(errno) : "")
+            << '\n';
+  return 1;
 }
 
 /// What a report of a fault needs: revision, compiler, packages, and which optional back-ends are in it.
@@ -88,13 +93,13 @@ int main(int argc, char** argv) {
     if (app.get_subcommands().empty()) {
       if (!version) ask_for_a_subcommand(app, "");
       print_version(json);
-      return 0;
+      return finish(0);
     }
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    return finish(app.exit(help));
   } catch (const std::exception& error) {  // a bad command line or bad input: one line
-    std::cerr << "orthant: " << one_line(error.what()) << '\n';
+    std::cerr << "orthant: " << orthant::printable(error.what()) << '\n';
     return 1;
   }
-  return exit_code;
+  return finish(exit_code);
 }

@@ -71,9 +71,7 @@ void add_replay(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("replay", "One problem, such as a failed step's, by every solver");
   add_problem_options(*command, arguments->problem);
   command->add_option("--solver", arguments->solvers, "NAME[:option=value,...], may be repeated; default: all");
-  command->add_option("--time-limit", arguments->time_limit, "of each solver [s]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  add_time_limit(*command, arguments->time_limit, "of each solver [s]")->capture_default_str();
   command->add_flag("--json", arguments->json, "the table as JSON");
   command->footer(
       "Exit codes: 0 one solved it, 1 bad input, 2 one proved it infeasible, 3 none did either.\n"

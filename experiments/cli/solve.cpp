@@ -53,7 +53,9 @@ int run_solve(const SolveArguments& a) {
     json["uniqueness"] = name(active.isolation);
   }
   if (a.error_bound) {
-    const double bound = s.z.allFinite() ? error_bound(problem, s.z) : kInf;
+    Budget budget;
+    budget.start(a.time_limit.value_or(kInf), nullptr);
+    const double bound = s.z.allFinite() ? error_bound(problem, s.z, [&] { return budget.exhausted(); }) : kInf;
     json["error_bound"] = bound < kInf ? nlohmann::ordered_json(bound) : nullptr;  // null: none is known
   }
   if (!reason.empty()) json["why_not"] = reason;
@@ -83,7 +85,7 @@ void add_solve(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("solve", "Solve one problem: find z in [lower, upper] with w = M z + q");
   add_problem_options(*command, arguments->problem);
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--time-limit", arguments->time_limit, "of the solve [s]")->check(CLI::Range(1e-6, 1e9));
+  add_time_limit(*command, arguments->time_limit, "of the solve, and of its error bound [s]");
   command->add_flag("--log", arguments->log, "its iterations, too");
   command->add_flag("--error-bound", arguments->error_bound, "a bound on |z - solution|, where theory gives one");
   command->add_flag("--json", arguments->json, "answer as one JSON object");

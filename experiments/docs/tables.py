@@ -1,10 +1,13 @@
 #!/usr/bin/python3
-"""The decision tables of the documentation, from what an experiment measured: CSV on standard output.
+"""The decision tables of the documentation, from what an experiment measured, and a line that says where and when.
 
-    tables.py solvers results/lcp_shootout > experiments/docs/data/solvers.csv
-    tables.py integrators results/work_precision > experiments/docs/data/integrators.csv
+    tables.py solvers results/lcp_shootout quiet           # or busy: did the machine do other work meanwhile?
+    tables.py integrators results/work_precision quiet
+
+writes data/solvers.csv and data/solvers.txt (integrators likewise) beside this file; a fourth argument is another folder.
 """
 import csv
+import json
 import statistics
 import sys
 from pathlib import Path
@@ -54,14 +57,28 @@ def integrators(folder):
         table = list(csv.reader(stream))
     yield ["integrator", *(f"to {target.removeprefix('to_')}" for target in table[0][1:])]
     for name, *seconds in table[1:]:
-        yield [f"`{name}`", *(two_digits(1e3 * float(cell)) if cell and float(cell) < 1e300 else "–" for cell in seconds)]
+        cells = [two_digits(1e3 * float(cell)) if cell and float(cell) < 1e300 else "–" for cell in seconds]
+        if set(cells) != {"–"}:
+            yield [f"`{name}`", *cells]
+
+
+def origin(folder, state):
+    """What the run's manifest says of it."""
+    about = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    other = {"quiet": "no other work", "busy": "other work as well"}[state]
+    return (f"Measured at revision `{about['revision']}`, {about['written'][:10]}, on {about['cores']} cores of "
+            f"{about['cpu']} with {other}.\n")
 
 
 def main():
-    if len(sys.argv) != 3 or sys.argv[1] not in ("solvers", "integrators"):
+    if len(sys.argv) not in (4, 5) or sys.argv[1] not in ("solvers", "integrators") or sys.argv[3] not in ("quiet", "busy"):
         sys.exit(__doc__)
-    make = solvers if sys.argv[1] == "solvers" else integrators
-    csv.writer(sys.stdout, lineterminator="\n").writerows(make(Path(sys.argv[2])))
+    table, folder = sys.argv[1], Path(sys.argv[2])
+    to = Path(sys.argv[4]) if len(sys.argv) == 5 else Path(__file__).parent / "data"
+    rows = list((solvers if table == "solvers" else integrators)(folder))
+    (to / f"{table}.txt").write_text(origin(folder, sys.argv[3]), encoding="utf-8")
+    with open(to / f"{table}.csv", "w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream, lineterminator="\n").writerows(rows)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,9 @@ py::array_t<double> numbers(py::handle from, std::string_view name) {
     throw py::type_error(label + " is a " + std::string(Py_TYPE(from.ptr())->tp_name) +
                          ": must be an array of numbers");
   }
+  static const PyTypeObject* const plain = Py_TYPE(py::array_t<double>(0).ptr());
+  if (Py_TYPE(any.ptr()) != plain && py::hasattr(any, "mask"))
+    throw py::type_error(label + " is a masked array: must have no masks, such as " + label + ".filled(0)");
   if (std::string("fiu").find(any.dtype().kind()) == std::string::npos)
     throw py::type_error(label + " has dtype " + py::str(any.dtype()).cast<std::string>() +
                          ": must be real numbers (float or int)");
@@ -43,11 +46,11 @@ using Strides = Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>;
 using Table = Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned, Strides>;
 
 /// The array's own memory, seen as a matrix.
-Table table_of(const py::array_t<double>& a, std::string_view name) {
+Table table_of(const py::array_t<double>& a, std::string_view name, Entries entries = Entries::finite) {
   const std::string label(name);
   if (a.ndim() != 2) refuse(label + " has shape " + shape_of(a) + ": must have two dimensions");
   const Table table(a.data(), a.shape(0), a.shape(1), Strides(step(a, 1), step(a, 0)));
-  if (table.allFinite()) return table;
+  if (entries == Entries::any || table.allFinite()) return table;
   for (Index i = 0; i < table.rows(); ++i)
     for (Index j = 0; j < table.cols(); ++j)
       if (!std::isfinite(table(i, j)))
@@ -88,13 +91,13 @@ void read(py::handle from, std::string_view name, Index n, Entries entries, Vect
   to.resize(a.shape(0));
   for (Index i = 0; i < to.size(); ++i) {
     to[i] = a.data()[i * step(a, 0)];
-    if (entries == Entries::finite ? !std::isfinite(to[i]) : std::isnan(to[i]))
+    if (entries == Entries::finite ? !std::isfinite(to[i]) : entries == Entries::numbers && std::isnan(to[i]))
       refuse(label + "[" + std::to_string(i) + "] = " + text_of(to[i]) + ": must be " +
              (entries == Entries::finite ? "finite" : "a number or infinite"));
   }
 }
 
-void read(py::handle from, std::string_view name, RowSparse& to) {
+void read(py::handle from, std::string_view name, RowSparse& to, Entries entries) {
   const std::string label(name);
   if (!is_sparse(from)) throw py::type_error(label + ": must be a scipy.sparse matrix");
   require_sound(from, label);
@@ -108,32 +111,32 @@ void read(py::handle from, std::string_view name, RowSparse& to) {
   to.start = indices(csr.attr("indptr"), label);
   to.column = indices(csr.attr("indices"), label);
   Vector values;
-  read(csr.attr("data"), label + ".data", -1, Entries::finite, values);
+  read(csr.attr("data"), label + ".data", -1, entries, values);
   to.value.assign(values.data(), values.data() + values.size());
 }
 
-void read(py::handle from, std::string_view name, Matrix& to) {
+void read(py::handle from, std::string_view name, Matrix& to, Entries entries) {
   const std::string label(name);
   if (is_delassus(from)) {
     if (!std::holds_alternative<Delassus>(to)) to = Delassus{};
     auto& A = std::get<Delassus>(to);
-    read(from.attr("W"), label + ".W", A.W);
-    read(from.attr("inverse_mass"), label + ".inverse_mass", A.W.cols, Entries::finite, A.inverse_mass);
+    read(from.attr("W"), label + ".W", A.W, entries);
+    read(from.attr("inverse_mass"), label + ".inverse_mass", A.W.cols, entries, A.inverse_mass);
     A.regularization.resize(0);
     if (const py::object R = from.attr("regularization"); !R.is_none())
-      read(R, label + ".regularization", A.W.rows, Entries::finite, A.regularization);
+      read(R, label + ".regularization", A.W.rows, entries, A.regularization);
     return;
   }
   if (is_sparse(from)) {
     if (!std::holds_alternative<RowSparse>(to)) to = RowSparse{};
     auto& A = std::get<RowSparse>(to);
-    read(from, name, A);
+    read(from, name, A, entries);
     if (A.rows != A.cols)
       refuse(label + " has shape (" + std::to_string(A.rows) + ", " + std::to_string(A.cols) + "): must be square");
     return;
   }
   const auto a = numbers(from, name);
-  const Table table = table_of(a, name);
+  const Table table = table_of(a, name, entries);
   if (table.rows() != table.cols()) refuse(label + " has shape " + shape_of(a) + ": must be square");
   if (!std::holds_alternative<DenseMatrix>(to)) to = DenseMatrix{};
   std::get<DenseMatrix>(to) = table;

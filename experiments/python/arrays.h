@@ -11,16 +11,16 @@
 
 namespace orthant::python {
 
-enum class Entries { finite, numbers };  // numbers: infinities too, but no NaN
+enum class Entries { finite, numbers, any };  // numbers: infinities too, but no NaN
 
 /// A one-dimensional array, or anything NumPy makes one of; `n` entries (−1: any number).
 void read(pybind11::handle from, std::string_view name, Index n, Entries entries, Vector& to);
 
 /// A square two-dimensional array becomes dense, a scipy.sparse matrix sparse, orthant.Delassus stays what it is.
-void read(pybind11::handle from, std::string_view name, Matrix& to);
+void read(pybind11::handle from, std::string_view name, Matrix& to, Entries entries = Entries::finite);
 
 /// Rows × columns of a SciPy sparse matrix; indices sorted, duplicates added.
-void read(pybind11::handle from, std::string_view name, RowSparse& to);
+void read(pybind11::handle from, std::string_view name, RowSparse& to, Entries entries = Entries::finite);
 
 /// m × k, for what is not a problem's matrix.
 Eigen::MatrixXd read_table(pybind11::handle from, std::string_view name);

@@ -52,4 +52,8 @@ void Interruptible::raise() const {
   if (installed_ && interrupted && PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
 }
 
+Watch::Watch(std::optional<double> seconds) {
+  budget_.start(seconds.value_or(std::numeric_limits<double>::infinity()), interruptible_.flag());
+}
+
 }  // namespace orthant::python

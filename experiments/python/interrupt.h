@@ -1,8 +1,12 @@
 // experiments/python/interrupt.h — Ctrl-C ends a long solve or run, as it ends Python's own loops.
 #pragma once
 
+#include <orthant/solvers/budget.h>
+
 #include <atomic>
 #include <csignal>
+#include <functional>
+#include <optional>
 
 namespace orthant::python {
 
@@ -23,6 +27,22 @@ class Interruptible {
 
  private:
   bool installed_ = false;
+};
+
+/// Time limit and Ctrl-C of what is no Solver.
+class Watch {
+ public:
+  explicit Watch(std::optional<double> seconds);
+  std::function<bool()> stop() {  // for the work, without the interpreter's lock
+    return [this] { return stopped_ = stopped_ || budget_.exhausted(); };
+  }
+  bool stopped() const { return stopped_; }
+  void raise() const { interruptible_.raise(); }
+
+ private:
+  Interruptible interruptible_;
+  Budget budget_;
+  bool stopped_ = false;
 };
 
 }  // namespace orthant::python

@@ -18,6 +18,18 @@ namespace orthant::python {
 namespace py = pybind11;
 namespace {
 
+/// A scene with what it was made of: so it goes to other processes.
+struct MadeScene {
+  std::optional<std::string> text;  // TOML; none: a built-in scene
+  std::string name;                 // the built-in one's, or what messages call the text
+  std::vector<std::string> sets;
+  Scene scene;
+};
+
+MadeScene make(const std::optional<std::string>& text, const std::string& name, const std::vector<std::string>& sets) {
+  return {text, name, sets, text ? parse_scene(*text, sets, name) : make_scene(name, sets)};
+}
+
 py::dict summary(const Run& run) {
   py::dict d;
   d["status"] = name(run.status);
@@ -42,9 +54,10 @@ py::dict summary(const Run& run) {
   return d;
 }
 
-py::tuple run_scene(const Scene& scene, const std::string& integrator_spec, const std::string& solver_spec,
+py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, const std::string& solver_spec,
                     std::optional<double> step, std::optional<double> duration, long every,
                     std::optional<double> time_limit) {
+  const Scene& scene = made.scene;
   const System system(scene);
   const auto integrator = make_integrator(integrator_spec, system);
   const auto solver = make_solver(solver_spec);
@@ -66,30 +79,31 @@ py::tuple run_scene(const Scene& scene, const std::string& integrator_spec, cons
   return py::make_tuple(columns, array, summary(run), unsolved);
 }
 
-void write_run(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
+void write_run(const std::filesystem::path& file, const MadeScene& made, const std::vector<std::string>& columns,
                const py::array_t<double, py::array::c_style | py::array::forcecast>& table) {
-  if (table.ndim() != 2 || columns != trajectory_columns(scene) ||
+  if (table.ndim() != 2 || columns != trajectory_columns(made.scene) ||
       table.shape(1) != static_cast<py::ssize_t>(columns.size()))
     throw std::invalid_argument("table: must have the columns of the scene's runs");
-  write_trajectory(file, scene, columns, {table.data(), table.data() + table.size()});
+  write_trajectory(file, made.scene, columns, {table.data(), table.data() + table.size()});
 }
 
 }  // namespace
 
 void add_mechanics(py::module_& m) {
-  py::class_<Scene>(m, "_Scene")
+  py::class_<MadeScene>(m, "_Scene")
+      .def(py::init(&make))
+      .def_readonly("text", &MadeScene::text)
+      .def_readonly("sets", &MadeScene::sets)
       .def_property_readonly("bodies",
-                             [](const Scene& s) {
+                             [](const MadeScene& s) {
                                std::vector<std::string> names;
-                               for (const Body& b : s.bodies) names.push_back(b.name);
+                               for (const Body& b : s.scene.bodies) names.push_back(b.name);
                                return names;
                              })
-      .def_readonly("step", &Scene::step)
-      .def_readonly("duration", &Scene::duration);
-  m.def("_parse_scene", [](const std::string& text, const std::vector<std::string>& overrides,
-                           const std::string& name) { return parse_scene(text, overrides, name); });
-  m.def("_make_scene",
-        [](const std::string& name, const std::vector<std::string>& sets) { return make_scene(name, sets); });
+      .def("__reduce__", [](const py::object& self) {
+        const auto& s = self.cast<const MadeScene&>();
+        return py::make_tuple(py::type::of(self), py::make_tuple(s.text, s.name, s.sets));
+      });
   m.def("_simulate", &run_scene);
   m.def("_write_trajectory", &write_run);
   m.def("_integrators", [] {

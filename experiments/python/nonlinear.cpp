@@ -1,6 +1,8 @@
 // Problems given by callbacks, which run under the interpreter's lock; games of two players.
 #include "arrays.h"
+#include "interrupt.h"
 #include "module.h"
+#include "pickle.h"
 
 #include <orthant/core/support/options.h>
 #include <orthant/solvers/lemke_howson.h>
@@ -63,6 +65,23 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
   return d;
 }
 
+/// A game's answer has no status: TimeoutError where there is none in time.
+template <class Solve> auto play(py::handle A, py::handle B, std::optional<double> time_limit, const Solve& solve) {
+  const Eigen::MatrixXd a = read_table(A, "A"), b = read_table(B, "B");
+  Watch watch(time_limit);
+  decltype(solve(a, b, watch.stop())) answer;
+  {
+    const py::gil_scoped_release others_may_run;
+    answer = solve(a, b, watch.stop());
+  }
+  watch.raise();
+  if (watch.stopped()) {
+    PyErr_SetString(PyExc_TimeoutError, "time_limit: over before all paths had ended");
+    throw py::error_already_set();
+  }
+  return answer;
+}
+
 }  // namespace
 
 void add_nonlinear(py::module_& m) {
@@ -73,16 +92,16 @@ void add_nonlinear(py::module_& m) {
       .def_readonly("y", &Equilibrium::y)
       .def_readonly("cost_1", &Equilibrium::cost_1)
       .def_readonly("cost_2", &Equilibrium::cost_2)
-      .def_readonly("label", &Equilibrium::label);
-  m.def("_equilibrium", [](py::handle A, py::handle B, int label) {
-    const Eigen::MatrixXd a = read_table(A, "A"), b = read_table(B, "B");
-    const py::gil_scoped_release others_may_run;
-    return lemke_howson(a, b, label);
+      .def_readonly("label", &Equilibrium::label)
+      .def(by_members<Equilibrium, &Equilibrium::x, &Equilibrium::y, &Equilibrium::cost_1, &Equilibrium::cost_2,
+                      &Equilibrium::label>());
+  m.def("_equilibrium", [](py::handle A, py::handle B, int label, std::optional<double> time_limit) {
+    return play(A, B, time_limit,
+                [&](const auto& a, const auto& b, const auto& stop) { return lemke_howson(a, b, label, stop); });
   });
-  m.def("_equilibria", [](py::handle A, py::handle B) {
-    const Eigen::MatrixXd a = read_table(A, "A"), b = read_table(B, "B");
-    const py::gil_scoped_release others_may_run;
-    return lemke_howson_all(a, b);
+  m.def("_equilibria", [](py::handle A, py::handle B, std::optional<double> time_limit) {
+    return play(A, B, time_limit,
+                [](const auto& a, const auto& b, const auto& stop) { return lemke_howson_all(a, b, stop); });
   });
 }
 

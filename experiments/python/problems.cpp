@@ -2,6 +2,7 @@
 #include "arrays.h"
 #include "interrupt.h"
 #include "module.h"
+#include "pickle.h"
 
 #include "../support/problem_file.h"
 
@@ -27,15 +28,20 @@ void read_friction(py::handle from, std::vector<Friction>& to) {
   to.clear();
   if (from.is_none()) return;
   const auto wrong = [&](const std::string& place) {
-    throw py::type_error(place + ": must be (row, normal row, mu) triples, such as [(1, 0, 0.3)]");
+    throw py::type_error(place + ": must be (row, normal row, mu) triples, such as [(1, 0, 0.3)], or a (k, 3) array");
   };
   if (!py::isinstance<py::iterable>(from)) wrong("friction");
   for (const py::handle entry : from) {
+    const std::string place = "friction[" + std::to_string(to.size()) + "]";
     try {
-      const auto f = entry.cast<std::tuple<Index, Index, double>>();
-      to.push_back({std::get<0>(f), std::get<1>(f), std::get<2>(f)});
+      const auto f = entry.cast<std::array<double, 3>>();  // of an array the rows' numbers are no integers
+      for (const double row : {f[0], f[1]})
+        if (!(std::abs(row) < 1e9 && row == std::floor(row)))
+          throw std::invalid_argument(place + " = " + py::str(entry).cast<std::string>() +
+                                      ": must begin with the numbers of two rows");
+      to.push_back({static_cast<Index>(f[0]), static_cast<Index>(f[1]), f[2]});
     } catch (const py::cast_error&) {
-      wrong("friction[" + std::to_string(to.size()) + "]");
+      wrong(place);
     }
   }
 }
@@ -62,7 +68,7 @@ void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py
 }
 
 struct Result {
-  std::string_view status;
+  std::string status;
   py::array_t<double> z, w;
   py::object certificate;
   double residual, rounding;
@@ -116,11 +122,16 @@ class PythonSolver {
     solver_->set_log(nullptr);
     interruptible.raise();
     const Solution& s = solution_;
-    return {name(s.status),    to_numpy(s.z),
-            to_numpy(s.w),     s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
-            s.residual,        s.rounding,
-            s.iterations,      s.factorizations,
-            seconds,           s.status == Status::unsupported ? solver_->why_not(*problem) : "",
+    return {std::string(name(s.status)),
+            to_numpy(s.z),
+            to_numpy(s.w),
+            s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
+            s.residual,
+            s.rounding,
+            s.iterations,
+            s.factorizations,
+            seconds,
+            s.status == Status::unsupported ? solver_->why_not(*problem) : "",
             std::move(entries)};
   }
 
@@ -147,17 +158,19 @@ py::object verdict(Verdict v) {
   return v == Verdict::not_decided ? py::none() : py::object(py::bool_(v == Verdict::yes));
 }
 
-py::dict analysis_of(py::handle M) {
+py::dict analysis_of(py::handle M, std::optional<double> time_limit) {
   Matrix A;
   if (py::isinstance<Lcp>(M))
     A = py::cast<const Lcp&>(M).A;
   else
     read(M, "M", A);
   Analysis a;
+  Watch watch(time_limit);
   {
     const py::gil_scoped_release others_may_run;
-    a = analyse(A);
+    a = analyse(A, watch.stop());
   }
+  watch.raise();
   py::dict d;
   d["n"] = a.n;
   d["symmetric"] = verdict(a.symmetric);
@@ -193,18 +206,43 @@ struct Face {
 struct Solutions {
   py::list isolated;
   std::vector<Face> faces;
+  bool complete;
 };
 
-Solutions all_solutions(const Lcp& problem) {
+Solutions all_solutions(const Lcp& problem, std::optional<double> time_limit) {
   SolutionSet set;
+  Watch watch(time_limit);
   {
     const py::gil_scoped_release others_may_run;
-    set = enumerate_solutions(problem);
+    set = enumerate_solutions(problem, watch.stop());
   }
-  Solutions all{arrays(set.isolated), {}};
+  watch.raise();
+  Solutions all{arrays(set.isolated), {}, set.complete};
   for (const SolutionFace& f : set.faces)
     all.faces.push_back({f.dimension, arrays(f.vertices), arrays(f.directions), arrays(f.lines)});
   return all;
+}
+
+std::vector<std::tuple<Index, Index, double>> friction_of(const Lcp& p) {
+  std::vector<std::tuple<Index, Index, double>> list;
+  for (const Friction& f : p.friction) list.emplace_back(f.row, f.normal, f.mu);
+  return list;
+}
+
+py::tuple problem_state(const Lcp& p) {
+  return py::make_tuple(to_python(p.A), to_numpy(p.b), to_numpy(p.lo), to_numpy(p.hi), friction_of(p));
+}
+
+std::unique_ptr<Lcp> problem_of(const py::tuple& state) {
+  if (state.size() != 5) throw py::value_error("pickle: is of another version");
+  auto p = std::make_unique<Lcp>();  // one that a failed step left may hold anything
+  read(state[0], "M", p->A, Entries::any);
+  read(state[1], "q", order(p->A), Entries::any, p->b);
+  read(state[2], "lower", order(p->A), Entries::numbers, p->lo);
+  read(state[3], "upper", order(p->A), Entries::numbers, p->hi);
+  read_friction(state[4], p->friction);
+  check(*p);
+  return p;
 }
 
 }  // namespace
@@ -218,18 +256,17 @@ void add_problems(py::module_& m) {
              read_problem_into(*lcp, M, q, lower, upper, friction);
              return lcp;
            }),
-           py::arg("M"), py::arg("q"), py::arg("lower") = py::none(), py::arg("upper") = py::none(),
+           py::arg("M"), py::arg("q") = py::none(), py::arg("lower") = py::none(), py::arg("upper") = py::none(),
            py::arg("friction") = py::none())
+      .def(py::init([](const py::args&, const py::kwargs&) -> std::unique_ptr<Lcp> {  // where the other does not fit
+        throw py::type_error("Problem: must be given M, q and, if need be, lower, upper, friction, nothing else");
+      }))
+      .def(py::pickle(&problem_state, &problem_of))
       .def_property_readonly("M", [](const Lcp& p) { return to_python(p.A); })
       .def_property_readonly("q", [](const Lcp& p) { return to_numpy(p.b); })
       .def_property_readonly("lower", [](const Lcp& p) { return to_numpy(p.lo); })
       .def_property_readonly("upper", [](const Lcp& p) { return to_numpy(p.hi); })
-      .def_property_readonly("friction",
-                             [](const Lcp& p) {
-                               std::vector<std::tuple<Index, Index, double>> list;
-                               for (const Friction& f : p.friction) list.emplace_back(f.row, f.normal, f.mu);
-                               return list;
-                             })
+      .def_property_readonly("friction", &friction_of)
       .def("__len__", &Lcp::size)
       .def("__repr__", [](const Lcp& p) { return "Problem(n=" + std::to_string(p.size()) + ")"; });
 
@@ -238,6 +275,7 @@ void add_problems(py::module_& m) {
       .def_readonly("merit", &LogEntry::merit)
       .def_readonly("step", &LogEntry::step)
       .def_readonly("event", &LogEntry::event)
+      .def(by_members<LogEntry, &LogEntry::iteration, &LogEntry::merit, &LogEntry::step, &LogEntry::event>())
       .def("__repr__", [](const LogEntry& e) {
         return "LogEntry(iteration=" + std::to_string(e.iteration) + ", event='" + e.event + "')";
       });
@@ -255,11 +293,18 @@ void add_problems(py::module_& m) {
       .def_readonly("seconds", &Result::seconds, "wall time of the solver alone [s]")
       .def_readonly("why_not", &Result::why_not, "why the solver cannot take the problem (status 'unsupported')")
       .def_readonly("log", &Result::log, "list of LogEntry, where it was asked for")
+      .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
+                      &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
+                      &Result::why_not, &Result::log>())
       .def("__repr__", &Result::repr);
 
   py::class_<PythonSolver>(m, "_Solver")
       .def(py::init<const std::string&>())
       .def_property_readonly("spec", &PythonSolver::spec)
+      .def("__reduce__",
+           [](const py::object& self) {
+             return py::make_tuple(py::type::of(self), py::make_tuple(self.cast<const PythonSolver&>().spec()));
+           })
       .def("solve", &PythonSolver::solve);
 
   m.def("_solvers", [] {
@@ -273,32 +318,35 @@ void add_problems(py::module_& m) {
       .def_readonly("dimension", &Face::dimension)
       .def_readonly("vertices", &Face::vertices)
       .def_readonly("directions", &Face::directions)
-      .def_readonly("lines", &Face::lines);
+      .def_readonly("lines", &Face::lines)
+      .def(by_members<Face, &Face::dimension, &Face::vertices, &Face::directions, &Face::lines>());
   py::class_<Solutions>(m, "Solutions", "All solutions: isolated points and maximal faces.")
       .def_readonly("isolated", &Solutions::isolated)
-      .def_readonly("faces", &Solutions::faces);
+      .def_readonly("faces", &Solutions::faces)
+      .def_readonly("complete", &Solutions::complete, "False: the time was over; there may be more")
+      .def(by_members<Solutions, &Solutions::isolated, &Solutions::faces, &Solutions::complete>());
   m.def("_enumerate", &all_solutions);
-  m.def("_error_bound", [](const Lcp& p, py::handle z) {
+  m.def("_error_bound", [](const Lcp& p, py::handle z, std::optional<double> time_limit) {
     Vector x;
     read(z, "z", p.size(), Entries::finite, x);
-    const py::gil_scoped_release others_may_run;
-    return error_bound(p, x);
+    Watch watch(time_limit);
+    double bound = kInf;
+    {
+      const py::gil_scoped_release others_may_run;
+      bound = error_bound(p, x, watch.stop());
+    }
+    watch.raise();
+    return bound;
   });
 
   m.def("_read_problem", &read_problem_file);
-  m.def(
-      "write_fclib",
-      [](const std::filesystem::path& file, const Lcp& p, int dimension, const std::string& title,
-         const std::string& description) {
-        const Index friction = static_cast<Index>(p.friction.size());
-        write_fclib(file, {p, dimension, dimension > 1 ? friction / (dimension - 1) : 0, title, description});
-      },
-      py::arg("file"), py::arg("problem"), py::arg("dimension"), py::arg("title") = "", py::arg("description") = "",
-      "A contact problem for the FCLIB collection (core/lcp/io_fclib.h): dimension 2 or 3 rows a contact.");
-  m.def(
-      "write_problem",
-      [](const std::filesystem::path& file, const Lcp& p, const std::string& note) { write_problem(file, p, note); },
-      py::arg("file"), py::arg("problem"), py::arg("note") = "", "Whole or not at all; reads back bit for bit.");
+  m.def("_write_fclib", [](const std::filesystem::path& file, const Lcp& p, int dimension, const std::string& title,
+                           const std::string& description) {
+    const Index friction = static_cast<Index>(p.friction.size());
+    write_fclib(file, {p, dimension, dimension > 1 ? friction / (dimension - 1) : 0, title, description});
+  });
+  m.def("_write_problem",
+        [](const std::filesystem::path& file, const Lcp& p, const std::string& note) { write_problem(file, p, note); });
 }
 
 }  // namespace orthant::python

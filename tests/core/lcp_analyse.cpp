@@ -214,3 +214,26 @@ TEST_CASE("what cannot be analysed is refused in words") {
   CHECK_THROWS_AS(analyse(DenseMatrix(Eigen::MatrixXd(2, 3))), std::invalid_argument);
   CHECK(analyse(DenseMatrix(Eigen::MatrixXd(0, 0))).p == yes);
 }
+
+TEST_CASE("stopped at any time: what is decided by then is right, the rest is open") {
+  const Matrix matrices[] = {dense({2, -1, 0, -1, 2, -1, 0, -1, 2}), dense({1, 2, 3, 1, 0, -1, 1, 1, 0}),
+                             dense({0, 1, -1, -1, 0, 1, 1, -1, 0})};
+  for (const Matrix& M : matrices) {
+    const Analysis whole = analyse(M);
+    int asked = 0, undecided = 0;
+    for (int patience = 0; asked >= patience; ++patience) {
+      asked = 0;
+      const Analysis a = analyse(M, [&] { return ++asked > patience; });
+      const auto same = [&](Verdict part, Verdict all) {
+        CHECK((part == all || part == open));
+        undecided += part != all;
+      };
+      same(a.symmetric, whole.symmetric), same(a.positive_definite, whole.positive_definite);
+      same(a.positive_semidefinite, whole.positive_semidefinite), same(a.z, whole.z), same(a.k, whole.k);
+      same(a.h_plus, whole.h_plus), same(a.p, whole.p), same(a.p0, whole.p0), same(a.copositive, whole.copositive);
+      same(a.column_sufficient, whole.column_sufficient), same(a.row_sufficient, whole.row_sufficient);
+      CHECK((std::isnan(a.condition) || a.condition == whole.condition));
+    }
+    CHECK(undecided > 0);
+  }
+}

@@ -255,8 +255,8 @@ TEST_CASE("check() names field, value and rule") {
   };
   CHECK(broken([](Lcp& q) { q.b = Vector{1}; }).find("b has 1 entries: must be 2") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.lo[1] = kNaN; }).find("row 1 has bounds [nan, inf]") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = 2, q.hi[1] = 1; }).find("lo <= hi") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = kInf; }).find("lo < inf") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = 2, q.hi[1] = 1; }).find("lower <= upper") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = kInf; }).find("lower < inf") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.A = DenseMatrix(Eigen::MatrixXd(2, 3)); }).find("2 x 3: must be square") !=
         std::string::npos);
   CHECK(broken([](Lcp& q) { q.friction = {{1, 0, 0.5}}; }).find("must be -inf and inf") != std::string::npos);
@@ -268,7 +268,7 @@ TEST_CASE("check() names field, value and rule") {
         }).find("twice") != std::string::npos);
   CHECK(broken([](Lcp& q) {
           q.lo[0] = -kInf, q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}};
-        }).find("lo = -inf") != std::string::npos);
+        }).find("lower bound -inf") != std::string::npos);
   Lcp sparse = as_sparse(p);
   std::get<RowSparse>(sparse.A).column[0] = 5;
   CHECK(why(sparse).find("column 5") != std::string::npos);

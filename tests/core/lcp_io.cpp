@@ -185,7 +185,7 @@ TEST_CASE("problem files: what is wrong is said in one line, quickly") {
   CHECK(contains(why(head + A + R"(, "b": [null])"), "finite number"));
   CHECK(contains(why(head + A + R"(, "b": [1e999])"), "file.json"));
   CHECK(contains(why(head + A + R"(, "b": [1], "lo": ["nan"])"), "lo[0]"));
-  CHECK(contains(why(head + A + R"(, "b": [1], "lo": [2], "hi": [1])"), "lo <= hi"));
+  CHECK(contains(why(head + A + R"(, "b": [1], "lo": [2], "hi": [1])"), "lower <= upper"));
   CHECK(contains(why(head + A + R"(, "b": [1], "extra": 1)"), "extra"));
   CHECK(contains(why(head + R"("A": {"storage": "dense", "n": 2, "rows": [[1, 2]]}, "b": [1, 2])"), "rows"));
   CHECK(contains(why(head + R"("A": {"storage": "dense", "n": 1000000000000, "rows": [[1]]}, "b": [1])"), "n"));

@@ -163,6 +163,51 @@ TEST_CASE("output goes through a link to its target, and never replaces a device
   CHECK(fs::is_character_file("/dev/null"));
 }
 
+TEST_CASE("a full disk behind standard output is no success") {
+  const Cli folder;
+  for (const char* arguments : {"list", "--version", "simulate bouncing_ball --duration 0.01", "solve --help"}) {
+    CAPTURE(arguments);
+    const Reply a = folder.run("('" ORTHANT_CLI "' " + std::string(arguments) + " > /dev/full)");
+    CHECK(a.exit_code == 1);
+    CHECK(a.err.find("orthant: cannot write standard output: No space left") != std::string::npos);
+  }
+}
+
+TEST_CASE("what is quoted from a file does not reach the terminal as it is") {
+  const Cli folder;
+  folder.write("raw.mtx", "%%MatrixMarket matrix \xff\x1b[2J\xc2\x9b\xc3\xa9 real general\n1 1\n1\n");
+  CHECK(folder.orthant("analyse raw.mtx").err.find("'\\xff [2j\\xc2\\x9b\xc3\xa9'") != std::string::npos);
+}
+
+TEST_CASE("time limits: numbers only, and each command says what is missing then") {
+  const Cli folder;
+  folder.write("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n1\n1\n2\n");
+  folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-5\n-6\n");
+  const std::string problem = " --matrix M.mtx --vector q.mtx";
+  for (const std::string& command : {"solve" + problem, "replay" + problem, "enumerate" + problem,
+                                     std::string("analyse M.mtx"), std::string("simulate bouncing_ball")})
+    for (const char* limit : {"nan", "inf", "-1", "0", "soon"}) {
+      const Reply a = folder.orthant(command + " --time-limit " + limit);
+      CAPTURE(command);
+      CAPTURE(a.err);
+      CHECK(a.exit_code == 1);
+      CHECK(a.err.find("--time-limit: '" + std::string(limit) + "': must be a time in") != std::string::npos);
+    }
+  std::string large = "%%MatrixMarket matrix array real general\n12 12\n";
+  for (int i = 0; i < 144; ++i) large += i % 13 == 0 ? "1\n" : "0.5\n";
+  folder.write("large.mtx", large);
+  const auto open = nlohmann::json::parse(folder.orthant("analyse large.mtx --time-limit 1e-6 --json").out);
+  CHECK(open.at("P") == "not decided");
+  CHECK(open.at("condition") == "not decided");
+  std::string minus = "%%MatrixMarket matrix coordinate real general\n18 18 18\n",
+              ones = "%%MatrixMarket matrix array real general\n18 1\n";
+  for (int i = 1; i <= 18; ++i) minus += std::to_string(i) + " " + std::to_string(i) + " -1\n", ones += "1\n";
+  folder.write("minus.mtx", minus), folder.write("ones.mtx", ones);
+  const Reply part = folder.orthant("enumerate --matrix minus.mtx --vector ones.mtx --time-limit 1e-6 --json");
+  CHECK(part.exit_code == 3);
+  CHECK(nlohmann::json::parse(part.out).at("complete") == false);
+}
+
 TEST_CASE("a drive through the floor: proved infeasible, and the shell is told so") {
   const Cli folder;
   folder.write("through.toml",
@@ -230,7 +275,16 @@ TEST_CASE("orthant list names everything, with options") {
 
   const auto json = nlohmann::json::parse(folder.orthant("list --json").out);
   CHECK(json.at("solvers").size() > 15);
-  CHECK(json.at("integrators")[0].at("options").get<std::string>().find("theta") != std::string::npos);
+  const auto option = [&](const char* kind, const std::string& name, const std::string& asked) {
+    for (const auto& entry : json.at(kind))
+      if (entry.at("name") == name)
+        for (const auto& o : entry.at("options"))
+          if (o.at("name") == asked) return o;
+    return nlohmann::json();
+  };
+  CHECK(option("solvers", "pgs", "omega").at("range") == nlohmann::json::parse("[0.001, 1.999]"));
+  CHECK(option("solvers", "lemke", "rescue").at("default") == true);
+  CHECK(option("integrators", "moreau-jean", "joints").at("choices").size() > 1);
   CHECK(json.at("scenes")[0].at("name") == "bouncing_ball");
   CHECK(!nlohmann::json::parse(folder.orthant("list solvers --json").out).contains("scenes"));
   CHECK(folder.orthant("list --json --markdown").exit_code == 1);
@@ -294,7 +348,7 @@ TEST_CASE("every command that takes a problem takes Matrix Market files; solve a
 TEST_CASE("every command's --help has an example of its own and says what its exit codes mean") {
   const Cli folder;
   for (const std::string command :
-       {"solve", "analyse", "enumerate", "replay", "simulate", "sweep", "results", "report"}) {
+       {"solve", "analyse", "enumerate", "replay", "simulate", "sweep", "results", "report", "list"}) {
     CAPTURE(command);
     const Reply a = folder.orthant(command + " --help");
     CHECK(a.exit_code == 0);
@@ -339,6 +393,7 @@ TEST_CASE("orthant enumerate, replay, --version, completion") {
   CHECK(folder.orthant("--json").exit_code == 1);
 
   const Reply script = folder.orthant("completion");
+  CHECK(nlohmann::json::parse(folder.orthant("completion --json").out).at("bash") == script.out);
   folder.write("completion.bash",
                script.out +
                    "COMP_WORDS=(orthant solve --solver le) COMP_CWORD=3; _orthant; echo ${COMPREPLY[@]}\n"

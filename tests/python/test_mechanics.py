@@ -1,5 +1,7 @@
 """Scenes and runs from Python."""
 
+import copy
+import pickle
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -36,6 +38,8 @@ def test_names_and_files_and_overrides(tmp_path):
     file = tmp_path / "ball.toml"
     file.write_text(ball(e_n=0.5).toml())
     a = orthant.simulate(str(file), duration=0.5)
+    assert np.array_equal(orthant.simulate(file, duration=0.5).table, a.table)
+    assert orthant.Scene.load(file).toml() == file.read_text()
     b = orthant.simulate(orthant.Scene.load(file, **{"contact.floor.e_n": 0.5}), duration=0.5)
     c = orthant.simulate(ball(e_n=0.5), duration=0.5)
     assert np.array_equal(a.table, b.table) and np.array_equal(a.table, c.table)
@@ -49,7 +53,7 @@ def test_what_is_wrong_is_named(tmp_path):
         orthant.simulate(ball(mu=-1))
     with pytest.raises(ValueError, match="floor.*no_such"):
         orthant.simulate(ball(no_such=1))
-    with pytest.raises(TypeError, match="scene value"):
+    with pytest.raises(TypeError, match="mu = <object.*: must be a number, bool"):
         orthant.simulate(ball(mu=object()))
     with pytest.raises(ValueError, match="unknown scene 'no_such'"):
         orthant.simulate("no_such")
@@ -57,6 +61,8 @@ def test_what_is_wrong_is_named(tmp_path):
         orthant.Scene.named("no_such")
     with pytest.raises(ValueError, match="step"):
         orthant.simulate(ball(), step=-1)
+    with pytest.raises(ValueError, match="every = 0: must be a whole number"):
+        orthant.simulate(ball(), every=0)
     for key, bad in (("step", "a"), ("duration", [1]), ("every", 0.5), ("integrator", 3), ("solver", None)):
         with pytest.raises(TypeError, match=f"{key} = .*: must be"):
             orthant.simulate(ball(), **{key: bad})
@@ -89,6 +95,18 @@ def test_trajectories_as_files(tmp_path):
     assert len(piece.find("Points/DataArray").text.split()) == 3 * int(piece.get("NumberOfPoints"))
     with pytest.raises(ValueError, match="run.vtk: must end in .csv, .h5, .hdf5 or .pvd"):
         run.write(tmp_path / "run.vtk")
+
+
+def test_runs_and_scenes_go_to_other_processes(tmp_path):
+    failed = orthant.simulate(orthant.Scene.named("slider_crank", mu=0.1), solver="pgs:max_sweeps=1,tolerance=1e-15", step=1e-4)
+    for run in (copy.deepcopy(failed), pickle.loads(pickle.dumps(failed))):
+        assert np.array_equal(run.table, failed.table) and run.summary == failed.summary
+        assert orthant.solve(run.unsolved, solver="lemke").solved
+        run.write(tmp_path / "run.pvd")
+    for scene in (ball(e_n=0.5), orthant.Scene.parse(ball(e_n=0.5).toml()), orthant.Scene.named("bouncing_ball", e=0.5),
+                  orthant.Scene.parse(ball().toml(), **{"contact.floor.e_n": 0.5})):
+        before = orthant.simulate(scene, duration=0.5).table
+        assert np.array_equal(orthant.simulate(pickle.loads(pickle.dumps(scene)), duration=0.5).table, before)
 
 
 def test_a_time_limit_and_ctrl_c_end_a_run(ctrl_c):

@@ -65,8 +65,14 @@ def test_decision_tables_name_what_there_is_and_come_from_a_run(tmp_path):
             f"p{p},friction,{solver},{result},{seconds}\n" for p in range(2)
             for solver, result, seconds in (("lemke", "certified", 2e-6), ("pgs", "certified" if p else "failed", 1e-6),
                                             ("path", "certified", 4e-6), ("murty", "refused", 0))), encoding="utf-8")
-    made = subprocess.run([sys.executable, DOCS / "tables.py", "solvers", tmp_path], check=True, capture_output=True, text=True)
-    (tmp_path / "time_to_error.csv").write_text("integrator,to_0.01,to_0.001\nrattle,0.139,inf\n", encoding="utf-8")
-    table = subprocess.run([sys.executable, DOCS / "tables.py", "integrators", tmp_path], check=True, capture_output=True, text=True)
-    assert table.stdout.splitlines() == ["integrator,to 0.01,to 0.001", "`rattle`,140,–"]
-    assert made.stdout.splitlines()[1] == "contacts with friction,2,`lemke`,2,1.5,`path`,2,3,`pgs`,1,1"
+    (tmp_path / "time_to_error.csv").write_text("integrator,to_0.01,to_0.001\nrattle,0.139,inf\nnone,,\n", encoding="utf-8")
+    (tmp_path / "manifest.json").write_text(
+        '{"revision": "abc", "cpu": "one", "cores": 2, "written": "2026-01-02T03:04:05Z"}', encoding="utf-8")
+
+    def made(table):
+        subprocess.run([sys.executable, DOCS / "tables.py", table, tmp_path, "quiet", tmp_path], check=True)
+        assert (tmp_path / f"{table}.txt").read_text() == "Measured at revision `abc`, 2026-01-02, on 2 cores of one with no other work.\n"
+        return (tmp_path / f"{table}.csv").read_text(encoding="utf-8").splitlines()
+
+    assert made("integrators") == ["integrator,to 0.01,to 0.001", "`rattle`,140,–"]
+    assert made("solvers")[1] == "contacts with friction,2,`lemke`,2,1.5,`path`,2,3,`pgs`,1,1"

@@ -52,6 +52,17 @@ def test_by_dask(tmp_path):
     assert all(here[c].equals(there[c]) for c in FIGURES if c in here)
 
 
+def test_a_scene_built_here(tmp_path):
+    scene = orthant.Scene(gravity=[0, -9.81])
+    scene.add("body", name="ball", mass=1, inertia=0.004, position=[0, 1])
+    scene.add("contact", name="floor", type="disc-wall", body="ball", radius=0.1, wall={"normal": [0, 1]}, e_n=0.5)
+    ask = {**BALL, "grid": {"integrator": "rattle", "step": 1e-3, "set": {"contact.floor.e_n": [0, 0.5]}}}
+    frame = orthant.sweep(scene, results=tmp_path / "mine.sqlite", progress=False, **ask)
+    assert list(frame["contact.floor.e_n"]) == [0, 0.5] and (frame["error"].abs() < 1e-2).all()
+    with pytest.raises(ValueError, match="a scene by name or with overrides has no text of its own"):
+        orthant.sweep(orthant.Scene.named("bouncing_ball"), results=tmp_path / "named.sqlite", progress=False, **ask)
+
+
 def test_what_is_wrong_is_named(tmp_path):
     with pytest.raises(ValueError, match="integrator.*eulr|eulr"):
         orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", grid={"integrator": "eulr"})

@@ -489,7 +489,7 @@ TEST_CASE("why a method will not take a problem is said in words") {
             std::string::npos);
     }
   for (const std::string& spec : std::vector<std::string>{"psor", "sgs", "jacobi", "nncg"})
-    CHECK(make_solver(spec)->why_not(saddle).find("A(1, 1) = 0: must be > 0") != std::string::npos);
+    CHECK(make_solver(spec)->why_not(saddle).find("entry (1, 1) = 0: must be > 0") != std::string::npos);
   CHECK(make_solver("admm")->why_not(skew).empty());
 }
 

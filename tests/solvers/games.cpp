@@ -135,3 +135,20 @@ TEST_CASE("a game is known in whatever order its strategies stand") {
     CHECK(independent_residual(mixed, b.z) <= 1e-12);
   }
 }
+
+TEST_CASE("stopped: no equilibrium, those found so far, or solutions that are marked as not all") {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Random(6, 6), B = Eigen::MatrixXd::Random(6, 6);
+  int asked = 0;
+  const auto after = [&](int patience) { return [&asked, patience] { return ++asked > patience; }; };
+  CHECK(lemke_howson(A, B, 0, after(1)).x.size() == 0);
+  CHECK(lemke_howson(A, B, 0, [] { return false; }).x.size() == 6);
+  asked = 0;
+  CHECK(lemke_howson_all(A, B, after(0)).empty());
+  asked = 0;
+  for (const Equilibrium& e : lemke_howson_all(A, B, after(30))) CHECK(regret(A, B, e) < 1e-12);
+
+  const Lcp corners = Lcp::standard(DenseMatrix(-Eigen::MatrixXd::Identity(8, 8)), Vector(Eigen::VectorXd::Ones(8)));
+  const SolutionSet every = enumerate_solutions(corners);
+  CHECK((every.complete && every.isolated.size() == 256));
+  CHECK(!enumerate_solutions(corners, [] { return true; }).complete);
+}

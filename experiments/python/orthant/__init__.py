@@ -11,10 +11,10 @@ complementary. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilib
 Nothing is called solved that an independent judge has not recomputed and accepted.
 """
 
-from ._files import read_problem, write_npz
+from ._files import read_problem, write_fclib, write_npz, write_problem
 from ._mechanics import Scene, Trajectory, integrators, scenes, simulate
 from ._nonlinear import McpResult, equilibria, equilibrium, solve_mcp
-from ._orthant import Equilibrium, Face, LogEntry, Problem, Result, Solutions, __version__, revision, write_fclib, write_problem
+from ._orthant import Equilibrium, Face, LogEntry, Problem, Result, Solutions, __version__, revision
 from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bound, solve, solvers
 from ._sweep import sweep
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import zipfile
 import zlib
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from . import _orthant
 from ._orthant import Problem
+from ._spec import path, shown, whole, word
 
 if TYPE_CHECKING:
     Path = Union[str, os.PathLike[str]]
@@ -22,9 +23,10 @@ def read_problem(file: Path) -> Problem:
     NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3) may be
     absent. Raises ValueError or RuntimeError naming file, field and rule.
     """
-    if os.fspath(file).endswith(".mtx"):
+    file = path("file", file)
+    if file.endswith(".mtx"):
         raise ValueError(f"{file}: Matrix Market holds a matrix, not a problem: must be read by scipy.io.mmread, and q as well")
-    if not os.fspath(file).endswith(".npz"):
+    if not file.endswith(".npz"):
         return _orthant._read_problem(file)
     import numpy as np
 
@@ -71,24 +73,37 @@ def _by_rows(fields: dict[str, Any], n: int) -> Any:
         raise ValueError(f"{', '.join(_SPARSE)} are no {n} x {n} matrix by rows: {error}") from None
 
 
-def _friction(table: Any) -> Optional[list[tuple[int, int, float]]]:
-    if table is None:
-        return None
-    if table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf":
+def _friction(table: Any) -> Any:
+    if table is not None and (table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf"):
         raise ValueError(f"friction has shape {table.shape} and type {table.dtype}: must be (k, 3), real")
-    rows = []
-    for i, (row, normal, mu) in enumerate(table):
-        if not (float(row).is_integer() and float(normal).is_integer()):
-            raise ValueError(f"friction[{i}] = {row}, {normal}: must be the numbers of two rows")
-        rows.append((int(row), int(normal), float(mu)))
-    return rows
+    return table
+
+
+def _problem(value: Any) -> Problem:
+    if not isinstance(value, Problem):
+        raise TypeError(f"problem = {shown(value)}: must be a Problem")
+    return value
+
+
+def write_problem(file: Path, problem: Problem, note: str = "") -> None:
+    """A problem as one JSON file, whole or not at all; `read_problem` reads it back bit for bit."""
+    _orthant._write_problem(path("file", file), _problem(problem), word("note", note))
+
+
+def write_fclib(file: Path, problem: Problem, dimension: int, title: str = "", description: str = "") -> None:
+    """A contact problem for the FCLIB collection, HDF5: dimension 2 or 3 rows a contact, the normal one first."""
+    _orthant._write_fclib(path("file", file), _problem(problem), whole("dimension", dimension, 1, 3), word("title", title),
+                          word("description", description))
 
 
 def write_npz(file: Path, problem: Problem) -> None:
-    """A problem as NumPy's NPZ, which `read_problem` reads back bit for bit. A Delassus operator is refused."""
+    """A problem as NumPy's NPZ (NAME.npz), which `read_problem` reads back bit for bit. A Delassus operator is refused."""
     import numpy as np
 
-    M = problem.M
+    file = path("file", file)
+    if not file.endswith(".npz"):
+        raise ValueError(f"{file}: must end in .npz, by which read_problem knows it")
+    M = _problem(problem).M
     if hasattr(M, "inverse_mass"):
         raise ValueError("problem: M is a Delassus operator: must be an array or sparse (write_problem keeps it)")
     fields = {"q": problem.q, "lower": problem.lower, "upper": problem.upper}
@@ -98,7 +113,7 @@ def write_npz(file: Path, problem: Problem) -> None:
         fields["M"] = M
     if problem.friction:
         fields["friction"] = np.array(problem.friction, dtype=float)
-    temporary = f"{os.fspath(file)}.tmp{os.getpid()}"  # whole or not at all
+    temporary = f"{file}.tmp{os.getpid()}"  # whole or not at all
     try:
         with open(temporary, "wb") as stream:
             np.savez_compressed(stream, **fields)

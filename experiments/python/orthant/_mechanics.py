@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem
-from ._spec import Entry, seconds, text_of
+from ._spec import Entry, options_of, path, seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 _KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load", "drive")
 
 
-def _toml(value: Any) -> str:
+def toml_of(name: str, value: Any) -> str:
+    """A value of the format, `name` of which is told where it is none."""
     if hasattr(value, "tolist"):  # NumPy
         value = value.tolist()
     if isinstance(value, bool):
@@ -29,12 +30,16 @@ def _toml(value: Any) -> str:
     if isinstance(value, float):
         return "nan" if math.isnan(value) else "inf" if value == math.inf else "-inf" if value == -math.inf else repr(value)
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        return json.dumps(word(name, value), ensure_ascii=False)
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(v)}" for key, v in value.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(word(name, key))} = {toml_of(f'{name}.{key}', v)}" for key, v in value.items()) + "}"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(v) for v in value) + "]"
-    raise TypeError(f"scene value {value!r}: must be a number, bool, text, list or dict")
+        return "[" + ", ".join(toml_of(name, v) for v in value) + "]"
+    raise TypeError(f"{name} = {shown(value)}: must be a number, bool, text, list or dict")
+
+
+def toml_lines(keys: dict[str, Any]) -> list[str]:
+    return [f"{key} = {toml_of(key, value)}" for key, value in keys.items()]
 
 
 class Scene:
@@ -56,35 +61,37 @@ class Scene:
         """One more element: "body", "joint", "contact", ...; keys as in the scene format. `simulate` checks them."""
         if self._read is not None:
             raise ValueError("this scene was read from a file or by name: change it by keyword overrides there")
-        if kind not in _KINDS:
+        if word("kind", kind) not in _KINDS:
             raise ValueError(f"kind '{kind}': must be one of {', '.join(_KINDS)}")
         self._elements.append((kind, keys))
 
     def toml(self) -> str:
-        """The scene as a TOML file's text (of one that was built here)."""
+        """The scene as a TOML file's text (not of one by name or with overrides)."""
         if self._read is not None:
-            raise ValueError("this scene was read from a file or by name: it has no text of its own")
-        lines = [f"{key} = {_toml(value)}" for key, value in self._keys.items()]
+            if self._read.text is None or self._read.sets:
+                raise ValueError("a scene by name or with overrides has no text of its own: must be built here or read as it is")
+            return self._read.text
+        lines = toml_lines(self._keys)
         for kind, keys in self._elements:
-            lines += ["", f"[[{kind}]]"] + [f"{key} = {_toml(value)}" for key, value in keys.items()]
+            lines += ["", f"[[{kind}]]"] + toml_lines(keys)
         return "\n".join(lines) + "\n"
 
     @classmethod
     def load(cls, file: Union[str, os.PathLike[str]], **overrides: Any) -> Scene:
         """From a TOML file. overrides: {"contact.corner1.mu": 0.1} by **, key paths of the format."""
-        return cls._holding(_orthant._parse_scene(_text_of_file(file), _lines(overrides, _toml), os.fspath(file)))
+        return cls._holding(_orthant._Scene(_text_of_file(path("file", file)), path("file", file), _lines(overrides)))
 
     @classmethod
     def parse(cls, text: str, **overrides: Any) -> Scene:
         """From TOML text."""
-        return cls._holding(_orthant._parse_scene(text, _lines(overrides, _toml), "scene"))
+        return cls._holding(_orthant._Scene(word("text", text), "scene", _lines(overrides)))
 
     @classmethod
     def named(cls, name: str, **options: Any) -> Scene:
         """A built-in scene of `scenes()`, with its options."""
-        if name not in {entry.name for entry in scenes()}:
-            raise ValueError(f"scene '{name}': must be one of {', '.join(entry.name for entry in scenes())}")
-        return cls._holding(_orthant._make_scene(name, _lines(options, text_of)))
+        if word("name", name) not in (known := [entry.name for entry in scenes()]):
+            raise ValueError(f"scene '{name}': must be one of {', '.join(known)}")
+        return cls._holding(_orthant._Scene(None, name, [options_of({key: value}) for key, value in options.items()]))
 
     @classmethod
     def _holding(cls, read: _orthant._Scene) -> Scene:
@@ -93,7 +100,7 @@ class Scene:
         return scene
 
     def _checked(self) -> _orthant._Scene:
-        return self._read if self._read is not None else _orthant._parse_scene(self.toml(), [], "scene")
+        return self._read if self._read is not None else _orthant._Scene(self.toml(), "scene", [])
 
     @property
     def bodies(self) -> list[str]:
@@ -101,11 +108,11 @@ class Scene:
         return self._checked().bodies
 
 
-def _lines(keys: dict[str, Any], form: Any) -> list[str]:
-    return [f"{key}={form(value)}" for key, value in keys.items()]
+def _lines(overrides: dict[str, Any]) -> list[str]:
+    return [f"{key}={toml_of(key, value)}" for key, value in overrides.items()]
 
 
-def _text_of_file(file: Union[str, os.PathLike[str]]) -> str:
+def _text_of_file(file: str) -> str:
     with open(file, encoding="utf-8") as stream:
         return stream.read()
 
@@ -156,13 +163,13 @@ class Trajectory:
 
     def write(self, file: Union[str, os.PathLike[str]]) -> None:
         """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the bodies' outlines, for ParaView)."""
-        _orthant._write_trajectory(file, self._scene, self.columns, self.table)
+        _orthant._write_trajectory(path("file", file), self._scene, self.columns, self.table)
 
     def __repr__(self) -> str:
         return f"Trajectory(status='{self.status}', rows={len(self)}, t={self.summary['t']:g})"
 
 
-def simulate(scene: Union[Scene, str], *, integrator: str = "moreau-jean", solver: str = "lemke",
+def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "lemke",
              step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
              time_limit: Optional[float] = None) -> Trajectory:
     """Run a scene: a Scene, a built-in name or a TOML file.
@@ -172,19 +179,21 @@ def simulate(scene: Union[Scene, str], *, integrator: str = "moreau-jean", solve
     'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C ends a run.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
     """
+    checked = _scene_of(scene)
+    return Trajectory(checked, *_orthant._simulate(
+        checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
+        word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"), seconds("step", step), seconds("duration", duration),
+        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit)))
+
+
+def _scene_of(scene: Any) -> _orthant._Scene:
     if isinstance(scene, Scene):
-        checked = scene._checked()
-    elif isinstance(scene, str):
-        checked = _orthant._make_scene(scene, [])
-    else:
-        raise TypeError(f"scene {scene!r}: must be a Scene, a built-in name or a TOML file")
-    for what, word in (("integrator", integrator), ("solver", solver)):
-        if not isinstance(word, str):
-            raise TypeError(f"{what} = {word!r}: must be a name, such as 'moreau-jean' or 'pgs:omega=1.3'")
-    if not hasattr(every, "__index__"):
-        raise TypeError(f"every = {every!r}: must be a whole number of steps")
-    return Trajectory(checked, *_orthant._simulate(checked, integrator, solver, seconds("step", step), seconds("duration", duration),
-                                                   every, seconds("time_limit", time_limit)))
+        return scene._checked()
+    if not isinstance(scene, (str, os.PathLike)):
+        raise TypeError(f"scene {shown(scene)}: must be a Scene, a built-in name or a TOML file")
+    if isinstance(scene, os.PathLike) or scene not in {entry.name for entry in scenes()} and os.path.exists(scene):
+        return Scene.load(scene)._checked()
+    return _orthant._Scene(None, scene, [])
 
 
 def integrators() -> list[Entry]:

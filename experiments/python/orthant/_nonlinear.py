@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional
 
 from . import _orthant
 from ._orthant import Equilibrium
-from ._spec import seconds, text_of
+from ._spec import options_of, seconds, shown, whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,19 +37,23 @@ def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector],
     """
     for what, value in (("F", F), ("jacobian", jacobian)):
         if not callable(value):
-            raise TypeError(f"{what} = {value!r}: must be a function of z")
-    given = ",".join(f"{key}={text_of(value)}" for key, value in options.items())
-    return McpResult(**_orthant._solve_mcp(F, jacobian, start, lower, upper, given, seconds("time_limit", time_limit)))
+            raise TypeError(f"{what} = {shown(value)}: must be a function of z")
+    return McpResult(**_orthant._solve_mcp(F, jacobian, start, lower, upper, options_of(options),
+                                           seconds("time_limit", time_limit)))
 
 
-def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0) -> Equilibrium:
+def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0, *, time_limit: Optional[float] = None) -> Equilibrium:
     """The equilibrium of the game with costs A, B (m, k) that misses `label` in [0, m + k).
 
+    Raises TimeoutError where its path does not end in time_limit [s]; Ctrl-C ends it.
     Source: Lemke & Howson, J. SIAM 12 (1964) 413-423.
     """
-    return _orthant._equilibrium(A, B, label)
+    return _orthant._equilibrium(A, B, whole("label", label, 0), seconds("time_limit", time_limit))
 
 
-def equilibria(A: npt.ArrayLike, B: npt.ArrayLike) -> list[Equilibrium]:
-    """The different equilibria that Lemke-Howson paths connect, from all labels; not always all there are."""
-    return _orthant._equilibria(A, B)
+def equilibria(A: npt.ArrayLike, B: npt.ArrayLike, *, time_limit: Optional[float] = None) -> list[Equilibrium]:
+    """The different equilibria that Lemke-Howson paths connect, from all labels; not always all there are.
+
+    Raises TimeoutError where the paths do not end in time_limit [s]; Ctrl-C ends them.
+    """
+    return _orthant._equilibria(A, B, seconds("time_limit", time_limit))

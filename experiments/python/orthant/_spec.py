@@ -1,7 +1,10 @@
-"""Names with options, as every table of solvers, integrators and scenes writes them: "pgs:omega=1.3"."""
+"""Arguments in words: names with options, as every table writes them ("pgs:omega=1.3"), and what is wrong with the others."""
 
 from __future__ import annotations
 
+import operator
+import os
+import re
 from typing import Any, NamedTuple, Optional
 
 
@@ -13,17 +16,10 @@ class Entry(NamedTuple):
     options: str  # every option with its default and range
 
 
-def text_of(value: Any) -> str:
-    """A number, bool or word as option text; numbers in a form that reads back bit for bit."""
-    if hasattr(value, "item") and not isinstance(value, (str, bytes)):  # a NumPy scalar
-        value = value.item()
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return repr(value)
-    if isinstance(value, str):
-        return value
-    raise TypeError(f"option value {value!r}: must be a number, a bool or a word")
+def shown(value: Any) -> str:
+    """As Python writes it, cut where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def seconds(name: str, value: Any) -> Optional[float]:
@@ -33,17 +29,72 @@ def seconds(name: str, value: Any) -> Optional[float]:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} = {value!r}: must be a number [s]") from None
+        raise TypeError(f"{name} = {shown(value)}: must be a number [s]") from None
     if not number > 0:
         raise ValueError(f"{name} = {number:g}: must be > 0 [s]")
     return number
 
 
+def whole(name: str, value: Any, least: int, most: int = 2**31 - 1, what: str = "") -> int:
+    """A whole number in [least, most]."""
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(f"{name} = {shown(value)}: must be a whole number{what}")
+    if not least <= (number := operator.index(value)) <= most:
+        raise ValueError(f"{name} = {shown(number)}: must be a whole number in [{least}, {most}]{what}")
+    return number
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False, NumPy's as well."""
+    if not isinstance(value, bool) and getattr(getattr(value, "dtype", None), "kind", "") != "b":
+        raise TypeError(f"{name} = {shown(value)}: must be True or False")
+    return bool(value)
+
+
+def word(name: str, value: Any, example: str = "a text") -> str:
+    """A text."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} = {shown(value)}: must be {example}")
+    if not value.isascii() and any("\ud800" <= c <= "\udfff" for c in value):
+        raise ValueError(f"{name} = {shown(value)}: must be Unicode")
+    return value
+
+
+def path(name: str, value: Any) -> str:
+    """A file's name."""
+    if not isinstance(value, (str, bytes, os.PathLike)):
+        raise TypeError(f"{name} = {shown(value)}: must be a file's name or path")
+    if not (text := os.fsdecode(value)) or "\0" in text:
+        raise ValueError(f"{name} = {shown(value)}: must be a file's name or path")
+    return text
+
+
+def _text_of(key: str, value: Any) -> str:
+    """A number, bool or word as option text; numbers in a form that reads back bit for bit."""
+    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a NumPy scalar
+        value = value.item()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, str):
+        return value
+    raise TypeError(f"option {key} = {shown(value)}: must be a number, a bool or a word")
+
+
+def options_of(options: dict[str, Any]) -> str:
+    """{"omega": 1.3, "max_sweeps": 50} becomes "omega=1.3,max_sweeps=50"; a value is one value."""
+    given = []
+    for key, value in options.items():
+        if not re.fullmatch(r"\w+", key):
+            raise ValueError(f"option {shown(key)}: must be a name")
+        if not re.fullmatch(r"[\w.+-]*", text := _text_of(key, value)):
+            raise ValueError(f"option {key} = {shown(value)}: must be one number, bool or word")
+        given.append(f"{key}={text}")
+    return ",".join(given)
+
+
 def spec(name: str, options: dict[str, Any]) -> str:
     """"pgs" and {"omega": 1.3} become "pgs:omega=1.3"; a name that brings options of its own keeps them."""
-    if not isinstance(name, str):
-        raise TypeError(f"solver {name!r}: must be a name, such as 'auto'")
-    if not options:
-        return name
-    given = ",".join(f"{key}={text_of(value)}" for key, value in options.items())
-    return f"{name}{',' if ':' in name else ':'}{given}"
+    word("solver", name, "a name, such as 'auto' or 'pgs:omega=1.3'")
+    return f"{name}{',' if ':' in name else ':'}{options_of(options)}" if options else name

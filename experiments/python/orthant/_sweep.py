@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
-from ._mechanics import _toml
+from ._mechanics import Scene, toml_lines
+from ._spec import flag, path, shown, whole
 
 if TYPE_CHECKING:
     import pandas
@@ -20,11 +21,11 @@ _LOOK_AGAIN = 0.2  # [s]
 _WRITTEN = "# Written by orthant.sweep"
 
 
-def sweep(what: Union[str, os.PathLike[str]], *, results: Union[str, os.PathLike[str], None] = None, quick: bool = False,
+def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.PathLike[str], None] = None, quick: bool = False,
           jobs: int = 0, client: Any = None, progress: bool = True, **keys: Any) -> Union[pandas.DataFrame, list[dict[str, Any]]]:
     """Run every case of a sweep that its results lack; give back all its rows, as a pandas frame where there is pandas.
 
-    what: a sweep file, NAME.sweep.toml, or a scene, built-in or TOML, with the file's keys by keyword: measure (a column
+    what: a sweep file, NAME.sweep.toml, or a scene (a Scene, built-in name or TOML file) with that file's keys by keyword: measure (a column
     of the trajectory), duration [s], reference, grid={"integrator": [...], "step": [...], "set": {"mu": [...]}} or a list
     of such. Then the file is written beside the results, and `orthant sweep` takes it, too.
     results: SQLite file, default results/NAME.sqlite. A row a case, by a key of all that determines it: killed and called
@@ -33,8 +34,8 @@ def sweep(what: Union[str, os.PathLike[str]], *, results: Union[str, os.PathLike
     run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
     A case that fails is a row with its status. Raises ValueError naming file, key, value and rule.
     """
-    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 0:
-        raise ValueError(f"jobs = {jobs!r}: must be a whole number >= 0 (0: one a core)")
+    jobs, quick = whole("jobs", jobs, 0, 10000, " (0: one a core)"), flag("quick", quick)
+    progress, results = flag("progress", progress), None if results is None else path("results", results)
     file, results = _files(what, results, keys)
     name, count, missing = _orthant._declare_sweep(file, quick, results)
     with _Bar(name, count, progress) as bar:
@@ -49,7 +50,8 @@ def sweep(what: Union[str, os.PathLike[str]], *, results: Union[str, os.PathLike
 
 
 def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
-    given = Path(what)
+    text = _text_of(what) if isinstance(what, Scene) else None
+    given = Path("scene" if text is not None else path("what", what))
     if given.name.endswith(".sweep.toml"):
         if keys:
             raise TypeError(f"{next(iter(keys))}: a sweep file holds its keys itself: must be given for a scene only")
@@ -57,24 +59,45 @@ def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
         return given.absolute(), Path(results or f"results/{name}.sqlite").absolute()
     kept = Path(results or f"results/{given.stem}.sqlite").absolute()
     kept.parent.mkdir(parents=True, exist_ok=True)
+    scene = str(given.absolute()) if given.suffix == ".toml" else str(given)
+    if text is not None:
+        scene = kept.with_suffix(".scene.toml").name
+        _write(kept.with_suffix(".scene.toml"), text)
     file = kept.with_suffix(".sweep.toml")
-    text = f"{_WRITTEN}, which writes it anew when asked for something else.\n" + _sweep_toml({"scene": str(given.absolute()) if given.suffix == ".toml" else os.fspath(what), **keys})
-    if not file.exists() or (said := file.read_text(encoding="utf-8")) != text:
-        if file.exists() and not said.startswith(_WRITTEN):
-            raise ValueError(f"{file} exists and was not written by orthant.sweep: results must have another name")
-        temporary = Path(f"{file}.tmp{os.getpid()}")  # whole or not at all
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, file)
+    _write(file, _sweep_toml({"scene": scene, **keys}))
     return file, kept
 
 
+def _text_of(scene: Scene) -> str:
+    try:
+        return scene.toml()
+    except ValueError as error:
+        raise ValueError(f"{error}; sweep takes its name or file, and values in grid={{'set': ...}}") from None
+
+
+def _write(file: Path, toml: str) -> None:
+    """Whole or not at all, and over no file of the user's."""
+    text = f"{_WRITTEN}, which writes it anew when asked for something else.\n{toml}"
+    if file.exists():
+        if (said := file.read_text(encoding="utf-8")) == text:
+            return
+        if not said.startswith(_WRITTEN):
+            raise ValueError(f"{file} exists and was not written by orthant.sweep: results must have another name")
+    temporary = Path(f"{file}.tmp{os.getpid()}")
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, file)
+
+
 def _sweep_toml(keys: dict[str, Any]) -> str:
-    lists = {key: [value] if isinstance(value, dict) else list(value) for key, value in keys.items()
+    lists = {key: [value] if isinstance(value, dict) else value for key, value in keys.items()
              if key in ("grid", "figure", "animation")}
-    lines = [f"{key} = {_toml(value)}" for key, value in keys.items() if key not in lists]
+    for kind, tables in lists.items():
+        if not isinstance(tables, (list, tuple)) or not all(isinstance(table, dict) for table in tables):
+            raise TypeError(f"{kind} = {shown(tables)}: must be a dict or a list of dicts")
+    lines = toml_lines({key: value for key, value in keys.items() if key not in lists})
     for kind, tables in lists.items():
         for table in tables:
-            lines += ["", f"[[{kind}]]"] + [f"{key} = {_toml(value)}" for key, value in table.items()]
+            lines += ["", f"[[{kind}]]"] + toml_lines(table)
     return "\n".join(lines) + "\n"
 
 

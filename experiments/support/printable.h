@@ -1,0 +1,12 @@
+// experiments/support/printable.h — messages quote input, and input may be anything.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace orthant {
+
+/// One line of UTF-8: control characters become blanks, bytes that are no UTF-8 are written as \xNN.
+std::string printable(std::string_view text);
+
+}  // namespace orthant
