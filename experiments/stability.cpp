@@ -137,14 +137,16 @@ std::string line_of(const std::vector<Row>& rows) {
   return line + ' ' + (failed.empty() ? "-" : failed) + " |\n";
 }
 
-void run(const std::filesystem::path& output, bool quick, double limit, const std::string& command_line) {
+void run(const std::filesystem::path& output, bool quick, double limit, const std::string& only,
+         const std::string& command_line) {
   std::filesystem::create_directories(output);
   std::string csv = "study,value,integrator,solver,end,steps,residual,drift,penetration,energy_defect,seconds\n",
               tables;
   std::vector<std::pair<std::string, std::string>> who;
   for (const auto& entry : integrators()) who.emplace_back(entry.name, "lemke");
   for (const char* solver : {"auto", "path", "newton-fb", "pgs"}) who.emplace_back("moreau-jean", solver);
-  const auto all = studies(quick);
+  auto all = studies(quick);
+  std::erase_if(all, [&](const Study& study) { return study.name.find(only) == std::string::npos; });
   Progress progress("stability", static_cast<double>(all.size() * who.size()));
   for (const Study& study : all) {
     tables += "\n**" + study.name + "**, " + brief(study.values.front()) + " to " + brief(study.values.back()) +
@@ -177,15 +179,17 @@ int main(int argc, char** argv) {
   std::filesystem::path output = "results/stability";
   bool quick = false;
   double limit = 60;
+  std::string only;
   CLI::App app("Mass ratios, stiffness, steps, clearances, offsets: how far the numbers carry");
   app.add_option("--output", output, "folder for the tables and the manifest")->capture_default_str();
   app.add_option("--time-limit", limit, "of each run [s]")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--only", only, "studies whose name has this text");
   app.add_flag("--quick", quick, "every third decade, shorter runs");
   CLI11_PARSE(app, argc, argv);
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   try {
-    run(output, quick, limit, command_line);
+    run(output, quick, limit, only, command_line);
   } catch (const std::exception& error) {
     std::cerr << "stability: " << error.what() << '\n';
     return 1;
