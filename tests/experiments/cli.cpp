@@ -219,6 +219,27 @@ TEST_CASE("bodies that pass through each other are told by name, with figures") 
             "where the one moved 10 m in a step and the thinner is 0.2 m wide") != std::string::npos);
 }
 
+TEST_CASE("names in a file lead nowhere: they are words, and nothing is written outside the folder") {
+  const Cli folder;
+  fs::create_directories(folder.path / "a/b");
+  const auto scene = [](const std::string& body, const std::string& contact) {
+    return "duration = 0.01\n[[body]]\nname = '" + body + "'\nmass = 1\ninertia = 1\n[[contact]]\ntype = 'limit'\n" +
+           "of = 'angle'\nname = '" + contact + "'\nbodies = ['ground', '" + body + "']\nlower = -1\n";
+  };
+  for (const auto& [body, contact] : {std::array{"../../evil", "c"}, {"b", "/tmp/evil"}, {"b", "../evil"}}) {
+    folder.write("a/b/s.toml", scene(body, contact));
+    for (const char* output : {"out.csv", "out.h5", "out.pvd"}) {
+      const Reply r = folder.orthant("simulate a/b/s.toml --output a/b/" + std::string(output));
+      INFO(r.err);
+      CHECK(r.exit_code == 1);
+      CHECK(r.err.find("must be of letters, digits") != std::string::npos);
+    }
+  }
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path)) files += entry.is_regular_file();
+  CHECK(files == 3);  // the scene, and what this test keeps of the command's words
+}
+
 TEST_CASE("a run that enters a limit of the numbers is told which, by name, and no other is") {
   const Cli folder;
   const auto scene = [&](const std::string& mass, const std::string& place, const std::string& spin,
