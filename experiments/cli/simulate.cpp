@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "../support/checkpoint.h"
+#include "../support/limits.h"
 #include "../support/manifest.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
@@ -197,6 +198,8 @@ int run_simulate(const SimulateArguments& arguments) {
   if (!arguments.output.empty()) write_trajectory(arguments.output, scene, columns, table);
   warn_of_energy(scene, run);
   warn_of_passages(scene, run);
+  for (const std::string& limit : limits_entered(system, run, arguments.integrator, clock.step))
+    std::cerr << "orthant: warning: " << limit << '\n';
   if (run.status != Status::solved) dump_failed_step(arguments, *integrator, run);
 
   const auto json = summary(run, columns, last);

@@ -45,6 +45,21 @@ TEST_CASE("planar friction becomes Glocker's form, block by block") {
   CHECK(pure.friction.empty());
 }
 
+TEST_CASE("a box becomes two rows: the shifted one and the room between the bounds") {
+  Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Constant(1, 1, 3)), Eigen::VectorXd::Constant(1, -20));
+  p.lo[0] = -1, p.hi[0] = 4;
+  Pyramid pyramid;
+  const Lcp& pure = pyramid.pure(p);
+  REQUIRE(pure.size() == 2);
+  const Eigen::MatrixXd M = std::get<DenseMatrix>(pure.A);
+  CHECK(M(0, 0) == 3);
+  CHECK(M(0, 1) == 1);
+  CHECK(M(1, 0) == -1);
+  CHECK(M(1, 1) == 0);
+  CHECK(pure.b[0] == -23);  // b + A lo
+  CHECK(pure.b[1] == 5);    // hi − lo
+}
+
 TEST_CASE("a friction row that wants to slide forward is turned: the mirrored problem has the same pure form") {
   Eigen::MatrixXd G(4, 4);
   G << 5, 1, 2, 0.5, 1, 6, -1, 3, 2, -1, 7, 0.25, 0.5, 3, 0.25, 8;

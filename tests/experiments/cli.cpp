@@ -264,6 +264,50 @@ TEST_CASE("bodies that pass through each other are told by name, with figures") 
             "where the one moved 10 m in a step and the thinner is 0.2 m wide") != std::string::npos);
 }
 
+TEST_CASE("names in a file lead nowhere: they are words, and nothing is written outside the folder") {
+  const Cli folder;
+  fs::create_directories(folder.path / "a/b");
+  const auto scene = [](const std::string& body, const std::string& contact) {
+    return "duration = 0.01\n[[body]]\nname = '" + body + "'\nmass = 1\ninertia = 1\n[[contact]]\ntype = 'limit'\n" +
+           "of = 'angle'\nname = '" + contact + "'\nbodies = ['ground', '" + body + "']\nlower = -1\n";
+  };
+  for (const auto& [body, contact] : {std::array{"../../evil", "c"}, {"b", "/tmp/evil"}, {"b", "../evil"}}) {
+    folder.write("a/b/s.toml", scene(body, contact));
+    for (const char* output : {"out.csv", "out.h5", "out.pvd"}) {
+      const Reply r = folder.orthant("simulate a/b/s.toml --output a/b/" + std::string(output));
+      INFO(r.err);
+      CHECK(r.exit_code == 1);
+      CHECK(r.err.find("must be of letters, digits") != std::string::npos);
+    }
+  }
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path)) files += entry.is_regular_file();
+  CHECK(files == 3);  // the scene, and what this test keeps of the command's words
+}
+
+TEST_CASE("a run that enters a limit of the numbers is told which, by name, and no other is") {
+  const Cli folder;
+  const auto scene = [&](const std::string& mass, const std::string& place, const std::string& spin,
+                         const std::string& stiffness) {
+    folder.write("limits.toml",
+                 "duration = 0.01\nstep = 1e-3\n[[body]]\nname = 'light'\nmass = 1\ninertia = 1\nposition = [" + place +
+                     ", 0]\nomega = " + spin + "\n[[body]]\nname = 'heavy'\nmass = " + mass +
+                     "\ninertia = 1\n[[spring]]\ntype = 'point'\nname = 's'\nbodies = ['light', 'heavy']\n"
+                     "point_a = [0, 0]\npoint_b = [0, 0]\nstiffness = " +
+                     stiffness + "\n");
+    return folder.orthant("simulate limits.toml").err;
+  };
+  const auto holds = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(scene("1e8", "1", "400", "4e5").empty());
+  CHECK(holds(scene("1e10", "1", "0", "0"), "\"heavy\" has 1e+10 times the mass of \"light\""));
+  CHECK(holds(scene("1", "2e5", "0", "0"), "bodies are 200000 m from the origin"));
+  CHECK(holds(scene("1", "1", "600", "0"), "\"light\" turns by 0.6 rad in a step"));
+  const std::string swings = scene("1", "1", "0", "2e6");
+  CHECK(holds(swings, "spring \"s\" swings by 2 rad in a step"));
+  CHECK(lines(swings) == 1);
+  CHECK(folder.orthant("simulate limits.toml --integrator adaptive").err.empty());
+}
+
 TEST_CASE("orthant list names everything, with options") {
   const Cli folder;
   const Reply a = folder.orthant("list");

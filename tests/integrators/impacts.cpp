@@ -111,6 +111,23 @@ TEST_CASE("every solver of the registry carries the laws") {
       }
 }
 
+TEST_CASE(
+    "impacts one after the other: what approaches equally fast strikes together, no order of the scene's decides") {
+  Scene scene;
+  scene.impacts = Impacts::sequential;
+  scene.duration = 0.01;
+  const auto block = scene.body({.name = "block", .mass = 2, .inertia = 0.1, .velocity = {0, -1}});
+  for (const double side : {-0.5, 0.5})
+    scene.contact(CornerWall{"", block, {side, 0}, kGround, {0, 0}, {0, 1}, {.e = 0.5}});
+  for (const Restitution law : {Restitution::newton, Restitution::poisson}) {
+    scene.restitution = law;
+    const Run r = run(scene, "moreau-jean", 1e-3);
+    REQUIRE(r.status == Status::solved);
+    CHECK(r.final.v[1] == doctest::Approx(0.5));
+    CHECK(std::abs(r.final.v[2]) < 1e-14);
+  }
+}
+
 TEST_CASE("a contact that is listed twice changes no impact, whichever copy a solver gives the impulse") {
   const auto plank = [](Restitution restitution, Impacts impacts, double mu, double e, int again) {
     Scene s{.gravity = {0, -9.81}, .restitution = restitution, .impacts = impacts};

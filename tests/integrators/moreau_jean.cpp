@@ -100,3 +100,15 @@ TEST_CASE("the last step ends at the duration, the clock refuses nonsense") {
   CHECK_THROWS_WITH_AS(make_integrator("moreau-jean:tetha=1", system), doctest::Contains("theta"),
                        std::invalid_argument);
 }
+
+TEST_CASE("a run keeps the worst of its steps, not the last") {
+  double penetration = 0, last = 0, residual = 0;
+  const Run r = run_for(bouncing_ball(), 2, "moreau-jean", 1e-2, [&](const Moment& m) {
+    last = m.report.penetration;
+    penetration = std::max(penetration, last);
+    residual = std::max(residual, m.report.lcp_residual);
+  });
+  CHECK(penetration > 10 * last);
+  CHECK(r.max_penetration == penetration);
+  CHECK(r.max_lcp_residual == residual);
+}

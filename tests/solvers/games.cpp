@@ -85,6 +85,17 @@ TEST_CASE("degenerate games with tied costs end too") {
   }
 }
 
+TEST_CASE("a degenerate game whose path is a circle, where ties are broken by the rows' order, ends") {
+  Eigen::MatrixXd A(5, 6), B(5, 6);
+  A << 2, 2, 3, 3, 3, 1, 3, 2, 1, 2, 1, 1, 1, 1, 1, 1, 3, 2, 2, 3, 1, 3, 1, 3, 3, 1, 2, 3, 3, 3;
+  B << 1, 3, 3, 3, 1, 2, 2, 2, 3, 1, 3, 2, 3, 2, 1, 1, 3, 2, 1, 3, 3, 2, 1, 3, 2, 1, 2, 3, 3, 2;
+  LemkeHowson solver({.label = 10});
+  solver.set_time_limit(5);
+  Solution s;
+  CHECK(solver.solve(as_lcp(A, B), s).status == Status::solved);
+  CHECK(s.iterations < 20);
+}
+
 TEST_CASE("large games: time limit, cancellation and log") {
   Random random(3);
   Eigen::MatrixXd A(150, 150), B(150, 150);

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/judge.h"
+#include "tests/support/sanitized.h"
 
 using namespace orthant;
 
@@ -21,7 +22,7 @@ Counts storm(const std::string& spec, Kinds kinds, int problems, std::uint64_t s
   Enumerate oracle;
   Solution s, truth;
   Counts tally;
-  for (int k = 0; k < problems; ++k) {
+  for (int k = 0; k < share_of(problems); ++k) {
     const Lcp p = random_integer_problem(random.integer(1, 6), kinds, random);
     if (!oracle.why_not(p).empty()) continue;
     solver->solve(p, s);
@@ -64,8 +65,8 @@ TEST_CASE("random integer problems: Lemke's answers stand, its proofs agree with
     MESSAGE(what, ": solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
     CHECK(tally.missed == 0);
-    CHECK(tally.solved > 400);
-    CHECK(tally.infeasible > 100);
+    CHECK(tally.solved > share_of(400));
+    CHECK(tally.infeasible > share_of(100));
   }
 }
 
@@ -75,8 +76,8 @@ TEST_CASE("random integer problems of no promised class: dantzig's answers and p
     const Counts tally = storm("dantzig", kinds, 2000, ++seed);
     MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
-    CHECK(tally.solved > 400);
-    CHECK(tally.infeasible > 100);
+    CHECK(tally.solved > share_of(400));
+    CHECK(tally.infeasible > share_of(100));
   }
 }
 
@@ -88,8 +89,8 @@ TEST_CASE("random integer problems: path's answers and proofs stand, and few of 
     MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
     CHECK(tally.missed <= 0.03 * tally.solved);  // its restarts are no search of all bases
-    CHECK(tally.solved > 100);
-    CHECK(tally.infeasible > 25);
+    CHECK(tally.solved > share_of(100));
+    CHECK(tally.infeasible > share_of(25));
   }
 }
 
@@ -106,7 +107,7 @@ TEST_CASE("random integer problems: the minimizers' answers and proofs stand") {
 TEST_CASE("random integer problems: what projected Gauss-Seidel calls solved is solved") {
   const Counts tally = storm("pgs:max_sweeps=1000", {.box = true, .friction = true}, 3000, 200);
   MESSAGE("solved ", tally.solved, ", honest ", tally.honest, " of which solvable ", tally.missed);
-  CHECK(tally.solved > 100);
+  CHECK(tally.solved > share_of(100));
 }
 
 TEST_CASE("monotone problems, degenerate and rank deficient: Lemke and path solve all") {
@@ -114,7 +115,7 @@ TEST_CASE("monotone problems, degenerate and rank deficient: Lemke and path solv
     Random random(300);
     const auto solver = make_solver(spec);
     Solution s;
-    for (int k = 0; k < 2000; ++k) {
+    for (int k = 0; k < share_of(2000); ++k) {
       const Index n = random.integer(1, 12), rank = random.integer(0, static_cast<int>(n));
       const Known known = planted_problem(n, rank, random.integer(0, static_cast<int>(n)), random);
       solver->solve(known.problem, s);
@@ -133,7 +134,7 @@ TEST_CASE("contacts with strong friction, sparse bodies: Lemke finds a solution 
   const auto solver = make_solver("lemke");
   Solution s, truth;
   int solved = 0, none = 0;
-  for (int k = 0; k < 5000; ++k) {
+  for (int k = 0; k < share_of(5000); ++k) {
     const Lcp p = random_contact_problem(random.integer(1, 3), random.integer(1, 6), random.uniform(0, 3), random);
     solver->solve(p, s);
     INFO("problem ", k, ": ", name(s.status));
@@ -148,5 +149,5 @@ TEST_CASE("contacts with strong friction, sparse bodies: Lemke finds a solution 
     REQUIRE(truth.status != Status::solved);
   }
   MESSAGE("solved ", solved, ", without a solution ", none);
-  CHECK(solved > 3000);
+  CHECK(solved > share_of(3000));
 }

@@ -1,0 +1,84 @@
+// Are the bits of a run the same on any number of threads, and those that were pinned?
+//
+// Every scene by every integrator with every solver, up to 10^4 steps: hashes of all states (support/fingerprint.h) in 1, 2
+// and 8 threads, against each other and, where the build is the same, against the table tests/data/determinism.csv.
+#include "experiments/support/fingerprint.h"
+#include "experiments/support/progress.h"
+
+#include <orthant/core/support/file.h>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
+
+using namespace orthant;
+
+namespace {
+
+int report(const std::vector<Fingerprint>& a, const std::vector<Fingerprint>& b, const std::string& of) {
+  int wrong = 0;
+  for (const Fingerprint& one : a)
+    for (const Fingerprint& other : b)
+      if (one.scene == other.scene && one.integrator == other.integrator && one.solver == other.solver &&
+          differ(one, other))
+        ++wrong, std::cout << of << " differs: " << one.row() << " and " << other.row() << '\n';
+  std::cout << of << ": " << wrong << " differ" << std::endl;
+  return wrong;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string pinned = "tests/data/determinism.csv";
+  long steps = kMarks.back();
+  double seconds = 10;
+  bool pin = false;
+  std::string only;
+  CLI::App app("The bits of every scene, integrator and solver in 1, 2 and 8 threads");
+  app.add_option("--table", pinned, "hashes to compare with")->capture_default_str();
+  app.add_option("--steps", steps, "of each run")->check(CLI::Range(1L, kMarks.back()))->capture_default_str();
+  app.add_option("--time-limit", seconds, "of each run [s]; what is late has fewer hashes")->capture_default_str();
+  app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
+  app.add_flag("--pin", pin, "write the table anew, where the threads agree");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    auto alone = all_fingerprints();
+    std::erase_if(alone, [&](const Fingerprint& f) {
+      return (f.scene + ',' + f.integrator + ',' + f.solver).find(only) == std::string::npos;
+    });
+    const auto untaken = alone;
+    const auto all_in = [&](std::vector<Fingerprint>& runs, int threads) {
+      Progress progress("threads " + std::to_string(threads), static_cast<double>(runs.size()));
+      take(runs, steps, seconds, threads, [&] { progress.add(1, false); });
+    };
+    all_in(alone, 1);
+    std::array<long, 4> reached{};
+    for (const Fingerprint& f : alone)
+      for (std::size_t k = 0; k < kMarks.size(); ++k) reached[k] += f.hash[k] != 0;
+    std::cout << alone.size() << " runs;";
+    for (std::size_t k = 0; k < kMarks.size(); ++k) std::cout << ' ' << reached[k] << " reached " << kMarks[k] << ';';
+    std::cout << std::endl;
+    if (alone.size() == 1) std::cout << alone[0].row() << std::endl;
+    int wrong = 0;
+    for (const int threads : {2, 8}) {
+      auto together = untaken;
+      all_in(together, threads);
+      wrong += report(alone, together, std::to_string(threads) + " threads");
+    }
+    std::string build;
+    if (pin && only.empty() && wrong == 0) {
+      write_whole(pinned, table_of(alone));
+    } else if (!pin && std::filesystem::exists(pinned)) {
+      const auto table = read_fingerprints(pinned, build);
+      if (build == build_of_bits())
+        wrong += report(table, alone, "the table");
+      else
+        std::cout << "the table is of another build: " << build << '\n';
+    }
+    return wrong > 0;
+  } catch (const std::exception& error) {
+    std::cerr << "determinism: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,20 @@
+// experiments/support/limits.h — where a run has gone beyond what the numbers carry: docs/theory/accuracy.md measures it.
+#pragma once
+
+#include <orthant/integrators/simulate.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace orthant {
+
+inline constexpr double kMassRatio = 1e9;  // of bodies that may act on one another
+inline constexpr double kSwing = 1;        // [rad] ω h of a spring
+inline constexpr double kTurn = 0.5;       // [rad] that a body turns in a step
+inline constexpr double kFar = 1e5;        // [m] from the origin: places are rounded to 1e-11 m
+
+/// In words, each limit that the run has entered; of schemes that choose their steps the step counts for nothing.
+std::vector<std::string> limits_entered(const System& system, const Run& run, std::string_view integrator, double step);
+
+}  // namespace orthant

@@ -1,0 +1,67 @@
+// Libraries under the solvers that fail: without memory a sparse factorization is refused, and the solver says so.
+#include <orthant/core/lcp/obstacles.h>
+#include <orthant/solvers/registry.h>
+
+#include <SuiteSparse_config.h>
+#include <doctest/doctest.h>
+
+using namespace orthant;
+
+namespace {
+
+long g_left = 0;  // allocations until there is no memory
+
+/// While it lives SuiteSparse (CHOLMOD, KLU, UMFPACK) gets that many pieces of memory and no more.
+struct Shortage {
+  explicit Shortage(long pieces) {
+    g_left = pieces;
+    SuiteSparse_config.malloc_func = [](std::size_t size) { return g_left-- > 0 ? std::malloc(size) : nullptr; };
+    SuiteSparse_config.calloc_func = [](std::size_t n, std::size_t size) {
+      return g_left-- > 0 ? std::calloc(n, size) : nullptr;
+    };
+    SuiteSparse_config.realloc_func = [](void* p, std::size_t size) {
+      return g_left-- > 0 ? std::realloc(p, size) : nullptr;
+    };
+  }
+  ~Shortage() {
+    SuiteSparse_config.malloc_func = std::malloc;
+    SuiteSparse_config.calloc_func = std::calloc;
+    SuiteSparse_config.realloc_func = std::realloc;
+  }
+  Shortage(const Shortage&) = delete;
+  Shortage& operator=(const Shortage&) = delete;
+};
+
+}  // namespace
+
+TEST_CASE("sparse solvers whose factorizations get no memory end with a status, and solve when there is some again") {
+  std::vector<Lcp> problems(2, string_on_obstacle(100));
+  auto& A = std::get<RowSparse>(problems[1].A);  // not symmetric
+  for (std::size_t i = 0; i + 1 < A.start.size(); ++i)
+    for (auto k = static_cast<std::size_t>(A.start[i]); k < static_cast<std::size_t>(A.start[i + 1]); ++k)
+      if (A.column[k] > static_cast<int>(i)) A.value[k] *= 0.5;
+  for (const std::string name :
+       {"block-pivot", "newton-min", "newton-fb", "path", "interior-point", "lemke", "auto", "admm"})
+    for (const Lcp& problem : problems) {
+      INFO(name);
+      const bool sparse_only = name == "block-pivot" || name == "interior-point" || name == "admm";
+      const auto solver = make_solver(name);
+      Solution s;
+      int failed = 0;
+      for (const long pieces : {0, 3, 12, 21, 40}) {
+        const auto fresh = make_solver(name);
+        fresh->set_time_limit(1);
+        solver->set_time_limit(1);
+        const Shortage shortage(pieces);
+        for (Solver* each : {fresh.get(), solver.get()}) {
+          each->solve(problem, s);
+          CHECK(s.status != Status::not_run);
+          failed += s.status != Status::solved;
+        }
+      }
+      if (sparse_only) CHECK(failed > 0);
+      solver->set_time_limit(kInf);
+      const Status again = solver->solve(problem, s, Start::cold).status;
+      CHECK(again == make_solver(name)->solve(problem, s, Start::cold).status);
+    }
+}
