@@ -96,10 +96,24 @@ bool differ(const Fingerprint& a, const Fingerprint& b) {
   return false;
 }
 
+namespace {
+
+/// What libraries choose their loops by: processors of one name differ in it.
+std::string instruction_sets() {
+  std::string known;
+  if (__builtin_cpu_supports("fma")) known += " fma";
+  if (__builtin_cpu_supports("avx2")) known += " avx2";
+  if (__builtin_cpu_supports("avx512f")) known += " avx512f";
+  if (__builtin_cpu_supports("avx512bf16")) known += " avx512bf16";
+  return known;
+}
+
+}  // namespace
+
 std::string build_of_bits() {
   const auto about = manifest();
   return about["compiler"].get<std::string>() + "; " + about["flags"].get<std::string>() + "; glibc " +
-         gnu_get_libc_version() + "; " + about["cpu"].get<std::string>();
+         gnu_get_libc_version() + "; " + about["cpu"].get<std::string>() + instruction_sets();
 }
 
 std::string table_of(const std::vector<Fingerprint>& all) {
