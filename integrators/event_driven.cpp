@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kForceZero =
     1e-8;                           // of the largest force: contacts this near to opening or sliding off do so together
+constexpr double kUntold = 1e-4;    // independence, of joints that are redundant anyway, of poses not to be passed
 constexpr double kSingular = 1e-2;  // independence of the joint rows below which a pose counts as next to singular
 constexpr double kNearest = 1e-4;   // likewise: a state is better found from both sides
 constexpr double kBlurred = 1e-6;   // likewise: but not from steps with a stage as near as this
@@ -98,9 +99,8 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
 }
 
 void EventDriven::remember(Memory& memory) {
-  memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, noise_, lead_, redundant_, least_independence_, load_,
-         flight_, flight_time_, bounces_, crossing_, crossed_, no_answer_, residual_, motion_, formulation_, impact_,
-         stepping_);
+  memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, noise_, lead_, rank_, least_independence_, load_, flight_,
+         flight_time_, bounces_, crossing_, crossed_, no_answer_, residual_, motion_, formulation_, impact_, stepping_);
 }
 
 /// Those of accumulations lie a little ahead of their place.
@@ -123,7 +123,7 @@ bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   residual_ = motion_.project(x.t, now_.q, now_.v);
-  redundant_ = motion_.basic().redundant();
+  rank_ = 0;
   if (!observe(now_, x.t)) return fail(report, Status::numerical_error, "no accelerations at the start");
   return change_modes(solver, {}, report);
 }
@@ -168,6 +168,10 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
                   "step size below rounding at t = " + detail::text_of(start_ + elapsed_) +
                       ": the forces grow without bound, or tolerances are too small");
   }
+  if (rank_ < system_.joint_rows() && least_independence_ < kUntold)
+    return fail(report, Status::numerical_error,
+                "redundant joints next to a singular pose at t = " + detail::text_of(start_ + elapsed_) +
+                    ": which way they go on is not told; adaptive and the schemes of fixed step pass it");
   const bool early = pass_over(s, rest);
   std::optional<Sign> event;
   while (std::optional<Sign> next = first_sign(s)) {
@@ -191,8 +195,9 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
 double EventDriven::error_of_step(double s) {
   if (!try_step(s)) return kInf;
   if (turns(s)) return kMuch;
-  const double blur = 1e-16 * std::pow(least_independence_, -1.5);
-  return rk_.error(s, q_scale_, v_scale_) / (least_independence_ < kSingular ? std::max(1.0, blur / options_.rtol) : 1);
+  const double error = rk_.error(s, q_scale_, v_scale_);
+  if (least_independence_ >= kSingular || rank_ < system_.joint_rows()) return error;
+  return error / std::max(1.0, 1e-16 * std::pow(least_independence_, -1.5) / options_.rtol);
 }
 
 /// What rounding of the coordinates makes of the accelerations at now_: no step is held to less. Far from the origin that is
@@ -212,7 +217,7 @@ void EventDriven::measure_noise() {
 std::optional<double> EventDriven::pose_in(double s) const {
   const double here = std::sqrt(now_.independence), there = std::sqrt(trial_.independence);
   const double least = std::sqrt(least_independence_);
-  if (least_independence_ >= kSingular) return {};
+  if (least_independence_ >= kSingular || rank_ < system_.joint_rows()) return {};
   if (least < there && least < here / 2) return s * here / (here + there);
   if (there < here) return s * here / (here - there);
   return {};
@@ -266,12 +271,13 @@ double EventDriven::first_guess(double rest) const {
 }
 
 /// Of the joint rows, where the accelerations were evaluated last. What is redundant everywhere is no singular pose.
-double EventDriven::independence() const {
-  return motion_.basic().redundant() && !redundant_ ? 0 : motion_.basic().independence();
-}
+double EventDriven::independence() const { return motion_.basic().rank() < rank_ ? 0 : motion_.basic().independence(); }
 
 bool EventDriven::observe(Point& p, double t) {
   if (!orthant::observe(motion_, t, p)) return false;
+  // Next to a singular pose rows that are redundant everywhere look independent, as far as rounding goes.
+  const int rank = motion_.basic().rank();
+  if (rank_ == 0 || (rank > rank_ && motion_.basic().independence() >= kSingular)) rank_ = rank;
   p.independence = independence();
   return true;
 }

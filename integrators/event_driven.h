@@ -145,7 +145,7 @@ class EventDriven final : public Integrator {
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
   double lead_ = 0;                         // [s] of the state that was handed out before now_
   double stop_ = kInf;                      // [s] forces are not looked at later in this step
-  bool redundant_ = false;                  // the joints are, at the start
+  int rank_ = 0;                            // of the joints' rows, away from singular poses
   double least_independence_ = 1;           // of the joints in the trial step
   double load_ = 0;                         // [N] the largest normal force since the modes were decided
   int flight_ = 0;                          // steps since the last event

@@ -18,6 +18,21 @@ Vector2d middle(const Polygon& corners) {
   return sum / static_cast<double>(corners.size());
 }
 
+double outer_radius(const Polygon& corners) {
+  double most = 0;
+  for (const Vector2d& corner : corners) most = std::max(most, (corner - middle(corners)).norm());
+  return most;
+}
+
+double inner_radius(const Polygon& corners) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector2d along = corners[(i + 1) % corners.size()] - corners[i], to = middle(corners) - corners[i];
+    least = std::min(least, std::abs(along.x() * to.y() - along.y() * to.x()) / along.norm());
+  }
+  return least;
+}
+
 }  // namespace
 
 double horizon(const System& system, const Kinematics& poses, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
@@ -56,7 +71,16 @@ double horizon(const System& system, const Kinematics& poses, const Eigen::Vecto
       moving(c.a, c.b, centres(c.a, c.centre, c.b, middle(c.corners)) / 2);
     } else if constexpr (std::is_same_v<Kind, PolygonPolygon>) {
       turning(c.a), turning(c.b);
-      moving(c.a, c.b, centres(c.a, middle(c.corners_a), c.b, middle(c.corners_b)) / 2);
+      const double size_a = outer_radius(c.corners_a), size_b = outer_radius(c.corners_b);
+      const double apart = centres(c.a, middle(c.corners_a), c.b, middle(c.corners_b)) - size_a - size_b;
+      const double thin = std::min(inner_radius(c.corners_a), inner_radius(c.corners_b)) / 2;
+      const auto fast = [&](const Eigen::VectorXd& x) {
+        const Eigen::Vector3d one = of(x, c.a), other = of(x, c.b);
+        return std::hypot(one.x() - other.x(), one.y() - other.y()) + size_a * std::abs(one.z()) +
+               size_b * std::abs(other.z());
+      };
+      const double within = time_for(thin, fast(v), fast(a));
+      least = std::min(least, apart > thin ? std::max(within, time_for(apart, fast(v), fast(a))) : within);
     } else if constexpr (std::is_same_v<Kind, CustomContact>) {
       turning(c.a), turning(c.b);
       moving(c.a, c.b, c.length() / 2);

@@ -106,7 +106,9 @@ struct Game {
     Equilibrium e;
     e.x = p.values(0, m), e.y = q.values(m, k);
     e.x /= e.x.sum(), e.y /= e.y.sum();
-    e.cost_1 = e.x.dot(A * e.y), e.cost_2 = e.x.dot(B * e.y);
+    const Eigen::VectorXd by_row = A * e.y, by_column = B.transpose() * e.x;
+    e.cost_1 = e.x.dot(by_row), e.cost_2 = e.y.dot(by_column);
+    e.regret = std::max(e.cost_1 - by_row.minCoeff(), e.cost_2 - by_column.minCoeff());
     e.label = label;
     return e;
   }

@@ -22,7 +22,8 @@ namespace orthant {
 struct Equilibrium {
   Eigen::VectorXd x, y;           // mixed strategies: m, k; each sums to 1
   double cost_1 = 0, cost_2 = 0;  // expected: xᵀA y, xᵀB y
-  int label = 0;                  // that led here
+  double regret = 0;  // the most a player gains by another strategy: ≥ 0, but for rounding 0; costs' units
+  int label = 0;      // that led here
 };
 
 /// One equilibrium of the game with costs A, B (m × k, finite) missing `label` in [0, m + k); any real costs.

@@ -68,10 +68,15 @@ void certify(const Mcp& p, double tolerance, Status claim, Solution& s) {
         for (RowSparse::View::InnerIterator entry(view, i); entry; ++entry) count(i, entry.col(), entry.value());
     }
     s.residual = 0;
-    for (Index i = 0; i < p.size(); ++i)
-      s.residual = std::max(s.residual, d[i] * std::abs(s.z[i] - std::clamp(s.z[i] - s.w[i] / d[i], p.lo[i], p.hi[i])));
+    bool fine = true;
+    for (Index i = 0; i < p.size(); ++i) {
+      const double off = d[i] * std::abs(s.z[i] - std::clamp(s.z[i] - s.w[i] / d[i], p.lo[i], p.hi[i]));
+      const double rounding = eps * size[i];
+      s.residual = std::max(s.residual, off);
+      fine = fine && (off <= tolerance || (off <= 20 * rounding && rounding <= 1e-6));
+    }
     s.rounding = p.size() > 0 ? eps * size.maxCoeff() : 0;
-    if (s.residual <= tolerance || (s.residual <= 20 * s.rounding && s.rounding <= 1e-6)) {
+    if (fine) {
       s.status = Status::solved;
       return;
     }

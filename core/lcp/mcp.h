@@ -3,8 +3,9 @@
 //   Find lo ≤ z ≤ hi such that, row by row,
 //     z_i = lo_i ⇒ F_i(z) ≥ 0,   z_i = hi_i ⇒ F_i(z) ≤ 0,   otherwise F_i(z) = 0.
 //   lo = 0, hi = ∞: a nonlinear complementarity problem; lo = −∞, hi = ∞: a system of equations.
-//   The judge: r = max_i d_i |z_i − clamp(z_i − F_i / d_i, lo_i, hi_i)|, d_i = max(1, max_j |J_ji|), in the units of F, is
-//   zero exactly at a solution. Accepted when r ≤ tolerance, or r ≤ 20 ρ with ρ = ε max_i (|F_i| + Σ_j |J_ij z_j|) ≤ 1e-6.
+//   The judge: r_i = d_i |z_i − clamp(z_i − F_i / d_i, lo_i, hi_i)|, d_i = max(1, max_j |J_ji|), in the units of F, is
+//   zero exactly at a solution. Accepted when, for each row, r_i ≤ tolerance, or r_i ≤ 20 ρ_i with
+//   ρ_i = ε (|F_i| + Σ_j |J_ij z_j|) ≤ 1e-6: no row's rounding excuses another.
 //   The tolerance is absolute: what F is made of only the caller knows.
 //   Source: Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems (2003), ch. 1.
 #pragma once

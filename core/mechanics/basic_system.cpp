@@ -209,6 +209,10 @@ struct BasicSystem::LeastNorm {
     A.setThreshold(std::sqrt(kDependent));  // lengths here, their squares in the Cholesky factor's pivots
     A.compute(columns * scale.asDiagonal());
   }
+  double independence() const {
+    const double least = A.matrixQTZ().diagonal().head(A.rank()).cwiseAbs().minCoeff();
+    return std::min(1.0, least * least);
+  }
   Eigen::VectorXd half(const Eigen::VectorXd& v) const {  // L⁻¹ v
     return inverse_root.size() > 0 ? Eigen::VectorXd(inverse_root.cwiseProduct(v)) : factor.matrixL().solve(v);
   }
@@ -258,8 +262,11 @@ bool BasicSystem::factorize(const System& system, const Terms& terms, double sti
   return true;
 }
 
+int BasicSystem::rank() const { return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_; }
+
 double BasicSystem::independence() const {
-  if (redundant_ || rows_ == 0) return 1;
+  if (rows_ == 0 || rank() == 0) return 1;
+  if (redundant_) return least_norm_->independence();
   return way_ == Way::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
 }
 

@@ -45,9 +45,10 @@ class BasicSystem {
 
   int joint_rows() const { return rows_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
-  /// What is left of the most dependent joint row of the last factorization, squared over its S_ii, in (0, 1]: near 0 next
-  /// to a singular pose. 1 where there are no joints, or redundant ones. Of the sparse matrix it is found when asked for,
-  /// at the cost of another factorization.
+  int rank() const;                              // of the joint rows, as the last factorization found it
+  /// What is left of the most dependent of rank() joint rows of the last factorization, squared over its S_ii, in (0, 1]:
+  /// near 0 next to a singular pose. 1 where there are no joints. Of the sparse matrix it is found when asked for, at the
+  /// cost of another factorization.
   double independence() const;
 
  private:

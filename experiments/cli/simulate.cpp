@@ -74,13 +74,19 @@ nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& c
 void dump_failed_step(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
   std::cerr << "orthant: step " << run.steps + 1 << " at t = " << run.final.t << " s failed: " << name(run.status);
   if (!run.why.empty()) std::cerr << ": " << run.why;
+  if (run.status == Status::time_limit) {
+    std::cerr << '\n';
+    return;
+  }
   if (integrator.problem().size() == 0) {
     std::cerr << (run.why.empty() ? " (the basic system could not be solved; there was no complementarity problem)\n"
                                   : "\n");
     return;
   }
   const auto folder = std::filesystem::path(arguments.output).parent_path();
-  const auto file = folder / ("failed_step_" + std::to_string(run.steps + 1) + ".json");
+  const auto name_of = "failed_step_" + std::to_string(run.steps + 1);
+  auto file = folder / (name_of + ".json");
+  for (int k = 2; std::filesystem::exists(file); ++k) file = folder / (name_of + "_" + std::to_string(k) + ".json");
   try {
     write_problem(file, integrator.problem(),
                   "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver);

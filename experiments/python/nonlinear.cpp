@@ -32,6 +32,11 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
     if (!a || value.is_none()) throw py::type_error(std::string(what) + " returned no array of numbers");
     return a;
   };
+  std::string why;  // the first entry that is not finite
+  const auto note = [&](const std::string& entry, double value) {
+    if (why.empty())
+      why = entry + " = " + (std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf") + ": must be finite";
+  };
   problem.F = [&](const Vector& z, Vector& value) {  // NaN is the solver's to avoid: it steps back
     const auto a = numbers(F(to_numpy(z)), "F");
     if (a.ndim() != 1 || a.shape(0) != n)
@@ -39,6 +44,8 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
                                   (a.ndim() == 1 ? "" : " in " + std::to_string(a.ndim()) + " dimensions") +
                                   ": must be (" + std::to_string(n) + ",)");
     value = Eigen::Map<const Eigen::VectorXd>(a.data(), n);
+    for (Index i = 0; i < n; ++i)
+      if (!std::isfinite(value[i])) note("F[" + std::to_string(i) + "]", value[i]);
   };
   problem.jacobian = [&](const Vector& z, Matrix& J) {
     const py::object value = jacobian(to_numpy(z));
@@ -48,7 +55,12 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
       throw std::invalid_argument("jacobian returned another shape: must be (" + std::to_string(n) + ", " +
                                   std::to_string(n) + ")");
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    J = DenseMatrix(Eigen::Map<const Rows>(a.data(), n, n));
+    const Eigen::Map<const Rows> rows(a.data(), n, n);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j)
+        if (!std::isfinite(rows(i, j)))
+          note("jacobian[" + std::to_string(i) + ", " + std::to_string(j) + "]", rows(i, j));
+    J = DenseMatrix(rows);
   };
   PathOptions given;
   set_options(given, options);
@@ -62,6 +74,7 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
   d["F"] = to_numpy(s.w);
   d["residual"] = s.residual;
   d["iterations"] = s.iterations;
+  d["why"] = s.status == Status::numerical_error ? why : "";
   return d;
 }
 
@@ -87,14 +100,23 @@ template <class Solve> auto play(py::handle A, py::handle B, std::optional<doubl
 void add_nonlinear(py::module_& m) {
   m.def("_solve_mcp", &solve_mcp);
 
-  py::class_<Equilibrium>(m, "Equilibrium", "Mixed strategies x (m,), y (k,) and both players' expected costs.")
+  py::class_<Equilibrium>(
+      m, "Equilibrium",
+      "Mixed strategies x (m,), y (k,), both players' expected costs, and regret: the most that one of them gains by\n"
+      "another strategy, in units of the costs; above 0 by rounding alone, which costs of 1e12 beside 1 make large.")
       .def_readonly("x", &Equilibrium::x)
       .def_readonly("y", &Equilibrium::y)
       .def_readonly("cost_1", &Equilibrium::cost_1)
       .def_readonly("cost_2", &Equilibrium::cost_2)
+      .def_readonly("regret", &Equilibrium::regret)
       .def_readonly("label", &Equilibrium::label)
+      .def("__repr__",
+           [](const py::object& e) {
+             return py::str("Equilibrium(x={}, y={}, cost_1={:g}, cost_2={:g}, regret={:g})")
+                 .format(e.attr("x"), e.attr("y"), e.attr("cost_1"), e.attr("cost_2"), e.attr("regret"));
+           })
       .def(by_members<Equilibrium, &Equilibrium::x, &Equilibrium::y, &Equilibrium::cost_1, &Equilibrium::cost_2,
-                      &Equilibrium::label>());
+                      &Equilibrium::regret, &Equilibrium::label>());
   m.def("_equilibrium", [](py::handle A, py::handle B, int label, std::optional<double> time_limit) {
     return play(A, B, time_limit,
                 [&](const auto& a, const auto& b, const auto& stop) { return lemke_howson(a, b, label, stop); });

@@ -65,6 +65,12 @@ TEST_CASE("orthant simulate: a failed step stops the run and leaves its problem 
   CHECK(json.at("status") != "solved");
   const long failed = json.at("steps").get<long>() + 1;
   CHECK(a.err.find("failed_step_" + std::to_string(failed) + ".json") != std::string::npos);
+  const Reply again = folder.orthant("simulate slider_crank --solver pgs:max_sweeps=1 --step 1e-5 --set mu=0.1");
+  CHECK(again.exit_code == 3);  // the first one's is not written over
+  CHECK(again.err.find("failed_step_" + std::to_string(failed) + "_2.json") != std::string::npos);
+  const Reply late = folder.orthant("simulate slider_crank --step 1e-9 --time-limit 0.05");
+  CHECK((late.exit_code == 3 && late.err.find("time_limit") != std::string::npos));
+  CHECK(late.err.find(".json") == std::string::npos);  // no problem failed
   const Reply replay = folder.orthant("solve failed_step_" + std::to_string(failed) + ".json --json");
   CHECK(replay.exit_code == 0);
   CHECK(nlohmann::json::parse(replay.out).at("status") == "solved");

@@ -675,3 +675,70 @@ TEST_CASE("a box's corner comes to the edge of another box: its normal jumps the
       CHECK((r.final.q - exact).lpNorm<Eigen::Infinity>() <= 1e-6);
     }
 }
+
+TEST_CASE("redundant joints: the tolerance holds in one long step as in many, or it says why not") {
+  Scene sliders{.gravity = {0, -9.81},
+                .duration = 3};  // two on one rail, welded together, on a spring: x = sin(5 t) / 5
+  const auto a = sliders.body({.inertia = 0.1, .velocity = {1, 0}});
+  const auto b = sliders.body({.inertia = 0.1, .position = {1, 0}, .velocity = {1, 0}});
+  sliders.joint(Prismatic{.a = kGround, .b = a});
+  sliders.joint(Prismatic{.a = kGround, .b = b});
+  sliders.joint(Fixed{.a = a, .b = b, .point_a = {1, 0}});
+  sliders.spring(PointSpring{.a = kGround, .b = a, .point_a = {-10, 0}, .stiffness = 50, .rest = 10});
+  Scene once{.gravity = {0, -9.81}, .duration = 3};  // a rod on a pin that is there twice
+  const auto rod = once.body({.inertia = 1.0 / 12, .position = {0.5, 0}});
+  once.joint(Revolute{.a = kGround, .b = rod, .point_b = {-0.5, 0}});
+  Scene twice = once;
+  twice.joint(Revolute{.a = kGround, .b = rod, .point_b = {-0.5, 0}});
+  const auto simple = run(once, kScheme, once.duration).final.q;
+  for (const double step : {3.0, 0.3, 0.01}) {
+    CAPTURE(step);
+    CHECK(std::abs(run(sliders, kScheme, step).final.q[0] - std::sin(15) / 5) <= 1e-9);
+    CHECK((run(twice, kScheme, step).final.q - simple).lpNorm<Eigen::Infinity>() <= 1e-8);
+  }
+
+  Scene cranks{.gravity = {0, -9.81}, .duration = 1};  // four, parallel: in line at 0.75 s, where they may part
+  const Vector2d along(std::cos(0.7), std::sin(0.7)), swing(-along.y(), along.x());
+  for (int i = 0; i < 4; ++i)
+    cranks.body(
+        {.inertia = 1.0 / 12, .position = Vector2d(i, 0) + along / 2, .angle = 0.7, .velocity = swing, .omega = 2});
+  const auto coupler = cranks.body({.mass = 2, .position = Vector2d(1.5, 0) + along, .velocity = 2 * swing});
+  for (int i = 0; i < 4; ++i) {
+    cranks.joint(Revolute{.a = kGround, .b = i, .point_a = {1.0 * i, 0}, .point_b = {-0.5, 0}});
+    cranks.joint(Revolute{.a = i, .b = coupler, .point_a = {0.5, 0}, .point_b = {i - 1.5, 0}});
+  }
+  const double theta = run(cranks, "adaptive:rtol=1e-9", 1).final.q[2];
+  for (const double step : {1.0, 0.1, 0.0033, 1e-3}) {
+    CAPTURE(step);
+    const Run r = run(cranks, kScheme, step);
+    if (r.status == Status::solved)
+      CHECK(std::abs(r.final.q[2] - theta) <= 1e-6);
+    else
+      CHECK(r.why.find("singular pose") != std::string::npos);
+  }
+}
+
+TEST_CASE("a triangle's corner that passes through a box within a step strikes it, whatever the output step") {
+  Scene s{.gravity = {0, 0}, .duration = 0.84};
+  const auto a = s.body({.inertia = 0.1, .velocity = {2, 0}, .omega = -0.9130254192869451});
+  const auto b = s.body({.mass = 3.9411570105838587,
+                         .inertia = 0.3,
+                         .position = {1.5, 0.16270567088306875},
+                         .angle = 0.5591023822803454,
+                         .velocity = {-1, 0},
+                         .omega = -0.42560125448834407});
+  s.contact_set(
+      polygon_polygon({.a = a,
+                       .corners_a = {{-0.5, -0.3}, {0.5, -0.3}, {0.5, 0.3}, {-0.5, 0.3}},
+                       .b = b,
+                       .corners_b = {{-0.4, -0.2}, {0.5, -0.25}, {0.1, 0.4}},
+                       .law = {.mu = 0.08517459842784064, .e = 0.4017908467467865, .e_t = 0.48207663753853425}}));
+  const auto fine = tell(s, s.duration, s.duration / 100);
+  CHECK(fine.of(EventKind::impact).size() == 3);
+  for (const double step : {0.84, 0.42, 0.21, 0.1}) {
+    CAPTURE(step);
+    const auto story = tell(s, s.duration, step);
+    CHECK(story.of(EventKind::impact).size() == 3);
+    CHECK((story.run.final.q - fine.run.final.q).lpNorm<Eigen::Infinity>() <= 1e-9);
+  }
+}

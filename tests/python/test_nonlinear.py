@@ -66,3 +66,18 @@ def test_complex_numbers_from_callbacks_are_refused():
         orthant.solve_mcp(kojima_shindo, lambda z: slope(z) + 1j, np.zeros(4))
     with pytest.raises(ValueError, match="F returned 4 numbers in 2 dimensions"):
         orthant.solve_mcp(lambda z: kojima_shindo(z)[:, None], slope, np.zeros(4))
+
+
+def test_what_is_not_finite_is_named():
+    bad = orthant.solve_mcp(lambda z: np.array([z[0] - 1, np.nan]), lambda z: np.eye(2), [0.0, 0.0])
+    assert bad.status == "numerical_error" and bad.why == "F[1] = nan: must be finite"
+    bad = orthant.solve_mcp(lambda z: z - 1, lambda z: np.array([[1.0, np.inf], [0, 1]]), [0.0, 0.0])
+    assert bad.why == "jacobian[0, 1] = inf: must be finite"
+    assert orthant.solve_mcp(lambda z: z - 1, lambda z: np.eye(2), [0.0, 0.0]).why == ""
+
+
+def test_an_equilibrium_says_what_rounding_left_of_it():
+    K = 1e12
+    e = orthant.equilibrium([[K, 0], [K + 1, 1]], [[0, 1], [1, 0]], 1)
+    assert e.regret == pytest.approx((e.x @ [[K, 0], [K + 1, 1]] @ e.y) - min([[K, 0], [K + 1, 1]] @ e.y))
+    assert orthant.equilibrium([[3, 0], [5, 1]], [[3, 5], [0, 1]]).regret <= 1e-15

@@ -292,6 +292,28 @@ def test_npz_fields_that_are_wrong_are_named(tmp_path, fields, said):
         orthant.read_problem(tmp_path / "p.npz")
 
 
+def test_problems_keep_to_the_endings_they_are_read_by(tmp_path):
+    p = orthant.Problem(M, q)
+    for ending in ("npz", "hdf5", "h5", "mtx"):
+        with pytest.raises(ValueError, match=f"p.{ending}: must not end so"):
+            orthant.write_problem(tmp_path / f"p.{ending}", p)
+    with pytest.raises(ValueError, match="p.json: must end in .hdf5 or .h5"):
+        orthant.write_fclib(tmp_path / "p.json", p, dimension=2)
+    assert not list(tmp_path.iterdir())
+
+
+def test_npz_with_any_byte_changed_is_read_or_refused_by_name(tmp_path):
+    file = tmp_path / "p.npz"
+    orthant.write_npz(file, orthant.Problem(M, q))
+    whole = file.read_bytes()
+    for at in range(0, len(whole), 3):
+        file.write_bytes(whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1:])
+        try:
+            orthant.read_problem(file)
+        except (ValueError, TypeError, RuntimeError, NotImplementedError) as error:
+            assert "p.npz" in str(error), at
+
+
 def test_what_is_no_npz(tmp_path):
     (tmp_path / "p.npz").write_bytes(b"garbage")
     with pytest.raises(ValueError, match="p.npz: must be NumPy's NPZ"):

@@ -261,6 +261,17 @@ TEST_CASE("path: callbacks that return rubbish end honestly, malformed problems 
   CHECK(path.solve(r, s, Start::warm).status == Status::solved);
 }
 
+TEST_CASE("path: no row's rounding excuses another") {
+  const Mcp p = complementarity(  // F_2 < 0 everywhere; F_1 of 1e9 rounds by 1e-7
+      2, [](const Vector& z, Vector& F) { F[0] = 1e9 * (z[0] - 1), F[1] = -1e-6; },
+      [](const Vector&, DenseMatrix& J) { J(0, 0) = 1e9, J(0, 1) = J(1, 0) = J(1, 1) = 0; });
+  Path path;
+  Solution s;
+  path.solve(p, s);
+  CHECK(s.status != Status::solved);
+  CHECK(s.residual >= 0.99e-6);
+}
+
 TEST_CASE("path: a system without a solution is not called solved") {
   const Mcp p = complementarity(
       1, [](const Vector& z, Vector& F) { F[0] = -1 - z[0] * z[0]; },

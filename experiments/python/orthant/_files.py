@@ -14,6 +14,7 @@ from ._spec import path, shown, whole, word
 if TYPE_CHECKING:
     Path = Union[str, os.PathLike[str]]
 
+_BROKEN = (ValueError, EOFError, NotImplementedError, OSError, RuntimeError, zipfile.BadZipFile, zlib.error)  # an archive
 _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed: M is square
 
 
@@ -32,7 +33,7 @@ def read_problem(file: Path) -> Problem:
 
     try:
         archive = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError, zipfile.BadZipFile) as error:
+    except (ValueError, EOFError, NotImplementedError, zipfile.BadZipFile) as error:
         raise ValueError(f"{file}: must be NumPy's NPZ: {error}") from None
     if not isinstance(archive, np.lib.npyio.NpzFile):
         raise ValueError(f"{file}: must be NumPy's NPZ of several arrays, not one array")
@@ -40,13 +41,13 @@ def read_problem(file: Path) -> Problem:
         known = {"M", "q", "lower", "upper", "friction", *_SPARSE}
         if unknown := sorted(set(data.files) - known):
             raise ValueError(f"{file}: {unknown[0]} is no known field: must be one of {', '.join(sorted(known))}")
-        if "q" not in data or ("M" in data) == ("M_data" in data):
+        if "q" not in data.files or ("M" in data.files) == ("M_data" in data.files):
             raise ValueError(f"{file}: must have q, and either M or {', '.join(_SPARSE)}")
         fields = {}
         for key in data.files:
             try:
                 fields[key] = data[key]
-            except (ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            except _BROKEN as error:
                 raise ValueError(f"{file}: {key} cannot be read: {error}") from None
     q = fields["q"]
     if q.ndim != 1:
@@ -87,13 +88,18 @@ def _problem(value: Any) -> Problem:
 
 def write_problem(file: Path, problem: Problem, note: str = "") -> None:
     """A problem as one JSON file, whole or not at all; `read_problem` reads it back bit for bit."""
-    _orthant._write_problem(path("file", file), _problem(problem), word("note", note))
+    file, problem, note = path("file", file), _problem(problem), word("note", note)
+    if file.endswith((".npz", ".hdf5", ".h5", ".mtx")):
+        raise ValueError(f"{file}: must not end so: read_problem takes it for another format (write_npz, write_fclib)")
+    _orthant._write_problem(file, problem, note)
 
 
 def write_fclib(file: Path, problem: Problem, dimension: int, title: str = "", description: str = "") -> None:
     """A contact problem for the FCLIB collection, HDF5: dimension 2 or 3 rows a contact, the normal one first."""
-    _orthant._write_fclib(path("file", file), _problem(problem), whole("dimension", dimension, 1, 3), word("title", title),
-                          word("description", description))
+    file, dimension = path("file", file), whole("dimension", dimension, 1, 3)
+    if not file.endswith((".hdf5", ".h5")):
+        raise ValueError(f"{file}: must end in .hdf5 or .h5, by which read_problem knows it")
+    _orthant._write_fclib(file, _problem(problem), dimension, word("title", title), word("description", description))
 
 
 def write_npz(file: Path, problem: Problem) -> None:

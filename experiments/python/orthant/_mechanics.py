@@ -114,7 +114,10 @@ def _lines(overrides: dict[str, Any]) -> list[str]:
 
 def _text_of_file(file: str) -> str:
     with open(file, encoding="utf-8") as stream:
-        return stream.read()
+        try:
+            return stream.read()
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{file}: must be UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}") from None
 
 
 class Trajectory:
