@@ -20,8 +20,9 @@
 //   Error norm: max |Δ| / (atol + rtol s); s = 1 rad for angles, else the largest |x|, |ẋ|, |ω| at that time of all bodies
 //   that can meet (extents.h).
 //   atol is in m, rad, m/s, rad/s alike: an error of one step, which the motion may magnify. Measured on the slider-crank,
-//   e <= 0.4: |Δθ₁| after 3 turns is below rtol from 1e-3 to 1e-7, and levels off at 1e-9 to 5e-8, where rounding of the
-//   gaps ends it; with e = 0.7 up to 100, with e = 0.9 up to 1000 times rtol (μ = 0.1, event-driven beside it).
+//   e <= 0.4: |Δθ₁| after 3 turns is about rtol, 1.6 of it at the most, from 1e-3 to 1e-7, and levels off at 1e-9 to 5e-8,
+//   where rounding of the gaps ends it; with e = 0.7 up to 100, with e = 0.9 up to 1000 times rtol (μ = 0.1, event-driven
+//   beside it).
 //   Cost: an arc of k columns k (k + 1) steps, each one factorization and one small dense system of the lasting contacts,
 //   and five more evaluations where contacts last.
 //   Between the points looked at a gap is held against the parabola through the last three, if they do not rise: where it
