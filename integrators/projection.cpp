@@ -11,7 +11,8 @@ Projection::Projection(const System& system, bool with_joints)
       trial_(system.dof()),
       step_(system.dof()),
       rate_(system.joint_rows()),
-      lambda_(system.joint_rows()) {}
+      lambda_(system.joint_rows()),
+      weight_(system.joint_rows()) {}
 
 double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   constexpr int kIterations = 20;
@@ -21,7 +22,7 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   if (terms.phi.size() == 0) return 0;
   if (basic_.joint_rows() == 0) return terms.phi.lpNorm<Eigen::Infinity>();
   if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
-  far_.measure([&](Index i) { return largest_entry(q, i); });
+  weigh(terms, q);
   double left = mismatch(terms);
   for (int i = 0; i < kIterations && left > kTolerance; ++i) {
     rate_ = -terms.phi;
@@ -41,12 +42,17 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   return terms.phi.lpNorm<Eigen::Infinity>();
 }
 
+void Projection::weigh(const Terms& terms, const Eigen::VectorXd& q) {
+  far_.measure([&](Index i) { return largest_entry(q, i); });
+  for (Index i = 0; i < weight_.size(); ++i) weight_[i] = 1 / (1 + far_.of(terms.G[static_cast<std::size_t>(i)]));
+}
+
 double Projection::mismatch(const Terms& terms) const {
   double worst = 0;
-  for (Index i = 0; i < terms.phi.size(); ++i) {
-    const double off = std::abs(terms.phi[i]) / (1 + far_.of(terms.G[static_cast<std::size_t>(i)]));
-    if (std::isnan(off)) return off;
-    worst = std::max(worst, off);
+  for (Index i = 0; i < weight_.size(); ++i) {
+    const double off = std::abs(terms.phi[i]) * weight_[i];
+    if (!(off <= worst)) worst = off;  // NaN stays, as nothing is larger
+    if (std::isnan(worst)) break;
   }
   return worst;
 }

@@ -30,12 +30,14 @@ class Projection {
   void forget() { basic_.forget(); }  // see there
 
  private:
-  double mismatch(const Terms& terms) const;  // of Φ, each row over 1 m + its bodies' coordinates
+  void weigh(const Terms& terms, const Eigen::VectorXd& q);
+  double mismatch(const Terms& terms) const;  // the largest |Φ_i| times its weight, or NaN
 
   const System& system_;
   BasicSystem basic_;
   Extents far_;
   Eigen::VectorXd trial_, step_, rate_, lambda_;
+  Eigen::VectorXd weight_;  // of each row: 1 / (1 m + its bodies' coordinates)
 };
 
 }  // namespace orthant

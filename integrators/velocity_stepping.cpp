@@ -88,7 +88,7 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   force_ = h * terms_.f;
   basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
   v_new_ += x.v;
-  return v_new_.allFinite() || fail(report, Status::numerical_error, "the motion is not finite");
+  return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
 }
 
 void VelocityStepping::measure(double h, const State& x) {
@@ -168,8 +168,7 @@ bool VelocityStepping::settle(double t, StepReport& report) {
   evaluate_gaps(system_, terms_);
   gaps_ = terms_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
-  return (q_new_.allFinite() && v_new_.allFinite()) ||
-         fail(report, Status::numerical_error, "the motion is not finite");
+  return (finite(q_new_) && finite(v_new_)) || fail(report, Status::numerical_error, "the motion is not finite");
 }
 
 }  // namespace orthant

@@ -38,6 +38,9 @@ constexpr Step kSteps[] = {
     {"newton-min", "sparse, no positive entry off the diagonal",
      [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
     {"lemke-howson", "no diagonal: a game?", [](const Look& p) { return smooth(p) && p.no_diagonal && p.n > 1; }},
+    // Piles: 19 ms for Lemke's 66 at 296 rows; 60 ms at 1724 rows, where path's first variation ends nowhere in 6 s.
+    {"nncg:max_sweeps=3000", "friction, cheap sweeps",
+     [](const Look& p) { return p.friction && (p.sparse || p.applied) && p.n > kBoldRows; }},
     {"lemke:rescue=false,max_pivots=5000", "small", [](const Look& p) { return p.n <= kSmall; }},
     {"block-pivot", "symmetric, positive diagonal",
      [](const Look& p) { return smooth(p) && !p.applied && p.symmetric && p.positive_diagonal && p.n > kSmall; }},

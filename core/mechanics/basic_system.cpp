@@ -295,6 +295,7 @@ void BasicSystem::solve_rates(const double* c, double* x, double* lambda) const 
 }
 
 void BasicSystem::solve_row(const Row& row, double* x) const {
+  if (way_ == Way::dense && !redundant_) return schur_->solve_row(row, x);
   // A row touches two bodies at the most, but x is full as soon as joints carry it on.
   force_.setZero();
   apply_transposed(row, 1.0, force_.data());

@@ -88,47 +88,45 @@ void store(int, InPlace, double*) {}
 Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
     : n_(static_cast<int>(rows.size())),
       inverse_mass_(inverse_mass),
-      S_(rows.size() * rows.size()),
+      S_(rows.size() * rows.size() + 1),
       pivot_(rows.size()),
-      inverse_pivot_(rows.size()) {
+      inverse_pivot_(rows.size()),
+      lambda_(rows.size() + 1) {
+  const auto side_on = [&](int i, int first) {  // −1: row i does not act there
+    if (i >= n_) return -1;
+    const Row& row = rows[static_cast<std::size_t>(i)];
+    return 3 * row.a == first ? 0 : 3 * row.b == first ? 1 : -1;
+  };
   for (int first = 0; first < inverse_mass.size(); first += 3) {
-    const auto begin = sides_.size();
+    const auto begin = static_cast<int>(twos_.size());
     for (int i = 0; i < n_; ++i) {
-      const Row& row = rows[static_cast<std::size_t>(i)];
-      if (3 * row.a == first) sides_.push_back({i, 0, {}});
-      if (3 * row.b == first) sides_.push_back({i, 1, {}});
+      const int which = side_on(i, first);
+      if (which < 0) continue;
+      const bool both = side_on(i + 1, first) == which;
+      twos_.push_back({i, which, both, {}, {}, {}});
+      i += both;
     }
-    if (sides_.size() == begin) continue;
-    bodies_.push_back(
-        {first, static_cast<int>(begin), {inverse_mass[first], inverse_mass[first + 1], inverse_mass[first + 2]}});
-    for (std::size_t u = begin; u < sides_.size(); ++u)
-      for (std::size_t v = begin; v <= u; ++v) place_.push_back(sides_[u].row * n_ + sides_[v].row);
-  }
-}
-
-template <class Sides, class Use> void Schur::each_body(Sides& sides, Use&& use) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const auto begin = static_cast<std::size_t>(bodies_[b].begin);
-    const auto end = b + 1 < bodies_.size() ? static_cast<std::size_t>(bodies_[b + 1].begin) : sides.size();
-    use(bodies_[b], std::span(sides.data() + begin, end - begin));
+    if (const auto end = static_cast<int>(twos_.size()); end > begin)
+      bodies_.push_back({first, begin, end, {inverse_mass[first], inverse_mass[first + 1], inverse_mass[first + 2]}});
   }
 }
 
 bool Schur::factorize(std::span<const Row> G, double dependent) {
   std::fill(S_.begin(), S_.end(), 0.0);
-  double* const S = S_.data();
-  const int* place = place_.data();
-  each_body(sides_, [&](const OnBody& body, std::span<Side> sides) {
+  const auto add = [](double* to, const Eigen::Array2d& what) { Eigen::Map<Eigen::Array2d>(to, 2) += what; };
+  for (const OnBody& body : bodies_) {
     const auto [m, n, j] = body.inverse_mass;
-    for (std::size_t u = 0; u < sides.size(); ++u) {
-      const double *const g = sides[u].part(G), x = g[0], y = g[1], z = g[2];
-      sides[u].h[0] = m * x, sides[u].h[1] = n * y, sides[u].h[2] = j * z;
-      for (std::size_t v = 0; v <= u; ++v) {
-        const auto& h = sides[v].h;
-        S[*place++] += x * h[0] + y * h[1] + z * h[2];
+    const std::span<Two> twos = on(body);
+    for (Two& u : twos) {
+      const std::array<double, 3> g = u.part(G, 0), h = u.both ? u.part(G, 1) : std::array<double, 3>{};
+      u.x = m * Eigen::Array2d(g[0], h[0]), u.y = n * Eigen::Array2d(g[1], h[1]), u.z = j * Eigen::Array2d(g[2], h[2]);
+      double *const first = S_.data() + u.row * n_, *const second = first + n_;
+      for (const Two* v = twos.data(); v <= &u; ++v) {  // a number more at the end of a row's is 0, or overwritten
+        add(first + v->row, g[0] * v->x + g[1] * v->y + g[2] * v->z);
+        if (u.both) add(second + v->row, h[0] * v->x + h[1] * v->y + h[2] * v->z);
       }
     }
-  });
+  }
   return with_size(n_, [&](auto n) { return factorize_rows(n, dependent); });
 }
 
@@ -168,34 +166,53 @@ double Schur::independence() const {
 
 void Schur::solve(const double* f, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
-  if (lambda != c)
-    for (int i = 0; i < n_; ++i) lambda[i] = c[i];
-  each_body(sides_, [&](const OnBody& body, std::span<const Side> sides) {
-    const double f0 = f[body.first], f1 = f[body.first + 1], f2 = f[body.first + 2];
-    for (const Side& side : sides) lambda[side.row] -= side.h[0] * f0 + side.h[1] * f1 + side.h[2] * f2;
-  });
-  with_size(n_, [&](auto n) { solve_rows(n, lambda); });
-  add_rows(lambda, x);
+  std::copy_n(c, n_, lambda_.data());
+  for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
+  with_size(n_, [&](auto n) { solve_rows(n, lambda_.data()); });
+  add_rows(lambda_.data(), x);
+  std::copy_n(lambda_.data(), n_, lambda);
 }
 
 void Schur::solve_rates(const double* c, double* x, double* lambda) const {
-  for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = 0;
-  if (lambda != c)
-    for (int i = 0; i < n_; ++i) lambda[i] = c[i];
-  with_size(n_, [&](auto n) { solve_rows(n, lambda); });
-  add_rows(lambda, x);
+  std::fill_n(x, inverse_mass_.size(), 0.0);
+  std::copy_n(c, n_, lambda_.data());
+  with_size(n_, [&](auto n) { solve_rows(n, lambda_.data()); });
+  add_rows(lambda_.data(), x);
+  std::copy_n(lambda_.data(), n_, lambda);
+}
+
+void Schur::solve_row(const Row& row, double* x) const {
+  std::fill_n(x, inverse_mass_.size(), 0.0);
+  std::fill(lambda_.begin(), lambda_.end(), 0.0);
+  const auto load = [&](BodyId b, const std::array<double, 3>& j) {
+    const auto body = std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == 3 * b; });
+    for (int k = 0; b >= 0 && k < 3; ++k) x[3 * b + k] += inverse_mass_[3 * b + k] * j[static_cast<std::size_t>(k)];
+    if (b >= 0 && body != bodies_.end()) subtract_rates(*body, j.data());
+  };
+  load(row.a, row.ja), load(row.b, row.jb);
+  with_size(n_, [&](auto n) { solve_rows(n, lambda_.data()); });
+  add_rows(lambda_.data(), x);
+}
+
+/// λ −= G M⁻¹ f, the part of one body with its three f.
+void Schur::subtract_rates(const OnBody& body, const double* f) const {
+  for (const Two& two : on(body)) {
+    Eigen::Map<Eigen::Array2d> both(lambda_.data() + two.row);
+    both -= f[0] * two.x + f[1] * two.y + f[2] * two.z;
+  }
 }
 
 /// x += M⁻¹ Gᵀ λ.
 void Schur::add_rows(const double* lambda, double* x) const {
-  each_body(sides_, [&](const OnBody& body, std::span<const Side> sides) {
-    double *const v = x + body.first, v0 = v[0], v1 = v[1], v2 = v[2];
-    for (const Side& side : sides) {
-      const double by = lambda[side.row];
-      v0 += side.h[0] * by, v1 += side.h[1] * by, v2 += side.h[2] * by;
+  for (const OnBody& body : bodies_) {
+    Eigen::Array2d x0(0, 0), x1(0, 0), x2(0, 0);
+    for (const Two& two : on(body)) {
+      const Eigen::Map<const Eigen::Array2d> by(lambda + two.row);
+      x0 += two.x * by, x1 += two.y * by, x2 += two.z * by;
     }
-    v[0] = v0, v[1] = v1, v[2] = v2;
-  });
+    double* const v = x + body.first;
+    v[0] += x0.sum(), v[1] += x1.sum(), v[2] += x2.sum();
+  }
 }
 
 /// S λ = λ.

@@ -88,11 +88,12 @@ void compare(const Scene& scene, Draws& random, double k_weight = 0, double c_we
     const SaddleSolution expected = reference(system, terms, f, c, k_weight, c_weight), s = solve(basic, f, c);
     CHECK(mismatch(s.x, expected.x) < kExact);
     CHECK(mismatch(s.lambda, expected.lambda) < kExact);
-    if (system.joint_rows() > 0) {
+    const auto last = system.bodies() - 1;
+    for (const auto& [a, b] : {std::pair{0, last}, {kGround, last}, {1, kGround}, {last, last}}) {
+      const Row row = pair_row(a, b, random.direction(), random.point(), random.point());
       VectorXd x(system.dof());
-      basic.solve_row(terms.G[0], x.data());
-      CHECK(mismatch(x, reference(system, terms, dense(terms.G[0], system.dof()), 0 * c, k_weight, c_weight).x) <
-            kExact);
+      basic.solve_row(row, x.data());
+      CHECK(mismatch(x, reference(system, terms, dense(row, system.dof()), 0 * c, k_weight, c_weight).x) < kExact);
     }
   }
 }
