@@ -2,11 +2,13 @@
 import math
 import re
 import tomllib
+from statistics import median
 
-from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit
+from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, words
 
 CLASSICAL, SYMMETRIC = "moreau-jean:joints=position", "moreau-jean:joints=symmetric"
 NEAR = (0.9e-5, 1.1e-5)  # [s]
+NEAR_UNIT = 1e-4  # [rad] of the table of errors there
 WELL = 0.4  # restitution up to which the motion is well conditioned
 FIXED = (CLASSICAL, SYMMETRIC, "stewart-trinkle", "anitescu-potra", "paoli-schatzman", "generalized-alpha", "rattle")
 STUDIES = ("slider_crank", "friction", "clearance", "conservation", "shootout")
@@ -46,17 +48,20 @@ def numbers(n):
     n["crank/turns"] = tex(exact["theta1_end"]["value"] / (2 * math.pi))
     n["crank/e_bad"] = tex(max(row["e"] for row in table), 1)
     n["crank/e_well"] = tex(WELL, 1)
+    n["crank/near_unit"] = tex(NEAR_UNIT, 1) + unit("rad")
     n["crank/h_near"] = tex(1e6 * sum(NEAR) / 2, 2) + unit(r"\mu s")
     fixed_runs = [row for row in table if row["solver"] == "lemke"]
     n["crank/runs_lemke"] = count(len(fixed_runs))
-    n["crank/unsolved_lemke"] = count(len(fixed_runs) - len(solved(fixed_runs)))
+    n["crank/unsolved_lemke"] = words(len(fixed_runs) - len(solved(fixed_runs)))
     moreau = [row for name in ("slider_crank", "friction") for row in rows(name)
               if row["solver"] == "lemke" and row["integrator"].startswith("moreau-jean")]
-    n["crank/moreau_runs"], n["crank/moreau_failed"] = count(len(moreau)), count(len(moreau) - len(solved(moreau)))
+    n["crank/moreau_runs"], n["crank/moreau_failed"] = count(len(moreau)), words(len(moreau) - len(solved(moreau)))
     n["crank/joint_residual"] = tex(max(row["max_joint_residual"] for row in solved(fixed_runs)), 1)
     n["crank/lcp_residual"] = tex(max(row["max_lcp_residual"] for row in solved(fixed_runs)), 1)
     best = [min((row for row in pick(solved(table), integrator="event-driven", mu=mu, e=e)), key=lambda r: r["rtol"])["error"]
             for mu in (0, 0.01, 0.1) for e in (0, WELL)]
+    n["crank/adaptive_best"] = tex(max(min(row["error"] for row in pick(solved(table), integrator="adaptive", mu=mu, e=e))
+                                       for mu in (0, 0.01, 0.1) for e in (0, WELL)), 1) + unit("rad")
     n["crank/event_driven_best"] = tex(max(best), 1)
     ratios = [near(table, CLASSICAL, mu, e) / near(table, SYMMETRIC, mu, e) for mu in (0, 0.01, 0.1) for e in (0, WELL)]
     n["crank/ratio_least"], n["crank/ratio_most"] = tex(min(ratios)), tex(max(ratios))
@@ -71,6 +76,11 @@ def numbers(n):
     for target, name in (("0.001", "e3"), ("1e-06", "e6")):
         n[f"crank/adaptive_{name}"] = tex(1e3 * times["adaptive"][f"to_{target}"]) + unit("ms")
     n["crank/event_driven_e9"] = tex(1e3 * times["event-driven"]["to_1e-09"]) + unit("ms")
+    n["crank/fixed_e3"] = tex(1e3 * min(row["to_0.001"] for name, row in times.items() if name in FIXED and row["to_0.001"])) + unit("ms")
+    cost = {(row["integrator"], row["mu"], row["e"], row["step"]): row["seconds"]
+            for row in pick(solved(table), repeats=lambda n: n > 0, rtol=None)}
+    n["crank/cost_ratio"] = tex(median(cost[SYMMETRIC, *case] / seconds for (name, *case), seconds in cost.items()
+                                       if name == CLASSICAL and (SYMMETRIC, *case) in cost))
     n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + unit("ms")
     timed = pick(solved(table), integrator=CLASSICAL, repeats=3)
     n["crank/classical_finest"] = tex(1e6 * min(row["step"] for row in timed), 2) + unit(r"\mu s")
@@ -104,10 +114,13 @@ def tables(t):
     lines.append([r"clearance, each side", tex(wall, 1), "", ""])
     t["parameters"] = tabular("llll", ["", "length [m]", "mass [kg]", r"inertia [kg\,m\textsuperscript{2}]"], lines)
 
-    cases = [(mu, e) for mu in (0, 0.01, 0.1) for e in (0, 0.4, 0.9)]
-    lines = [[short(i)] + [tex(near(table, i, mu, e), 2) for mu, e in cases] for i in (CLASSICAL, SYMMETRIC)]
-    head = [r"$\mu$, $e$"] + [rf"{tex(mu, 1)}, {tex(e, 1)}" for mu, e in cases]
-    t["near"] = tabular("l" + 9 * "l", head, lines)
+    def in_units(x):  # one power of ten for all, so that they compare at a glance
+        return rf"\ensuremath{{{float(f'{x:.2g}') / NEAR_UNIT:.6g}}}"
+
+    lines = [[rf"{name}, $e = {tex(e, 1)}$"] + [in_units(near(table, i, mu, e)) for mu in (0, 0.01, 0.1)]
+             for e in (0, 0.4, 0.9) for i, name in ((CLASSICAL, "classical"), (SYMMETRIC, "symmetric"))]
+    lines[4:4], lines[2:2] = [r"\addlinespace"], [r"\addlinespace"]
+    t["near"] = tabular("lrrr", ["joints"] + [rf"$\mu = {tex(mu, 1)}$" for mu in (0, 0.01, 0.1)], lines)
 
     lines = []
     for integrator in FIXED:

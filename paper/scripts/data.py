@@ -62,6 +62,17 @@ def count(n):
     return rf"\ensuremath{{{n:d}}}" if n < 10000 else rf"\ensuremath{{{n // 1000}\,{n % 1000:03d}}}"
 
 
+def words(n):
+    """A count as a sentence has it."""
+    return "none" if n == 0 else "one" if n == 1 else count(n)
+
+
+def plus_minus(middle, half_range):
+    """Both to the decimals of the half range's first digit."""
+    decimals = max(0, -math.floor(math.log10(float(f"{half_range:.0e}")))) if half_range > 0 else 4
+    return rf"\ensuremath{{{middle:.{decimals}f} \pm {half_range:.{decimals}f}}}"
+
+
 def code(name):
     return r"\code{" + name.replace("_", r"\_") + "}"
 
@@ -84,5 +95,5 @@ def unsolved(table):
     """In words: how many runs of which scheme did not end solved."""
     count_of = {i: len([r for r in pick(table, integrator=i) if r["status"] != "solved"])
                 for i in dict.fromkeys(row["integrator"] for row in table)}
-    words = [rf"{code(i)} {count(number)}" for i, number in count_of.items() if number]
-    return ", ".join(words) or "none"
+    named = [f"{words(number)} by {code(i)}" for i, number in count_of.items() if number]
+    return ", ".join(named) or "none"

@@ -1,4 +1,5 @@
 """The article's figures, from data/: figures.py FOLDER. PDF, in the article's type; same data, same bytes."""
+import math
 import sys
 from pathlib import Path
 
@@ -24,14 +25,25 @@ def line(axes, integrator, points, **more):
                   **{"label": label, **more})
 
 
-def finish(figure, grid, folder, name, columns=5, room=0.13):
+def power_of_ten(x):
+    """As the axes have it."""
+    return f"{x:g}" if x == 0 or abs(x) >= 1e-3 else f"10^{{{round(math.log10(x))}}}"
+
+
+def finish(figure, grid, folder, name, columns=5, room=0.105, each=False):
+    """`each`: a legend below each of the axes, where the same mark says different things there."""
     for axes in grid:  # within a decade labels would run into each other
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_minor_formatter("")
-    handles = {h.get_label(): h for axes in grid for h in axes.get_legend_handles_labels()[0]}
+    look = {"fontsize": 7, "columnspacing": 1.2, "handletextpad": 0.4}
     figure.tight_layout(rect=(0, room, 1, 1))
-    figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=columns, fontsize=7, columnspacing=1.2,
-                  handletextpad=0.4)
+    if each:
+        for axes in grid:
+            centre = (axes.get_position().x0 + axes.get_position().x1) / 2
+            figure.legend(*axes.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(centre, room), ncol=columns, **look)
+    else:
+        handles = {h.get_label(): h for axes in grid for h in axes.get_legend_handles_labels()[0]}
+        figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=columns, **look)
     figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
     plt.close(figure)
 
@@ -90,14 +102,14 @@ def tilt(folder):
     fits = [fit for fit in load("clearance.orders") if fit["e"] == 0.4 and fit["clearance"] == 0.001 and fit["integrator"] == "rattle"]
     for fit, colour, marker in zip(fits, (BLUE, GREEN, ORANGE, RED, PINK), "os^vD"):
         grid[0].plot(*zip(*fit["worst"]), color=colour, marker=marker, markersize=4, linewidth=1.1,
-                     label=rf"rattle, $\omega_3 = {fit['omega3']:g}$ rad/s")
+                     label=rf"$\omega_3 = {power_of_ten(fit['omega3'])}$ rad/s")
     grid[0].set(xscale="log", yscale="log", xlabel="step size $h$ [s]", ylabel=ERROR)
     ensemble = [row for row in solved(rows("clearance")) if row["repeats"]]
     for integrator in ("event-driven", "moreau-jean", "rattle"):
         line(grid[1], integrator, [(r["omega3"], r["value"]) for r in pick(ensemble, integrator=integrator)], linestyle="none")
     grid[1].ticklabel_format(useOffset=False)
     grid[1].set(xlabel=r"initial $\omega_3$ [rad/s]", ylabel=r"$\theta_1$ at the end [rad]")
-    finish(figure, grid, folder, "tilt", 4, 0.14)
+    finish(figure, grid, folder, "tilt", 3, each=True)
 
 
 def energy(folder):

@@ -3,7 +3,7 @@ import math
 import re
 from statistics import median
 
-from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, unsolved
+from data import PAPER, code, count, load, pick, plus_minus, rows, short, solved, tabular, tex, unit, unsolved, words
 
 FIXED = ("moreau-jean", "stewart-trinkle", "paoli-schatzman", "generalized-alpha", "rattle")
 
@@ -18,7 +18,7 @@ def per_turn(row):
 def friction_numbers(n):
     table = rows("friction")
     schemes = pick(table, repeats=0)
-    n["friction/runs"], n["friction/failed"] = count(len(schemes)), count(len(schemes) - len(solved(schemes)))
+    n["friction/runs"] = count(len(schemes))
     n["friction/mu_most"] = tex(max(row["mu"] for row in table), 1)
     n["friction/h"] = tex(1e6 * schemes[0]["step"], 2) + unit(r"\mu s")
     n["friction/h_solvers"] = tex(1e3 * pick(table, repeats=1)[0]["step"], 1) + unit("ms")
@@ -33,17 +33,17 @@ def friction_numbers(n):
     n["friction/turns_before"] = tex(max((mu, row) for mu, row in one.items() if mu < jammed)[1]["value"] / TURN)
     n["friction/unsolved"] = unsolved(schemes)
     event = pick(schemes, integrator="event-driven")
-    n["friction/event_runs"], n["friction/event_failed"] = count(len(event)), count(len(event) - len(solved(event)))
+    n["friction/event_runs"], n["friction/event_failed"] = count(len(event)), words(len(event) - len(solved(event)))
     fixed = [row for row in schemes if row["integrator"] in FIXED]
-    n["friction/fixed_runs"], n["friction/fixed_failed"] = count(len(fixed)), count(len(fixed) - len(solved(fixed)))
+    n["friction/fixed_runs"], n["friction/fixed_failed"] = count(len(fixed)), words(len(fixed) - len(solved(fixed)))
     timed = pick(table, repeats=1)
     n["friction/h_solvers"] = tex(1e3 * timed[0]["step"], 1) + unit("ms")
     n["friction/values"] = count(len({row["mu"] for row in timed}))
     n["friction/tilt"] = tex(min(row["omega3"] for row in schemes), 1) + unit("rad/s")
     made = [row for row in solved(schemes) if row["energy_final"] > row["energy_initial"]]
-    n["friction/made"], n["friction/made_by"] = count(len(made)), ", ".join(code(i) for i in dict.fromkeys(
-        row["integrator"] for row in made)) or "none"
-    n["friction/made_most"] = tex(max((row["energy_final"] for row in made), default=0), 2) + unit("J")
+    n["friction/made_by"] = ", ".join(
+        f"{words(len(own))} by {code(name)} (up to {tex(max(row['energy_final'] for row in own), 2)}" + unit("J") + ")"
+        for name in dict.fromkeys(row["integrator"] for row in made) if (own := pick(made, integrator=name))) or "none"
     n["friction/energy"] = tex(schemes[0]["energy_initial"], 2) + unit("J")
     single = load("given")
     n["friction/single"], n["friction/flush"] = tex(single["single_corner"]["value"], 2), tex(single["flush_face"]["value"], 3)
@@ -72,7 +72,7 @@ def friction_tables(t):
 
 def spread_of(table, integrator, column):
     values = [column(row) for row in pick(solved(table), integrator=integrator)]
-    return rf"{tex(median(values), 4)} \ensuremath{{\pm}} {tex((max(values) - min(values)) / 2, 1)}"
+    return plus_minus(median(values), (max(values) - min(values)) / 2)
 
 
 def tilt(t, n):
@@ -102,7 +102,7 @@ def tilt(t, n):
     tilted = [row["value"] for row in event if row["omega3"] != 0]
     n["tilt/jump"] = tex(min(abs(upright - value) for value in tilted), 1) + unit("rad")
     n["tilt/runs"] = count(len(rows("clearance")))
-    n["tilt/failed"] = count(len(rows("clearance")) - len(solved(rows("clearance"))))
+    n["tilt/failed"] = words(len(rows("clearance")) - len(solved(rows("clearance"))))
     clear = [fit for fit in load("clearance.orders") if fit["omega3"] == 0 and fit["e"] == 0.4]
     for name in ("moreau-jean", "rattle"):
         of = {fit["clearance"]: fit for fit in clear if fit["integrator"] == name}
@@ -129,7 +129,7 @@ def solvers(t, n):
         good, asked = tally(name, lambda f: f == "steps")
         runs = pick(crank, solver=name)
         jam = pick(friction, solver=name)
-        lines.append([code(name), *(count(int(row[k])) for k in ("certified", "refused", "failed", "wrong")),
+        lines.append([code(name), *(count(int(k)) for k in (row["certified"], row["refused"], row["failed"] + row["skipped"], row["wrong"])),
                       tex(row["median_time_to_best"]), rf"\ensuremath{{{good}/{asked}}}",
                       rf"\ensuremath{{{len(solved(runs))}/{len(runs)}}}" if runs else "--",
                       rf"\ensuremath{{{len(solved(jam))}/{len(jam)}}}" if jam else "--"])
@@ -139,8 +139,8 @@ def solvers(t, n):
     n["solvers/solvers"] = count(len(summary))
     n["solvers/largest"] = count(int(about["options"]["largest"]))
     n["solvers/time_limit"] = tex(about["options"]["time_limit"], 1) + unit("s")
-    n["solvers/wrong"] = count(sum(int(row["wrong"]) for row in summary))
-    n["solvers/crashed"] = count(sum(int(row["crashed"]) for row in summary))
+    n["solvers/wrong"] = words(sum(int(row["wrong"]) for row in summary))
+    n["solvers/crashed"] = words(sum(int(row["crashed"]) for row in summary))
     n["solvers/steps"] = count(tally("lemke", lambda f: f == "steps")[1])
     n["solvers/crank_h"] = tex(1e3 * crank[0]["step"], 1) + unit("ms")
     best = max(summary, key=lambda r: r["certified"])
@@ -184,14 +184,14 @@ def conservation(t, n):
         finest = min(row["step"] for row in own)
         fine = pick(own, step=finest)
         smooth = pick(own, **{"collision.all.mu": 0, "collision.all.e_n": 1})
-        spin = slope([(row["step"], row["spin_drift"]) for row in pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})])
+        spin = None if integrator == "adaptive" else slope([(row["step"], row["spin_drift"]) for row in pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})])
         lines.append([short(integrator), tex(max(row["momentum_drift"] for row in own), 1),
                       tex(max(row["spin_drift"] for row in fine), 1), tex(spin, 2) if spin else "--",
                       tex(max(row["energy_drift"] for row in smooth), 1), tex(max(row["energy_rise"] for row in fine), 1),
                       tex(max(row["max_penetration"] for row in fine), 1)])
     t["box"] = tabular("lrrrrrr", ["scheme", "momentum", "spin", "power", r"energy, $\mu=0$, $e=1$", "energy rise", "penetration"],
                        lines)
-    n["conservation/runs"], n["conservation/failed"] = count(len(table)), count(len(table) - len(solved(table)))
+    n["conservation/runs"], n["conservation/failed"] = count(len(table)), words(len(table) - len(solved(table)))
     for name, scene in (("long", "chain"), ("short", "slider_crank_ideal"), ("longest", "bouncing_ball")):
         n[f"conservation/{name}"] = tex(pick(table, scene=scene)[0]["duration"], 3) + unit("s")
     n["conservation/joints"] = tex(max(row["max_joint_residual"] for row in solved(table)), 1)
