@@ -1,6 +1,7 @@
 """Is the article's every number computed? Fails, naming file and line, when
 
-  a number is typed by hand   digits in the text, two digits or a decimal in a formula (a single digit there is structure)
+  a number is typed by hand   digits in the text; in a formula two digits, a decimal, a digit before a unit, a digit alone (any
+                              other single digit there is structure, and so are orders in a table of properties)
   a key \\R{…} or a generated file is not there, or one that is there is not used
   generated/ is not what tables.py makes of data/
   a study has been changed since data/ was computed   (its sweep file is another one)
@@ -20,6 +21,7 @@ from reduce import fingerprint  # noqa: E402
 # Commands whose arguments are names, not text; and lengths and column widths.
 NAMES = re.compile(r"\\(?:R|input|ref|eqref|label|includegraphics|begin|end|citep|citet|cite|bibliography|bibliographystyle|"
                    r"code|vspace|hspace|setlength)\*?(?:\[[^\]]*\])*(?:\{[^{}]*\})+")
+TABULAR = re.compile(r"\\begin\{tabular\}.*?\\end\{tabular\}", re.S)
 MATHS = re.compile(r"\$.+?\$|\\begin\{(equation|align|gather)\*?\}.*?\\end\{\1\*?\}|\\\[.*?\\\]", re.S)
 
 
@@ -33,8 +35,9 @@ def hand_typed(text):
     maths = [(m.start(), m.group(0)) for m in MATHS.finditer(text)]
     for start, formula in maths:
         plain = NAMES.sub(blank, formula)
-        for m in re.finditer(r"\d*\.\d+|\d{2,}", plain):
-            yield text.count("\n", 0, start + m.start()) + 1, m.group(0)
+        for m in re.finditer(r"\d*\.\d+|\d{2,}|\d(?=\\,\\mathrm)|(?<=^\$)\d(?=\$$)", plain):
+            if len(plain) > 3 or not any(table.start() < start < table.end() for table in TABULAR.finditer(text)):
+                yield text.count("\n", 0, start + m.start()) + 1, m.group(0)
     words = NAMES.sub(blank, MATHS.sub(blank, text))
     for m in re.finditer(r"\d[\d.,]*", words):
         yield text.count("\n", 0, m.start()) + 1, m.group(0)

@@ -24,6 +24,8 @@ def cell_of_last_row(paper):
 BREAKS = {
     "the number 3.7 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", "Some 3.7 impacts fall"),
     "the number 17 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", "$h^{17}$: impacts fall"),
+    "the number 7 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", "Of $7$ impacts most fall"),
+    "the number 4 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", r"After $4\\,\\mathrm{ms}$ impacts fall"),
     "no number 'crank/no_such'": lambda p: edit(p / "sections/results.tex", r"Impacts fall", r"\\R{crank/no_such} fall"),
     "is computed, but not used": lambda p: edit(p / "sections/results.tex", r"\\R\{solvers/wrong\}", "none"),
     "no table 'table_no_such'": lambda p: edit(p / "sections/results.tex", r"generated/table_near", "generated/table_no_such"),
