@@ -32,7 +32,7 @@ int run_sweep(SweepArguments a) {
       if (c == sweep.cases.end())
         throw std::invalid_argument("--case " + key + ": must be a case of " + a.file + " as this build (" +
                                     revision() + ") sees it");
-      std::cout << run_case(*c).dump() << std::endl;
+      std::cout << run_apart(*c).dump() << std::endl;
     }
     return 0;
   }
@@ -204,7 +204,9 @@ void add_sweep(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("sweep", "Run a sweep: experiments/sweep/sweep.h is the format of its file");
   command->add_option("file", arguments->file, "TOML file, see experiments/*.sweep.toml")->required();
   command->add_option("--results", arguments->results, "SQLite file; default: results/NAME.sqlite");
-  command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")->capture_default_str();
+  command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 10000));
   command->add_flag("--quick", arguments->quick, "the reduced grid");
   command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
   command->add_flag("--json", arguments->json, "how it ended, or the list, as JSON");

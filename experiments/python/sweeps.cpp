@@ -33,14 +33,14 @@ void run(const Path& file, bool quick, const Path& results, unsigned jobs) {
   run_sweep(sweep, kept, results, jobs);
 }
 
+/// Forks, too.
 std::string run_one(const Path& file, bool quick, const std::string& key) {
   const Sweep sweep = read_sweep(file, quick);
   const auto c = std::find_if(sweep.cases.begin(), sweep.cases.end(), [&](const Case& x) { return x.key() == key; });
   if (c == sweep.cases.end())
     throw std::invalid_argument("case " + key + ": must be one of " + file.string() + " as this build (" + revision() +
                                 ") sees it");
-  const py::gil_scoped_release others_may_run;
-  return run_case(*c).dump();
+  return run_apart(*c).dump();
 }
 
 std::vector<std::string> rows(const Path& results, const std::string& name) {

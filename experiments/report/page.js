@@ -11,14 +11,17 @@ function add(parent, tag, text, properties = {}) {
   return element;
 }
 
-/** A header and rows of texts; `words`: how many columns from the left are words; best: [row, column] pairs to mark. */
-function table(parent, header, rows, words = 1, best = []) {
+/**
+ * A header and rows of texts; `words`: how many columns from the left are words; best: [row, column] pairs to mark;
+ * `prose`: the last column is sentences.
+ */
+function table(parent, header, rows, words = 1, best = [], prose = false) {
   const element = add(add(parent, "div", undefined, { className: "scroll" }), "table");
   const line = (cells, tag, r) => {
     const tr = add(element, "tr");
     cells.forEach((cell, c) =>
       add(tr, tag, cell, {
-        className: (c < words ? "word " : "") + (best.some(([i, j]) => i === r && j === c) ? "best" : ""),
+        className: (c < words ? "word " : prose && c === cells.length - 1 ? "prose " : "") + (best.some(([i, j]) => i === r && j === c) ? "best" : ""),
       }),
     );
   };
@@ -26,11 +29,12 @@ function table(parent, header, rows, words = 1, best = []) {
   rows.forEach((row, r) => line(row, "td", r));
 }
 
-const letters = { mu: "µ", omega3: "ω₃", e_n: "e" };
+const letters = { mu: "µ", omega3: "ω₃", theta3: "θ₃", e_n: "e" };
 const letter = (name) => letters[name.split(".").at(-1)] ?? name;
+const units = { clearance: " m", omega3: " rad/s", theta3: " rad" }; // of built-in scenes
 const parametersInWords = (text) =>
   Object.entries(JSON.parse(text))
-    .map(([k, v]) => (k === "scene" ? v : `${letter(k)} = ${v}`))
+    .map(([k, v]) => (k === "scene" ? v : `${letter(k)} = ${v}${units[k] ?? ""}`))
     .join(", ") || "as the scene has it";
 
 /** The columns of a sweep as a list of rows; parameters are columns too, and so are losses that follow from others. */
@@ -197,7 +201,7 @@ function drawOrders(parent, sweep) {
   };
   table(
     parent,
-    ["method", ...cases.map(parametersInWords)],
+    ["method", ...cases.map((text) => parametersInWords(text).replaceAll(", ", "\n"))],
     methods.map((m) => [m, ...cases.map((p) => cell(m, p))]),
   );
 }
@@ -230,6 +234,8 @@ function drawFailures(parent, rows) {
       ];
     }),
     3,
+    [],
+    true,
   );
 }
 

@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include "experiments/sweep/analysis.h"
+#include "experiments/sweep/page.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
@@ -89,9 +90,7 @@ Json film(const System& system, const Json& run, double duration) {
 System system_of(const Json& wanted, const Json& run, const std::string& scene) {
   Json set = wanted.value("set", Json::object());
   set.update(run.value("set", Json::object()));
-  std::vector<std::string> sets;
-  for (const auto& [name, value] : set.items()) sets.push_back(name + '=' + value.dump());
-  return System(make_scene(scene, sets));
+  return System(make_scene(scene, sets_of(set)));
 }
 
 Json animation(const Json& wanted, const std::string& scene) {
@@ -100,38 +99,14 @@ Json animation(const Json& wanted, const std::string& scene) {
   for (const Json& run : wanted.at("runs")) {
     const System system = system_of(wanted, run, scene);
     shown["scene"] = drawing(system.scene());
-    shown["films"].push_back(film(system, run, system.scene().duration));
+    shown["films"].push_back(film(system, run, wanted.value("duration", system.scene().duration)));
   }
   return shown;
 }
 
 Json by_column(const std::vector<ResultRow>& rows) {
   Json columns = Json::object();
-  for (const char* name : {"integrator",
-                           "solver",
-                           "parameters",
-                           "step",
-                           "rtol",
-                           "repeats",
-                           "status",
-                           "why",
-                           "value",
-                           "error",
-                           "seconds",
-                           "lcp_solves",
-                           "lcp_iterations",
-                           "events",
-                           "energy_initial",
-                           "energy_final",
-                           "impulse",
-                           "friction_impulse",
-                           "first_touch",
-                           "touching",
-                           "max_joint_residual",
-                           "max_penetration",
-                           "energy_drift",
-                           "momentum_drift",
-                           "spin_drift"}) {
+  for (const char* name : columns_of_figures()) {
     Json& column = columns[name] = Json::array();
     for (const ResultRow& row : rows) column.push_back(row.at(name));
   }
@@ -187,7 +162,8 @@ std::string page(const Json& data) {
     html.replace(at, mark.size(), text);
   };
   std::string json = data.dump();
-  for (std::size_t i = 0; (i = json.find("</", i)) != std::string::npos; i += 3) json.insert(i + 1, "\\");
+  for (std::size_t i = 0; (i = json.find('<', i)) != std::string::npos;)
+    json.replace(i, 1, "\\u003c");  // no tag, no comment
   put("/*page.css*/", part("page.css"));
   put("/*uPlot.css*/", part("node_modules/uplot/dist/uPlot.min.css"));
   put("/*uPlot.js*/", part("node_modules/uplot/dist/uPlot.iife.min.js"));

@@ -6,9 +6,11 @@
 //                  solver, integrator: rows of this one only;  energy_lost and lost_per_turn are columns as well;
 //                  log = "xy" | "x" | "y" | "";  timed = true: rows with times only;  worst = true: one point a setting,
 //                  the worst of all parameters;  octaves = true: a line through the worst of each octave of x;
-//                  x_label, y_label
-//   [[animation]]  title, set = {…}, magnify = "slider" (the body whose gaps are drawn larger), seconds (how long it plays),
-//                  runs = [{label, integrator, step, set}, {…}], shown side by side
+//                  x_label, y_label, note; first: the parameters shown to begin with, as text
+//   [[animation]]  title, note, set = {…}, magnify = "slider" (the body whose gaps are drawn larger), seconds (how long it
+//                  plays), duration [s] (default: the sweep's, then the scene's),
+//                  runs = [{label, integrator, solver, step, set}, {…}], shown side by side
+// Both are checked when the sweep's file is read (experiments/sweep/page.h).
 #pragma once
 
 #include "experiments/sweep/results.h"

@@ -9,7 +9,8 @@ from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, save
 
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, "#56B4E9", "#6b4fa0", GREY, "black")
 LINES = list(zip(COLOURS, "sDo^vPX*d"))
-LETTERS = {"mu": "µ", "omega3": "ω₃", "e_n": "e"}
+LETTERS = {"mu": "µ", "omega3": "ω₃", "theta3": "θ₃", "e_n": "e"}
+UNITS = {"clearance": " m", "omega3": " rad/s", "theta3": " rad"}
 NOTHING = [(np.nan, np.nan)]
 
 
@@ -64,6 +65,13 @@ def beside_axes(row, figure):
     return json.dumps({name: value for name, value in parameters.items() if name not in axes})
 
 
+def in_words(name, value):
+    if name == "scene":
+        return value
+    last = name.split(".")[-1]
+    return f"{LETTERS.get(last, name)} = {value if isinstance(value, str) else f'{value:g}'}{UNITS.get(name, '')}"
+
+
 def draw(sweep, rows, figure, folder, about):
     rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
             all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None and
@@ -80,11 +88,13 @@ def draw(sweep, rows, figure, folder, about):
         draw_panel(axes, sweep, own, figure, parameters or "{}")
         if parameters:
             words = json.loads(parameters).items()
-            axes.set_title(", ".join(value if name == "scene" else f"{LETTERS.get(name.split('.')[-1], name)} = {value:g}"
-                                     for name, value in words), fontsize=8.5)
+            axes.set_title(", ".join(in_words(name, value) for name, value in words), fontsize=8.5)
         log = figure.get("log", "")
         axes.set(xlabel=figure.get("x_label", figure["x"]), ylabel=figure.get("y_label", figure["y"]),
                  xscale="log" if "x" in log else "linear", yscale="log" if "y" in log else "linear")
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() == "linear":
+                axis.get_major_formatter().set_useOffset(False)
         axes.label_outer()
     for axes in grid.flat[len(panels):]:
         axes.remove()

@@ -2,6 +2,8 @@
 
 #include "experiments/support/fit_order.h"
 
+#include <orthant/core/support/options.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -116,32 +118,124 @@ Json time_to_error(const std::vector<ResultRow>& rows) {
   return table;
 }
 
+namespace {
+
+constexpr double kNoOrder = 0.5;        // below it an error does not fall to speak of
+constexpr std::size_t kMostListed = 9;  // settings in a sentence
+constexpr std::size_t kManyValues = 5;  // of a parameter that is followed
+
+/// How many runs did not end solved: by solver, or where there is one solver only by integrator.
+std::string unsolved(const std::vector<ResultRow>& rows) {
+  std::set<std::string> solvers;
+  for (const ResultRow& row : rows) solvers.insert(text_of(row, "solver"));
+  const char* by = solvers.size() > 1 ? "solver" : "integrator";
+  std::map<std::string, int> counts;
+  for (const ResultRow& row : rows)
+    if (!solved(row)) ++counts[text_of(row, by)];
+  std::string list;
+  for (const auto& [name, count] : counts) list += (list.empty() ? " " : ", ") + name + " " + std::to_string(count);
+  return list.empty() ? "" : std::string(" (not, by ") + by + ":" + list + ")";
+}
+
+/// For which parameters no method converges.
+std::string without_order(const Json& fits) {
+  std::vector<std::pair<std::string, double>> best;  // order by parameters, as they come
+  for (const Json& fit : fits) {
+    const auto name = fit.at("parameters").get<std::string>();
+    const auto at = std::ranges::find(best, name, &std::pair<std::string, double>::first);
+    if (at == best.end())
+      best.emplace_back(name, fit.at("order").get<double>());
+    else
+      at->second = std::max(at->second, fit.at("order").get<double>());
+  }
+  std::map<std::string, std::set<std::string>> values, failing;  // of each parameter
+  for (const auto& [name, order] : best) {
+    const Json parameters = Json::parse(name);
+    for (const auto& [key, value] : parameters.items()) {
+      values[key].insert(value.dump());
+      if (order < kNoOrder) failing[key].insert(value.dump());
+    }
+  }
+  const auto words = [](const std::string& key, const Json& value) {
+    return key + " = " + (value.is_number() ? short_number(value.get<double>()) : value.dump());
+  };
+  std::size_t count = 0;
+  std::string shared, list;  // what all of them have, what each has
+  for (const auto& [name, order] : best) {
+    if (order >= kNoOrder || ++count > kMostListed) continue;
+    const Json parameters = Json::parse(name);
+    std::string setting;
+    for (const auto& [key, value] : parameters.items()) {
+      if (values[key].size() == 1) continue;
+      if (failing[key].size() > 1)
+        setting += (setting.empty() ? "" : ", ") + words(key, value);
+      else if (count == 1)
+        shared += (shared.empty() ? "" : ", ") + words(key, value);
+    }
+    if (!setting.empty()) list += (list.empty() ? "" : "; ") + setting;
+  }
+  if (!shared.empty()) list = shared + (list.empty() ? "" : " and " + list);
+  if (count == 0) return "";
+  return " By no method does it fall as fast as h^" + short_number(kNoOrder) + " for " + std::to_string(count) +
+         " of " + std::to_string(best.size()) + " settings" + (list.empty() ? "" : ": " + list) +
+         (count > kMostListed ? "; …" : "") + ".";
+}
+
+/// Where a parameter of many values changes the measure most, if by more than a quarter of all that it does.
+std::string leap(const std::vector<ResultRow>& rows) {
+  std::map<std::string, std::map<double, std::vector<double>>> measured;
+  for (const ResultRow& row : rows) {
+    if (!solved(row) || !row.contains("value") || row.at("value").is_null()) continue;
+    const Json parameters = Json::parse(text_of(row, "parameters"));
+    for (const auto& [name, value] : parameters.items())
+      if (value.is_number()) measured[name][value.get<double>()].push_back(number(row, "value"));
+  }
+  std::string text;
+  for (auto& [name, by_value] : measured) {
+    if (by_value.size() < kManyValues) continue;
+    std::vector<std::pair<double, double>> medians;
+    for (auto& [value, list] : by_value) {
+      std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2), list.end());
+      medians.emplace_back(value, list[list.size() / 2]);
+    }
+    const auto change = [&](std::size_t i) { return std::abs(medians[i + 1].second - medians[i].second); };
+    std::size_t most = 0;
+    double low = kInf, high = -kInf;
+    for (std::size_t i = 0; i < medians.size(); ++i) {
+      low = std::min(low, medians[i].second), high = std::max(high, medians[i].second);
+      if (i + 1 < medians.size() && change(i) > change(most)) most = i;
+    }
+    if (!(change(most) > 0.25 * (high - low))) continue;
+    text += " The greatest change: from " + name + " = " + detail::text_of(medians[most].first) + " to " +
+            detail::text_of(medians[most + 1].first) + " the median of " + text_of(rows.front(), "measure") +
+            " at the end goes from " + short_number(medians[most].second) + " to " +
+            short_number(medians[most + 1].second) + ".";
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string answer(const std::vector<ResultRow>& rows) {
   if (rows.empty()) return "Nothing has been run yet.";
   const auto failed = std::count_if(rows.begin(), rows.end(), [](const ResultRow& row) { return !solved(row); });
   std::string text = std::to_string(static_cast<long>(rows.size()) - failed) + " of " + std::to_string(rows.size()) +
                      " runs ended solved";
   std::map<std::string, std::vector<double>> orders;
-  for (const Json& fit : fitted_orders(rows))
-    orders[fit.at("integrator").get<std::string>()].push_back(fit.at("order").get<double>());
+  const Json fits = fitted_orders(rows);
+  for (const Json& fit : fits) orders[fit.at("integrator").get<std::string>()].push_back(fit.at("order").get<double>());
   std::vector<std::pair<double, std::string>> medians;
   for (auto& [name, list] : orders) {
     std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2), list.end());
     medians.emplace_back(list[list.size() / 2], name);
   }
   std::sort(medians.begin(), medians.end());
-  std::map<std::string, int> unsolved;
-  for (const ResultRow& row : rows)
-    if (!solved(row)) ++unsolved[text_of(row, "solver")];
-  std::string list;
-  for (const auto& [solver, count] : unsolved)
-    list += (list.empty() ? " " : ", ") + solver + " " + std::to_string(count);
-  if (!list.empty()) text += " (not, by solver:" + list + ")";
+  text += unsolved(rows);
   if (!medians.empty())
     text += "; the error falls with the step size h as h^" + short_number(medians.front().first) + " (" +
             medians.front().second + ", median over the cases) to h^" + short_number(medians.back().first) + " (" +
             medians.back().second + ")";
-  text += ".";
+  text += "." + without_order(fits);
   std::string costs;
   const Json times = time_to_error(rows);
   for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{7}}) {
@@ -172,7 +266,7 @@ std::string answer(const std::vector<ResultRow>& rows) {
       low = std::min(low, loss), high = std::max(high, loss);
     }
   if (low <= high) text += " Between " + short_number(low) + " and " + short_number(high) + " J of energy went.";
-  return text;
+  return medians.empty() ? text + leap(rows) : text;
 }
 
 }  // namespace orthant

@@ -235,7 +235,8 @@ double exact_measure(const Case& c) {
 }
 
 double answer_of(const ResultRow& row) {
-  return row.at("status") == "solved" ? row.at("value").get<double>() : std::numeric_limits<double>::quiet_NaN();
+  const bool known = row.at("status") == "solved" && !row.at("value").is_null();
+  return known ? row.at("value").get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
 
 ResultRow run_case(const Case& c, std::optional<double> reference) {

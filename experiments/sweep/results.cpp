@@ -159,6 +159,8 @@ Results::Results(const std::filesystem::path& file, Open open, double patience) 
     if (const int id = pragma("application_id"); id == kOurs) {
       if (pragma("user_version") != kVersion)
         throw std::runtime_error(file.string() + ": was written by another version of orthant");
+    } else if (id == 0 && open == read_only && pragma("schema_version") == 0) {
+      throw std::runtime_error("cannot use " + file.string() + ": it is empty, no sweep has written to it yet");
     } else if (id != 0 || open == read_only || pragma("schema_version") != 0) {
       throw std::runtime_error("cannot use " + file.string() + ": it is no results file");
     }

@@ -15,6 +15,11 @@ constexpr std::chrono::milliseconds kLookAgain{50};
 /// Something like the seconds that a case takes, for the progress bar.
 double work(const Case& c) { return std::max(1, c.repeats) * (1e-3 + 3e-6 * c.duration / c.step); }
 
+ResultRow row_of(const Case& c, const Outcome& outcome) {
+  if (outcome.kind == Outcome::finished) return ResultRow::parse(outcome.text);
+  return unfinished_row(c, outcome.kind == Outcome::killed ? "time_limit" : "crashed", outcome.text);
+}
+
 class Runner {
  public:
   Runner(Results& results, const std::filesystem::path& file, unsigned jobs)
@@ -70,11 +75,7 @@ class Runner {
       if (const auto row = results_.find(other->key()); row) reference = answer_of(*row);
     processes.start([c, reference] { return run_case(c, reference).dump(); }, c.time_limit,
                     [&, c](const Outcome& outcome) {
-                      const bool ended = outcome.kind == Outcome::finished;
-                      const ResultRow row =
-                          ended ? ResultRow::parse(outcome.text)
-                                : unfinished_row(c, outcome.kind == Outcome::killed ? "time_limit" : "crashed",
-                                                 outcome.text);
+                      const ResultRow row = row_of(c, outcome);
                       results_.add(row);
                       claims_.release(c.key());
                       const bool failed = row.at("status") != "solved";
@@ -91,6 +92,17 @@ class Runner {
 };
 
 }  // namespace
+
+ResultRow run_apart(const Case& c) {
+  std::optional<double> reference;
+  if (const auto other = c.reference_case()) reference = answer_of(run_apart(*other));
+  ResultRow row;
+  Isolated one(1, 0);
+  one.start([&] { return run_case(c, reference).dump(); }, c.time_limit,
+            [&](const Outcome& outcome) { row = row_of(c, outcome); });
+  one.wait_for_all();
+  return row;
+}
 
 Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs) {
   results.declare(sweep);

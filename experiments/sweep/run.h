@@ -13,6 +13,10 @@ namespace orthant {
 struct Tally {
   int run = 0, failed = 0;
 };
+
 Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs);
+
+/// One case in a process of its own, and so the run that it is compared with: the row that a sweep would have written.
+ResultRow run_apart(const Case& c);
 
 }  // namespace orthant

@@ -1,5 +1,7 @@
 #include "sweep.h"
 
+#include "page.h"
+
 #include "experiments/support/trajectory.h"
 
 #include <orthant/core/scenes/registry.h>
@@ -26,22 +28,29 @@ using Json = nlohmann::ordered_json;
 constexpr double kMostCases = 1e6, kMostValues = 1e5;
 constexpr std::uintmax_t kMostBytes = 16 << 20;  // of the file
 
-Json json_of(const toml::node& node) {
+Json json_of(const toml::node& node, const std::string& file) {
   if (const auto* table = node.as_table()) {
     Json json = Json::object();
-    for (const auto& [key, value] : *table) json[std::string(key.str())] = json_of(value);
+    for (const auto& [key, value] : *table) json[std::string(key.str())] = json_of(value, file);
     return json;
   }
   if (const auto* array = node.as_array()) {
     Json json = Json::array();
-    for (const toml::node& value : *array) json.push_back(json_of(value));
+    for (const toml::node& value : *array) json.push_back(json_of(value, file));
     return json;
   }
   if (const auto value = node.value_exact<std::string>()) return *value;
   if (const auto value = node.value_exact<std::int64_t>()) return *value;
   if (const auto value = node.value_exact<double>()) return *value;
   if (const auto value = node.value_exact<bool>()) return *value;
-  throw std::invalid_argument("dates and times: no key takes them");
+  throw std::invalid_argument(file + ":" + std::to_string(node.source().begin.line) +
+                              ": a date or time: no key takes one");
+}
+
+/// As the file has it: JSON has no nan and no inf.
+std::string shown(const Json& value) {
+  const bool is_special = value.is_number_float() && !std::isfinite(value.get<double>());
+  return is_special ? detail::text_of(value.get<double>()) : value.dump();
 }
 
 /// Reads one file: where, for messages; the parts of a grid one by one.
@@ -56,7 +65,7 @@ class Reader {
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     refuse_deep(text, file.string());
     try {
-      root_ = json_of(toml::parse(text, file.string()));
+      root_ = json_of(toml::parse(text, file.string()), file.string());
     } catch (const toml::parse_error& error) {
       throw std::invalid_argument(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
                                   std::string(error.description()));
@@ -77,11 +86,14 @@ class Reader {
     if (!root_.contains("grid") || !root_["grid"].is_array() || root_["grid"].empty())
       fail("grid", "", "a sweep needs at least one [[grid]]");
     std::set<std::string> known;
-    for (const Json& grid : root_["grid"])
+    for (const Json& grid : root_["grid"]) {
       for (Case& c : cases(grid, quick))
         if (known.insert(c.key()).second) sweep.cases.push_back(std::move(c));
+      if (!quick) cases(grid, true);  // it has to be right as well
+    }
     if (sweep.cases.empty()) fail("grid", "", quick ? "--quick leaves no case" : "there is no case");
-    for (const char* part : {"figure", "animation"}) sweep.page[part] = root_.value(part, Json::array());
+    sweep.page = page();
+    if (!common_.scene_text.empty()) sweep.scene = std::filesystem::absolute(common_.scene).string();
     return sweep;
   }
 
@@ -93,17 +105,11 @@ class Reader {
     try {
       return work();
     } catch (const std::invalid_argument& error) {
-      fail(key, "", error.what());
+      throw std::invalid_argument(file_.string() + ": " + (key.empty() ? "" : key + ": ") + error.what());
     }
   }
   void only(const Json& table, const std::string& where, const std::set<std::string>& known) const {
-    if (!table.is_object()) fail(where, table.dump(), "must be a table");
-    for (const auto& [key, value] : table.items())
-      if (!known.contains(key)) {
-        std::string list;
-        for (const std::string& word : known) list += (list.empty() ? "" : ", ") + word;
-        fail(where + key, value.dump(), "unknown key, must be one of " + list);
-      }
+    in_file("", [&] { return check_keys(table, where, known), 0; });
   }
   std::string text(const char* key, std::optional<std::string> otherwise = {}) const {
     if (!root_.contains(key)) {
@@ -117,8 +123,35 @@ class Reader {
     if (!value.is_number()) fail(key, value.dump(), "must be a number");
     const auto x = value.get<double>();
     if (!(x >= low && x <= high))
-      fail(key, value.dump(), "must be in [" + detail::text_of(low) + ", " + detail::text_of(high) + "]");
+      fail(key, shown(value), "must be in [" + detail::text_of(low) + ", " + detail::text_of(high) + "]");
     return x;
+  }
+
+  int whole(const std::string& key, const Json& value, double low, double high) const {
+    const double x = number(key, value, low, high);
+    if (x != std::floor(x)) fail(key, value.dump(), "must be a whole number");
+    return static_cast<int>(x);
+  }
+
+  /// What the report shows.
+  Json page() const {
+    Json page = {{"figure", root_.value("figure", Json::array())},
+                 {"animation", root_.value("animation", Json::array())}};
+    std::set<std::string> parameters;  // of both grids, the whole and the quick
+    for (const Json& grid : root_["grid"]) {
+      if (grid.contains("scene")) parameters.insert(kSceneParameter);
+      for (const char* part : {"/set", "/quick/set"})
+        if (const Json::json_pointer at(part); grid.contains(at))
+          for (const auto& [name, value] : grid.at(at).items()) parameters.insert(name);
+    }
+    in_file("", [&] {
+      check_figures(page["figure"], parameters), check_animations(page["animation"], common_.scene);
+      return 0;
+    });
+    if (root_.contains("duration"))
+      for (Json& animation : page["animation"])
+        if (!animation.contains("duration")) animation["duration"] = root_["duration"];
+    return page;
   }
 
   /// A list, a range, or one value: the values.
@@ -133,15 +166,14 @@ class Reader {
       if (!node.contains(part)) fail(key, node.dump(), std::string("a range needs ") + part);
     const double from = number(key + ".from", node["from"], -1e300, 1e300),
                  to = number(key + ".to", node["to"], -1e300, 1e300);
-    const double count = number(key + ".count", node["count"], 1, kMostValues);
+    const int count = whole(key + ".count", node["count"], 1, kMostValues);
     const Json scale = node.value("scale", Json("linear"));
     if (scale != "linear" && scale != "log") fail(key + ".scale", scale.dump(), "must be \"linear\" or \"log\"");
     if (scale == "log" && !(from > 0 && to > 0))
       fail(key, node.dump(), "a range in logarithms needs from > 0 and to > 0");
-    if (count != std::floor(count)) fail(key + ".count", node["count"].dump(), "must be a whole number");
     std::vector<Json> all;
-    for (int i = 0; i < static_cast<int>(count); ++i) {
-      const double s = count > 1 ? i / (count - 1) : 0;
+    for (int i = 0; i < count; ++i) {
+      const double s = count > 1 ? i / (count - 1.0) : 0;
       all.emplace_back(s == 1 ? to : scale == "log" ? from * std::pow(to / from, s) : from + s * (to - from));
     }
     return all;
@@ -174,11 +206,13 @@ class Reader {
     with_quick.insert("quick");
     only(grid, "grid.", with_quick);
     if (grid.contains("quick") && quick) {
-      if (grid["quick"].is_boolean()) {
-        if (!grid["quick"].get<bool>()) return {};
-      } else {
+      if (grid["quick"].is_object()) {
         only(grid["quick"], "grid.quick.", kKeys);
         grid.update(Json(grid["quick"]));
+      } else if (grid["quick"] == false) {
+        return {};
+      } else if (grid["quick"] != true) {
+        fail("grid.quick", shown(grid["quick"]), "must be a table, true or false");
       }
     }
     if (!grid.contains("integrator")) fail("grid.integrator", "", "is missing");
@@ -196,7 +230,7 @@ class Reader {
       return value.get<std::string>();
     };
     for (Case& c : all) {
-      if (grid.contains("repeats")) c.repeats = static_cast<int>(number("grid.repeats", grid["repeats"], 0, 1000));
+      if (grid.contains("repeats")) c.repeats = whole("grid.repeats", grid["repeats"], 0, 1000);
       if (grid.contains("time_limit")) c.time_limit = number("grid.time_limit", grid["time_limit"], 1e-3, 1e6);
     }
     combine("grid.integrator", grid["integrator"],

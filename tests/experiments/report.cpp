@@ -1,4 +1,5 @@
 // The report: one page that needs nothing else, says what the results say, and works in a browser.
+#include "experiments/report/report.h"
 #include "experiments/sweep/analysis.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +11,7 @@ using namespace orthant;
 namespace {
 
 constexpr const char* kSweep = R"(
-question = "What is <b>asked</b>?</script>"
+question = "What is <b>asked</b>?</script><!--<script>"
 scene = "slider_crank"
 measure = "crank.theta"
 reference = "exact"
@@ -82,7 +83,44 @@ TEST_CASE("orders and times to an error: lucky runs do not count, failures do") 
   CHECK(times[0].at("seconds")[2].is_null());
   rows[3]["status"] = "ray";
   CHECK(time_to_error(rows)[0].at("seconds")[0].is_null());
-  CHECK(answer(rows).starts_with("3 of 4 runs ended solved (not, by solver: b 1)"));
+  CHECK(answer(rows).starts_with("3 of 4 runs ended solved (not, by integrator: a 1)"));
+}
+
+TEST_CASE("the answer tells for which parameters no method converges, and where the motion changes most") {
+  std::vector<ResultRow> rows;
+  for (const double e : {0.0, 0.4})
+    for (int i = 0; i < 40; ++i) {
+      rows.push_back(row(std::exp2(-i / 10.0), e == 0 ? std::exp2(-i / 10.0) : 1, 1, 0));
+      rows.back()["parameters"] = e == 0 ? R"({"e":0.0,"c":1})" : R"({"e":0.4,"c":1})";
+    }
+  CHECK(answer(rows).find("By no method does it fall as fast as h^0.5 for 1 of 2 settings: e = 0.4.") !=
+        std::string::npos);
+
+  rows.clear();
+  for (int i = 0; i < 8; ++i) {
+    rows.push_back(row(1e-3, 1, 1, 0));
+    rows.back().update(
+        {{"parameters", "{\"mu\":" + std::to_string(i) + "}"}, {"measure", "angle"}, {"value", i < 3 ? 7 - i : 1}});
+  }
+  CHECK(answer(rows).find("from mu = 2 to 3 the median of angle at the end goes from 5 to 1.") != std::string::npos);
+}
+
+TEST_CASE("orthant report: a scene's file is found from any folder, and shown as long as the sweep runs it") {
+  const Report folder;
+  std::filesystem::create_directory(folder / "below");
+  std::filesystem::copy_file(ORTHANT_ROOT "/core/scenes/slider_crank.toml", folder / "below/mine.toml");
+  folder.write("below/s.sweep.toml",
+               "scene = 'mine.toml'\nduration = 0.01\n[[grid]]\nintegrator = 'rattle'\n"
+               "set = {'body.slider.mass' = [0.05, 0.1]}\nstep = 1e-3\n"
+               "[[animation]]\ntitle = 'Heavier'\nset = {'body.slider.mass' = 0.1}\nruns = [{integrator = 'rattle', "
+               "step = 1e-3}]\n");
+  REQUIRE(folder.orthant("sweep below/s.sweep.toml --results r.sqlite").exit_code == 0);
+  const Reply a = folder.run("(cd / && '" ORTHANT_CLI "' report '" + (folder / "r.sqlite") + "' --output '" +
+                             (folder / "r.html") + "')");
+  CAPTURE(a.err);
+  CHECK(a.exit_code == 0);
+  const auto data = report_data(Results(folder / "r.sqlite", Results::read_only));
+  CHECK(data.at("sweeps")[0].at("animations")[0].at("films")[0].at("frames").back()[0] == doctest::Approx(0.01));
 }
 
 TEST_CASE("orthant report: one file without a link to anything outside; a browser shows, plays and zooms it" *
@@ -98,6 +136,7 @@ TEST_CASE("orthant report: one file without a link to anything outside; a browse
   CHECK(html.find("@import") == std::string::npos);
   CHECK(html.find("url(") == std::string::npos);
   CHECK(html.find("What is <b>asked</b>?</script>") == std::string::npos);
+  CHECK(html.find("<!--") == std::string::npos);
   CHECK(html.find("44 of 45 runs ended solved") != std::string::npos);
   CHECK(folder.orthant("report missing.sqlite").exit_code == 1);
   CHECK(folder.orthant("report r.sqlite --output no/such/r.html").exit_code == 1);

@@ -200,6 +200,24 @@ TEST_CASE("what fails is a row: its problem can be replayed; refused, out of tim
         std::string::npos);
 }
 
+TEST_CASE("a case alone, as other programs ask for it, is the row of the sweep: out of time included") {
+  const Sweeps folder;
+  folder.write("l.sweep.toml",
+               "scene = 'slider_crank'\nmeasure = 'crank.theta'\nreference = 'event-driven'\n"
+               "[[grid]]\nintegrator = 'moreau-jean'\nstep = [1e-4, 1e-8]\ntime_limit = 0.5\n");
+  CHECK(folder.orthant("sweep l.sweep.toml --results r.sqlite").exit_code == 0);
+  const auto rows = Results(folder / "r.sqlite", Results::read_only).rows("l");
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[1].at("status") == "time_limit");
+  for (const ResultRow& row : rows) {
+    const auto alone = ResultRow::parse(
+        folder.orthant("sweep l.sweep.toml --case " + row.at("key").get<std::string>()).out, nullptr, false);
+    REQUIRE(alone.is_object());
+    for (const auto& [name, value] : row.items())
+      if (name != "seconds") CHECK(alone.value(name, ResultRow()) == value);
+  }
+}
+
 TEST_CASE("the project's own sweeps can be read, whole and quick") {
   const Sweeps folder;
   const auto experiments = std::filesystem::path(ORTHANT_SCRIPTS).parent_path();
@@ -224,7 +242,7 @@ TEST_CASE("bad sweep files: one line that names file, key, value and rule") {
   const Sweeps folder;
   const std::string head = "scene = 'slider_crank'\nmeasure = 'crank.theta'\n",
                     grid = "[[grid]]\nintegrator = 'rattle'\n";
-  const std::array<std::array<std::string, 2>, 20> bad = {{
+  const std::array<std::array<std::string, 2>, 33> bad = {{
       {"scene = ", "b.sweep.toml:"},
       {grid, "scene: is missing"},
       {"scene = 'nobody'\n" + grid, "scene: unknown scene 'nobody'"},
@@ -245,6 +263,20 @@ TEST_CASE("bad sweep files: one line that names file, key, value and rule") {
       {head + grid + "set = {mu = [0, -1]}\n", "mu"},
       {head + grid + "rtol = 1e-3\n", "rtol"},
       {head + "reference = 'exact'\n" + grid + "set = {mu = 0.02}\n", "mu = 0.02"},
+      {head + grid + "step = nan\n", "grid.step = nan: must be in"},
+      {head + grid + "step = {from = 1e-3, to = inf, count = 2}\n", "grid.step.to = inf: must be in"},
+      {head + grid + "repeats = 1.5\n", "grid.repeats = 1.5: must be a whole number"},
+      {head + grid + "set = {mu = 2020-01-01}\n", "b.sweep.toml:5: a date or time"},
+      {head + grid + "quick = 'no'\n", "grid.quick = \"no\": must be a table, true or false"},
+      {head + grid + "quick = {step = -1}\n", "grid.step = -1: must be in"},
+      {head + "grid = [3]\n", "grid = 3: must be a table"},
+      {head + "figure = 3\n" + grid, "figure = 3: must be tables [[figure]]"},
+      {head + grid + "[[figure]]\ntitle = 'a'\nx = 'stp'\ny = 'error'\nby = 'solver'\n", "figure.x = \"stp\""},
+      {head + grid + "[[figure]]\nlogs = 'x'\n", "figure.logs = \"x\": unknown key"},
+      {head + grid + "[[animation]]\ntitle = 'a'\n", "animation.runs = []: must have at least one run"},
+      {head + grid + "[[animation]]\ntitle = 'a'\nruns = [{integrator = 'nobody'}]\n", "integrator 'nobody'"},
+      {head + grid + "[[animation]]\ntitle = 'a'\nmagnify = 'rat'\nruns = [{integrator = 'rattle'}]\n",
+       "animation.magnify = \"rat\": must be a body of the scene"},
   }};
   for (const auto& [text, word] : bad) {
     CAPTURE(text);

@@ -127,12 +127,18 @@ class _Bar:
             self._bar.update(done - self._bar.n)
 
 
+_FRESH = "import json, sys; sys.path[:], call = json.loads(sys.argv[1]); from orthant import _orthant; "
+
+
+def _fresh(code: str, *call: Any) -> list[str]:
+    """A command that runs `code` on `call` in an interpreter without threads, which may fork."""
+    return [sys.executable, "-c", _FRESH + code, json.dumps([sys.path, call])]
+
+
 def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, bar: _Bar) -> None:
     """By a fresh interpreter, which forks one process a case: a crash there is a row, and nothing happens here."""
-    code = ("import json, sys; sys.path[:], call = json.loads(sys.argv[1]); from orthant import _orthant; "
-            "_orthant._run_sweep(*call)")
-    call = json.dumps([sys.path, [str(file), bool(quick), str(results), int(jobs)]])
-    child = subprocess.Popen([sys.executable, "-c", code, call], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+    command = _fresh("_orthant._run_sweep(*call)", str(file), bool(quick), str(results), int(jobs))
+    child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                              stderr=subprocess.PIPE, text=True)
     try:
         while True:
@@ -154,7 +160,12 @@ def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, 
 
 
 def _run_case(file: Path, quick: bool, key: str) -> str:
-    return _orthant._run_case(file, quick, key)
+    """By a fresh interpreter as well: a crash there is a row, and the case's time limit holds."""
+    command = _fresh("print(_orthant._run_case(*call))", str(file), bool(quick), key)
+    run = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if run.returncode != 0:
+        raise RuntimeError(run.stderr.strip().splitlines()[-1] if run.stderr.strip() else f"ended with code {run.returncode}")
+    return run.stdout
 
 
 def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[str], bar: _Bar) -> None:

@@ -1,0 +1,29 @@
+// experiments/sweep/page.h — what a sweep's file says that its report shows (experiments/report/report.h), checked when the
+// file is read and not when all of it has been computed.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+/// The columns of results that a figure may have as x, y or by, and those that follow from them.
+std::span<const char* const> columns_of_figures();
+
+/// Refuses keys other than `known`: std::invalid_argument naming key, value and what there is. So do those below.
+void check_keys(const nlohmann::ordered_json& table, const std::string& where, const std::set<std::string>& known);
+
+/// KEY=VALUE for make_scene().
+std::vector<std::string> sets_of(const nlohmann::ordered_json& set);
+
+/// [[figure]]: a list of tables; `parameters`: names that the sweep sets, which are columns, too.
+void check_figures(const nlohmann::ordered_json& figures, const std::set<std::string>& parameters);
+
+/// [[animation]]: a list of tables, of runs of this scene (a built-in name or a file).
+void check_animations(const nlohmann::ordered_json& animations, const std::string& scene);
+
+}  // namespace orthant
