@@ -2,6 +2,8 @@
 #include "experiments/support/lcp_cases.h"
 #include "experiments/support/lcp_trial.h"
 
+#include <orthant/core/scenes/pile.h>
+#include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
@@ -92,6 +94,21 @@ TEST_CASE("factorizations are counted where they are made, those of a method tha
   CHECK(count("path:max_crash=0", small).factorizations > 0);
   const Solution newton = count("newton-fb", small);
   CHECK(newton.factorizations > newton.iterations);  // one a step, and the last digits
+}
+
+TEST_CASE("a step of a pile: auto sweeps, where pivoting takes many times as long") {
+  const System system(pile({.discs = 100}));
+  const auto scheme = make_integrator("moreau-jean", system);
+  const auto sweeps = make_solver("nncg:tolerance=1e-6"), solver = make_solver("auto");
+  State x = system.initial_state();
+  for (int k = 0; k < 300; ++k) REQUIRE(scheme->step(1e-3, *sweeps, x).status == Status::solved);
+  const Lcp problem = scheme->problem();
+  REQUIRE(problem.size() > 200);
+  IterationLog log;
+  solver->set_log(&log);
+  Solution s;
+  CHECK(solver->solve(problem, s).status == Status::solved);
+  CHECK(log.back().event.starts_with("nncg"));
 }
 
 TEST_CASE("path on an obstacle grid begins on coarse ones: a handful of factorizations, no pivot to speak of") {
