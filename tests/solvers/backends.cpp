@@ -1,6 +1,7 @@
 // Libraries under the solvers that fail: without memory a sparse factorization is refused, and the solver says so.
 #include <orthant/core/lcp/obstacles.h>
 #include <orthant/solvers/registry.h>
+#include <orthant/solvers/sparse_cholesky.h>
 
 #include <SuiteSparse_config.h>
 #include <doctest/doctest.h>
@@ -64,4 +65,23 @@ TEST_CASE("sparse solvers whose factorizations get no memory end with a status, 
       const Status again = solver->solve(problem, s, Start::cold).status;
       CHECK(again == make_solver(name)->solve(problem, s, Start::cold).status);
     }
+}
+
+TEST_CASE("sparse Cholesky that gets no memory for a solve says so, and solves when there is some again") {
+  const Lcp p = string_on_obstacle(100);
+  for (const long pieces : {0, 1, 2}) {
+    CAPTURE(pieces);
+    SparseCholesky cholesky;
+    REQUIRE(cholesky.factorize(std::get<RowSparse>(p.A), 0));
+    Vector x = p.b;
+    {
+      const Shortage shortage(pieces);
+      REQUIRE_FALSE(cholesky.solve(x));
+    }
+    CHECK(x == p.b);  // it keeps what it was given
+    REQUIRE(cholesky.solve(x));
+    Vector back, scratch;
+    multiply(p.A, x, back, scratch);
+    CHECK((back - p.b).lpNorm<Eigen::Infinity>() <= 1e-12 * p.b.lpNorm<Eigen::Infinity>());
+  }
 }

@@ -131,6 +131,40 @@ TEST_CASE("free rows with a zero diagonal: equations in any order") {
   }
 }
 
+TEST_CASE("dantzig: equations go first, what they leave may be a P-matrix where the whole is none") {
+  DenseMatrix A(Eigen::Matrix3d{{0, 0, -2}, {-1, 0, -3}, {3, 1, 1}});  // without its last row and column: (6, 2; 8, 3)
+  Lcp p = Lcp::standard(A, Vector{-2, 2, 3});
+  p.lo[2] = -kInf;
+  Dantzig solver;
+  Solution s;
+  CHECK(solver.solve(p, s).status == Status::solved);
+  CHECK((s.z - Eigen::Vector3d(0, 0, -3)).lpNorm<Eigen::Infinity>() == 0);
+
+  Random random(7);
+  const auto normal = [&](Index rows, Index columns) {
+    Eigen::MatrixXd B(rows, columns);
+    for (double& entry : B.reshaped()) entry = random.normal();
+    return B;
+  };
+  int solved = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const Index equations = random.integer(1, 12), contacts = random.integer(1, 12);
+    const Eigen::MatrixXd F = normal(contacts, contacts), R = normal(contacts, equations),
+                          D = normal(equations, contacts);
+    const Eigen::MatrixXd b = normal(contacts + equations, 1);
+    Eigen::MatrixXd B(contacts + equations, contacts + equations);
+    B << F.transpose() * F + 0.1 * Eigen::MatrixXd::Identity(contacts, contacts) + R * D, R, D,
+        Eigen::MatrixXd::Identity(equations, equations);
+    p = Lcp::standard(DenseMatrix(B), Vector(b));
+    p.lo.tail(equations).setConstant(-kInf);
+    if (solver.solve(p, s).status != Status::solved) continue;
+    ++solved;
+    CHECK(independent_residual(p, s.z) < 1e-12);
+  }
+  MESSAGE("dantzig solves ", solved, " of 500");
+  CHECK(solved >= 410);
+}
+
 TEST_CASE("Murty's problem of 60 rows: the least-index rules end on their limit and say so") {
   const Lcp p = murty_problem(60, true);
   Solution s;
