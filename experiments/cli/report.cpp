@@ -25,7 +25,11 @@ void add_report(CLI::App& app, int& exit_code) {
       "  orthant report mine.sqlite --output mine.html");
   command->callback([arguments, &exit_code] {
     check_writable(arguments->output);
-    write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));
+    try {
+      write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));
+    } catch (const nlohmann::json::exception& error) {
+      throw std::runtime_error("cannot read " + arguments->results + ": it is damaged: " + error.what());
+    }
     if (arguments->json)
       std::cout << nlohmann::json{{"report", arguments->output}}.dump() << '\n';
     else

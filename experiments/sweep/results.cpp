@@ -63,6 +63,33 @@ std::string list_of_columns(const char* separator, bool types) {
   return text;
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
+/// Reading makes files beside the database, too, which its write-ahead log needs. Where none can be made and there is no
+/// log, nobody writes: SQLite may then take the file for what never changes. Source: https://sqlite.org/uri.html
+bool fixed(const std::filesystem::path& file) {
+  std::error_code none;
+  return access(folder_of(file).c_str(), W_OK) != 0 && std::filesystem::is_regular_file(file, none) &&
+         !std::filesystem::exists(file.string() + "-wal", none);
+}
+
+std::string uri_of(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(file).string())
+    uri += c == '%' ? "%25" : c == '?' ? "%3f" : c == '#' ? "%23" : std::string(1, c);
+  return uri + "?immutable=1";
+}
+
+/// Rows as they are written have these; some readers ask no more.
+bool always_there(std::string_view column) {
+  for (const char* each :
+       {"key", "scene", "parameters", "integrator", "solver", "step", "duration", "measure", "status"})
+    if (column == each) return true;
+  return false;
+}
+
 }  // namespace
 
 std::span<const Column> columns_of_cases() { return kColumns; }
@@ -134,13 +161,23 @@ void Results::fail(const std::string& what) const {
     case SQLITE_READONLY:
       reason = "it, or its folder, is read-only";
       break;
+    case SQLITE_CANTOPEN:
+      if (access(folder_of(file_).c_str(), W_OK) != 0)
+        reason += " (its folder: " + std::string(std::strerror(errno)) + ")";
+      break;
     case SQLITE_NOTADB:
       reason = "it is no results file";
       break;
+    case SQLITE_CORRUPT:
+      damaged(reason);
     default:
       break;
   }
   throw std::runtime_error("cannot " + what + " " + file_.string() + ": " + reason);
+}
+
+void Results::damaged(const std::string& what) const {
+  throw std::runtime_error("cannot read " + file_.string() + ": it is damaged: " + what);
 }
 
 void Results::run(const std::string& sql) const {
@@ -150,7 +187,12 @@ void Results::run(const std::string& sql) const {
 Results::Results(const std::filesystem::path& file, Open open, double patience) : file_(file) {
   const int flags = open == read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   try {
-    if (sqlite3_open_v2(file.c_str(), &db_, flags, nullptr) != SQLITE_OK) fail("open");
+    const bool alone = open == read_only && fixed(file);
+    if (sqlite3_open_v2(alone ? uri_of(file).c_str() : file.c_str(), &db_, flags | (alone ? SQLITE_OPEN_URI : 0),
+                        nullptr) != SQLITE_OK)
+      fail("open");
+    if (open == read_write && sqlite3_db_readonly(db_, "main") == 1)
+      throw std::runtime_error("cannot write " + file.string() + ": it, or its folder, is read-only");
     sqlite3_busy_timeout(db_, static_cast<int>(1e3 * patience));
     const auto pragma = [&](const char* name) {
       Statement statement(*this, std::string("PRAGMA ") + name);
@@ -216,20 +258,47 @@ void Results::add(const ResultRow& row) {
 std::optional<ResultRow> Results::find(const std::string& key) const {
   Statement statement(*this, "SELECT * FROM cases WHERE key = ?");
   if (!statement.bind(key).step()) return {};
-  return statement.row();
+  return checked(statement.row());
+}
+
+ResultRow Results::checked(ResultRow row) const {
+  for (const Column& column : kColumns) {
+    if (!row.contains(column.name)) damaged(std::string("it has no column ") + column.name);
+    const auto& value = row.at(column.name);
+    const bool text = column.type[0] == 'T';
+    if (value.is_null() ? always_there(column.name) : text ? !value.is_string() : !value.is_number())
+      damaged(std::string("a row whose ") + column.name + " is no " + (text ? "text" : "number"));
+  }
+  const auto key = row.at("key").get<std::string>();  // files are named so
+  if (key.empty() || key.size() > 16 || key.find_first_not_of("0123456789abcdef") != std::string::npos)
+    damaged("a row whose key is none");
+  try {
+    row.dump();  // UTF-8
+    if (!ResultRow::parse(row.at("parameters").get<std::string>()).is_object()) damaged("a row without parameters");
+  } catch (const nlohmann::json::exception& error) {
+    damaged(error.what());
+  }
+  return row;
 }
 
 std::vector<Results::Declared> Results::sweeps() const {
   std::vector<Declared> all;
-  for (Statement s(*this, "SELECT name, about FROM sweeps ORDER BY name"); s.step();)
-    all.push_back({s.at(0).get<std::string>(), nlohmann::ordered_json::parse(s.at(1).get<std::string>())});
+  try {
+    for (Statement s(*this, "SELECT name, about FROM sweeps ORDER BY name"); s.step();) {
+      all.push_back({s.at(0).get<std::string>(), nlohmann::ordered_json::parse(s.at(1).get<std::string>())});
+      nlohmann::ordered_json(all.back().name).dump();  // UTF-8
+      for (const char* key : {"question", "scene"}) all.back().about.at(key).get_ref<const std::string&>();
+    }
+  } catch (const nlohmann::json::exception& error) {
+    damaged(error.what());
+  }
   return all;
 }
 
 std::vector<ResultRow> Results::rows(const std::string& sweep) const {
   std::vector<ResultRow> all;
   Statement statement(*this, "SELECT cases.* FROM members JOIN cases USING(key) WHERE sweep = ? ORDER BY place");
-  for (statement.bind(sweep); statement.step();) all.push_back(statement.row());
+  for (statement.bind(sweep); statement.step();) all.push_back(checked(statement.row()));
   return all;
 }
 

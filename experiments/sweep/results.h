@@ -27,7 +27,7 @@ class Results {
  public:
   enum Open { read_only, read_write };
   /// Throws std::runtime_error naming file and reason: no database, not ours, locked for longer than `patience` [s], disk
-  /// full, not to be written. So does everything below.
+  /// full, not to be written, damaged. So does everything below. Read only, it may lie on a read-only disk.
   explicit Results(const std::filesystem::path& file, Open open = read_write, double patience = 10);
   Results(const Results&) = delete;
   Results& operator=(const Results&) = delete;
@@ -52,6 +52,9 @@ class Results {
  private:
   class Statement;
   [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void damaged(const std::string& what) const;
+  /// The row, if it can have been written by add(): readers rely on its columns, and the file may be anybody's.
+  ResultRow checked(ResultRow row) const;
   void run(const std::string& sql) const;
   std::filesystem::path file_;
   sqlite3* db_ = nullptr;

@@ -1,5 +1,8 @@
-// Sweeps: the file's errors in words; the same table however it came about; failures that can be replayed.
+// Sweeps: the file's errors in words; the same table however it came about; failures that can be replayed; results files
+// that are damaged, locked, on a full or a read-only disk.
 #include "experiments/sweep/run.h"
+
+#include <orthant/core/lcp/collection.h>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
@@ -7,6 +10,7 @@
 #include <spawn.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <chrono>
@@ -65,7 +69,94 @@ int end_of(pid_t process) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
+/// Two finished cases.
+void small_results(const Folder& folder, const char* file) {
+  const Sweep sweep = read_sweep(folder.write("ball.sweep.toml", R"(
+question = "Which?"
+scene = "bouncing_ball"
+duration = 0.1
+measure = "ball.y"
+[[grid]]
+integrator = ["rattle"]
+step = [1e-2, 5e-3]
+)"),
+                                 false);
+  Results results(folder / file);
+  results.declare(sweep);
+  for (const Case& c : sweep.cases) results.add(run_case(c));
+}
+
+/// What `file` holds in words, or why it cannot be read; any other exception fails.
+std::string read_all(const std::string& file) {
+  try {
+    const Results results(file, Results::read_only);
+    std::string text;
+    for (const auto& [name, about] : results.sweeps()) {
+      text += name + about.dump() + std::to_string(results.members(name));
+      for (const ResultRow& row : results.rows(name)) text += row.dump();
+    }
+    return text;
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+void change(const std::string& file, const std::string& sql) {
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(file.c_str(), &db) == SQLITE_OK);
+  CAPTURE(sql);
+  CHECK(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(db);
+}
+
 }  // namespace
+
+TEST_CASE("a results file with any of its bytes changed or cut off is read, or refused by name") {
+  const Folder folder;
+  small_results(folder, "r.sqlite");
+  const std::string whole = slurp(folder / "r.sqlite"), right = read_all(folder / "r.sqlite");
+  REQUIRE(right.find("Which?") != std::string::npos);
+  Random random(3);
+  int refused = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string bytes = whole;
+    const int size = static_cast<int>(bytes.size());
+    if (trial % 10 == 0) bytes.resize(static_cast<std::size_t>(random.integer(1, size - 1)));
+    const int begin = random.integer(0, size - 1), most = trial % 3 == 0 ? 1 : 2000;
+    for (int k = 0; k < most; ++k)  // one byte; many in a page
+      bytes[static_cast<std::size_t>(begin + k) % bytes.size()] ^= static_cast<char>(random.integer(1, 255));
+    const std::string file = folder.write("d.sqlite", bytes);
+    const std::string said = read_all(file);
+    INFO("trial ", trial, ": ", said);
+    const bool named = said.find("d.sqlite: ") != std::string::npos;
+    CHECK((named || said.empty() || said.find("ball") != std::string::npos));
+    if (named) CHECK(lines(said) == 0);
+    refused += named;
+  }
+  CHECK(refused > 100);
+}
+
+TEST_CASE("a results file of a stranger: what no orthant wrote is refused by name, and leads nowhere") {
+  const Folder folder;
+  small_results(folder, "r.sqlite");
+  const std::string whole = slurp(folder / "r.sqlite");
+  for (const char* sql :
+       {"UPDATE cases SET key = '../out' WHERE rowid = 1; UPDATE members SET key = '../out' WHERE place = 0",
+        "UPDATE cases SET status = NULL", "UPDATE cases SET parameters = '{'", "UPDATE cases SET parameters = '3'",
+        "UPDATE cases SET integrator = x'ff'", "UPDATE cases SET why = CAST(x'ff' AS TEXT)",
+        "UPDATE cases SET seconds = 'soon'", "UPDATE sweeps SET about = '{'", "UPDATE sweeps SET about = NULL",
+        "UPDATE sweeps SET about = '{}'", "UPDATE sweeps SET name = CAST(x'ff' AS TEXT)", "DROP TABLE members",
+        "DROP TABLE cases", "ALTER TABLE cases RENAME COLUMN step TO stop", "PRAGMA user_version = 99",
+        "PRAGMA application_id = 3"}) {
+    CAPTURE(sql);
+    std::filesystem::remove(folder / "d.sqlite-wal");
+    change(folder.write("d.sqlite", whole), sql);
+    const std::string said = read_all(folder / "d.sqlite");
+    CAPTURE(said);
+    CHECK(said.find("d.sqlite: ") != std::string::npos);
+    CHECK(lines(said) == 0);
+  }
+}
 
 TEST_SUITE_BEGIN("slow");  // for sanitizers: whole programs, several times
 
@@ -325,4 +416,42 @@ TEST_CASE("results that cannot be written or read: one line with file and reason
   CHECK_THROWS_WITH(Results(folder / "r.sqlite", Results::read_write, 0.05).add({{"key", "0"}}),
                     doctest::Contains("another program has locked it"));
   sqlite3_close(db);
+}
+
+TEST_CASE("results on a read-only disk are read and reported as ever; writing there is refused in a line") {
+  const Sweeps folder;
+  const Folder elsewhere;
+  small_results(folder, "r?#%41.sqlite");  // what means something to the name of a database
+  const std::string here = folder.path.string();
+  const bool by_mount = geteuid() == 0;  // permissions do not bind root
+  const std::string enter = by_mount
+                                ? "unshare -m sh -ec 'mount --bind \"$0\" \"$0\"; mount -o remount,bind,ro \"$0\"; "
+                                  "cd \"$0\"; exec \"$@\"' '" +
+                                      here + "' "
+                                : "env -C '" + here + "' ";
+  const auto run = [&](const std::string& command) { return elsewhere.run(enter + command); };
+  if (const Reply tried = run("true"); tried.exit_code != 0) {
+    MESSAGE("skipped, nothing can be mounted here: ", tried.err);
+    return;
+  }
+  using std::filesystem::perms;
+  const auto writable = perms::owner_write | perms::group_write | perms::others_write;
+  if (!by_mount) std::filesystem::permissions(folder.path, writable, std::filesystem::perm_options::remove);
+  const std::string file = "'r?#%41.sqlite'", table = folder.orthant("results " + file + " --csv").out;
+  const auto reply = run("'" ORTHANT_CLI "' results " + file + " --csv");
+  CAPTURE(reply.err);
+  CHECK(reply.exit_code == 0);
+  CHECK(reply.out == table);
+  CHECK(lines(table) == 3);
+  CHECK(run("'" ORTHANT_CLI "' report " + file + " --output '" + elsewhere.path.string() + "/r.html'").exit_code == 0);
+  for (const std::string& words : {"sweep ball.sweep.toml --results " + file, "results " + file + " --add",
+                                   std::string("sweep ball.sweep.toml --results new.sqlite")}) {
+    const Reply refused = run("'" ORTHANT_CLI "' " + words + " </dev/null");
+    CAPTURE(refused.err);
+    CHECK(refused.exit_code == 1);
+    CHECK(lines(refused.err) == 1);
+    CHECK(refused.err.find("ead-only") != std::string::npos);
+    CHECK(refused.err.find(".sqlite") != std::string::npos);
+  }
+  if (!by_mount) std::filesystem::permissions(folder.path, writable, std::filesystem::perm_options::add);
 }
