@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import math
 import os
+import struct
 import zipfile
 import zlib
 from typing import TYPE_CHECKING, Any, Union
@@ -14,7 +17,10 @@ from ._spec import path, shown, whole, word
 if TYPE_CHECKING:
     Path = Union[str, os.PathLike[str]]
 
-_BROKEN = (ValueError, EOFError, NotImplementedError, OSError, RuntimeError, zipfile.BadZipFile, zlib.error)  # an archive
+# What reading an archive of a stranger may raise.
+_BROKEN = (ValueError, TypeError, EOFError, NotImplementedError, OSError, RuntimeError, MemoryError, OverflowError, KeyError,
+           SyntaxError, struct.error, zipfile.BadZipFile, zlib.error)
+_MOST = 1 << 30  # [bytes] of one array: FCLIB's limit, too
 _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed: M is square
 
 
@@ -22,41 +28,99 @@ def read_problem(file: Path) -> Problem:
     """A problem file, by its name's end: .npz, .hdf5 or .h5 (FCLIB contact problems), else JSON.
 
     NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3) may be
-    absent. Raises ValueError or RuntimeError naming file, field and rule.
+    absent; arrays of numbers, each of at most 1 GiB. Raises ValueError or RuntimeError naming file, field and rule.
     """
     file = path("file", file)
     if file.endswith(".mtx"):
         raise ValueError(f"{file}: Matrix Market holds a matrix, not a problem: must be read by scipy.io.mmread, and q as well")
     if not file.endswith(".npz"):
         return _orthant._read_problem(file)
-    import numpy as np
-
-    try:
-        archive = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError, NotImplementedError, zipfile.BadZipFile) as error:
-        raise ValueError(f"{file}: must be NumPy's NPZ: {error}") from None
-    if not isinstance(archive, np.lib.npyio.NpzFile):
-        raise ValueError(f"{file}: must be NumPy's NPZ of several arrays, not one array")
-    with archive as data:
-        known = {"M", "q", "lower", "upper", "friction", *_SPARSE}
-        if unknown := sorted(set(data.files) - known):
-            raise ValueError(f"{file}: {unknown[0]} is no known field: must be one of {', '.join(sorted(known))}")
-        if "q" not in data.files or ("M" in data.files) == ("M_data" in data.files):
-            raise ValueError(f"{file}: must have q, and either M or {', '.join(_SPARSE)}")
-        fields = {}
-        for key in data.files:
-            try:
-                fields[key] = data[key]
-            except _BROKEN as error:
-                raise ValueError(f"{file}: {key} cannot be read: {error}") from None
+    fields = _arrays(file)
     q = fields["q"]
     if q.ndim != 1:
         raise ValueError(f"{file}: q has shape {q.shape}: must be one-dimensional")
     try:
         M = fields["M"] if "M" in fields else _by_rows(fields, len(q))
         return Problem(M, q, fields.get("lower"), fields.get("upper"), _friction(fields.get("friction")))
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"{file}: {error}") from None
+    except TypeError as error:
+        raise TypeError(f"{file}: {_line(error)}") from None
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"{file}: {_line(error)}") from None
+
+
+def _line(said: object) -> str:
+    """What quotes a file, or an error that may, as one short line."""
+    text = str(said) or type(said).__name__
+    text = text if text.isprintable() else ascii(text)
+    return text if len(text) <= 300 else text[:300] + " ..."
+
+
+def _arrays(file: str) -> dict[str, Any]:
+    """The fields of NumPy's NPZ. Nothing is executed; what an array's header promises is compared with what is there
+    before there is memory for it."""
+    known = {"M", "q", "lower", "upper", "friction", *_SPARSE}
+    fields: dict[str, Any] = {}
+    try:
+        archive = zipfile.ZipFile(file)
+    except FileNotFoundError:
+        raise
+    except _BROKEN as error:
+        raise ValueError(f"{file}: must be NumPy's NPZ, several arrays in a zip archive: {_line(error)}") from None
+    with archive:
+        members = archive.infolist()
+        for member in members:
+            key = member.filename[:-4] if member.filename.endswith(".npy") else member.filename
+            if key not in known or key == member.filename:
+                raise ValueError(f"{file}: {_line(key)} is no known field: must be one of {', '.join(sorted(known))}, with .npy")
+            if key in fields:
+                raise ValueError(f"{file}: {key} is there twice")
+            fields[key] = None
+        if "q" not in fields or ("M" in fields) == ("M_data" in fields):
+            raise ValueError(f"{file}: must have q, and either M or {', '.join(_SPARSE)}")
+        for key, member in zip(fields, members):
+            try:
+                if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                    raise ValueError("it is packed as NumPy does not")
+                packed = min(member.compress_size, os.path.getsize(file))
+                if member.file_size > min(_MOST, 1040 * packed):  # what there can be in it
+                    raise ValueError(f"{member.file_size} bytes: must be at most {_MOST}, or {packed} of the file hold less")
+                with archive.open(member) as stream:
+                    fields[key] = _array(stream, member.file_size)
+            except _BROKEN as error:
+                raise ValueError(f"{file}: {key} cannot be read: {_line(error)}") from None
+    return fields
+
+
+def _array(stream: Any, size: int) -> Any:
+    """One array of `size` bytes with its header, of a type that numbers have."""
+    import numpy as np
+
+    npy: Any = np.lib.format
+    version = npy.read_magic(stream)
+    if version not in ((1, 0), (2, 0)):
+        raise ValueError(f"version {version}: must be (1, 0) or (2, 0)")
+    # Before NumPy 1.24 any length was taken, and its parser has no bound.
+    bytes_of_length = 2 if version == (1, 0) else 4
+    length = int.from_bytes(stream.read(bytes_of_length), "little")
+    if length > 10000:
+        raise ValueError(f"a header of {length} bytes: must have at most 10000")
+    header = io.BytesIO(length.to_bytes(bytes_of_length, "little") + stream.read(length))
+    shape, by_columns, dtype = (npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0)(header)
+    if dtype.kind not in "biuf":
+        raise ValueError(f"type {_line(dtype)}: must be numbers")
+    if len(shape) > 2 or any(isinstance(n, bool) or n < 0 for n in shape):
+        raise ValueError(f"shape {_line(shape)}: must be one or two lengths")
+    there, promised = size - npy.MAGIC_LEN - bytes_of_length - length, math.prod(shape) * dtype.itemsize
+    if promised != there:
+        raise ValueError(f"shape {_line(shape)} asks for {str(promised)[:30]} bytes: it has {there}")
+    values, at = np.empty(math.prod(shape), dtype), 0
+    room = values.view(np.uint8)
+    while chunk := stream.read(1 << 18):  # at the end the checksum is compared
+        room[at:at + len(chunk)] = np.frombuffer(chunk, np.uint8)
+        at += len(chunk)
+    if at != promised:
+        raise ValueError("it ends early")
+    return values.reshape(shape, order="F" if by_columns else "C")
 
 
 def _by_rows(fields: dict[str, Any], n: int) -> Any:
