@@ -57,13 +57,24 @@ bool ContactTransition::doubtful() const {
   return false;
 }
 
-/// Whether the certificate stands against rounding of the problem too: redundant rows, equal in truth, contradict each
-/// other by that.
+/// Whether the certificate u stands against rounding of the problem too. Redundant rows, equal in truth, contradict each
+/// other by that. And where a column's share of Aᵀu is neither zero nor clearly below, large forces are the answer and not
+/// none: a light body between heavy ones, whose contacts are out of line by rounding alone.
 bool ContactTransition::proved() const {
-  constexpr double kProof = 1e-8;
+  constexpr double kProof = 1e-8, kZero = 1e-13;
   const Vector& u = solution_.certificate;
-  return solution_.status == Status::infeasible &&
-         lcp_.b.dot(u) < -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>();
+  if (solution_.status != Status::infeasible ||
+      lcp_.b.dot(u) >= -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>())
+    return false;
+  for (Index i = 0; i < static_cast<Index>(candidates.size()); ++i) {
+    const auto share = [&](Index row) { return equations_.A.col(row).dot(u); };
+    const auto size = [&](Index row) { return equations_.A.col(row).cwiseAbs().dot(u.cwiseAbs()); };
+    double sum = share(i), all = size(i);
+    for (const Friction& f : lcp_.friction)
+      if (f.normal == i) sum += f.mu * std::abs(share(f.row)), all += f.mu * size(f.row);
+    if (std::abs(sum) > kZero * all && sum > -kProof * all) return false;
+  }
+  return true;
 }
 
 /// The judge's status, `unsupported` for several solutions; why_ says so in words.

@@ -75,7 +75,7 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   set_poses(system_, x.t + at * h, q_mid_, terms_.at);
   evaluate_forces(system_, x.t + at * h, x.v, terms_);
   evaluate_joint_rows(system_, terms_);
-  if (!basic_.factorize(system_, terms_, h * h * at * at, h * at))
+  if (!basic_.factorize(system_, terms_, h * h * at * plan_.theta, h * at))
     return fail(report, Status::numerical_error, "the basic system is not finite");
 
   // Wanted of G v⁺: ṡ, or such that the mean velocity of the step satisfies the joints.

@@ -1,8 +1,9 @@
 // integrators/velocity_stepping.h — the story of a step that the schemes with one problem at velocity level share.
 //
 //   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme names the closed contacts and what it wants of their rates
-//   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²a² K + h a C   (springs, dampers: linearly implicit)
+//   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²aθ K + h a C
 //   q⁺ = q + h (θ v⁺ + (1−θ) v)
+// Springs and dampers are so, linearly implicit, those at q + a (q⁺ − q) and v + a (v⁺ − v): bounded at any step.
 // Impacts by another law than Newton's on all contacts at once come first, at v (impact.h); v_free has them then.
 // Joints, by the option `joints`:
 //   none       G v⁺ = ṡ                      positions drift by O(h) over a fixed time; ṡ = 0 but for driven joints

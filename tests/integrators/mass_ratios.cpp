@@ -109,3 +109,19 @@ TEST_CASE("a ball that starts inside the floor is pushed out, not shot off") {
     CHECK(r.final.q[1] >= 0.05);
   }
 }
+
+TEST_CASE("a light ball under a heavy one: there is always a motion, and event-driven proves nothing else") {
+  for (const double ratio : {1e6, 1e9, 3e9}) {
+    CAPTURE(ratio);
+    Scene s{.gravity = {0, -9.81}};
+    const auto low = s.body({.name = "low", .mass = 1, .inertia = 0.1, .position = {0, 0.5}});
+    const auto high = s.body({.name = "high", .mass = ratio, .inertia = 0.1 * ratio, .position = {0, 1.6}});
+    s.contact(DiscWall{"floor", low, {0, 0}, 0.5, kGround, {0, 0}, {0, 1}, {.mu = 0.3, .e = 0.2}});
+    s.contact(DiscDisc{"between", high, {0, 0}, 0.5, low, {0, 0}, 0.5, {.mu = 0.3, .e = 0.2}});
+    s.duration = 0.22;  // the bounces have ended
+    const Run r = run(s, "event-driven", 1e-3);
+    CAPTURE(r.why);
+    CHECK(r.status != Status::infeasible);
+    if (ratio < 1e7) CHECK(r.status == Status::solved);
+  }
+}

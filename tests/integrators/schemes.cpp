@@ -462,3 +462,22 @@ TEST_CASE("a start that breaks its joints is moved onto them, the same way by al
     CHECK((r.final.q - exact.final.q).lpNorm<Eigen::Infinity>() <= 1e-3);
   }
 }
+
+TEST_CASE(
+    "oscillator: schemes that move by the end velocity are bounded at any step, with the force of the mean position") {
+  for (const std::string_view scheme : {"stewart-trinkle", "anitescu-potra", "paoli-schatzman"})
+    for (const double wh : {0.2, 1.9, 3.0, 100.0, 1e4}) {
+      CAPTURE(scheme);
+      CAPTURE(wh);
+      const double h = 1e-2, x = 0.3, v = -0.7, w2 = wh * wh / (h * h);
+      Scene s;
+      const auto b = s.body({.name = "mass", .mass = 1, .inertia = 1, .position = {x, 0}, .velocity = {v, 0}});
+      s.spring(PointSpring{"spring", b, kGround, {0, 0}, {-5, 0}, w2, 0, 5});
+      const Run once = run_for(s, h, scheme, h);
+      const double after = (v - w2 * h * x) / (1 + wh * wh / 2);  // v⁺ − v = −ω²h (x + x⁺)/2,  x⁺ = x + h v⁺
+      CHECK(once.final.v[0] == doctest::Approx(after).epsilon(1e-9));
+      CHECK(once.final.q[0] == doctest::Approx(x + h * after).epsilon(1e-9));
+      const Run many = run_for(s, 1000 * h, scheme, h);
+      CHECK(many.energy_final <= 1.01 * many.energy_initial);
+    }
+}
