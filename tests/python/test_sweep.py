@@ -82,3 +82,13 @@ def test_a_sweep_file_of_the_users_is_not_written_over(tmp_path):
     assert own.read_text() == "scene = 'mine'\n"
     with pytest.raises(ValueError, match="jobs = -1: must be a whole number"):
         orthant.sweep("bouncing_ball", results=tmp_path / "b.sqlite", jobs=-1, **BALL)
+
+
+@pytest.mark.parametrize("damage", ["text", "cut"])
+def test_results_that_cannot_be_used_are_named(tmp_path, damage):
+    file = tmp_path / "ball.sqlite"
+    orthant.sweep("bouncing_ball", results=file, progress=False, **BALL)
+    whole = file.read_bytes()
+    file.write_bytes(b"x" * 5000 if damage == "text" else whole[:len(whole) // 2])
+    with pytest.raises(RuntimeError, match="ball.sqlite: .*(no results file|damaged)"):
+        orthant._orthant._sweep_rows(file, "ball")
