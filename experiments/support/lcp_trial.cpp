@@ -44,36 +44,37 @@ void judge_solution(const Lcp& problem, const Vector& z, Trial& t) {
 }
 
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit) {
-  constexpr double kEnough = 0.1;   // [s]
-  constexpr double kLittle = 0.01;  // within it more runs, so that the shortest ones find the caches warm
-  constexpr int kMostRuns = 5, kMostShortRuns = 101;
+  constexpr double kEnough = 0.1;  // [s]
+  constexpr double kShort = 2e-5;  // [s] below it calls are timed in a row: the clock takes a part of a microsecond
+  constexpr int kMostRuns = 5;
   Trial t;
   const auto solver = make_solver(spec);
   solver->set_time_limit(time_limit);
   Solution s;
   std::vector<double> times;
   const auto begin = std::chrono::steady_clock::now();
-  const auto run = [&] {
+  const auto run = [&](int calls) {
     const double start = processor_time();
-    solver->solve(problem, s);
-    times.push_back(processor_time() - start);
+    for (int k = 0; k < calls; ++k) solver->solve(problem, s);
+    times.push_back((processor_time() - start) / calls);
   };
   IterationLog log;
   solver->set_log(&log);
-  run();
+  run(1);
   solver->set_log(nullptr);
   t.stages = stages_of(log);
   if (s.status == Status::unsupported) t.note = solver->why_not(problem);
   const double first = times[0];
   if (first < kEnough && s.status != Status::unsupported) {
     const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-    double sum = 0;
-    const auto more = [&](int k) { return (k < kMostRuns && sum < kEnough) || (k < kMostShortRuns && sum < kLittle); };
-    for (int k = 0; more(k) && spent() + first < time_limit; ++k) {
-      if (k == 0) times.clear();  // the logged run only counts when it is the only one
-      run();
-      sum += times.back();
-    }
+    times.clear();  // the logged run only counts when it is the only one
+    run(1);
+    const int calls = times[0] < kShort ? static_cast<int>(kShort / std::max(times[0], 1e-7)) + 1 : 1;
+    if (calls > 1) times.clear();
+    double sum = times.empty() ? 0 : times[0];
+    for (; static_cast<int>(times.size()) < kMostRuns && sum < kEnough && spent() + first < time_limit;
+         sum += calls * times.back())
+      run(calls);
   }
   t.status = name(s.status);
   t.iterations = s.iterations;

@@ -20,7 +20,7 @@ struct Trial {
 };
 
 /// Solves once with the iteration log on; a solve shorter than 0.1 s is repeated without it, the solver object reused,
-/// until 0.1 s are over or 5 runs done, short ones 0.01 s or 101 runs, never past the time limit (wall time, s).
+/// until 0.1 s are over or 5 runs done, those below 20 µs as often in a row as fills them, never past the time limit (wall time, s).
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit);
 
 /// Residual, rounding and whether a solution holds, of a z.
