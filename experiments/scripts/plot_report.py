@@ -75,7 +75,8 @@ def in_words(name, value):
 def draw(sweep, rows, figure, folder, about):
     rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
             all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and row.get(figure["x"]) is not None and
-            row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"])]
+            row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"]) and
+            all(row[figure[axis]] > 0 for axis in figure.get("log", ""))]  # nothing else has a place there
     panels = list(dict.fromkeys(beside_axes(row, figure) for row in rows))
     if figure.get("worst"):
         panels = [None]
