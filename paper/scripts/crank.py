@@ -80,7 +80,7 @@ def numbers(n):
     cost = {(row["integrator"], row["mu"], row["e"], row["step"]): row["seconds"]
             for row in pick(solved(table), repeats=lambda n: n > 0, rtol=None)}
     n["crank/cost_ratio"] = tex(median(cost[SYMMETRIC, *case] / seconds for (name, *case), seconds in cost.items()
-                                       if name == CLASSICAL and (SYMMETRIC, *case) in cost))
+                                       if name == CLASSICAL and (SYMMETRIC, *case) in cost), 3)
     n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + unit("ms")
     timed = pick(solved(table), integrator=CLASSICAL, repeats=3)
     n["crank/classical_finest"] = tex(1e6 * min(row["step"] for row in timed), 2) + unit(r"\mu s")
