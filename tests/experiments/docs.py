@@ -22,7 +22,7 @@ SETS_UP = {
     "export PATH=$PWD/build/release:$PATH PYTHONPATH=$PWD/build/release/python": "likewise",
     "./experiments/scripts/setup release": "what the tests were built by",
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
-    "./experiments/run shootout --quick": "a minute, on a machine that does nothing else",
+    "./experiments/run shootout --largest 100 --time-limit 1 --scenes slider_crank n_four_bar tower pile": "four minutes, on a machine that does nothing else",
     "experiments/docs/tables.py solvers results/lcp_shootout quiet": "needs the run above",
     "./experiments/run work_precision": "two minutes",
     "experiments/docs/tables.py integrators results/work_precision quiet": "needs that run",
