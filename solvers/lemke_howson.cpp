@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace orthant {
 namespace {
@@ -10,19 +11,21 @@ namespace {
 /// {u ≥ 0, G u + s = e} as a tableau [slacks | u | right-hand side]. Each variable bears a label.
 class Polytope {
  public:
+  static constexpr int kLost = -1;
+
   Polytope(const Eigen::MatrixXd& G, int first_slack, int first_u) : t_(G.rows(), G.rows() + G.cols() + 1) {
     t_ << Eigen::MatrixXd::Identity(G.rows(), G.rows()), G, Eigen::VectorXd::Ones(G.rows());
     for (int i = 0; i < G.rows(); ++i) label_.push_back(first_slack + i), basic_.push_back(i);
     for (int j = 0; j < G.cols(); ++j) label_.push_back(first_u + j);
   }
 
-  /// Brings the variable of this label into the basis; the label of the one that leaves.
+  /// Brings the variable of this label into the basis; the label of the one that leaves, kLost when rounding lets none leave.
   int enter(int label) {
     const Eigen::Index s = std::find(label_.begin(), label_.end(), label) - label_.begin();
     Eigen::Index r = -1;
     for (Eigen::Index i = 0; i < t_.rows(); ++i)
       if (t_(i, s) > kZero && (r < 0 || before(i, r, s))) r = i;
-    if (r < 0) throw std::logic_error("lemke_howson: nothing blocks in a bounded polytope");
+    if (r < 0) return kLost;  // a polytope is bounded
     t_.row(r) /= t_(r, s);
     for (Eigen::Index i = 0; i < t_.rows(); ++i) {
       if (i == r || t_(i, s) == 0) continue;
@@ -35,6 +38,13 @@ class Polytope {
     const int leaving = label_[static_cast<std::size_t>(basic_[static_cast<std::size_t>(r)])];
     basic_[static_cast<std::size_t>(r)] = s;
     return leaving;
+  }
+
+  /// The basic columns, in ascending order.
+  std::vector<Eigen::Index> basis() const {
+    auto columns = basic_;
+    std::sort(columns.begin(), columns.end());
+    return columns;
   }
 
   /// The variable of this label is at zero and may enter.
@@ -71,6 +81,8 @@ class Polytope {
   std::vector<Eigen::Index> basic_;  // column of each row
 };
 
+enum class PathOfGame { there, stopped, lost };  // lost: by rounding it went in circles, or nowhere
+
 /// A pair of vertices that has every label: the origin, or an equilibrium.
 struct Game {
   const Eigen::MatrixXd &A, &B;
@@ -90,13 +102,20 @@ struct Game {
     const double high = costs.maxCoeff(), span = std::max(high - costs.minCoeff(), std::numeric_limits<double>::min());
     return ((high - costs.array()) / span + 1).matrix();
   }
-  /// Drops a label and goes on until it is there again. `stop` is asked at each pivot: false when it said true.
-  bool follow(int label, const std::function<bool()>& stop) {
+  /// Drops a label and goes on until it is there again. `stop` is asked at each pivot. No path comes twice to a pair of
+  /// bases; with rounding it may: one that it had is kept, of the pivots 1, 2, 4, 8, … the last (Brent).
+  PathOfGame follow(int label, const std::function<bool()>& stop) {
     Polytope* turn = p.rests(label) ? &p : &q;
+    std::pair<std::vector<Eigen::Index>, std::vector<Eigen::Index>> kept;
+    long pivots = 0, next = 1;
     for (int entering = label;;) {
-      if (stop && stop()) return false;
+      if (stop && stop()) return PathOfGame::stopped;
       const int leaving = turn->enter(entering);
-      if (leaving == label) return true;
+      if (leaving == label) return PathOfGame::there;
+      if (leaving == Polytope::kLost) return PathOfGame::lost;
+      std::pair now(p.basis(), q.basis());
+      if (now == kept) return PathOfGame::lost;
+      if (++pivots == next) kept = std::move(now), next *= 2;
       turn = turn == &p ? &q : &p;
       entering = leaving;
     }
@@ -131,7 +150,11 @@ Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int
   if (label < 0 || label >= game.m + game.k)
     throw std::invalid_argument("lemke_howson: label = " + std::to_string(label) + ": must be in [0, " +
                                 std::to_string(game.m + game.k - 1) + "]");
-  if (!game.follow(label, stop)) return {};
+  const PathOfGame path = game.follow(label, stop);
+  if (path == PathOfGame::lost)
+    throw std::runtime_error("lemke_howson: rounding leads the path of label " + std::to_string(label) +
+                             " in circles: the costs span too many orders");
+  if (path == PathOfGame::stopped) return {};
   return game.equilibrium(label);
 }
 
@@ -143,8 +166,9 @@ std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen:
   for (std::size_t from = 0; from < open.size(); ++from)
     for (int label = 0; label < open[from].m + open[from].k; ++label) {
       Game game = open[from];
-      if (!game.follow(label, stop)) return found;
-      if (game.at_origin()) continue;
+      const PathOfGame path = game.follow(label, stop);
+      if (path == PathOfGame::stopped) return found;
+      if (path == PathOfGame::lost || game.at_origin()) continue;
       const Equilibrium e = game.equilibrium(label);
       const bool known = std::any_of(found.begin(), found.end(), [&](const Equilibrium& f) {
         return (e.x - f.x).lpNorm<Eigen::Infinity>() < 1e-9 && (e.y - f.y).lpNorm<Eigen::Infinity>() < 1e-9;
@@ -186,11 +210,12 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
 
 Status LemkeHowson::follow(int label, Solution& s) {
   Game game(A_, B_);
-  const bool there = game.follow(label, [&] {
+  const PathOfGame path = game.follow(label, [&] {
     log(++s.iterations, 0, 0, "pivot");
     return budget().exhausted();
   });
-  if (!there) return Status::time_limit;
+  if (path == PathOfGame::stopped) return Status::time_limit;
+  if (path == PathOfGame::lost) return Status::stalled;  // z as it was: the next label's turn
   const Equilibrium e = game.equilibrium(label);
   for (Index i = 0; i < s.z.size(); ++i)
     s.z[order_[static_cast<std::size_t>(i)]] = i < A_.rows() ? e.x[i] / e.cost_2 : e.y[i - A_.rows()] / e.cost_1;

@@ -5,7 +5,8 @@
 //         [ Bᵀ  0 ]
 //   strategies x / Σx and y / Σy, expected costs 1 / Σy and 1 / Σx.
 //   Costs become gains c − A, c − B > 0; on the polytopes {x ≥ 0, B̂ᵀx ≤ e} and {y ≥ 0, Ây ≤ e} the path that misses one
-//   label starts at the origin and ends at an equilibrium; ties are broken lexicographically, so it always ends.
+//   label starts at the origin and ends at an equilibrium; ties are broken lexicographically, so it always ends; where costs
+//   span so many orders that rounding leads it in circles, that is seen and the label given up.
 //   Paths from the origin, and on from each equilibrium found, lead to a connected set of them (not always to all).
 //   solve(): the first equilibrium, by label 0, 1, …, that the judge accepts (option label: just that one).
 //   Any other problem → unsupported (why_not says what is missing). The start value is not used.
@@ -28,7 +29,7 @@ struct Equilibrium {
 
 /// One equilibrium of the game with costs A, B (m × k, finite) missing `label` in [0, m + k); any real costs.
 /// `stop` is asked at each pivot; where it says true, x and y come back empty.
-/// Throws std::invalid_argument for bad shapes, numbers or labels.
+/// Throws std::invalid_argument for bad shapes, numbers or labels, std::runtime_error where rounding leads in circles.
 Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int label,
                          const std::function<bool()>& stop = {});
 

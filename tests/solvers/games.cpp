@@ -96,6 +96,49 @@ TEST_CASE("a degenerate game whose path is a circle, where ties are broken by th
   CHECK(s.iterations < 20);
 }
 
+TEST_CASE("costs that span 14 orders: a path that rounding leads in circles ends, as an error or by another label") {
+  Eigen::MatrixXd A(4, 3), B(4, 3);
+  A << 4.003196886895105e-05, 3.4935237190820044e-14, 9.716249388613802e-09, 3.1745406325510633e-08,
+      1.5903659299516103e-11, 9.07735265604409e-13, 0.050270182264844934, 1.7657075465144793e-10,
+      1.2097478722007392e-12, 5.145428642375642e-06, 1.168526158585295e-13, 2.499429929593835e-06;
+  B << 2.8360064307056143e-11, 0.001335760600787293, 5.1290983341717834e-14, 1.7375286449946617e-05,
+      3.6751888306841594e-14, 2.9026981390362076e-07, 1.1880673121838351e-11, 0.010199701885856994,
+      1.6197824845587615e-14, 1.6964831962422275e-14, 0.003495965430226993, 5.566698767837042e-14;
+  LemkeHowson solver;
+  solver.set_time_limit(5);
+  Solution s;
+  solver.solve(as_lcp(A, B), s);
+  CHECK(s.status != Status::time_limit);
+  CHECK(s.iterations < 10000);
+  int circles = 0, asked = 0;
+  const auto stop = [&] { return ++asked > 1000000; };
+  for (int label = 0; label < 7; ++label) {
+    try {
+      const Equilibrium e = lemke_howson(A, B, label, stop);
+      CHECK(e.x.size() == 4);
+    } catch (const std::runtime_error& error) {
+      CHECK(std::string(error.what()).find("rounding leads the path") != std::string::npos);
+      ++circles;
+    }
+  }
+  CHECK(circles > 0);
+  lemke_howson_all(A, B, stop);
+  CHECK(asked < 100000);
+}
+
+TEST_CASE("where the first label's path ends beside an equilibrium another label's answers") {
+  const Eigen::MatrixXd A{{2.0417512226993906e-07, 7.143456962073979e-07},
+                          {4.358957119623648e-05, 1.352040713379342e-08},
+                          {6.751009476282847e-08, 0.0016189547973605768}},
+      B{{1.7738522867421598e-10, 3.949159172743295e-10},
+        {0.13794789212027128, 6.19788382593039e-10},
+        {9.693904656423093e-06, 1.8149675253872745e-06}};
+  Solution s;
+  CHECK(LemkeHowson({.label = 0}).solve(as_lcp(A, B), s).status == Status::stalled);
+  REQUIRE(LemkeHowson().solve(as_lcp(A, B), s).status == Status::solved);
+  CHECK(independent_residual(as_lcp(A, B), s.z) <= 1e-12);
+}
+
 TEST_CASE("large games: time limit, cancellation and log") {
   Random random(3);
   Eigen::MatrixXd A(150, 150), B(150, 150);

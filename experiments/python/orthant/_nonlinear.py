@@ -47,7 +47,8 @@ def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector],
 def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0, *, time_limit: Optional[float] = None) -> Equilibrium:
     """The equilibrium of the game with costs A, B (m, k) that misses `label` in [0, m + k).
 
-    Raises TimeoutError where its path does not end in time_limit [s]; Ctrl-C ends it.
+    Raises TimeoutError where its path does not end in time_limit [s], RuntimeError where the costs span so many orders
+    that rounding leads it in circles; Ctrl-C ends it.
     Source: Lemke & Howson, J. SIAM 12 (1964) 413-423.
     """
     return _orthant._equilibrium(A, B, whole("label", label, 0), seconds("time_limit", time_limit))
