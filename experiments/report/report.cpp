@@ -3,6 +3,7 @@
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/page.h"
 
+#include <orthant/core/mechanics/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
@@ -10,6 +11,7 @@
 #include <orthant/integrators/simulate.h>
 #include <orthant/solvers/registry.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -86,18 +88,24 @@ Json film(const System& system, const Json& run, double duration) {
           {"frames", frames}};
 }
 
-/// What all films of an animation have, and then what one has of its own.
-System system_of(const Json& wanted, const Json& run, const std::string& scene) {
+/// What all films of an animation have, and then what one has of its own. Opens no file: a results file may be a stranger's.
+System system_of(const Json& wanted, const Json& run, const Json& about) {
   Json set = wanted.value("set", Json::object());
   set.update(run.value("set", Json::object()));
+  const auto scene = about.at("scene").get<std::string>();
+  if (about.contains("scene_text"))
+    return System(parse_scene(about.at("scene_text").get<std::string>(), sets_of(set), scene));
+  if (std::ranges::none_of(scenes(), [&](const SceneEntry& entry) { return entry.name == scene; }))
+    throw std::invalid_argument("the results file names the scene '" + scene +
+                                "' without its text: let orthant sweep write to it again");
   return System(make_scene(scene, sets_of(set)));
 }
 
-Json animation(const Json& wanted, const std::string& scene) {
+Json animation(const Json& wanted, const Json& about) {
   Json shown = wanted;
   shown["films"] = Json::array();
   for (const Json& run : wanted.at("runs")) {
-    const System system = system_of(wanted, run, scene);
+    const System system = system_of(wanted, run, about);
     shown["scene"] = drawing(system.scene());
     shown["films"].push_back(film(system, run, wanted.value("duration", system.scene().duration)));
   }
@@ -135,10 +143,9 @@ Json report_data(const Results& results) {
   for (const auto& [name, about] : results.sweeps()) {
     const auto rows = results.rows(name);
     for (const auto& [key, value] : about.items())
-      if (key != "page" && key != "question" && key != "scene") data[key] = value;
+      if (key != "page" && key != "question" && key != "scene" && key != "scene_text") data[key] = value;
     Json animations = Json::array();
-    for (const Json& wanted : about.at("page").at("animation"))
-      animations.push_back(animation(wanted, about.at("scene").get<std::string>()));
+    for (const Json& wanted : about.at("page").at("animation")) animations.push_back(animation(wanted, about));
     data["sweeps"].push_back({{"name", name},
                               {"question", about.at("question")},
                               {"answer", answer(rows)},

@@ -17,7 +17,8 @@
 
 namespace orthant {
 
-/// About every sweep of the file: what was asked, the answer, its rows by column, orders, times, animations (run anew).
+/// About every sweep of the file: what was asked, the answer, its rows by column, orders, times, animations (run anew, of
+/// the built-in scene or of the text that the file holds: no file that it names is opened).
 nlohmann::ordered_json report_data(const Results& results);
 
 /// The whole page. Throws std::runtime_error when a part of it is missing (set-up fetches the plotting library).

@@ -225,6 +225,7 @@ void Results::declare(const Sweep& sweep) {
   nlohmann::ordered_json about = manifest();
   about.erase("written");
   about["question"] = sweep.question, about["scene"] = sweep.scene, about["page"] = sweep.page;
+  if (!sweep.scene_text.empty()) about["scene_text"] = sweep.scene_text;
   run("BEGIN IMMEDIATE");
   try {
     Statement(*this, "REPLACE INTO sweeps VALUES(?, ?)").bind(sweep.name).bind(about.dump()).step();

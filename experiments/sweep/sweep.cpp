@@ -93,7 +93,7 @@ class Reader {
     }
     if (sweep.cases.empty()) fail("grid", "", quick ? "--quick leaves no case" : "there is no case");
     sweep.page = page();
-    if (!common_.scene_text.empty()) sweep.scene = std::filesystem::absolute(common_.scene).string();
+    sweep.scene_text = common_.scene_text;
     return sweep;
   }
 

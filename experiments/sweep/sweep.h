@@ -31,8 +31,9 @@
 namespace orthant {
 
 struct Sweep {
-  std::string name;  // the file's, without .sweep.toml
-  std::string question, scene;
+  std::string name;             // the file's, without .sweep.toml
+  std::string question, scene;  // the scene as the file names it, or empty
+  std::string scene_text;       // what that file holds; empty: a built-in scene
   std::vector<Case> cases;      // in the order of the file; no two alike
   nlohmann::ordered_json page;  // figures and animations as they stand in the file
 };

@@ -123,6 +123,45 @@ TEST_CASE("orthant report: a scene's file is found from any folder, and shown as
   CHECK(data.at("sweeps")[0].at("animations")[0].at("films")[0].at("frames").back()[0] == doctest::Approx(0.01));
 }
 
+TEST_CASE("orthant report: opens no file that a results file names") {
+  const Report folder;
+  std::filesystem::copy_file(ORTHANT_ROOT "/core/scenes/slider_crank.toml", folder / "mine.toml");
+  folder.write("s.sweep.toml",
+               "scene = 'mine.toml'\nduration = 0.01\n[[grid]]\nintegrator = 'rattle'\nstep = 1e-3\n"
+               "[[animation]]\ntitle = 'Motion'\nruns = [{integrator = 'rattle', step = 1e-3}]\n");
+  REQUIRE(folder.orthant("sweep s.sweep.toml --results r.sqlite").exit_code == 0);
+  CHECK(slurp(folder / "r.sqlite").find(folder.path.string() + "/mine.toml") == std::string::npos);
+  std::filesystem::remove(folder / "mine.toml");  // the text is in the results
+  CHECK(folder.orthant("report r.sqlite --output own.html").exit_code == 0);
+
+  const auto changed = [&](const std::string& about) {
+    return folder
+        .run(
+            "/usr/bin/python3 -s -E -c 'import json, sqlite3, sys\n"
+            "db = sqlite3.connect(\"r.sqlite\")\n"
+            "about = json.loads(db.execute(\"select about from sweeps\").fetchone()[0])\n" +
+            about + "\ndb.execute(\"update sweeps set about = ?\", [json.dumps(about)])\ndb.commit()'")
+        .exit_code;
+  };
+  folder.write("private.toml", slurp(ORTHANT_ROOT "/core/scenes/slider_crank.toml"));  // a scene, and not asked for
+  folder.write("secret", "the combination is 4711\n");
+  for (const std::string other : {"secret", "private.toml", "no/such/file"}) {
+    const std::string named = folder / other.c_str();
+    REQUIRE(changed("about.pop(\"scene_text\", 0)\nabout[\"scene\"] = \"" + named + "\"") == 0);
+    const Reply a = folder.orthant("report r.sqlite --output stranger.html");
+    CHECK(a.exit_code == 1);
+    CHECK(a.err.find("names the scene '" + named + "' without its text") != std::string::npos);
+    CHECK((a.out + a.err).find("4711") == std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder / "stranger.html"));
+  }
+  for (const std::string text : {"\"[[body]\"", "7", "[]"}) {
+    REQUIRE(changed("about[\"scene_text\"] = " + text) == 0);
+    const Reply a = folder.orthant("report r.sqlite --output stranger.html");
+    CHECK(a.exit_code == 1);
+    CHECK_FALSE(std::filesystem::exists(folder / "stranger.html"));
+  }
+}
+
 TEST_CASE("orthant report: one file without a link to anything outside; a browser shows, plays and zooms it" *
           doctest::test_suite("slow")) {
   const Report folder;
