@@ -20,17 +20,37 @@ const raised = (power) => String(power).replace(/./g, (c) => "⁰¹²³⁴⁵⁶
 const mantissa = (v) => v / 10 ** Math.floor(Math.log10(v) + 1e-9);
 const isTen = (v) => v !== null && Math.abs(mantissa(v) - 1) < 1e-6;
 
+/** Where a logarithmic axis has ticks, in any range: m · 10^k, powers of ten alone where these are many; round numbers
+ *  evenly apart in less than half a decade. (uPlot's own begin at the lower end and need not meet a power of ten.) */
+function logTicks(plot, axis, min, max) {
+  if (!(min > 0 && max > min && max < Infinity)) return [];
+  if (max / min < 4) {
+    const rough = (max - min) / 4,
+      ten = 10 ** Math.floor(Math.log10(rough)),
+      step = [1, 2, 5, 10].find((m) => m * ten >= rough) * ten,
+      first = Math.ceil(min / step);
+    return Array.from({ length: Math.floor(max / step) - first + 1 }, (_, i) => (first + i) * step);
+  }
+  const low = Math.floor(Math.log10(min)),
+    high = Math.ceil(Math.log10(max)),
+    every = high - low > 6 ? [1] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+  const ticks = [];
+  for (let k = low; k <= high; ++k) for (const m of every) ticks.push(Number(`${m}e${k}`));
+  return ticks.filter((v) => v >= min && v <= max);
+}
+
 /** Labels of a logarithmic axis: powers of ten, thinned where there are many; where there are few, 2 and 5 between. */
 function powers(plot, ticks) {
   const few = plot.width < 600 ? 2 : 3;
   const tens = ticks.filter(isTen),
     every = Math.ceil(tens.length / 9);
   return ticks.map((v) => {
+    if (tens.length === 0) return shown(v);
     if (isTen(v)) return tens.indexOf(v) % every ? "" : "10" + raised(Math.round(Math.log10(v)));
     return tens.length < few && v !== null && [2, 5].some((m) => Math.abs(mantissa(v) - m) < 1e-6) ? shown(v) : "";
   });
 }
-const tensOnly = (plot, ticks) => ticks.map((v) => (isTen(v) ? v : null));
+const tensOnly = (plot, ticks) => (ticks.some(isTen) ? ticks.map((v) => (isTen(v) ? v : null)) : ticks);
 
 class Plot {
   constructor(element, figure) {
@@ -69,7 +89,7 @@ class Plot {
       font: "12px system-ui",
       labelFont: "13px system-ui",
       ...(log
-        ? { values: powers, filter: (plot, ticks) => ticks }
+        ? { splits: logTicks, values: powers, filter: (plot, ticks) => ticks }
         : { values: (plot, ticks) => ticks.map((v) => String(Number(v.toPrecision(7)))) }),
     };
   }

@@ -92,6 +92,14 @@ def test_plot(page, index):
     ActionChains(page).double_click(over).perform()
     time.sleep(0.2)
     check(page.execute_script(limits) == whole, f"a double click shows all of plot {index} again")
+    if page.execute_script(f"return plots[{index}].plot.scales.x.distr") == 3:  # logarithmic: labels in any range, at once
+        for low, high in ((2e-5, 3e-5), (2e-5, 9e-5), (23.2, 309), (1e-9, 1e3)):
+            begin = time.monotonic()
+            labels = page.execute_script(f"const p = plots[{index}].plot; p.setScale('x', {{min: {low}, max: {high}}});"
+                                         "return new Promise(done => requestAnimationFrame(() => "
+                                         "done(p.axes[0]._values.filter(label => label))))")
+            check(labels and time.monotonic() - begin < 2, f"plot {index} has labels from {low} to {high}: {labels}")
+        ActionChains(page).double_click(over).perform()
     name = page.find_element(By.CSS_SELECTOR, ".legend button")
     name.click()
     check(name.get_attribute("aria-pressed") == "false", "a name in the legend hides its line")
