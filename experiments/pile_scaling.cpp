@@ -24,14 +24,14 @@ namespace {
 class Timed final : public Solver {
  public:
   Timed(const std::string& spec, double tolerance) : by_(make_solver(with(spec, tolerance))), tolerance_(tolerance) {}
+  double seconds = 0;
+
+ private:
   static std::string with(const std::string& spec, double tolerance) {
     std::ostringstream full;
     full << spec << (spec.find(':') == std::string::npos ? ':' : ',') << "tolerance=" << tolerance;
     return full.str();
   }
-  double seconds = 0;
-
- private:
   Status run(const Lcp& problem, Solution& s, Start start) override {
     const double begin = thread_time();
     by_->set_time_limit(budget().remaining());
@@ -61,13 +61,13 @@ constexpr long kCounted = 20;       // of the last steps
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("What a pile of discs costs as it grows: assembly a disc and step, solvers at equal residual");
   std::vector<int> sizes{10, 30, 100, 300, 1000, 3000, 10000};
   std::vector<std::string> specs{"pgs", "nncg", "newton-min", "newton-fb", "auto"};
   std::vector<double> tolerances{1e-3, 1e-6, 1e-9};
   std::string by = "nncg";
-  double fall = 0.3, h = 1e-3, time_limit = 60;
+  double fall = 0.3, h = 1e-3, time_limit = 5;
   app.add_option("--sizes", sizes, "numbers of discs")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--solvers", specs, "without a tolerance")->capture_default_str();
   app.add_option("--tolerances", tolerances, "relative residuals")
@@ -113,4 +113,7 @@ int main(int argc, char** argv) {
     }
   }
   std::cout << '\n' << solves.str();
+} catch (const std::exception& error) {  // an unknown solver or option
+  std::cerr << "pile_scaling: " << error.what() << '\n';
+  return 1;
 }
