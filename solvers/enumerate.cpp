@@ -417,8 +417,8 @@ SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>&
   SolutionSet result;
   result.complete = walk.run();
   for (auto& [support, f] : all) {
-    if (std::any_of(faces.begin(), faces.end(), [&](const Support& s) { return s != support && within(support, s); }))
-      continue;
+    const auto holds_it = [&part = support](const Support& s) { return s != part && within(part, s); };
+    if (std::any_of(faces.begin(), faces.end(), holds_it)) continue;
     if (f.dimension == 0)
       result.isolated.push_back(std::move(f.vertices.front()));
     else

@@ -223,7 +223,7 @@ void to_dense(const Matrix& A, DenseMatrix& dense) {
     each(i, [](int k, double value) { row[k] = value; });
     for (Index j = 0; j <= i; ++j) {
       double sum = 0;
-      each(j, [&](int k, double value) { sum += row[k] * value * inverse_mass[k]; });
+      each(j, [&sum, &m_inv = inverse_mass](int k, double value) { sum += row[k] * value * m_inv[k]; });
       if (i == j && regularization.size() != 0) sum += regularization[i];
       dense(i, j) = dense(j, i) = sum;
     }
