@@ -336,6 +336,8 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
       if (slow) return false;
       if (work.pure->size() <= kEnumerable) {
         work.stage = kLastAttempt + kRestarts;
+        work.enumerate.set_time_limit(budget().remaining());
+        work.enumerate.set_cancel(budget().cancel());
         if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
         s.z = work.enumerated.z;
         claim = Status::solved;
