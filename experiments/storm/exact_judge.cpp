@@ -1,5 +1,7 @@
 #include "exact_judge.h"
 
+#include <orthant/core/support/options.h>
+
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/gmp.hpp>
 
@@ -75,7 +77,7 @@ template <class T> T most_of(const T& a, const T& b) { return a < b ? b : a; }
 template <class T> T runaway(const T& beta) { return least_of<T>(T(1e-6) * (1 + beta), T(1e-4) * beta); }
 
 std::string row_says(Index i, const char* what, double value) {
-  return "row " + std::to_string(i) + ": " + what + " = " + std::to_string(value);
+  return "row " + std::to_string(i) + ": " + what + " = " + detail::text_of(value);
 }
 
 template <class T> Finding solution(const Lcp& p, const Vector& z, double tolerance) {
@@ -226,7 +228,20 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
         if (std::abs(bound) < kInf) given += abs(a) * Rational(std::abs(bound));
     data = most_of(data, given);
   }
-  for (const Friction& f : p.friction) g[at(f.normal)] += Rational(f.mu) * abs(g[at(f.row)]);
+  // Where friction alone can make g positive, a z that uses that has friction: then its least term counts as well, since
+  // Σ_t |g_t z_t| > −g_n z_n asks for a z_t beside its bound as large as the gain is beside g_n + Σ μ |g_t|.
+  std::vector<Rational> least(at(n), Rational(-1)), push(at(n));
+  for (const Friction& f : p.friction) {
+    const Rational share = Rational(f.mu) * abs(g[at(f.row)]), term = Rational(f.mu) * terms[at(f.row)];
+    if (share == 0) continue;
+    push[at(f.normal)] += share;
+    if (least[at(f.normal)] < 0 || term < least[at(f.normal)]) least[at(f.normal)] = term;
+  }
+  for (Index j = 0; j < n; ++j) {
+    if (push[at(j)] == 0) continue;
+    if (g[at(j)] <= 0) terms[at(j)] += least[at(j)];
+    g[at(j)] += push[at(j)];
+  }
   Rational kappa(0);
   for (Index j = 0; j < n; ++j) {
     if (friction[at(j)] != 0 || g[at(j)] == 0) continue;
@@ -241,8 +256,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
     if (std::abs(finite) < kInf) value += g[at(j)] * Rational(finite);
   }
   finding.error = static_cast<double>(kappa);
-  if (value >= 0) return refuse("the largest u'w is " + std::to_string(static_cast<double>(value)) + ", not below 0");
-  if (kappa > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + std::to_string(finding.error));
+  if (value >= 0) return refuse("the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0");
+  if (kappa > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + detail::text_of(finding.error));
   // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i.
   if (kappa > 0 && -value * Rational(kEpsilon) < runaway(data) * kappa * norm)
     return refuse("a z within reach may use the slack of g");

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <ctime>
 #include <set>
 
 #include "tests/support/sanitized.h"
@@ -62,6 +63,37 @@ TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound
   const Lcp apart = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(2, 2)), Vector{-1e12, -1});
   CHECK(examine_solution(apart, Vector{1e12, 1}, 1e-10).holds);
   CHECK(!examine_solution(apart, Vector{1e12, 0}, 1e-10).holds);  // 1 is 1e-12 of the other part's scale
+}
+
+TEST_CASE(
+    "the exact judge: a proof's slack by friction alone is beside what that friction does, not beside its normal") {
+  Eigen::Matrix4d A{{0, 0, 1, 0},  // row 2: friction of row 1
+                    {0.012402629111974966, 0.00038105007248822654, 0, 0},
+                    {0, 0, 0, 0},
+                    {-0.8036162073904574, -0.02468976628376224, -1.1786697458468798, 0}};
+  Lcp p = Lcp::standard(DenseMatrix(A), Vector{0, -1, -1, 0});
+  p.lo[2] = -kInf;
+  p.friction = {{.row = 2, .normal = 1, .mu = 1.8522721359487426}};
+  Solution s;
+  REQUIRE(make_solver("lemke")->solve(p, s).status == Status::infeasible);
+  const Finding finding = examine_proof(p, s.certificate);
+  CHECK_MESSAGE(finding.holds, finding.why);
+  CHECK(finding.error > 0);  // some slack there is
+  p.A = DenseMatrix(Eigen::Matrix4d(A + 1e-12 * Eigen::Vector4d::Unit(3) * Eigen::Vector4d::Unit(2).transpose()));
+  CHECK(!examine_proof(p, s.certificate).holds);
+}
+
+TEST_CASE("Lemke's last resort, every basis in rationals of thousands of digits, ends in time") {
+  const Lcp p = storm_problem(3, 10).problem;  // 1e-160 to 1e300
+  for (const char* spec : {"auto", "lemke"}) {
+    const auto solver = make_solver(spec);
+    solver->set_time_limit(2);
+    Solution s;
+    const std::clock_t begin = std::clock();
+    solver->solve(p, s);
+    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    CHECK(seconds < (kSanitized ? 30 : 3));
+  }
 }
 
 TEST_CASE("a fault is shrunk to the rows and the entries that it needs") {
