@@ -23,11 +23,28 @@ constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages 
 constexpr double kPressed = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
-constexpr Index kFewRows = 12;             // problems that are enumerated
 constexpr int kShortSteps = 15;            // steps in a row, each shorter than
 constexpr int kShares = 200;               // times that friction is shared anew in such a row, which count for no event
 constexpr double kSoon = 50;               // crossings: no calm has come since the last one
 constexpr double kCrowded = 1e-4;          // of a crossing: events are taken to have no end
+
+/// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing hangs on
+/// rounding: friction and restitution contradict each other. Impulses that lose all digits solve nothing.
+bool contradictory(Lcp impact) {
+  constexpr Index kFewRows = 12;
+  constexpr double kSlack = 1e-8, kLost = 1e12;  // of the fastest rate; likewise, what one impulse does
+  if (impact.size() == 0 || impact.size() > kFewRows || !finite(impact)) return false;
+  const double fastest = impact.b.lpNorm<Eigen::Infinity>();
+  impact.b += (impact.lo.array() == 0).select(kSlack * fastest, Vector::Zero(impact.size()));
+  Vector diag;
+  diagonal(impact.A, diag);
+  const auto solves = [&](const Vector& z) { return (diag.array() * z.array()).abs().maxCoeff() <= kLost * fastest; };
+  const SolutionSet set = enumerate_solutions(impact);
+  return std::none_of(set.isolated.begin(), set.isolated.end(), solves) &&
+         std::all_of(set.faces.begin(), set.faces.end(), [&](const SolutionFace& face) {
+           return std::none_of(face.vertices.begin(), face.vertices.end(), solves);
+         });
+}
 
 }  // namespace
 
@@ -499,11 +516,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   problem_ = &formulation_.problem();
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) {
-    // All combinations of a few contacts can be looked through: friction and restitution may contradict each other.
-    const Lcp& lcp = formulation_.problem();
-    const bool none = lcp.size() <= kFewRows && finite(lcp) && [&](const SolutionSet& set) {
-      return set.isolated.empty() && set.faces.empty();
-    }(enumerate_solutions(lcp));
+    const bool none = contradictory(formulation_.problem());
     return fail(
         report, none ? Status::infeasible : report.status,
         none ? "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)"

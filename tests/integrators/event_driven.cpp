@@ -488,6 +488,47 @@ TEST_CASE("Painlevé: a rod's tip has one solution, none, or several, and the ru
   }
 }
 
+TEST_CASE(
+    "a disc falls into a groove: friction that jams it and restitution that throws it out contradict each other") {
+  const auto fall = [](double mu, double e) {
+    Scene s{.gravity = {0, -kGravity}};
+    const auto disc = s.body({.name = "disc", .mass = 1, .inertia = 0.005, .position = {0, 0.5}});
+    const double steep = 0.35;  // [rad] from the vertical: friction holds what lies there from its tangent on
+    for (const double side : {-1.0, 1.0}) {
+      const Vector2d normal(side * std::cos(steep), std::sin(steep));
+      s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, {0, 0}, normal, {.mu = mu, .e = e}});
+    }
+    return tell(s, 0.5, 0.01);
+  };
+  const double jams = std::tan(0.35);
+  CHECK(fall(0.99 * jams, 0.5).run.status == Status::solved);
+  CHECK(fall(1.01 * jams, 0).run.status == Status::solved);
+  const Story none = fall(1.01 * jams, 0.5);
+  CHECK(none.run.status == Status::infeasible);
+  CHECK(none.run.why.find("jamming") != std::string::npos);
+  CHECK(none.run.final.t == doctest::Approx(std::sqrt(2 * (0.5 - 0.1 / std::sin(0.35)) / kGravity)).epsilon(1e-9));
+}
+
+TEST_CASE("a solver that gives up at an impact proves nothing, where walls without play contradict by rounding alone") {
+  int impacts = 0;
+  for (const double wide : {1.0, 3.0, 5.3, 7.1, 7.3, 9.7}) {
+    Scene s;
+    const auto disc = s.body({.name = "disc", .mass = 1, .inertia = 0.005, .velocity = {3, 4}});
+    const Vector2d along(0.6, 0.8), across(-0.8, 0.6);
+    s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, -0.1 * across, across, {.mu = 0.1, .e = 0.5}});
+    s.contact(
+        DiscWall{"", disc, {0, 0}, 0.1, kGround, 0.1 * across, (-wide * across).normalized(), {.mu = 0.1, .e = 0.5}});
+    s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, 1.1 * along, -along, {.mu = 0.1, .e = 0.5}});
+    const Story story = tell(s, 0.5, 0.01, "pgs:max_sweeps=1");
+    MESSAGE(story.run.why);
+    CAPTURE(wide);
+    CAPTURE(story.run.why);
+    CHECK(story.run.status != Status::infeasible);
+    impacts += story.run.why.find("the impact was not solved") != std::string::npos;
+  }
+  CHECK(impacts > 0);
+}
+
 TEST_CASE("rocking block: impacts without slip on time, and it comes to rest") {
   const double b = 0.1, h = 0.4, radius = std::hypot(b, h), alpha = std::atan2(b, h), tilt = alpha / 2;
   Scene s;
