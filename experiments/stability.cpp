@@ -1,8 +1,9 @@
 // How far do the numbers carry? Mass ratios, stiffness, step sizes, clearances, no gravity, places far away, long runs.
 //
 // Each study moves one number of one scene over its decades, by every integrator with Lemke's method and by moreau-jean with
-// other solvers: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the largest
-// kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study.
+// every solver: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the largest
+// kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study, and at its end
+// one of all solvers. Long runs are by some solvers only.
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
 #include "experiments/support/retold.h"
@@ -21,6 +22,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <map>
 
 using namespace orthant;
 
@@ -30,6 +32,7 @@ struct Study {
   std::string name;
   std::vector<double> values;
   std::function<Scene(double)> scene;  // its step and duration are those of the run
+  bool is_long() const { return name.starts_with("steps"); }
 };
 
 std::vector<double> decades(int from, int to, int stride = 1) {
@@ -137,22 +140,49 @@ std::string line_of(const std::vector<Row>& rows) {
   return line + ' ' + (failed.empty() ? "-" : failed) + " |\n";
 }
 
+/// Of one solver: how many of its runs ended well, the worst residual of those, and where others ended, by study.
+std::string line_of_solver(const std::string& solver, const std::vector<Row>& rows) {
+  std::map<std::string, std::string> failed;
+  double residual = 0;
+  int solved = 0;
+  for (const Row& r : rows) {
+    if (r.end == "solved")
+      ++solved, residual = std::max(residual, r.residual);
+    else
+      failed[r.study] += (failed[r.study].empty() ? " " : ", ") + brief(r.value);
+  }
+  std::string line = "| `" + solver + "` | " + std::to_string(solved) + " of " + std::to_string(rows.size()) + " | " +
+                     (solved > 0 ? brief(residual) : "-") + " |";
+  for (const auto& [study, values] : failed) line += ' ' + study + ':' + values + ';';
+  if (failed.empty())
+    line += " -";
+  else
+    line.pop_back();
+  return line + " |\n";
+}
+
 void run(const std::filesystem::path& output, bool quick, double limit, const std::string& only,
          const std::string& command_line) {
   std::filesystem::create_directories(output);
   std::string csv = "study,value,integrator,solver,end,steps,residual,drift,penetration,energy_defect,seconds\n",
               tables;
-  std::vector<std::pair<std::string, std::string>> who;
-  for (const auto& entry : integrators()) who.emplace_back(entry.name, "lemke");
-  for (const char* solver : {"auto", "path", "newton-fb", "pgs"}) who.emplace_back("moreau-jean", solver);
+  std::vector<std::pair<std::string, std::string>> few, every;
+  for (const auto& entry : integrators()) few.emplace_back(entry.name, "lemke");
+  every = few;
+  for (const char* solver : {"auto", "path", "newton-fb", "pgs"}) few.emplace_back("moreau-jean", solver);
+  for (const auto& entry : solvers())
+    if (entry.name != "lemke") every.emplace_back("moreau-jean", entry.name);
+  std::map<std::string, std::vector<Row>> by_solver;
   auto all = studies(quick);
   std::erase_if(all, [&](const Study& study) { return study.name.find(only) == std::string::npos; });
-  Progress progress("stability", static_cast<double>(all.size() * who.size()));
+  double lines = 0;
+  for (const Study& study : all) lines += static_cast<double>((study.is_long() ? few : every).size());
+  Progress progress("stability", lines);
   for (const Study& study : all) {
     tables += "\n**" + study.name + "**, " + brief(study.values.front()) + " to " + brief(study.values.back()) +
               ":\n\n| integrator | solver | residual [m/s] | drift [m] | penetration [m] | energy | not solved |\n"
               "|---|---|---|---|---|---|---|\n";
-    for (const auto& [integrator, solver] : who) {
+    for (const auto& [integrator, solver] : study.is_long() ? few : every) {
       std::vector<Row> rows;
       for (const double value : study.values) {
         const Row& r = rows.emplace_back(visit(study, value, integrator, solver, limit));
@@ -162,9 +192,18 @@ void run(const std::filesystem::path& output, bool quick, double limit, const st
         csv += '\n';
       }
       tables += line_of(rows);
+      if (integrator == "moreau-jean" && !study.is_long()) {
+        auto& known = by_solver[solver];
+        known.insert(known.end(), rows.begin(), rows.end());
+      }
       progress.add(1, false);
     }
   }
+  if (!by_solver.empty())
+    tables +=
+        "\n**Solvers**, by `moreau-jean`, all studies but the long ones:\n\n"
+        "| solver | solved | residual [m/s] | not solved |\n|---|---|---|---|\n";
+  for (const auto& [solver, rows] : by_solver) tables += line_of_solver(solver, rows);
   write_whole(output / "stability.csv", csv);
   write_whole(output / "stability.md", tables);
   auto about = manifest();
