@@ -140,25 +140,34 @@ std::string line_of(const std::vector<Row>& rows) {
   return line + ' ' + (failed.empty() ? "-" : failed) + " |\n";
 }
 
-/// Of one solver: how many of its runs ended well, the worst residual of those, and where others ended, by study.
+/// Of one solver: how many of its runs ended well or were refused, the worst residual of the former, and where others ended:
+/// by study the values, neighbours as a range.
 std::string line_of_solver(const std::string& solver, const std::vector<Row>& rows) {
-  std::map<std::string, std::string> failed;
+  std::string failed;
   double residual = 0;
-  int solved = 0;
-  for (const Row& r : rows) {
-    if (r.end == "solved")
-      ++solved, residual = std::max(residual, r.residual);
-    else
-      failed[r.study] += (failed[r.study].empty() ? " " : ", ") + brief(r.value);
+  int solved = 0, refused = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].end == "unsupported" || rows[k].end == "refused") ++refused;
+    if (rows[k].end == "solved") ++solved, residual = std::max(residual, rows[k].residual);
   }
-  std::string line = "| `" + solver + "` | " + std::to_string(solved) + " of " + std::to_string(rows.size()) + " | " +
-                     (solved > 0 ? brief(residual) : "-") + " |";
-  for (const auto& [study, values] : failed) line += ' ' + study + ':' + values + ';';
-  if (failed.empty())
-    line += " -";
-  else
-    line.pop_back();
-  return line + " |\n";
+  const auto fails = [&](std::size_t k, const std::string& study) {
+    if (k >= rows.size() || rows[k].study != study) return false;
+    return rows[k].end != "solved" && rows[k].end != "unsupported" && rows[k].end != "refused";
+  };
+  std::string last;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::string& study = rows[k].study;
+    if (!fails(k, study)) continue;
+    failed += study == last ? ", " : (failed.empty() ? "" : "; ") + study + ' ';
+    last = study;
+    failed += brief(rows[k].value);
+    if (!fails(k + 1, study)) continue;
+    while (fails(k + 1, study)) ++k;
+    failed += " to " + brief(rows[k].value);
+  }
+  return "| `" + solver + "` | " + std::to_string(solved) + " | " + std::to_string(refused) + " | " +
+         std::to_string(static_cast<int>(rows.size()) - solved - refused) + " | " +
+         (solved > 0 ? brief(residual) : "-") + " | " + (failed.empty() ? "-" : failed) + " |\n";
 }
 
 void run(const std::filesystem::path& output, bool quick, double limit, const std::string& only,
@@ -202,7 +211,7 @@ void run(const std::filesystem::path& output, bool quick, double limit, const st
   if (!by_solver.empty())
     tables +=
         "\n**Solvers**, by `moreau-jean`, all studies but the long ones:\n\n"
-        "| solver | solved | residual [m/s] | not solved |\n|---|---|---|---|\n";
+        "| solver | solved | refused | failed | residual [m/s] | failed at |\n|---|---|---|---|---|---|\n";
   for (const auto& [solver, rows] : by_solver) tables += line_of_solver(solver, rows);
   write_whole(output / "stability.csv", csv);
   write_whole(output / "stability.md", tables);
