@@ -20,7 +20,7 @@ struct SweepArguments {
   std::string file, results;
   std::vector<std::string> keys;
   unsigned jobs = 0;
-  bool quick = false, list = false, json = false;
+  bool quick = false, list = false, json = false, retry = false;
 };
 
 int run_sweep(SweepArguments a) {
@@ -32,7 +32,7 @@ int run_sweep(SweepArguments a) {
       if (c == sweep.cases.end())
         throw std::invalid_argument("--case " + key + ": must be a case of " + a.file + " as this build (" +
                                     revision() + ") sees it");
-      std::cout << run_apart(*c).dump() << std::endl;
+      for (const ResultRow& row : run_apart(*c)) std::cout << row.dump() << std::endl;
     }
     return 0;
   }
@@ -44,7 +44,7 @@ int run_sweep(SweepArguments a) {
   }
   Results results(a.results);
   if (a.list) {
-    results.declare(sweep);
+    results.declare(sweep, a.retry);
     Json missing = Json::array();
     for (const Case& c : sweep.cases)
       if (!results.has(c.key())) missing.push_back(c.key());
@@ -55,7 +55,7 @@ int run_sweep(SweepArguments a) {
     }
     return 0;
   }
-  const Tally tally = run_sweep(sweep, results, a.results, a.jobs);
+  const Tally tally = run_sweep(sweep, results, a.results, a.jobs, a.retry);
   const auto rows = results.rows(sweep.name);
   const auto failed =
       std::count_if(rows.begin(), rows.end(), [](const ResultRow& r) { return r.at("status") != "solved"; });
@@ -148,7 +148,10 @@ int run_results(ResultsArguments a) {
   if (a.dumps.empty()) a.dumps = std::filesystem::path(a.file).replace_extension().string() + ".failures";
   std::vector<Json> lines;
   bool found = a.sweep.empty();
-  for (const auto& [name, about] : results.sweeps()) {
+  const auto sweeps = results.sweeps();
+  if (sweeps.empty())  // its first writer got no further
+    throw std::invalid_argument(a.file + ": holds no sweep yet: orthant sweep FILE --results " + a.file + " begins it");
+  for (const auto& [name, about] : sweeps) {
     if (!a.sweep.empty() && name != a.sweep) continue;
     found = true;
     const auto rows = results.rows(name);
@@ -210,7 +213,10 @@ void add_sweep(CLI::App& app, int& exit_code) {
   command->add_flag("--quick", arguments->quick, "the reduced grid");
   command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
   command->add_flag("--json", arguments->json, "how it ended, or the list, as JSON");
-  command->add_option("--case", arguments->keys, "KEY ...: run these, print their rows as JSON, keep nothing");
+  command->add_flag("--retry", arguments->retry,
+                    "run what a time limit or a crash ended once more; more time than it had is reason enough");
+  command->add_option("--case", arguments->keys,
+                      "KEY ...: run these, and what they are compared with; print the rows as JSON, keep nothing");
   command->footer(
       "Exit codes: 0 done, whatever the cases' statuses, 1 bad input.\n"
       "Examples:\n"

@@ -14,12 +14,12 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// The sweep's name, all its keys, and those that the results lack.
-py::tuple declare(const Path& file, bool quick, const Path& results) {
+/// The sweep's name, how many cases it has, and the keys of those that the results lack.
+py::tuple declare(const Path& file, bool quick, const Path& results, bool retry) {
   const Sweep sweep = read_sweep(file, quick);
   if (const Path folder = results.parent_path(); !folder.empty()) std::filesystem::create_directories(folder);
   Results kept(results);
-  kept.declare(sweep);
+  kept.declare(sweep, retry);
   std::vector<std::string> missing;
   for (const Case& c : sweep.cases)
     if (!kept.has(c.key())) missing.push_back(c.key());
@@ -34,13 +34,15 @@ void run(const Path& file, bool quick, const Path& results, unsigned jobs) {
 }
 
 /// Forks, too.
-std::string run_one(const Path& file, bool quick, const std::string& key) {
+std::vector<std::string> run_one(const Path& file, bool quick, const std::string& key) {
   const Sweep sweep = read_sweep(file, quick);
   const auto c = std::find_if(sweep.cases.begin(), sweep.cases.end(), [&](const Case& x) { return x.key() == key; });
   if (c == sweep.cases.end())
     throw std::invalid_argument("case " + key + ": must be one of " + file.string() + " as this build (" + revision() +
                                 ") sees it");
-  return run_apart(*c).dump();
+  std::vector<std::string> lines;
+  for (const ResultRow& row : run_apart(*c)) lines.push_back(row.dump());
+  return lines;
 }
 
 std::vector<std::string> rows(const Path& results, const std::string& name) {

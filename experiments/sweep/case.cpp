@@ -45,6 +45,7 @@ ResultRow description(const Case& c) {
                    {"measure", c.measure},
                    {"compared_with", c.reference},
                    {"repeats", c.repeats},
+                   {"time_limit", c.time_limit},
                    {"revision", revision()}};
   if (c.rtol) row["rtol"] = *c.rtol;
   return row;
@@ -52,20 +53,41 @@ ResultRow description(const Case& c) {
 
 nlohmann::ordered_json number(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nullptr; }
 
-/// What is summed up along a run, besides what Run holds.
-struct Along {
-  double impulse = 0, friction_impulse = 0, first_touch = kInf, touching = 0, before = 0;
+constexpr double kLasting = 0.01;  // of the duration: a contact of this length is no impact, its end a release
+constexpr double kBridged = 5;     // steps: schemes may carry a lasting contact by an impulse every few steps
+
+/// What is summed up along a run, besides what Run holds. Times are ends of steps.
+class Along {
+ public:
+  explicit Along(const Clock& clock) : clock_(clock) {}
+
+  double impulse = 0, friction_impulse = 0, first_touch = kInf, touching = 0;
+  double first_release = kInf, last_release = kInf;
 
   void add(const Moment& moment) {
+    const double t = moment.state.t;
     double normal = 0;
     for (const Impulse& one : moment.impulses) normal += one.normal, friction_impulse += std::abs(one.tangent);
     impulse += normal;
-    if (normal > 0) first_touch = std::min(first_touch, moment.state.t), touching += moment.state.t - before;
-    before = moment.state.t;
+    if (t - last_ > (kBridged + 0.5) * clock_.step && last_ - since_ > kLasting * clock_.duration) {
+      first_release = std::min(first_release, last_), last_release = last_;
+      last_ = since_ = -kInf;
+    }
+    if (normal > 0) {
+      if (!(t - last_ <= (kBridged + 0.5) * clock_.step)) since_ = before_;
+      last_ = t;
+      first_touch = std::min(first_touch, t), touching += t - before_;
+    }
+    before_ = t;
   }
+
+ private:
+  Clock clock_;
+  double before_ = 0, since_ = -kInf, last_ = -kInf;  // the step's begin; of the contact: begin, last force
 };
 
-constexpr double kLong = 0.1;  // [s] a run of this length is measured well enough by itself
+constexpr double kLong = 0.1;  // [s] two runs of this length are measured well enough
+constexpr int kLeast = 2;      // runs, for a scatter
 
 /// [s] of this process: other programs on the machine disturb it little.
 double processor_time() {
@@ -80,18 +102,19 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
   const auto column = std::find(columns.begin(), columns.end(), c.measure);
   if (column == columns.end()) throw std::invalid_argument("measure '" + c.measure + "': the scene has no such column");
   const Clock clock{.step = c.step, .duration = c.duration};
-  Along along;
+  Along along(clock);
   Drift drift(system);
   const auto integrator = make_integrator(c.integrator_spec(), system);
   const Run run = simulate(*integrator, *make_solver(c.solver), clock,
                            [&](const Moment& moment) { along.add(moment), drift.add(moment.state); });
-  double seconds = c.repeats > 0 ? kInf : run.seconds;
-  for (int i = 0; i < c.repeats && (i == 0 || seconds < kLong); ++i) {  // once more, to be timed: nothing recorded
+  double seconds = c.repeats > 0 ? kInf : run.seconds, slowest = 0;
+  for (int i = 0; i < c.repeats && (i < kLeast || seconds < kLong); ++i) {  // once more, to be timed: nothing recorded
     const auto again = make_integrator(c.integrator_spec(), system);
     const auto solver = make_solver(c.solver);
     const double start = processor_time();
     simulate(*again, *solver, clock);
-    seconds = std::min(seconds, processor_time() - start);
+    const double taken = processor_time() - start;
+    seconds = std::min(seconds, taken), slowest = std::max(slowest, taken);
   }
   const bool solved = run.status == Status::solved;
   std::vector<double> last;
@@ -129,7 +152,10 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
               {"impulse", number(along.impulse)},
               {"friction_impulse", number(along.friction_impulse)},
               {"first_touch", number(along.first_touch)},
+              {"first_release", number(along.first_release)},
+              {"last_release", number(along.last_release)},
               {"touching", number(along.touching)},
+              {"slowest", number(slowest > 0 ? slowest : kInf)},
               {"seconds", number(seconds)}});
   if (solved && reference && !std::isfinite(*reference)) row["why"] = "its reference run was not solved";
   if (run.status == Status::unsupported && run.why.empty())

@@ -28,7 +28,7 @@ struct Case {
   std::string measure;            // a column of the trajectory (trajectory.h), at the end of the run
   std::string reference;          // "exact" (the slider-crank's table), an integrator's spec, or empty: no error
   int repeats = 0;                // 0: among others on all cores; else alone on the machine, the fastest of so many
-  double time_limit = 60;         // [s] of the run as a whole; determines no result
+  double time_limit = 60;         // [s] of the run as a whole; determines no result but that it is missing
 
   std::string integrator_spec() const;
   std::vector<std::string> sets() const;  // KEY=VALUE for make_scene()
@@ -39,7 +39,7 @@ struct Case {
 
 /// What a run gives, in the order of kColumns (results.h): numbers, texts, null for what there is not. Integrators that
 /// refuse the scene, unsolved steps, absent references are rows with words in "why", no exceptions. Deterministic but for
-/// "seconds".
+/// "slowest" and "seconds", and for "time_limit", which is asked.
 using ResultRow = nlohmann::ordered_json;
 
 /// `reference`: the measure of the reference run where that is known, NaN where it failed; else it is run here as well.

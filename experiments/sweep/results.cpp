@@ -8,12 +8,13 @@
 
 #include <cerrno>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 
 namespace orthant {
 namespace {
 
-constexpr int kOurs = 0x6f727468, kVersion = 2;  // "orth"; both stand in the file's head
+constexpr int kOurs = 0x6f727468, kVersion = 3;  // "orth"; both stand in the file's head
 
 constexpr Column kColumns[] = {
     {"key", "TEXT PRIMARY KEY"},
@@ -27,6 +28,7 @@ constexpr Column kColumns[] = {
     {"measure", "TEXT"},
     {"compared_with", "TEXT"},
     {"repeats", "INTEGER"},
+    {"time_limit", "REAL"},
     {"revision", "TEXT"},
     {"status", "TEXT"},
     {"why", "TEXT"},
@@ -51,8 +53,11 @@ constexpr Column kColumns[] = {
     {"impulse", "REAL"},
     {"friction_impulse", "REAL"},
     {"first_touch", "REAL"},
+    {"first_release", "REAL"},
+    {"last_release", "REAL"},
     {"touching", "REAL"},
     {"problem", "TEXT"},
+    {"slowest", "REAL"},
     {"seconds", "REAL"},
 };
 
@@ -221,13 +226,35 @@ Results::Results(const std::filesystem::path& file, Open open, double patience) 
 
 Results::~Results() { sqlite3_close(db_); }
 
-void Results::declare(const Sweep& sweep) {
+void Results::forget_undecided(const Sweep& sweep, bool retry) {
+  std::map<std::string, bool> asked_again;  // of the runs that others are compared with
+  const auto undecided = [&](const Case& c) {
+    const auto row = find(c.key());
+    if (!row || row->at("status") == "solved") return false;
+    if (row->at("status") == "crashed") return retry;
+    if (row->at("status") != "time_limit") return false;
+    const auto& limit = row->at("time_limit");
+    return retry || limit.is_null() || limit.get<double>() < c.time_limit;
+  };
+  const auto forget = [&](const std::string& key) {
+    Statement(*this, "DELETE FROM cases WHERE key = ?").bind(key).step();
+  };
+  for (const Case& other : sweep.reference_cases())
+    if ((asked_again[other.key()] = undecided(other))) forget(other.key());
+  for (const Case& c : sweep.cases) {
+    const auto other = c.reference_case();
+    if (undecided(c) || (other && asked_again[other->key()])) forget(c.key());
+  }
+}
+
+void Results::declare(const Sweep& sweep, bool retry) {
   nlohmann::ordered_json about = manifest();
   about.erase("written");
   about["question"] = sweep.question, about["scene"] = sweep.scene, about["page"] = sweep.page;
   if (!sweep.scene_text.empty()) about["scene_text"] = sweep.scene_text;
   run("BEGIN IMMEDIATE");
   try {
+    forget_undecided(sweep, retry);
     Statement(*this, "REPLACE INTO sweeps VALUES(?, ?)").bind(sweep.name).bind(about.dump()).step();
     Statement(*this, "DELETE FROM members WHERE sweep = ?").bind(sweep.name).step();
     for (std::size_t i = 0; i < sweep.cases.size(); ++i)

@@ -3,6 +3,7 @@
 //   cases(key, …)           kColumns; what is asked, what came out; "seconds" alone differs from run to run
 //   sweeps(name, about)     what was asked, by what build on what machine, as JSON
 //   members(sweep, place, key)   which cases a sweep has, in its order; a case may be in several
+// A case that the clock or a crash ended is asked for again by whoever grants it more time, or says so: declare().
 // Write-ahead log, one transaction a case: killed at any time, what is written stays, and several processes may write.
 // Source of the guarantees: https://sqlite.org/wal.html, https://sqlite.org/atomiccommit.html. Not on network drives.
 #pragma once
@@ -33,7 +34,9 @@ class Results {
   Results& operator=(const Results&) = delete;
   ~Results();
 
-  void declare(const Sweep& sweep);
+  /// What is asked, and by whom. Forgets the rows of its cases that a shorter time limit than now ended, or with `retry` any
+  /// limit or a crash, and those that were compared with such runs: they are missing then.
+  void declare(const Sweep& sweep, bool retry = false);
   bool has(const std::string& key) const;
   /// A row that is there already stays as it is.
   void add(const ResultRow& row);
@@ -56,6 +59,7 @@ class Results {
   /// The row, if it can have been written by add(): readers rely on its columns, and the file may be anybody's.
   ResultRow checked(ResultRow row) const;
   void run(const std::string& sql) const;
+  void forget_undecided(const Sweep& sweep, bool retry);
   std::filesystem::path file_;
   sqlite3* db_ = nullptr;
 };

@@ -3,7 +3,6 @@
 #include "experiments/support/isolated.h"
 #include "experiments/support/progress.h"
 
-#include <map>
 #include <set>
 #include <thread>
 
@@ -27,15 +26,16 @@ class Runner {
 
   Tally run(const Sweep& sweep) {
     for (const Case& c : sweep.cases) own_.insert(c.key());
-    std::map<std::string, Case> references;  // by key
-    std::vector<Case> parts[2];              // on all cores, alone
+    std::set<std::string> references;  // keys
+    std::vector<Case> parts[2];        // on all cores, alone
     for (const Case& c : sweep.cases) {
       if (results_.has(c.key())) continue;
       parts[c.repeats > 0].push_back(c);
-      if (const auto other = c.reference_case()) references.emplace(other->key(), *other);
+      if (const auto other = c.reference_case()) references.insert(other->key());
     }
     std::vector<Case> first;
-    for (const auto& [key, c] : references) first.push_back(c);
+    for (const Case& c : sweep.reference_cases())
+      if (references.contains(c.key())) first.push_back(c);
     do_all(sweep.name + ", references", first, jobs_);
     do_all(sweep.name, parts[0], jobs_);
     do_all(sweep.name + ", timed", parts[1], 1);
@@ -93,19 +93,19 @@ class Runner {
 
 }  // namespace
 
-ResultRow run_apart(const Case& c) {
+std::vector<ResultRow> run_apart(const Case& c) {
+  std::vector<ResultRow> rows;
   std::optional<double> reference;
-  if (const auto other = c.reference_case()) reference = answer_of(run_apart(*other));
-  ResultRow row;
+  if (const auto other = c.reference_case()) rows = run_apart(*other), reference = answer_of(rows.back());
   Isolated one(1, 0);
   one.start([&] { return run_case(c, reference).dump(); }, c.time_limit,
-            [&](const Outcome& outcome) { row = row_of(c, outcome); });
+            [&](const Outcome& outcome) { rows.push_back(row_of(c, outcome)); });
   one.wait_for_all();
-  return row;
+  return rows;
 }
 
-Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs) {
-  results.declare(sweep);
+Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs, bool retry) {
+  results.declare(sweep, retry);
   return Runner(results, file, jobs).run(sweep);
 }
 

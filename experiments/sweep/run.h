@@ -9,14 +9,17 @@
 
 namespace orthant {
 
-/// How many of the sweep's cases were run here, and how many of those were not solved. `jobs` 0: one a core. Forks: no other threads.
+/// How many of the sweep's cases were run here, and how many of those were not solved.
 struct Tally {
   int run = 0, failed = 0;
 };
 
-Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs);
+/// `jobs` 0: one a core. Forks: no other threads. `retry`: what a time limit or a crash ended is run again (results.h).
+Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs,
+                bool retry = false);
 
-/// One case in a process of its own, and so the run that it is compared with: the row that a sweep would have written.
-ResultRow run_apart(const Case& c);
+/// One case in a process of its own, and so the run that it is compared with, which comes first: the rows that a sweep would
+/// have written.
+std::vector<ResultRow> run_apart(const Case& c);
 
 }  // namespace orthant

@@ -47,6 +47,13 @@ Json json_of(const toml::node& node, const std::string& file) {
                               ": a date or time: no key takes one");
 }
 
+/// 0.3 and not 0.30000000000000004, where rounding has no say.
+double fifteen_digits(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.15g", x);
+  return std::strtod(text, nullptr);
+}
+
 /// As the file has it: JSON has no nan and no inf.
 std::string shown(const Json& value) {
   const bool is_special = value.is_number_float() && !std::isfinite(value.get<double>());
@@ -145,7 +152,11 @@ class Reader {
           for (const auto& [name, value] : grid.at(at).items()) parameters.insert(name);
     }
     in_file("", [&] {
-      check_figures(page["figure"], parameters), check_animations(page["animation"], common_.scene);
+      check_figures(page["figure"], parameters);
+      if (!page["animation"].empty() && common_.scene.empty())
+        throw std::invalid_argument("animation: needs a scene of the whole sweep");
+      check_animations(page["animation"],
+                       [&](const std::vector<std::string>& sets) { return make_scene(common_.scene, sets); });
       return 0;
     });
     if (root_.contains("duration"))
@@ -174,7 +185,8 @@ class Reader {
     std::vector<Json> all;
     for (int i = 0; i < count; ++i) {
       const double s = count > 1 ? i / (count - 1.0) : 0;
-      all.emplace_back(s == 1 ? to : scale == "log" ? from * std::pow(to / from, s) : from + s * (to - from));
+      const double x = s == 1 ? to : scale == "log" ? from * std::pow(to / from, s) : from + s * (to - from);
+      all.emplace_back(fifteen_digits(x));
     }
     return all;
   }
@@ -297,6 +309,18 @@ class Reader {
 };
 
 }  // namespace
+
+std::vector<Case> Sweep::reference_cases() const {
+  std::map<std::string, Case> all;  // by key
+  for (const Case& c : cases)
+    if (const auto other = c.reference_case()) {
+      Case& kept = all.try_emplace(other->key(), *other).first->second;
+      kept.time_limit = std::max(kept.time_limit, other->time_limit);
+    }
+  std::vector<Case> list;
+  for (auto& [key, c] : all) list.push_back(std::move(c));
+  return list;
+}
 
 Sweep read_sweep(const std::filesystem::path& file, bool quick) { return Reader(file).read(quick); }
 

@@ -16,9 +16,9 @@
 //                                         default: the scene's.  scale: "linear" (default) or "log"
 //   rtol       = [1e-3, 1e-6]             for integrators to a tolerance; atol = max(rtol / 1000, 1e-15)
 //   set        = {mu = [0, 0.1]}          parameters of the scene; of a scene file: "contact.corner1.mu" = […]
-//   repeats    = 3                        runs alone, timed in processor time, the fastest counts (longer than 0.1 s: one
-//                                         will do); default 0: on all cores, not timed
-//   time_limit = 60                       [s] a case; past it the case is a failure
+//   repeats    = 3                        runs alone, timed in processor time, the fastest counts (of those longer
+//                                         than 0.1 s two), the slowest is kept, too; default 0: on all cores, not timed
+//   time_limit = 60                       [s] a case; past it the case is a failure, which a later run with more time tries anew
 //   quick      = {step = …, set = {…}}    what --quick puts in place of the above; quick = false leaves the grid out
 //   [[figure]], [[animation]]             what the report shows: experiments/report/report.h
 // Everything wrong throws std::invalid_argument naming file, key, value and rule.
@@ -36,6 +36,9 @@ struct Sweep {
   std::string scene_text;       // what that file holds; empty: a built-in scene
   std::vector<Case> cases;      // in the order of the file; no two alike
   nlohmann::ordered_json page;  // figures and animations as they stand in the file
+
+  /// The runs that cases are compared with: each once, with the longest time limit of those that need it.
+  std::vector<Case> reference_cases() const;
 };
 
 Sweep read_sweep(const std::filesystem::path& file, bool quick);

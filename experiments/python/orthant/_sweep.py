@@ -22,7 +22,7 @@ _WRITTEN = "# Written by orthant.sweep"
 
 
 def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.PathLike[str], None] = None, quick: bool = False,
-          jobs: int = 0, client: Any = None, progress: bool = True, **keys: Any) -> Union[pandas.DataFrame, list[dict[str, Any]]]:
+          retry: bool = False, jobs: int = 0, client: Any = None, progress: bool = True, **keys: Any) -> Union[pandas.DataFrame, list[dict[str, Any]]]:
     """Run every case of a sweep that its results lack; give back all its rows, as a pandas frame where there is pandas.
 
     what: a sweep file, NAME.sweep.toml, or a scene (a Scene, built-in name or TOML file) with that file's keys by keyword: measure (a column
@@ -30,14 +30,16 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     of such. Then the file is written beside the results, and `orthant sweep` takes it, too.
     results: SQLite file, default results/NAME.sqlite. A row a case, by a key of all that determines it: killed and called
     again, what is missing is done; several programs may work at one file. quick: the file's reduced grid.
+    retry: run what a time limit or a crash ended once more; what had less time than it gets now is run anyway.
     jobs: processes on this machine, 0: one a core. client: a distributed.Client or its scheduler's address; its workers
     run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
     A case that fails is a row with its status. Raises ValueError naming file, key, value and rule.
     """
     jobs, quick = whole("jobs", jobs, 0, 10000, " (0: one a core)"), flag("quick", quick)
+    retry = flag("retry", retry)
     progress, results = flag("progress", progress), None if results is None else path("results", results)
     file, results = _files(what, results, keys)
-    name, count, missing = _orthant._declare_sweep(file, quick, results)
+    name, count, missing = _orthant._declare_sweep(file, quick, results, retry)
     with _Bar(name, count, progress) as bar:
         bar.at(count - len(missing))
         if not missing:
@@ -159,13 +161,13 @@ def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, 
                            f"(exit code {child.returncode}); called again, it goes on")
 
 
-def _run_case(file: Path, quick: bool, key: str) -> str:
+def _run_case(file: Path, quick: bool, key: str) -> list[str]:
     """By a fresh interpreter as well: a crash there is a row, and the case's time limit holds."""
-    command = _fresh("print(_orthant._run_case(*call))", str(file), bool(quick), key)
+    command = _fresh("print(*_orthant._run_case(*call), sep='\\n')", str(file), bool(quick), key)
     run = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if run.returncode != 0:
         raise RuntimeError(run.stderr.strip().splitlines()[-1] if run.stderr.strip() else f"ended with code {run.returncode}")
-    return run.stdout
+    return run.stdout.splitlines()
 
 
 def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[str], bar: _Bar) -> None:
@@ -178,7 +180,8 @@ def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[
         total, done, lost = len(missing), 0, []
         for future in as_completed(futures):  # type: ignore[no-untyped-call]
             if future.status == "finished":
-                _orthant._keep_row(results, future.result())
+                for row in future.result():
+                    _orthant._keep_row(results, row)
                 done += 1
                 bar.at(done)
             else:
