@@ -102,7 +102,7 @@ function linesOf(sweep, rows, figure, choice) {
         fit.worst.map(([x, y]) => ({ x, y, note: "the worst of its octave" })),
         { label: `${name}: order ${fit.order.toFixed(2)}` },
       );
-    if (points.length) line(points, { dots: Boolean(fit) || Boolean(figure.octaves) });
+    if (points.length) line(points, { dots: Boolean(fit || figure.octaves || figure.dots), faint: Boolean(fit || figure.octaves) });
   });
   return lines;
 }
@@ -125,7 +125,8 @@ function drawFigure(parent, sweep, rows, figure) {
       row[figure.x] !== null &&
       row[figure.y] !== null &&
       !(figure.x === "step" && row.rtol) && // there it is no step size but how far a call goes
-      ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]),
+      ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]) &&
+      Object.entries(figure.where ?? {}).every(([name, wanted]) => [wanted].flat().includes(row[name])),
   );
   const choices = unique(used.map((row) => besideAxes(row, figure)));
   const chosen = choices.length > 1;

@@ -1,5 +1,5 @@
 // Plots over uPlot: several lines of their own x each, logarithmic axes, the value under the pointer, zoom by dragging.
-//   new Plot(element, {lines: [{name, label, x: [], y: [], notes: [], dots, colour}], log: "xy", x_label, y_label})
+//   new Plot(element, {lines: [{name, label, x: [], y: [], notes: [], dots, faint, colour}], log: "xy", x_label, y_label})
 "use strict";
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -51,6 +51,9 @@ function powers(plot, ticks) {
   });
 }
 const tensOnly = (plot, ticks) => (ticks.some(isTen) ? ticks.map((v) => (isTen(v) ? v : null)) : ticks);
+
+/** Room for the longest label of a y axis: 18.0835 takes more than 0.1. */
+const roomFor = (plot, values) => Math.max(56, 28 + 7 * Math.max(0, ...(values ?? []).map((text) => String(text ?? "").length)));
 
 class Plot {
   constructor(element, figure) {
@@ -115,13 +118,13 @@ class Plot {
       ? uPlot.join(ascending.map((points) => [points.map((p) => p.x), points.map((p) => p.y)]))
       : [[1, 10], ...lines.map(() => [null, null])];
     const series = lines.map((line, i) => {
-      const stroke = lineColour(line.colour ?? i) + (line.dots ? "80" : "");
+      const stroke = lineColour(line.colour ?? i) + (line.faint ? "80" : "");
       return {
         label: line.label,
         stroke,
         paths: () => null,
         show: !this.hidden.has(line.name),
-        points: { show: true, size: line.dots ? 5 : 8, width: 0, fill: stroke, stroke },
+        points: { show: true, size: line.faint ? 5 : 8, width: 0, fill: stroke, stroke },
       };
     });
     const grow = (is_log) => (_, low, high) => {
@@ -140,7 +143,7 @@ class Plot {
           x: { time: false, distr: log_x ? 3 : 1, range: grow(log_x) },
           y: { distr: log_y ? 3 : 1, range: grow(log_y) },
         },
-        axes: [this.axis(log_x, x_label, 42), this.axis(log_y, y_label, 56)],
+        axes: [this.axis(log_x, x_label, 42), this.axis(log_y, y_label, roomFor)],
         series: [{}, ...series],
         cursor: { drag: { x: true, y: true, uni: 25 }, points: { show: false } },
         legend: { show: false },

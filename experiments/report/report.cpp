@@ -22,6 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFrames = 1000;
+constexpr double kPatience = 60;  // [s] for all films of a report; past it they end where they are
 
 double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a drawing
 
@@ -69,13 +70,16 @@ Json drawing(const Scene& scene) {
 }
 
 /// One run, by frames: t, then x, y, θ of each body, then gap and normal impulse (since the frame before) of each contact.
-Json film(const System& system, const Json& run, double duration) {
+Json film(const System& system, const Json& run, double duration, double& patience) {
   const double step = run.contains("step") ? run.at("step").get<double>() : duration / kFrames;
   const auto integrator = make_integrator(run.at("integrator").get<std::string>(), system);
   const auto solver = make_solver(run.value("solver", "lemke"));
   const double aim = duration / kFrames;
   Json frames = Json::array();
-  const Clock clock{.step = step, .duration = duration, .every = std::max(1L, std::lround(aim / step))};
+  const Clock clock{.step = step,
+                    .duration = duration,
+                    .every = std::max(1L, std::lround(aim / step)),
+                    .time_limit = std::max(patience, 1e-3)};
   const Run result = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
     Json frame = {rounded(moment.state.t)};
     for (const double q : moment.state.q) frame.push_back(rounded(q));
@@ -83,31 +87,32 @@ Json film(const System& system, const Json& run, double duration) {
       frame.push_back(rounded(moment.gaps[static_cast<Index>(i)])), frame.push_back(rounded(moment.impulses[i].normal));
     frames.push_back(frame);
   });
+  patience -= result.seconds;
   return {{"label", run.value("label", run.at("integrator").get<std::string>())},
           {"status", name(result.status)},
           {"frames", frames}};
 }
 
-/// What all films of an animation have, and then what one has of its own. Opens no file: a results file may be a stranger's.
-System system_of(const Json& wanted, const Json& run, const Json& about) {
-  Json set = wanted.value("set", Json::object());
-  set.update(run.value("set", Json::object()));
+/// Opens no file: a results file may be a stranger's.
+Scene scene_of(const Json& about, const std::vector<std::string>& sets) {
   const auto scene = about.at("scene").get<std::string>();
-  if (about.contains("scene_text"))
-    return System(parse_scene(about.at("scene_text").get<std::string>(), sets_of(set), scene));
+  if (about.contains("scene_text")) return parse_scene(about.at("scene_text").get<std::string>(), sets, scene);
   if (std::ranges::none_of(scenes(), [&](const SceneEntry& entry) { return entry.name == scene; }))
     throw std::invalid_argument("the results file names the scene '" + scene +
                                 "' without its text: let orthant sweep write to it again");
-  return System(make_scene(scene, sets_of(set)));
+  return make_scene(scene, sets);
 }
 
-Json animation(const Json& wanted, const Json& about) {
+Json animation(const Json& wanted, const Json& about, double& patience) {
   Json shown = wanted;
   shown["films"] = Json::array();
   for (const Json& run : wanted.at("runs")) {
-    const System system = system_of(wanted, run, about);
+    Json set =
+        wanted.value("set", Json::object());  // what all films of an animation have, then what one has of its own
+    set.update(run.value("set", Json::object()));
+    const System system(scene_of(about, sets_of(set)));
     shown["scene"] = drawing(system.scene());
-    shown["films"].push_back(film(system, run, wanted.value("duration", system.scene().duration)));
+    shown["films"].push_back(film(system, run, wanted.value("duration", system.scene().duration), patience));
   }
   return shown;
 }
@@ -140,12 +145,16 @@ std::string part(const std::string& name) {
 
 Json report_data(const Results& results) {
   Json data = Json::object();
+  double patience = kPatience;
   for (const auto& [name, about] : results.sweeps()) {
     const auto rows = results.rows(name);
     for (const auto& [key, value] : about.items())
       if (key != "page" && key != "question" && key != "scene" && key != "scene_text") data[key] = value;
+    check_animations(about.at("page").at("animation"),
+                     [&about = about](const std::vector<std::string>& sets) { return scene_of(about, sets); });
     Json animations = Json::array();
-    for (const Json& wanted : about.at("page").at("animation")) animations.push_back(animation(wanted, about));
+    for (const Json& wanted : about.at("page").at("animation"))
+      animations.push_back(animation(wanted, about, patience));
     data["sweeps"].push_back({{"name", name},
                               {"question", about.at("question")},
                               {"answer", answer(rows)},

@@ -4,13 +4,14 @@
 // Everything drawn is drawn by page.js in the browser; nothing here knows of pixels. The sweep's file says what to show:
 //   [[figure]]     title, x, y: columns of the results or parameters;  by = "integrator" (a line each);
 //                  solver, integrator: rows of this one only;  energy_lost and lost_per_turn are columns as well;
-//                  log = "xy" | "x" | "y" | "";  timed = true: rows with times only;  worst = true: one point a setting,
+//                  log = "xy" | "x" | "y" | "";  dots = true: no lines;  timed = true: rows with times only;  worst = true: one point a setting,
 //                  the worst of all parameters;  octaves = true: a line through the worst of each octave of x;
+//                  where = {clearance = 1e-3, integrator = ["…"]}: rows with these values only;
 //                  x_label, y_label, note; first: the parameters shown to begin with, as text
 //   [[animation]]  title, note, set = {…}, magnify = "slider" (the body whose gaps are drawn larger), seconds (how long it
 //                  plays), duration [s] (default: the sweep's, then the scene's),
 //                  runs = [{label, integrator, solver, step, set}, {…}], shown side by side
-// Both are checked when the sweep's file is read (experiments/sweep/page.h).
+// Both are checked when the sweep's file is read (experiments/sweep/page.h), animations also when they are shown.
 #pragma once
 
 #include "experiments/sweep/results.h"

@@ -1,6 +1,5 @@
 #include "page.h"
 
-#include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
@@ -13,14 +12,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kColumnsOfFigures[] = {"integrator",     "solver",         "parameters",     "step",
-                                             "rtol",           "repeats",        "status",         "why",
-                                             "value",          "error",          "seconds",        "lcp_solves",
-                                             "events",         "lcp_iterations", "impulse",        "first_touch",
-                                             "touching",       "energy_initial", "spin_drift",     "friction_impulse",
-                                             "energy_drift",   "energy_final",   "momentum_drift", "max_joint_residual",
+constexpr const char* kColumnsOfFigures[] = {"integrator",     "solver",
+                                             "parameters",     "step",
+                                             "rtol",           "repeats",
+                                             "status",         "why",
+                                             "value",          "error",
+                                             "seconds",        "lcp_solves",
+                                             "events",         "lcp_iterations",
+                                             "impulse",        "first_touch",
+                                             "first_release",  "last_release",
+                                             "touching",       "energy_initial",
+                                             "spin_drift",     "friction_impulse",
+                                             "energy_drift",   "energy_final",
+                                             "momentum_drift", "max_joint_residual",
                                              "max_penetration"};
 constexpr const char* kDerivedColumns[] = {"energy_lost", "lost_per_turn"};
+
+constexpr double kMostSteps = 1e6 * (1 + 1e-9);  // of an animated run
 
 [[noreturn]] void refuse(const std::string& key, const std::string& value, const std::string& rule) {
   throw std::invalid_argument(key + (value.empty() ? "" : " = " + value) + ": " + rule);
@@ -61,7 +69,7 @@ Json table_at(const Json& table, const std::string& where, const char* key) {
   return part;
 }
 
-void check_animation(const Json& animation, const std::string& scene) {
+void check_animation(const Json& animation, const SceneWith& scene) {
   check_keys(animation, "animation.", {"title", "note", "set", "magnify", "seconds", "duration", "runs"});
   check_texts(animation, "animation.", {"title"}, {"note", "magnify"});
   check_number(animation, "animation.", "seconds", 0.1, 3600);
@@ -75,7 +83,11 @@ void check_animation(const Json& animation, const std::string& scene) {
     check_number(run, "animation.runs.", "step", 1e-15, 1e9);
     Json set = table_at(animation, "animation.", "set");
     set.update(table_at(run, "animation.runs.", "set"));
-    const System system(make_scene(scene, sets_of(set)));
+    const System system(scene(sets_of(set)));
+    const double duration = animation.value("duration", system.scene().duration);
+    if (run.contains("step") && !(duration <= kMostSteps * run["step"].get<double>()))
+      refuse("animation.runs.step", detail::text_of(run["step"].get<double>()),
+             "must make at most a million steps of the animation's " + detail::text_of(duration) + " s");
     make_integrator(run["integrator"].get<std::string>(), system);
     make_solver(run.value("solver", "lemke"));
     const auto is_magnified = [&](const Body& body) { return body.name == animation["magnify"]; };
@@ -107,24 +119,25 @@ void check_figures(const Json& figures, const std::set<std::string>& parameters)
   columns.insert(parameters.begin(), parameters.end());
   for (const Json& figure : figures) {
     check_keys(figure, "figure.",
-               {"title", "note", "x", "y", "by", "solver", "integrator", "timed", "worst", "octaves", "first", "log",
-                "x_label", "y_label"});
+               {"title", "note", "x", "y", "by", "solver", "integrator", "timed", "worst", "octaves", "dots", "where", "first",
+                "log", "x_label", "y_label"});
     check_texts(figure, "figure.", {"title", "x", "y", "by"},
                 {"note", "solver", "integrator", "first", "log", "x_label", "y_label"});
-    for (const char* key : {"timed", "worst", "octaves"})
+    for (const char* key : {"timed", "worst", "octaves", "dots"})
       if (figure.contains(key) && !figure[key].is_boolean())
         refuse(std::string("figure.") + key, figure[key].dump(), "must be true or false");
     for (const char* key : {"x", "y", "by"})
       if (!columns.contains(figure[key].get<std::string>()))
         refuse(std::string("figure.") + key, figure[key].dump(), "must be one of " + list_of(columns));
+    for (const auto& [name, value] : table_at(figure, "figure.", "where").items())
+      if (!columns.contains(name)) refuse("figure.where." + name, value.dump(), "must be one of " + list_of(columns));
     if (!std::set<std::string>{"", "x", "y", "xy"}.contains(figure.value("log", "")))
       refuse("figure.log", figure["log"].dump(), "must be \"\", \"x\", \"y\" or \"xy\"");
   }
 }
 
-void check_animations(const Json& animations, const std::string& scene) {
+void check_animations(const Json& animations, const SceneWith& scene) {
   check_tables(animations, "animation");
-  if (!animations.empty() && scene.empty()) refuse("animation", "", "needs a scene of the whole sweep");
   for (const Json& animation : animations) {
     try {
       check_animation(animation, scene);

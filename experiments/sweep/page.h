@@ -2,8 +2,10 @@
 // file is read and not when all of it has been computed.
 #pragma once
 
+#include <orthant/core/mechanics/scene.h>
 #include <nlohmann/json.hpp>
 
+#include <functional>
 #include <set>
 #include <span>
 #include <string>
@@ -23,7 +25,11 @@ std::vector<std::string> sets_of(const nlohmann::ordered_json& set);
 /// [[figure]]: a list of tables; `parameters`: names that the sweep sets, which are columns, too.
 void check_figures(const nlohmann::ordered_json& figures, const std::set<std::string>& parameters);
 
-/// [[animation]]: a list of tables, of runs of this scene (a built-in name or a file).
-void check_animations(const nlohmann::ordered_json& animations, const std::string& scene);
+/// The sweep's scene with KEY=VALUE set.
+using SceneWith = std::function<Scene(const std::vector<std::string>& sets)>;
+
+/// [[animation]]: a list of tables, of runs of a scene; each run of a million steps at most. Of a file's own words, and once
+/// more of what a results file holds, which may be anybody's.
+void check_animations(const nlohmann::ordered_json& animations, const SceneWith& scene);
 
 }  // namespace orthant
