@@ -7,7 +7,15 @@
 
 namespace orthant {
 
-/// Worst error of each octave of h, and the slope of its logarithm (support/fit_order.h): a group for every integrator,
+inline std::string row_text(const ResultRow& row, const char* column) { return row.at(column).get<std::string>(); }
+/// Infinite where there is none.
+inline double row_number(const ResultRow& row, const char* column) {
+  return row.at(column).is_null() ? kInf : row.at(column).get<double>();
+}
+inline bool row_solved(const ResultRow& row) { return row.at("status") == "solved"; }
+
+/// Worst error of each octave of h, and the slope of its logarithm (support/fit_order.h), but errors
+/// that rounding may have made, below 1e-13 of the measure itself, are left out: a group for every integrator,
 /// solver and set of parameters with errors in two octaves at least. Keys: integrator, solver, parameters, order, scatter,
 /// failed, worst ([h, error] by octave).
 nlohmann::ordered_json fitted_orders(const std::vector<ResultRow>& rows);
@@ -18,7 +26,15 @@ nlohmann::ordered_json fitted_orders(const std::vector<ResultRow>& rows);
 nlohmann::ordered_json time_to_error(const std::vector<ResultRow>& rows);
 std::span<const double> error_targets();
 
-/// Two sentences, computed from the rows.
+/// What a run says besides its measure, against the run of the same parameters by the integrator that the sweep compares with:
+/// does it converge as well? For each set of parameters with such a run and each statistic the greatest order that any method
+/// shows over the three finest octaves of h. Keys: parameters, statistic, order, integrator.
+nlohmann::ordered_json orders_of_statistics(const std::vector<ResultRow>& rows);
+
+/// Below this order an error does not fall to speak of.
+inline constexpr double kNoOrder = 0.5;
+
+/// Some sentences, computed from the rows: what failed, how errors fall, by whom an error costs least, what is kept.
 std::string answer(const std::vector<ResultRow>& rows);
 
 }  // namespace orthant

@@ -75,6 +75,11 @@ TEST_CASE("orders and times to an error: lucky runs do not count, failures do") 
   CHECK(fits[0].at("order").get<double>() == doctest::Approx(2).epsilon(0.02));
   CHECK(fits[0].at("failed") == 0);
 
+  for (int i = 0; i < 60; ++i) {  // down to rounding, where nothing falls: the order is that above it
+    rows[i]["error"] = std::max(1e-3 * std::exp2(-i), 1e-14 * (1 + i % 3)), rows[i]["reference"] = 10;
+  }
+  CHECK(fitted_orders(rows)[0].at("order").get<double>() == doctest::Approx(10).epsilon(0.05));
+
   rows = {row(8, 1e-9, 1, 3), row(4, 2e-2, 2, 3), row(2, 2e-3, 4, 3), row(1, 5e-4, 7, 3)};  // the first one is lucky
   auto times = time_to_error(rows);
   REQUIRE(times.size() == 1);
@@ -103,6 +108,34 @@ TEST_CASE("the answer tells for which parameters no method converges, and where 
         {{"parameters", "{\"mu\":" + std::to_string(i) + "}"}, {"measure", "angle"}, {"value", i < 3 ? 7 - i : 1}});
   }
   CHECK(answer(rows).find("from mu = 2 to 3 the median of angle at the end goes from 5 to 1.") != std::string::npos);
+}
+
+TEST_CASE("the answer says what still converges where the measure does not, and who keeps the energy") {
+  std::vector<ResultRow> rows{row(1e-6, 1e-15, 1, 0)};
+  const auto tell = [](ResultRow& one, const char* name, double touch, double lost) {
+    one.update({{"integrator", name}, {"compared_with", "exact:rtol=1e-9"}, {"first_touch", touch}});
+    one["energy_final"] = one["energy_initial"].get<double>() - lost;
+  };
+  tell(rows[0], "exact", 1, 0.5);
+  for (int i = 0; i < 40; ++i) {
+    const double h = std::exp2(-i / 10.0);
+    rows.push_back(row(h, 1, 1, 0));
+    tell(rows.back(), "a", 1 + 0.1 * h, 0.6);
+  }
+  CHECK(answer(rows).find("What still falls so by some method, of 1 such settings looked at: first touch at 1, "
+                          "energy lost at none.") != std::string::npos);
+
+  rows = {row(1, 0, 1, 0), row(0.5, 0, 1, 0), row(1, 0, 1, 0)};
+  const double drifts[] = {1.0, 0.25, 1e-9};
+  for (int i = 0; i < 3; ++i)
+    rows[i].update({{"integrator", i < 2 ? "loses" : "keeps"},
+                    {"energy_drift", drifts[i]},
+                    {"momentum_drift", 0},
+                    {"spin_drift", 0},
+                    {"max_joint_residual", 0}});
+  CHECK(answer(rows).find("keeps strays from it by 1e-9 J at the most, loses by up to 0.25 J") != std::string::npos);
+  rows.pop_back();
+  CHECK(answer(rows).find("strays") == std::string::npos);  // where nobody keeps it nobody is said to lose it
 }
 
 TEST_CASE("orthant report: a scene's file is found from any folder, and shown as long as the sweep runs it") {
@@ -160,6 +193,29 @@ TEST_CASE("orthant report: opens no file that a results file names") {
     CHECK(a.exit_code == 1);
     CHECK_FALSE(std::filesystem::exists(folder / "stranger.html"));
   }
+}
+
+TEST_CASE("orthant report: an animation without end in a stranger's results is refused") {
+  const Report folder;
+  folder.write("s.sweep.toml",
+               "scene = 'slider_crank'\nduration = 0.01\n[[grid]]\nintegrator = 'rattle'\nstep = 1e-3\n"
+               "[[animation]]\ntitle = 'Motion'\nruns = [{integrator = 'rattle', step = 1e-3}]\n");
+  REQUIRE(folder.orthant("sweep s.sweep.toml --results r.sqlite").exit_code == 0);
+  const auto spoil = [&](const std::string& what, const std::string& value) {
+    REQUIRE(folder
+                .run("/usr/bin/python3 -s -E -c 'import sqlite3\ndb = sqlite3.connect(\"r.sqlite\")\n"
+                     "db.execute(\"update sweeps set about = json_set(about, ?, json(?))\", [\"$.page.animation[0]" +
+                     what + "\", \"" + value + "\"])\ndb.commit()'")
+                .exit_code == 0);
+    const Reply a = folder.orthant("report r.sqlite --output r.html");
+    CAPTURE(a.err);
+    CHECK(a.exit_code == 1);
+    CHECK(lines(a.err) == 1);
+    return a.err;
+  };
+  CHECK(spoil(".runs[0].step", "1e-14").find("at most a million steps") != std::string::npos);
+  CHECK(spoil(".duration", "-1").find("animation.duration") != std::string::npos);
+  CHECK(spoil(".runs", "7").find("animation") != std::string::npos);
 }
 
 TEST_CASE("orthant report: one file without a link to anything outside; a browser shows, plays and zooms it" *
