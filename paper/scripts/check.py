@@ -1,7 +1,7 @@
 """Is the article's every number computed? Fails, naming file and line, when
 
   a number is typed by hand   digits in the text; in a formula two digits, a decimal, a digit before a unit, a digit alone (any
-                              other single digit there is structure, and so are orders in a table of properties)
+                              other single digit there is structure); a number in words, but for those of STRUCTURE
   a key \\R{…} or a generated file is not there, or one that is there is not used
   generated/ is not what tables.py makes of data/
   a study has been changed since data/ was computed   (its sweep file is another one)
@@ -21,7 +21,15 @@ from reduce import fingerprint  # noqa: E402
 # Commands whose arguments are names, not text; and lengths and column widths.
 NAMES = re.compile(r"\\(?:R|input|ref|eqref|label|includegraphics|begin|end|citep|citet|cite|bibliography|bibliographystyle|"
                    r"code|vspace|hspace|setlength)\*?(?:\[[^\]]*\])*(?:\{[^{}]*\})+")
-TABULAR = re.compile(r"\\begin\{tabular\}.*?\\end\{tabular\}", re.S)
+WORDS = re.compile(r"\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve|\w+teen|(?:twenty|thirty|forty|fifty|sixty)(?:-\w+)?|dozens?|"
+                   r"hundred\w*|thousand\w*|million\w*|tenth|half|thirds?|quarters?|two (?:of|values|runs|scenes|starts|schemes|solvers))\b",
+                   re.I)
+# Numbers in words that no run could change: parts of the mechanism, of a formula, of the text itself; names of errors in a table.
+STRUCTURE = ("ask five questions", "Three findings stand out", "The contribution is threefold", "four corners, two walls",
+             "three degrees of freedom", "has three rows a contact", "fall into four kinds", "Third, started tilted",
+             "four-bar", "each digit costs ten times the work", "a thousandth of a radian", "a hundredth of a radian", "A thousandth takes",
+             "reaches a millionth", "a thousand-millionth", "hundreds of contacts",
+             "Two schemes satisfy", "two runs of a study", "has two starts")
 MATHS = re.compile(r"\$.+?\$|\\begin\{(equation|align|gather)\*?\}.*?\\end\{\1\*?\}|\\\[.*?\\\]", re.S)
 
 
@@ -36,11 +44,14 @@ def hand_typed(text):
     for start, formula in maths:
         plain = NAMES.sub(blank, formula)
         for m in re.finditer(r"\d*\.\d+|\d{2,}|\d(?=\\,\\mathrm)|(?<=^\$)\d(?=\$$)", plain):
-            if len(plain) > 3 or not any(table.start() < start < table.end() for table in TABULAR.finditer(text)):
-                yield text.count("\n", 0, start + m.start()) + 1, m.group(0)
+            yield text.count("\n", 0, start + m.start()) + 1, m.group(0)
     words = NAMES.sub(blank, MATHS.sub(blank, text))
     for m in re.finditer(r"\d[\d.,]*", words):
         yield text.count("\n", 0, m.start()) + 1, m.group(0)
+    for phrase in STRUCTURE:
+        words = re.sub(r"\s+".join(map(re.escape, phrase.split())), blank, words)
+    for m in WORDS.finditer(words):
+        yield text.count("\n", 0, m.start()) + 1, f"'{m.group(0)}'"
 
 
 def problems():
@@ -52,6 +63,8 @@ def problems():
         for line, what in hand_typed(body):
             yield f"{path.name}:{line + above}: the number {what} is typed by hand"
     whole = "\n".join(re.sub(r"(?<!\\)%.*", "", text.split(r"\begin{document}")[-1]) for text in texts.values())
+    plain = " ".join(NAMES.sub(blank, whole).split())
+    yield from (f"STRUCTURE has '{phrase}', which the text has no more" for phrase in STRUCTURE if phrase not in plain)
     used = set(re.findall(r"\\R\{([^}#]+)\}", whole))
     tables = set(re.findall(r"\\input\{generated/([^}]+)\}", whole))
     made = dict(files())

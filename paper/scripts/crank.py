@@ -2,9 +2,10 @@
 import math
 import re
 import tomllib
-from statistics import median
+from statistics import median, quantiles
 
-from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, words
+from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, unsolved, words
+from schemes import numeral
 
 CLASSICAL, SYMMETRIC = "moreau-jean:joints=position", "moreau-jean:joints=symmetric"
 NEAR = (0.9e-5, 1.1e-5)  # [s]
@@ -18,6 +19,18 @@ TARGETS = ("0.01", "0.001", "1e-04", "1e-05", "1e-06", "1e-07", "1e-08", "1e-09"
 def mechanism():
     scene = tomllib.loads((PAPER.parent / "core/scenes/slider_crank.toml").read_text())
     return scene, {body["name"]: body for body in scene["body"]}, {c["name"]: c for c in scene["contact"]}
+
+
+def reference():
+    """What is said of the exact motion where it stands: (agreement [rad], time to which e = 0.9 is well conditioned [s], final
+    theta1 by (mu, e))."""
+    scenes = PAPER.parent / "core/scenes"
+    said = re.sub(r"\n//\s*", " ", (scenes / "slider_crank_exact.h").read_text())
+    agreement = re.search(r"two tolerance sets agree to ([\d.e-]+) rad", said).group(1)
+    until = re.search(r"with e = 0\.9 to about ([\d.]+) s only", said).group(1)
+    golden = re.search(r"kGolden\[\] = \{(.*?)\n\};", (scenes / "slider_crank_exact.cpp").read_text(), re.S).group(1)
+    lines = [[float(x) for x in re.sub(r"//.*", "", line).strip(" {},").split(",")] for line in golden.split("\n") if line.strip().startswith("{")]
+    return float(agreement), float(until), {(mu, e): theta1 for mu, e, theta1, *_ in lines}
 
 
 def untimed(table):
@@ -37,15 +50,16 @@ def fits(integrator, keep):
 def numbers(n):
     table = rows("slider_crank")
     scene, bodies, contacts = mechanism()
-    exact = load("given")
+    agreement, conditioned, final = reference()
     n["mechanism/coordinates"] = count(3 * len(bodies))
     n["mechanism/joint_rows"] = count(2 * len(scene["joint"]))
     n["mechanism/omega1"] = tex(bodies["crank"]["omega"], 3)
     law = next(iter(contacts.values()))
+    n["mechanism/conditioned"] = tex(conditioned) + unit("s")
     n["mechanism/mu"], n["mechanism/e"] = tex(law["mu"], 1), tex(law["e_n"], 1)
-    n["mechanism/reference_agreement"] = tex(exact["reference_agreement"]["value"]) + unit("rad")
+    n["mechanism/reference_agreement"] = tex(agreement) + unit("rad")
     n["crank/duration"] = tex(scene["duration"], 1)
-    n["crank/turns"] = tex(exact["theta1_end"]["value"] / (2 * math.pi))
+    n["crank/turns"] = tex(final[law["mu"], law["e_n"]] / (2 * math.pi))
     n["crank/e_bad"] = tex(max(row["e"] for row in table), 1)
     n["crank/e_well"] = tex(WELL, 1)
     n["crank/near_unit"] = tex(NEAR_UNIT, 1) + unit("rad")
@@ -65,8 +79,9 @@ def numbers(n):
     n["crank/event_driven_best"] = tex(max(best), 1)
     ratios = [near(table, CLASSICAL, mu, e) / near(table, SYMMETRIC, mu, e) for mu in (0, 0.01, 0.1) for e in (0, WELL)]
     n["crank/ratio_least"], n["crank/ratio_most"] = tex(min(ratios)), tex(max(ratios))
-    bad = [near(table, i, mu, max(row["e"] for row in table)) for i in (CLASSICAL, SYMMETRIC) for mu in (0, 0.01, 0.1)]
-    n["crank/bad_least"], n["crank/bad_most"] = tex(min(bad), 1), tex(max(bad), 1)
+    for name, integrator in (("classical", CLASSICAL), ("symmetric", SYMMETRIC)):
+        bad = [near(table, integrator, mu, max(row["e"] for row in table)) for mu in (0, 0.01, 0.1)]
+        n[f"crank/bad_{name}_least"], n[f"crank/bad_{name}_most"] = tex(min(bad), 1), tex(max(bad), 1)
     for name, integrator in (("classical", CLASSICAL), ("symmetric", SYMMETRIC), ("rattle", "rattle")):
         orders = [fit["order"] for fit in fits(integrator, lambda e: e <= WELL)]
         n[f"crank/order_{name}_least"], n[f"crank/order_{name}_most"] = tex(min(orders), 3), tex(max(orders), 3)
@@ -79,8 +94,16 @@ def numbers(n):
     n["crank/fixed_e3"] = tex(1e3 * min(row["to_0.001"] for name, row in times.items() if name in FIXED and row["to_0.001"])) + unit("ms")
     cost = {(row["integrator"], row["mu"], row["e"], row["step"]): row["seconds"]
             for row in pick(solved(table), repeats=lambda n: n > 0, rtol=None)}
-    n["crank/cost_ratio"] = tex(median(cost[SYMMETRIC, *case] / seconds for (name, *case), seconds in cost.items()
-                                       if name == CLASSICAL and (SYMMETRIC, *case) in cost), 3)
+    pairs = sorted(cost[SYMMETRIC, *case] / seconds for (name, *case), seconds in cost.items()
+                   if name == CLASSICAL and (SYMMETRIC, *case) in cost)
+    low, middle, high = quantiles(pairs, n=4)
+    n["crank/cost_ratio"], n["crank/cost_low"], n["crank/cost_high"] = tex(middle), tex(low), tex(high)
+    scatter = [row["slowest"] / row["seconds"] - 1 for row in solved(table) if row["slowest"]]
+    n["crank/scatter_median"], n["crank/scatter_most"] = (rf"{tex(100 * x, 1)}\,\%" for x in (median(scatter), max(scatter)))
+    n["crank/repeats"] = numeral(int(max(row["repeats"] for row in table)))
+    n["crank/mus"], n["crank/es_well"] = numeral(len({mu for mu, e in final})), numeral(len({e for mu, e in final if e <= WELL}))
+    n["crank/near_share"] = rf"{tex(100 * (NEAR[1] - NEAR[0]) / sum(NEAR), 2)}\,\%"
+    solver_share(n, table)
     n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + unit("ms")
     timed = pick(solved(table), integrator=CLASSICAL, repeats=3)
     n["crank/classical_finest"] = tex(1e6 * min(row["step"] for row in timed), 2) + unit(r"\mu s")
@@ -100,6 +123,19 @@ def numbers(n):
     n["machine/cpu"] = re.sub(r"\((R|TM)\)", "", made["cpu"]).replace("@", "at").strip()
     n["machine/cores"] = count(made["cores"])
     n["machine/compiler"] = made["compiler"]
+
+
+def solver_share(n, table):
+    """Solvers away from the one setting at which all of them are run: do they end, and with the same motion?"""
+    others = [row for row in table if row["repeats"] == 0 and row["solver"] not in ("lemke", "ipopt", "nlopt") and row["e"] != WELL]
+    key = ("integrator", "mu", "e", "step")
+    settings = {tuple(row[k] for k in key) for row in others}
+    lemke = {tuple(row[k] for k in key): row["error"] for row in pick(solved(table), solver="lemke", repeats=0)}
+    n["solvers/share_runs"], n["solvers/share_solvers"] = count(len(others)), count(len({row["solver"] for row in others}))
+    n["solvers/share_settings"], n["solvers/share_schemes"] = count(len(settings)), numeral(len({s[0] for s in settings}))
+    n["solvers/share_unsolved"] = unsolved(others, "solver")
+    n["solvers/share_apart"] = tex(max(abs(row["error"] - lemke[at]) for row in solved(others)
+                                       if (at := tuple(row[k] for k in key)) in lemke), 1) + unit("rad")
 
 
 def tables(t):

@@ -68,8 +68,10 @@ def words(n):
 
 
 def plus_minus(middle, half_range):
-    """Both to the decimals of the half range's first digit."""
-    decimals = max(0, -math.floor(math.log10(float(f"{half_range:.0e}")))) if half_range > 0 else 4
+    """Both to the decimals of the half range's first digit, but no more than five; a range that is less is left out."""
+    decimals = min(5, max(0, -math.floor(math.log10(float(f"{half_range:.0e}"))))) if half_range > 0 else 3
+    if half_range < 0.5 * 10**-decimals:
+        return rf"\ensuremath{{{middle:.{decimals}f}}}"
     return rf"\ensuremath{{{middle:.{decimals}f} \pm {half_range:.{decimals}f}}}"
 
 
@@ -91,9 +93,9 @@ def short(integrator):
     return names.get(integrator) or code(re.sub(":.*", "", integrator))
 
 
-def unsolved(table):
-    """In words: how many runs of which scheme did not end solved."""
-    count_of = {i: len([r for r in pick(table, integrator=i) if r["status"] != "solved"])
-                for i in dict.fromkeys(row["integrator"] for row in table)}
+def unsolved(table, by="integrator"):
+    """In words: how many runs of which scheme, or which solver, did not end solved."""
+    count_of = {i: len([r for r in table if r[by] == i and r["status"] != "solved"])
+                for i in dict.fromkeys(row[by] for row in table)}
     named = [f"{words(number)} by {code(i)}" for i, number in count_of.items() if number]
     return ", ".join(named) or "none"

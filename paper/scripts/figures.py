@@ -4,10 +4,13 @@ import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+from matplotlib.patches import Patch
 
+from critical import least
 from data import PAPER, load, pick, rows, solved
 
 sys.path.insert(0, str(PAPER.parent / "experiments/scripts"))
+from plot_friction import COLOURS, draw_modes  # noqa: E402
 from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, STYLE  # noqa: E402
 
 LOOK = {"moreau-jean:joints=position": (ORANGE, "s", "moreau-jean, classical"), "moreau-jean:joints=symmetric": (BLUE, "o", "moreau-jean, symmetric"),
@@ -27,7 +30,7 @@ def line(axes, integrator, points, **more):
 
 def power_of_ten(x):
     """As the axes have it."""
-    return f"{x:g}" if x == 0 or abs(x) >= 1e-3 else f"10^{{{round(math.log10(x))}}}"
+    return f"{x:g}" if x == 0 or abs(x) >= 1e-2 else f"10^{{{round(math.log10(x))}}}"
 
 
 def finish(figure, grid, folder, name, columns=5, room=0.105, each=False):
@@ -90,11 +93,20 @@ def friction(folder):
             line(axes, integrator, [(r["mu"], what(r)) for r in pick(table, integrator=integrator, omega3=0)])
             line(axes, integrator, [(r["mu"], what(r)) for r in pick(table, integrator=integrator, omega3=-0.01)],
                  label=None, linestyle=":", alpha=0.6)
-        for mu in (load("given")[k]["value"] for k in ("single_corner", "flush_face")):
+        for mu in least():
             axes.axvline(mu, color=GREY, linewidth=0.7, linestyle="--")
         axes.set(xlabel=r"friction $\mu$", ylabel=label)
     grid[0].set_ylim(-0.3, 1.05 * table[0]["energy_initial"])
     finish(figure, grid, folder, "friction")
+
+
+def modes(folder):
+    figure, axes = plt.subplots(figsize=(7.2, 3.6))
+    draw_modes(axes, [(r["mu"], r["face"], r["begin"], r["end"], r["mode"], r["tilt"]) for r in rows("friction.modes")])
+    figure.tight_layout(rect=(0, 0.07, 1, 1))
+    figure.legend(handles=[Patch(color=colour, label=mode) for mode, colour in COLOURS.items()], loc="lower center", ncol=3, fontsize=7)
+    figure.savefig(folder / "modes.pdf", metadata={"CreationDate": None})
+    plt.close(figure)
 
 
 def tilt(folder):
@@ -105,11 +117,11 @@ def tilt(folder):
                      label=rf"$\omega_3 = {power_of_ten(fit['omega3'])}$ rad/s")
     grid[0].set(xscale="log", yscale="log", xlabel="step size $h$ [s]", ylabel=ERROR)
     ensemble = [row for row in solved(rows("clearance")) if row["repeats"]]
-    for integrator in ("event-driven", "moreau-jean", "rattle"):
+    for integrator in dict.fromkeys(row["integrator"] for row in ensemble):
         line(grid[1], integrator, [(r["omega3"], r["value"]) for r in pick(ensemble, integrator=integrator)], linestyle="none")
     grid[1].ticklabel_format(useOffset=False)
     grid[1].set(xlabel=r"initial $\omega_3$ [rad/s]", ylabel=r"$\theta_1$ at the end [rad]")
-    finish(figure, grid, folder, "tilt", 3, each=True)
+    finish(figure, grid, folder, "tilt", 2, room=0.17, each=True)
 
 
 def energy(folder):
@@ -133,7 +145,7 @@ def main(folder):
     plt.rcParams.update(STYLE | {"font.family": "serif", "font.serif": ["Latin Modern Roman", "DejaVu Serif"], "font.size": 8.5,
                                  "mathtext.fontset": "cm", "axes.titlesize": 9})
     folder.mkdir(parents=True, exist_ok=True)
-    for draw in (convergence, cost, friction, tilt, energy):
+    for draw in (convergence, cost, friction, modes, tilt, energy):
         draw(folder)
 
 

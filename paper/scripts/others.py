@@ -1,14 +1,17 @@
-"""What the article says of studies 2 to 5: friction, tilt, solvers, conservation; and the table of notation."""
+"""What the article says of the studies of friction, solvers, conservation; and the table of notation."""
+import csv
 import math
 import re
-from statistics import median
 
-from data import PAPER, code, count, load, pick, plus_minus, rows, short, solved, tabular, tex, unit, unsolved, words
+from critical import least
+from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, unsolved, words
+from schemes import numeral
 
 FIXED = ("moreau-jean", "stewart-trinkle", "paoli-schatzman", "generalized-alpha", "rattle")
 
 
 TURN = 2 * math.pi
+TILT = -0.01  # [rad/s]
 
 
 def per_turn(row):
@@ -18,6 +21,7 @@ def per_turn(row):
 def friction_numbers(n):
     table = rows("friction")
     schemes = pick(table, repeats=0)
+    n["friction/schemes"] = numeral(len(FIXED))
     n["friction/runs"] = count(len(schemes))
     n["friction/mu_most"] = tex(max(row["mu"] for row in table), 1)
     n["friction/h"] = tex(1e6 * schemes[0]["step"], 2) + unit(r"\mu s")
@@ -40,20 +44,43 @@ def friction_numbers(n):
     n["friction/h_solvers"] = tex(1e3 * timed[0]["step"], 1) + unit("ms")
     n["friction/values"] = count(len({row["mu"] for row in timed}))
     n["friction/tilt"] = tex(min(row["omega3"] for row in schemes), 1) + unit("rad/s")
+    worst = {mu: [row["value"] for row in pick(solved(schemes), omega3=0, mu=mu) if row["integrator"] in FIXED] for mu in one}
+    n["friction/spread_before"] = tex(max(max(v) - min(v) for mu, v in worst.items() if mu < jammed), 1) + unit("rad")
+    n["friction/spread_jammed"] = tex(max(max(v) - min(v) for mu, v in worst.items() if mu >= jammed), 1) + unit("rad")
+    tilted = {mu: [row["value"] for row in pick(solved(schemes), omega3=TILT, mu=mu) if row["integrator"] in FIXED] for mu in one}
+    at, most = max(((mu, max(v) - min(v)) for mu, v in tilted.items()), key=lambda x: x[1])
+    n["friction/spread_tilted"], n["friction/spread_at"] = tex(most, 1) + unit("rad"), tex(at, 3)
+    ways = {name: pick(schemes, integrator=name, omega3=0, mu=0.0)[0] for name in ("moreau-jean", "stewart-trinkle")}
+    n["friction/touch_share"] = rf"{tex(100 * ways['stewart-trinkle']['touching'] / ways['moreau-jean']['touching'], 2)}\,\%"
+    n["friction/impulse_apart"] = rf"{tex(100 * abs(ways['stewart-trinkle']['impulse'] / ways['moreau-jean']['impulse'] - 1), 1)}\,\%"
+    cost = {mu: row["seconds"] for mu, row in {row["mu"]: row for row in pick(solved(table), repeats=1, solver="lemke")}.items()}
+    n["friction/dear"] = tex(max(cost.values()) / cost[0.0], 2)
+    friction_modes(n)
     made = [row for row in solved(schemes) if row["energy_final"] > row["energy_initial"]]
     n["friction/made_by"] = ", ".join(
         f"{words(len(own))} by {code(name)} (up to {tex(max(row['energy_final'] for row in own), 2)}" + unit("J") + ")"
         for name in dict.fromkeys(row["integrator"] for row in made) if (own := pick(made, integrator=name))) or "none"
     n["friction/energy"] = tex(schemes[0]["energy_initial"], 2) + unit("J")
-    single = load("given")
-    n["friction/single"], n["friction/flush"] = tex(single["single_corner"]["value"], 2), tex(single["flush_face"]["value"], 3)
+    n["friction/single"], n["friction/flush"] = (tex(mu, 3) for mu in least())
+
+
+def friction_modes(n):
+    """How long faces slide and stick, by friction: time of both faces together."""
+    modes = rows("friction.modes")
+    critical = least()[0]
+    locked = [max(pick(modes, mode="stick", mu=mu), key=lambda r: r["end"] - r["begin"]) for mu in {r["mu"] for r in modes} if mu > critical]
+    n["modes/locked"] = tex(1e3 * max(row["begin"] for row in locked), 2) + unit("ms")
+    n["modes/tilt_below"] = tex(max(row["tilt"] for row in modes if row["mu"] < critical), 1) + unit("rad")
+    n["modes/tilt_beyond"] = tex(min(max(r["tilt"] for r in pick(modes, mu=row["mu"])) for row in locked), 1) + unit("rad")
+    below = [row for row in modes if row["mu"] < critical]
+    n["modes/stick_below"] = tex(1e3 * max(sum(r["end"] - r["begin"] for r in pick(below, mode="stick", mu=mu)) for mu in {r["mu"] for r in below}), 2) + unit("ms")
 
 
 def friction_tables(t):
     table = pick(rows("friction"), repeats=0)
     shown = (0, 0.25, 0.5, 1, 2, 3, 4.75, 6)
     lines = []
-    for omega3, name in ((0, "upright"), (-0.01, "tilted")):
+    for omega3, name in ((0, "upright"), (TILT, "tilted")):
         for label, what in (("energy left [J]", lambda r: r["energy_final"]), (r"$\theta_1$ at the end [rad]", lambda r: r["value"]),
                             ("time in contact [ms]", lambda r: 1e3 * r["touching"])):
             lines.append([f"{name}: {label}"] + [
@@ -68,48 +95,6 @@ def friction_tables(t):
         lines.append(r"\midrule")
     t["friction"] = tabular("l" + len(shown) * "r", [r"$\mu$"] + [tex(mu, 3 if mu == 4.75 else 2 if mu % 1 else 1) for mu in shown],
                             lines[:-1])
-
-
-def spread_of(table, integrator, column):
-    values = [column(row) for row in pick(solved(table), integrator=integrator)]
-    return plus_minus(median(values), (max(values) - min(values)) / 2)
-
-
-def tilt(t, n):
-    orders = [fit for fit in load("clearance.orders") if fit["clearance"] == 0.001]
-    tilts, es = sorted({fit["omega3"] for fit in orders}), sorted({fit["e"] for fit in orders})
-    lines = []
-    for integrator in ("moreau-jean", "rattle"):
-        for e in es:
-            fits = [pick(orders, integrator=integrator, omega3=w, e=e) for w in tilts]
-            lines.append([short(integrator) if integrator != "rattle" else code("rattle"), tex(e, 1)] +
-                         [f"{tex(f[0]['order'], 2)} ({tex(f[0]['worst'][-1][1], 1)})" if f else "--" for f in fits])
-    t["tilt"] = tabular("ll" + len(tilts) * "l", ["scheme", "$e$"] + [rf"$\omega_3 = {tex(w, 1)}$" for w in tilts], lines)
-    ensemble = pick(rows("clearance"), repeats=1)
-    lines = []
-    for label, column in ((r"$\theta_1$ at the end [rad]", lambda r: r["value"]),
-                          ("energy lost [J]", lambda r: r["energy_initial"] - r["energy_final"]),
-                          (r"sum of normal impulses [N\,s]", lambda r: r["impulse"]),
-                          ("first touch [ms]", lambda r: 1e3 * r["first_touch"])):
-        lines.append([label] + [spread_of(ensemble, i, column) for i in ("event-driven", "moreau-jean", "rattle")])
-    t["ensemble"] = tabular("llll", ["median, half of the range"] + [code(i) for i in ("event-driven", "moreau-jean", "rattle")],
-                            lines)
-    n["tilt/ensemble"] = count(len({row["omega3"] for row in ensemble}))
-    n["tilt/ensemble_most"] = tex(max(row["omega3"] for row in ensemble), 1) + unit("rad/s")
-    n["tilt/ensemble_h"] = tex(1e6 * ensemble[0]["step"], 2) + unit(r"\mu s")
-    event = pick(solved(ensemble), integrator="event-driven")
-    upright = [row["value"] for row in event if row["omega3"] == 0][0]
-    tilted = [row["value"] for row in event if row["omega3"] != 0]
-    n["tilt/jump"] = tex(min(abs(upright - value) for value in tilted), 1) + unit("rad")
-    n["tilt/runs"] = count(len(rows("clearance")))
-    n["tilt/failed"] = words(len(rows("clearance")) - len(solved(rows("clearance"))))
-    clear = [fit for fit in load("clearance.orders") if fit["omega3"] == 0 and fit["e"] == 0.4]
-    for name in ("moreau-jean", "rattle"):
-        of = {fit["clearance"]: fit for fit in clear if fit["integrator"] == name}
-        n[f"tilt/order_clearance_{name}_least"] = tex(min(f["order"] for f in of.values()))
-        n[f"tilt/order_clearance_{name}_most"] = tex(max(f["order"] for f in of.values()))
-    n["tilt/clearance_least"] = tex(1e3 * min(f["clearance"] for f in clear), 1) + unit("mm")
-    n["tilt/clearance_most"] = tex(1e3 * max(f["clearance"] for f in clear), 2) + unit("mm")
 
 
 def solvers(t, n):
@@ -135,6 +120,7 @@ def solvers(t, n):
                       rf"\ensuremath{{{len(solved(jam))}/{len(jam)}}}" if jam else "--"])
     t["solvers"] = tabular("lrrrrrrrr", ["solver", "certified", "refused", "failed", "wrong", "time", "steps", "runs", "jam"],
                            lines)
+    n["solvers/scenes"] = numeral(len(about["options"]["scenes"]) if isinstance(about["options"]["scenes"], list) else len(about["options"]["scenes"].split()))
     n["solvers/problems"] = count(int(summary[0]["problems"]))
     n["solvers/solvers"] = count(len(summary))
     n["solvers/largest"] = count(int(about["options"]["largest"]))
@@ -217,44 +203,24 @@ def conservation(t, n):
 
 
 def notation(t):
-    """The table of notes/notation.md, which the documentation shows as well, in LaTeX."""
-    letters = {"θ": r"\theta", "Φ": r"\Phi", "γ": r"\gamma", "Λ": r"\Lambda", "μ": r"\mu", "ρ": r"\rho", "ε": r"\varepsilon",
-               "∂": r"\partial ", "Σ": r"\sum", "ω": r"\omega", "ξ": r"\xi"}
+    """notation.csv, which the documentation shows as well; its formulas are LaTeX."""
+    with open(PAPER / "notation.csv", newline="") as file:
+        header, *lines = csv.reader(file)
 
-    def maths(symbols):
-        text = re.sub(r"_(\w+)", r"_{\1}", symbols)
-        return "$" + "".join(letters.get(c, c) for c in text) + "$"
+    def plain(text):
+        return re.sub(r"`([^`]*)`", lambda m: code(m.group(1)), text.replace("²", r"\textsuperscript{2}"))
 
-    def words(text):
-        formulas = {"∂Φ/∂q": r"$\partial\Phi/\partial q$", "w = A z + b": "$w = A z + b$", "to z within": "to $z$ within",
-                    "3N": "$3N$", "units of w": "units of $w$", "²": r"\textsuperscript{2}"}
-        for plain, formula in formulas.items():
-            text = text.replace(plain, formula)
-        text = re.sub(r"\b(W_[NT]) v", lambda m: maths(m.group(0)), text)
-        text = "".join(rf"\ensuremath{{{letters[c]}}}" if c in letters else c for c in text)
-        return re.sub(r"`([^`]*)`", lambda m: code(m.group(1)), text)
-
-    lines = []
-    for line in (PAPER / "notes/notation.md").read_text().splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if not line.startswith("|") or cells[0] in ("symbol", "---"):
-            continue
-        if cells[0] == "ρ":
-            cells[2] = "rounding level of $w$, below which it is unknown"
-        lines.append([", ".join(maths(s.strip()) for s in cells[0].split(",")), words(cells[1]), words(cells[2]), words(cells[3])])
-    t["notation"] = tabular("llp{0.37\\textwidth}l", ["symbol", "in the program", "meaning", "size; unit"], lines)
+    t["notation"] = tabular(r"lp{0.18\textwidth}p{0.36\textwidth}p{0.12\textwidth}l", header, [[plain(cell) for cell in line] for line in lines])
 
 
 def numbers(n):
     friction_numbers(n)
-    tilt({}, n)
     solvers({}, n)
     conservation({}, n)
 
 
 def tables(t):
     friction_tables(t)
-    tilt(t, {})
     solvers(t, {})
     conservation(t, {})
     notation(t)

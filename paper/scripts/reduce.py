@@ -13,15 +13,15 @@ from pathlib import Path
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 COLUMNS = {
-    "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds "
+    "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds slowest "
                     "max_lcp_residual max_joint_residual",
     "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final touching impulse seconds",
     "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
-                 "first_touch",
+                 "first_touch first_release last_release",
     "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
                     "energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
 }
-EXACT = ("value", "energy_initial", "energy_final", "impulse", "first_touch")  # differences of these are looked at
+EXACT = ("value", "energy_initial", "energy_final", "impulse", "first_touch", "first_release", "last_release")  # differences of these are looked at
 MACHINE = ("revision", "compiler", "flags", "cpu", "cores", "packages")
 
 
@@ -54,9 +54,7 @@ def reduce_sweep(results, data, study):
         out.writerow(columns)
         for row in rows:
             if "repeats" in row and row["repeats"] == "0":
-                row["seconds"] = ""  # of runs beside others: says nothing
-                if study == "clearance":  # the ladders: their fits are in the .orders.json
-                    row |= dict.fromkeys(("value", "error", "energy_initial", "energy_final", "impulse", "first_touch"), "")
+                row["seconds"] = row["slowest"] = ""  # of runs beside others: says nothing
             out.writerow([rounded(row.get(column, ""), 9 if column in EXACT else 5) for column in columns])
     orders = [{key: value for key, value in one.items() if key not in ("sweep", "worst")} |
               {"worst": [[float(rounded(x)) for x in pair] for pair in one["worst"]]}
@@ -65,6 +63,8 @@ def reduce_sweep(results, data, study):
         (data / f"{study}.orders.json").write_text("[\n" + ",\n".join(json.dumps(one) for one in orders) + "\n]\n")
     if (folder / "times.csv").read_text().strip():
         (data / f"{study}.times.csv").write_text((folder / "times.csv").read_text())
+    if (folder / "modes.csv").exists():
+        (data / f"{study}.modes.csv").write_text((folder / "modes.csv").read_text())
     made = about(folder, command=f"experiments/run {study}", asked=fingerprint(study))
     (data / f"{study}.about.json").write_text(json.dumps(made, indent=1) + "\n")
 

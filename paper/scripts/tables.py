@@ -4,12 +4,14 @@ import sys
 
 import crank
 import others
+import schemes
+import tilt
 from data import GENERATED
 
 
 def everything():
     numbers, tables = {}, {}
-    for part in (crank, others):
+    for part in (crank, others, schemes, tilt):
         part.numbers(numbers)
         part.tables(tables)
     return numbers, tables
