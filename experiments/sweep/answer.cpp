@@ -23,7 +23,7 @@ std::string short_number(double x) {
   return text;
 }
 
-constexpr std::size_t kMostListed = 9;  // settings in a sentence
+constexpr std::size_t kMostListed = 3;  // settings in a sentence; of more it counts by value
 constexpr std::size_t kManyValues = 5;  // of a parameter that is followed
 
 /// How many runs did not end solved: by solver, or where there is one solver only by integrator.
@@ -37,6 +37,29 @@ std::string unsolved(const std::vector<ResultRow>& rows) {
   std::string list;
   for (const auto& [name, count] : counts) list += (list.empty() ? " " : ", ") + name + " " + std::to_string(count);
   return list.empty() ? "" : std::string(" (not, by ") + by + ":" + list + ")";
+}
+
+/// Of the settings without order how many have each value of each parameter that has several.
+std::string shares(const std::vector<std::pair<std::string, double>>& best,
+                   const std::map<std::string, std::set<std::string>>& values) {
+  std::string list;
+  for (const auto& [name, all] : values) {
+    if (all.size() < 2) continue;
+    std::map<double, std::pair<int, int>> counts;  // without order, in all, by value
+    for (const auto& [setting, order] : best) {
+      const Json value = Json::parse(setting).value(name, Json());
+      if (!value.is_number()) continue;
+      auto& [without, some] = counts[value.get<double>()];
+      without += order < kNoOrder, ++some;
+    }
+    std::string part;
+    for (const auto& [value, count] : counts)
+      if (count.first > 0)
+        part += (part.empty() ? "" : ", ") + std::to_string(count.first) + " of the " + std::to_string(count.second) +
+                " with " + name + " = " + short_number(value);
+    if (!part.empty()) list += (list.empty() ? "" : "; ") + part;
+  }
+  return list;
 }
 
 /// For which parameters no method converges.
@@ -78,9 +101,9 @@ std::string without_order(const Json& fits) {
   }
   if (!shared.empty()) list = shared + (list.empty() ? "" : " and " + list);
   if (count == 0) return "";
+  if (count > kMostListed) list = shares(best, values);
   return " By no method does it fall as fast as h^" + short_number(kNoOrder) + " for " + std::to_string(count) +
-         " of " + std::to_string(best.size()) + " settings" + (list.empty() ? "" : ": " + list) +
-         (count > kMostListed ? "; …" : "") + ".";
+         " of " + std::to_string(best.size()) + " settings" + (list.empty() ? "" : ": " + list) + ".";
 }
 
 /// What still converges where the measure does not.

@@ -26,6 +26,10 @@ BREAKS = {
     "the number 17 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", "$h^{17}$: impacts fall"),
     "the number 7 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", "Of $7$ impacts most fall"),
     "the number 4 is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", r"After $4\\,\\mathrm{ms}$ impacts fall"),
+    "the number 'twelve' is typed by hand": lambda p: edit(p / "sections/results.tex", r"Impacts fall", "Of twelve schemes some impacts fall"),
+    "the number 2 is typed by hand": lambda p: edit(p / "sections/integrators.tex", r"\\R\{orders/rattle\}", "$2$, $1$"),
+    "STRUCTURE has 'four-bar'": lambda p: [edit(f, "four-bar", "4-bar") for f in [p / "sections/results.tex"] * 4 if "four-bar" in f.read_text()],
+    "what order has rattle?": lambda p: edit(p / "scripts/schemes.py", "Order 2 on smooth motion and", "Order 3 on smooth motion and"),
     "no number 'crank/no_such'": lambda p: edit(p / "sections/results.tex", r"Impacts fall", r"\\R{crank/no_such} fall"),
     "is computed, but not used": lambda p: edit(p / "sections/results.tex", r"\\R\{solvers/wrong\}", "none"),
     "no table 'table_no_such'": lambda p: edit(p / "sections/results.tex", r"generated/table_near", "generated/table_no_such"),
@@ -45,7 +49,7 @@ def check(paper):
 def main():
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder)
-        for part in ("core", "experiments"):
+        for part in ("core", "experiments", "integrators"):
             (tree / part).symlink_to(ROOT / part)
         paper = tree / "paper"
         shutil.copytree(ROOT / "paper", paper)

@@ -75,8 +75,9 @@ TEST_CASE("orders and times to an error: lucky runs do not count, failures do") 
   CHECK(fits[0].at("order").get<double>() == doctest::Approx(2).epsilon(0.02));
   CHECK(fits[0].at("failed") == 0);
 
-  for (int i = 0; i < 60; ++i) {  // down to rounding, where nothing falls: the order is that above it
-    rows[i]["error"] = std::max(1e-3 * std::exp2(-i), 1e-14 * (1 + i % 3)), rows[i]["reference"] = 10;
+  for (std::size_t i = 0; i < rows.size(); ++i) {  // down to rounding, where nothing falls: the order is that above it
+    const auto k = static_cast<double>(i);
+    rows[i]["error"] = std::max(1e-3 * std::exp2(-k), 1e-14 * (1 + std::fmod(k, 3))), rows[i]["reference"] = 10;
   }
   CHECK(fitted_orders(rows)[0].at("order").get<double>() == doctest::Approx(10).epsilon(0.05));
 
@@ -100,6 +101,17 @@ TEST_CASE("the answer tells for which parameters no method converges, and where 
     }
   CHECK(answer(rows).find("By no method does it fall as fast as h^0.5 for 1 of 2 settings: e = 0.4.") !=
         std::string::npos);
+
+  rows.clear();  // many settings are counted by value
+  for (int setting = 0; setting < 8; ++setting)
+    for (int i = 0; i < 40; ++i) {
+      rows.push_back(row(std::exp2(-i / 10.0), setting < 5 ? 1 : std::exp2(-i / 10.0), 1, 0));
+      rows.back()["parameters"] =
+          "{\"e\":" + std::to_string(setting / 4) + ",\"c\":" + std::to_string(setting % 4) + "}";
+    }
+  CHECK(answer(rows).find(
+            "for 5 of 8 settings: 2 of the 2 with c = 0, 1 of the 2 with c = 1, 1 of the 2 with c = 2, 1 of the "
+            "2 with c = 3; 4 of the 4 with e = 0, 1 of the 4 with e = 1.") != std::string::npos);
 
   rows.clear();
   for (int i = 0; i < 8; ++i) {
@@ -127,7 +139,7 @@ TEST_CASE("the answer says what still converges where the measure does not, and 
 
   rows = {row(1, 0, 1, 0), row(0.5, 0, 1, 0), row(1, 0, 1, 0)};
   const double drifts[] = {1.0, 0.25, 1e-9};
-  for (int i = 0; i < 3; ++i)
+  for (std::size_t i = 0; i < 3; ++i)
     rows[i].update({{"integrator", i < 2 ? "loses" : "keeps"},
                     {"energy_drift", drifts[i]},
                     {"momentum_drift", 0},

@@ -329,7 +329,7 @@ TEST_CASE("when contacts that last end: known of a motion, whatever the scheme's
   REQUIRE(folder.orthant("sweep l.sweep.toml --results r.sqlite").exit_code == 0);
   const auto rows = Results(folder / "r.sqlite", Results::read_only).rows("l");
   REQUIRE(rows.size() == 5);
-  for (int i = 0; i < 4; ++i) {  // the golden releases: tests/data
+  for (std::size_t i = 0; i < 4; ++i) {  // the golden releases: tests/data
     CHECK(rows[i].at("first_release").get<double>() == doctest::Approx(15.03e-3).epsilon(2e-3));
     CHECK(rows[i].at("last_release").get<double>() == doctest::Approx(172.8e-3).epsilon(1e-3));
   }
