@@ -129,7 +129,8 @@ void check_figures(const Json& figures, const std::set<std::string>& parameters)
     for (const char* key : {"x", "y", "by"})
       if (!columns.contains(figure[key].get<std::string>()))
         refuse(std::string("figure.") + key, figure[key].dump(), "must be one of " + list_of(columns));
-    for (const auto& [name, value] : table_at(figure, "figure.", "where").items())
+    const Json where = table_at(figure, "figure.", "where");
+    for (const auto& [name, value] : where.items())
       if (!columns.contains(name)) refuse("figure.where." + name, value.dump(), "must be one of " + list_of(columns));
     if (!std::set<std::string>{"", "x", "y", "xy"}.contains(figure.value("log", "")))
       refuse("figure.log", figure["log"].dump(), "must be \"\", \"x\", \"y\" or \"xy\"");
