@@ -31,6 +31,8 @@ constexpr Index kBoldRows = 100;  // the same in sparse storage, which it does n
 constexpr Index kSmall = 400;     // rows up to which a tableau is quickest
 constexpr Index kDense = 3000;    // rows beyond which a dense factorization is not tried lightly
 
+constexpr const char* kTableau = "lemke:rescue=false,max_pivots=5000";
+
 // In this order; a solver that says why_not() is passed over.
 constexpr Step kSteps[] = {
     {"block-pivot", "sparse, no positive entry off the diagonal",
@@ -41,7 +43,7 @@ constexpr Step kSteps[] = {
     // Piles: 19 ms for Lemke's 66 at 296 rows; 60 ms at 1724 rows, where path's first variation ends nowhere in 6 s.
     {"nncg:max_sweeps=3000", "friction, cheap sweeps",
      [](const Look& p) { return p.friction && (p.sparse || p.applied) && p.n > kBoldRows; }},
-    {"lemke:rescue=false,max_pivots=5000", "small", [](const Look& p) { return p.n <= kSmall; }},
+    {kTableau, "small", [](const Look& p) { return p.n <= kSmall; }},
     {"block-pivot", "symmetric, positive diagonal",
      [](const Look& p) { return smooth(p) && !p.applied && p.symmetric && p.positive_diagonal && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
@@ -111,6 +113,17 @@ struct Automatic::Work {
   Solution inner;
   int iterations = 0;
   SmallActiveSet bold;
+  Lcp dense;  // a small problem stored otherwise, formed once
+  const Lcp* formed = nullptr;
+
+  /// The problem with a dense matrix.
+  const Lcp& small(const Lcp& problem) {
+    if (std::holds_alternative<DenseMatrix>(problem.A)) return problem;
+    if (!std::holds_alternative<DenseMatrix>(dense.A)) dense.A = DenseMatrix();
+    to_dense(problem.A, std::get<DenseMatrix>(dense.A));
+    dense.b = problem.b, dense.lo = problem.lo, dense.hi = problem.hi, dense.friction = problem.friction;
+    return dense;
+  }
 
   std::string tolerance;  // "tolerance=1e-6" where the caller asks for another than is usual
 
@@ -141,7 +154,8 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
   if (work.warm) work.start = s.z;
   work.looked = false;
   const Index most = std::holds_alternative<RowSparse>(problem.A) ? kBoldRows : kBold;
-  if (problem.size() <= most && !budget().exhausted() && work.bold.solve(problem, s.z, work.iterations)) {
+  work.formed = problem.size() <= most ? &work.small(problem) : &problem;
+  if (problem.size() <= most && !budget().exhausted() && work.bold.solve(*work.formed, s.z, work.iterations)) {
     s.iterations = work.iterations;
     log(0, 0, 0, "active-set");
     return Status::solved;
@@ -168,7 +182,9 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
   solver->set_time_limit(share);
   solver->set_cancel(budget().cancel());
   if (work.warm) work.inner.z = work.start;
-  solver->solve(problem, work.inner, work.warm ? Start::warm : Start::cold);
+  // A tableau takes the matrix formed already; who comes later, where rounding of its entries may be the trouble, does not.
+  const bool tableau = kSteps[k].solver == std::string_view(kTableau);
+  solver->solve(tableau ? *work.formed : problem, work.inner, work.warm ? Start::warm : Start::cold);
   claim = work.inner.status;
   s.z = work.inner.z;
   if (claim == Status::infeasible) claim = Status::ray;  // the judge looks at the proof again

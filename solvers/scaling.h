@@ -7,8 +7,9 @@
 #include <orthant/core/lcp/problem.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
 namespace orthant::detail {
@@ -55,9 +56,21 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
     }
     trivial_ = high <= low * 0x1p24;
     if (trivial_) return;
+    entries_.clear();
+    each([this](Index i, Index j, double value) {
+      if (value != 0 && std::isfinite(value))
+        entries_.push_back({static_cast<int>(i), static_cast<int>(j), exponent(value)});
+    });
+    row_exponent_.assign(at(n), 0);
+    col_exponent_.assign(at(n), 0);
     for (int sweep = 0; sweep < 4; ++sweep) {
-      center(col, each, [&](Index i, Index j, double value) { return std::pair(j, value * row[i]); });
-      center(row, each, [&](Index i, Index j, double value) { return std::pair(i, value * col[j]); });
+      const bool columns = center(col_exponent_, row_exponent_, &Entry::j, &Entry::i);
+      const bool rows = center(row_exponent_, col_exponent_, &Entry::i, &Entry::j);
+      if (!columns && !rows) break;
+    }
+    for (Index i = 0; i < n; ++i) {
+      row[i] = std::ldexp(1.0, row_exponent_[at(i)]);
+      col[i] = std::ldexp(1.0, col_exponent_[at(i)]);
     }
   }
   /// diag(row) A diag(col), diag(row) b and the bounds over col, of dense A or rows. `scaled` may be `p` itself.
@@ -79,23 +92,35 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
   bool trivial() const { return trivial_; }  // all ones
 
  private:
-  /// The middle of the exponents of each column, or of each row: term(i, j, M_ij) is its index and a scaled entry.
-  template <class Each, class Term> void center(Vector& scale, const Each& each, const Term& term) {
-    range_.assign(at(scale.size()), {5000, -5000});
-    each([&](Index i, Index j, double entry) {
-      const auto [k, value] = term(i, j, entry);
-      if (value == 0 || !std::isfinite(value)) return;
-      auto& [low, high] = range_[at(k)];
-      const int exponent = std::ilogb(value);
-      low = std::min(low, exponent);
-      high = std::max(high, exponent);
-    });
-    for (Index k = 0; k < scale.size(); ++k)
-      if (const auto [low, high] = range_[at(k)]; low <= high)
-        scale[k] = std::ldexp(1.0, std::clamp(-(low + high) / 2, -500, 500));
+  struct Entry {
+    int i = 0, j = 0, exponent = 0;
+  };
+  static int exponent(double value) {  // std::ilogb without a call, but for denormal numbers
+    const int biased = static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52 & 0x7ff);
+    return biased != 0 ? biased - 1023 : std::ilogb(value);
+  }
+  /// The scales of one side (the rows or the columns) that bring the middle of their exponents to 0; false: no change.
+  bool center(std::vector<int>& scale, const std::vector<int>& others, int Entry::*mine, int Entry::*other) {
+    low_.assign(scale.size(), 5000);
+    high_.assign(scale.size(), -5000);
+    int* const low = low_.data();
+    int* const high = high_.data();
+    for (const Entry& entry : entries_) {
+      const int k = entry.*mine, exponent = entry.exponent + others[static_cast<std::size_t>(entry.*other)];
+      low[k] = std::min(low[k], exponent);
+      high[k] = std::max(high[k], exponent);
+    }
+    bool changed = false;
+    for (std::size_t k = 0; k < scale.size(); ++k) {
+      const int before = scale[k];
+      if (low[k] <= high[k]) scale[k] = std::clamp(-(low[k] + high[k]) / 2, -500, 500);
+      changed = changed || scale[k] != before;
+    }
+    return changed;
   }
   Vector largest_;
-  std::vector<std::pair<int, int>> range_;
+  std::vector<Entry> entries_;
+  std::vector<int> row_exponent_, col_exponent_, low_, high_;
   bool trivial_ = true;
 };
 

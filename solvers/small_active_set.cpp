@@ -25,11 +25,10 @@ void SmallActiveSet::load(const Lcp& problem) {
     A_ = &formed_;
   }
   const Index n = problem.size();
-  for (Vector* each : {&mu_, &w_, &size_, &rhs_}) each->resize(n);
-  side_.resize(at(n)), normal_.resize(at(n));
-  std::fill(normal_.begin(), normal_.end(), Index{-1});
+  for (Vector* each : {&mu_, &w_, &size_, &rhs_, &lo_, &hi_}) each->resize(n);
+  side_.resize(at(n)), normal_.resize(at(n)), place_.resize(at(n));
+  for (Index i = 0; i < n; ++i) lo_[i] = problem.lo[i], hi_[i] = problem.hi[i], normal_[at(i)] = -1;
   for (const Friction& f : problem.friction) normal_[at(f.row)] = f.normal, mu_[f.row] = f.mu;
-  lo_ = problem.lo, hi_ = problem.hi;
 }
 
 void SmallActiveSet::bounds(const Vector& z) {
@@ -85,7 +84,6 @@ void SmallActiveSet::product(const Vector& z) {
 bool SmallActiveSet::newton(Vector& z) {
   const Index n = z.size();
   inside_.clear();
-  place_.resize(at(n));
   for (Index i = 0; i < n; ++i) {
     place_[at(i)] = side_[at(i)] == Side::inside ? static_cast<Index>(inside_.size()) : -1;
     if (place_[at(i)] >= 0) inside_.push_back(i);
@@ -166,7 +164,7 @@ bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations) {
   load(problem);
   iterations_ = &iterations;
   const Index n = z.size();
-  z = z.cwiseMax(problem.lo).cwiseMin(problem.hi);
+  for (Index i = 0; i < n; ++i) z[i] = std::clamp(z[i], lo_[i], hi_[i]);
   const bool monotone = n >= 20 && z_matrix();
   if (monotone)  // rows then leave in large blocks, while from the bounds they enter one layer an iteration
     std::fill(side_.begin(), side_.end(), Side::inside);
@@ -188,7 +186,9 @@ bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations) {
         if (normal_[at(i)] < 0) z[i] = std::clamp(z[i], lo_[i], hi_[i]);
       bounds(z);
       for (const Friction& f : problem.friction) z[f.row] = std::clamp(z[f.row], lo_[f.row], hi_[f.row]);
-      return z.allFinite();
+      double sum = 0;
+      for (Index i = 0; i < n; ++i) sum += 0 * z[i];
+      return sum == 0;
     }
     if (wrong < least)
       least = wrong, patience = kPasses;

@@ -57,7 +57,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   const double goal_residual = std::min(goal(), tolerance());
   judge_.certify(problem, goal_residual, claim, s);
   const auto open = [&s] { return s.status != Status::solved && s.status != Status::infeasible; };
-  seek_proof(problem, s);
+  if (open()) seek_proof(problem, s);
   best_.residual = kInf;
   for (int attempt = 1; open() && !budget_.exhausted(); ++attempt) {
     if (!(s.residual >= best_.residual)) best_ = s;

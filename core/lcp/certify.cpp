@@ -12,6 +12,7 @@ constexpr double kCoarsest = 4e-5;  // residual beside β that rounding may excu
 double runaway(double beta) { return std::min(1e-6 * (1 + beta), 1e-4 * beta); }  // ρ above this: w is unknown
 constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
+constexpr Index kFew = 8;           // rows
 constexpr double kFormed = 7e7;     // products up to which an operator's entries are formed
 
 // w ← A z + b, abs ← |A| |z| + |b|; a Delassus operator is bounded through its factors, as it is applied.
@@ -23,6 +24,18 @@ void apply(const Matrix& A, const Vector& b, const Vector& z, Vector& w, Vector&
   if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
     double* const wi = w.data();
     double* const ai = abs.data();
+    if (n <= kFew) {  // the same sums row by row: what few rows cost is else the loops around them
+      for (Index i = 0; i < n; ++i) {
+        double sum = b[i], size = std::abs(b[i]);
+        for (Index j = 0; j < n; ++j) {
+          const double product = dense->data()[i + j * n] * z[j];
+          sum += product;
+          size += std::abs(product);
+        }
+        wi[i] = sum, ai[i] = size;
+      }
+      return;
+    }
     for (Index i = 0; i < n; ++i) wi[i] = b[i], ai[i] = std::abs(b[i]);
     for (Index j = 0; j < n; ++j) {
       const double* const column = dense->data() + j * n;
@@ -139,13 +152,22 @@ bool Judge::entries_of(const Delassus& A) {
   return true;
 }
 
-void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
+/// Room for problems of that size, needed now or not: a later z must find it there.
+void Judge::prepare(const Lcp& problem) {
   const Index n = problem.size();
-  for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);  // needed or not: a later z must find them there
+  const auto* delassus = std::get_if<Delassus>(&problem.A);
+  if (delassus != nullptr && at(delassus->W.cols) > inner_ld_.capacity())
+    for (auto* each : {&inner_ld_, &inner_abs_ld_}) each->reserve(at(delassus->W.cols));
+  if (at(n) <= rows_.size()) return;
+  for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_}) each->reserve(at(n));
   terms_.reserve(at(n));
-  if (const auto* delassus = std::get_if<Delassus>(&problem.A))
-    for (auto* each : {&inner_ld_, &inner_abs_ld_}) each->reserve(at(delassus->W.cols));
+  rows_.resize(at(n));
+}
+
+void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
+  const Index n = problem.size();
+  prepare(problem);
   apply(problem.A, problem.b, s.z, s.w, abs_, inner_, inner_abs_);
   if (extended) {
     product(problem.A, s.z, false);
@@ -155,8 +177,8 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
   const double* lo = problem.lo.data();
   const double* hi = problem.hi.data();
   if (!problem.friction.empty()) {
-    lo_ = problem.lo;
-    hi_ = problem.hi;
+    lo_.resize(n), hi_.resize(n);
+    for (Index i = 0; i < n; ++i) lo_[i] = lo[i], hi_[i] = hi[i];
     for (const Friction& f : problem.friction) {
       hi_[f.row] = f.mu * std::max(s.z[f.normal], 0.0);
       lo_[f.row] = -hi_[f.row];
@@ -167,7 +189,6 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
 
   double residual = 0, size = 0, scale = 0, least = kInf, checksum = 0;
   bool bounded = false, weighed = false;
-  rows_.resize(at(n));
   settled_ = true;
   for (Index i = 0; i < n; ++i) {
     const double z = s.z[i], w = s.w[i];

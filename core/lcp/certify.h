@@ -56,6 +56,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   struct Row {
     double residual = 0, rounding = 0, data = 0, z = 0;  // r_i, ρ_i, what β takes of it, |z_i|
   };
+  void prepare(const Lcp& problem);
   void evaluate(const Lcp& problem, Solution& solution, bool extended);
   static double allowed(double tolerance, double rounding, double beta);
   void label_parts(const Lcp& problem);

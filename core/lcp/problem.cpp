@@ -212,22 +212,24 @@ void to_dense(const Matrix& A, DenseMatrix& dense) {
   }
   // A_ij = Σ_k W_ik W_jk / m_k, row i of W spread out; A_ji is the same sum, hence the same bits.
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
-  static thread_local Vector row;
-  row.resize(W.cols);
-  row.setZero();
+  static thread_local Vector spread;
+  spread.resize(W.cols);
+  spread.setZero();
+  double* const row = spread.data();
+  const double* const inverse = inverse_mass.data();
   const auto each = [&rows = W](Index i, auto&& use) {
     for (int k = rows.start[static_cast<std::size_t>(i)]; k < rows.start[static_cast<std::size_t>(i) + 1]; ++k)
       use(rows.column[static_cast<std::size_t>(k)], rows.value[static_cast<std::size_t>(k)]);
   };
   for (Index i = 0; i < n; ++i) {
-    each(i, [](int k, double value) { row[k] = value; });
+    each(i, [row](int k, double value) { row[k] = value; });
     for (Index j = 0; j <= i; ++j) {
       double sum = 0;
-      each(j, [&sum, &m_inv = inverse_mass](int k, double value) { sum += row[k] * value * m_inv[k]; });
+      each(j, [&sum, row, inverse](int k, double value) { sum += row[k] * value * inverse[k]; });
       if (i == j && regularization.size() != 0) sum += regularization[i];
       dense(i, j) = dense(j, i) = sum;
     }
-    each(i, [](int k, double) { row[k] = 0; });
+    each(i, [row](int k, double) { row[k] = 0; });
   }
 }
 
