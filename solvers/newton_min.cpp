@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace orthant {
+
+namespace {
+
+constexpr Index kPure = 200;    // rows of a problem with friction beyond which its dense pure form is not tried
+constexpr double kMet = 1e-15;  // of b in each row: what is left is rounding
+constexpr Index kSquare = 500;  // rows of a sparse problem up to which it is squared, dense
+
+}  // namespace
+
 Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   warm_ = start == Start::warm;
@@ -17,6 +26,8 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
     s.z = s.z.cwiseMax(problem.lo).cwiseMin(problem.hi);  // a rounding outside is none of the answer's
     return claim;
   }
+  large_ = by_rows(problem);
+  if (large_ != nullptr) return rounds(*large_, problem, s);
   const Lcp& pure = pyramid_.pure(problem);
   pyramid_.guess(problem, s.z, y_);
   const Status claim = iterate(pure, s, y_);
@@ -36,6 +47,12 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
     }
     return true;
   }
+  if (large_ != nullptr) {
+    if (attempt > 1 || !warm_) return false;
+    s.z.setZero();
+    claim = rounds(*large_, problem, s);
+    return true;
+  }
   if (attempt > 3) return false;
   if (attempt == 3) {  // the pure form once more
     s.z.setZero();
@@ -50,6 +67,34 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
     return round;
   });
   return true;
+}
+
+/// A large problem with friction, its matrix by rows; null where it is small or dense.
+const Lcp* NewtonMin::by_rows(const Lcp& problem) {
+  if (problem.size() <= kPure || std::holds_alternative<DenseMatrix>(problem.A)) return nullptr;
+  if (std::holds_alternative<RowSparse>(problem.A)) return &problem;
+  if (!std::holds_alternative<RowSparse>(formed_.A)) formed_.A = RowSparse();
+  to_rows(std::get<Delassus>(problem.A), std::get<RowSparse>(formed_.A));
+  formed_.b = problem.b, formed_.lo = problem.lo, formed_.hi = problem.hi, formed_.friction = problem.friction;
+  return &formed_;
+}
+
+/// Friction frozen round by round, until the judge would take z.
+Status NewtonMin::rounds(const Lcp& problem, const Lcp& given, Solution& s) {
+  Vector& z = y_;
+  z = s.z;
+  const auto solve_box = [this, &s](const Lcp& box, Vector& from) {
+    const Status round = iterate(box, s, from);
+    from = from.cwiseMax(box.lo).cwiseMin(box.hi);
+    return round;
+  };
+  const auto done = [this, &given, &s](const Vector& now) {
+    s.z = now;
+    return passes(given, s);
+  };
+  const Status claim = frozen_.iterate(problem, z, budget(), solve_box, done);
+  s.z = z;
+  return claim;
 }
 
 double NewtonMin::merit(const Lcp& p, const Vector& z) {
@@ -72,6 +117,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
   Vector& kept = s.w;  // free until the judge writes w: the best point so far
   kept = z;
   bool full = false;
+  const double met = n > 0 ? kMet * std::sqrt(static_cast<double>(n)) * p.b.lpNorm<Eigen::Infinity>() : 0;
   for (int begun = s.iterations; s.iterations - begun < options_.max_iterations;) {
     ++s.iterations;
     rows_.z = z;
@@ -110,7 +156,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
     full = length == 1;
     log(s.iterations, std::sqrt(now), length, length > 0 ? "newton" : "levenberg-marquardt");
     if (now < best) best = now, kept = z;
-    if (now == 0) return Status::solved;
+    if (std::sqrt(now) <= met) return Status::solved;  // redundant rows: another step would lead away again
     if (recent_.size() >= at(options_.memory)) recent_.erase(recent_.begin());
     recent_.push_back(now);
     if (budget().exhausted()) return Status::time_limit;
@@ -122,7 +168,8 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
 /// (JᵀJ + λ I) d = −Jᵀ H on the element chosen in rows_.side, λ raised from small until ‖H‖² falls. Dense algebra.
 bool NewtonMin::marquardt(const Lcp& p, Vector& z, double limit) {
   const Index n = p.size();
-  if (n > 2000) return false;  // a full n × n product each: beyond this, honest failure
+  // A full n × n product each: beyond this, honest failure.
+  if (n > (std::holds_alternative<RowSparse>(p.A) ? kSquare : 2000)) return false;
   const double start = merit(p, z);
   to_dense(p.A, J_);
   for (Index i = 0; i < n; ++i)

@@ -6,8 +6,8 @@
 //   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
-//   Friction rows through the pure form (pyramid.h); where that fails, as a fixed point of box problems
-//   (frozen_friction.h). The start value is used, and after failing from it 0; cold, without friction, it is that of
+//   Friction rows through the pure form (pyramid.h), which is dense; where that fails, and at once in large problems that
+//   are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value is used, and after failing from it 0; cold, without friction, it is that of
 //   coarse problems for sparse Z-matrices (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
@@ -45,6 +45,8 @@ class NewtonMin final : public Solver {
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  const Lcp* by_rows(const Lcp& problem);
+  Status rounds(const Lcp& problem, const Lcp& given, Solution& s);
   Status iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ‖D H(z)‖², w_ and sides as a by-product
   bool marquardt(const Lcp& problem, Vector& z, double limit);
@@ -55,7 +57,9 @@ class NewtonMin final : public Solver {
   ActiveRows rows_;
   CoarseStart coarse_;
   Polish polish_;
-  bool warm_ = false;  // the last run's start
+  bool warm_ = false;           // the last run's start
+  const Lcp* large_ = nullptr;  // the last problem by rows, where that is how it is solved
+  Lcp formed_;
   Vector start_, y_, w_, trial_, scratch_, H_, direction_, gradient_, from_;
   std::vector<double> recent_;
   DenseMatrix J_, normal_;

@@ -109,49 +109,6 @@ double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi 
 
 }  // namespace
 
-// The entries of an operator, where that is not too much work; columns of a row in no order.
-bool Judge::entries_of(const Delassus& A) {
-  static thread_local std::vector<int> end, row;  // W by columns: where each ends; of each use of a body, the row
-  static thread_local std::vector<double> value, sum;
-  const RowSparse& W = A.W;
-  end.assign(at(W.cols) + 1, 0);
-  for (const int k : W.column) ++end[at(k) + 1];
-  double work = 0;
-  for (const int uses : end) work += static_cast<double>(uses) * uses;
-  if (work > kFormed) return false;
-  for (std::size_t k = 1; k < end.size(); ++k) end[k] += end[k - 1];
-  row.resize(W.column.size()), value.resize(W.column.size());
-  const auto each = [&W](Index i, auto&& use) {
-    for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) use(at(W.column[k]), W.value[k]);
-  };
-  for (Index i = 0; i < W.rows; ++i)
-    each(i, [&](std::size_t body, double entry) {
-      const auto place = at(end[body]++);
-      row[place] = static_cast<int>(i), value[place] = entry;
-    });
-  entries_.resize(W.rows, W.rows);
-  sum.assign(at(W.rows), 0);  // of the present row; and 0 again after it
-  for (Index i = 0; i < W.rows; ++i) {
-    entries_.startVec(i);
-    if (A.regularization.size() != 0) sum[at(i)] = A.regularization[i];
-    const auto partners = [&](auto&& use) {  // use(j, W_ik W_jk / m_k)
-      each(i, [&](std::size_t body, double entry) {
-        for (std::size_t l = body == 0 ? 0 : at(end[body - 1]); l < at(end[body]); ++l)
-          use(at(row[l]), entry * A.inverse_mass[static_cast<Index>(body)] * value[l]);
-      });
-    };
-    partners([&](std::size_t j, double term) { sum[j] += term; });
-    partners([&](std::size_t j, double) {
-      if (sum[j] != 0) entries_.insertBackByOuterInnerUnordered(i, static_cast<Index>(j)) = sum[j];
-      sum[j] = 0;
-    });
-    if (sum[at(i)] != 0) entries_.insertBackByOuterInnerUnordered(i, i) = sum[at(i)];  // a row of no body
-    sum[at(i)] = 0;
-  }
-  entries_.finalize();
-  return true;
-}
-
 /// Room for problems of that size, needed now or not: a later z must find it there.
 void Judge::prepare(const Lcp& problem) {
   const Index n = problem.size();
@@ -226,13 +183,14 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
       if (abs_[i] > 0) least = std::min(least, abs_[i]);
     }
   }
-  if (extended && std::holds_alternative<Delassus>(problem.A) && entries_of(std::get<Delassus>(problem.A))) {
+  if (const auto* delassus = std::get_if<Delassus>(&problem.A);
+      extended && delassus != nullptr && to_rows(*delassus, entries_, kFormed)) {
     // The factors bound Σ_j |A_ij z_j| from above, by far where they cancel: here the sum itself is the measure.
     size = 0;
     for (Index i = 0; i < n; ++i) {
       double sum = std::abs(problem.b[i]);
-      for (Entries::InnerIterator entry(entries_, i); entry; ++entry)
-        sum += std::abs(entry.value() * s.z[entry.index()]);
+      for (std::size_t k = at(entries_.start[at(i)]); k < at(entries_.start[at(i) + 1]); ++k)
+        sum += std::abs(entries_.value[k] * s.z[entries_.column[k]]);
       rows_[at(i)].rounding = kEpsilon * sum;
       size = std::max(size, sum);
     }

@@ -30,8 +30,6 @@
 
 #include <orthant/core/lcp/solution.h>
 
-#include <Eigen/SparseCore>
-
 #include <vector>
 
 namespace orthant {
@@ -63,9 +61,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
   void product(const Matrix& A, const Vector& u, bool transposed);
 
-  using Entries = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-  bool entries_of(const Delassus& A);
-  Entries entries_;
+  RowSparse entries_;  // of an operator
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
   std::vector<Row> rows_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row

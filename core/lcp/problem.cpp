@@ -1,5 +1,6 @@
 #include <orthant/core/lcp/problem.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -231,6 +232,53 @@ void to_dense(const Matrix& A, DenseMatrix& dense) {
     }
     each(i, [row](int k, double) { row[k] = 0; });
   }
+}
+
+bool to_rows(const Delassus& A, RowSparse& rows, double most) {
+  static thread_local std::vector<int> end, row;  // W by columns: where each ends; of each use of a body, the row
+  static thread_local std::vector<double> value, sum;
+  static thread_local std::vector<char> met;
+  const RowSparse& W = A.W;
+  const auto u = [](auto i) { return static_cast<std::size_t>(i); };
+  end.assign(u(W.cols) + 1, 0);
+  for (const int k : W.column) ++end[u(k) + 1];
+  double work = 0;
+  for (const int uses : end) work += static_cast<double>(uses) * uses;
+  if (work > most) return false;
+  for (std::size_t k = 1; k < end.size(); ++k) end[k] += end[k - 1];
+  row.resize(W.column.size()), value.resize(W.column.size());
+  for (Index i = 0; i < W.rows; ++i)
+    for (std::size_t k = u(W.start[u(i)]); k < u(W.start[u(i) + 1]); ++k) {
+      const auto place = u(end[u(W.column[k])]++);
+      row[place] = static_cast<int>(i), value[place] = W.value[k];
+    }
+  sum.assign(u(W.rows), 0);  // of the present row, and 0 again after it
+  met.assign(u(W.rows), 0);
+  rows.rows = rows.cols = W.rows;
+  rows.start.assign(1, 0), rows.column.clear(), rows.value.clear();
+  for (Index i = 0; i < W.rows; ++i) {
+    const auto begin = rows.column.size();
+    const auto add = [&](int j, double term) {
+      if (!met[u(j)]) met[u(j)] = 1, rows.column.push_back(j);
+      sum[u(j)] += term;
+    };
+    if (A.regularization.size() != 0) add(static_cast<int>(i), A.regularization[i]);
+    for (std::size_t k = u(W.start[u(i)]); k < u(W.start[u(i) + 1]); ++k) {
+      const auto body = u(W.column[k]);
+      for (std::size_t l = body == 0 ? 0 : u(end[body - 1]); l < u(end[body]); ++l)
+        add(row[l], W.value[k] * value[l] * A.inverse_mass[W.column[k]]);  // A_ji has the same bits
+    }
+    std::sort(rows.column.begin() + static_cast<std::ptrdiff_t>(begin), rows.column.end());
+    auto kept = begin;
+    for (auto k = begin; k < rows.column.size(); ++k) {
+      const int j = rows.column[k];
+      if (sum[u(j)] != 0) rows.column[kept++] = j, rows.value.push_back(sum[u(j)]);
+      sum[u(j)] = 0, met[u(j)] = 0;
+    }
+    rows.column.resize(kept);
+    rows.start.push_back(static_cast<int>(kept));
+  }
+  return true;
 }
 
 }  // namespace orthant

@@ -81,5 +81,8 @@ void diagonal(const Matrix& A, Vector& diag);
 
 /// A as a dense matrix (the Delassus operator is formed: for direct methods on small problems).
 void to_dense(const Matrix& A, DenseMatrix& dense);
+/// The entries of an operator row by row, columns ascending, sums that are 0 left out. False, and nothing formed, where that
+/// takes more than `most` products.
+bool to_rows(const Delassus& A, RowSparse& rows, double most = kInf);
 
 }  // namespace orthant
