@@ -96,7 +96,7 @@ TEST_CASE("factorizations are counted where they are made, those of a method tha
   CHECK(newton.factorizations > newton.iterations);  // one a step, and the last digits
 }
 
-TEST_CASE("a step of a pile: auto sweeps, where pivoting takes many times as long") {
+TEST_CASE("a step of a pile: auto sweeps, where pivoting takes many times as long; newton-min has sparse factors") {
   const System system(pile({.discs = 100}));
   const auto scheme = make_integrator("moreau-jean", system);
   const auto sweeps = make_solver("nncg:tolerance=1e-6"), solver = make_solver("auto");
@@ -109,6 +109,12 @@ TEST_CASE("a step of a pile: auto sweeps, where pivoting takes many times as lon
   Solution s;
   CHECK(solver->solve(problem, s).status == Status::solved);
   CHECK(log.back().event.starts_with("nncg"));
+
+  // Newton's method, frozen friction on sparse factors: some three hundred of them without the bounds' mixing.
+  Solution newton;
+  CHECK(make_solver("newton-min:tolerance=1e-9")->solve(problem, newton).status == Status::solved);
+  CHECK((newton.w - s.w).lpNorm<Eigen::Infinity>() < 1e-6 * problem.b.lpNorm<Eigen::Infinity>());
+  CHECK(newton.factorizations < 250);
 }
 
 TEST_CASE("path on an obstacle grid begins on coarse ones: a handful of factorizations, no pivot to speak of") {
