@@ -8,7 +8,7 @@ namespace orthant {
 namespace {
 
 constexpr Index kPure = 200;    // rows of a problem with friction beyond which its dense pure form is not tried
-constexpr double kMet = 1e-15;  // of b in each row: what is left is rounding
+constexpr double kMet = 1e-15;  // of b in each row of large problems, all in one unit: what is left is rounding
 constexpr Index kSquare = 500;  // rows of a sparse problem up to which it is squared, dense
 
 }  // namespace
@@ -17,6 +17,7 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   warm_ = start == Start::warm;
   if (!problem.friction.empty()) start_ = s.z;
+  large_ = nullptr;
   if (problem.friction.empty()) {
     if (start == Start::cold && !(options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z))) {
       rows_.load(problem, s.z);
@@ -117,7 +118,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
   Vector& kept = s.w;  // free until the judge writes w: the best point so far
   kept = z;
   bool full = false;
-  const double met = n > 0 ? kMet * std::sqrt(static_cast<double>(n)) * p.b.lpNorm<Eigen::Infinity>() : 0;
+  const double met = large_ == nullptr ? 0 : kMet * std::sqrt(static_cast<double>(n)) * p.b.lpNorm<Eigen::Infinity>();
   for (int begun = s.iterations; s.iterations - begun < options_.max_iterations;) {
     ++s.iterations;
     rows_.z = z;
