@@ -1,10 +1,10 @@
 """Is the article's every number computed? Fails, naming file and line, when
 
-  a number is typed by hand   digits in the text; in a formula two digits, a decimal, a digit before a unit, a digit alone (any
-                              other single digit there is structure); a number in words, but for those of STRUCTURE
+  a number is typed by hand   digits in the text; in a formula two digits, a decimal, a digit before a unit, a digit alone, one above 1
+                              after a relation (any other single digit there is structure); a number in words, but for those of STRUCTURE
   a key \\R{…} or a generated file is not there, or one that is there is not used
   generated/ is not what tables.py makes of data/
-  a study has been changed since data/ was computed   (its sweep file is another one)
+  a study has been changed since data/ was computed   (its sweep file is another one, or its line in paper/results)
   a citation is not in references.bib, or an entry is not cited
 Needs Python only. With a folder as argument that is the paper/ to look at.
 """
@@ -16,13 +16,13 @@ from pathlib import Path
 PAPER = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(PAPER / "scripts"))
 from tables import files  # noqa: E402
-from reduce import fingerprint  # noqa: E402
+from reduce import EXPERIMENTS, fingerprint  # noqa: E402
 
 # Commands whose arguments are names, not text; and lengths and column widths.
 NAMES = re.compile(r"\\(?:R|input|ref|eqref|label|includegraphics|begin|end|citep|citet|cite|bibliography|bibliographystyle|"
                    r"code|vspace|hspace|setlength)\*?(?:\[[^\]]*\])*(?:\{[^{}]*\})+")
 WORDS = re.compile(r"\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve|\w+teen|(?:twenty|thirty|forty|fifty|sixty)(?:-\w+)?|dozens?|"
-                   r"hundred\w*|thousand\w*|million\w*|tenth|half|thirds?|quarters?|two (?:of|values|runs|scenes|starts|schemes|solvers))\b",
+                   r"hundred\w*|thousand\w*|million\w*|tenth|half|thirds?|quarters?|two (?:of|values|runs|scenes|starts|schemes|solvers|where))\b",
                    re.I)
 # Numbers in words that no run could change: parts of the mechanism, of a formula, of the text itself; names of errors in a table.
 STRUCTURE = ("ask five questions", "Three findings stand out", "The contribution is threefold", "four corners, two walls",
@@ -43,8 +43,8 @@ def hand_typed(text):
     maths = [(m.start(), m.group(0)) for m in MATHS.finditer(text)]
     for start, formula in maths:
         plain = NAMES.sub(blank, formula)
-        for m in re.finditer(r"\d*\.\d+|\d{2,}|\d(?=\\,\\mathrm)|(?<=^\$)\d(?=\$$)", plain):
-            yield text.count("\n", 0, start + m.start()) + 1, m.group(0)
+        for m in re.finditer(r"\d*\.\d+|\d{2,}|\d(?=\\,\\mathrm)|(?<=^\$)\d(?=\$$)|(?<=[=<>])\s*[2-9]|(?:\\(?:le|ge|approx|sim)\b\s*)[2-9]", plain):
+            yield text.count("\n", 0, start + m.start()) + 1, m.group(0).strip()
     words = NAMES.sub(blank, MATHS.sub(blank, text))
     for m in re.finditer(r"\d[\d.,]*", words):
         yield text.count("\n", 0, m.start()) + 1, m.group(0)
@@ -77,9 +77,11 @@ def problems():
         path = PAPER / "generated" / name
         if not path.exists() or path.read_text() != text:
             yield f"generated/{name} is stale: run paper/scripts/tables.py"
+    commands = (PAPER / "results").read_text().split("\n")
     for path in sorted((PAPER / "data").glob("*.about.json")):
-        asked = json.loads(path.read_text()).get("asked")
-        if asked and asked != fingerprint(path.name.split(".")[0]):
+        about, study = json.loads(path.read_text()), path.name.split(".")[0]
+        sweep = (EXPERIMENTS / f"{study}.sweep.toml").exists()
+        if about.get("asked") != fingerprint(study) if sweep else about["command"] not in commands:
             yield f"data/{path.name}: the study has changed since: run paper/results"
     cited = {key.strip() for keys in re.findall(r"\\cite[pt]?(?:\[[^\]]*\])?\{([^}]+)\}", whole) for key in keys.split(",")}
     entries = set(re.findall(r"@\w+\{([^,]+),", (PAPER / "references.bib").read_text()))

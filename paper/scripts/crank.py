@@ -100,7 +100,19 @@ def numbers(n):
     n["crank/cost_ratio"], n["crank/cost_low"], n["crank/cost_high"] = tex(middle), tex(low), tex(high)
     scatter = [row["slowest"] / row["seconds"] - 1 for row in solved(table) if row["slowest"]]
     n["crank/scatter_median"], n["crank/scatter_most"] = (rf"{tex(100 * x, 1)}\,\%" for x in (median(scatter), max(scatter)))
+    slow, quick = ([row for name, row in times.items() if (name in FIXED) == fixed] for fixed in (True, False))
+    cheapest = {k: [min((row[f"to_{k}"] for row in some if row[f"to_{k}"]), default=math.inf) for some in (slow, quick)] for k in TARGETS}
+    wins = [k for i, k in enumerate(TARGETS) if all(quick < slow for slow, quick in (cheapest[j] for j in TARGETS[i:]))]
+    n["crank/tolerance_from"] = tex(float(wins[0]), 1) + unit("rad")
+    n["crank/tolerance_e3"] = tex(1e3 * cheapest["0.001"][1]) + unit("ms")
+    last = max(slow, key=lambda row: sum(row[f"to_{k}"] is not None for k in TARGETS))
+    n["crank/fixed_last"] = last["integrator"].split(":")[0]
+    relaxed = [fit["order"] for fit in load("slider_crank.orders")
+               if fit["integrator"] == "anitescu-potra" and fit["mu"] > 0 and fit["e"] > 0]
+    n["crank/order_anitescu_most"] = tex(max(relaxed), 1)
     n["crank/repeats"] = numeral(int(max(row["repeats"] for row in table)))
+    runner = (PAPER.parent / "experiments/sweep/case.cpp").read_text()
+    n["crank/repeats_least"] = numeral(int(re.search(r"kLeast = (\d+);", runner).group(1)))
     n["crank/mus"], n["crank/es_well"] = numeral(len({mu for mu, e in final})), numeral(len({e for mu, e in final if e <= WELL}))
     n["crank/near_share"] = rf"{tex(100 * (NEAR[1] - NEAR[0]) / sum(NEAR), 2)}\,\%"
     solver_share(n, table)
@@ -134,6 +146,7 @@ def solver_share(n, table):
     n["solvers/share_runs"], n["solvers/share_solvers"] = count(len(others)), count(len({row["solver"] for row in others}))
     n["solvers/share_settings"], n["solvers/share_schemes"] = count(len(settings)), numeral(len({s[0] for s in settings}))
     n["solvers/share_unsolved"] = unsolved(others, "solver")
+    n["solvers/share_refused"] = words(len(pick(others, status="unsupported")))
     n["solvers/share_apart"] = tex(max(abs(row["error"] - lemke[at]) for row in solved(others)
                                        if (at := tuple(row[k] for k in key)) in lemke), 1) + unit("rad")
 

@@ -3,7 +3,7 @@ import csv
 import math
 import re
 
-from critical import least
+from critical import leaning, least
 from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, unsolved, words
 from schemes import numeral
 
@@ -32,6 +32,8 @@ def friction_numbers(n):
     n["friction/quarter"] = tex(quarter)
     jammed = min(mu for mu, row in one.items() if row["value"] < TURN / 2)
     n["friction/jam_from"], n["friction/jam_before"] = tex(jammed, 3), tex(max(mu for mu in one if mu < jammed), 3)
+    leant = {row["mu"]: row for row in pick(solved(schemes), integrator="moreau-jean", omega3=TILT)}
+    n["friction/jam_tilted"] = tex(min(mu for mu, row in leant.items() if row["value"] < TURN / 2), 3)
     n["friction/jam_angle"] = tex(one[jammed]["value"], 2)
     n["friction/turns_none"] = tex(one[0.0]["value"] / TURN)
     n["friction/turns_before"] = tex(max((mu, row) for mu, row in one.items() if mu < jammed)[1]["value"] / TURN)
@@ -62,6 +64,9 @@ def friction_numbers(n):
         for name in dict.fromkeys(row["integrator"] for row in made) if (own := pick(made, integrator=name))) or "none"
     n["friction/energy"] = tex(schemes[0]["energy_initial"], 2) + unit("J")
     n["friction/single"], n["friction/flush"] = (tex(mu, 3) for mu in least())
+    n["friction/leaning"] = tex(leaning(), 3)
+    beyond = pick(event, mu=lambda mu: mu > least()[0])
+    n["friction/beyond_runs"], n["friction/beyond_failed"] = count(len(beyond)), words(len(beyond) - len(solved(beyond)))
 
 
 def friction_modes(n):

@@ -94,7 +94,7 @@ def statistics_table(t, n):
                 n[f"tilt/jump_{key}_{index}"] = rf"{tex(100 * abs(a - b) / abs(b), 1)}\,\%"
             if key == "theta":
                 n[f"tilt/jump_{index}"] = tex(abs(a - b), 1) + unit("rad")
-            if key == "last" and None not in (a, b):
+            if key == "last" and index == 0:  # the text has it of the first e
                 n["tilt/jump_last"] = tex(1e6 * abs(a - b), 1) + unit(r"\mu s")
 
 
