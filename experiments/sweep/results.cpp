@@ -95,6 +95,27 @@ bool always_there(std::string_view column) {
   return false;
 }
 
+/// Why it is no row that a sweep writes; empty: it is one.
+std::string fault_of(const ResultRow& row) {
+  for (const Column& column : kColumns) {
+    if (!row.contains(column.name)) return std::string("it has no column ") + column.name;
+    const auto& value = row.at(column.name);
+    const bool text = column.type[0] == 'T';
+    if (value.is_null() ? always_there(column.name) : text ? !value.is_string() : !value.is_number())
+      return std::string("a row whose ") + column.name + " is no " + (text ? "text" : "number");
+  }
+  const auto key = row.at("key").get<std::string>();  // files are named so
+  if (key.empty() || key.size() > 16 || key.find_first_not_of("0123456789abcdef") != std::string::npos)
+    return "a row whose key is none";
+  try {
+    row.dump();  // UTF-8
+    if (!ResultRow::parse(row.at("parameters").get<std::string>()).is_object()) return "a row without parameters";
+  } catch (const nlohmann::json::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
 }  // namespace
 
 std::span<const Column> columns_of_cases() { return kColumns; }
@@ -161,7 +182,10 @@ void Results::fail(const std::string& what) const {
       reason = "the disk is full";
       break;
     case SQLITE_IOERR:
-      reason += " (is the disk full?)";
+      if (std::error_code none; std::filesystem::is_directory(file_, none))
+        reason = "it is a folder";
+      else
+        reason += " (is the disk full?)";
       break;
     case SQLITE_READONLY:
       reason = "it, or its folder, is read-only";
@@ -275,11 +299,16 @@ bool Results::has(const std::string& key) const {
 }
 
 void Results::add(const ResultRow& row) {
+  ResultRow whole = row;
+  for (const Column& column : kColumns)
+    if (!whole.contains(column.name)) whole[column.name] = nullptr;
+  if (const std::string fault = fault_of(whole); !fault.empty())
+    throw std::invalid_argument("no row of a sweep: " + fault);
   std::string places;
   for (std::size_t i = 0; i < std::size(kColumns); ++i) places += i == 0 ? "?" : ", ?";
   Statement statement(*this,
                       "INSERT OR IGNORE INTO cases(" + list_of_columns(", ", false) + ") VALUES(" + places + ")");
-  for (const Column& column : kColumns) statement.bind(row.contains(column.name) ? row.at(column.name) : ResultRow());
+  for (const Column& column : kColumns) statement.bind(whole.at(column.name));
   statement.step();
 }
 
@@ -290,22 +319,7 @@ std::optional<ResultRow> Results::find(const std::string& key) const {
 }
 
 ResultRow Results::checked(ResultRow row) const {
-  for (const Column& column : kColumns) {
-    if (!row.contains(column.name)) damaged(std::string("it has no column ") + column.name);
-    const auto& value = row.at(column.name);
-    const bool text = column.type[0] == 'T';
-    if (value.is_null() ? always_there(column.name) : text ? !value.is_string() : !value.is_number())
-      damaged(std::string("a row whose ") + column.name + " is no " + (text ? "text" : "number"));
-  }
-  const auto key = row.at("key").get<std::string>();  // files are named so
-  if (key.empty() || key.size() > 16 || key.find_first_not_of("0123456789abcdef") != std::string::npos)
-    damaged("a row whose key is none");
-  try {
-    row.dump();  // UTF-8
-    if (!ResultRow::parse(row.at("parameters").get<std::string>()).is_object()) damaged("a row without parameters");
-  } catch (const nlohmann::json::exception& error) {
-    damaged(error.what());
-  }
+  if (const std::string fault = fault_of(row); !fault.empty()) damaged(fault);
   return row;
 }
 
