@@ -23,7 +23,8 @@ Fit fit_order(std::vector<Sample> samples) {
     if (!(s.error > 0) || !std::isfinite(s.error))
       throw std::invalid_argument("fit_order: an error is not positive and finite");
     if (fit.worst.empty() || s.h <= octave_end * (1 + 1e-3)) {  // slack: a step moved to divide the duration
-      octave_end = (fit.worst.empty() ? s.h : octave_end) / 2;
+      if (fit.worst.empty()) octave_end = s.h;
+      while (s.h <= octave_end * (1 + 1e-3)) octave_end /= 2;  // of a sparse list several at once
       fit.worst.push_back(s);
     } else if (s.error > fit.worst.back().error) {
       fit.worst.back() = s;

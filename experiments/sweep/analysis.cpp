@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kFinest = 8.01;     // times the finest step: where a statistic has to fall
 constexpr double kRounding = 1e-13;  // relative; errors below it say nothing of a method
+constexpr std::size_t kFewest = 3;   // octaves: a line goes through any two
 
 /// The error of a run, by its row; infinite where there is none.
 using ErrorOf = std::function<double(const ResultRow&)>;
@@ -49,6 +50,7 @@ Json fits_of(const std::vector<ResultRow>& rows, const ErrorOf& error_of) {
         std::minmax_element(samples.begin(), samples.end(), [](auto& a, auto& b) { return a.h < b.h; });
     if (samples.empty() || !(coarsest->h > 2.1 * finest->h)) continue;
     const Fit fit = fit_order(samples);
+    if (fit.worst.size() < kFewest) continue;
     Json worst = Json::array();
     for (const Sample& s : fit.worst) worst.push_back({s.h, s.error});
     all.push_back({{"integrator", name[0]},

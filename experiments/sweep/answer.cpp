@@ -1,9 +1,10 @@
-// The answer of a sweep in some sentences.
+// The answer of a sweep in two sentences: how its runs ended and how errors fall; what that means.
 #include "analysis.h"
 
 #include <orthant/core/support/options.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -102,8 +103,8 @@ std::string without_order(const Json& fits) {
   if (!shared.empty()) list = shared + (list.empty() ? "" : " and " + list);
   if (count == 0) return "";
   if (count > kMostListed) list = shares(best, values);
-  return " By no method does it fall as fast as h^" + short_number(kNoOrder) + " for " + std::to_string(count) +
-         " of " + std::to_string(best.size()) + " settings" + (list.empty() ? "" : ": " + list) + ".";
+  return "by no method does the error fall as fast as h^" + short_number(kNoOrder) + " for " + std::to_string(count) +
+         " of " + std::to_string(best.size()) + " settings" + (list.empty() ? "" : ": " + list);
 }
 
 /// What still converges where the measure does not.
@@ -128,8 +129,7 @@ std::string still_comparable(const std::vector<ResultRow>& rows, const Json& fit
   std::string list;
   for (const auto& [statistic, count] : falling)
     list += (list.empty() ? " " : ", ") + statistic + " at " + (count > 0 ? std::to_string(count) : "none");
-  return " What still falls so by some method, of " + std::to_string(lost.size()) + " such settings looked at:" + list +
-         ".";
+  return "what still falls so by some method, of " + std::to_string(lost.size()) + " such settings looked at:" + list;
 }
 
 /// Which method keeps energy best and worst at its finest setting, where some method keeps it at all.
@@ -155,9 +155,9 @@ std::string energy_kept(const std::vector<ResultRow>& rows) {
   if (worst.size() < 2) return "";
   const auto by_drift = [](auto& a, auto& b) { return a.second < b.second; };
   const auto [least, most] = std::minmax_element(worst.begin(), worst.end(), by_drift);
-  return " Where energy is kept to a millionth by anybody, " + least->first + " strays from it by " +
+  return "where energy is kept to a millionth by anybody, " + least->first + " strays from it by " +
          short_number(least->second) + " J at the most, " + most->first + " by up to " + short_number(most->second) +
-         " J, each at its finest setting.";
+         " J, each at its finest setting";
 }
 
 /// Where a parameter of many values changes the measure most, if by more than a quarter of all that it does.
@@ -185,12 +185,38 @@ std::string leap(const std::vector<ResultRow>& rows) {
       if (i + 1 < medians.size() && change(i) > change(most)) most = i;
     }
     if (!(change(most) > 0.25 * (high - low))) continue;
-    text += " The greatest change: from " + name + " = " + detail::text_of(medians[most].first) + " to " +
-            detail::text_of(medians[most + 1].first) + " the median of " + row_text(rows.front(), "measure") +
-            " at the end goes from " + short_number(medians[most].second) + " to " +
-            short_number(medians[most + 1].second) + ".";
+    text += (text.empty() ? "" : "; ") + std::string("the greatest change: from ") + name + " = " +
+            detail::text_of(medians[most].first) + " to " + detail::text_of(medians[most + 1].first) +
+            " the median of " + row_text(rows.front(), "measure") + " at the end goes from " +
+            short_number(medians[most].second) + " to " + short_number(medians[most + 1].second);
   }
   return text;
+}
+
+/// What errors of a thousandth, a millionth, a thousand-millionth cost by the cheapest method.
+std::string costs_of(const Json& times) {
+  std::string list;
+  for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{7}}) {
+    const Json* best = nullptr;
+    for (const Json& entry : times)
+      if (!entry["seconds"][k].is_null() && (best == nullptr || entry["seconds"][k] < (*best)["seconds"][k]))
+        best = &entry;
+    if (best != nullptr)
+      list += (list.empty() ? " " : ", ") + short_number(error_targets()[k]) + " costs " +
+              short_number(1e3 * (*best)["seconds"][k].get<double>()) + " ms (" +
+              (*best)["integrator"].get<std::string>() + ")";
+  }
+  return list.empty() ? "" : "in the worst case an error of" + list;
+}
+
+std::string energy_lost(const std::vector<ResultRow>& rows) {
+  double low = kInf, high = -kInf;
+  for (const ResultRow& row : rows)
+    if (row_solved(row)) {
+      const double loss = row_number(row, "energy_initial") - row_number(row, "energy_final");
+      low = std::min(low, loss), high = std::max(high, loss);
+    }
+  return low <= high ? "between " + short_number(low) + " and " + short_number(high) + " J of energy went" : "";
 }
 
 }  // namespace
@@ -215,20 +241,14 @@ std::string answer(const std::vector<ResultRow>& rows) {
             short_number(medians.back().first) + " (median over the cases)";
   if (medians.size() > 1)
     text += ", slowest by " + medians.front().second + ", as h^" + short_number(medians.front().first);
-  text += "." + without_order(fits) + still_comparable(rows, fits);
-  std::string costs;
-  const Json times = time_to_error(rows);
-  for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{7}}) {
-    const Json* best = nullptr;
-    for (const Json& entry : times)
-      if (!entry["seconds"][k].is_null() && (best == nullptr || entry["seconds"][k] < (*best)["seconds"][k]))
-        best = &entry;
-    if (best != nullptr)
-      costs += (costs.empty() ? "" : ", ") + short_number(error_targets()[k]) + " costs " +
-               short_number(1e3 * (*best)["seconds"][k].get<double>()) + " ms (" +
-               (*best)["integrator"].get<std::string>() + ")";
-  }
-  if (!costs.empty()) return text + " In the worst case an error of " + costs + ".";
+  std::string second;  // sentence
+  const auto say = [&](const std::string& part) {
+    if (!part.empty()) second += (second.empty() ? "" : "; ") + part;
+  };
+  say(costs_of(time_to_error(rows)));
+  const bool timed = !second.empty();
+  say(without_order(fits));
+  say(still_comparable(rows, fits));
   const auto largest = [&](const char* column) {
     double most = -1;
     for (const ResultRow& row : rows)
@@ -236,18 +256,16 @@ std::string answer(const std::vector<ResultRow>& rows) {
         most = std::max(most, row_number(row, column));
     return most;
   };
-  if (const double momentum = largest("momentum_drift"); momentum >= 0)  // something isolated: what is kept
-    return text + energy_kept(rows) + " Momentum is kept to " + short_number(momentum) + " N s, spin to " +
-           short_number(largest("spin_drift")) + " N m s, joints to " + short_number(largest("max_joint_residual")) +
-           " m, in the worst run.";
-  double low = kInf, high = -kInf;  // no times: what was lost
-  for (const ResultRow& row : rows)
-    if (row_solved(row)) {
-      const double loss = row_number(row, "energy_initial") - row_number(row, "energy_final");
-      low = std::min(low, loss), high = std::max(high, loss);
-    }
-  if (low <= high) text += " Between " + short_number(low) + " and " + short_number(high) + " J of energy went.";
-  return medians.empty() ? text + leap(rows) : text;
+  if (const double momentum = largest("momentum_drift"); !timed && momentum >= 0) {  // something isolated: what is kept
+    say(energy_kept(rows));
+    say("momentum is kept to " + short_number(momentum) + " N s, spin to " + short_number(largest("spin_drift")) +
+        " N m s, joints to " + short_number(largest("max_joint_residual")) + " m, in the worst run");
+  } else if (second.empty()) {  // what was lost
+    say(energy_lost(rows));
+    if (medians.empty()) say(leap(rows));
+  }
+  if (!second.empty()) second[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(second[0])));
+  return text + "." + (second.empty() ? "" : " " + second + ".");
 }
 
 }  // namespace orthant
