@@ -7,7 +7,8 @@
 //                  log = "xy" | "x" | "y" | "";  dots = true: no lines;  timed = true: rows with times only;  worst = true: one point a setting,
 //                  the worst of all parameters;  octaves = true: a line through the worst of each octave of x;
 //                  where = {clearance = 1e-3, integrator = ["…"]}: rows with these values only;
-//                  x_label, y_label, note; first: the parameters shown to begin with, as text
+//                  x_label, y_label, note; first: the parameters shown to begin with, as text;
+//                  title, note, x, y and labels may be lists: several figures that are alike in the rest
 //   [[animation]]  title, note, set = {…}, magnify = "slider" (the body whose gaps are drawn larger), seconds (how long it
 //                  plays), duration [s] (default: the sweep's, then the scene's),
 //                  runs = [{label, integrator, solver, step, set}, {…}], shown side by side

@@ -28,6 +28,7 @@ constexpr const char* kColumnsOfFigures[] = {"integrator",     "solver",
                                              "max_penetration"};
 constexpr const char* kDerivedColumns[] = {"energy_lost", "lost_per_turn"};
 
+constexpr std::size_t kMostFigures = 100;        // of one table
 constexpr double kMostSteps = 1e6 * (1 + 1e-9);  // of an animated run
 
 [[noreturn]] void refuse(const std::string& key, const std::string& value, const std::string& rule) {
@@ -112,6 +113,30 @@ void check_keys(const Json& table, const std::string& where, const std::set<std:
     if (!known.contains(key)) refuse(where + key, value.dump(), "unknown key, must be one of " + list_of(known));
 }
 
+Json one_by_one(const Json& figures) {
+  constexpr const char* kTexts[] = {"title", "note", "x", "y", "x_label", "y_label"};
+  check_tables(figures, "figure");
+  Json all = Json::array();
+  for (const Json& figure : figures) {
+    std::size_t count = 1;
+    for (const char* key : kTexts)
+      if (figure.contains(key) && figure[key].is_array()) count = std::max(count, figure[key].size());
+    if (count > kMostFigures) refuse("figure", "", "a list of at most " + std::to_string(kMostFigures) + " texts");
+    for (std::size_t i = 0; i < count; ++i) {
+      Json one = figure;
+      for (const char* key : kTexts) {
+        if (!one.contains(key) || !one[key].is_array()) continue;
+        if (one[key].size() != count)
+          refuse(std::string("figure.") + key, figure[key].dump(),
+                 "must have as many texts as the figure's other lists: " + std::to_string(count));
+        one[key] = Json(figure[key][i]);
+      }
+      all.push_back(std::move(one));
+    }
+  }
+  return all;
+}
+
 void check_figures(const Json& figures, const std::set<std::string>& parameters) {
   check_tables(figures, "figure");
   std::set<std::string> columns(std::begin(kColumnsOfFigures), std::end(kColumnsOfFigures));
@@ -119,8 +144,8 @@ void check_figures(const Json& figures, const std::set<std::string>& parameters)
   columns.insert(parameters.begin(), parameters.end());
   for (const Json& figure : figures) {
     check_keys(figure, "figure.",
-               {"title", "note", "x", "y", "by", "solver", "integrator", "timed", "worst", "octaves", "dots", "where", "first",
-                "log", "x_label", "y_label"});
+               {"title", "note", "x", "y", "by", "solver", "integrator", "timed", "worst", "octaves", "dots", "where",
+                "first", "log", "x_label", "y_label"});
     check_texts(figure, "figure.", {"title", "x", "y", "by"},
                 {"note", "solver", "integrator", "first", "log", "x_label", "y_label"});
     for (const char* key : {"timed", "worst", "octaves", "dots"})

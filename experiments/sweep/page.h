@@ -22,6 +22,9 @@ void check_keys(const nlohmann::ordered_json& table, const std::string& where, c
 /// KEY=VALUE for make_scene().
 std::vector<std::string> sets_of(const nlohmann::ordered_json& set);
 
+/// [[figure]]s whose texts are lists: as many figures, one a place of the lists.
+nlohmann::ordered_json one_by_one(const nlohmann::ordered_json& figures);
+
 /// [[figure]]: a list of tables; `parameters`: names that the sweep sets, which are columns, too.
 void check_figures(const nlohmann::ordered_json& figures, const std::set<std::string>& parameters);
 

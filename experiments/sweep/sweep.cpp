@@ -152,6 +152,7 @@ class Reader {
           for (const auto& [name, value] : grid.at(at).items()) parameters.insert(name);
     }
     in_file("", [&] {
+      page["figure"] = one_by_one(page["figure"]);
       check_figures(page["figure"], parameters);
       if (!page["animation"].empty() && common_.scene.empty())
         throw std::invalid_argument("animation: needs a scene of the whole sweep");

@@ -385,11 +385,41 @@ TEST_CASE("the project's own sweeps can be read, whole and quick") {
   CHECK(found == 4);
 }
 
+TEST_CASE("a line that is no row leaves the results file as it was; a folder is none") {
+  const Sweeps folder;
+  folder.write("r.sweep.toml",
+               "scene = 'bouncing_ball'\nduration = 0.1\n[[grid]]\nintegrator = 'rattle'\nstep = 1e-2\n");
+  const std::string key = folder.orthant("sweep r.sweep.toml --results r.sqlite --list").out.substr(0, 16);
+  for (const std::string& line :
+       {"{\"key\":\"" + key + "\"}", std::string(R"({"key":5})"), std::string(R"({"key":"zz","step":[1]})")}) {
+    CAPTURE(line);
+    folder.write("line.json", line + '\n');
+    const Reply a = folder.orthant("results r.sqlite --add <line.json");
+    CHECK(a.exit_code == 1);
+    CHECK(a.err.find("no row of a sweep: a row whose ") != std::string::npos);
+  }
+  CHECK(folder.orthant("sweep r.sweep.toml --results r.sqlite --json").out.find("\"new\":1,") != std::string::npos);
+  CHECK(folder.orthant("results .").err.find("it is a folder") != std::string::npos);
+}
+
+TEST_CASE("a figure whose texts are lists is several figures, alike in the rest") {
+  const Sweeps folder;
+  folder.write("f.sweep.toml",
+               "scene = 'slider_crank'\n[[grid]]\nintegrator = 'rattle'\n[[figure]]\ntitle = ['a', 'b']\nx = 'step'\n"
+               "y = ['error', 'value']\nby = 'solver'\nlog = 'x'\n[[figure]]\ntitle = 'c'\nx = 'step'\ny = 'value'\nby "
+               "= 'solver'\n");
+  const auto figures = read_sweep(folder / "f.sweep.toml", false).page.at("figure");
+  std::string told;
+  for (const auto& f : figures)
+    told += f.at("title").get<std::string>() + ' ' + f.at("y").get<std::string>() + f.value("log", "") + ' ';
+  CHECK(told == "a errorx b valuex c value ");
+}
+
 TEST_CASE("bad sweep files: one line that names file, key, value and rule") {
   const Sweeps folder;
   const std::string head = "scene = 'slider_crank'\nmeasure = 'crank.theta'\n",
                     grid = "[[grid]]\nintegrator = 'rattle'\n";
-  const std::array<std::array<std::string, 2>, 36> bad = {{
+  const std::array<std::array<std::string, 2>, 37> bad = {{
       {"scene = ", "b.sweep.toml:"},
       {grid, "scene: is missing"},
       {"scene = 'nobody'\n" + grid, "scene: unknown scene 'nobody'"},
@@ -424,6 +454,8 @@ TEST_CASE("bad sweep files: one line that names file, key, value and rule") {
        "figure.where.no = 1: must be one of"},
       {head + grid + "[[figure]]\ntitle = 'a'\nx = 'step'\ny = 'error'\nby = 'solver'\nwhere = 1\n",
        "figure.where = 1: must be a table"},
+      {head + grid + "[[figure]]\ntitle = ['a', 'b']\nx = 'step'\ny = ['error', 'value', 'seconds']\nby = 'solver'\n",
+       "figure.title = [\"a\",\"b\"]: must have as many texts as the figure's other lists: 3"},
       {head + grid + "[[animation]]\ntitle = 'a'\nruns = [{integrator = 'rattle', step = 1e-10}]\n",
        "animation.runs.step = 1e-10: must make at most a million steps"},
       {head + grid + "[[animation]]\ntitle = 'a'\n", "animation.runs = []: must have at least one run"},
