@@ -2,8 +2,8 @@
 //
 //   z_t ∈ [−μ z_n, μ z_n] with z_n of the round before: symmetric and monotone where A is, as friction itself is not.
 //   From z = 0 the first round is the problem without friction; contacts that stick are found in the second or third,
-//   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: after the first
-//   rounds the bounds are extrapolated from the last kMemory (Anderson's mixing).
+//   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: where asked for, the
+//   bounds are extrapolated from the last kMemory rounds after the first ones (Anderson's mixing).
 // A fixed point is a solution; where there is none to be reached the last z is left to the judge.
 // Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432; Haslinger & Tvrdy, Apl. Mat. 28 (1983);
 // Anderson, J. ACM 12 (1965) 547-560.
@@ -23,12 +23,14 @@ class FrozenFriction {  // reuse it
  public:
   /// solve_box(problem, z) improves z on a box problem and returns its claim.
   template <class SolveBox> Status iterate(const Lcp& problem, Vector& z, const Budget& budget, SolveBox&& solve_box) {
-    return iterate(problem, z, budget, solve_box, [](const Vector&) { return false; });
+    return iterate(
+        problem, z, budget, solve_box, [](const Vector&) { return false; }, false);
   }
 
-  /// The same, ended too where done(z) says so of a round's z, friction within its bounds.
-  template <class SolveBox, class Done>
-  Status iterate(const Lcp& problem, Vector& z, const Budget& budget, SolveBox&& solve_box, const Done& done) {
+  /// The same, ended too where done(z) says so of a round's z, friction within its bounds; `mixed`: the bounds are
+  /// extrapolated, for large problems, where rounds are dear.
+  template <class SolveBox, class Done> Status iterate(const Lcp& problem, Vector& z, const Budget& budget,
+                                                       SolveBox&& solve_box, const Done& done, bool mixed = true) {
     box_ = problem;
     box_.friction.clear();
     Status claim = Status::stalled;
@@ -52,8 +54,8 @@ class FrozenFriction {  // reuse it
       before_ = z;
       clamp(problem, before_);
       if (done(before_)) break;
-      pressed(found_);
-      mix(round);
+      pressed(mixed ? found_ : assumed_);
+      if (mixed) mix(round);
     }
     clamp(problem, z);
     return claim;
