@@ -32,8 +32,12 @@ def number_or_text(text):
 
 def pick(table, **wanted):
     """Rows with these values; a value may be a function of the row's."""
-    return [row for row in table if all(value(row[key]) if callable(value) else row[key] == value
-                                        for key, value in wanted.items())]
+    for key, value in wanted.items():
+        if callable(value):
+            table = [row for row in table if value(row[key])]
+        else:
+            table = [row for row in table if row[key] == value]
+    return table if wanted else list(table)
 
 
 def solved(table):

@@ -1,5 +1,6 @@
 """What the article says of tilt, restitution and clearance: what converges, and what does not but stays near."""
 import math
+from functools import cache
 from statistics import median
 
 from data import code, count, load, pick, plus_minus, rows, short, solved, tabular, tex, unit, words
@@ -36,6 +37,7 @@ def fit(errors):
     return order, worst[max(worst)][1]
 
 
+@cache
 def ladder(omega3, e, clearance=USUAL):
     return pick(rows("clearance"), repeats=0, omega3=omega3, e=e, clearance=clearance)
 
