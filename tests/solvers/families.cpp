@@ -110,11 +110,11 @@ TEST_CASE("a step of a pile: auto sweeps, where pivoting takes many times as lon
   CHECK(solver->solve(problem, s).status == Status::solved);
   CHECK(log.back().event.starts_with("nncg"));
 
-  // Newton's method, frozen friction on sparse factors: some three hundred of them without the bounds' mixing.
+  // Newton's method, frozen friction on sparse factors: 203 of them without the bounds' mixing, 165 with it.
   Solution newton;
   CHECK(make_solver("newton-min:tolerance=1e-9")->solve(problem, newton).status == Status::solved);
   CHECK((newton.w - s.w).lpNorm<Eigen::Infinity>() < 1e-6 * problem.b.lpNorm<Eigen::Infinity>());
-  CHECK(newton.factorizations < 250);
+  CHECK(newton.factorizations < 190);
 }
 
 TEST_CASE("path on an obstacle grid begins on coarse ones: a handful of factorizations, no pivot to speak of") {
