@@ -7,8 +7,9 @@
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
 //   Friction rows through the pure form (pyramid.h), which is dense; where that fails, and at once in large problems that
-//   are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value is used, and after failing from it 0; cold, without friction, it is that of
-//   coarse problems for sparse Z-matrices (coarse_start.h), else the solution of A z = −b cut to the bounds.
+//   are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value is
+//   used, and after failing from it 0; cold, without friction, it is that of coarse problems for sparse Z-matrices
+//   (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
 #pragma once
