@@ -83,7 +83,7 @@ function linesOf(sweep, rows, figure, choice) {
             x: row[figure.x],
             y: row[figure.y],
             note: figure.x === "step" ? "" : row.rtol ? `rtol ${shown(row.rtol)}` : `h ${shown(row.step)} s`,
-          }));
+          })).sort((a, b) => a.x - b.x); // whatever grid a point is of
     const fit =
       figure.octaves &&
       sweep.orders.find((o) => o.integrator === name && o.parameters === choice && o.solver === own[0]?.solver);
@@ -126,7 +126,7 @@ function drawFigure(parent, sweep, rows, figure) {
       row[figure.y] !== null &&
       !(figure.x === "step" && row.rtol) && // there it is no step size but how far a call goes
       ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]) &&
-      Object.entries(figure.where ?? {}).every(([name, wanted]) => [wanted].flat().includes(row[name])),
+      Object.entries(figure.where ?? {}).every(([name, wanted]) => row[name] === undefined || [wanted].flat().includes(row[name])),
   );
   const choices = unique(used.map((row) => besideAxes(row, figure)));
   const chosen = choices.length > 1;

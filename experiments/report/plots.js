@@ -5,6 +5,20 @@
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const lineColour = (i) => colour(`--c${i % 9}`);
 
+// A shape for each colour, for those who do not tell colours apart: paths in units of a mark's half width.
+const MARKS = [
+  "M-.9-.9H.9V.9H-.9Z",
+  "M0-1.25L1.25 0 0 1.25-1.25 0Z",
+  "M-1 0A1 1 0 1 1 1 0 1 1 0 1 1-1 0Z",
+  "M0-1.1L1.15.95H-1.15Z",
+  "M0 1.1L1.15-.95H-1.15Z",
+  "M-.4-1.15H.4V-.4H1.15V.4H.4V1.15H-.4V.4H-1.15V-.4H-.4Z",
+  "M0-.55L.6-1.15 1.15-.6.55 0 1.15.6.6 1.15 0 .55-.6 1.15-1.15.6-.55 0-1.15-.6-.6-1.15Z",
+  "M0-1.3L.35-.4 1.24-.4.52.17.8 1.05 0 .53-.8 1.05-.52.17-1.24-.4-.35-.4Z",
+  "M0-1.35L.75 0 0 1.35-.75 0Z",
+];
+const markPaths = MARKS.map((path) => new Path2D(path));
+
 /** Three digits, powers of ten where plain digits would be long. */
 function shown(value) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
@@ -107,7 +121,7 @@ class Plot {
         .map((x, i) => ({ x, y: line.y[i], note: line.notes?.[i] ?? "" }))
         .filter((p) => usable(p.x, log_x) && usable(p.y, log_y)),
     );
-    // uPlot wants one ascending x list for all. So it draws the points, and join() the lines between them, in the order
+    // uPlot wants one ascending x list for all. So it has the axes and scales, and ink() draws lines and marks, in the order
     // given (of settings: the times that they take may go up and down). Equal x of one line are moved apart by rounding.
     const ascending = this.points.map((points) => points.toSorted((a, b) => a.x - b.x));
     for (const points of ascending)
@@ -117,16 +131,12 @@ class Plot {
     const data = some
       ? uPlot.join(ascending.map((points) => [points.map((p) => p.x), points.map((p) => p.y)]))
       : [[1, 10], ...lines.map(() => [null, null])];
-    const series = lines.map((line, i) => {
-      const stroke = lineColour(line.colour ?? i) + (line.faint ? "80" : "");
-      return {
-        label: line.label,
-        stroke,
-        paths: () => null,
-        show: !this.hidden.has(line.name),
-        points: { show: true, size: line.faint ? 5 : 8, width: 0, fill: stroke, stroke },
-      };
-    });
+    const series = lines.map((line) => ({
+      label: line.label,
+      paths: () => null,
+      show: !this.hidden.has(line.name),
+      points: { show: false },
+    }));
     const grow = (is_log) => (_, low, high) => {
       if (!(low < high)) return is_log ? [low / 3, high * 3] : [low - 1, high + 1];
       const margin = is_log ? Math.pow(high / low, 0.06) : 0.06 * (high - low);
@@ -147,7 +157,7 @@ class Plot {
         series: [{}, ...series],
         cursor: { drag: { x: true, y: true, uni: 25 }, points: { show: false } },
         legend: { show: false },
-        hooks: { setCursor: [() => this.tell()], drawAxes: [() => this.join()] },
+        hooks: { setCursor: [() => this.tell()], drawAxes: [() => this.ink()] },
       },
       data,
       this.element,
@@ -156,22 +166,34 @@ class Plot {
     this.legend();
   }
 
-  join() {
+  /** Lines and marks; later marks are smaller, so that those of lines that coincide are all seen. */
+  ink() {
     const { ctx, bbox } = this.plot;
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
     this.figure.lines.forEach((line, i) => {
-      if (line.dots || this.hidden.has(line.name)) return;
-      ctx.strokeStyle = lineColour(line.colour ?? i);
-      ctx.lineWidth = 2 * devicePixelRatio;
-      ctx.lineJoin = "round";
-      ctx.beginPath();
-      this.points[i].forEach((p, j) =>
-        ctx[j ? "lineTo" : "moveTo"](this.plot.valToPos(p.x, "x", true), this.plot.valToPos(p.y, "y", true)),
-      );
-      ctx.stroke();
+      if (this.hidden.has(line.name)) return;
+      const which = line.colour ?? i;
+      const places = this.points[i].map((p) => [this.plot.valToPos(p.x, "x", true), this.plot.valToPos(p.y, "y", true)]);
+      ctx.strokeStyle = ctx.fillStyle = lineColour(which);
+      ctx.globalAlpha = line.faint ? 0.5 : 1;
+      if (!line.dots) {
+        ctx.lineWidth = 2 * devicePixelRatio;
+        ctx.lineJoin = "round";
+        ctx.beginPath();
+        for (const place of places) ctx.lineTo(...place);
+        ctx.stroke();
+      }
+      const size = (line.faint ? 2.5 : 5.5 - (2 * i) / this.figure.lines.length) * devicePixelRatio;
+      for (const place of places) {
+        ctx.save();
+        ctx.translate(...place);
+        ctx.scale(size, size);
+        ctx.fill(markPaths[which % MARKS.length]);
+        ctx.restore();
+      }
     });
     ctx.restore();
   }
@@ -186,6 +208,7 @@ class Plot {
     for (const [name, { label, colour }] of names) {
       const button = Object.assign(document.createElement("button"), { type: "button", textContent: label });
       button.style.setProperty("--mark", `var(--c${colour % 9})`);
+      button.insertAdjacentHTML("afterbegin", `<svg viewBox="-1.4 -1.4 2.8 2.8"><path d="${MARKS[colour % MARKS.length]}"/></svg>`);
       button.setAttribute("aria-pressed", !this.hidden.has(name));
       button.onclick = () => {
         this.hidden[this.hidden.has(name) ? "delete" : "add"](name);

@@ -42,18 +42,19 @@ def worst_of_settings(rows, x, y):
 def draw_panel(axes, sweep, rows, figure, parameters):
     x, y = figure["x"], figure["y"]
     names = list(dict.fromkeys(sweep["rows"].get(figure["by"], [row[figure["by"]] for row in rows])))
-    for name in dict.fromkeys(row[figure["by"]] for row in rows):
+    shown = list(dict.fromkeys(row[figure["by"]] for row in rows))
+    for at, name in enumerate(shown):
         own = [row for row in rows if row[figure["by"]] == name]
         colour, marker = LINES[names.index(name) % len(LINES)]
         if figure.get("worst"):
             points = worst_of_settings(own, x, y)
         else:
-            points = [(row[x], row[y]) for row in own if row["status"] == "solved" and row[y] is not None]
+            points = sorted((row[x], row[y]) for row in own if row["status"] == "solved" and row[y] is not None)
         if figure.get("octaves"):
             axes.plot(*zip(*points or NOTHING), ".", color=colour, markersize=3, alpha=0.4, markeredgewidth=0)
             fits = [o for o in sweep["orders"] if o["integrator"] == name and o["parameters"] == parameters]
             points = fits[0]["worst"] if fits else []
-        axes.plot(*zip(*points or NOTHING), label=name, color=colour, marker=marker, markersize=4.5,
+        axes.plot(*zip(*points or NOTHING), label=name, color=colour, marker=marker, markersize=6.5 - 3 * at / len(shown),  # coinciding marks are all seen
                   linestyle="none" if figure.get("dots") else "-")
 
 
@@ -66,6 +67,10 @@ def beside_axes(row, figure):
     return json.dumps({name: value for name, value in parameters.items() if name not in axes})
 
 
+def numbers_of(parameters):
+    return [value for value in json.loads(parameters).values() if not isinstance(value, str)]
+
+
 def in_words(name, value):
     if name == "scene":
         return value
@@ -76,10 +81,11 @@ def in_words(name, value):
 def draw(sweep, rows, figure, folder, about):
     rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
             all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and
-            all(row.get(key) in (wanted if isinstance(wanted, list) else [wanted]) for key, wanted in figure.get("where", {}).items()) and row.get(figure["x"]) is not None and
-            row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"]) and
+            all(key not in row or row[key] in (wanted if isinstance(wanted, list) else [wanted])
+                for key, wanted in figure.get("where", {}).items()) and
+            row.get(figure["x"]) is not None and row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"]) and
             all(row[figure[axis]] > 0 for axis in figure.get("log", ""))]  # nothing else has a place there
-    panels = list(dict.fromkeys(beside_axes(row, figure) for row in rows))
+    panels = sorted(dict.fromkeys(beside_axes(row, figure) for row in rows), key=numbers_of)
     if figure.get("worst"):
         panels = [None]
     columns = min(3, len(panels))
