@@ -28,7 +28,11 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
     return claim;
   }
   large_ = by_rows(problem);
-  if (large_ != nullptr) return rounds(*large_, problem, s);
+  return large_ != nullptr ? rounds(*large_, problem, s) : pure_form(problem, s);
+}
+
+/// Friction as rows of a pure problem, dense.
+Status NewtonMin::pure_form(const Lcp& problem, Solution& s) {
   const Lcp& pure = pyramid_.pure(problem);
   pyramid_.guess(problem, s.z, y_);
   const Status claim = iterate(pure, s, y_);
@@ -49,15 +53,21 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
     return true;
   }
   if (large_ != nullptr) {
-    if (attempt > 1 || !warm_) return false;
     s.z.setZero();
-    claim = rounds(*large_, problem, s);
+    if (attempt == 1 && warm_) {
+      claim = rounds(*large_, problem, s);
+    } else if (problem.size() <= kSquare) {  // rounds that end nowhere: as a small one
+      large_ = nullptr;
+      claim = pure_form(problem, s);
+    } else {
+      return false;
+    }
     return true;
   }
   if (attempt > 3) return false;
-  if (attempt == 3) {  // the pure form once more
+  if (attempt == 3) {
     s.z.setZero();
-    claim = run(problem, s, Start::cold);
+    claim = pure_form(problem, s);
     return true;
   }
   s.z = start_;
