@@ -85,6 +85,11 @@ def numbers(n):
     for name, integrator in (("classical", CLASSICAL), ("symmetric", SYMMETRIC), ("rattle", "rattle")):
         orders = [fit["order"] for fit in fits(integrator, lambda e: e <= WELL)]
         n[f"crank/order_{name}_least"], n[f"crank/order_{name}_most"] = tex(min(orders), 3), tex(max(orders), 3)
+    common = pick(solved(table), integrator=SYMMETRIC, solver="lemke", e=WELL, repeats=0, step=1e-4)
+    error = max(row["error"] for row in common)
+    per_mu = abs(final[0.01, WELL] - final[0.0, WELL]) / 0.01
+    n["crank/h_common"] = tex(1e3 * common[0]["step"], 1) + unit("ms")
+    n["crank/error_common"], n["crank/as_mu"] = tex(error, 1) + unit("rad"), tex(error / per_mu, 1)
     inelastic = [fit["order"] for fit in fits("rattle", lambda e: e == 0)]
     n["crank/order_rattle_inelastic"] = tex(min(inelastic), 3)
     times = {row["integrator"]: row for row in rows("slider_crank.times")}

@@ -62,6 +62,11 @@ def friction_numbers(n):
     n["friction/made_by"] = ", ".join(
         f"{words(len(own))} by {code(name)} (up to {tex(max(row['energy_final'] for row in own), 2)}" + unit("J") + ")"
         for name in dict.fromkeys(row["integrator"] for row in made) if (own := pick(made, integrator=name))) or "none"
+    fixed = [row for row in solved(schemes) if row["integrator"] in FIXED]
+    most = max(fixed, key=lambda row: row["energy_rise"])
+    n["friction/rise"], n["friction/rise_at"] = tex(most["energy_rise"], 1) + unit("J"), tex(most["mu"], 3)
+    n["friction/rise_by"] = code(most["integrator"])
+    n["friction/rise_below"] = tex(max(row["energy_rise"] for row in fixed if row["mu"] < jammed), 1) + unit("J")
     n["friction/energy"] = tex(schemes[0]["energy_initial"], 2) + unit("J")
     n["friction/single"], n["friction/flush"] = (tex(mu, 3) for mu in least())
     n["friction/leaning"] = tex(leaning(), 3)

@@ -15,7 +15,7 @@ EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 COLUMNS = {
     "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds slowest "
                     "max_lcp_residual max_joint_residual",
-    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final touching impulse seconds",
+    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final energy_rise touching impulse seconds",
     "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
                  "first_touch first_release last_release",
     "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
