@@ -7,7 +7,7 @@ namespace orthant {
 
 namespace {
 
-constexpr Index kPure = 200;    // rows of a problem with friction beyond which its dense pure form is not tried
+constexpr Index kPure = 500;    // rows of a problem with friction beyond which its dense pure form is not tried
 constexpr double kMet = 1e-15;  // of b in each row of large problems, all in one unit: what is left is rounding
 constexpr Index kSquare = 500;  // rows of a sparse problem up to which it is squared, dense
 
@@ -28,11 +28,7 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
     return claim;
   }
   large_ = by_rows(problem);
-  return large_ != nullptr ? rounds(*large_, problem, s) : pure_form(problem, s);
-}
-
-/// Friction as rows of a pure problem, dense.
-Status NewtonMin::pure_form(const Lcp& problem, Solution& s) {
+  if (large_ != nullptr) return rounds(*large_, problem, s);
   const Lcp& pure = pyramid_.pure(problem);
   pyramid_.guess(problem, s.z, y_);
   const Status claim = iterate(pure, s, y_);
@@ -53,21 +49,15 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
     return true;
   }
   if (large_ != nullptr) {
+    if (attempt > 1 || !warm_) return false;
     s.z.setZero();
-    if (attempt == 1 && warm_) {
-      claim = rounds(*large_, problem, s);
-    } else if (problem.size() <= kSquare) {  // rounds that end nowhere: as a small one
-      large_ = nullptr;
-      claim = pure_form(problem, s);
-    } else {
-      return false;
-    }
+    claim = rounds(*large_, problem, s);
     return true;
   }
   if (attempt > 3) return false;
-  if (attempt == 3) {
+  if (attempt == 3) {  // the pure form once more
     s.z.setZero();
-    claim = pure_form(problem, s);
+    claim = run(problem, s, Start::cold);
     return true;
   }
   s.z = start_;

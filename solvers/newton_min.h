@@ -7,8 +7,7 @@
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
 //   Friction rows through the pure form (pyramid.h), which is dense; where that fails, and at once in large problems that
-//   are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors; then up to 500 rows the
-//   pure form. The start value is
+//   are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value is
 //   used, and after failing from it 0; cold, without friction, it is that of coarse problems for sparse Z-matrices
 //   (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
@@ -48,7 +47,6 @@ class NewtonMin final : public Solver {
   double tolerance() const override { return options_.tolerance; }
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   const Lcp* by_rows(const Lcp& problem);
-  Status pure_form(const Lcp& problem, Solution& s);
   Status rounds(const Lcp& problem, const Lcp& given, Solution& s);
   Status iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ‖D H(z)‖², w_ and sides as a by-product
