@@ -19,11 +19,7 @@ constexpr double kRoundings = 16;  // roundings of its terms by which a w_i = 0 
 
 void SmallActiveSet::load(const Lcp& problem) {
   problem_ = &problem;
-  A_ = std::get_if<DenseMatrix>(&problem.A);
-  if (A_ == nullptr) {
-    to_dense(problem.A, formed_);
-    A_ = &formed_;
-  }
+  A_ = &std::get<DenseMatrix>(problem.A);
   const Index n = problem.size();
   for (Vector* each : {&mu_, &w_, &size_, &rhs_, &lo_, &hi_}) each->resize(n);
   side_.resize(at(n)), normal_.resize(at(n)), place_.resize(at(n));

@@ -9,7 +9,7 @@
 //   Some microseconds where it works (P-matrices as they come, boxes, sticking and sliding contacts): mostly one to four
 //   factorizations, where pivoting takes a tableau update a row. On n = 80, cond 1e4, 6 times faster than Lemke's tableau.
 //   It promises nothing: signs that stay wrong, or kMost factorizations → false, and the caller takes a method that does.
-//   Any storage (formed as a dense matrix).   O(n²) a sweep, m³/3 a factorization of m inside rows.
+//   Dense storage.   O(n²) a sweep, m³/3 a factorization of m inside rows.
 //   Source: Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888; Kostreva, Lin. Algebra Appl. 21 (1978).
 #pragma once
 
@@ -41,7 +41,6 @@ class SmallActiveSet {  // reuse it: the second problem of a size allocates noth
   const DenseMatrix* A_ = nullptr;
   int* iterations_ = nullptr;
   Index rank_ = 0;
-  DenseMatrix formed_;
   std::vector<Side> side_;
   std::vector<Index> inside_, place_,
       normal_;                     // place_: among the inside rows, or −1; normal_: of a friction row, or −1
