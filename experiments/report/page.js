@@ -122,8 +122,8 @@ function drawFigure(parent, sweep, rows, figure) {
   const used = rows.filter(
     (row) =>
       (figure.timed ? row.repeats > 0 : row.repeats === 0 || figure.timed === undefined) &&
-      row[figure.x] !== null &&
-      row[figure.y] !== null &&
+      Number.isFinite(row[figure.x]) &&
+      Number.isFinite(row[figure.y]) &&
       !(figure.x === "step" && row.rtol) && // there it is no step size but how far a call goes
       ["solver", "integrator"].every((name) => !figure[name] || row[name] === figure[name]) &&
       Object.entries(figure.where ?? {}).every(([name, wanted]) => row[name] === undefined || [wanted].flat().includes(row[name])),

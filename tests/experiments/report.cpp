@@ -17,7 +17,7 @@ measure = "crank.theta"
 reference = "exact"
 [[grid]]
 integrator = ["moreau-jean", "moreau-jean:joints=position"]
-set = {mu = [0.01, 0.1]}
+set = {mu = [0.1, 0.01]}
 step = {from = 4e-4, to = 5e-5, count = 10, scale = "log"}
 [[grid]]
 integrator = ["moreau-jean", "event-driven"]

@@ -110,6 +110,8 @@ def test_page(page):
     check(page.execute_script("return document.title").startswith("Orthant: "), "the page has a title")
     check(len(page.find_elements(By.CSS_SELECTOR, ".answer")) > 0, "the page has an answer")
     plots = page.execute_script("return plots.length")
+    check(page.execute_script("return plots.filter(p => p.figure.x_label === 'mu').every(p => p.figure.lines.every(l => "
+                              "l.x.every((x, i) => i === 0 || l.x[i - 1] <= x)))"), "a line goes from left to right")
     check(plots > 0, "the page has plots")
     for width, scheme in ((1100, "light"), (390, "dark"), (1100, "dark")):
         look(page, width, 900, scheme)
