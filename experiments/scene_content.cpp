@@ -41,13 +41,13 @@ int main(int argc, char** argv) {
       {"whole", slider_crank()},
       {"frictionless", slider_crank({.mu = 0})},
       {"walls out of reach (1 m)", slider_crank({.clearance = 1})},
-      {"one body more, free and far away",
+      {"walls far away, a free body more",
        changed({.clearance = 1},
                [](Scene& s) {
                  s.body({.name = "far", .mass = 1, .inertia = 1, .position = {100, 100}});
                })},
       {"without contacts", changed({}, [](Scene& s) { s.contacts.clear(); })},
-      {"without joints", changed({.clearance = 1}, [](Scene& s) { s.joints.clear(); })},
+      {"walls far away, without joints", changed({.clearance = 1}, [](Scene& s) { s.joints.clear(); })},
       {"bodies alone", changed({}, [](Scene& s) { s.contacts.clear(), s.joints.clear(); })},
   };
   for (int k = 0; k < repeats; ++k)

@@ -156,6 +156,8 @@ struct Lemke::Work {
       cover.resize(0);
     else
       cover_of(pure->A).array() *= scaling.row.array();
+    using Double = std::numeric_limits<double>;
+    cover = cover.cwiseMax(Double::min()).cwiseMin(Double::max());  // d > 0 and finite, whatever the units
     tableau.cover(cover);
   }
 

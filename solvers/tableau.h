@@ -144,6 +144,14 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     }
   }
 
+  /// In double what does not fit is infinite, and the run ends nowhere; a rational could not even hold it.
+  static T scaled(double value, double row, double col) {
+    if constexpr (std::is_same_v<T, double>)
+      return value * row * col;
+    else
+      return T(value) * T(row) * T(col);
+  }
+
   template <class Entries>
   void fill(const Entries& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
     n_ = static_cast<int>(q.size());
@@ -160,7 +168,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(given_, size),
         grow(error_, size), grow(t_, size * size);
     for (int i = 0; i < n_; ++i) {
-      row_at(i)[0] = static_cast<T>(q[i] * row[i]);
+      row_at(i)[0] = scaled(q[i], row[i], 1);
       given_[u(i)] = abs(row_at(i)[0]);
       error_[u(i)] = 0;
       top_ = std::max(top_, given_[u(i)]);
@@ -174,7 +182,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     set_nonbasic(covering_, z0());
     nonbasic_[0] = -1;  // the constant
     for (int j = 0; j < n_; ++j)
-      for (int i = 0; i < n_; ++i) row_at(i)[j + 2] = static_cast<T>(M(i, j) * row[i] * col[j]);
+      for (int i = 0; i < n_; ++i) row_at(i)[j + 2] = scaled(M(i, j), row[i], col[j]);
   }
 
   void pivot(int r, int s) {

@@ -78,14 +78,15 @@ def plot_profile(folder, about):
 
 
 def ladder(runs, name, cases):
-    """Settings from coarse to fine → (worst seconds, worst error, steps); a setting that failed on a case has error ∞."""
+    """Settings from coarse to fine → (worst seconds, worst error, steps); a setting that failed on a case has error ∞, one
+    that took too long on a case is none."""
     part = select(runs, runs["integrator"] == name)
     points = {}
     for setting in np.unique(part["setting"])[::-1]:
         same = select(part, part["setting"] == setting)
         chosen = [np.flatnonzero((same["mu"] == mu) & (same["e"] == e)) for mu, e in cases]
         rows = [row[0] for row in chosen if row.size]
-        if len(rows) == len(cases):
+        if len(rows) == len(cases) and not (same["status"][rows] == "time_limit").any():
             good = (same["status"][rows] == "solved").all()
             points[setting] = (same["seconds"][rows].max() if good else np.nan,
                                same["error"][rows].max() if good else np.inf, same["accepted"][rows].max())

@@ -117,11 +117,14 @@ std::vector<StormSolver> storm_solvers() {
 StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count) {
   StormTally tally;
   std::vector<Runner> runners;
-  for (const StormSolver& each : choice.solvers) runners.emplace_back(each.spec, choice.time_limit);
   for (std::uint64_t k = first; k < first + count; ++k) {
     const StormProblem p = storm_problem(choice.seed, k);
     Verdicts verdicts(p);
     const auto turn = k / storm_kinds().size();
+    if (runners.empty() || turn % 2 == 0) {  // both have faults of their own: solvers that are new, and that were used
+      runners.clear();
+      for (const StormSolver& each : choice.solvers) runners.emplace_back(each.spec, choice.time_limit);
+    }
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const StormSolver& each = choice.solvers[i];
       if (turn % static_cast<std::uint64_t>(each.every) != 0 || p.problem.size() > each.largest) continue;

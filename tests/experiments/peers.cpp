@@ -90,6 +90,7 @@ TEST_CASE("rivals: friction and boxes are rows of their own for solvers of pure 
 TEST_CASE("peers: rivals are rows of both tables, and of the report and its pictures") {
   const StandIns folder;
   folder.driver("half", "echo always pure", "printf 'solved 0 1 1e-9 -\\n0.5\\n' > $3");  // right for 2 z = 1
+  folder.driver("shy", "echo always pure", "printf 'failed 0 1 1e-9 -\\n0.5\\n' > $3");
   folder.driver("gone", "echo 'not here' >&2; exit 3", "");
   const Reply lcp = folder.run("'" ORTHANT_SHOOTOUT
                                "' --memory 0 --families known spd --quick --solvers lemke "
@@ -99,6 +100,9 @@ TEST_CASE("peers: rivals are rows of both tables, and of the report and its pict
   const std::string table = slurp(folder.path / "out/lcp/shootout.csv");
   CHECK(table.find("\"scalar_+-\",known,other,1,0,0,\"half/always\",certified") != std::string::npos);
   CHECK(table.find("\"scalar_++\",known,other,1,0,0,\"half/always\",wrong") != std::string::npos);
+  CHECK(table.find("\"scalar_+-\",known,other,1,0,0,\"shy/always\",certified,solved") != std::string::npos);
+  CHECK(table.find("\"scalar_++\",known,other,1,0,0,\"shy/always\",failed") != std::string::npos);
+  CHECK(table.find("\"scalar_tiny--\",known,other,1,0,0,\"shy/always\",failed") != std::string::npos);  // has none
   CHECK(table.find("\"gone\",refused,unsupported,0,0,,,,,\"\",\"not here\"") != std::string::npos);
 
   // θ₁ of µ = 0.01, e = 0.4, exact; one that gives up, and one that speaks before it answers.

@@ -139,3 +139,14 @@ TEST_CASE("a share of the storm: no wrong verdict, no crash, nothing late") {
   CHECK(sum[1] > (kSanitized ? 20 : 100));
   CHECK(storm_tally_from_text(to_text(tally)).rows.size() == tally.rows.size());
 }
+
+TEST_CASE("a share of the storm: numbers from the least to the largest, solvers new for each problem") {
+  StormChoice choice;
+  choice.seed = 424242, choice.grace = 30;
+  int tried = 0;
+  for (std::uint64_t k = 0; tried < (kSanitized ? 10 : 60); ++k) {
+    if (storm_problem(choice.seed, k).kind != "extremes") continue;
+    ++tried;
+    for (const StormFault& f : storm(choice, k, 1).faults) FAIL_CHECK(f.k, " ", f.solver, ": ", f.what, ": ", f.why);
+  }
+}
