@@ -341,7 +341,7 @@ TEST_CASE("a case alone, as other programs ask for it, is the row of the sweep: 
   const Sweeps folder;
   folder.write("l.sweep.toml",
                "scene = 'slider_crank'\nmeasure = 'crank.theta'\nreference = 'event-driven'\n"
-               "[[grid]]\nintegrator = 'moreau-jean'\nstep = [1e-4, 1e-8]\ntime_limit = 0.5\n");
+               "[[grid]]\nintegrator = 'moreau-jean'\nstep = [1e-4, 1e-8]\ntime_limit = 3\n");
   CHECK(folder.orthant("sweep l.sweep.toml --results r.sqlite").exit_code == 0);
   const auto rows = Results(folder / "r.sqlite", Results::read_only).rows("l");
   REQUIRE(rows.size() == 2);
