@@ -17,7 +17,7 @@ namespace orthant {
 /// Throws std::invalid_argument where the name ends in none of these: before a long run, not after it.
 void check_trajectory_file(const std::filesystem::path& file);
 
-/// `columns` and `table` as trajectory.h has them. Each file whole or not at all; throws std::runtime_error, or as above.
+/// `columns` and `table` as trajectory.h has them. Whole or not at all; throws std::runtime_error, or as above.
 void write_trajectory(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
                       const std::vector<double>& table);
 

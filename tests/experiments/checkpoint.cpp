@@ -3,11 +3,19 @@
 
 #include "tests/support/folder.h"
 
+#include <map>
+
 using namespace orthant;
 
 namespace {
 
 struct Runs : Folder {
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path))
+      if (entry.is_regular_file() && entry.path().extension() != ".txt") all[entry.path()] = slurp(entry.path());
+    return all;
+  }
   static std::string command(const std::string& more, int every = 50) {
     return "'" ORTHANT_CLI "' simulate slider_crank --step 1e-5 --every " + std::to_string(every) + " " + more;
   }
@@ -72,4 +80,33 @@ TEST_CASE("a full disk leaves what was there, and the run says so") {
     files += entry.path().string().find("run.csv") != std::string::npos;
   CHECK(files == 1);  // no temporary one is left
   CHECK(here.run(here.command("--duration 0.01 --output /dev/full")).exit_code == 1);
+}
+
+TEST_CASE("a result for ParaView is replaced whole or not at all, by a full disk and by a kill") {
+  const Runs here;
+  const std::string before = here.command("--duration 0.01 --output c.pvd");
+  const std::string after = here.command("--duration 0.05 --output c.pvd", 5);  // moments of 3 kB, an index of 60
+  REQUIRE(here.run(before).exit_code == 0);
+  here.write("c/notes.md", "of somebody else");
+  const auto old = here.files();
+  REQUIRE(old.size() > 20);
+
+  const Reply full = here.run("trap '' XFSZ; ulimit -f 16; " + after);  // blocks of 512 bytes
+  INFO(full.err);
+  CHECK(full.exit_code == 1);
+  CHECK(full.err.find("c.pvd") != std::string::npos);
+  CHECK(here.files() == old);
+
+  CHECK(here.run("ulimit -f 16; ulimit -c 0; " + after).exit_code > 128);  // a signal ends it in the midst of the index
+  auto kept = here.files();
+  CHECK(kept.size() > old.size());
+  std::erase_if(kept, [](const auto& file) { return file.first.find(".tmp") != std::string::npos; });
+  CHECK(kept == old);
+
+  REQUIRE(here.run(before).exit_code == 0);
+  CHECK(here.files() == old);  // and what the kill left is gone
+  REQUIRE(here.run(after).exit_code == 0);
+  CHECK(here.files().size() > 1000);
+  REQUIRE(here.run(before).exit_code == 0);
+  CHECK(here.files() == old);  // the longer one, too
 }

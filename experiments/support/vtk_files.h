@@ -1,0 +1,19 @@
+// experiments/support/vtk_files.h — a run's moments for ParaView: an index NAME.pvd, and NAME/NAME_i.vtu, one a moment.
+//
+//   All of it is written beside its place, then put there by two renames: a failure before them leaves an earlier result as it was
+//   and nothing else, a kill may leave NAME.tmp* and NAME.pvd.tmp*, which the next run onto this name removes. Files of others in
+//   the folder NAME stay.
+#pragma once
+
+#include <orthant/core/mechanics/scene.h>
+
+#include <filesystem>
+#include <vector>
+
+namespace orthant {
+
+/// `table` has `width` columns: t, then x, y, θ, ẋ, ẏ, ω of each body, then others. Throws std::runtime_error.
+void write_vtk(const std::filesystem::path& file, const Scene& scene, std::size_t width,
+               const std::vector<double>& table);
+
+}  // namespace orthant
