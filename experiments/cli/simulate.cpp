@@ -45,8 +45,8 @@ std::string label_of(const SimulateArguments& a) {
 
 nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& columns,
                                const std::vector<double>& last) {
-  nlohmann::ordered_json final;
-  for (std::size_t i = 0; i < columns.size(); ++i) final[columns[i]] = last[i];
+  nlohmann::ordered_json::object_t final;  // operator[] would compare each name with all before it
+  for (std::size_t i = 0; i < columns.size(); ++i) final.emplace_back(columns[i], last[i]);
   nlohmann::ordered_json json = {{"status", name(run.status)},
                                  {"why", run.why},
                                  {"final", final},

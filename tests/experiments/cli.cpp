@@ -3,6 +3,7 @@
 
 #include <H5Cpp.h>
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"
@@ -289,6 +290,25 @@ TEST_CASE("names in a file lead nowhere: they are words, and nothing is written 
   int files = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder.path)) files += entry.is_regular_file();
   CHECK(files == 3);  // the scene, and what this test keeps of the command's words
+}
+
+TEST_CASE("eight times the bodies take eight times the time, from the file to the summary") {
+  const Cli folder;
+  const auto seconds = [&](int bodies) {  // of processor time
+    std::string scene = "duration = 1e-3\nstep = 1e-3\n";
+    for (int i = 0; i < bodies; ++i) scene += "[[body]]\nname = 'b" + std::to_string(i) + "'\nmass = 1\ninertia = 1\n";
+    folder.write("many.toml", scene);
+    const auto spent = [] {
+      rusage all;
+      getrusage(RUSAGE_CHILDREN, &all);
+      return double(all.ru_utime.tv_sec) + 1e-6 * double(all.ru_utime.tv_usec);
+    };
+    const double before = spent();
+    CHECK(folder.orthant("simulate many.toml").exit_code == 0);
+    return spent() - before;
+  };
+  const double few = seconds(2000);
+  CHECK(seconds(16000) < 20 * few);  // some 50 where each column's name is compared with all before it
 }
 
 TEST_CASE("a run that enters a limit of the numbers is told which, by name, and no other is") {
