@@ -25,6 +25,8 @@
 namespace orthant {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct SimulateArguments {
   std::string scene, integrator = "moreau-jean", solver = "lemke", output, checkpoint;
   std::vector<std::string> sets;
@@ -41,6 +43,13 @@ std::string label_of(const SimulateArguments& a) {
   for (const std::string& set : a.sets) label += ", " + set;
   if (std::ifstream file(a.scene); file) label += "\n" + std::string(std::istreambuf_iterator<char>(file), {});
   return label;
+}
+
+/// Why a checkpoint with the one label is no place for a run with the other to go on from.
+std::string difference(const std::string& kept, const std::string& wanted) {
+  const std::string was = kept.substr(0, kept.find('\n')), is = wanted.substr(0, wanted.find('\n'));
+  return was == is ? "is of another content of the scene's file (" + is + "): must be of this one"
+                   : "is of another run (" + was + "): must be of this one (" + is + ")";
 }
 
 nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& columns,
@@ -83,10 +92,10 @@ void dump_failed_step(const SimulateArguments& arguments, const Integrator& inte
                                   : "\n");
     return;
   }
-  const auto folder = std::filesystem::path(arguments.output).parent_path();
+  const auto folder = fs::path(arguments.output).parent_path();
   const auto name_of = "failed_step_" + std::to_string(run.steps + 1);
   auto file = folder / (name_of + ".json");
-  for (int k = 2; std::filesystem::exists(file); ++k) file = folder / (name_of + "_" + std::to_string(k) + ".json");
+  for (int k = 2; fs::exists(file); ++k) file = folder / (name_of + "_" + std::to_string(k) + ".json");
   try {
     write_problem(file, integrator.problem(),
                   "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver);
@@ -179,17 +188,23 @@ int run_simulate(const SimulateArguments& arguments) {
   Restart restart;
   if (!arguments.checkpoint.empty()) {
     check_writable(arguments.checkpoint);
+    const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
+    if (!arguments.output.empty() && place(arguments.checkpoint) == place(arguments.output))
+      throw std::invalid_argument("--checkpoint '" + arguments.checkpoint + "' and --output '" + arguments.output +
+                                  "': must be two files");
     const std::string label = label_of(arguments);
     restart.every = arguments.checkpoint_every;
     restart.save = [&, label](const std::string& bytes) {
-      write_checkpoint(arguments.checkpoint, {label, table, last, bytes});
+      try {
+        write_checkpoint(arguments.checkpoint, {label, table, last, bytes});
+      } catch (...) {  // ends the run; what is done is not lost with it
+        if (!arguments.output.empty()) write_trajectory(arguments.output, scene, columns, table);
+        throw;
+      }
     };
-    if (arguments.resume && std::filesystem::exists(arguments.checkpoint)) {
+    if (arguments.resume && fs::exists(arguments.checkpoint)) {
       Checkpoint kept = read_checkpoint(arguments.checkpoint);
-      if (kept.label != label)
-        throw std::invalid_argument(arguments.checkpoint + ": is of another run (" +
-                                    kept.label.substr(0, kept.label.find('\n')) + "): must be of this one (" +
-                                    label.substr(0, label.find('\n')) + ")");
+      if (kept.label != label) throw std::invalid_argument(arguments.checkpoint + ": " + difference(kept.label, label));
       table = std::move(kept.table), last = std::move(kept.last), restart.from = std::move(kept.run);
     }
   } else if (arguments.resume) {

@@ -56,6 +56,9 @@ TEST_CASE("a checkpoint of another run, a damaged one and none are told in words
   says(here.command(kept + "--resume --set mu=0.2"), "is of another run");
   says(here.command(kept + "--resume --solver path"), "is of another run");
   says(here.command(kept + "--resume", 7), "checkpoint: was made with");
+  for (const char* same : {"c.ckpt.csv", "./c.ckpt.csv"})
+    says(here.command("--checkpoint c.ckpt.csv --output " + std::string(same)),
+         ("--checkpoint 'c.ckpt.csv' and --output '" + std::string(same) + "': must be two files").c_str());
   says(here.command("--resume"), "--resume: needs --checkpoint");
   std::string bytes = slurp(here.path / "c.ckpt");
   bytes[bytes.size() / 2] ^= 1;
@@ -63,6 +66,36 @@ TEST_CASE("a checkpoint of another run, a damaged one and none are told in words
   says(here.command(kept + "--resume"), "damaged checkpoint");
   here.write("c.ckpt", "orthant");
   says(here.command(kept + "--resume"), "is no checkpoint");
+}
+
+namespace {
+
+constexpr const char* kFalls = "duration = 0.1\nstep = 1e-3\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n";
+constexpr const char* kRunsOn = "'" ORTHANT_CLI "' simulate s.toml --checkpoint c.ckpt --checkpoint-every 50 ";
+
+}  // namespace
+
+TEST_CASE("a scene's file that changed is told as such to a run that would go on") {
+  const Runs here;
+  here.write("s.toml", kFalls);
+  REQUIRE(here.run(kRunsOn).exit_code == 0);
+  here.write("s.toml", kFalls + std::string("omega = 1\n"));
+  const Reply reply = here.run(kRunsOn + std::string("--resume"));
+  INFO(reply.err);
+  CHECK(reply.exit_code == 1);
+  CHECK(reply.err.find("c.ckpt: is of another content of the scene's file (") != std::string::npos);
+}
+
+TEST_CASE("a checkpoint that finds no room ends the run, whose trajectory is written") {
+  const Runs here;
+  here.write("s.toml",
+             kFalls + ("#" + std::string(20000, '-')) + "\n");  // a checkpoint holds the text, a trajectory not
+  const Reply reply = here.run("trap '' XFSZ; ulimit -f 16; " + std::string(kRunsOn) + "--every 10 --output s.csv");
+  INFO(reply.err);
+  CHECK(reply.exit_code == 1);
+  CHECK(reply.err.find("cannot write") != std::string::npos);
+  CHECK(reply.err.find("c.ckpt") != std::string::npos);
+  CHECK(lines(slurp(here.path / "s.csv")) == 1 + 6);  // header, start, 5 records in 50 steps
 }
 
 TEST_CASE("a full disk leaves what was there, and the run says so") {
