@@ -102,7 +102,7 @@ TEST_CASE("peers: rivals are rows of both tables, and of the report and its pict
   CHECK(table.find("\"scalar_++\",known,other,1,0,0,\"half/always\",wrong") != std::string::npos);
   CHECK(table.find("\"scalar_+-\",known,other,1,0,0,\"shy/always\",certified,solved") != std::string::npos);
   CHECK(table.find("\"scalar_++\",known,other,1,0,0,\"shy/always\",failed") != std::string::npos);
-  CHECK(table.find("\"scalar_tiny--\",known,other,1,0,0,\"shy/always\",failed") != std::string::npos);  // has none
+  CHECK(table.find("\"scalar_tiny--\",known,infeasible,1,0,0,\"shy/always\",failed") != std::string::npos);  // has none
   CHECK(table.find("\"gone\",refused,unsupported,0,0,,,,,\"\",\"not here\"") != std::string::npos);
 
   // θ₁ of µ = 0.01, e = 0.4, exact; one that gives up, and one that speaks before it answers.
