@@ -3,6 +3,7 @@ import math
 from functools import cache
 from statistics import median
 
+from critical import coupling, mechanism, rebound, stopping
 from data import code, count, load, pick, plus_minus, rows, short, solved, tabular, tex, unit, words
 from schemes import numeral
 
@@ -170,7 +171,18 @@ def ensemble_table(t, n):
     n["tilt/together"] = ", ".join(name for name, k in apart if not k) or "none"
 
 
+def corners_in_turn(n):
+    """What a tilted face does where it first strikes, by masses and geometry; the crank has turned by omega t there, or a little less."""
+    e = max(row["e"] for row in rows("clearance"))
+    touch = exact(B, e, lambda row: row["first_touch"])
+    c = coupling(mechanism()[2][0]["omega"] * touch)
+    n["tilt/coupling"], n["tilt/stops_to"] = tex(c, 2), tex(stopping(c), 2)
+    share, strikes = rebound(c, e)
+    n["tilt/leaves"], n["tilt/strikes"] = tex(share, 2), count(strikes)
+
+
 def everything(t, n):
+    corners_in_turn(n)
     for part in (orders_table, statistics_table, clearance_table, ensemble_table):
         part(t, n)
     n["tilt/b"] = tex(B, 1) + unit("rad/s")
