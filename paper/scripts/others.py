@@ -204,7 +204,10 @@ def conservation(t, n):
     n["conservation/symmetric_drift"] = tex(min((r["step"], r["energy_drift"]) for r in symmetric)[1], 1) + unit("J")
     n["conservation/h"] = tex(1e6 * least[0], 3) + unit(r"\mu s")
     n["conservation/energy"] = tex(classical[0]["energy_initial"], 3) + unit("J")
-    n["conservation/rise"] = tex(max(r["energy_rise"] for r in box), 1) + unit("J")
+    rubbing = max(pick(box, **{"collision.all.mu": lambda mu: mu > 0}), key=lambda r: r["energy_rise"])
+    n["conservation/rise"], n["conservation/rise_by"] = tex(rubbing["energy_rise"], 1) + unit("J"), code(rubbing["integrator"])
+    smooth = pick(box, integrator=rubbing["integrator"], **{"collision.all.mu": 0})
+    n["conservation/rise_smooth"] = tex(max(r["energy_rise"] for r in smooth), 1) + unit("J")
     n["conservation/rise_event"] = tex(max(r["energy_rise"] for r in pick(box, integrator="event-driven")), 1) + unit("J")
     for name, integrator in (("event", "event-driven"), ("adaptive", "adaptive")):
         n[f"conservation/spin_{name}"] = tex(max(r["spin_drift"] for r in pick(solved(box), integrator=integrator)), 1)
