@@ -27,8 +27,8 @@ WORDS = re.compile(r"\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve
 # Numbers in words that no run could change: parts of the mechanism, of a formula, of the text itself; names of errors in a table.
 STRUCTURE = ("ask five questions", "Three findings stand out", "The contribution is threefold", "four corners, two walls",
              "three degrees of freedom", "has three rows a contact", "fall into four kinds", "Third, started tilted",
-             "four-bar", "each digit costs ten times the work", "a thousandth of a radian", "a hundredth of a radian", "A thousandth takes",
-             "reaches a millionth", "a thousand-millionth", "hundreds of contacts",
+             "four-bar", "each digit costs ten times the work", "a hundredth of a radian", "A thousandth takes",
+             "reaches a millionth", "at most half the time", "a thousand-millionth", "hundreds of contacts",
              "Two schemes satisfy", "two runs of a study", "has two starts")
 MATHS = re.compile(r"\$.+?\$|\\begin\{(equation|align|gather)\*?\}.*?\\end\{\1\*?\}|\\\[.*?\\\]", re.S)
 
