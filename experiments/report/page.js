@@ -163,7 +163,7 @@ function drawTimes(parent, sweep) {
   add(
     parent,
     "p",
-    "Processor time in milliseconds, the worst over the parameters; the cheapest setting from which on every finer one is as good; –: not reached in this sweep.",
+    "Processor time in milliseconds, the worst over the parameters; the cheapest timed setting from which on every finer timed one is as good, so known to the factor between two settings; –: not reached in this sweep.",
     { className: "note" },
   );
   const best = sweep.targets.map((_, k) =>

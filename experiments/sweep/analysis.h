@@ -21,7 +21,7 @@ inline bool row_solved(const ResultRow& row) { return row.at("status") == "solve
 nlohmann::ordered_json fitted_orders(const std::vector<ResultRow>& rows);
 
 /// Processor time to errors of 1e-2 … 1e-9: for each integrator and solver that has timed rows, and each set of parameters, the
-/// cheapest setting from which on every finer one is as good (no lucky run counts); the worst over the sets of parameters
+/// cheapest timed setting from which on every finer timed one is as good; the worst over the sets of parameters
 /// in which anybody gets there, null where one of them is not reached. Keys: integrator, solver, seconds (by target).
 nlohmann::ordered_json time_to_error(const std::vector<ResultRow>& rows);
 std::span<const double> error_targets();

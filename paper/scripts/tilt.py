@@ -85,6 +85,8 @@ def statistics_table(t, n):
         n[f"tilt/floor_{es.index(e)}"] = ", ".join(name for name, k in falling.items() if not k) or "none"
         n[f"tilt/e_{es.index(e)}"] = tex(e, 1)
         lines.append(r"\midrule")
+    n["tilt/b_falls"] = words(max(sum(f is not None and f[0] >= NO_ORDER for f in convergence(B, e, lambda row: row["value"]).values())
+                                  for e in es))
     n["tilt/schemes"], n["tilt/octaves"] = numeral(schemes), numeral(OCTAVES)
     lines = lines[:len(STATISTICS)] + [r"\midrule"] + lines[len(STATISTICS) + 1:-1]
     head = ["", r"exact", "falls", "errors, finest steps", r"exact", "falls", "errors, finest steps"]
@@ -120,6 +122,11 @@ def orders_table(t, n):
     n["tilt/greatest"] = tex(max(f["order"] for f in tilted), 2)
     n["tilt/finest_least"] = tex(min(f["worst"][-1][1] for f in tilted), 1) + unit("rad")
     n["tilt/good_settings"], n["tilt/good_least"] = count(len(good)), tex(min(f["order"] for f in good), 2)
+    upright = [f for f in rest if f["e"] > 0.4]
+    n["tilt/bouncy"], n["tilt/bouncy_below"] = count(len(upright)), numeral(len([f for f in upright if f["order"] < NO_ORDER]))
+    n["tilt/bouncy_least"] = tex(min(f["order"] for f in upright), 2)
+    n["tilt/bouncy_falls"] = words(sum(f is not None and f[0] >= NO_ORDER for f in
+                                       convergence(A, max(es), lambda row: row["value"]).values()))
     n["tilt/no_order"] = tex(NO_ORDER, 1)
 
 
