@@ -141,6 +141,13 @@ def solvers(t, n):
     n["solvers/crank_h"] = tex(1e3 * crank[0]["step"], 1) + unit("ms")
     best = max(summary, key=lambda r: r["certified"])
     n["solvers/best"], n["solvers/best_certified"] = code(best["solver"]), count(int(best["certified"]))
+    steps = {row["solver"]: tally(row["solver"], lambda f: f == "steps") for row in summary}
+    n["solvers/all_steps"] = ", ".join(code(name) for name, (good, asked) in steps.items() if good == asked)
+    n["solvers/lemke_steps"] = count(steps["lemke"][0])
+    jams = {name: pick(friction, solver=name) for name in dict.fromkeys(row["solver"] for row in friction)}
+    n["solvers/all_jams"] = ", ".join(code(name) for name, own in jams.items() if len(solved(own)) == len(own))
+    for name in ("auto", "lemke", "path", "newton-min", "newton-fb"):
+        n[f"solvers/{name}_time"] = tex(pick(summary, solver=name)[0]["median_time_to_best"])
     for name in ("lemke", "pgs", "newton-min", "newton-fb"):
         n[f"solvers/{name}"] = count(int(pick(summary, solver=name)[0]["certified"]))
 
