@@ -183,7 +183,7 @@ def corners_in_turn(n):
     e = max(row["e"] for row in rows("clearance"))
     touch = exact(B, e, lambda row: row["first_touch"])
     c = coupling(mechanism()[2][0]["omega"] * touch)
-    n["tilt/coupling"], n["tilt/stops_to"] = tex(c, 2), tex(stopping(c), 2)
+    n["tilt/coupling"], n["tilt/stops_to"] = tex(c, 3), tex(stopping(c), 2)
     share, strikes = rebound(c, e)
     n["tilt/leaves"], n["tilt/strikes"] = tex(share, 2), count(strikes)
 
