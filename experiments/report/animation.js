@@ -25,7 +25,9 @@ class Film {
     Object.assign(this, { film, animation, scene: animation.scene });
     const figure = document.createElement("figure");
     this.caption = Object.assign(document.createElement("figcaption"), {
-      textContent: film.label + (film.status === "solved" ? "" : ` (ended: ${film.status})`),
+      textContent:
+        film.label +
+        (film.status === "solved" ? "" : ` (ended: ${film.status}, at ${(1e3 * film.frames.at(-1)[0]).toFixed(2)} ms; then it stands still)`),
     });
     this.canvas = document.createElement("canvas");
     this.strip = document.createElement("canvas");
@@ -101,10 +103,19 @@ class Film {
     return { left: x - width / 2, right: x + width / 2, low: y - height / 2, high: y + height / 2 };
   }
 
-  /** Draws frame k. */
-  show(k) {
+  /** The frame nearest to a time; the last one when the film is over. */
+  frameAt(t) {
+    const frames = this.film.frames;
+    const after = frames.findIndex((frame) => frame[0] >= t);
+    if (after <= 0) return after < 0 ? frames.length - 1 : 0;
+    return frames[after][0] - t < t - frames[after - 1][0] ? after : after - 1;
+  }
+
+  /** Draws the frame of a time. */
+  show(t) {
     const frames = this.film.frames,
-      frame = frames[Math.min(k, frames.length - 1)];
+      k = this.frameAt(t),
+      frame = frames[k];
     const { left, right, low, high } = this.box;
     const width = this.canvas.clientWidth;
     const c = sized(this.canvas, width, Math.round((width * (high - low)) / (right - left)));
@@ -208,10 +219,10 @@ class Film {
       back = Math.max(1, Math.round(kFade * frames.length));
     this.scene.contacts.forEach((contact, i) => {
       if (contact.body === undefined) return;
-      for (let j = Math.max(0, k - back + 1); j <= Math.min(k, frames.length - 1); ++j) {
+      for (let j = Math.max(0, k - back + 1); j <= k; ++j) {
         const size = this.impulse(frames[j], i);
         if (!(size > 1e-9)) continue;
-        const [x, y] = at(this.place(frames[Math.min(k, frames.length - 1)], contact.body, contact.point));
+        const [x, y] = at(this.place(frames[k], contact.body, contact.point));
         const length = 0.12 * Math.sqrt(size / this.strongest) * scale,
           [nx, ny] = contact.normal;
         const [ex, ey] = [x + length * nx, y - length * ny];
@@ -258,8 +269,9 @@ class Animation {
     controls.append(this.button, this.slider, this.speed);
     element.append(controls, films);
     this.films = animation.films.map((film) => new Film(films, film, animation));
+    this.duration = Math.max(...this.films.map(({ film }) => film.frames.at(-1)[0])); // one that ended early waits
     this.seconds = animation.seconds ?? 12;
-    this.position = 0.012; // of the film, in [0, 1]
+    this.position = 0.012; // of the longest film, in [0, 1]
     this.last = null;
     this.button.onclick = () => this.toggle();
     this.slider.oninput = () => {
@@ -294,6 +306,6 @@ class Animation {
 
   draw() {
     this.slider.value = this.position;
-    for (const film of this.films) film.show(Math.round(this.position * (film.film.frames.length - 1)));
+    for (const film of this.films) film.show(this.position * this.duration);
   }
 }

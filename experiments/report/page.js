@@ -217,13 +217,16 @@ function drawFailures(parent, rows) {
       `All ${rows.length} runs ended solved: every complementarity problem was accepted by the judge.`,
       { className: "note" },
     );
-  add(parent, "p", "`orthant results FILE --failures` writes each problem to a file that `orthant solve` replays.", {
-    className: "note",
-  });
+  const hint = add(parent, "p", undefined, { className: "note" });
+  add(hint, "code", "orthant results FILE --failures");
+  hint.append(" writes each problem to a file that ");
+  add(hint, "code", "orthant solve");
+  hint.append(" replays.");
   const groups = unique(failed.map((row) => [row.integrator, row.solver, row.status, row.why].join("\n")));
+  const said = failed.some((row) => row.why); // a limit that was reached says all by its name
   table(
     parent,
-    ["method", "solver", "ended as", "runs", "in words"],
+    ["method", "solver", "ended as", "runs", ...(said ? ["in words"] : [])],
     groups.map((key) => {
       const [integrator, solver, status, why] = key.split("\n");
       return [
@@ -231,12 +234,12 @@ function drawFailures(parent, rows) {
         solver,
         status,
         String(failed.filter((row) => [row.integrator, row.solver, row.status, row.why].join("\n") === key).length),
-        why,
+        ...(said ? [why] : []),
       ];
     }),
     3,
     [],
-    true,
+    said,
   );
 }
 

@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFrames = 1000;
-constexpr double kPatience = 60;  // [s] for all films of a report; past it they end where they are
+constexpr double kPatience = 900;  // [s] for all films of a report, which take seconds; past it a film ends early
 
 double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a drawing
 

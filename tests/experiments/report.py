@@ -63,9 +63,16 @@ def test_animation(page):
     slider = page.find_element(By.CSS_SELECTOR, ".controls input")
     page.execute_script("arguments[0].value = 0.5; arguments[0].dispatchEvent(new Event('input'))", slider)
     check(abs(page.execute_script(position) - 0.5) < 1e-9, "the slider scrubs")
-    times = "return animations[0].films.map(f => f.film.frames[Math.round(0.5 * (f.film.frames.length - 1))][0])"
-    left, right = page.execute_script(times)
-    check(abs(left - right) < 1e-5, "both films show the same time")
+    times = "const t = %s * animations[0].duration; return animations[0].films.map(f => f.film.frames[f.frameAt(t)][0])"
+    left, right = page.execute_script(times % 0.5)
+    check(left > 0 and abs(left - right) < 1e-5, "both films show the same time")
+    cut = "const all = animations[0].films[1].film.frames; animations[0].films[1].film.frames = all.slice(0, %s); return all.length"
+    length = page.execute_script(cut % 300)  # as if it had ended early
+    left, right = page.execute_script(times % 0.2)
+    check(left > 0 and abs(left - right) < 1e-5, "and so they do where one has ended early")
+    left, right = page.execute_script(times % 0.9)
+    check(0 < right < left, "which stands still from there on")
+    check(length > 300, "there was something to cut")
     arrows = ("return animations[0].films.every(f => "
               "f.film.frames.some(x => f.scene.contacts.some((_, i) => f.impulse(x, i) > 0)))")
     check(page.execute_script(arrows), "there are impulses to draw")
@@ -113,6 +120,9 @@ def test_page(page):
     check(page.execute_script("return plots.filter(p => p.figure.x_label === 'mu').every(p => p.figure.lines.every(l => "
                               "l.x.every((x, i) => i === 0 || l.x[i - 1] <= x)))"), "a line goes from left to right")
     check(plots > 0, "the page has plots")
+    check("`" not in page.find_element(By.TAG_NAME, "body").text, "no mark of a source text is left")
+    check(page.execute_script("return [...document.querySelectorAll('table')].every(t => [...t.rows[0].cells].every((_, c) => "
+                              "[...t.rows].slice(1).some(row => row.cells[c].textContent)))"), "no column of a table is empty")
     for width, scheme in ((1100, "light"), (390, "dark"), (1100, "dark")):
         look(page, width, 900, scheme)
         check(page.execute_script("return document.documentElement.scrollWidth") <= width,
