@@ -16,7 +16,8 @@ namespace {
 constexpr double kTolerance = 1e-10;  // the largest default of all solvers
 
 /// One problem's verdicts: a z or a proof that several solvers found is looked at once. Where A is singular but for its last
-/// digits both may hold, a proof of uᵀw < 0 and a z that misses by less than the tolerance: uᵀw ≥ −tolerance ‖u‖₁.
+/// digits both may hold, an exact proof of uᵀw < 0 and a z that misses by less than the tolerance: uᵀw ≥ −tolerance ‖u‖₁. A
+/// proof that holds but for roundings says that z would be too large to be known: beside a z that holds it is wrong.
 class Verdicts {
  public:
   explicit Verdicts(const StormProblem& p) : p_(p) {}
@@ -49,7 +50,10 @@ class Verdicts {
       why = f.why;
     else if (p_.answer == Answer::infeasible || p_.answer == Answer::none)
       why = "there is no solution, by construction";
+    else if (rounded_)
+      why = "another solver's proof, good to rounding, says that there is no solution";
     if (!why.empty()) return StormResult::wrong;
+    found_ = true;
     row.error = std::max(row.error, f.error);
     return StormResult::solved;
   }
@@ -60,13 +64,17 @@ class Verdicts {
       why = f.why;
     else if (p_.answer && p_.answer != Answer::infeasible)
       why = "there is no proof, by construction";
+    else if (found_ && f.error > 0)
+      why = "good to rounding, and another solver's solution holds";
     if (!why.empty()) return StormResult::wrong;
+    rounded_ = rounded_ || f.error > 0;
     ++(f.error == 0 ? row.exact : row.rounded);
     return StormResult::infeasible;
   }
 
   const StormProblem& p_;
   std::vector<std::pair<Vector, Finding>> solutions_, proofs_;
+  bool found_ = false, rounded_ = false;
 };
 
 struct Runner {
