@@ -7,9 +7,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <map>
 #include <stdexcept>
+#include <thread>
 
 namespace orthant {
 namespace {
@@ -227,16 +229,24 @@ Results::Results(const std::filesystem::path& file, Open open, double patience) 
       Statement statement(*this, std::string("PRAGMA ") + name);
       return statement.step() ? statement.at(0).get<int>() : 0;
     };
-    if (const int id = pragma("application_id"); id == kOurs) {
-      if (pragma("user_version") != kVersion)
-        throw std::runtime_error(file.string() + ": was written by another version of orthant");
-    } else if (id == 0 && open == read_only && pragma("schema_version") == 0) {
+    run("BEGIN");  // one moment for all three: another process may be making the file
+    const int id = pragma("application_id"), version = pragma("user_version"), schema = pragma("schema_version");
+    run("COMMIT");
+    if (id == kOurs) {
+      if (version != kVersion) throw std::runtime_error(file.string() + ": was written by another version of orthant");
+    } else if (id == 0 && open == read_only && schema == 0) {
       throw std::runtime_error("cannot use " + file.string() + ": it is empty, no sweep has written to it yet");
-    } else if (id != 0 || open == read_only || pragma("schema_version") != 0) {
+    } else if (id != 0 || open == read_only || schema != 0) {
       throw std::runtime_error("cannot use " + file.string() + ": it is no results file");
     }
     if (open == read_only) return;
-    run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
+    // The one lock that SQLite does not wait for by itself: two processes that begin a file together both ask for it.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience);
+    while (sqlite3_exec(db_, "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) != SQLITE_OK) {
+      if ((sqlite3_errcode(db_) & 0xff) != SQLITE_BUSY || std::chrono::steady_clock::now() >= end) fail("write");
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    run("PRAGMA synchronous = NORMAL");
     run("BEGIN IMMEDIATE; CREATE TABLE IF NOT EXISTS cases(" + list_of_columns(", ", true) +
         "); CREATE TABLE IF NOT EXISTS sweeps(name TEXT PRIMARY KEY, about TEXT);"
         "CREATE TABLE IF NOT EXISTS members(sweep TEXT, place INTEGER, key TEXT, PRIMARY KEY(sweep, place));"

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <barrier>
 #include <chrono>
 #include <thread>
 
@@ -512,6 +513,27 @@ TEST_CASE("results that cannot be written or read: one line with file and reason
   CHECK_THROWS_WITH(Results(folder / "r.sqlite", Results::read_write, 0.05).add({{"key", "0"}}),
                     doctest::Contains("another program has locked it"));
   sqlite3_close(db);
+}
+
+TEST_CASE("a results file that several begin at the same moment is everybody's") {
+  const Folder folder;
+  for (int round = 0; round < 30; ++round) {
+    const auto file = folder.path / ("r" + std::to_string(round) + ".sqlite");
+    std::barrier together(4);
+    std::array<std::string, 4> words;
+    std::vector<std::jthread> threads;
+    for (std::string& word : words)
+      threads.emplace_back([&] {
+        together.arrive_and_wait();
+        try {
+          const Results results(file);
+        } catch (const std::exception& error) {
+          word = error.what();
+        }
+      });
+    threads.clear();
+    for (const std::string& word : words) CHECK(word == "");
+  }
 }
 
 TEST_CASE("results on a read-only disk are read and reported as ever; writing there is refused in a line") {
