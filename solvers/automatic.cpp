@@ -155,7 +155,7 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
   work.looked = false;
   const Index most = std::holds_alternative<RowSparse>(problem.A) ? kBoldRows : kBold;
   work.formed = problem.size() <= most ? &work.small(problem) : &problem;
-  if (problem.size() <= most && !budget().exhausted() && work.bold.solve(*work.formed, s.z, work.iterations)) {
+  if (problem.size() <= most && !budget().cancelled() && work.bold.solve(*work.formed, s.z, work.iterations)) {
     s.iterations = work.iterations;
     log(0, 0, 0, "active-set");
     return Status::solved;

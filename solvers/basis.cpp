@@ -80,7 +80,8 @@ template <class T> bool Basis<T>::factorize_gathered() {
     }
     if (m > kDiagnosed) return false;
   }
-  auto dense = dense_.reset(m);
+  typename DenseLu<T>::Dense dense(dense_.reset(m), m, m);
+  dense.setZero();
   for_each_entry([&](Index r, Index c, T value) { dense(r, c) = value * row_scale_[at(r)] * col_scale_[at(c)]; });
   const Index rank = dense_.factorize(kZero<T>);
   for (Index k = rank; k < m; ++k)

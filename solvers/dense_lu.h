@@ -28,17 +28,17 @@ template <class T> class DenseLu {  // reuse it
   using Dense = Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>>;
   using Column = Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, 1>>;
 
-  /// m × m zeros to be filled before factorize().
-  Dense reset(Index m) {
+  /// Room for m × m entries, column after column, whatever they are; to be filled before factorize().
+  T* reset(Index m) {
     m_ = m;
-    storage_.assign(static_cast<std::size_t>(m * m), T(0));
-    return {storage_.data(), m, m};
+    if (u(m * m) > storage_.size()) storage_.resize(u(m * m));
+    if (u(m) > row_.size()) row_.resize(u(m)), column_.resize(u(m)), scratch_.resize(u(m));
+    return storage_.data();
   }
 
   /// The rank found; solves are for full rank only.
   Index factorize(T zero) {
     using std::abs;
-    row_.resize(u(m_)), column_.resize(u(m_)), scratch_.resize(u(m_));
     for (Index i = 0; i < m_; ++i) row_[u(i)] = column_[u(i)] = i;
     Dense A(storage_.data(), m_, m_);
     Index end = m_;  // columns from here on are known to depend on the others
@@ -62,7 +62,8 @@ template <class T> class DenseLu {  // reuse it
           for (Index j = 0; j < m_; ++j) std::swap(A(k, j), A(p, j));
           std::swap(row_[u(k)], row_[u(p)]);
         }
-        A.col(k).tail(m_ - k - 1) /= A(k, k);
+        T* const below = A.col(k).data();
+        for (Index i = k + 1; i < m_; ++i) below[i] /= below[k];
         ++k;
       }
     }
@@ -105,6 +106,7 @@ template <class T> class DenseLu {  // reuse it
 
  private:
   static constexpr Index kPanel = 128, kTile = 128;
+  static constexpr Index kFew = 8;  // entries for which a call costs more than the loop
   static std::size_t u(Index i) { return static_cast<std::size_t>(i); }
 
   // The pivots [k0, k1) applied to the columns [j0, j1).
@@ -125,7 +127,7 @@ template <class T> class DenseLu {  // reuse it
     const auto column = [this](Index s) { return storage_.data() + s * m_; };
     Index s = k0;
     if constexpr (std::is_same_v<T, double>)
-      for (; s + 4 <= k; s += 4) {
+      for (; m_ > kFew && s + 4 <= k; s += 4) {
         for (Index r = 1; r < 4; ++r)
           for (Index c = 0; c < r; ++c) x[s + r] -= x[s + c] * column(s + c)[s + r];
         if (x[s] == 0 && x[s + 1] == 0 && x[s + 2] == 0 && x[s + 3] == 0) continue;
@@ -136,9 +138,8 @@ template <class T> class DenseLu {  // reuse it
   }
   static void subtract(T* x, T f, const T* column, Index size) {
     if constexpr (std::is_same_v<T, double>)
-      detail::subtract(x, f, column, size);
-    else
-      for (Index i = 0; i < size; ++i) x[i] -= f * column[i];
+      if (size > kFew) return detail::subtract(x, f, column, size);
+    for (Index i = 0; i < size; ++i) x[i] -= f * column[i];
   }
   // All panels before k0.
   void bring(Dense& A, Index k0, Index j0, Index j1) {

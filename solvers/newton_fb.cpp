@@ -179,7 +179,7 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
     A = &dense_;
   }
   const Index n = p.size();
-  auto V = lu_.reset(n);
+  DenseLu<double>::Dense V(lu_.reset(n), n, n);
   V = db_.asDiagonal() * *A;
   V.diagonal() += da_;
   gradient_.resize(n);

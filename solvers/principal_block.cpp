@@ -63,7 +63,7 @@ struct PrincipalBlock::Dense {
       if (cholesky.factorize(zero(m, shift))) return true;
     }
     kind = Kind::partial;
-    auto block = partial.reset(m);
+    DenseLu<double>::Dense block(partial.reset(m), m, m);
     fill(F, block);
     if (!block.allFinite()) return false;
     const double size = block.cwiseAbs().maxCoeff();

@@ -92,12 +92,16 @@ void check_friction(const Lcp& p) {
 
 // x · 0 is 0 for a finite x and NaN for any other: sums without branches, four of them so that none waits for the last.
 bool finite(const double* x, std::size_t size) {
-  double sum[4] = {0, 0, 0, 0};
+  double sum = 0;
   std::size_t i = 0;
-  for (; i + 4 <= size; i += 4)
-    for (std::size_t k = 0; k < 4; ++k) sum[k] += 0.0 * x[i + k];
-  for (; i < size; ++i) sum[0] += 0.0 * x[i];
-  return sum[0] + sum[1] + sum[2] + sum[3] == 0.0;
+  if (size >= 16) {
+    double part[4] = {0, 0, 0, 0};
+    for (; i + 4 <= size; i += 4)
+      for (std::size_t k = 0; k < 4; ++k) part[k] += 0.0 * x[i + k];
+    sum = part[0] + part[1] + part[2] + part[3];
+  }
+  for (; i < size; ++i) sum += 0.0 * x[i];
+  return sum == 0.0;
 }
 bool finite(const Vector& v) { return finite(v.data(), static_cast<std::size_t>(v.size())); }
 
