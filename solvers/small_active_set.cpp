@@ -55,6 +55,7 @@ template <Index N> class Attempt {
  private:
   Index size() const { return N == kAny ? size_known_late_ : N; }
   void load(const Lcp& problem);
+  bool at_rest(const double* z) const;
   bool z_matrix() const;
   void guess(double* z);
   bool newton(double* z);
@@ -240,11 +241,20 @@ template <Index N> Index Attempt<N>::mend(const double* z, bool one) {
   return wrong;
 }
 
+/// z = 0 and all rows on a bound that b holds them at: contacts that stay open.
+template <Index N> bool Attempt<N>::at_rest(const double* z) const {
+  bool rest = true;
+  for (Index i = 0; i < size(); ++i)
+    rest &= z[i] == 0 && (b_[i] == 0 || (b_[i] > 0 ? lo_[i] == 0 : hi_[i] == 0) || (friction_ && normal_[i] >= 0));
+  return rest;
+}
+
 template <Index N> bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations) {
   load(problem);
   iterations_ = &iterations;
   const Index n = size();
   for (Index i = 0; i < n; ++i) z[i] = std::clamp(z[i], lo_[i], hi_[i]);
+  if (at_rest(z)) return true;
   const bool monotone = n >= 20 && z_matrix();
   if (monotone)  // rows then leave in large blocks, while from the bounds they enter one layer an iteration
     for (Index i = 0; i < n; ++i) side_[i] = Side::inside;

@@ -1,5 +1,6 @@
 #include "lcp_trial.h"
 
+#include "experiments/benchmarks/clock.h"
 #include "independent_judge.h"
 
 #include <orthant/solvers/registry.h>
@@ -7,16 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <ctime>
 
 namespace orthant {
 namespace {
-
-double processor_time() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// The last three kinds of events, in the order in which each was last seen. Events with numbers are cut before them;
 /// entries without one are the method's plain iterations.
@@ -45,42 +39,27 @@ void judge_solution(const Lcp& problem, const Vector& z, Trial& t) {
 
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit) {
   constexpr double kEnough = 0.1;  // [s]
-  constexpr double kShort = 2e-5;  // [s] below it calls are timed in a row: the clock takes a part of a microsecond
-  constexpr int kMostRuns = 5;
   Trial t;
   const auto solver = make_solver(spec);
   solver->set_time_limit(time_limit);
   Solution s;
-  std::vector<double> times;
-  const auto begin = std::chrono::steady_clock::now();
-  const auto run = [&](int calls) {
-    const double start = processor_time();
-    for (int k = 0; k < calls; ++k) solver->solve(problem, s);
-    times.push_back((processor_time() - start) / calls);
-  };
   IterationLog log;
   solver->set_log(&log);
-  run(1);
+  const double begin = rival::processor_time();
+  solver->solve(problem, s);
+  const double first = rival::processor_time() - begin;
   solver->set_log(nullptr);
   t.stages = stages_of(log);
   if (s.status == Status::unsupported) t.note = solver->why_not(problem);
-  const double first = times[0];
-  if (first < kEnough && s.status != Status::unsupported) {
-    const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-    times.clear();  // the logged run only counts when it is the only one
-    run(1);
-    const int calls = times[0] < kShort ? static_cast<int>(kShort / std::max(times[0], 1e-7)) + 1 : 1;
-    if (calls > 1) times.clear();
-    double sum = times.empty() ? 0 : times[0];
-    for (; static_cast<int>(times.size()) < kMostRuns && sum < kEnough && spent() + first < time_limit;
-         sum += calls * times.back())
-      run(calls);
-  }
+  // The logged run counts only when it is the only one.
+  const double left = std::min(kEnough, time_limit - first);
+  rival::Timing timing{first, 1};
+  if (first < left && s.status != Status::unsupported)
+    timing = rival::time_calls([] {}, [&] { solver->solve(problem, s); }, left);
   t.status = name(s.status);
   t.iterations = s.iterations;
-  t.runs = static_cast<int>(times.size());
-  std::ranges::nth_element(times, times.begin() + t.runs / 2);
-  t.seconds = times[static_cast<std::size_t>(t.runs / 2)];
+  t.runs = timing.runs;
+  t.seconds = timing.seconds;
   judge_solution(problem, s.z, t);
   if (s.status == Status::infeasible) t.holds = independent_proof(problem, s.certificate);
   return t;

@@ -19,8 +19,8 @@ struct Trial {
   std::string note;    // why refused, the signal, the exception
 };
 
-/// Solves once with the iteration log on; a solve shorter than 0.1 s is repeated without it, the solver object reused,
-/// until 0.1 s are over or 5 runs done, those below 20 µs as often in a row as fills them, never past the time limit (wall time, s).
+/// Solves once with the iteration log on; a solve shorter than 0.1 s is repeated without it, the solver object reused, as
+/// time_calls() of benchmarks/clock.h does for all, never past the time limit [s].
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit);
 
 /// Residual, rounding and whether a solution holds, of a z.

@@ -99,10 +99,11 @@ inline Problem read(const char* path) {
   return p;
 }
 
-inline void write(const char* path, const char* status, const Answer& a, std::size_t runs, double seconds) {
+inline void write(const char* path, const char* status, const Answer& a, const Timing& timing) {
   std::FILE* out = std::fopen(path, "w");
   if (out == nullptr) throw std::runtime_error(std::string(path) + ": cannot be written");
-  std::fprintf(out, "%s %d %zu %.9g %s\n", status, a.iterations, runs, seconds, a.note.empty() ? "-" : a.note.c_str());
+  std::fprintf(out, "%s %d %d %.9g %s\n", status, a.iterations, timing.runs, timing.seconds,
+               a.note.empty() ? "-" : a.note.c_str());
   for (const double z : a.z) std::fprintf(out, "%.17g\n", z);
   std::fclose(out);
 }
@@ -113,41 +114,14 @@ inline void solve(const Method& method, char** argv) {
   try {
     work = method.start(problem, std::atof(argv[4]));
   } catch (const Unsupported& why) {
-    return write(argv[3], "unsupported", {false, 0, why.what(), {}}, 0, 0);
+    return write(argv[3], "unsupported", {false, 0, why.what(), {}}, {});
   }
-  std::vector<double> times;
   const auto prepare = [&work] {
     if (work.prepare) work.prepare();
   };
-  const auto run = [&](int calls) {  // reading the clock takes a quarter of a microsecond, and cools the caches
-    double untimed = 0;
-    if (calls > 1) {
-      untimed = processor_time();
-      for (int k = 0; k < calls; ++k) prepare();
-      untimed = processor_time() - untimed;
-    } else {
-      prepare();
-    }
-    const double begin = processor_time();
-    for (int k = 0; k < calls; ++k) {
-      if (calls > 1) prepare();
-      work.solve();
-    }
-    return std::max(processor_time() - begin - untimed, 0.0) / calls;
-  };
-  times.push_back(run(1));
-  int calls = 1;
-  if (times[0] < 1e-3) {  // the first one found nothing in the caches
-    const double warm = run(1);
-    times.clear();
-    if (warm < 2e-5) calls = static_cast<int>(2e-5 / std::max(warm, 1e-7)) + 1;
-  }
-  for (double sum = times.empty() ? 0 : times[0]; times.empty() || (times.size() < 5 && sum + times[0] * calls < 0.1);
-       sum += times.back() * calls)
-    times.push_back(run(calls));
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+  const Timing timing = time_calls(prepare, work.solve);
   const Answer answer = work.answer();
-  write(argv[3], answer.solved ? "solved" : "failed", answer, times.size(), times[times.size() / 2]);
+  write(argv[3], answer.solved ? "solved" : "failed", answer, timing);
 }
 
 /// main(), in full.
