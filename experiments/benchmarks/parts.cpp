@@ -3,6 +3,8 @@
 //   build/release/experiments/parts --benchmark_filter=step     # --help tells the rest
 // Times drift with the machine: compare within one run, or two builds by turns. What must not get slower is checked by
 // tests/integrators/speed.cpp, as ratios.
+#include "experiments/support/reference_kernel.h"
+
 #include <orthant/core/lcp/collection.h>
 #include <orthant/core/lcp/obstacles.h>
 #include <orthant/core/mechanics/broad_phase.h>
@@ -15,6 +17,7 @@
 #include <orthant/solvers/registry.h>
 
 #include <benchmark/benchmark.h>
+#include <Eigen/Cholesky>
 
 using namespace orthant;
 
@@ -46,6 +49,35 @@ BENCHMARK_CAPTURE(small_spd, pgs, "pgs")->Arg(2)->Arg(10);
 
 void lemke_pivots(benchmark::State& state) { solve(state, spd(state.range(0)), "lemke:form=tableau"); }
 BENCHMARK(lemke_pivots)->RangeMultiplier(2)->Range(32, 1024)->Unit(benchmark::kMicrosecond);
+
+/// A solve, and how many times as long it takes as the factorizations of its blocks alone, by Eigen, by turns: as many of their
+/// mean size, which is the least that blocks of as many rows in all can cost.
+void block_pivot(benchmark::State& state) {
+  const Lcp problem = spd(state.range(0));
+  const auto solver = make_solver("block-pivot");
+  Solution s;
+  solver->solve(problem, s);
+  if (s.status != Status::solved) state.SkipWithError("not solved");
+  const auto rows = static_cast<Index>(s.factorized_rows / static_cast<double>(s.factorizations));
+  const Eigen::MatrixXd block = std::get<DenseMatrix>(problem.A).topLeftCorner(rows, rows);
+  Eigen::MatrixXd factors;
+  double whole = 0, blocks = 0;
+  for (auto _ : state) {
+    double begin = thread_time();
+    solver->solve(problem, s);
+    whole += thread_time() - begin;
+    begin = thread_time();
+    for (long k = 0; k < s.factorizations; ++k) {
+      factors = block;
+      const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factored(factors);
+      if (factored.info() != Eigen::Success) state.SkipWithError("no factorization");
+    }
+    blocks += thread_time() - begin;
+  }
+  state.counters["factorizations"] = static_cast<double>(s.factorizations);
+  state.counters["times_them"] = whole / blocks;
+}
+BENCHMARK(block_pivot)->Arg(100)->Arg(300)->Arg(1000)->Unit(benchmark::kMillisecond);
 
 void friction(benchmark::State& state, const char* spec) {
   Random random(7);

@@ -1,0 +1,145 @@
+// How much faster is a step than Siconos', and how much sooner is an error reached?
+//
+// The slider-crank with clearance, 0.2 s, by Orthant in all coordinates and by the rivals' drivers in the folder given (Siconos:
+// minimal coordinates, written by hand for this mechanism). A step: both by turns at h = 1e-5, the least of the repeats. An error:
+// the coarsest setting of each that is that near to the exact θ₁, for μ = 0.01, e = 0.4. All in processor time.
+#include "experiments/support/reference_kernel.h"
+#include "experiments/support/rivals.h"
+
+#include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/integrators/simulate.h>
+#include <orthant/solvers/registry.h>
+
+#include <CLI/CLI.hpp>
+
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+using namespace orthant;
+
+namespace {
+
+constexpr double kDuration = 0.2;  // [s]
+
+struct Timed {
+  double theta1 = 0, seconds = kInf;
+  bool certified = true;  // every problem of it
+};
+
+Timed ours(const SliderCrankExact& exact, const std::string& spec, double step) {
+  const System system(slider_crank({.mu = exact.mu, .e = exact.e}));
+  const auto scheme = make_integrator(spec, system);
+  const auto solver = make_solver("auto");
+  const double begin = thread_time();
+  const Run run = simulate(*scheme, *solver, {.step = step, .duration = kDuration, .every = 1 << 30});
+  return {run.final.q[2], thread_time() - begin, run.status == Status::solved};
+}
+
+Timed theirs(const SliderCrankExact& exact, const Rival& rival, double step) {
+  std::istringstream text(output_of({rival.program.string(), rival.method, detail::text_of(exact.mu),
+                                     detail::text_of(exact.e), detail::text_of(step)}));
+  Timed t;
+  std::string line, last;
+  while (std::getline(text, line)) last = line;  // some say more before
+  if (!(std::istringstream(last) >> t.theta1 >> t.seconds))
+    throw std::runtime_error(rival.name + ": no answer: " + last);
+  return t;
+}
+
+std::string cells(std::initializer_list<std::string> words) {
+  std::string line = "|";
+  for (const std::string& word : words) line += " " + word + " |";
+  return line + "\n";
+}
+std::string rounded(double x) {
+  std::ostringstream text;
+  text << std::setprecision(3) << x;
+  return text.str();
+}
+
+void steps(const std::vector<Rival>& others, double step, int repeats) {
+  std::cout << cells({"mu", "e", "rival", "its step, µs", "Orthant's, µs", "times"}) << "|---|---|---|---|---|---|\n";
+  const double each = 1e6 * step / kDuration;
+  for (const SliderCrankExact& exact : slider_crank_exact()) {
+    if (exact.e > 0.4) continue;
+    for (const Rival& rival : others) {
+      double mine = kInf, other = kInf;
+      for (int k = 0; k < repeats; ++k) {
+        other = std::min(other, theirs(exact, rival, step).seconds);
+        for (int again = 0; again < 3; ++again) {  // hardly a tenth of the other's time
+          const Timed t = ours(exact, "moreau-jean", step);
+          if (!t.certified) throw std::runtime_error("a problem of Orthant's run was not solved");
+          mine = std::min(mine, t.seconds);
+        }
+      }
+      std::cout << cells({rounded(exact.mu), rounded(exact.e), rival.name, rounded(other * each), rounded(mine * each),
+                          rounded(other / mine)})
+                << std::flush;
+    }
+  }
+}
+
+void errors(const std::vector<Rival>& others, double finest) {
+  const SliderCrankExact exact = *slider_crank_exact(0.01, 0.4);
+  struct Entry {
+    std::string who, setting;
+    double error = kInf, seconds = kInf;
+  };
+  std::vector<Entry> entries;
+  const auto add = [&](const std::string& who, const std::string& setting, const Timed& t) {
+    entries.push_back({who, setting, std::abs(t.theta1 - exact.theta1), t.certified ? t.seconds : kInf});
+  };
+  for (double step = 1e-5; step > 0.9 * finest; step /= 10)
+    for (const Rival& rival : others) add(rival.name, rounded(step) + " s", theirs(exact, rival, step));
+  for (double step = 1e-5; step > 0.9e-7; step /= 10)
+    add("moreau-jean", rounded(step) + " s", ours(exact, "moreau-jean", step));
+  for (double tolerance = 1e-4; tolerance > 0.9e-13; tolerance /= 10) {
+    const std::string number = detail::text_of(tolerance);
+    add("adaptive", "rtol " + number,
+        ours(exact, "adaptive:rtol=" + number + ",atol=" + detail::text_of(std::max(1e-3 * tolerance, 1e-15)),
+             kDuration));
+  }
+  std::cout << '\n' << cells({"error, rad", "who", "setting", "reached", "s"}) << "|---|---|---|---|---|\n";
+  for (const double target : {1.4e-3, 1e-6, 1e-9})
+    for (const Entry& entry : entries) {
+      const bool first = std::ranges::none_of(entries, [&](const Entry& other) {
+        return other.who == entry.who && other.error <= target && other.seconds < entry.seconds;
+      });
+      if (entry.error <= target && first)
+        std::cout << cells({rounded(target), entry.who, entry.setting, rounded(entry.error), rounded(entry.seconds)});
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("A step of the slider-crank, and the time to an error, beside Siconos");
+  std::string folder = "build/peers/slider_crank", only = "siconos";
+  double step = 1e-5, finest = 1e-6;
+  int repeats = 5;
+  app.add_option("--rivals", folder, "folder of rivals' drivers")->capture_default_str();
+  app.add_option("--only", only, "those whose names begin so; their settings must be steps")->capture_default_str();
+  app.add_option("--step", step, "[s]")->capture_default_str()->check(CLI::Range(1e-7, 1e-3));
+  app.add_option("--repeats", repeats, "of each, by turns; the fastest counts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
+  app.add_option("--finest", finest, "step of theirs on the way to an error [s]; 1e-7: minutes")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-8, 1e-5));
+  CLI11_PARSE(app, argc, argv);
+  try {
+    std::vector<Rival> others = rivals(folder);
+    std::erase_if(others, [&](const Rival& r) { return !r.name.starts_with(only) || !r.absent.empty(); });
+    if (others.empty())
+      throw std::runtime_error("no rival '" + only + "' in " + folder + ": experiments/benchmarks/setup");
+    steps(others, step, repeats);
+    errors(others, finest);
+  } catch (const std::exception& error) {
+    std::cerr << "step_race: " << error.what() << '\n';
+    return 1;
+  }
+}
