@@ -50,7 +50,7 @@ std::unique_ptr<Integrator> make_integrator(std::string_view spec, const System&
     if (entry.name == name) return entry.make(system, options);
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
-  throw std::invalid_argument("unknown integrator '" + std::string(name) + "': must be one of " + known);
+  throw std::invalid_argument("unknown integrator '" + shortened(name) + "': must be one of " + known);
 }
 
 }  // namespace orthant

@@ -94,7 +94,7 @@ std::unique_ptr<Solver> make_solver(std::string_view spec) {
     if (entry.name == name) return entry.make(text);
     names += (names.empty() ? "" : ", ") + std::string(entry.name);
   }
-  throw std::invalid_argument("solver '" + std::string(name) + "': must be one of " + names);
+  throw std::invalid_argument("solver '" + shortened(name) + "': must be one of " + names);
 }
 
 }  // namespace orthant

@@ -1,5 +1,6 @@
 #include <orthant/core/lcp/io.h>
 #include <orthant/core/support/file.h>
+#include <orthant/core/support/shortened.h>
 
 #include <nlohmann/json.hpp>
 
@@ -125,12 +126,12 @@ RowSparse read_rows(const Reader& r, Index rows, Index cols) {
   if (static_cast<Index>(A.start.size()) != rows + 1) r.refuse("start", "must hold rows + 1 numbers");
   if (A.start.front() != 0 || A.start.back() != static_cast<Index>(A.value.size()) || A.column.size() != A.value.size())
     r.refuse("start", "must run from 0 to the length of column and of value");
-  for (std::size_t i = 0; i + 1 < A.start.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < A.start.size(); ++i)  // all of them, before any is followed into column
     if (A.start[i] > A.start[i + 1]) r.refuse(Reader::indexed("start", i + 1), "must not be below the one before");
+  for (std::size_t i = 0; i + 1 < A.start.size(); ++i)
     for (int k = A.start[i] + 1; k < A.start[i + 1]; ++k)
       if (A.column[static_cast<std::size_t>(k) - 1] >= A.column[static_cast<std::size_t>(k)])
         r.refuse(Reader::indexed("column", static_cast<std::size_t>(k)), "must ascend within a row");
-  }
   return A;
 }
 
@@ -212,7 +213,8 @@ Lcp parse_problem(std::string_view text, const std::string& name) {
     json = Json::parse(text, StrictShape(name));
   } catch (const nlohmann::json::exception& error) {
     const std::string words = error.what();  // "[json.exception.parse_error.101] parse error at …"
-    throw std::runtime_error(name + ": no JSON: " + words.substr(std::min(words.size(), words.find("] ") + 2)));
+    throw std::runtime_error(
+        name + ": no JSON: " + shortened(words.substr(std::min(words.size(), words.find("] ") + 2)), 300));
   }
   const Reader r(name, "", json);
   r.only({"format", "version", "A", "b", "lo", "hi", "friction", "note"});

@@ -1,6 +1,7 @@
 #include "toml/reader.h"
 
 #include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/support/shortened.h>
 
 #include <cstdint>
 #include <fstream>
@@ -18,9 +19,11 @@ Scene parse_scene(std::string_view text, std::span<const std::string> overrides,
   const std::string file(name);
   if (text.size() > kMaxFile)
     throw std::invalid_argument(file + ": " + std::to_string(text.size()) + " bytes: must be at most 16 MiB");
-  toml::table root = scene_file::parse(text, file);
-  for (const std::string& one : overrides) scene_file::apply_override(root, one);
-  return scene_file::Reader(root, file).scene();
+  return in_a_line([&] {
+    toml::table root = scene_file::parse(text, file);
+    for (const std::string& one : overrides) scene_file::apply_override(root, one);
+    return scene_file::Reader(root, file).scene();
+  });
 }
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {

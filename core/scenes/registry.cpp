@@ -91,7 +91,7 @@ Scene make_scene(std::string_view name_or_path, std::span<const std::string> set
   const std::filesystem::path file(name_or_path);
   std::error_code error;
   if (!std::filesystem::exists(file, error))
-    throw std::invalid_argument("unknown scene '" + std::string(name_or_path) +
+    throw std::invalid_argument("unknown scene '" + shortened(name_or_path, 1000) +
                                 "': must be a TOML file that exists or one of " + known);
   return read_scene(file, sets);
 }

@@ -5,6 +5,8 @@
 //   describe(options)                                // "omega=1.3 in [0, 2], …"
 #pragma once
 
+#include <orthant/core/support/shortened.h>
+
 #include <array>
 #include <charconv>
 #include <sstream>
@@ -38,7 +40,7 @@ template <class Number> Number parse_number(std::string_view key, std::string_vi
   Number value{};
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size())
-    throw std::invalid_argument("option " + std::string(key) + " = '" + std::string(text) + "': must be " +
+    throw std::invalid_argument("option " + std::string(key) + " = '" + shortened(text) + "': must be " +
                                 (std::is_integral_v<Number> ? "a whole number" : "a number"));
   return value;
 }
@@ -56,7 +58,7 @@ class OptionSetter {
     const auto value = parse_number<Number>(name, text_);
     if (!(value >= low && value <= high)) {
       std::ostringstream words;
-      words << "option " << name << " = " << text_ << ": must be in [" << low << ", " << high << "]";
+      words << "option " << name << " = " << shortened(text_) << ": must be in [" << low << ", " << high << "]";
       throw std::invalid_argument(words.str());
     }
     field = value;
@@ -64,7 +66,7 @@ class OptionSetter {
   void operator()(std::string_view name, bool& field) {
     if (!matches(name)) return;
     if (text_ != "true" && text_ != "false")
-      throw std::invalid_argument("option " + std::string(name) + " = '" + std::string(text_) +
+      throw std::invalid_argument("option " + std::string(name) + " = '" + shortened(text_) +
                                   "': must be true or false");
     field = text_ == "true";
   }
@@ -80,7 +82,7 @@ class OptionSetter {
       }
       list += (i ? ", " : "") + std::string(choices[i]);
     }
-    throw std::invalid_argument("option " + std::string(name) + " = '" + std::string(text_) + "': must be one of " +
+    throw std::invalid_argument("option " + std::string(name) + " = '" + shortened(text_) + "': must be one of " +
                                 list);
   }
 
@@ -132,15 +134,15 @@ template <class Options> void set_options(Options& options, std::string_view tex
     text = comma == std::string_view::npos ? std::string_view{} : text.substr(comma + 1);
     const auto equals = item.find('=');
     if (equals == std::string_view::npos)
-      throw std::invalid_argument("option '" + std::string(item) + "': must have the form key=value");
+      throw std::invalid_argument("option '" + shortened(item) + "': must have the form key=value");
     const std::string key = std::string(item.substr(0, equals)) + ',';
     if (given.find(',' + key) != std::string::npos)
-      throw std::invalid_argument("option '" + std::string(item) + "': is given twice");
+      throw std::invalid_argument("option '" + shortened(item) + "': is given twice");
     given += key;
     detail::OptionSetter setter(item.substr(0, equals), item.substr(equals + 1));
     options.visit(setter);
     if (!setter.found())
-      throw std::invalid_argument("unknown option '" + std::string(item.substr(0, equals)) + "': must be one of " +
+      throw std::invalid_argument("unknown option '" + shortened(item.substr(0, equals)) + "': must be one of " +
                                   (setter.known().empty() ? "(this one has no options)" : setter.known()));
   }
 }

@@ -7,6 +7,7 @@
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/shortened.h>
 #include <orthant/core/support/toml_nesting.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
@@ -323,6 +324,8 @@ std::vector<Case> Sweep::reference_cases() const {
   return list;
 }
 
-Sweep read_sweep(const std::filesystem::path& file, bool quick) { return Reader(file).read(quick); }
+Sweep read_sweep(const std::filesystem::path& file, bool quick) {
+  return in_a_line([&] { return Reader(file).read(quick); });
+}
 
 }  // namespace orthant

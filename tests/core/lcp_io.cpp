@@ -175,6 +175,8 @@ TEST_CASE("problem files: what is wrong is said in one line, quickly") {
   const std::string head = R"("format": "orthant-lcp", "version": 1, )";
   CHECK(why(head + A + R"(, "b": [1])") == "");
   CHECK(contains(error([] { parse_problem("{\"format\": ", "file.json"); }), "file.json"));  // truncated
+  CHECK(error([] { parse_problem(std::string(400, '\n') + "nope", "file.json"); }).size() <
+        400);  // quotes what it read
   CHECK(contains(error([] { parse_problem("[1, 2]", "file.json"); }), "object"));
   CHECK(contains(why(A + R"(, "b": [1])"), "format"));
   CHECK(contains(why(R"("format": "other", "version": 1, )" + A + R"(, "b": [1])"), "orthant-lcp"));
@@ -196,6 +198,9 @@ TEST_CASE("problem files: what is wrong is said in one line, quickly") {
   CHECK(contains(
       why(head + R"("A": {"storage": "sparse", "n": 1, "start": [0, 1], "column": [1], "value": [1]}, "b": [1])"),
       "column[0]"));
+  CHECK(contains(  // start[1] leads out of column
+      why(head + R"("A": {"storage": "sparse", "n": 2, "start": [0, 9, 1], "column": [0], "value": [1]}, "b": [1, 1])"),
+      "start[2] must not be below"));
   CHECK(contains(why(head + R"("A": {"storage": "banded", "n": 1}, "b": [1])"), "banded"));
   CHECK(contains(why(head + A + R"(, "b": [1], "friction": [{"row": 0, "normal": 0, "mu": 0.5}])"), "friction[0]"));
 }

@@ -856,6 +856,15 @@ TEST_CASE("hostile text is refused: deep, long, binary, cut off") {
   CHECK(contains(error_of(kCorner + "x = \"" + repeated("[.", many) + "\""), "unknown key"));  // and so may a string
   CHECK(contains(error_of(std::string((16 << 20) + 1, ' ')), "must be at most 16 MiB"));
   CHECK(contains(error_of(std::string("\0\xff\xfe[[", 5)), "s.toml:1: "));
+  for (const std::string& long_one :
+       {error_of(repeated("a", many) + " = 1"), error_of(kCorner, {"nobody." + repeated("a", many) + ".mass=1"}),
+        error_of(kCorner, {repeated("a", many)}),
+        error_of("[[body]]\nname = '" + repeated("a", many) + "'\nmass = -1\ninertia = 1")}) {
+    CAPTURE(long_one);
+    CHECK(contains(long_one, "aaa ... "));
+    CHECK(contains(long_one, "must "));
+    CHECK(long_one.size() < 1100);
+  }
   CHECK(error_of(repeated("[[body]]\n", 1000)).starts_with("s.toml:1: body"));
 
   const std::string whole = contents(kCore / "scenes" / "slider_crank.toml");
