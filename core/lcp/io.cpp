@@ -4,10 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
@@ -16,8 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{4} << 30;
 
 /// Reads fields of one object; every complaint names the file and the field.
 class Reader {
@@ -245,13 +240,7 @@ Lcp parse_problem(std::string_view text, const std::string& name) {
 }
 
 Lcp read_problem(const fs::path& file) {
-  check_readable(file);
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error(file.string() + ": cannot read: " + std::strerror(errno));
-  std::error_code none;
-  if (fs::file_size(file, none) > kLargestFile && !none)
-    throw std::runtime_error(file.string() + ": is larger than 4 GiB");
-  return parse_problem(std::string(std::istreambuf_iterator<char>(in), {}), file.string());
+  return parse_problem(read_whole(file, largest_input(kLargestProblem)), file.string());
 }
 
 std::string to_json(const Lcp& problem, std::string_view note) {

@@ -14,11 +14,15 @@
 
 #include <orthant/core/lcp/problem.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace orthant {
+
+/// Of a problem's file [bytes], unless largest_input() is another (core/support/file.h).
+inline constexpr std::uintmax_t kLargestProblem = std::uintmax_t{4} << 30;
 
 /// A square matrix: array format becomes dense, coordinate format sparse storage. real, integer or double; general,
 /// symmetric or skew-symmetric. Entries that occur twice are added, as the format's libraries do.

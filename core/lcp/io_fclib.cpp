@@ -1,3 +1,4 @@
+#include <orthant/core/lcp/io.h>
 #include <orthant/core/lcp/io_fclib.h>
 
 #include <orthant/core/support/file.h>
@@ -15,13 +16,14 @@ namespace orthant {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-constexpr hsize_t kMost = hsize_t{1} << 27;  // entries of one dataset: a gigabyte of numbers
+constexpr std::uintmax_t kLargestDataset = 1 << 30;  // [bytes] as numbers in memory: in the file it may be packed
 
 /// One file's datasets, by path; every complaint names both.
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : name_(file.string()) {
     check_readable(file);
+    check_size(name_, std::filesystem::file_size(file), largest_input(kLargestProblem));
     try {
       file_.openFile(name_, H5F_ACC_RDONLY);
     } catch (const H5::Exception&) {
@@ -46,8 +48,10 @@ class Reader {
       if (kind != H5T_INTEGER && !(kind == H5T_FLOAT && std::is_floating_point_v<Number>))
         refuse(path, std::is_floating_point_v<Number> ? "must hold numbers" : "must hold whole numbers");
       const hssize_t count = set.getSpace().getSimpleExtentNpoints();
-      if (count < 0 || static_cast<hsize_t>(count) > kMost)
-        refuse(path, "has " + std::to_string(count) + " entries: must have at most " + std::to_string(kMost));
+      if (count < 0 || static_cast<hsize_t>(count) > UINTMAX_MAX / sizeof(double))
+        refuse(path, "has " + std::to_string(count) + " entries");
+      check_size(name_ + ": " + path, static_cast<std::uintmax_t>(count) * sizeof(double),
+                 largest_input(kLargestDataset));
       std::vector<Number> values(static_cast<std::size_t>(count));
       if (count > 0)
         set.read(values.data(),

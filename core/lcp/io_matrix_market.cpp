@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string_view>
@@ -28,7 +27,6 @@ namespace fs = std::filesystem;
   throw std::runtime_error(file.string() + ": " + what);
 }
 
-constexpr std::uintmax_t kLargestMatrixFile = std::uintmax_t{4} << 30;
 constexpr std::size_t kLongestLine = 1000;
 
 /// A file's text, once everything is checked that CHOLMOD's reader takes on trust or guesses: without a banner it guesses
@@ -41,14 +39,7 @@ struct Text {
 class Checker {
  public:
   explicit Checker(const fs::path& file) : file_(file) {
-    check_readable(file);
-    errno = 0;
-    std::ifstream in(file, std::ios::binary);
-    if (!in) refuse(file, std::string("cannot read: ") + std::strerror(errno));
-    std::error_code none;
-    if (const auto size = fs::file_size(file, none); !none && size > kLargestMatrixFile)
-      refuse(file, "is larger than 4 GiB");
-    result_.text.assign(std::istreambuf_iterator<char>(in), {});
+    result_.text = read_whole(file, largest_input(kLargestProblem));
   }
 
   Text check() {

@@ -6,7 +6,7 @@
 // the file itself need not have: contact.corner1.wall.normal=[0, 1]. An inline table replaces, a key path adds.
 // Everything wrong (text that is no TOML, unknown or missing keys, wrong types, values that check() refuses) throws
 // std::invalid_argument with file and line or override, element, key, value and rule. Hostile text is refused as well:
-// files over 16 MiB, keys and brackets nested deeper than any scene needs.
+// files over 16 MiB (support/file.h: largest_input()), keys and brackets nested deeper than any scene needs.
 #pragma once
 
 #include <orthant/core/mechanics/scene.h>
@@ -19,6 +19,9 @@
 namespace orthant {
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+/// What read_scene() reads, as it is in the file: to keep beside results.
+std::string read_scene_text(const std::filesystem::path& file);
 
 /// `name` stands for the file in error messages.
 Scene parse_scene(std::string_view text, std::span<const std::string> overrides = {}, std::string_view name = "scene");

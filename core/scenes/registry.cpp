@@ -23,6 +23,8 @@
 #include <orthant/core/scenes/tower.h>
 #include <orthant/core/support/options.h>
 
+#include <algorithm>
+
 namespace orthant {
 namespace {
 
@@ -81,6 +83,10 @@ constexpr SceneEntry kScenes[] = {
 }  // namespace
 
 std::span<const SceneEntry> scenes() { return kScenes; }
+
+bool is_built_in(std::string_view name) {
+  return std::ranges::any_of(kScenes, [&](const SceneEntry& entry) { return entry.name == name; });
+}
 
 Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets) {
   std::string known;

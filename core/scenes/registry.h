@@ -20,6 +20,8 @@ struct SceneEntry {
 
 std::span<const SceneEntry> scenes();
 
+bool is_built_in(std::string_view name);
+
 /// A built-in scene, whose `sets` are its options ("key=value"), or else a file, whose `sets` are the overrides of
 /// scene_toml.h. Neither of them, and bad sets: std::invalid_argument that lists what there is.
 Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets = {});

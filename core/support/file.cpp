@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -19,7 +21,57 @@ std::filesystem::path target_of(const std::filesystem::path& path) {
   return error ? path : target;
 }
 
+std::atomic<std::uintmax_t> set_limit{0};  // [bytes]; 0: none was set
+
+/// 16 MiB, where a number is so round.
+std::string in_units(std::uintmax_t bytes) {
+  constexpr std::array kUnits = {" bytes", " KiB", " MiB", " GiB", " TiB"};
+  std::size_t unit = 0;
+  for (; bytes > 0 && bytes % 1024 == 0 && unit + 1 < kUnits.size(); ++unit) bytes /= 1024;
+  return std::to_string(bytes) + kUnits[unit];
+}
+
+[[noreturn]] void refuse_size(const std::string& name, const std::string& size, std::uintmax_t most) {
+  throw std::runtime_error(name + ": " + size + ": must be at most " + in_units(most) +
+                           " (more by --max-input, or set_largest_input())");
+}
+
 }  // namespace
+
+std::uintmax_t largest_input(std::uintmax_t usual) {
+  const std::uintmax_t set = set_limit;
+  return set > 0 ? set : usual;
+}
+
+void set_largest_input(std::uintmax_t bytes) { set_limit = bytes; }
+
+void check_size(const std::string& name, std::uintmax_t bytes, std::uintmax_t most) {
+  if (bytes > most) refuse_size(name, std::to_string(bytes) + " bytes", most);
+}
+
+std::string read_whole(const std::filesystem::path& path, std::uintmax_t most) {
+  check_readable(path);
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error(path.string() + ": cannot read: " + std::strerror(errno));
+  std::error_code error;
+  const std::uintmax_t said = std::filesystem::file_size(path, error);
+  if (error) throw std::runtime_error(path.string() + ": cannot read: " + error.message());
+  check_size(path.string(), said, most);
+  std::string text;
+  text.reserve(said);
+  std::array<char, 1 << 16> chunk;
+  while (in) {
+    const std::uintmax_t left = most - text.size();  // one byte more is asked for, and none after that
+    in.read(chunk.data(), static_cast<std::streamsize>(left < chunk.size() ? left + 1 : chunk.size()));
+    const auto count = static_cast<std::size_t>(in.gcount());
+    if (count > left)
+      refuse_size(path.string(), "more bytes than the " + std::to_string(said) + " it says it has", most);
+    text.append(chunk.data(), count);
+  }
+  if (in.bad()) throw std::runtime_error(path.string() + ": cannot read: " + std::strerror(errno));
+  return text;
+}
 
 void write_whole(const std::filesystem::path& file, std::string_view text) {
   check_writable(file);

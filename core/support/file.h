@@ -1,10 +1,25 @@
-// core/support/file.h — files are written whole or not at all.
+// core/support/file.h — files are written whole or not at all, and read whole up to a limit or not at all.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace orthant {
+
+/// How much one file may bring [bytes]: `usual`, which goes by the kind of file, or what was set for all kinds.
+std::uintmax_t largest_input(std::uintmax_t usual);
+
+/// From now on, in every thread; 0: the usual of each kind. `orthant --max-input`.
+void set_largest_input(std::uintmax_t bytes);
+
+/// Throws std::runtime_error when `bytes` are more than `most`, a largest_input(); `name` is what has them.
+void check_size(const std::string& name, std::uintmax_t bytes, std::uintmax_t most);
+
+/// A regular file's bytes. Never reads on beyond `most`, whatever size the file says it has: it may grow meanwhile.
+/// Throws std::runtime_error naming the file and the reason.
+std::string read_whole(const std::filesystem::path& path, std::uintmax_t most = UINTMAX_MAX);
 
 /// Writes to a temporary file beside `path` and renames it: readers see the old file or the new one, never half.
 /// A link is followed; what is no regular file (a device, say) is refused and left alone.

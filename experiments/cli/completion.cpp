@@ -32,15 +32,17 @@ std::string script(const CLI::App& app) {
   std::string commands;
   for (const CLI::App* command : app.get_subcommands(nullptr)) commands += command->get_name() + " ";
   out << "_orthant() {\n"
-         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
-         "  (( COMP_CWORD == 1 )) && before=orthant  # whatever path it was called by\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words= first=1\n"
+         "  [[ ${COMP_WORDS[1]} == --max-input ]] && first=3  # the command is behind it\n"
+         "  (( COMP_CWORD == first )) && before=orthant  # whatever path it was called by\n"
          "  case $before in\n"
          "    --solver) words='"
       << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators()) << "' ;;\n    simulate) words='"
       << names(scenes()) << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands
-      << "--help --version --json' ;;\n  esac\n"
+      << long_options(app)
+      << "' ;;\n  esac\n"
          "  if [[ -z $words && $word == -* ]]; then\n"
-         "    case ${COMP_WORDS[1]} in\n";
+         "    case ${COMP_WORDS[first]} in\n";
   for (const CLI::App* command : app.get_subcommands(nullptr))
     out << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
   out << "    esac\n"

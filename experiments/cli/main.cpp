@@ -4,6 +4,7 @@
 #include "../support/manifest.h"
 #include "../support/printable.h"
 
+#include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 
 #include <cerrno>
@@ -46,6 +47,18 @@ void print_version(bool as_json) {
     std::cout << backend << ": " << (present ? "present" : "absent") << '\n';
 }
 
+/// Wherever it stands: orthant --max-input 8GiB solve FILE, orthant solve FILE --max-input 8GiB.
+void add_max_input(CLI::App& app) {
+  const char* what = "largest file that is read, such as 8GiB; 0: 4 GiB of a problem, 16 MiB of a scene or sweep";
+  app.add_option_function<std::uint64_t>("--max-input", orthant::set_largest_input, what)
+      ->transform(CLI::AsSizeValue(true))
+      ->check([](const std::string& text) {  // -1 has become a number near 2^64
+        std::uint64_t bytes = 0;
+        const bool good = CLI::detail::lexical_cast(text, bytes) && bytes <= INT64_MAX;
+        return good ? std::string() : "must be a size of 0 bytes to 8 EiB";
+      });
+}
+
 [[noreturn]] void ask_for_a_subcommand(const CLI::App& app, const std::string& given) {
   std::string known;
   for (const CLI::App* command : app.get_subcommands(nullptr)) known += " " + command->get_name();
@@ -84,6 +97,8 @@ int main(int argc, char** argv) {
   orthant::add_results(app, exit_code);
   orthant::add_report(app, exit_code);
   orthant::add_completion(app, exit_code);
+  add_max_input(app);
+  for (CLI::App* command : app.get_subcommands(nullptr)) add_max_input(*command);
   try {
     const std::string first = argc > 1 ? argv[1] : "-";
     if (!first.starts_with('-') &&

@@ -10,6 +10,7 @@
 #include <orthant/core/lcp/io.h>
 #include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/mechanics/redundancy.h>
+#include <orthant/core/mechanics/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/integrators/registry.h>
@@ -41,8 +42,7 @@ std::string label_of(const SimulateArguments& a) {
   std::string label = "revision " + manifest()["revision"].get<std::string>() + ", integrator " + a.integrator +
                       ", solver " + a.solver + ", scene " + a.scene;
   for (const std::string& set : a.sets) label += ", " + set;
-  if (std::ifstream file(a.scene); file) label += "\n" + std::string(std::istreambuf_iterator<char>(file), {});
-  return label;
+  return is_built_in(a.scene) ? label : label + "\n" + read_scene_text(a.scene);
 }
 
 /// Why a checkpoint with the one label is no place for a run with the other to go on from.

@@ -11,6 +11,7 @@
 #include <orthant/core/lcp/error_bound.h>
 #include <orthant/core/lcp/io.h>
 #include <orthant/core/lcp/io_fclib.h>
+#include <orthant/core/support/file.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/registry.h>
 
@@ -340,6 +341,9 @@ void add_problems(py::module_& m) {
   });
 
   m.def("_read_problem", &read_problem_file);
+  m.def("_set_largest_input", &set_largest_input);
+  m.def("_largest_input", &largest_input);
+  m.def("_check_size", &check_size);
   m.def("_write_fclib", [](const std::filesystem::path& file, const Lcp& p, int dimension, const std::string& title,
                            const std::string& description) {
     const Index friction = static_cast<Index>(p.friction.size());

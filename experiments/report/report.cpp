@@ -13,8 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 namespace orthant {
 namespace {
@@ -97,7 +95,7 @@ Json film(const System& system, const Json& run, double duration, double& patien
 Scene scene_of(const Json& about, const std::vector<std::string>& sets) {
   const auto scene = about.at("scene").get<std::string>();
   if (about.contains("scene_text")) return parse_scene(about.at("scene_text").get<std::string>(), sets, scene);
-  if (std::ranges::none_of(scenes(), [&](const SceneEntry& entry) { return entry.name == scene; }))
+  if (!is_built_in(scene))
     throw std::invalid_argument("the results file names the scene '" + scene +
                                 "' without its text: let orthant sweep write to it again");
   return make_scene(scene, sets);
@@ -134,12 +132,7 @@ std::filesystem::path folder_of_parts() {
   return !error && std::filesystem::is_directory(installed, error) ? installed : std::filesystem::path(ORTHANT_REPORT);
 }
 
-std::string part(const std::string& name) {
-  const std::filesystem::path file = folder_of_parts() / name;
-  check_readable(file);
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+std::string part(const std::string& name) { return read_whole(folder_of_parts() / name); }
 
 }  // namespace
 

@@ -27,10 +27,12 @@ def main():
     parser.add_argument("--scheduler", help="address; default: workers of this machine, one a core")
     parser.add_argument("--quick", action="store_true", help="the reduced grid")
     parser.add_argument("--retry", action="store_true", help="what a time limit or a crash ended once more")
+    parser.add_argument("--max-input", metavar="SIZE", help="largest file that is read, as of orthant")
     parser.add_argument("--orthant", type=Path, default=ROOT / "build/release/orthant", help="default: %(default)s")
     a = parser.parse_args()
 
-    command = [str(a.orthant.resolve()), "sweep", str(a.sweep.resolve()), *(["--quick"] if a.quick else [])]
+    command = [str(a.orthant.resolve()), "sweep", str(a.sweep.resolve()), *(["--quick"] if a.quick else []),
+               *(["--max-input", a.max_input] if a.max_input else [])]
     listed = subprocess.run([*command, "--results", a.results, "--list", *(["--retry"] if a.retry else [])], stdout=subprocess.PIPE, text=True)
     if listed.returncode:
         sys.exit(listed.returncode)

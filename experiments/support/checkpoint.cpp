@@ -4,7 +4,6 @@
 #include <orthant/integrators/memory.h>
 
 #include <cstdint>
-#include <fstream>
 
 namespace orthant {
 namespace {
@@ -31,9 +30,7 @@ void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint) 
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {
-  check_readable(file);
-  std::ifstream in(file, std::ios::binary);
-  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::string text = read_whole(file, largest_input(UINTMAX_MAX));  // our own: as long as its run
   std::string_view left = text;
   std::uint64_t check = 0;
   if (!left.starts_with(kMagic) || left.size() < kMagic.size() + sizeof check)

@@ -4,6 +4,7 @@
 
 #include "experiments/support/trajectory.h"
 
+#include <orthant/core/mechanics/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
@@ -16,8 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -27,7 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMostCases = 1e6, kMostValues = 1e5;
-constexpr std::uintmax_t kMostBytes = 16 << 20;  // of the file
+constexpr std::uintmax_t kLargestSweep = 16 << 20;  // [bytes]
 
 Json json_of(const toml::node& node, const std::string& file) {
   if (const auto* table = node.as_table()) {
@@ -65,12 +64,7 @@ std::string shown(const Json& value) {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file) {
-    check_readable(file);
-    std::error_code none;
-    if (const auto size = std::filesystem::file_size(file, none); !none && size > kMostBytes)
-      throw std::invalid_argument(file.string() + ": " + std::to_string(size) + " bytes: must be at most 16 MiB");
-    std::ifstream in(file);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string text = read_whole(file, largest_input(kLargestSweep));
     refuse_deep(text, file.string());
     try {
       root_ = json_of(toml::parse(text, file.string()), file.string());
@@ -195,12 +189,10 @@ class Reader {
 
   void set_scene(Case& c, const std::string& key, const std::string& name) const {
     c.scene = name, c.scene_text.clear();
-    const auto named = scenes();
-    if (std::ranges::any_of(named, [&](const auto& entry) { return entry.name == name; })) return;
+    if (is_built_in(name)) return;
     if (const auto beside = file_.parent_path() / name; std::filesystem::exists(beside)) c.scene = beside.string();
     const Scene scene = in_file(key, [&] { return make_scene(c.scene); });  // throws, in words
-    std::ifstream in(c.scene);
-    c.scene_text.assign(std::istreambuf_iterator<char>(in), {});
+    c.scene_text = read_scene_text(c.scene);
   }
 
   void check_integrator(const std::string& key, const std::string& spec) const {

@@ -1,6 +1,7 @@
 // Contact problems in the FCLIB format: written and read back, solved, and one clear line for files that lie.
 #include <orthant/core/lcp/contact_piles.h>
 #include <orthant/core/lcp/io_fclib.h>
+#include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 
 #include "tests/support/folder.h"
@@ -172,7 +173,20 @@ TEST_CASE("fclib: what cannot be read says which file, which dataset and why") {
       return late;
     }());
   }
-  must_fail(folder / "bad.hdf5", "must have at most");
+  must_fail(folder / "bad.hdf5", "fclib_local/vectors/mu: 8796093022208 bytes: must be at most 1 GiB");
+}
+
+TEST_CASE("fclib: a file is as large as largest_input() lets it be") {
+  const Folder folder;
+  ContactProblem p{box_column(2, {.mu = 0.4}), 2, 0, "", ""};
+  p.contacts = p.problem.size() / p.dimension;
+  write_fclib(folder / "p.hdf5", p);
+  const auto size = std::filesystem::file_size(folder / "p.hdf5");
+  set_largest_input(size - 1);
+  must_fail(folder / "p.hdf5", "p.hdf5: " + std::to_string(size) + " bytes: must be at most ");
+  set_largest_input(size);
+  CHECK(read_fclib(folder / "p.hdf5").contacts == p.contacts);
+  set_largest_input(0);
 }
 
 TEST_CASE("fclib: what is no contact problem is not written") {

@@ -158,6 +158,61 @@ TEST_CASE("files that are taken for something else are refused, or read as what 
   CHECK(nlohmann::json::parse(good.out).at("z") == nlohmann::json::parse("[1.5, 0.0]"));
 }
 
+TEST_CASE(
+    "files over the limit are refused with its name; --max-input, before or after the command, is another limit") {
+  const Cli folder;
+  const std::string blanks(2000, ' '), body = "[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n";
+  folder.write("p.json", R"({"format": "orthant-lcp", "version": 1,
+    "A": {"storage": "dense", "n": 1, "rows": [[2]]}, "b": [-1]})" +
+                             blanks);
+  folder.write("M.mtx", "%%MatrixMarket matrix array real general\n" + std::string(2000, '\n') + "1 1\n2\n");
+  folder.write("q.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
+  folder.write("s.toml", body + "# " + blanks);
+  folder.write("s.sweep.toml",
+               "question = 'none?'\nscene = 's.toml'\nduration = 0.1\nmeasure = 'energy'\n[[grid]]\n"
+               "integrator = 'moreau-jean'\nsolver = 'lemke'\nstep = 0.1\n# " +
+                   blanks + blanks);
+  fs::copy_file(ORTHANT_TEST_DATA "/fclib/Box_Stacks-i0122-82-5.hdf5", folder / "box.hdf5");
+  const std::array<std::array<std::string, 2>, 7> commands = {{
+      {"solve p.json", "p.json: "},
+      {"analyse M.mtx", "M.mtx: "},
+      {"enumerate --matrix M.mtx --vector q.mtx", "M.mtx: "},
+      {"replay p.json --solver lemke", "p.json: "},
+      {"analyse box.hdf5 --time-limit 1", "box.hdf5: "},
+      {"simulate s.toml --step 0.1 --duration 0.1", "s.toml: "},
+      {"sweep s.sweep.toml --results s.sqlite --list", "s.sweep.toml: "},
+  }};
+  for (const auto& [command, file] : commands) {
+    CAPTURE(command);
+    for (const std::string& arguments : {"--max-input 1KiB " + command, command + " --max-input 1KiB"}) {
+      const Reply a = folder.orthant(arguments);
+      CAPTURE(a.err);
+      CHECK(a.exit_code == 1);
+      CHECK(a.out.empty());
+      CHECK(lines(a.err) == 1);
+      CHECK(a.err.starts_with("orthant: " + file));
+      CHECK(a.err.find(" bytes: must be at most 1 KiB (more by --max-input") != std::string::npos);
+    }
+    CHECK(folder.orthant(command + " --max-input 1MiB").exit_code == 0);
+  }
+  // What stands in a file within the limit may be over it: the scene of a sweep, an array of an HDF5 file.
+  CHECK(folder.orthant("sweep s.sweep.toml --results s.sqlite --list --max-input 4500").exit_code == 0);
+  folder.write("s.toml", body + "# " + std::string(5000, ' '));
+  CHECK(folder.orthant("sweep s.sweep.toml --results s.sqlite --list --max-input 4500").err.find("s.toml: 50") !=
+        std::string::npos);
+  // Larger than is usual.
+  folder.write("s.toml", body + "# " + std::string(16 << 20, ' '));
+  CHECK(folder.orthant("simulate s.toml --step 0.1 --duration 0.1").err.find("at most 16 MiB") != std::string::npos);
+  CHECK(folder.orthant("simulate s.toml --step 0.1 --duration 0.1 --max-input 0").exit_code == 1);
+  CHECK(folder.orthant("simulate s.toml --step 0.1 --duration 0.1 --max-input 17MiB").exit_code == 0);
+  for (const char* size : {"-1", "many", "1e3", "99999999999EiB"}) {
+    CAPTURE(size);
+    const Reply a = folder.orthant("solve p.json --max-input " + std::string(size));
+    CHECK(a.exit_code == 1);
+    CHECK(lines(a.err) == 1);
+  }
+}
+
 TEST_CASE("output goes through a link to its target, and never replaces a device") {
   const Cli folder;
   folder.write("target.csv", "old");
@@ -470,9 +525,13 @@ TEST_CASE("orthant enumerate, replay, --version, completion") {
                    "COMP_WORDS=(orthant sim) COMP_CWORD=1; _orthant; echo ${COMPREPLY[@]}\n"
                    "COMP_WORDS=(orthant solve --err) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n"
                    "COMP_WORDS=(build/orthant enu) COMP_CWORD=1; _orthant; echo ${COMPREPLY[@]}\n"
-                   "COMP_WORDS=(orthant list s) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n");
+                   "COMP_WORDS=(orthant list s) COMP_CWORD=2; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(orthant --max) COMP_CWORD=1; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(orthant --max-input 8GiB sol) COMP_CWORD=3; _orthant; echo ${COMPREPLY[@]}\n"
+                   "COMP_WORDS=(orthant --max-input 8GiB solve --max) COMP_CWORD=4; _orthant; echo ${COMPREPLY[@]}\n");
   CHECK(folder.run("bash completion.bash").out ==
-        "lemke lemke-howson\nsimulate\n--error-bound\nenumerate\nsolvers scenes\n");
+        "lemke lemke-howson\nsimulate\n--error-bound\nenumerate\nsolvers scenes\n"
+        "--max-input\nsolve\n--max-input\n");
 }
 
 TEST_CASE("orthant simulate: trajectories as HDF5 and for ParaView hold what the CSV does") {

@@ -438,6 +438,33 @@ def test_npz_of_a_stranger_is_refused_by_name_in_bounded_time_and_memory(counted
     assert len(said) > 200 and said.count("read") < 30
 
 
+def test_largest_input_holds_for_every_file(tmp_path):
+    p = orthant.Problem(np.eye(30), -np.ones(30))
+    orthant.write_problem(tmp_path / "p.json", p)
+    orthant.write_npz(tmp_path / "p.npz", p)
+    (tmp_path / "s.toml").write_text("[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n#" + 2000 * " ")
+    try:
+        orthant.set_largest_input(500)
+        for file, error in (("p.json", RuntimeError), ("p.npz", RuntimeError), ("s.toml", ValueError)):
+            with pytest.raises(error, match=f"{file}: [0-9]+ bytes: must be at most 500 bytes .*set_largest_input"):
+                orthant.Scene.load(tmp_path / file) if file == "s.toml" else orthant.read_problem(tmp_path / file)
+        orthant.set_largest_input(5000)
+        assert (tmp_path / "p.npz").stat().st_size < 5000
+        with pytest.raises(ValueError, match="p.npz: M cannot be read: M.npy: 7328 bytes: must be at most 5000 bytes"):
+            orthant.read_problem(tmp_path / "p.npz")
+        orthant.set_largest_input(1000)
+        with pytest.raises(ValueError, match="s.toml: 20[0-9]+ bytes: must be at most 1000 bytes"):
+            orthant.sweep(tmp_path / "s.toml", results=tmp_path / "s.sqlite", duration=0.1, measure="energy",
+                          grid={"integrator": ["moreau-jean"], "solver": ["lemke"], "step": [0.1]})
+    finally:
+        orthant.set_largest_input(0)
+    assert (orthant.read_problem(tmp_path / "p.npz").q == -1).all()
+    assert orthant.Scene.load(tmp_path / "s.toml").bodies == ["b"]
+    for value, error in ((-1, ValueError), (1.5, TypeError), (True, TypeError)):
+        with pytest.raises(error, match="bytes = "):
+            orthant.set_largest_input(value)
+
+
 def test_what_is_no_npz(tmp_path):
     (tmp_path / "p.npz").write_bytes(b"garbage")
     with pytest.raises(ValueError, match="p.npz: must be NumPy's NPZ"):

@@ -11,7 +11,7 @@ complementary. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilib
 Nothing is called solved that an independent judge has not recomputed and accepted.
 """
 
-from ._files import read_problem, write_fclib, write_npz, write_problem
+from ._files import read_problem, set_largest_input, write_fclib, write_npz, write_problem
 from ._mechanics import Scene, Trajectory, integrators, scenes, simulate
 from ._nonlinear import McpResult, equilibria, equilibrium, solve_mcp
 from ._orthant import Equilibrium, Face, LogEntry, Problem, Result, Solutions, __version__, revision
@@ -21,6 +21,6 @@ from ._sweep import sweep
 __all__ = [
     "Delassus", "Equilibrium", "Face", "LogEntry", "McpResult", "Problem", "Result", "Scene", "Solutions", "Solver",
     "Trajectory", "__version__", "analyse", "enumerate_solutions", "equilibria", "equilibrium", "error_bound",
-    "integrators", "read_problem", "revision", "scenes", "simulate", "solve", "solve_mcp", "solvers", "sweep", "write_fclib",
+    "integrators", "read_problem", "revision", "scenes", "set_largest_input", "simulate", "solve", "solve_mcp", "solvers", "sweep", "write_fclib",
     "write_npz", "write_problem",
 ]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # What reading an archive of a stranger may raise.
 _BROKEN = (ValueError, TypeError, EOFError, NotImplementedError, OSError, RuntimeError, MemoryError, OverflowError, KeyError,
            SyntaxError, struct.error, zipfile.BadZipFile, zlib.error)
-_MOST = 1 << 30  # [bytes] of one array: FCLIB's limit, too
+_LARGEST_FILE, _LARGEST_ARRAY = 4 << 30, 1 << 30  # [bytes]: as of FCLIB files and their datasets
 _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed: M is square
 
 
@@ -28,7 +28,8 @@ def read_problem(file: Path) -> Problem:
     """A problem file, by its name's end: .npz, .hdf5 or .h5 (FCLIB contact problems), else JSON.
 
     NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3) may be
-    absent; arrays of numbers, each of at most 1 GiB. Raises ValueError or RuntimeError naming file, field and rule.
+    absent; arrays of numbers. A file has at most 4 GiB, an array of a packed one 1 GiB: `set_largest_input` sets another limit.
+    Raises ValueError or RuntimeError naming file, field and rule.
     """
     file = path("file", file)
     if file.endswith(".mtx"):
@@ -48,6 +49,12 @@ def read_problem(file: Path) -> Problem:
         raise ValueError(f"{file}: {_line(error)}") from None
 
 
+def set_largest_input(bytes: int) -> None:
+    """How large files may be that are read, and arrays of packed ones [bytes], from now on and in every thread; 0: the usual of
+    each kind, 4 GiB of a problem, 1 GiB of an array in it, 16 MiB of a scene or a sweep. `orthant --max-input` is the same."""
+    _orthant._set_largest_input(whole("bytes", bytes, 0, 2**62))
+
+
 def _line(said: object) -> str:
     """What quotes a file, or an error that may, as one short line."""
     text = str(said) or type(said).__name__
@@ -60,6 +67,7 @@ def _arrays(file: str) -> dict[str, Any]:
     before there is memory for it."""
     known = {"M", "q", "lower", "upper", "friction", *_SPARSE}
     fields: dict[str, Any] = {}
+    _orthant._check_size(file, os.path.getsize(file), _orthant._largest_input(_LARGEST_FILE))
     try:
         archive = zipfile.ZipFile(file)
     except FileNotFoundError:
@@ -82,8 +90,9 @@ def _arrays(file: str) -> dict[str, Any]:
                 if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
                     raise ValueError("it is packed as NumPy does not")
                 packed = min(member.compress_size, os.path.getsize(file))
-                if member.file_size > min(_MOST, 1040 * packed):  # what there can be in it
-                    raise ValueError(f"{member.file_size} bytes: must be at most {_MOST}, or {packed} of the file hold less")
+                if member.file_size > 1040 * packed:  # what there can be in it
+                    raise ValueError(f"{member.file_size} bytes: {packed} of the file hold less")
+                _orthant._check_size(member.filename, member.file_size, _orthant._largest_input(_LARGEST_ARRAY))
                 with archive.open(member) as stream:
                     fields[key] = _array(stream, member.file_size)
             except _BROKEN as error:

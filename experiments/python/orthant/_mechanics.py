@@ -112,10 +112,13 @@ def _lines(overrides: dict[str, Any]) -> list[str]:
     return [f"{key}={toml_of(key, value)}" for key, value in overrides.items()]
 
 
+_LARGEST_SCENE = 16 << 20  # [bytes]
+
+
 def _text_of_file(file: str) -> str:
     with open(file, encoding="utf-8") as stream:
         try:
-            return stream.read()
+            return stream.read(_orthant._largest_input(_LARGEST_SCENE) + 1)  # which is refused by whoever parses it
         except UnicodeDecodeError as error:
             raise ValueError(f"{file}: must be UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}") from None
 

@@ -33,7 +33,8 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     retry: run what a time limit or a crash ended once more; what had less time than it gets now is run anyway.
     jobs: processes on this machine, 0: one a core. client: a distributed.Client or its scheduler's address; its workers
     run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
-    A case that fails is a row with its status. Raises ValueError naming file, key, value and rule.
+    A case that fails is a row with its status. Raises ValueError naming file, key, value and rule, RuntimeError for a
+    file that cannot be read.
     """
     jobs, quick = whole("jobs", jobs, 0, 10000, " (0: one a core)"), flag("quick", quick)
     retry = flag("retry", retry)
@@ -129,17 +130,18 @@ class _Bar:
             self._bar.update(done - self._bar.n)
 
 
-_FRESH = "import json, sys; sys.path[:], call = json.loads(sys.argv[1]); from orthant import _orthant; "
+_FRESH = ("import json, sys; sys.path[:], largest, call = json.loads(sys.argv[1]); from orthant import _orthant; "
+          "_orthant._set_largest_input(largest); ")
 
 
-def _fresh(code: str, *call: Any) -> list[str]:
-    """A command that runs `code` on `call` in an interpreter without threads, which may fork."""
-    return [sys.executable, "-c", _FRESH + code, json.dumps([sys.path, call])]
+def _fresh(code: str, largest: int, *call: Any) -> list[str]:
+    """A command that runs `code` on `call` in an interpreter without threads, which may fork; files are as large as here."""
+    return [sys.executable, "-c", _FRESH + code, json.dumps([sys.path, largest, call])]
 
 
 def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, bar: _Bar) -> None:
     """By a fresh interpreter, which forks one process a case: a crash there is a row, and nothing happens here."""
-    command = _fresh("_orthant._run_sweep(*call)", str(file), bool(quick), str(results), int(jobs))
+    command = _fresh("_orthant._run_sweep(*call)", _orthant._largest_input(0), str(file), bool(quick), str(results), int(jobs))
     child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                              stderr=subprocess.PIPE, text=True)
     try:
@@ -161,9 +163,9 @@ def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, 
                            f"(exit code {child.returncode}); called again, it goes on")
 
 
-def _run_case(file: Path, quick: bool, key: str) -> list[str]:
+def _run_case(file: Path, quick: bool, key: str, largest: int) -> list[str]:
     """By a fresh interpreter as well: a crash there is a row, and the case's time limit holds."""
-    command = _fresh("print(*_orthant._run_case(*call), sep='\\n')", str(file), bool(quick), key)
+    command = _fresh("print(*_orthant._run_case(*call), sep='\\n')", largest, str(file), bool(quick), key)
     run = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if run.returncode != 0:
         raise RuntimeError(run.stderr.strip().splitlines()[-1] if run.stderr.strip() else f"ended with code {run.returncode}")
@@ -176,7 +178,7 @@ def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[
     ours = isinstance(client, str)
     workers = Client(client) if ours else client  # type: ignore[no-untyped-call]
     try:
-        futures = [workers.submit(_run_case, file, quick, key, key=f"orthant-{key}", retries=2) for key in missing]
+        futures = [workers.submit(_run_case, file, quick, key, _orthant._largest_input(0), key=f"orthant-{key}", retries=2) for key in missing]
         total, done, lost = len(missing), 0, []
         for future in as_completed(futures):  # type: ignore[no-untyped-call]
             if future.status == "finished":
