@@ -12,7 +12,7 @@ driver, orthant, sweep, results = sys.argv[1:]
 python = [sys.executable, "-s", "-E"]
 
 
-def wait_for(holds, words, seconds=40):
+def wait_for(holds, words, seconds=300):  # a case takes ten seconds under the thread sanitizer
     until = time.monotonic() + seconds
     while not holds():
         if time.monotonic() > until:
