@@ -46,10 +46,14 @@ struct PrincipalBlock::Dense {
     for (Index j = 0; j < A->cols() && symmetric; ++j)
       for (Index i = 0; i < j && symmetric; ++i) symmetric = (*A)(i, j) == (*A)(j, i);
   }
-  template <class Block> void fill(const std::vector<Index>& F, Block& block) const {
-    for (Index j = 0; j < block.cols(); ++j)
-      for (Index i = 0; i < block.rows(); ++i)
-        block(i, j) = (*A)(F[at(i)], F[at(j)]) * scaling.row[F[at(i)]] * scaling.col[F[at(j)]];
+  /// The whole block, or its lower triangle alone.
+  template <class Block> void fill(const std::vector<Index>& F, Block& block, bool lower) const {
+    for (Index j = 0; j < block.cols(); ++j) {
+      const double* const column = A->data() + F[at(j)] * A->rows();
+      const double scale = scaling.col[F[at(j)]];
+      for (Index i = lower ? j : 0; i < block.rows(); ++i)
+        block(i, j) = column[F[at(i)]] * scaling.row[F[at(i)]] * scale;
+    }
     for (Index i = 0; shift != nullptr && i < block.rows(); ++i)
       block(i, i) += (*shift)[F[at(i)]] * scaling.row[F[at(i)]] * scaling.col[F[at(i)]];
   }
@@ -59,18 +63,18 @@ struct PrincipalBlock::Dense {
     if (symmetric) {
       kind = Kind::cholesky;
       cholesky.A.resize(m, m);
-      fill(F, cholesky.A);
+      fill(F, cholesky.A, true);
       if (cholesky.factorize(zero(m, shift))) return true;
     }
     kind = Kind::partial;
     DenseLu<double>::Dense block(partial.reset(m), m, m);
-    fill(F, block);
+    fill(F, block, false);
     if (!block.allFinite()) return false;
     const double size = block.cwiseAbs().maxCoeff();
     const bool regular = partial.factorize(zero(m, shift) * size) == m;
     if (block.cwiseAbs().maxCoeff() <= kGrowth * size) return regular;
     kind = Kind::complete;  // partial pivoting lets entries grow, up to 2ᵐ⁻¹ (Wilkinson): complete pivoting does not
-    fill(F, block);
+    fill(F, block, false);
     complete.compute(block);
     return complete.isInvertible();
   }
