@@ -26,7 +26,8 @@ struct Step {
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
 
-constexpr Index kBold = 600;      // rows up to which the active set is guessed first: at 300, 2 to 100 times as quick
+constexpr Index kBold =
+    600;  // rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick
 constexpr Index kBoldRows = 100;  // the same in sparse storage, which it does not use
 constexpr Index kSmall = 400;     // rows up to which a tableau is quickest
 constexpr Index kDense = 3000;    // rows beyond which a dense factorization is not tried lightly
@@ -155,7 +156,8 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
   work.looked = false;
   const Index most = std::holds_alternative<RowSparse>(problem.A) ? kBoldRows : kBold;
   work.formed = problem.size() <= most ? &work.small(problem) : &problem;
-  if (problem.size() <= most && !budget().cancelled() && work.bold.solve(*work.formed, s.z, work.iterations)) {
+  if (problem.size() <= most && !budget().cancelled() &&
+      work.bold.solve(*work.formed, s.z, work.iterations, budget())) {
     s.iterations = work.iterations;
     log(0, 0, 0, "active-set");
     return Status::solved;

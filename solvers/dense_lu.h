@@ -36,7 +36,7 @@ template <class T> class DenseLu {  // reuse it
     return storage_.data();
   }
 
-  /// The rank found; solves are for full rank only.
+  /// The rank found.
   Index factorize(T zero) {
     using std::abs;
     for (Index i = 0; i < m_; ++i) row_[u(i)] = column_[u(i)] = i;
@@ -79,7 +79,7 @@ template <class T> class DenseLu {  // reuse it
   T least_pivot() const { return least_; }
   T largest_pivot() const { return largest_; }
 
-  /// x ← A⁻¹ x, m numbers.
+  /// x ← A⁻¹ x, m numbers; for full rank.
   void solve(T* x) { solve(x, m_); }
   /// The same with the first `rank` columns alone, 0 for the others: a solution where there is one.
   void solve(T* x, Index rank) {
@@ -94,7 +94,7 @@ template <class T> class DenseLu {  // reuse it
     }
     for (Index k = 0; k < m_; ++k) x[column_[u(k)]] = y[k];
   }
-  /// x ← A⁻ᵀ x, m numbers.
+  /// x ← A⁻ᵀ x, m numbers; for full rank.
   void solve_transposed(T* x) {
     const Dense A(storage_.data(), m_, m_);
     Column y(scratch_.data(), m_);

@@ -16,9 +16,10 @@ namespace orthant {
 namespace {
 
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon();
-constexpr int kMost = 12;     // factorizations
-constexpr int kPasses = 3;    // of them that make nothing better
-constexpr Index kSingly = 8;  // rows up to which one at a time is tried then; beyond, pivoting does that for less
+constexpr int kMost = 12;        // factorizations
+constexpr int kMostLayers = 24;  // of a Z-matrix: a string may have as many layers as rows
+constexpr int kPasses = 3;       // of them that make nothing better
+constexpr Index kSingly = 8;     // rows up to which one at a time is tried then; beyond, pivoting does that for less
 constexpr double kMissed = 1e-9;
 constexpr double kRoundings = 16;  // roundings of its terms by which a w_i = 0 may look wrong
 constexpr Index kAny = Eigen::Dynamic;
@@ -50,7 +51,7 @@ template <class T> class List<T, kAny> {
 /// One problem of N rows (kAny: of as many as it has).
 template <Index N> class Attempt {
  public:
-  bool solve(const Lcp& problem, double* z, int& iterations);
+  bool solve(const Lcp& problem, double* z, int& iterations, const Budget& budget);
 
  private:
   Index size() const { return N == kAny ? size_known_late_ : N; }
@@ -249,7 +250,7 @@ template <Index N> bool Attempt<N>::at_rest(const double* z) const {
   return rest;
 }
 
-template <Index N> bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations) {
+template <Index N> bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Budget& budget) {
   load(problem);
   iterations_ = &iterations;
   const Index n = size();
@@ -266,8 +267,8 @@ template <Index N> bool Attempt<N>::solve(const Lcp& problem, double* z, int& it
     return true;
   };
   Index least = n + 1;
-  for (Index k = 0, patience = kPasses; k < (monotone ? n : kMost); ++k) {
-    if (!newton(z)) return false;
+  for (Index k = 0, patience = kPasses; k < (monotone ? kMostLayers : kMost); ++k) {
+    if ((k > 0 && budget.exhausted()) || !newton(z)) return false;
     const Index wrong = mend(z, patience < 0 && !monotone);
     if (wrong == 0) {
       if (!settled()) correct(z);
@@ -299,10 +300,10 @@ struct SmallActiveSet::Work {
 SmallActiveSet::SmallActiveSet() : work_(std::make_unique<Work>()) {}
 SmallActiveSet::~SmallActiveSet() = default;
 
-bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations) {
+bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations, const Budget& budget) {
   const auto of_size = [&]<Index N>() {
     Attempt<N> attempt;  // nothing of it is set to zero
-    return attempt.solve(problem, z.data(), iterations);
+    return attempt.solve(problem, z.data(), iterations, budget);
   };
   switch (problem.size()) {
     case 1:
@@ -320,7 +321,7 @@ bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations) {
     case 8:
       return of_size.template operator()<8>();
     default:
-      return work_->any.solve(problem, z.data(), iterations);
+      return work_->any.solve(problem, z.data(), iterations, budget);
   }
 }
 

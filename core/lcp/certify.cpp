@@ -156,14 +156,15 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
     if (data > 0) least = std::min(least, data);
     bounded = bounded || nearest_to_zero(problem.lo[i], problem.hi[i]) != 0 ||
               (z != 0 && on_bound(z, problem.lo[i], problem.hi[i]));
-    // d |z − clamp(z − w/d)| = min(d · distance to the bound that w pushes against, |w|) while z is within the bounds.
+    // d |z − clamp(z − w/d)| = max(d · how far z is out of its bounds, min(d · distance to the bound that w pushes against, |w|)):
+    // never by z − w/d, which is z where w/d is below its rounding, whatever w is.
     double r = std::abs(w);
     const double room = w >= 0 ? z - lo[i] : hi[i] - z;
     if (z < lo[i] || z > hi[i] || room < r) {
       // d matters only here, where z is off its bound by less than |w|: most verdicts never need the weights.
       if (room != 0 && !weighed) weights(problem.A, d_), weighed = true;
       const double d = room == 0 ? 1.0 : d_[i];
-      r = d * std::abs(z - std::clamp(z - w / d, lo[i], hi[i]));
+      r = std::max(d * std::max(lo[i] - z, z - hi[i]), std::min(d * std::max(room, 0.0), r));
     }
     residual = std::max(residual, r);
     rows_[at(i)] = {r, kEpsilon * abs_[i], data, std::abs(z)};

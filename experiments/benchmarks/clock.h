@@ -19,9 +19,9 @@ struct Timing {
   int runs = 0;
 };
 
-/// What `call` takes: the median of up to five runs within `most` seconds. One that took less than a millisecond found nothing
-/// in the caches and counts only for that. A run is as many calls in a row as take 20 µs, for the clock itself takes a part of
-/// one; it, and `prepare` before each call, are timed alone and taken off.
+/// What `call` takes: the median of up to five runs within `most` seconds, after one that fills the caches and counts only if
+/// it took that long by itself. A run is as many calls in a row as take 20 µs, for the clock itself takes a part of one; where
+/// they are more than one, the clock and `prepare` before each call are timed alone and taken off.
 template <class Prepare, class Call> Timing time_calls(Prepare&& prepare, Call&& call, double most = 0.1) {
   constexpr double kLong = 2e-5;  // [s]
   constexpr int kMostCalls = 1 << 14;
@@ -46,10 +46,10 @@ template <class Prepare, class Call> Timing time_calls(Prepare&& prepare, Call&&
   std::vector<double> times;
   double sum = 0;
   const auto count = [&](double seconds) { times.push_back(seconds), sum += seconds * calls; };
-  if (const double first = run(); first < 1e-3)
-    while (calls < kMostCalls && run() * calls < kLong) calls *= 2;
-  else
+  if (const double first = run(); first >= most)
     count(first);
+  else
+    while (calls < kMostCalls && run() * calls < kLong) calls *= 2;
   while (times.empty() || (times.size() < kMostRuns && sum + times[0] * calls < most)) count(run());
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
   return {times[times.size() / 2], static_cast<int>(times.size())};

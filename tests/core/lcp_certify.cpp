@@ -76,6 +76,17 @@ TEST_CASE("the residual is a backward error: a tiny z_i off its bound counts by 
   CHECK(verdict(as_sparse(p), Vector{2e-12, 0.5e-12}) == Status::stalled);
 }
 
+TEST_CASE("a z off its bound does not pass because w over the column's largest entry is below z's rounding") {
+  Lcp box = pair({0, 2e17, 3, -2}, Vector{-1e17, 2});
+  box.lo = Vector{1, -1}, box.hi = Vector{kInf, 1};
+  CHECK(verdict(box, Vector{1, 0.5}) == Status::stalled);  // w₂ = 4 strictly inside the box
+  CHECK(verdict(as_sparse(box), Vector{1, 0.5}) == Status::stalled);
+  Lcp wrong_side = pair({-3, 2, 1e20, 1e20}, Vector{2, -3e20});
+  wrong_side.lo = Vector{-1, 1}, wrong_side.hi = Vector{1, kInf};
+  CHECK(verdict(wrong_side, Vector{1, 2}) == Status::stalled);  // w₁ = 3 at the upper bound
+  CHECK(verdict(wrong_side, Vector{-1, 4}) == Status::solved);
+}
+
 TEST_CASE("z = 0 does not pass because the numbers are small") {
   CHECK(verdict(scalar(-1e-12, -1e-12), Vector{0}) == Status::stalled);
   CHECK(verdict(scalar(1e-300, -1e-300), Vector{0}) == Status::stalled);

@@ -637,3 +637,20 @@ def test_bytes_that_are_no_text_are_written_as_numbers(tmp_path):
         orthant.read_problem(tmp_path / "p.json")
     with pytest.raises(ValueError, match="p.dat: must end in .npz"):
         orthant.write_npz(tmp_path / "p.dat", orthant.Problem(M, q))
+
+
+def test_devices_and_pipes_are_no_files(tmp_path):
+    device = tmp_path / "zero.npz"
+    device.symlink_to("/dev/zero")
+    with pytest.raises(ValueError, match="zero.npz: is no regular file"):
+        orthant.read_problem(device)
+    os.mkfifo(tmp_path / "pipe.npz")
+    problem = orthant.Problem([[1.0]], [-1.0])
+    with pytest.raises(ValueError, match="pipe.npz: is no regular file"):
+        orthant.write_npz(tmp_path / "pipe.npz", problem)
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(ValueError, match="pipe.toml: is no regular file"):
+        orthant.Scene.load(tmp_path / "pipe.toml")
+    (tmp_path / "link.npz").symlink_to(tmp_path / "there.npz")
+    orthant.write_npz(tmp_path / "link.npz", problem)  # a link is followed
+    assert (tmp_path / "link.npz").is_symlink() and (tmp_path / "there.npz").is_file()

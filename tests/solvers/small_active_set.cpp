@@ -92,6 +92,30 @@ TEST_CASE(
   CHECK(met == 2);
 }
 
+TEST_CASE("small active set: keeps its budget") {
+  const Index n = 200;  // a string: each choice frees one row more
+  DenseMatrix M(Eigen::MatrixXd::Zero(n, n));
+  for (Index i = 0; i < n; ++i) {
+    M(i, i) = 1;
+    if (i > 0) M(i, i - 1) = -1;
+  }
+  Vector q(Eigen::VectorXd::Constant(n, 1e-3));
+  for (Index i = 0; i < n; i += 2) q[i] = -1e-3;
+  q[0] = 1;
+  const Lcp problem = Lcp::standard(M, q);
+  SmallActiveSet bold;
+  Vector z(Eigen::VectorXd::Zero(n));
+  int factorizations = 0;
+  bold.solve(problem, z, factorizations);
+  CHECK(factorizations > 1);
+  Budget over;
+  over.start(0, nullptr);
+  z.setZero();
+  factorizations = 0;
+  CHECK_FALSE(bold.solve(problem, z, factorizations, over));
+  CHECK(factorizations <= 1);
+}
+
 TEST_CASE("few_lu: bit for bit dense_lu, dependent columns and all") {
   Random random(94);
   for (int k = 0; k < 200; ++k) {

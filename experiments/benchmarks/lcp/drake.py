@@ -34,11 +34,11 @@ def solve(method, matrix, q):
         return (time.process_time() - begin) / calls
 
     first = run()  # the rule of clock.h: enough calls in a row to be timed, the first one not counted if it was short
-    if first < 1e-3:
+    if first >= 0.1:
+        times.append(first)
+    else:
         while run() * calls < 2e-5:
             calls *= 2
-    else:
-        times.append(first)
     while not times or (len(times) < 5 and (sum(times) + times[0]) * calls < 0.1):
         times.append(run())
     status = "solved" if result.is_success() else "failed"

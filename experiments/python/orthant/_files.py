@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import _orthant
 from ._orthant import Problem
-from ._spec import path, shown, whole, word
+from ._spec import path, regular, shown, whole, word
 
 if TYPE_CHECKING:
     Path = Union[str, os.PathLike[str]]
@@ -67,7 +67,7 @@ def _arrays(file: str) -> dict[str, Any]:
     before there is memory for it."""
     known = {"M", "q", "lower", "upper", "friction", *_SPARSE}
     fields: dict[str, Any] = {}
-    _orthant._check_size(file, os.path.getsize(file), _orthant._largest_input(_LARGEST_FILE))
+    _orthant._check_size(file, os.path.getsize(regular(file)), _orthant._largest_input(_LARGEST_FILE))
     try:
         archive = zipfile.ZipFile(file)
     except FileNotFoundError:
@@ -192,6 +192,7 @@ def write_npz(file: Path, problem: Problem) -> None:
         fields["M"] = M
     if problem.friction:
         fields["friction"] = np.array(problem.friction, dtype=float)
+    file = os.path.realpath(regular(file))  # a link is followed
     temporary = f"{file}.tmp{os.getpid()}"  # whole or not at all
     try:
         with open(temporary, "wb") as stream:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem
-from ._spec import Entry, options_of, path, seconds, shown, whole, word
+from ._spec import Entry, options_of, path, regular, seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -116,7 +116,7 @@ _LARGEST_SCENE = 16 << 20  # [bytes]
 
 
 def _text_of_file(file: str) -> str:
-    with open(file, encoding="utf-8") as stream:
+    with open(regular(file), encoding="utf-8") as stream:
         try:
             return stream.read(_orthant._largest_input(_LARGEST_SCENE) + 1)  # which is refused by whoever parses it
         except UnicodeDecodeError as error:

@@ -69,6 +69,13 @@ def path(name: str, value: Any) -> str:
     return text
 
 
+def regular(file: str) -> str:
+    """The same name, of a regular file or of none: a device or a pipe has no end, and is nothing to replace."""
+    if os.path.exists(file) and not os.path.isfile(file):
+        raise ValueError(f"{file}: is no regular file")
+    return file
+
+
 def _text_of(key: str, value: Any) -> str:
     """A number, bool or word as option text; numbers in a form that reads back bit for bit."""
     if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a NumPy scalar
