@@ -50,7 +50,7 @@ Timed theirs(const SliderCrankExact& exact, const Rival& rival, double step) {
   Timed t;
   std::string line, last;
   while (std::getline(text, line)) last = line;  // some say more before
-  if (!(std::istringstream(last) >> t.theta1 >> t.seconds))
+  if (!(std::istringstream(last) >> t.theta1 >> t.seconds) || !(t.seconds > 0))
     throw std::runtime_error(rival.name + ": no answer: " + last);
   return t;
 }

@@ -1,7 +1,6 @@
 // solvers/few_lu.h — DenseLu for at most N rows, a number known when compiled: nothing in the heap, no call worth its loop.
 //
-//   The same pivots, treatment of dependent columns and bits as DenseLu (dense_lu.h), in a fourth of its time for one row, half
-//   for three.
+//   The same pivots, treatment of dependent columns and bits as DenseLu (dense_lu.h).
 #pragma once
 
 #include <orthant/core/support/reusable.h>
