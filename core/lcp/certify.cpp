@@ -87,8 +87,8 @@ void apply(const Matrix& A, const Vector& b, const Vector& z, Vector& w, Vector&
   }
 }
 
-// d_i = max(1, max_j |A_ji|) for all i. Delassus: |A_ji| ≤ √(A_ii A_jj) ≤ √(A_ii max A_jj), at least the column's norm.
-void weights(const Matrix& A, Vector& d) {
+// max_j |A_ji| for all i. Delassus: |A_ji| ≤ √(A_ii A_jj) ≤ √(A_ii max A_jj), at least the column's norm.
+void largest_of_columns(const Matrix& A, Vector& d) {
   if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
     d.resize(dense->cols());
     for (Index j = 0; j < d.size(); ++j) d[j] = dense->col(j).cwiseAbs().maxCoeff();
@@ -101,7 +101,6 @@ void weights(const Matrix& A, Vector& d) {
     diagonal(A, d);
     d = (d * d.maxCoeff()).cwiseSqrt();
   }
-  d = d.cwiseMax(1.0);
 }
 
 bool on_bound(double z, double lo, double hi) { return (z == lo || z == hi) && std::abs(z) < kInf; }
@@ -162,12 +161,12 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
     const double room = w >= 0 ? z - lo[i] : hi[i] - z;
     if (z < lo[i] || z > hi[i] || room < r) {
       // d matters only here, where z is off its bound by less than |w|: most verdicts never need the weights.
-      if (room != 0 && !weighed) weights(problem.A, d_), weighed = true;
-      const double d = room == 0 ? 1.0 : d_[i];
+      if (room != 0 && !weighed) largest_of_columns(problem.A, d_), weighed = true;
+      const double d = room == 0 ? 1.0 : std::max(1.0, d_[i]);
       r = std::max(d * std::max(lo[i] - z, z - hi[i]), std::min(d * std::max(room, 0.0), r));
     }
     residual = std::max(residual, r);
-    rows_[at(i)] = {r, kEpsilon * abs_[i], data, std::abs(z)};
+    rows_[at(i)] = {r, kEpsilon * abs_[i], data, abs_[i], 0, 0};
     settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i];
   }
   if (bounded) {
@@ -193,6 +192,7 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
       for (std::size_t k = at(entries_.start[at(i)]); k < at(entries_.start[at(i) + 1]); ++k)
         sum += std::abs(entries_.value[k] * s.z[entries_.column[k]]);
       rows_[at(i)].rounding = kEpsilon * sum;
+      rows_[at(i)].size = sum;
       size = std::max(size, sum);
     }
   }
@@ -245,27 +245,34 @@ void Judge::label_parts(const Lcp& problem) {
   for (Index i = 0; i < n; ++i) part_[at(i)] = root(i);
 }
 
-// The rule for each part by itself, and for each row in its own unit: s_i = |b_i| + Σ_j |A_ij| max |z|, the maximum over
-// the part.
+// The rule for each part by itself, and for each row in its own unit.
 bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
   if (settled_ && s.rounding <= runaway(least_scale_)) return true;
   label_parts(problem);
+  largest_of_columns(problem.A, d_);
   const Index n = problem.size();
   for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
     Row& whole = rows_[at(part_[at(i)])];
+    const double z = std::abs(s.z[i]);
     whole.rounding = std::max(whole.rounding, rows_[at(i)].rounding);
     whole.data = std::max(whole.data, rows_[at(i)].data);
-    whole.z = std::max(whole.z, rows_[at(i)].z);
+    whole.z = std::max(whole.z, z);
+    whole.push = std::max(whole.push, d_[i] * z);
   }
+  const auto sums = [&](Vector& size) { apply(problem.A, problem.b, beta_, lo_, size, inner_, inner_abs_); };
   beta_.resize(n);
   for (Index i = 0; i < n; ++i) beta_[i] = rows_[at(part_[at(i)])].z;
-  apply(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
+  sums(abs_);
+  for (Index i = 0; i < n; ++i) beta_[i] = d_[i] > 0 ? rows_[at(part_[at(i)])].push / d_[i] : 0;
+  sums(hi_);
   for (Index i = 0; i < n; ++i) {
+    const Row& row = rows_[at(i)];
     const Row& whole = rows_[at(part_[at(i)])];
     const double beta = whole.data > 0 ? whole.data : scale_;
-    const double allowance = std::max(tolerance * std::min(beta, abs_[i]), kRoundings * kEpsilon * abs_[i]);
+    const double noise = kRoundings * kEpsilon * std::min(abs_[i], hi_[i]);
+    const double allowance = std::max(tolerance * std::min(beta, row.size), noise);
     if (!(whole.rounding <= runaway(beta) &&
-          rows_[at(i)].residual <= std::min(allowance, allowed(tolerance, whole.rounding, beta))))
+          row.residual <= std::min(allowance, allowed(tolerance, whole.rounding, beta))))
       return false;
   }
   return true;

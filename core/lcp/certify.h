@@ -9,7 +9,10 @@
 //   Accepted when
 //     r ≤ max(tolerance · β, min(20 ρ, 4e-5 β)),   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ min(1e-6 (1 + β), 1e-4 β):
 //   by each part of the problem, a set of rows that A couples: one part's large numbers excuse nothing in another; and by
-//   each row in its own unit,  r_i ≤ max(tolerance · min(β, s_i), 20 ε s_i),  s_i = |b_i| + Σ_j |A_ij| max |z|.
+//   each row in its own unit,
+//     r_i ≤ max(tolerance · min(β, s_i), 20 ε t_i),   s_i = |b_i| + Σ_j |A_ij z_j|,
+//     t_i = |b_i| + min(Σ_j |A_ij| max |z|, Σ_j |A_ij| / a_j max a |z|),   a_j = max_i |A_ij|, the maxima over the part:
+//   what the last digits of z, each relative to the largest of them or of what they do to w, leave unknown in a row.
 //   Below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
 //   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
 //   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
@@ -52,7 +55,8 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
  private:
   struct Row {
-    double residual = 0, rounding = 0, data = 0, z = 0;  // r_i, ρ_i, what β takes of it, |z_i|
+    double residual = 0, rounding = 0, data = 0, size = 0;  // r_i, ρ_i, what β takes of it, s_i
+    double z = 0, push = 0;                                 // of a part: its largest |z_j| and a_j |z_j|
   };
   void prepare(const Lcp& problem);
   void evaluate(const Lcp& problem, Solution& solution, bool extended);

@@ -18,11 +18,11 @@ using Wide = mp::number<mp::cpp_bin_float_quad::backend_type, mp::et_off>;
 constexpr Index kRational = 4;
 constexpr double kEpsilon = 0x1p-52;
 
-/// The problem in numbers T, A as rows without its zeros; the operator is formed.
+/// The problem in numbers T, A as rows without its zeros; the operator is formed, with the size that its terms have.
 template <class T> struct Copy {
   struct Entry {
     Index column;
-    T value;
+    T value, size;
   };
   std::vector<std::vector<Entry>> rows;
   std::vector<T> b;
@@ -30,16 +30,17 @@ template <class T> struct Copy {
 
   explicit Copy(const Lcp& p) : rows(at(p.size())), part(at(p.size())) {
     for (const double value : p.b) b.emplace_back(value);
-    const auto put = [&](Index i, Index j, const T& value) {
-      if (value != 0) rows[at(i)].push_back({j, value});
+    const auto put = [&](Index i, Index j, const T& value, const T& size) {
+      if (size != 0) rows[at(i)].push_back({j, value, size});
     };
+    const auto put_entry = [&](Index i, Index j, double value) { put(i, j, T(value), T(std::abs(value))); };
     if (const auto* dense = std::get_if<DenseMatrix>(&p.A)) {
       for (Index i = 0; i < p.size(); ++i)
-        for (Index j = 0; j < p.size(); ++j) put(i, j, T((*dense)(i, j)));
+        for (Index j = 0; j < p.size(); ++j) put_entry(i, j, (*dense)(i, j));
     } else if (const auto* sparse = std::get_if<RowSparse>(&p.A)) {
       for (Index i = 0; i < p.size(); ++i)
         for (auto k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-          put(i, sparse->column[k], T(sparse->value[k]));
+          put_entry(i, sparse->column[k], sparse->value[k]);
     } else {
       const auto& [W, inverse_mass, regularization] = std::get<Delassus>(p.A);
       std::vector<std::vector<T>> factor(at(W.rows), std::vector<T>(at(W.cols), T(0)));
@@ -48,11 +49,14 @@ template <class T> struct Copy {
           factor[at(i)][at(W.column[k])] += T(W.value[k]);
       for (Index i = 0; i < W.rows; ++i)
         for (Index j = 0; j < W.rows; ++j) {
-          T sum(i == j && regularization.size() != 0 ? regularization[i] : 0.0);
+          T sum(i == j && regularization.size() != 0 ? regularization[i] : 0.0), size = sum;
           for (Index k = 0; k < W.cols; ++k)
-            if (factor[at(i)][at(k)] != 0 && factor[at(j)][at(k)] != 0)
-              sum += factor[at(i)][at(k)] * factor[at(j)][at(k)] * T(inverse_mass[k]);
-          put(i, j, sum);
+            if (factor[at(i)][at(k)] != 0 && factor[at(j)][at(k)] != 0) {
+              const T term = factor[at(i)][at(k)] * factor[at(j)][at(k)] * T(inverse_mass[k]);
+              sum += term;
+              size += abs(term);
+            }
+          put(i, j, sum, size);
         }
     }
     std::iota(part.begin(), part.end(), Index{0});
@@ -88,28 +92,38 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   };
   std::vector<T> x, w(copy.b), data(at(n), T(0)), size(at(n), T(0));
   for (const double value : z) x.emplace_back(value);
-  double most_mu = 0;
-  for (const Friction& f : p.friction) most_mu = std::max(most_mu, f.mu);
 
   std::vector<T> cost(at(n), T(1));  // of moving z_i by 1: the largest change of a w, 1 at the least
-  for (Index i = 0; i < n; ++i) each(i, [&](Index j, const T& a) { cost[at(j)] = most_of<T>(cost[at(j)], abs(a)); });
+  std::vector<T> most(at(n), T(0));  // a_i
+  for (Index i = 0; i < n; ++i)
+    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
+      cost[at(j)] = most_of<T>(cost[at(j)], abs(a));
+      most[at(j)] = most_of<T>(most[at(j)], of_a);
+    }
+  std::vector<T> far(at(n), T(0)), push(at(n), T(0));  // of each part: the largest |z_j|, and a_j |z_j|
+  for (Index j = 0; j < n; ++j) {
+    const auto root = at(copy.part[at(j)]);
+    far[root] = most_of<T>(far[root], abs(x[at(j)]));
+    push[root] = most_of<T>(push[root], most[at(j)] * abs(x[at(j)]));
+  }
 
   T whole(0);
+  std::vector<T> own(at(n)), digits(at(n));  // s_i, t_i
   for (Index i = 0; i < n; ++i) {
-    T terms = abs(copy.b[at(i)]), given = terms;
-    each(i, [&](Index j, const T& a) {
+    const auto root = at(copy.part[at(i)]);
+    T terms = abs(copy.b[at(i)]), given = terms, by_z = terms, by_push = terms;
+    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
+      by_z += of_a * far[root];
+      by_push += of_a / most[at(j)] * push[root];
       const bool on_bound = z[j] == p.lo[j] || z[j] == p.hi[j];
       const double bound = on_bound ? z[j] : near_zero(p.lo[j], p.hi[j]);
-      if (bound != 0) given += abs(a) * T(std::abs(bound));
-      if (z[j] == 0) return;
-      const T term = a * x[at(j)];
-      w[at(i)] += term;
-      terms += abs(term);
-    });
-    T& part_data = data[at(copy.part[at(i)])];
-    T& part_size = size[at(copy.part[at(i)])];
-    part_data = most_of(part_data, given);
-    part_size = most_of(part_size, terms);
+      if (bound != 0) given += of_a * T(std::abs(bound));
+      w[at(i)] += a * x[at(j)];
+      terms += of_a * abs(x[at(j)]);
+    }
+    own[at(i)] = terms, digits[at(i)] = least_of(by_z, by_push);
+    data[root] = most_of(data[root], given);
+    size[root] = most_of(size[root], terms);
     whole = most_of(whole, given);
   }
 
@@ -119,7 +133,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   std::vector<T> moved(x);
   std::vector<const Friction*> friction(at(n), nullptr);
   for (const Friction& f : p.friction) friction[at(f.row)] = &f;
-  std::vector<T> r(at(n));
+  std::vector<T> r(at(n)), allowed(at(n));
   Finding finding;
   for (const bool second : {false, true})
     for (Index i = 0; i < n; ++i) {
@@ -131,7 +145,8 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
                                static_cast<double>(T(kEpsilon) * size[root] / (beta > 0 ? beta : T(1))));
         return finding;
       }
-      r[at(i)] = T(1.001) * most_of<T>(T(tolerance) * beta, T(20 * kEpsilon) * size[root]);
+      r[at(i)] = T(1.001) * most_of<T>(T(tolerance) * least_of(beta, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]);
+      allowed[at(i)] = r[at(i)];
       T lo(0), hi(0);
       bool below = true, above = true;  // bounds there are
       if (second) {
@@ -152,12 +167,11 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       side[at(i)] = below && above && lo == hi ? Side::stays : to_lower ? Side::lower : Side::upper;
       if (side[at(i)] == Side::stays) r[at(i)] = -1;  // a fixed row: any w
       moved[at(i)] = to_lower ? lo : hi;
-      T allowed = T(1.001) * most_of<T>(T(tolerance) * beta, T(20 * kEpsilon) * size[root]);
       if (second) {  // its bound has moved along with its normal
         const Index normal = friction[at(i)]->normal;
-        allowed += T(friction[at(i)]->mu) * cost[at(i)] * abs(moved[at(normal)] - x[at(normal)]);
+        allowed[at(i)] += T(friction[at(i)]->mu) * cost[at(i)] * abs(moved[at(normal)] - x[at(normal)]);
       }
-      if (cost[at(i)] * abs(moved[at(i)] - x[at(i)]) > allowed) {
+      if (cost[at(i)] * abs(moved[at(i)] - x[at(i)]) > allowed[at(i)]) {
         finding.why = row_says(i, "distance of z from the bound that the sign of w asks for",
                                static_cast<double>(abs(moved[at(i)] - x[at(i)])));
         return finding;
@@ -168,14 +182,16 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   for (Index i = 0; i < n; ++i) {
     if (r[at(i)] < 0) continue;
     const auto root = at(copy.part[at(i)]);
-    T value = w[at(i)];
+    T value = w[at(i)], reach = r[at(i)];
     each(i, [&](Index j, const T& a) {
-      if (moved[at(j)] != x[at(j)]) value += a * (moved[at(j)] - x[at(j)]);
+      if (moved[at(j)] == x[at(j)]) return;
+      value += a * (moved[at(j)] - x[at(j)]);
+      reach += abs(a) / cost[at(j)] * allowed[at(j)];
     });
     const T violation = side[at(i)] == Side::stays ? abs(value) : side[at(i)] == Side::lower ? -value : value;
     if (violation > 0 && data[root] > 0)
       finding.error = std::max(finding.error, static_cast<double>(violation / data[root]));
-    if (violation <= T((static_cast<double>(n) + 1) * (1 + most_mu)) * r[at(i)]) continue;
+    if (violation <= reach) continue;
     finding.why = row_says(i, "violation over scale", static_cast<double>(violation / (whole > 0 ? whole : T(1))));
     return finding;
   }
@@ -202,7 +218,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   std::vector<char> friction(at(n));
   for (const Friction& f : p.friction) friction[at(f.row)] = 1;
   const Copy<Rational> copy(p);
-  std::vector<Rational> g(at(n)), terms(at(n));
+  std::vector<Rational> g(at(n)), terms(at(n)),
+      sizes(at(n));  // sizes: of an operator's terms, at least those of its sums
   Rational value(0), norm(0), data(0);
   std::vector<char> spoken(at(n));
   for (Index i = 0; i < n; ++i) {
@@ -214,16 +231,17 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
     const Rational weight(u[i]);
     norm += abs(weight);
     value += weight * copy.b[at(i)];
-    for (const auto& [j, a] : copy.rows[at(i)]) {
+    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
       const Rational term = weight * a;
       g[at(j)] += term;
       terms[at(j)] += abs(term);
+      sizes[at(j)] += abs(weight) * of_a;
     }
   }
   for (Index i = 0; i < n; ++i) {
     if (spoken[at(copy.part[at(i)])] == 0) continue;
     Rational given = abs(copy.b[at(i)]);
-    for (const auto& [j, a] : copy.rows[at(i)])
+    for (const auto& [j, a, of_a] : copy.rows[at(i)])
       for (const double bound : {p.lo[j], p.hi[j]})
         if (std::abs(bound) < kInf) given += abs(a) * Rational(std::abs(bound));
     data = most_of(data, given);
@@ -239,10 +257,10 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   }
   for (Index j = 0; j < n; ++j) {
     if (push[at(j)] == 0) continue;
-    if (g[at(j)] <= 0) terms[at(j)] += least[at(j)];
+    if (g[at(j)] <= 0) terms[at(j)] += least[at(j)], sizes[at(j)] += least[at(j)];
     g[at(j)] += push[at(j)];
   }
-  Rational kappa(0);
+  Rational kappa(0), rounding(0);  // the slack beside what a z multiplies, and beside what was summed
   for (Index j = 0; j < n; ++j) {
     if (friction[at(j)] != 0 || g[at(j)] == 0) continue;
     const double bound = g[at(j)] > 0 ? p.hi[j] : p.lo[j];
@@ -252,12 +270,13 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
     }
     if (terms[at(j)] == 0) return refuse(row_says(j, "friction alone pushes, g", static_cast<double>(g[at(j)])));
     kappa = most_of<Rational>(kappa, abs(g[at(j)]) / terms[at(j)]);
+    rounding = most_of<Rational>(rounding, abs(g[at(j)]) / sizes[at(j)]);
     const double finite = g[at(j)] > 0 ? p.lo[j] : p.hi[j];  // the slack counts from there
     if (std::abs(finite) < kInf) value += g[at(j)] * Rational(finite);
   }
   finding.error = static_cast<double>(kappa);
   if (value >= 0) return refuse("the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0");
-  if (kappa > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + detail::text_of(finding.error));
+  if (rounding > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + detail::text_of(finding.error));
   // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i.
   if (kappa > 0 && -value * Rational(kEpsilon) < runaway(data) * kappa * norm)
     return refuse("a z within reach may use the slack of g");

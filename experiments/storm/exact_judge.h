@@ -1,12 +1,15 @@
 // experiments/storm/exact_judge.h — a third judge, written apart from certify(): every sum exact.
 //
 //   What `solved` promises, as a backward error: z̄ near z solves, without any tolerance, a problem near the one given.
-//   Row by row z stays where it is when |w_i| ≤ r, else z̄_i is the bound that the sign of w_i asks for (friction rows after
-//   their normals, ∓μ z̄_n), and the move may cost no more than r: |z̄_i − z_i| max(1, max_j |A_ji|) ≤ r. Then, with w̄ = A z̄ + b,
-//     |w̄_i| ≤ T on rows that stayed,  w̄_i ≥ −T at lo,  w̄_i ≤ T at hi,
-//     r = max(tolerance β, 20 ε S),  T = (n + 1)(1 + max μ) r,  ε S ≤ min(1e-6 (1 + β), 1e-4 β),
-//   S = max_i |b_i| + Σ_j |A_ij z_j|, and β the same of the data alone (certify.h). S and β are of each part of the problem,
-//   rows that A couples. T is r once for each row that may have moved: certify() weighs a move by what it costs.
+//   Row by row z stays where it is when |w_i| ≤ r_i, else z̄_i is the bound that the sign of w_i asks for (friction rows
+//   after their normals, ∓μ z̄_n), and the move may cost no more than r_i: |z̄_i − z_i| d_i ≤ r_i, d_i = max(1, max_j |A_ji|).
+//   Then, with w̄ = A z̄ + b,
+//     |w̄_i| ≤ T_i on rows that stayed,  w̄_i ≥ −T_i at lo,  w̄_i ≤ T_i at hi,
+//     r_i = max(tolerance · min(β, s_i), 20 ε t_i),  T_i = r_i + Σ_j |A_ij| / d_j r_j over the rows that moved,
+//     ε max s ≤ min(1e-6 (1 + β), 1e-4 β),
+//   s_i = |b_i| + Σ_j |A_ij z_j|, t_i what the last digits of z leave unknown in a row, β of the data alone (certify.h).
+//   max s and β are of each part of the problem, rows that A couples. Of an operator, where an entry is a sum over bodies,
+//   the sizes s, t, β are those of its terms.
 //
 //   What `infeasible` promises: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
 //   consequence. Exactly; or but for roundings of Aᵀu, where every z that uses them is so large that w is unknown.

@@ -87,6 +87,26 @@ TEST_CASE("a z off its bound does not pass because w over the column's largest e
   CHECK(verdict(wrong_side, Vector{-1, 4}) == Status::solved);
 }
 
+TEST_CASE("a row of small numbers is not met because others have large ones") {
+  const Lcp z_free = pair({0, 2, 0, 1}, Vector{-1, 1e11});  // w₁ ≥ 0 needs z₂ ≥ ½, and then w₂ > 0
+  CHECK(verdict(z_free, Vector{8e14, 4e-16}) != Status::solved);
+  CHECK(verdict(as_sparse(z_free), Vector{8e14, 4e-16}) != Status::solved);
+  Lcp box = pair({0, -2, 0, 0}, Vector{-1, -1e11});
+  box.lo = Vector{1, -1}, box.hi = Vector{1e308, 1};
+  CHECK(verdict(box, Vector{1, 1}) != Status::solved);  // w₁ = −3 at its lower bound
+  CHECK(verdict(box, Vector{1e12, 1}) != Status::solved);
+  // w₁ = −1 beside a z₃ of 1e11 that hardly enters it
+  Lcp coupled =
+      Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, 2, 1e-30}, {0, 1, 0}, {0, 0, 1}}), Vector{-1, 1e11, -1e11});
+  CHECK(verdict(coupled, Vector{0, 0, 1e11}) != Status::solved);
+  auto& A = std::get<DenseMatrix>(coupled.A);
+  A(1, 1) = 0, A(1, 2) = -2;  // and the like with an answer: w = 0 at z₂ = ½, or w₁ > 0 above
+  CHECK(verdict(coupled, Vector{0, 0.5, 1e11}) != Status::solved);
+  coupled.b[1] = 2e11;
+  CHECK(verdict(coupled, Vector{0, 0.5, 1e11}) == Status::solved);
+  CHECK(verdict(coupled, Vector{0, 0.49, 1e11}) != Status::solved);
+}
+
 TEST_CASE("z = 0 does not pass because the numbers are small") {
   CHECK(verdict(scalar(-1e-12, -1e-12), Vector{0}) == Status::stalled);
   CHECK(verdict(scalar(1e-300, -1e-300), Vector{0}) == Status::stalled);

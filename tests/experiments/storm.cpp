@@ -63,6 +63,9 @@ TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound
   const Lcp apart = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(2, 2)), Vector{-1e12, -1});
   CHECK(examine_solution(apart, Vector{1e12, 1}, 1e-10).holds);
   CHECK(!examine_solution(apart, Vector{1e12, 0}, 1e-10).holds);  // 1 is 1e-12 of the other part's scale
+  const Lcp coupled =                                             // and a small row in a large part: w₁ = −1
+      Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, 2, 1e-30}, {0, 1, 0}, {0, 0, 1}}), Vector{-1, 1e11, -1e11});
+  CHECK(!examine_solution(coupled, Vector{0, 0, 1e11}, 1e-10).holds);
 }
 
 TEST_CASE(

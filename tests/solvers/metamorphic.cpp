@@ -207,11 +207,9 @@ constexpr Retelling kRetellings[] = {{"permuted", permuted, &Promises::permuted}
 /// Where a solved problem need not stay solved, and why.
 bool excused(std::string_view solver, std::string_view how, std::string_view told) {
   if (how == "scaled") {
-    // The judge weighs a row by b and by max |z|: where columns are scaled, a small z_j may differ and be a solution too. A
-    // row with b = 0 that others exceed 2⁻⁸⁰ times makes every z unknowable.
+    // The judge weighs a row by its own terms: what is rounding in one unit is not in another. A row with b = 0 that
+    // others exceed 2⁻⁸⁰ times makes every z unknowable.
     if (told == "ill" || told == "game" || told == "kkt" || told == "kkt_active") return true;
-    if (told == "rock_paper_scissors") return solver == "nlopt";  // such a z, small rows unmet, is where it stops
-    if (solver == "jacobi" && told == "skewed") return true;      // stops where max |z| of scaled columns excuses it
     // A friction row's distance from μ z_n has the unit of z, and weighs as much as one of w where |A| is small.
     if (told.starts_with("contact")) return solver == "enumerate" || solver == "newton-min" || solver == "newton-fb";
   }
