@@ -26,11 +26,13 @@ struct Step {
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
 
-constexpr Index kBold =
-    600;  // rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick
-constexpr Index kBoldRows = 100;  // the same in sparse storage, which it does not use
-constexpr Index kSmall = 400;     // rows up to which a tableau is quickest
-constexpr Index kDense = 3000;    // rows beyond which a dense factorization is not tried lightly
+// Rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick; at 1000, dense, 3 to 9 times.
+constexpr Index kBold = 1500;
+constexpr Index kBoldFormed = 600;  // of an operator, which has to be formed for it
+constexpr Index kBoldRows = 100;    // in sparse storage, which it does not use
+constexpr Index kSmall = 400;       // rows up to which a tableau is quickest
+constexpr Index kFull = 1500;       // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
+constexpr Index kDense = 3000;      // rows beyond which a dense factorization is not tried lightly
 
 constexpr const char* kTableau = "lemke:rescue=false,max_pivots=5000";
 
@@ -45,6 +47,8 @@ constexpr Step kSteps[] = {
     {"nncg:max_sweeps=3000", "friction, cheap sweeps",
      [](const Look& p) { return p.friction && (p.sparse || p.applied) && p.n > kBoldRows; }},
     {kTableau, "small", [](const Look& p) { return p.n <= kSmall; }},
+    {"lemke:rescue=false,max_pivots=10000", "dense",
+     [](const Look& p) { return smooth(p) && !p.sparse && p.n > kSmall && p.n <= kFull; }},
     {"block-pivot", "symmetric, positive diagonal",
      [](const Look& p) { return smooth(p) && !p.applied && p.symmetric && p.positive_diagonal && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
@@ -154,7 +158,9 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
   work.warm = start == Start::warm;
   if (work.warm) work.start = s.z;
   work.looked = false;
-  const Index most = std::holds_alternative<RowSparse>(problem.A) ? kBoldRows : kBold;
+  const Index most = std::holds_alternative<RowSparse>(problem.A)  ? kBoldRows
+                     : std::holds_alternative<Delassus>(problem.A) ? kBoldFormed
+                                                                   : kBold;
   work.formed = problem.size() <= most ? &work.small(problem) : &problem;
   if (problem.size() <= most && !budget().cancelled() &&
       work.bold.solve(*work.formed, s.z, work.iterations, budget())) {

@@ -4,6 +4,10 @@
 
 namespace orthant {
 
+namespace {
+constexpr Index kFewWrong = 2;  // rows that rounding may have turned
+}
+
 std::string BlockPivot::why_not(const Lcp& problem) const {
   return problem.friction.empty() ? "" : "friction rows: the method needs bounds that do not depend on z";
 }
@@ -13,15 +17,24 @@ Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
   const Index n = problem.size();
   const bool guessed = start == Start::warm || (options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z));
   rows_.load(problem, s.z);
-  if (!guessed && !rows_.release_all()) rows_.load(problem, s.z);
+  if (!guessed && !rows_.release_all(false)) rows_.load(problem, s.z);
   Index least = n + 1;
   int patience = options_.patience;
   while (s.iterations < options_.max_iterations) {
     ++s.iterations;
-    if (!rows_.solve()) return Status::stalled;
+    const bool refined = patience == 0;
+    if (!rows_.solve(refined)) return Status::stalled;
     Index wrong = 0, last = -1;
-    for (Index i = 0; i < n; ++i)
-      if (rows_.better(i) != rows_.side[static_cast<std::size_t>(i)]) ++wrong, last = i;
+    const auto count = [&] {
+      wrong = 0, last = -1;
+      for (Index i = 0; i < n; ++i)
+        if (rows_.better(i) != rows_.side[static_cast<std::size_t>(i)]) ++wrong, last = i;
+    };
+    count();
+    if (!refined && wrong <= kFewWrong) {
+      if (!rows_.refine()) return Status::stalled;
+      count();
+    }
     log(s.iterations, static_cast<double>(wrong), 0, patience > 0 ? "block" : "single");
     s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
     if (wrong == 0) return Status::solved;

@@ -11,7 +11,8 @@ namespace orthant {
 
 struct Effort {
   long factorizations = 0;
-  double rows = 0;  // factorized, in all
+  double rows = 0;   // factorized, in all
+  double cubes = 0;  // Σ rows³: what dense factorizations cost goes by it
 };
 
 inline Effort& effort() {  // of this thread, since it began
@@ -21,7 +22,9 @@ inline Effort& effort() {  // of this thread, since it began
 
 inline void count_factorization(Index rows) {
   ++effort().factorizations;
-  effort().rows += static_cast<double>(rows);
+  const auto m = static_cast<double>(rows);
+  effort().rows += m;
+  effort().cubes += m * m * m;
 }
 
 }  // namespace orthant

@@ -208,6 +208,7 @@ PrincipalBlock::~PrincipalBlock() = default;
 void PrincipalBlock::load(const Matrix& A) {
   const auto* sparse = std::get_if<RowSparse>(&A);
   is_sparse_ = sparse != nullptr;
+  usable_ = false;
   if (is_sparse_) {
     if (!sparse_) sparse_ = std::make_unique<Sparse>();
     sparse_->load(*sparse);
@@ -218,11 +219,13 @@ void PrincipalBlock::load(const Matrix& A) {
 }
 
 bool PrincipalBlock::factorize(const std::vector<Index>& F, const Vector* shift) {
+  if (usable_ && shift == nullptr && F == F_) return true;
   F_ = F;
   count_factorization(static_cast<Index>(F.size()));
-  if (is_sparse_) return sparse_->factorize(F, shift);
-  dense_->shift = shift;
-  return dense_->factorize(F);
+  if (!is_sparse_) dense_->shift = shift;
+  const bool regular = is_sparse_ ? sparse_->factorize(F, shift) : dense_->factorize(F);
+  usable_ = regular && shift == nullptr;
+  return regular;
 }
 
 void PrincipalBlock::solve(const Vector& r, Vector& x, bool refine) {

@@ -29,7 +29,7 @@ class PrincipalBlock {
   void load(const Matrix& A);
 
   /// False when the block is singular or not finite. F ascends; empty is fine. D = diag(shift_F) from the n numbers of
-  /// `shift`, which must outlive the solves; null: 0.
+  /// `shift`, which must outlive the solves; null: 0. The block of the last call, unshifted both, is not factorized again.
   bool factorize(const std::vector<Index>& F, const Vector* shift = nullptr);
 
   /// x ← (A_FF + D)⁻¹ r for the last block, both of |F| entries; one step of refinement, dense with the residual in long
@@ -42,6 +42,7 @@ class PrincipalBlock {
   std::unique_ptr<Dense> dense_;
   std::unique_ptr<Sparse> sparse_;
   bool is_sparse_ = false;
+  bool usable_ = false;  // the factors are those of F_ without a shift
   std::vector<Index> F_;
 };
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
+#include <orthant/solvers/kernels.h>
 
 #include <algorithm>
 #include <bit>
@@ -20,7 +21,13 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
 
   void fit(const DenseMatrix& M) {
     const Index n = M.rows();
-    fit(n, [&](const auto& use) {
+    double* const in_row = begin(n);
+    for (Index j = 0; j < n; ++j) {  // a column at a time: a third of the time of entry by entry
+      const double* const column = M.data() + j * n;
+      for (Index i = 0; i < n; ++i) in_row[i] = std::max(in_row[i], std::abs(column[i]));
+      in_row[n + j] = largest(column, n);
+    }
+    finish([&](const auto& use) {
       for (Index j = 0; j < n; ++j) {
         const double* const column = M.data() + j * n;
         for (Index i = 0; i < n; ++i) use(i, j, column[i]);
@@ -35,19 +42,49 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
   }
   /// each(use) calls use(i, j, M_ij) for all entries.
   template <class Each> void fit(Index n, const Each& each) {
-    row.resize(n);
-    col.resize(n);
-    row.setOnes();
-    col.setOnes();
-    largest_.resize(2 * n);  // of each row, of each column
-    largest_.setZero();
-    double* const in_row = largest_.data();
+    double* const in_row = begin(n);
     double* const in_column = in_row + n;
     each([&](Index i, Index j, double value) {
       const double entry = std::abs(value);
       in_row[i] = std::max(in_row[i], entry);
       in_column[j] = std::max(in_column[j], entry);
     });
+    finish(each);
+  }
+  /// diag(row) A diag(col), diag(row) b and the bounds over col, of dense A or rows. `scaled` may be `p` itself.
+  void apply(const Lcp& p, Lcp& scaled) const {
+    if (&scaled != &p) scaled = p;
+    if (auto* dense = std::get_if<DenseMatrix>(&scaled.A)) {
+      for (Index j = 0; j < dense->cols(); ++j) dense->col(j).array() *= row.array() * col[j];
+    } else {
+      auto& rows = std::get<RowSparse>(scaled.A);
+      for (Index i = 0; i < rows.rows; ++i)
+        for (auto k = at(rows.start[at(i)]); k < at(rows.start[at(i + 1)]); ++k)
+          rows.value[k] *= row[i] * col[rows.column[k]];
+    }
+    scaled.b.array() *= row.array();
+    scaled.lo.array() /= col.array();
+    scaled.hi.array() /= col.array();
+  }
+  void clear() { trivial_ = true; }
+  bool trivial() const { return trivial_; }  // all ones
+
+ private:
+  struct Entry {
+    int i = 0, j = 0, exponent = 0;
+  };
+  /// Scales of 1, and room for the largest entry of each row, then of each column.
+  double* begin(Index n) {
+    row.resize(n);
+    col.resize(n);
+    row.setOnes();
+    col.setOnes();
+    largest_.resize(2 * n);
+    largest_.setZero();
+    return largest_.data();
+  }
+  template <class Each> void finish(const Each& each) {
+    const Index n = row.size();
     double low = kInf, high = 0;
     for (const double size : largest_) {
       if (size == 0) continue;
@@ -73,28 +110,6 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
       col[i] = std::ldexp(1.0, col_exponent_[at(i)]);
     }
   }
-  /// diag(row) A diag(col), diag(row) b and the bounds over col, of dense A or rows. `scaled` may be `p` itself.
-  void apply(const Lcp& p, Lcp& scaled) const {
-    if (&scaled != &p) scaled = p;
-    if (auto* dense = std::get_if<DenseMatrix>(&scaled.A)) {
-      for (Index j = 0; j < dense->cols(); ++j) dense->col(j).array() *= row.array() * col[j];
-    } else {
-      auto& rows = std::get<RowSparse>(scaled.A);
-      for (Index i = 0; i < rows.rows; ++i)
-        for (auto k = at(rows.start[at(i)]); k < at(rows.start[at(i + 1)]); ++k)
-          rows.value[k] *= row[i] * col[rows.column[k]];
-    }
-    scaled.b.array() *= row.array();
-    scaled.lo.array() /= col.array();
-    scaled.hi.array() /= col.array();
-  }
-  void clear() { trivial_ = true; }
-  bool trivial() const { return trivial_; }  // all ones
-
- private:
-  struct Entry {
-    int i = 0, j = 0, exponent = 0;
-  };
   static int exponent(double value) {  // std::ilogb without a call, but for denormal numbers
     const int biased = static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52 & 0x7ff);
     return biased != 0 ? biased - 1023 : std::ilogb(value);

@@ -111,7 +111,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   std::vector<T> own(at(n)), digits(at(n));  // s_i, t_i
   for (Index i = 0; i < n; ++i) {
     const auto root = at(copy.part[at(i)]);
-    T terms = abs(copy.b[at(i)]), given = terms, by_z = terms, by_push = terms;
+    T terms = abs(copy.b[at(i)]), summed = terms, given = terms, by_z = terms, by_push = terms;
     for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
       by_z += of_a * far[root];
       by_push += of_a / most[at(j)] * push[root];
@@ -120,10 +120,11 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       if (bound != 0) given += of_a * T(std::abs(bound));
       w[at(i)] += a * x[at(j)];
       terms += of_a * abs(x[at(j)]);
+      summed += abs(a * x[at(j)]);
     }
     own[at(i)] = terms, digits[at(i)] = least_of(by_z, by_push);
     data[root] = most_of(data[root], given);
-    size[root] = most_of(size[root], terms);
+    size[root] = most_of(size[root], summed);
     whole = most_of(whole, given);
   }
 

@@ -9,7 +9,7 @@
 //     ε max s ≤ min(1e-6 (1 + β), 1e-4 β),
 //   s_i = |b_i| + Σ_j |A_ij z_j|, t_i what the last digits of z leave unknown in a row, β of the data alone (certify.h).
 //   max s and β are of each part of the problem, rows that A couples. Of an operator, where an entry is a sum over bodies,
-//   the sizes s, t, β are those of its terms.
+//   the sizes s, t, β are those of its terms; max s is of the entries.
 //
 //   What `infeasible` promises: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
 //   consequence. Exactly; or but for roundings of Aᵀu, where every z that uses them is so large that w is unknown.

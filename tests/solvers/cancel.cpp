@@ -40,7 +40,7 @@ std::vector<Long> long_work() {
   for (double& value : skew.reshaped()) value = random.normal();
   skew = (skew - skew.transpose()).eval();
   const Lcp large = family_problem("spd", 1000, 1e6), grid = family_problem("ball", 65025, 0);
-  return {{"auto", large},
+  return {{"auto", family_problem("nonsymmetric", 1000, 10)},
           {"lemke:max_pivots=1000000000", murty_problem(40)},
           {"lemke:max_pivots=1000000000", large},
           {"path", large},
