@@ -74,8 +74,9 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
   };
   constexpr int kIterations = 10;
   double left = (missing(), correct());
+  if (!system_.driven()) return left;
   const double tolerance = 1e-15 * (1 + v.lpNorm<Eigen::Infinity>());
-  for (int i = 1; system_.driven() && i < kIterations && left > tolerance; ++i) {
+  for (int i = 1; i < kIterations && left > tolerance; ++i) {
     const double next = correct();
     if (!(next < left)) return next;  // rounding level reached
     left = next;
