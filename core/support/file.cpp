@@ -96,6 +96,8 @@ void check_readable(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (std::filesystem::is_directory(status)) throw std::runtime_error(path.string() + ": cannot read: is a folder");
+  if (status.type() == std::filesystem::file_type::none)  // a loop of links, a folder without permission
+    throw std::runtime_error(path.string() + ": cannot read: " + error.message());
   if (!std::filesystem::exists(status)) throw std::runtime_error(path.string() + ": cannot read: no such file");
   if (!std::filesystem::is_regular_file(status))
     throw std::runtime_error(path.string() + ": cannot read: is no regular file");

@@ -175,6 +175,8 @@ class Results::Statement {
 
 void Results::fail(const std::string& what) const {
   std::string reason = db_ != nullptr ? sqlite3_errmsg(db_) : "out of memory";
+  std::error_code unknown;
+  const auto kind = std::filesystem::status(file_, unknown).type();
   switch (db_ != nullptr ? sqlite3_errcode(db_) & 0xff : 0) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -184,8 +186,10 @@ void Results::fail(const std::string& what) const {
       reason = "the disk is full";
       break;
     case SQLITE_IOERR:
-      if (std::error_code none; std::filesystem::is_directory(file_, none))
+      if (kind == std::filesystem::file_type::directory)
         reason = "it is a folder";
+      else if (kind != std::filesystem::file_type::regular)
+        reason = "it is no regular file";
       else
         reason += " (is the disk full?)";
       break;
@@ -195,6 +199,8 @@ void Results::fail(const std::string& what) const {
     case SQLITE_CANTOPEN:
       if (access(folder_of(file_).c_str(), W_OK) != 0)
         reason += " (its folder: " + std::string(std::strerror(errno)) + ")";
+      else if (kind == std::filesystem::file_type::none)
+        reason += " (" + unknown.message() + ")";
       break;
     case SQLITE_NOTADB:
       reason = "it is no results file";

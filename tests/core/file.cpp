@@ -40,6 +40,8 @@ TEST_CASE("a file is read byte for byte up to the limit, and a byte more is refu
   CHECK(tells(why_unread(folder / "none", 9), "none: cannot read: no such file"));
   CHECK(tells(why_unread(folder / ".", 9), "cannot read: is a folder"));
   CHECK(tells(why_unread("/dev/zero", 9), "cannot read: is no regular file"));
+  std::filesystem::create_symlink("round", folder / "round");
+  CHECK(tells(why_unread(folder / "round", 9), "round: cannot read: Too many levels of symbolic links"));
 }
 
 TEST_CASE("a file that says it is empty is read to the limit and no further") {

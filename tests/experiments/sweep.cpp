@@ -9,6 +9,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -401,6 +402,10 @@ TEST_CASE("a line that is no row leaves the results file as it was; a folder is 
   }
   CHECK(folder.orthant("sweep r.sweep.toml --results r.sqlite --json").out.find("\"new\":1,") != std::string::npos);
   CHECK(folder.orthant("results .").err.find("it is a folder") != std::string::npos);
+  std::filesystem::create_symlink("round", folder / "round");
+  CHECK(folder.orthant("results round").err.find("symbolic links") != std::string::npos);
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  CHECK(folder.orthant("sweep r.sweep.toml --results pipe").err.find("it is no regular file") != std::string::npos);
 }
 
 TEST_CASE("a figure whose texts are lists is several figures, alike in the rest") {
