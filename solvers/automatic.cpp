@@ -30,9 +30,11 @@ bool smooth(const Look& p) { return !p.friction; }
 constexpr Index kBold = 1500;
 constexpr Index kBoldFormed = 600;  // of an operator, which has to be formed for it
 constexpr Index kBoldRows = 100;    // in sparse storage, which it does not use
-constexpr Index kSmall = 400;       // rows up to which a tableau is quickest
-constexpr Index kFull = 1500;       // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
-constexpr Index kDense = 3000;      // rows beyond which a dense factorization is not tried lightly
+constexpr double kPressed =
+    0.5;                        // of the rows of an operator inside, all are tried: towers of boxes, once for 80 pivots
+constexpr Index kSmall = 400;   // rows up to which a tableau is quickest
+constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
+constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
 
 constexpr const char* kTableau = "lemke:rescue=false,max_pivots=5000";
 
@@ -158,12 +160,12 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
   work.warm = start == Start::warm;
   if (work.warm) work.start = s.z;
   work.looked = false;
-  const Index most = std::holds_alternative<RowSparse>(problem.A)  ? kBoldRows
-                     : std::holds_alternative<Delassus>(problem.A) ? kBoldFormed
-                                                                   : kBold;
+  const bool rows = std::holds_alternative<RowSparse>(problem.A),
+             contacts = std::holds_alternative<Delassus>(problem.A);
+  const Index most = rows ? kBoldRows : contacts ? kBoldFormed : kBold;
   work.formed = problem.size() <= most ? &work.small(problem) : &problem;
   if (problem.size() <= most && !budget().cancelled() &&
-      work.bold.solve(*work.formed, s.z, work.iterations, budget())) {
+      work.bold.solve(*work.formed, s.z, work.iterations, budget(), contacts ? kPressed : SmallActiveSet::kMostly)) {
     s.iterations = work.iterations;
     log(0, 0, 0, "active-set");
     return Status::solved;

@@ -16,10 +16,11 @@ namespace orthant {
 namespace {
 
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon();
-constexpr int kMost = 12;        // factorizations
-constexpr int kMostLayers = 24;  // of a Z-matrix: a string may have as many layers as rows
-constexpr int kPasses = 3;       // of them that make nothing better
-constexpr Index kSingly = 8;     // rows up to which one at a time is tried then; beyond, pivoting does that for less
+constexpr int kMost = 12;          // factorizations
+constexpr Index kFromInside = 20;  // rows from which a start with all of them inside may be worth its factorization
+constexpr int kMostLayers = 24;    // of a Z-matrix: a string may have as many layers as rows
+constexpr int kPasses = 3;         // of them that make nothing better
+constexpr Index kSingly = 8;       // rows up to which one at a time is tried then; beyond, pivoting does that for less
 constexpr double kMissed = 1e-9;
 constexpr double kRoundings = 16;  // roundings of its terms by which a w_i = 0 may look wrong
 constexpr Index kAny = Eigen::Dynamic;
@@ -51,7 +52,7 @@ template <class T> class List<T, kAny> {
 /// One problem of N rows (kAny: of as many as it has).
 template <Index N> class Attempt {
  public:
-  bool solve(const Lcp& problem, double* z, int& iterations, const Budget& budget);
+  bool solve(const Lcp& problem, double* z, int& iterations, const Budget& budget, double mostly);
 
  private:
   Index size() const { return N == kAny ? size_known_late_ : N; }
@@ -59,6 +60,7 @@ template <Index N> class Attempt {
   bool at_rest(const double* z) const;
   bool z_matrix() const;
   void guess(double* z);
+  void release_most(double share);
   bool newton(double* z);
   void correct(double* z);
   Index mend(const double* z, bool one);
@@ -133,6 +135,16 @@ template <Index N> void Attempt<N>::guess(double* z) {
     const double d = A_[i * n + i], to = z[i] - (d > 0 ? w[i] / d : w[i]);
     side_[i] = to <= lo_[i] ? Side::lower : to >= hi_[i] ? Side::upper : Side::inside;
   }
+}
+
+/// Where the guess has that share of the rows inside, all of them.
+template <Index N> void Attempt<N>::release_most(double share) {
+  const Index n = size();
+  if (n < kFromInside || !problem_->friction.empty()) return;
+  Index inside = 0;
+  for (Index i = 0; i < n; ++i) inside += side_[i] == Side::inside;
+  if (static_cast<double>(inside) < share * static_cast<double>(n)) return;
+  for (Index i = 0; i < n; ++i) side_[i] = Side::inside;
 }
 
 /// terms ← |b| + |A| |z|, w ← A z + b.
@@ -250,17 +262,18 @@ template <Index N> bool Attempt<N>::at_rest(const double* z) const {
   return rest;
 }
 
-template <Index N> bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Budget& budget) {
+template <Index N>
+bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Budget& budget, double mostly) {
   load(problem);
   iterations_ = &iterations;
   const Index n = size();
   for (Index i = 0; i < n; ++i) z[i] = std::clamp(z[i], lo_[i], hi_[i]);
   if (at_rest(z)) return true;
-  const bool monotone = n >= 20 && z_matrix();
+  const bool monotone = n >= kFromInside && z_matrix();
   if (monotone)  // rows then leave in large blocks, while from the bounds they enter one layer an iteration
     for (Index i = 0; i < n; ++i) side_[i] = Side::inside;
   else
-    guess(z);
+    guess(z), release_most(mostly);
   const auto settled = [&] {
     for (Index r = 0; r < inside_count_; ++r)
       if (!(std::abs(w_[inside_[r]]) <= kRoundings * kRoundoff * terms_[inside_[r]])) return false;
@@ -300,10 +313,10 @@ struct SmallActiveSet::Work {
 SmallActiveSet::SmallActiveSet() : work_(std::make_unique<Work>()) {}
 SmallActiveSet::~SmallActiveSet() = default;
 
-bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations, const Budget& budget) {
+bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations, const Budget& budget, double mostly) {
   const auto of_size = [&]<Index N>() {
     Attempt<N> attempt;  // nothing of it is set to zero
-    return attempt.solve(problem, z.data(), iterations, budget);
+    return attempt.solve(problem, z.data(), iterations, budget, mostly);
   };
   switch (problem.size()) {
     case 1:
@@ -321,7 +334,7 @@ bool SmallActiveSet::solve(const Lcp& problem, Vector& z, int& iterations, const
     case 8:
       return of_size.template operator()<8>();
     default:
-      return work_->any.solve(problem, z.data(), iterations, budget);
+      return work_->any.solve(problem, z.data(), iterations, budget, mostly);
   }
 }
 

@@ -1,6 +1,7 @@
 // solvers/small_active_set.h — a bold first try for small problems: Newton's method on the minimum map, undamped.
 //
-//   1. guess     two projected Gauss-Seidel sweeps from the start value; Z-matrices of 20 rows and more: all rows inside
+//   1. guess     two projected Gauss-Seidel sweeps from the start value; from 20 rows on, where they leave most rows inside, and of
+//                Z-matrices always: all rows inside
 //   2. choose    each row a side by its z_i and w_i: lower, upper, or inside (w_i = 0); a friction row at its bound has
 //                z_t = ±μ z_n, which adds ±μ A_t to the column of z_n
 //   3. solve     the inside rows by LU, those that depend on others left at 0 (redundant contacts); every row whose sign
@@ -25,12 +26,15 @@ namespace orthant {
 
 class SmallActiveSet {  // reuse it: the second problem of a size allocates nothing
  public:
+  static constexpr double kMostly = 0.7;
+
   SmallActiveSet();
   ~SmallActiveSet();
 
   /// True when z solves the problem to the rounding of each row (which the judge may still see otherwise); z is the start
   /// value on entry, n finite numbers. Adds a factorization each to `iterations`. The budget is asked before each but the first.
-  bool solve(const Lcp& problem, Vector& z, int& iterations, const Budget& budget = {});
+  /// `mostly`: the share of rows that counts as most.
+  bool solve(const Lcp& problem, Vector& z, int& iterations, const Budget& budget = {}, double mostly = kMostly);
 
  private:
   struct Work;

@@ -1,5 +1,6 @@
 // The bold first try of `auto`: what it claims holds, and it claims what it is there for.
 #include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/families.h>
 #include <orthant/solvers/dense_lu.h>
 #include <orthant/solvers/few_lu.h>
 #include <orthant/solvers/kernels.h>
@@ -61,6 +62,18 @@ TEST_CASE("small active set: what it claims is solved to the rounding of the pro
     check(random_contact_problem(1 + k % 4, 8, 0.5, random), "contacts " + std::to_string(k));
   }
   CHECK(claimed > 0.85 * tried);
+}
+
+TEST_CASE(
+    "small active set: towers of boxes, their redundant corners and masses included, rest after one factorization") {
+  for (const Index rows : {20, 80, 320})
+    for (const double ratio : {1.0, 1e4, 1e10}) {
+      INFO(rows, " rows, ratio of masses ", ratio);
+      Solution s;
+      make_solver("auto")->solve(find_family("tower")->make(rows, ratio, 1).problem, s);
+      CHECK(s.status == Status::solved);
+      CHECK(s.factorizations == 1);
+    }
 }
 
 TEST_CASE("small active set: a factorization or two where pivoting is exponential; none claimed without a solution") {
