@@ -30,8 +30,8 @@ bool smooth(const Look& p) { return !p.friction; }
 constexpr Index kBold = 1500;
 constexpr Index kBoldFormed = 600;  // of an operator, which has to be formed for it
 constexpr Index kBoldRows = 100;    // in sparse storage, which it does not use
-constexpr double kPressed =
-    0.5;                        // of the rows of an operator inside, all are tried: towers of boxes, once for 80 pivots
+// With that share of an operator's rows inside, all are tried: towers of boxes, one factorization for 80 pivots.
+constexpr double kPressed = 0.5;
 constexpr Index kSmall = 400;   // rows up to which a tableau is quickest
 constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
 constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
