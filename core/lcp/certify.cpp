@@ -103,6 +103,38 @@ void largest_of_columns(const Matrix& A, Vector& d) {
   }
 }
 
+// β_i ← the least with β_i ≥ β_i and β_i ≥ min(|A_ij z_j|, β_j) for all j: what the data of others bring into a row, and
+// never more than enters it. Friction has its normal's. False: the operator has too many entries to be formed.
+bool spread(const Lcp& problem, const Vector& z, RowSparse& entries, Vector& beta) {
+  const auto* dense = std::get_if<DenseMatrix>(&problem.A);
+  const auto* rows = std::get_if<RowSparse>(&problem.A);
+  if (const auto* delassus = std::get_if<Delassus>(&problem.A)) {
+    if (!to_rows(*delassus, entries, kFormed)) return false;
+    rows = &entries;
+  }
+  const Index n = z.size();
+  bool changed = true;
+  const auto raise = [&](Index i, double by) {
+    if (by > beta[i]) beta[i] = by, changed = true;
+  };
+  for (bool down = true; changed; down = !down) {  // both ways by turns: a chain takes two
+    changed = false;
+    for (Index k = 0; k < n; ++k) {
+      const Index i = down ? k : n - 1 - k;
+      if (dense != nullptr) {
+        for (Index j = 0; j < n; ++j)
+          if (beta[j] > beta[i]) raise(i, std::min(std::abs((*dense)(i, j) * z[j]), beta[j]));
+      } else {
+        for (std::size_t e = at(rows->start[at(i)]); e < at(rows->start[at(i) + 1]); ++e)
+          if (const Index j = rows->column[e]; beta[j] > beta[i])
+            raise(i, std::min(std::abs(rows->value[e] * z[j]), beta[j]));
+      }
+    }
+    for (const Friction& f : problem.friction) raise(f.row, beta[f.normal]);
+  }
+  return true;
+}
+
 bool on_bound(double z, double lo, double hi) { return (z == lo || z == hi) && std::abs(z) < kInf; }
 double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
@@ -255,7 +287,6 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     Row& whole = rows_[at(part_[at(i)])];
     const double z = std::abs(s.z[i]);
     whole.rounding = std::max(whole.rounding, rows_[at(i)].rounding);
-    whole.data = std::max(whole.data, rows_[at(i)].data);
     whole.z = std::max(whole.z, z);
     whole.push = std::max(whole.push, d_[i] * z);
   }
@@ -265,13 +296,21 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
   sums(abs_);
   for (Index i = 0; i < n; ++i) beta_[i] = d_[i] > 0 ? rows_[at(part_[at(i)])].push / d_[i] : 0;
   sums(hi_);
+  Vector& reach = d_;
+  for (Index i = 0; i < n; ++i) reach[i] = rows_[at(i)].data;
+  const bool spreads = spread(problem, s.z, entries_, reach);
+  for (Index i = 0; i < n; ++i) {
+    Row& whole = rows_[at(part_[at(i)])];
+    whole.data = std::max(whole.data, rows_[at(i)].data);
+  }
   for (Index i = 0; i < n; ++i) {
     const Row& row = rows_[at(i)];
     const Row& whole = rows_[at(part_[at(i)])];
     const double beta = whole.data > 0 ? whole.data : scale_;
+    const double own = spreads && reach[i] > 0 ? reach[i] : beta;
     const double noise = kRoundings * kEpsilon * std::min(abs_[i], hi_[i]);
-    const double allowance = std::max(tolerance * std::min(beta, row.size), noise);
-    if (!(whole.rounding <= runaway(beta) &&
+    const double allowance = std::max(tolerance * std::min(own, row.size), noise);
+    if (!(whole.rounding <= runaway(beta) && kEpsilon * row.size <= runaway(own) &&
           row.residual <= std::min(allowance, allowed(tolerance, whole.rounding, beta))))
       return false;
   }

@@ -108,7 +108,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   }
 
   T whole(0);
-  std::vector<T> own(at(n)), digits(at(n));  // s_i, t_i
+  std::vector<T> own(at(n)), digits(at(n)), entries(at(n)), reach(at(n));  // s_i, t_i, s_i of the entries, β_i
   for (Index i = 0; i < n; ++i) {
     const auto root = at(copy.part[at(i)]);
     T terms = abs(copy.b[at(i)]), summed = terms, given = terms, by_z = terms, by_push = terms;
@@ -123,9 +123,20 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       summed += abs(a * x[at(j)]);
     }
     own[at(i)] = terms, digits[at(i)] = least_of(by_z, by_push);
+    entries[at(i)] = summed, reach[at(i)] = given;
     data[root] = most_of(data[root], given);
     size[root] = most_of(size[root], summed);
     whole = most_of(whole, given);
+  }
+
+  for (bool changed = true; changed;) {
+    changed = false;
+    const auto raise = [&](Index i, const T& by) {
+      if (by > reach[at(i)]) reach[at(i)] = by, changed = true;
+    };
+    for (Index i = 0; i < n; ++i)
+      each(i, [&](Index j, const T& a) { raise(i, least_of<T>(abs(a * x[at(j)]), reach[at(j)])); });
+    for (const Friction& f : p.friction) raise(f.row, reach[at(f.normal)]);
   }
 
   // z̄, normals before their frictions.
@@ -146,7 +157,13 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
                                static_cast<double>(T(kEpsilon) * size[root] / (beta > 0 ? beta : T(1))));
         return finding;
       }
-      r[at(i)] = T(1.001) * most_of<T>(T(tolerance) * least_of(beta, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]);
+      const T mine = reach[at(i)] > 0 ? reach[at(i)] : beta;
+      if (T(kEpsilon) * entries[at(i)] > T(1.001) * runaway(mine)) {
+        finding.why = row_says(i, "z has run away beside what the data bring into the row",
+                               static_cast<double>(entries[at(i)] / mine));
+        return finding;
+      }
+      r[at(i)] = T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]);
       allowed[at(i)] = r[at(i)];
       T lo(0), hi(0);
       bool below = true, above = true;  // bounds there are
@@ -183,16 +200,16 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   for (Index i = 0; i < n; ++i) {
     if (r[at(i)] < 0) continue;
     const auto root = at(copy.part[at(i)]);
-    T value = w[at(i)], reach = r[at(i)];
+    T value = w[at(i)], bearable = r[at(i)];
     each(i, [&](Index j, const T& a) {
       if (moved[at(j)] == x[at(j)]) return;
       value += a * (moved[at(j)] - x[at(j)]);
-      reach += abs(a) / cost[at(j)] * allowed[at(j)];
+      bearable += abs(a) / cost[at(j)] * allowed[at(j)];
     });
     const T violation = side[at(i)] == Side::stays ? abs(value) : side[at(i)] == Side::lower ? -value : value;
     if (violation > 0 && data[root] > 0)
       finding.error = std::max(finding.error, static_cast<double>(violation / data[root]));
-    if (violation <= reach) continue;
+    if (violation <= bearable) continue;
     finding.why = row_says(i, "violation over scale", static_cast<double>(violation / (whole > 0 ? whole : T(1))));
     return finding;
   }

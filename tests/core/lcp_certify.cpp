@@ -107,6 +107,24 @@ TEST_CASE("a row of small numbers is not met because others have large ones") {
   CHECK(verdict(coupled, Vector{0, 0.49, 1e11}) != Status::solved);
 }
 
+TEST_CASE("a runaway z is no solution beside a row of large numbers either") {
+  // Rows 1 and 2 sum to −1: no solution, whatever the third says, coupled weakly, one way or both, resting or pushed.
+  for (const double back : {0.0, 1e-10})
+    for (const double large : {1e3, 1e6, 1e9, 1e12, -1e9}) {
+      const Lcp p =
+          Lcp::standard(DenseMatrix(Eigen::Matrix3d{{1, -1, 0}, {-1, 1, back}, {-1e-7, 0, 1}}), Vector{1, -2, large});
+      INFO("coupled back by ", back, ", beside ", large);
+      for (const double far : {1e8, 1e10, 1e12, 1.2e14}) {
+        const Vector z{far, far + 1.5, std::max(0.0, -large + 1e-7 * far)};
+        CHECK(verdict(p, z) != Status::solved);
+        CHECK(verdict(as_sparse(p), z) != Status::solved);
+      }
+    }
+  Lcp box = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{1, -1, 0}, {-1, 1, 0}, {-1e-7, 0, 1}}), Vector{1, -2, -1e12});
+  box.hi[2] = 1e9;
+  CHECK(verdict(box, Vector{1e14, 1e14 + 1.5, 1e9}) != Status::solved);
+}
+
 TEST_CASE("z = 0 does not pass because the numbers are small") {
   CHECK(verdict(scalar(-1e-12, -1e-12), Vector{0}) == Status::stalled);
   CHECK(verdict(scalar(1e-300, -1e-300), Vector{0}) == Status::stalled);
