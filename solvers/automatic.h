@@ -4,10 +4,11 @@
 //   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with what it is for and what a problem
 //   must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there is no
 //   solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
-//     small                a bold guess of the active set (small_active_set.h), before anything is looked at
-//                          lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
+//     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to 1500 rows
+//                          of a dense matrix, 600 of an operator, 100 in sparse storage
+//     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) block-pivot and newton-min from coarse grids
-//     large, frictionless  block-pivot where symmetric with A_ii > 0, interior-point
+//     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0; interior-point
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
 //   With a time limit each step may take half of what is left, the last all of it.
