@@ -1,4 +1,4 @@
-// solvers/small_active_set.h — a bold first try for problems of up to some hundred rows: Newton's method on the minimum map, undamped.
+// solvers/small_active_set.h — a bold first try of up to some hundred rows: Newton's method on the minimum map, undamped.
 //
 //   1. guess     two projected Gauss-Seidel sweeps from the start value; from 20 rows on, where they leave most rows inside, and of
 //                Z-matrices always: all rows inside
