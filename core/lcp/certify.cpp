@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace orthant {
 
@@ -9,7 +10,8 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kCoarsest = 4e-5;  // residual beside β that rounding may excuse
-double runaway(double beta) { return std::min(1e-6 * (1 + beta), 1e-4 * beta); }  // ρ above this: w is unknown
+// s above this: w is unknown. By s, not by ρ = ε s, which is no number any more where s < 1e-308.
+double runaway(double beta) { return std::min(1e-6 / kEpsilon * (1 + beta), 1e-4 / kEpsilon * beta); }
 constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
 constexpr Index kFew = 8;           // rows
@@ -103,38 +105,6 @@ void largest_of_columns(const Matrix& A, Vector& d) {
   }
 }
 
-// β_i ← the least with β_i ≥ β_i and β_i ≥ min(|A_ij z_j|, β_j) for all j: what the data of others bring into a row, and
-// never more than enters it. Friction has its normal's. False: the operator has too many entries to be formed.
-bool spread(const Lcp& problem, const Vector& z, RowSparse& entries, Vector& beta) {
-  const auto* dense = std::get_if<DenseMatrix>(&problem.A);
-  const auto* rows = std::get_if<RowSparse>(&problem.A);
-  if (const auto* delassus = std::get_if<Delassus>(&problem.A)) {
-    if (!to_rows(*delassus, entries, kFormed)) return false;
-    rows = &entries;
-  }
-  const Index n = z.size();
-  bool changed = true;
-  const auto raise = [&](Index i, double by) {
-    if (by > beta[i]) beta[i] = by, changed = true;
-  };
-  for (bool down = true; changed; down = !down) {  // both ways by turns: a chain takes two
-    changed = false;
-    for (Index k = 0; k < n; ++k) {
-      const Index i = down ? k : n - 1 - k;
-      if (dense != nullptr) {
-        for (Index j = 0; j < n; ++j)
-          if (beta[j] > beta[i]) raise(i, std::min(std::abs((*dense)(i, j) * z[j]), beta[j]));
-      } else {
-        for (std::size_t e = at(rows->start[at(i)]); e < at(rows->start[at(i) + 1]); ++e)
-          if (const Index j = rows->column[e]; beta[j] > beta[i])
-            raise(i, std::min(std::abs(rows->value[e] * z[j]), beta[j]));
-      }
-    }
-    for (const Friction& f : problem.friction) raise(f.row, beta[f.normal]);
-  }
-  return true;
-}
-
 bool on_bound(double z, double lo, double hi) { return (z == lo || z == hi) && std::abs(z) < kInf; }
 double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
@@ -146,11 +116,14 @@ void Judge::prepare(const Lcp& problem) {
   const auto* delassus = std::get_if<Delassus>(&problem.A);
   if (delassus != nullptr && at(delassus->W.cols) > inner_ld_.capacity())
     for (auto* each : {&inner_ld_, &inner_abs_ld_}) each->reserve(at(delassus->W.cols));
+  if (const auto* rows = std::get_if<RowSparse>(&problem.A))
+    ways_.reserve(rows->value.size() + problem.friction.size());
   if (at(n) <= rows_.size()) return;
   for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_}) each->reserve(at(n));
   terms_.reserve(at(n));
   rows_.resize(at(n));
+  heap_.reserve(at(2 * n + 1));
 }
 
 void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
@@ -198,7 +171,7 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
       r = std::max(d * std::max(lo[i] - z, z - hi[i]), std::min(d * std::max(room, 0.0), r));
     }
     residual = std::max(residual, r);
-    rows_[at(i)] = {r, kEpsilon * abs_[i], data, abs_[i], 0, 0};
+    rows_[at(i)] = {r, data, abs_[i], abs_[i], 0, 0};
     settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i];
   }
   if (bounded) {
@@ -223,13 +196,13 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
       double sum = std::abs(problem.b[i]);
       for (std::size_t k = at(entries_.start[at(i)]); k < at(entries_.start[at(i) + 1]); ++k)
         sum += std::abs(entries_.value[k] * s.z[entries_.column[k]]);
-      rows_[at(i)].rounding = kEpsilon * sum;
-      rows_[at(i)].size = sum;
+      rows_[at(i)].size = rows_[at(i)].most = sum;
       size = std::max(size, sum);
     }
   }
   s.residual = checksum == 0.0 && residual < kInf ? residual : kInf;
-  s.rounding = checksum == 0.0 ? kEpsilon * size : kInf;
+  size_ = checksum == 0.0 ? size : kInf;
+  s.rounding = kEpsilon * size_;
   scale_ = scale;
   least_scale_ = least;
 }
@@ -277,16 +250,74 @@ void Judge::label_parts(const Lcp& problem) {
   for (Index i = 0; i < n; ++i) part_[at(i)] = root(i);
 }
 
+// β_i ← the least with β_i ≥ β_i and β_i ≥ min(|A_ij z_j|, β_j) for all j: what the data of others bring into a row, and
+// never more than enters it. The widest paths, the widest first: n log n for n rows, where sweeps over a long chain whose
+// rows are in no order take n². Friction has its normal's. False: the operator has too many entries to be formed.
+bool Judge::spread(const Lcp& problem, const Vector& z, Vector& beta) {
+  const auto* dense = std::get_if<DenseMatrix>(&problem.A);
+  const auto* rows = std::get_if<RowSparse>(&problem.A);
+  if (const auto* delassus = std::get_if<Delassus>(&problem.A)) {
+    if (!to_rows(*delassus, entries_, kFormed)) return false;
+    rows = &entries_;
+  }
+  const Index n = z.size();
+  if (rows != nullptr) {  // by columns
+    first_.assign(at(n + 1), 0);
+    for (const int column : rows->column) ++first_[at(column)];
+    for (const Friction& f : problem.friction) ++first_[at(f.normal)];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    ways_.resize(at(first_[at(n)]));
+    const auto place = [&](Index j, Index i, double width) {
+      ways_[at(--first_[at(j)])] = {width, static_cast<int>(i)};
+    };
+    for (Index i = 0; i < n; ++i)
+      for (std::size_t k = at(rows->start[at(i)]); k < at(rows->start[at(i) + 1]); ++k)
+        place(rows->column[k], i, std::abs(rows->value[k] * z[rows->column[k]]));
+    for (const Friction& f : problem.friction) place(f.normal, f.row, kInf);
+  }
+  heap_.clear();
+  for (Index i = 0; i < n; ++i)
+    if (beta[i] > 0) heap_.emplace_back(beta[i], static_cast<int>(i));
+  std::make_heap(heap_.begin(), heap_.end());
+  const auto stale = [&](const Way& each) { return each.first < beta[each.second]; };
+  const auto raise = [&](Index i, double by) {
+    if (by <= beta[i]) return;
+    beta[i] = by;
+    if (heap_.size() > at(2 * n)) {  // no more than n are not stale
+      std::erase_if(heap_, stale);
+      std::make_heap(heap_.begin(), heap_.end());
+    }
+    heap_.emplace_back(by, static_cast<int>(i));
+    std::push_heap(heap_.begin(), heap_.end());
+  };
+  while (!heap_.empty()) {
+    std::pop_heap(heap_.begin(), heap_.end());
+    const Way next = heap_.back();
+    heap_.pop_back();
+    if (stale(next)) continue;
+    const auto [width, j] = next;
+    if (dense != nullptr) {
+      for (Index i = 0; i < n; ++i) raise(i, std::min(std::abs((*dense)(i, j) * z[j]), width));
+      for (const Friction& f : problem.friction)
+        if (f.normal == j) raise(f.row, width);
+    } else {
+      for (std::size_t k = at(first_[at(j)]); k < at(first_[at(j + 1)]); ++k)
+        raise(ways_[k].second, std::min(ways_[k].first, width));
+    }
+  }
+  return true;
+}
+
 // The rule for each part by itself, and for each row in its own unit.
 bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
-  if (settled_ && s.rounding <= runaway(least_scale_)) return true;
+  if (settled_ && size_ <= runaway(least_scale_)) return true;
   label_parts(problem);
   largest_of_columns(problem.A, d_);
   const Index n = problem.size();
   for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
     Row& whole = rows_[at(part_[at(i)])];
     const double z = std::abs(s.z[i]);
-    whole.rounding = std::max(whole.rounding, rows_[at(i)].rounding);
+    whole.most = std::max(whole.most, rows_[at(i)].size);
     whole.z = std::max(whole.z, z);
     whole.push = std::max(whole.push, d_[i] * z);
   }
@@ -298,7 +329,7 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
   sums(hi_);
   Vector& reach = d_;
   for (Index i = 0; i < n; ++i) reach[i] = rows_[at(i)].data;
-  const bool spreads = spread(problem, s.z, entries_, reach);
+  const bool spreads = spread(problem, s.z, reach);
   for (Index i = 0; i < n; ++i) {
     Row& whole = rows_[at(part_[at(i)])];
     whole.data = std::max(whole.data, rows_[at(i)].data);
@@ -310,8 +341,8 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     const double own = spreads && reach[i] > 0 ? reach[i] : beta;
     const double noise = kRoundings * kEpsilon * std::min(abs_[i], hi_[i]);
     const double allowance = std::max(tolerance * std::min(own, row.size), noise);
-    if (!(whole.rounding <= runaway(beta) && kEpsilon * row.size <= runaway(own) &&
-          row.residual <= std::min(allowance, allowed(tolerance, whole.rounding, beta))))
+    if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
+          row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
       return false;
   }
   return true;
@@ -324,7 +355,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
   }
   bool known = false;
   const auto passes = [&] {
-    known = scale_ < kInf && s.rounding < kInf && s.rounding <= runaway(scale_);
+    known = scale_ < kInf && size_ < kInf && size_ <= runaway(scale_);
     accepted_ = allowed(tolerance, s.rounding, scale_);
     return known && s.residual <= accepted_ && rows_pass(problem, tolerance, s);
   };
@@ -475,7 +506,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
       for (Index i = 0; i < n; ++i)
         if (spoken(i)) scale = std::max(scale, abs_[i]);
     }
-    threshold += 2 * kappa / kEpsilon * runaway(scale) * norm1;
+    threshold += 2 * kappa * runaway(scale) * norm1;
   }
   return sum + threshold < 0;
 }

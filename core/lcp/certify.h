@@ -35,6 +35,7 @@
 
 #include <orthant/core/lcp/solution.h>
 
+#include <utility>
 #include <vector>
 
 namespace orthant {
@@ -57,24 +58,29 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
  private:
   struct Row {
-    double residual = 0, rounding = 0, data = 0, size = 0;  // r_i, ρ_i, what β takes of it, s_i
-    double z = 0, push = 0;                                 // of a part: its largest |z_j| and a_j |z_j|
+    double residual = 0, data = 0, size = 0;  // r_i, what β takes of it, s_i
+    double most = 0, z = 0, push = 0;         // of a part: its largest s_j, |z_j| and a_j |z_j|
   };
+  using Way = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
+
   void prepare(const Lcp& problem);
   void evaluate(const Lcp& problem, Solution& solution, bool extended);
   static double allowed(double tolerance, double rounding, double beta);
   void label_parts(const Lcp& problem);
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
+  bool spread(const Lcp& problem, const Vector& z, Vector& beta);
   void product(const Matrix& A, const Vector& u, bool transposed);
 
   RowSparse entries_;  // of an operator
   Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
   std::vector<Row> rows_;
-  std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
+  std::vector<int> part_, first_;  // per row: the first row of its part; per body, or column: its first row, or place
+  std::vector<Way> ways_, heap_;
   std::vector<char> spoken_;
   bool settled_ = false;    // every r_i is at the rounding level of its own row
   double least_scale_ = 0;  // the smallest |b_i| > 0, or what stands for it
   double scale_ = 0;        // β
+  double size_ = 0;         // max s_i
   double accepted_ = 0;
   std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|, or A z and |A| |z|
   std::vector<long double> least_;      // what a slack in g_j is measured by

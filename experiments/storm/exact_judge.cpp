@@ -5,6 +5,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/gmp.hpp>
 
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -107,6 +108,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     push[root] = most_of<T>(push[root], most[at(j)] * abs(x[at(j)]));
   }
 
+  const T lost = T(n + 1) * T(std::numeric_limits<double>::denorm_min());  // products too small for any double
   T whole(0);
   std::vector<T> own(at(n)), digits(at(n)), entries(at(n)), reach(at(n));  // s_i, t_i, s_i of the entries, β_i
   for (Index i = 0; i < n; ++i) {
@@ -152,18 +154,19 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       if ((friction[at(i)] != nullptr) != second) continue;
       const auto root = at(copy.part[at(i)]);
       const T beta = data[root] > 0 ? data[root] : whole;
-      if (T(kEpsilon) * size[root] > T(1.001) * runaway(beta)) {
+      if (T(kEpsilon) * (size[root] - lost) > T(1.001) * runaway<T>(beta + lost)) {
         finding.why = row_says(i, "z has run away, rounding over scale",
                                static_cast<double>(T(kEpsilon) * size[root] / (beta > 0 ? beta : T(1))));
         return finding;
       }
       const T mine = reach[at(i)] > 0 ? reach[at(i)] : beta;
-      if (T(kEpsilon) * entries[at(i)] > T(1.001) * runaway(mine)) {
+      if (T(kEpsilon) * (entries[at(i)] - lost) > T(1.001) * runaway<T>(mine + lost)) {
         finding.why = row_says(i, "z has run away beside what the data bring into the row",
                                static_cast<double>(entries[at(i)] / mine));
         return finding;
       }
-      r[at(i)] = T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]);
+      r[at(i)] =
+          T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]) + lost;
       allowed[at(i)] = r[at(i)];
       T lo(0), hi(0);
       bool below = true, above = true;  // bounds there are

@@ -4,8 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <ctime>
+#include <numeric>
 
 #include "tests/support/judge.h"
+#include "tests/support/sanitized.h"
 
 using namespace orthant;
 
@@ -135,6 +138,39 @@ TEST_CASE("a runaway z is no solution, however small its relative residual") {
   const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});  // infeasible: the rows sum to −2
   CHECK(verdict(p, Vector{1e17, 1e17}) == Status::numerical_error);
   CHECK(verdict(p, Vector{1e10, 1e10}) != Status::solved);
+  for (const double unit : {1.0, 1e-150, 1e-300, 1e-310, 0x1p-1074}) {  // down to where ε s is no number any more
+    const Lcp q = pair({unit, -unit, -unit, unit}, Vector{-unit, unit});
+    INFO("unit ", unit);
+    CHECK(verdict(q, Vector{2, 1}) == Status::solved);
+    CHECK(verdict(q, Vector{1e12 + 1, 1e12}) != Status::solved);
+  }
+}
+
+TEST_CASE("a long chain whose rows are in no order is judged as quickly as any") {
+  constexpr int n = 100000;
+  std::vector<int> row(at(n));
+  std::iota(row.begin(), row.end(), 0);
+  Random random(7);
+  for (int k = n - 1; k > 0; --k) std::swap(row[at(k)], row[at(random.integer(0, k))]);
+  std::vector<Eigen::Triplet<double>> entries{{row[0], row[0], 1.0}};
+  for (int k = 1; k < n; ++k) {
+    entries.emplace_back(row[at(k)], row[at(k)], 1.0);
+    entries.emplace_back(row[at(k)], row[at(k - 1)], -1.0);
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  Vector b, z;
+  b.resize(n), z.resize(n);
+  b.setZero();
+  b[row[0]] = -1;
+  z.setConstant(1);
+  z[row[n / 2]] += 1e-12;  // above rounding: the rows are looked at
+  const Lcp p = Lcp::standard(RowSparse::from(A), b);
+  const std::clock_t begin = std::clock();
+  CHECK(verdict(p, z) == Status::solved);
+  CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < (kSanitized ? 20 : 2));
+  z[row[n / 2]] += 1e-9;
+  CHECK(verdict(p, z) != Status::solved);
 }
 
 TEST_CASE("what is not finite is never a solution") {
