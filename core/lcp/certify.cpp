@@ -1,7 +1,9 @@
 #include <orthant/core/lcp/certify.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 namespace orthant {
@@ -15,7 +17,13 @@ double runaway(double beta) { return std::min(1e-6 / kEpsilon * (1 + beta), 1e-4
 constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
 constexpr Index kFew = 8;           // rows
-constexpr double kFormed = 7e7;     // products up to which an operator's entries are formed
+constexpr long double kRounding = std::numeric_limits<long double>::epsilon() / 2;
+constexpr double kFormed = 7e7;  // products up to which an operator's entries are formed
+
+// Its first 26 bits.
+double head(double value) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) & ~std::uint64_t{0x7ffffff});
+}
 
 // w ← A z + b, abs ← |A| |z| + |b|; a Delassus operator is bounded through its factors, as it is applied.
 void apply(const Matrix& A, const Vector& b, const Vector& z, Vector& w, Vector& abs, Vector& inner,
@@ -120,8 +128,7 @@ void Judge::prepare(const Lcp& problem) {
     ways_.reserve(rows->value.size() + problem.friction.size());
   if (at(n) <= rows_.size()) return;
   for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);
-  for (auto* each : {&g_, &g_abs_}) each->reserve(at(n));
-  terms_.reserve(at(n));
+  for (auto* each : {&g_, &g_abs_, &g_error_}) each->reserve(at(n));
   rows_.resize(at(n));
   heap_.reserve(at(2 * n + 1));
 }
@@ -381,28 +388,38 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
   }
 }
 
-// g_ ← Aᵀu or A u in long double, g_abs_ and terms_ beside it.
+// g_ ← Aᵀu or A u in long double, g_abs_ beside it; of Aᵀu also what rounding has taken from each sum.
 void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
   const Index n = u.size();
   g_.assign(at(n), 0);
   g_abs_.assign(at(n), 0);
-  terms_.assign(at(n), 0);
-  const auto add = [this](Index j, long double product) {
-    g_[at(j)] += product;
-    g_abs_[at(j)] += std::abs(product);
-    terms_[at(j)] += product != 0;
+  g_error_.assign(at(n), 0);
+  const auto add = [&](Index j, double a, double x) {
+    if (!transposed) {
+      const long double product = static_cast<long double>(a) * x;
+      g_[at(j)] += product;
+      g_abs_[at(j)] += std::abs(product);
+      return;
+    }
+    const double halves[2] = {head(a), a - head(a)}, others[2] = {head(x), x - head(x)};
+    for (const double half : halves)
+      for (const double other : others) {  // exact, in 54 bits
+        const long double term = static_cast<long double>(half) * other, before = g_[at(j)], after = before + term;
+        const long double taken = after - before;  // Knuth's exact error of a sum
+        g_error_[at(j)] += std::abs((before - (after - taken)) + (term - taken));
+        g_[at(j)] = after;
+        g_abs_[at(j)] += std::abs(term);
+      }
   };
   if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
     for (Index j = 0; j < n; ++j)
-      for (Index i = 0; i < n; ++i)
-        add(transposed ? j : i, static_cast<long double>((*dense)(i, j)) * u[transposed ? i : j]);
+      for (Index i = 0; i < n; ++i) add(transposed ? j : i, (*dense)(i, j), u[transposed ? i : j]);
     return;
   }
   if (const auto* sparse = std::get_if<RowSparse>(&A)) {
     for (Index i = 0; i < n; ++i)
       for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-        add(transposed ? sparse->column[k] : i,
-            static_cast<long double>(sparse->value[k]) * u[transposed ? i : sparse->column[k]]);
+        add(transposed ? sparse->column[k] : i, sparse->value[k], u[transposed ? i : sparse->column[k]]);
     return;
   }
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);  // symmetric: Aᵀu = A u
@@ -415,7 +432,6 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
       inner_abs_ld_[at(W.column[k])] += std::abs(product);
     }
   for (Index i = 0; i < n; ++i) {
-    terms_[at(i)] = 2;
     for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
       g_[at(i)] += W.value[k] * inner_ld_[at(W.column[k])];
       g_abs_[at(i)] += std::abs(W.value[k]) * inner_abs_ld_[at(W.column[k])];
@@ -425,6 +441,7 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
       g_[at(i)] += product;
       g_abs_[at(i)] += std::abs(product);
     }
+    g_error_[at(i)] = static_cast<long double>(n + 4) * kRounding * g_abs_[at(i)];
   }
 }
 
@@ -444,9 +461,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
     if (u[f.row] != 0) return false;
 
   product(problem.A, u, true);
-  const long double unit = std::numeric_limits<long double>::epsilon() / 2;  // one rounding
-  const long double gamma = static_cast<long double>(n + 4) * unit;          // of a sum of n products
-  const auto error = [&](Index j) { return terms_[at(j)] <= 1 ? 0 : gamma * g_abs_[at(j)]; };
+  const auto error = [&](Index j) { return 1.01L * g_error_[at(j)]; };  // 1.01: its own sum was rounded, too
 
   // Friction rows take part through their normal: sup over |z_t| ≤ μ z_n of g_n z_n + g_t z_t = (g_n + μ |g_t|) z_n.
   // A z that uses the slack of the sum has at least one of its terms: the least of them is what κ is relative to.
@@ -459,7 +474,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
     const long double push = f.mu * (std::abs(g_[at(f.row)]) + error(f.row));
     g_[at(f.normal)] += push;
     g_abs_[at(f.normal)] += push;
-    terms_[at(f.normal)] += 2;
+    g_error_[at(f.normal)] += 4 * kRounding * std::max(std::abs(g_[at(f.normal)]), push);
     g_[at(f.row)] = g_abs_[at(f.row)] = 0;
   }
   for (const Friction& f : problem.friction) g_[at(f.row)] = g_abs_[at(f.row)] = 0;
@@ -485,7 +500,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
   }
   if (!(kappa <= 32 * static_cast<long double>(kEpsilon))) return false;
 
-  long double threshold = terms <= 1 ? 0 : static_cast<long double>(n + 4) * 2 * unit * sum_abs;
+  long double threshold = terms <= 1 ? 0 : static_cast<long double>(n + 4) * 2 * kRounding * sum_abs;
   if (kappa > 0) {
     double scale = 0;  // of the rows that the proof speaks of, and of those they are coupled with
     bool bounded = false;

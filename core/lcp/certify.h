@@ -27,7 +27,7 @@
 //   friction rows, whose w_i has either sign. Farkas' lemma; complete for linear feasibility, and so, by the existence
 //   theorem for monotone problems, for every A with xᵀA x ≥ 0. With g = Aᵀu the supremum over z is
 //     bᵀu + Σ_j sup g_j z_j:   g_j + Σ μ_t |g_t| (over its friction rows t) ≤ 0 on [lo, ∞), g_j = 0 on free rows.
-//   Rounding: sums run in long double with their error bounds on the wrong side. A g_j that misses its sign by no more
+//   Rounding: sums run in long double with their errors, found out as they arise, on the wrong side. A g_j that misses its sign by no more
 //   than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
 //   have a larger ρ. (Beside a proof a z that misses by less than the tolerance may be called solved: both are true.)
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.5, 3.1, 3.7.
@@ -82,10 +82,9 @@ class Judge {  // the members are scratch: after the first problem of a size not
   double scale_ = 0;        // β
   double size_ = 0;         // max s_i
   double accepted_ = 0;
-  std::vector<long double> g_, g_abs_;  // Aᵀu and |A|ᵀ|u|, or A z and |A| |z|
-  std::vector<long double> least_;      // what a slack in g_j is measured by
+  std::vector<long double> g_, g_abs_, g_error_;  // Aᵀu and |A|ᵀ|u|, or A z and |A| |z|; the rounding of Aᵀu
+  std::vector<long double> least_;                // what a slack in g_j is measured by
   std::vector<long double> inner_ld_, inner_abs_ld_;
-  std::vector<int> terms_;  // nonzero products in g_j: a single one has an exact sign
 };
 
 }  // namespace orthant

@@ -249,6 +249,13 @@ TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
   CHECK(verdict_on_proof(scalar(-1e-12, -1e-12), Vector{1}) == Status::infeasible);
   CHECK(verdict_on_proof(scalar(1e-30, -1), Vector{1}) == Status::ray);                       // z = 1e30 solves
   CHECK(verdict_on_proof(pair({0, 1, 1, -1}, Vector{-1, -2}), Vector{0, 1}) == Status::ray);  // solvable by (3, 1)
+  // Sums without any rounding leave no slack that a z could use, however large data beside them let it be.
+  Lcp beside =
+      Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0.1, -0.7, 0}, {-0.1, 0.7, 0}, {-1e-7, 0, 1}}), Vector{1, -2, 1e9});
+  CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::infeasible);
+  CHECK(verdict_on_proof(as_sparse(beside), Vector{1, 1, 0}) == Status::infeasible);
+  std::get<DenseMatrix>(beside.A)(1, 1) += 1e-16;  // now z = (7e16, 1e16, …) has w ≥ 0
+  CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::ray);
 }
 
 TEST_CASE("proofs with free rows, boxes and friction") {
