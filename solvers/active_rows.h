@@ -23,9 +23,11 @@ class ActiveRows {  // reuse it
   Vector z, w;
 
   /// Problems without friction rows. Sides from z and w = A z + b of a guess: where z_i − w_i / d_i leaves the bounds.
-  void load(const Lcp& problem, const Vector& guess) {
+  /// Once the budget, which must outlive the calls that follow, is over, every block that is not yet factorized is as a
+  /// singular one.
+  void load(const Lcp& problem, const Vector& guess, const Budget& budget) {
     problem_ = &problem;
-    block_.load(problem.A);
+    block_.load(problem.A, &budget);
     diagonal(problem.A, scale_);
     const Index n = problem.size();
     side.resize(at(n));

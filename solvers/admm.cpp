@@ -54,7 +54,7 @@ void Admm::factorize(const Lcp& problem) {
   }
   all_.resize(static_cast<std::size_t>(order(shifted_)));
   std::iota(all_.begin(), all_.end(), Index(0));
-  factors_.load(shifted_);
+  factors_.load(shifted_, &budget());
   regular_ = factors_.factorize(all_);
 }
 

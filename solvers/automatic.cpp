@@ -171,6 +171,13 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
     return Status::solved;
   }
   Status claim = Status::stalled;
+  if (budget().exhausted()) {
+    if (work.warm)
+      s.z = work.start;
+    else
+      s.z.setZero();
+    return Status::time_limit;
+  }
   run_again(problem, s, 0, claim);
   return claim;
 }

@@ -18,8 +18,9 @@ template <class T> const T kUpdate = 1e5 * std::numeric_limits<T>::epsilon();  /
 
 }  // namespace
 
-template <class T> void Basis<T>::reset(Index n, Storage storage, int update_limit) {
+template <class T> void Basis<T>::reset(Index n, Storage storage, int update_limit, const Budget* budget) {
   n_ = n;
+  budget_ = budget;
   sparse_ = storage == Storage::sparse && std::is_same_v<T, double>;
   update_limit_ = update_limit;
 }
@@ -31,6 +32,7 @@ template <class T> bool Basis<T>::factorize_gathered() {
   eta_value_.clear();
   eta_start_.assign(1, 0);
   missing_.clear();
+  if (budget_ != nullptr && budget_->exhausted()) return false;
   whole_.resize(at(n_));
   for (const T& value : value_)
     if (!isfinite(value)) return false;
@@ -83,7 +85,8 @@ template <class T> bool Basis<T>::factorize_gathered() {
   typename DenseLu<T>::Dense dense(dense_.reset(m), m, m);
   dense.setZero();
   for_each_entry([&](Index r, Index c, T value) { dense(r, c) = value * row_scale_[at(r)] * col_scale_[at(c)]; });
-  const Index rank = dense_.factorize(kZero<T>);
+  const Index rank = dense_.factorize(kZero<T>, budget_);
+  if (rank < 0) return false;
   for (Index k = rank; k < m; ++k)
     missing_.push_back({core_column_[at(dense_.column(k))], core_row_[at(dense_.row(k))]});
   if (rank == m && sparse_) sparse_ = false;  // the two do not agree on what is singular: dense it is, until reset()

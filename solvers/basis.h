@@ -33,8 +33,9 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
     Index position, row;
   };
 
-  /// An n × n basis to come.
-  void reset(Index n, Storage storage, int update_limit = 64);
+  /// An n × n basis to come. Once the budget, which must outlive it (null: none), is over, factorize() says false and
+  /// names no column.
+  void reset(Index n, Storage storage, int update_limit = 64, const Budget* budget = nullptr);
 
   /// B anew. columns(k, add) must call add(row, value) for the entries of column k, 0 ≤ k < n, each row at most once.
   /// False when B is singular to working precision, or not finite: missing() then says where, and solves are undefined.
@@ -73,6 +74,7 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
   template <class Lu> void solve_core(Lu& lu, View x);
   Index n_ = 0;
   bool sparse_ = false;
+  const Budget* budget_ = nullptr;
   int update_limit_ = 64;
   T pivot_ratio_ = 1;
   std::vector<int> start_, row_;  // the columns as given

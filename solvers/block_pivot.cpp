@@ -16,8 +16,8 @@ Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
   if (problem.size() == 0) return Status::solved;
   const Index n = problem.size();
   const bool guessed = start == Start::warm || (options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z));
-  rows_.load(problem, s.z);
-  if (!guessed && !rows_.release_all(false)) rows_.load(problem, s.z);
+  rows_.load(problem, s.z, budget());
+  if (!guessed && !rows_.release_all(false)) rows_.load(problem, s.z, budget());
   Index least = n + 1;
   int patience = options_.patience;
   while (s.iterations < options_.max_iterations) {

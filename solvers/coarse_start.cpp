@@ -60,8 +60,8 @@ bool CoarseStart::interpolation(const Lcp& fine, Sparse& P, std::vector<int>& co
 }
 
 void CoarseStart::solve(const Lcp& problem, const Budget& budget, Vector& z, bool guessed) {
-  rows_.load(problem, z);
-  if (!guessed && !rows_.release_all()) rows_.load(problem, z);
+  rows_.load(problem, z, budget);
+  if (!guessed && !rows_.release_all()) rows_.load(problem, z, budget);
   for (int k = 0; k < kEnough && !budget.exhausted() && rows_.solve(); ++k) {
     z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
     bool moved = false;

@@ -9,6 +9,7 @@
 //   Source: Golub & Van Loan, Matrix Computations (4th ed., 2013), ch. 3.2, 3.4.
 #pragma once
 
+#include <orthant/solvers/budget.h>
 #include <orthant/solvers/kernels.h>
 
 #include <Eigen/Core>
@@ -36,8 +37,8 @@ template <class T> class DenseLu {  // reuse it
     return storage_.data();
   }
 
-  /// The rank found.
-  Index factorize(T zero) {
+  /// The rank found; −1 when the budget, null: none, was over before the end.
+  Index factorize(T zero, const Budget* budget = nullptr) {
     using std::abs;
     for (Index i = 0; i < m_; ++i) row_[u(i)] = column_[u(i)] = i;
     Dense A(storage_.data(), m_, m_);
@@ -46,6 +47,7 @@ template <class T> class DenseLu {  // reuse it
       const Index k1 = std::min(k0 + kPanel, m_);
       bring(A, k0, k0, k1);
       for (Index k = k0; k < std::min(k1, end);) {
+        if (k % kAsked == kAsked - 1 && budget != nullptr && budget->exhausted()) return -1;
         eliminate(A.col(k).data(), k0, k);
         const T* const column = A.col(k).data();
         Index p = k;
@@ -106,7 +108,8 @@ template <class T> class DenseLu {  // reuse it
 
  private:
   static constexpr Index kPanel = 128, kTile = 128;
-  static constexpr Index kFew = 8;  // entries for which a call costs more than the loop
+  static constexpr Index kFew = 8;     // entries for which a call costs more than the loop
+  static constexpr Index kAsked = 16;  // columns between two questions to the budget
   static std::size_t u(Index i) { return static_cast<std::size_t>(i); }
 
   // The pivots [k0, k1) applied to the columns [j0, j1).

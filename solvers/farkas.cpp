@@ -37,8 +37,8 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
     scale_[n + i] = scaling_.row[i];
     free_[static_cast<std::size_t>(i)] = free_[static_cast<std::size_t>(n + i)] = free;
   }
-  tableau_.load(Skew{M}, q_, free_, scale_, scale_);
-  const auto late = [&budget](long double) { return budget.exhausted(); };
+  const auto late = [&budget](auto...) { return budget.exhausted(); };
+  tableau_.load(Skew{M}, q_, free_, scale_, scale_, late);
   if (tableau_.run(20000 + 200 * static_cast<int>(n), late) != detail::Tableau<long double>::End::ray) return false;
   ray_.resize(2 * n);
   ray_.setZero();

@@ -127,6 +127,7 @@ Eigen::VectorXd polished(const ClpSimplex& clp, const Sparse& L, const Eigen::Ve
 bool propose_by_simplex(const Lcp& problem, const Budget& budget, Vector& u) {
   const Index n = problem.size();
   const Program p = program(problem);
+  if (budget.exhausted()) return false;
   std::vector<double> low(at(n)), high(at(n)), cost(at(n), 0);
   for (Index j = 0; j < n; ++j) {  // costs make the start dual feasible
     low[at(j)] = problem.lo[j] == -kInf ? -COIN_DBL_MAX : problem.lo[j] * p.scale;
@@ -141,7 +142,7 @@ bool propose_by_simplex(const Lcp& problem, const Budget& budget, Vector& u) {
   clp.loadProblem(static_cast<int>(n), static_cast<int>(p.rows.rows()), p.rows.outerIndexPtr(), p.rows.innerIndexPtr(),
                   p.rows.valuePtr(), low.data(), high.data(), cost.data(), p.lower.data(), p.upper.data());
   clp.dual();
-  if (!clp.isProvenPrimalInfeasible()) return false;
+  if (!clp.isProvenPrimalInfeasible() || budget.exhausted()) return false;
   const std::unique_ptr<double[]> multipliers(clp.infeasibilityRay());
   if (multipliers == nullptr) return false;
   Eigen::VectorXd all = polished(clp, p.rows, Eigen::Map<Eigen::VectorXd>(multipliers.get(), p.rows.rows()));

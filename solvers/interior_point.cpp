@@ -40,7 +40,7 @@ std::string InteriorPoint::why_not(const Lcp& problem) const {
 }
 
 void InteriorPoint::load(const Lcp& p) {
-  block_.load(p.A);
+  block_.load(p.A, &budget());
   row_sizes(p.A, scale_);
   lo_ = p.lo, hi_ = p.hi;
   for (const Friction& f : p.friction) lo_[f.row] = hi_[f.row] = 0;  // μ = 0
@@ -393,7 +393,7 @@ Status InteriorPoint::method(const Lcp& p, Solution& s, Start start) {
   for (const double farther : kStarts) {
     if (farther > 1) log(s.iterations, best_.residual, 0, "farther start");
     claim = iterate(p, s, farther);
-    if (claim == Status::time_limit || s.certificate.size() > 0 || s.iterations >= options_.max_iterations) break;
+    if (budget().exhausted() || s.certificate.size() > 0 || s.iterations >= options_.max_iterations) break;
     judge_.certify(p, options_.tolerance, Status::solved, best_);
     if (best_.status == Status::solved) break;
   }

@@ -111,13 +111,14 @@ struct Lemke::Work {
   Status attempt(Tableau<T>& t, int max_pivots, const Lcp& problem, Solution& s, bool nearby = false) {
     const auto& M = std::get<DenseMatrix>(pure->A);
     const Index n = pure->size();
+    const auto late = [this] { return lemke.budget().exhausted(); };
     if (nearby)
-      t.load(Nearby{M, shift_of(M)}, pure->b, free, scaling.row, scaling.col);
+      t.load(Nearby{M, shift_of(M)}, pure->b, free, scaling.row, scaling.col, late);
     else
-      t.load(M, pure->b, free, scaling.row, scaling.col);
+      t.load(M, pure->b, free, scaling.row, scaling.col, late);
     const auto end = t.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(n), [&](const T& z0) {
       lemke.log(t.iterations(), static_cast<double>(z0));
-      return lemke.budget().exhausted();
+      return late();
     });
     s.iterations = t.iterations();
     y.resize(n);
@@ -179,9 +180,9 @@ struct Lemke::Work {
   }
 
   Status attempt_revised(int max_pivots, const Lcp& problem, Solution& s) {
-    if (!revised.load(problem, cover_of(problem.A))) return Status::numerical_error;
+    if (!revised.load(problem, cover_of(problem.A), lemke.budget())) return Status::numerical_error;
     const auto end = revised.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(problem.size()),
-                                 lemke.budget(), [&](double z0) { lemke.log(revised.iterations(), z0); });
+                                 [&](double z0) { lemke.log(revised.iterations(), z0); });
     s.iterations = revised.iterations();
     switch (end) {
       case RevisedLemke::End::solved:
@@ -207,7 +208,8 @@ struct Lemke::Work {
     const Lcp& p = friction ? copositive.pure(problem, Pyramid::Form::stewart_trinkle) : problem;
     columns.load(p.A);
     normal_path.load(columns, p.b, p.lo, p.hi,
-                     std::holds_alternative<RowSparse>(p.A) ? BasisStorage::sparse : BasisStorage::dense);
+                     std::holds_alternative<RowSparse>(p.A) ? BasisStorage::sparse : BasisStorage::dense,
+                     lemke.budget());
     y.resize(p.size());
     for (Index i = 0; i < p.size(); ++i) y[i] = p.lo[i] != -kInf ? p.lo[i] : p.hi[i] != kInf ? p.hi[i] : 0;
     if (!normal_path.start(y)) return Status::numerical_error;

@@ -17,7 +17,7 @@ template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {
     t.pivot(i, value);
     return true;
   };
-  if (!t.release_free()) return Status::stalled;
+  if (!t.release_free([this] { return budget().exhausted(); })) return Status::stalled;
   t.iterations = 0;
   for (;;) {
     int i = 0;

@@ -186,7 +186,7 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
   gradient_.noalias() = V.transpose() * phi_;
   if (weight == 0) {
     d_ = -phi_;
-    if (lu_.factorize(0) < n) return false;
+    if (lu_.factorize(0, &budget()) < n) return false;
     lu_.solve(d_.data());
   } else {
     normal_.A.resize(n, n);
@@ -218,7 +218,7 @@ bool NewtonFb::polish(const Lcp& p, Vector& z) {
 }
 
 Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
-  rows_.load(p, z);
+  rows_.load(p, z, budget());
   scale_.resize(p.size());
   for (Index i = 0; i < p.size(); ++i) scale_[i] = weight_of_z_ * rows_.scale(i);
   double now = merit(p, z);
@@ -243,7 +243,8 @@ Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
     const double limit = *std::max_element(recent_.begin(), recent_.end());
     bool moved = false;
     double length = 0;
-    for (double weight = 0; !moved && weight < 1e3; weight = weight == 0 ? 1e-12 : weight * 1e3) {
+    for (double weight = 0; !moved && weight < 1e3 && !budget().exhausted();
+         weight = weight == 0 ? 1e-12 : weight * 1e3) {
       merit(p, z);  // w and Φ at z, which the line search has overwritten
       if (!direction(p, weight)) continue;
       const double slope = gradient_.dot(d_);

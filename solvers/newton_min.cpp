@@ -20,7 +20,7 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   large_ = nullptr;
   if (problem.friction.empty()) {
     if (start == Start::cold && !(options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z))) {
-      rows_.load(problem, s.z);
+      rows_.load(problem, s.z, budget());
       if (rows_.release_all()) s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
     }
     const Status claim = iterate(problem, s, s.z);
@@ -111,7 +111,7 @@ double NewtonMin::merit(const Lcp& p, const Vector& z) {
 
 Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
   const Index n = p.size();
-  rows_.load(p, z);
+  rows_.load(p, z, budget());
   double now = merit(p, z);
   recent_.assign(1, now);
   double best = now;
@@ -170,7 +170,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
 bool NewtonMin::marquardt(const Lcp& p, Vector& z, double limit) {
   const Index n = p.size();
   // A full n × n product each: beyond this, honest failure.
-  if (n > (std::holds_alternative<RowSparse>(p.A) ? kSquare : 2000)) return false;
+  if (n > (std::holds_alternative<RowSparse>(p.A) ? kSquare : 2000) || budget().exhausted()) return false;
   const double start = merit(p, z);
   to_dense(p.A, J_);
   for (Index i = 0; i < n; ++i)
@@ -182,7 +182,7 @@ bool NewtonMin::marquardt(const Lcp& p, Vector& z, double limit) {
   normal_.noalias() = J_.transpose() * J_;
   const double unit = normal_.diagonal().maxCoeff();
   from_ = z;
-  for (double weight = 1e-10; weight < 1e4; weight *= 100) {
+  for (double weight = 1e-10; weight < 1e4 && !budget().exhausted(); weight *= 100) {
     shifted_.A = normal_;
     shifted_.A.diagonal().array() += weight * unit;
     if (!shifted_.factorize(0)) continue;

@@ -20,12 +20,12 @@ constexpr std::size_t kRoom = 2000000;  // numbers kept of a path
 
 }  // namespace
 
-template <class T>
-void NormalPath<T>::load(const Columns& M, const Vector& q, const Vector& lo, const Vector& hi, Storage storage) {
+template <class T> void NormalPath<T>::load(const Columns& M, const Vector& q, const Vector& lo, const Vector& hi,
+                                            Storage storage, const Budget& budget) {
   M_ = &M;
   n_ = M.size();
   const std::size_t n = at(n_);
-  basis_.reset(n_, storage);
+  basis_.reset(n_, storage, 64, &budget);
   row_.assign(n, T(1));
   col_.assign(n, T(1));
   // Middle of the exponents of each column, then of each row, where they span many orders.

@@ -42,8 +42,10 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
   using End = PathEnd;
   using Storage = BasisStorage;
 
-  /// The problem of the following calls: M must outlive them.
-  void load(const Columns& M, const Vector& q, const Vector& lo, const Vector& hi, Storage storage);
+  /// The problem of the following calls: M and the budget must outlive them. Once that is over, no basis is factorized
+  /// any more, as if all were singular.
+  void load(const Columns& M, const Vector& q, const Vector& lo, const Vector& hi, Storage storage,
+            const Budget& budget);
 
   /// Which random numbers break ties from now on: another path through the same degenerate vertices.
   void break_ties_by(unsigned seed) { tie_breaker_ = seed; }

@@ -143,7 +143,7 @@ struct Path::Work {
       const auto pressed = [&](Index i) {
         return (z[i] == (*model.lo)[i] && F[i] >= 0) || (z[i] == (*model.hi)[i] && F[i] <= 0);
       };
-      basis.reset(model.size(), storage(*A));
+      basis.reset(model.size(), storage(*A), 64, &path.budget());
       if (!basis.factorize([&](Index i, const auto& add) {
             if (pressed(i))
               add(i, 1.0);
@@ -172,7 +172,7 @@ struct Path::Work {
   // The step: points holds the path from x for the linearization there; claims like NormalPath.
   template <class T> PathEnd follow(NormalPath<T>& p, const Matrix& A, bool on_ray) {
     using End = PathEnd;
-    p.load(columns, q, *model.lo, *model.hi, storage(A));
+    p.load(columns, q, *model.lo, *model.hi, storage(A), path.budget());
     p.break_ties_by(tie_breaker);
     if (!(on_ray ? p.start_on_ray(cover) : p.start(x))) return End::singular;
     const auto end = p.follow(

@@ -28,8 +28,8 @@ bool Polish::better(const Lcp& p, const Vector& z) {
 }
 
 /// Sides from the best z and its w.
-void Polish::guess(const Lcp& p, int kind) {
-  rows_.load(p, best_.z);
+void Polish::guess(const Lcp& p, int kind, const Budget& budget) {
+  rows_.load(p, best_.z, budget);
   if (kind == 0 || kind == 3) return;
   const double clear = kind == 1 ? 1e-4 : 1e-9;
   const double size = p.size() > 0 ? best_.z.lpNorm<Eigen::Infinity>() : 0;
@@ -48,7 +48,7 @@ bool Polish::improve(const Lcp& p, Vector& z, const Budget& budget, bool each_ro
   zero_ = Eigen::VectorXd::Zero(p.size());
   if (!(error(best_) < kInf)) return false;
   for (int kind = 0; kind < kGuesses && !is_exact(best_) && !budget.exhausted(); ++kind) {
-    guess(p, kind);
+    guess(p, kind, budget);
     for (int round = 0; round < kRounds && !budget.exhausted(); ++round) {
       if (!rows_.solve() && !rows_.solve_near(kind == 3 ? zero_ : best_.z)) break;
       better(p, rows_.z);

@@ -27,7 +27,7 @@ class Polish {  // reuse it
 
  private:
   bool better(const Lcp& problem, const Vector& z);
-  void guess(const Lcp& problem, int kind);
+  void guess(const Lcp& problem, int kind, const Budget& budget);
 
   Judge judge_;
   Solution trial_, best_;

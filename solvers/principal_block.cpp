@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kGrowth = 1e4;
 
+bool over(const Budget* budget) { return budget != nullptr && budget->exhausted(); }
+
 /// Pivots below this part of the largest are what rounding leaves of a singular block of m rows. The entries of a shift
 /// span many powers of ten by intention: nothing but 0 is small then.
 double zero(Index m, const Vector* shift) {
@@ -35,6 +37,7 @@ struct PrincipalBlock::Dense {
   Eigen::FullPivLU<Eigen::MatrixXd> complete;
   enum class Kind { cholesky, partial, complete } kind = Kind::partial;
   const Vector* shift = nullptr;
+  const Budget* budget = nullptr;
   Vector rhs;
 
   void load(const Matrix& matrix) {
@@ -67,14 +70,16 @@ struct PrincipalBlock::Dense {
       cholesky.A.resize(m, m);
       fill(F, cholesky.A, true);
       if (cholesky.factorize(zero(m, shift))) return true;
+      if (over(budget)) return false;
     }
     kind = Kind::partial;
     DenseLu<double>::Dense block(partial.reset(m), m, m);
     fill(F, block, false);
     if (!block.allFinite()) return false;
     const double size = block.cwiseAbs().maxCoeff();
-    const bool regular = partial.factorize(zero(m, shift) * size) == m;
+    const bool regular = partial.factorize(zero(m, shift) * size, budget) == m;
     if (block.cwiseAbs().maxCoeff() <= kGrowth * size) return regular;
+    if (over(budget)) return false;
     kind = Kind::complete;  // partial pivoting lets entries grow, up to 2ᵐ⁻¹ (Wilkinson): complete pivoting does not
     fill(F, block, false);
     complete.compute(block);
@@ -140,6 +145,7 @@ struct PrincipalBlock::Sparse {
   Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu;
   std::vector<int> position;       // row of A → row of the block, or −1
   std::vector<int> start, column;  // the pattern that `lu` was last analysed for
+  const Budget* budget = nullptr;
   Vector rhs;
 
   void load(const RowSparse& matrix) {
@@ -177,6 +183,7 @@ struct PrincipalBlock::Sparse {
     }
     positive = F.empty() || (symmetric && cholesky.factorize(block, zero(block.rows, shift)));
     if (positive) return true;
+    if (over(budget)) return false;
     columns = block.view();
     if (start != block.start || column != block.column) {
       lu.analyzePattern(columns);
@@ -205,21 +212,25 @@ struct PrincipalBlock::Sparse {
 PrincipalBlock::PrincipalBlock() = default;
 PrincipalBlock::~PrincipalBlock() = default;
 
-void PrincipalBlock::load(const Matrix& A) {
+void PrincipalBlock::load(const Matrix& A, const Budget* budget) {
   const auto* sparse = std::get_if<RowSparse>(&A);
   is_sparse_ = sparse != nullptr;
   usable_ = false;
+  budget_ = budget;
   if (is_sparse_) {
     if (!sparse_) sparse_ = std::make_unique<Sparse>();
+    sparse_->budget = budget;
     sparse_->load(*sparse);
   } else {
     if (!dense_) dense_ = std::make_unique<Dense>();
+    dense_->budget = budget;
     dense_->load(A);
   }
 }
 
 bool PrincipalBlock::factorize(const std::vector<Index>& F, const Vector* shift) {
   if (usable_ && shift == nullptr && F == F_) return true;
+  if (over(budget_)) return false;
   F_ = F;
   count_factorization(static_cast<Index>(F.size()));
   if (!is_sparse_) dense_->shift = shift;

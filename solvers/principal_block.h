@@ -12,6 +12,7 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
+#include <orthant/solvers/budget.h>
 
 #include <memory>
 #include <vector>
@@ -25,10 +26,11 @@ class PrincipalBlock {
   PrincipalBlock(const PrincipalBlock&) = delete;
   PrincipalBlock& operator=(const PrincipalBlock&) = delete;
 
-  /// The matrix of the following calls, which must outlive them (a Delassus operator is copied).
-  void load(const Matrix& A);
+  /// The matrix of the following calls, which must outlive them (a Delassus operator is copied). So must the budget, null:
+  /// none. Once it is over no factorization is begun, and a dense one with partial pivoting is given up.
+  void load(const Matrix& A, const Budget* budget = nullptr);
 
-  /// False when the block is singular or not finite. F ascends; empty is fine. D = diag(shift_F) from the n numbers of
+  /// False when the block is singular or not finite, or the budget is over. F ascends; empty is fine. D = diag(shift_F) from the n numbers of
   /// `shift`, which must outlive the solves; null: 0. The block of the last call, unshifted both, is not factorized again.
   bool factorize(const std::vector<Index>& F, const Vector* shift = nullptr);
 
@@ -43,6 +45,7 @@ class PrincipalBlock {
   std::unique_ptr<Sparse> sparse_;
   bool is_sparse_ = false;
   bool usable_ = false;  // the factors are those of F_ without a shift
+  const Budget* budget_ = nullptr;
   std::vector<Index> F_;
 };
 

@@ -106,8 +106,9 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
     ++iterations;
   }
 
-  /// w = 0 on all free rows, by principal and exchange pivots, largest first. False when their block is singular.
-  bool release_free() {
+  /// w = 0 on all free rows, by principal and exchange pivots, largest first. False when their block is singular, or
+  /// stop(), asked at each pivot, is true.
+  template <class Stop> bool release_free(const Stop& stop) {
     for (;;) {
       int i = -1, k = -1;
       T best = 0;
@@ -120,7 +121,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
           if (size > best && size > noise_floor_) best = size, i = r, k = c;
         }
       if (!open) return true;
-      if (i < 0) return false;
+      if (i < 0 || stop()) return false;
       if (i == k) {
         move(i, -w[u(i)] / at(i, i));
         pivot(i, T(0));

@@ -20,7 +20,8 @@ template <class Add> void RevisedLemke::column(int variable, const Add& add) con
   }
 }
 
-bool RevisedLemke::load(const Lcp& problem, const Vector& cover) {
+bool RevisedLemke::load(const Lcp& problem, const Vector& cover, const Budget& budget) {
+  budget_ = &budget;
   q_ = problem.b;
   rows_ = problem.size();
   n_ = static_cast<int>(problem.size());
@@ -59,10 +60,10 @@ bool RevisedLemke::load(const Lcp& problem, const Vector& cover) {
     basic_[at(i)] = free_[at(i)] ? n_ + i : i;
   }
   const auto storage = sparse != nullptr ? Basis<double>::Storage::sparse : Basis<double>::Storage::dense;
-  basis_.reset(n_, storage);
+  basis_.reset(n_, storage, 64, budget_);
   if (factorize()) return true;
   if (!split()) return false;
-  basis_.reset(n_, storage);
+  basis_.reset(n_, storage, 64, budget_);
   return factorize();
 }
 

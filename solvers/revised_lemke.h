@@ -23,11 +23,11 @@ class RevisedLemke {  // reuse it
   enum class End { solved, ray, limit, stopped, lost };  // lost: the basis became singular to working precision
 
   /// Rows [0, ∞) and free ones, dense or sparse storage. cover: d > 0, n entries. False when not finite.
-  bool load(const Lcp& problem, const Vector& cover);
+  /// The budget, which must outlive the run, is asked in every loop whose length grows with n.
+  bool load(const Lcp& problem, const Vector& cover, const Budget& budget);
 
-  /// At most `limit` pivots, log(z₀) after each; the budget is asked in every loop whose length grows with n.
-  template <class Log> End run(int limit, const Budget& budget, const Log& log) {
-    budget_ = &budget;
+  /// At most `limit` pivots, log(z₀) after each.
+  template <class Log> End run(int limit, const Log& log) {
     if (!enter_covering()) return End::solved;
     for (;;) {
       if (iterations_ >= limit) return End::limit;
@@ -35,7 +35,7 @@ class RevisedLemke {  // reuse it
       if (leaving == kLost) return End::lost;
       if (leaving == covering()) return End::solved;
       log(x_[covering_row_]);
-      if (budget.exhausted()) return End::stopped;
+      if (budget_->exhausted()) return End::stopped;
       entering_ = leaving < n_ ? leaving + n_ : leaving - n_;
       if (!price()) return End::lost;
       if (leaving_row_ < 0) return End::ray;
@@ -69,7 +69,7 @@ class RevisedLemke {  // reuse it
   std::vector<int> basic_, ties_, twin_, origin_;
   std::vector<long double> exact_;
   Basis<double> basis_;
-  const Budget* budget_ = nullptr;  // of the run
+  const Budget* budget_ = nullptr;
 };
 
 }  // namespace orthant::detail

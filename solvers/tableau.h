@@ -61,11 +61,12 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   /// Another covering vector than e for the loads that follow: d > 0 by row of the problem; empty: e again.
   void cover(const Vector& d) { cover_ = d; }
 
-  /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and z_i of any sign.
-  template <class Entries>
-  void load(const Entries& M, const Vector& q, const std::vector<char>& free, const Vector& row, const Vector& col) {
+  /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and z_i of any sign. stop() is asked
+  /// at each pivot on free rows: once true, all that run() says is `stopped`.
+  template <class Entries, class Stop> void load(const Entries& M, const Vector& q, const std::vector<char>& free,
+                                                 const Vector& row, const Vector& col, const Stop& stop) {
     fill(M, q, free, row, col);
-    if (pairs_ == n_ || eliminate(M, q, row, col)) return;
+    if (pairs_ == n_ || eliminate(M, q, row, col, stop)) return;
     fill(M, q, free, row, col);
     for (int i = 0; i < n_; ++i)
       if (free_[u(i)]) split(i);
@@ -73,6 +74,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
 
   /// Lemke's method from the loaded tableau, at most `limit` pivots. After each, stop(z₀) is asked: true ends the run.
   template <class Stop> End run(int limit, const Stop& stop) {
+    if (stopped_) return End::stopped;
     const int r = most_negative();
     if (r < 0) return End::solved;
     begin_delays();
@@ -163,6 +165,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     stride_ = pairs_ + 2;
     iterations_ = entering_ = 0;
     top_ = 0;
+    stopped_ = false;
     const auto size = static_cast<std::size_t>(stride_);
     for (auto* v : {&basic_, &nonbasic_, &origin_, &list_}) grow(*v, size);
     grow(place_, 2 * size), grow(frozen_, size), grow(paired_, size), grow(ratio_, size), grow(given_, size),
@@ -372,8 +375,9 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   }
 
   // Free rows: z_j enters against some w_i, both free, largest entry first. True when what is left, if anything, pairs
-  // up (w_i with z_i) and could be split; else the caller loads again and splits all.
-  template <class Entries> bool eliminate(const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
+  // up (w_i with z_i) and could be split, or when it was stopped; else the caller loads again and splits all.
+  template <class Entries, class Stop>
+  bool eliminate(const Entries& M, const Vector& q, const Vector& row, const Vector& col, const Stop& stop) {
     T scale = 0;
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j)
@@ -388,6 +392,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
             best = abs(row_at(i)[c]), r = i, s = c;
       }
       if (r < 0) break;
+      if (stop()) return stopped_ = true;
       pivot(r, s);
       frozen_[u(r)] = 1;
     }
@@ -439,6 +444,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   static constexpr int covering_ = 1;  // the column of z₀ at the start
   static constexpr int kDelayed = 48;  // rows; below, a pivot at once is as fast
   int n_ = 0, pairs_ = 0, split_end_ = 0, rows_ = 0, columns_ = 0, stride_ = 0, iterations_ = 0, entering_ = 0;
+  bool stopped_ = false;
   Vector cover_;
   T top_ = 0;                                  // max |q|
   std::vector<T> t_, ratio_, given_, error_;   // given_: |q| of a pair; error_: rounding of a row's constant
