@@ -333,12 +333,13 @@ bool Walk::leaf(Node<Rational>& node) {
   }
   exact::Cone cone;
   if (node.left > 0)
-    cone = exact::cone(G, dimension);
+    cone = exact::cone(G, dimension, stop_);
   else if (std::all_of(G.begin(), G.end(), [](const exact::Row& g) { return g[0] >= 0; }))
     cone.rays = {{1}};
   Piece piece;
   std::vector<exact::Row*> generators;
   for (exact::Row& ray : cone.rays) {
+    if (stop_()) return true;
     if (!ray[0].is_zero()) {
       const Rational scale = ray[0];
       for (Rational& entry : ray) entry /= scale;
@@ -346,12 +347,14 @@ bool Walk::leaf(Node<Rational>& node) {
     (ray[0].is_zero() ? piece.directions : piece.vertices).push_back(point(node, ray, ray[0]));
     generators.push_back(&ray);
   }
+  if (stop_()) return true;
   if (piece.vertices.empty()) return false;
   for (exact::Row& line : cone.lines) {
     piece.lines.push_back(point(node, line, line[0]));
     generators.push_back(&line);
   }
   for (const Line& line : lines_) {
+    if (stop_()) return true;
     const auto mark = [&](int f, std::size_t above, std::size_t below) {
       if (f < 0 || line.bit == 0) return;
       for (const exact::Row* x : generators) {

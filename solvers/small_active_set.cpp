@@ -70,6 +70,7 @@ template <Index N> class Attempt {
   const Lcp* problem_ = nullptr;
   const double *A_ = nullptr, *b_ = nullptr;
   int* iterations_ = nullptr;
+  const Budget* budget_ = nullptr;
   Index size_known_late_ = 0;
   Index inside_count_ = 0, sliding_count_ = 0, rank_ = 0;
   bool friction_ = false;
@@ -165,7 +166,7 @@ template <Index N> void Attempt<N>::product(const double* z) {
   }
 }
 
-/// z of the present sides; false where they do not determine it.
+/// z of the present sides; false where they do not determine it, or the budget was over before they did.
 template <Index N> bool Attempt<N>::newton(double* z) {
   const Index n = size();
   Index m = 0;
@@ -205,7 +206,12 @@ template <Index N> bool Attempt<N>::newton(double* z) {
   else
     for (Index k = 0; k < m * m; ++k) largest = std::max(largest, std::abs(block[k]));
   if (!(largest < kInf)) return false;
-  rank_ = lu_.factorize(static_cast<double>(2 * m) * kRoundoff * largest);
+  const double zero = static_cast<double>(2 * m) * kRoundoff * largest;
+  if constexpr (N == kAny)
+    rank_ = lu_.factorize(zero, budget_);
+  else
+    rank_ = lu_.factorize(zero);
+  if (rank_ < 0) return false;
   correct(z);
   return true;
 }
@@ -266,6 +272,7 @@ template <Index N>
 bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Budget& budget, double mostly) {
   load(problem);
   iterations_ = &iterations;
+  budget_ = &budget;
   const Index n = size();
   for (Index i = 0; i < n; ++i) z[i] = std::clamp(z[i], lo_[i], hi_[i]);
   if (at_rest(z)) return true;

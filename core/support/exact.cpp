@@ -27,15 +27,16 @@ void shorten(Row& x) {
   for (Rational& entry : x) entry /= largest;
 }
 
-// One more inequality g x ≥ 0: rays beyond it go, and each edge it cuts leaves a ray in it.
-void cut(std::vector<Ray>& rays, const Row& g, std::size_t dimension) {
+// One more inequality g x ≥ 0: rays beyond it go, and each edge it cuts leaves a ray in it. False: stopped.
+bool cut(std::vector<Ray>& rays, const Row& g, std::size_t dimension, const std::function<bool()>& stop) {
   std::vector<Rational> value;
   std::vector<Ray> kept;
   for (Ray& ray : rays) {
     value.push_back(dot(g, ray.x));
     ray.zero.push_back(value.back().is_zero());
   }
-  for (std::size_t i = 0; i < rays.size(); ++i)
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (stop && stop()) return false;
     for (std::size_t j = 0; j < rays.size(); ++j) {
       if (!(value[i] > 0 && value[j] < 0)) continue;
       std::vector<char> common(rays[i].zero);
@@ -58,9 +59,11 @@ void cut(std::vector<Ray>& rays, const Row& g, std::size_t dimension) {
       shorten(between.x);
       kept.push_back(std::move(between));
     }
+  }
   for (std::size_t i = 0; i < rays.size(); ++i)
     if (value[i] >= 0) kept.push_back(std::move(rays[i]));
   rays = std::move(kept);
+  return true;
 }
 
 }  // namespace
@@ -124,7 +127,7 @@ std::vector<std::size_t> reduce(Table& rows, std::size_t columns) {
   return pivots;
 }
 
-Cone cone(const Table& G, std::size_t dimension) {
+Cone cone(const Table& G, std::size_t dimension, const std::function<bool()>& stop) {
   Cone result;
   Table reduced = G;
   const auto columns = reduce(reduced, dimension);
@@ -166,7 +169,7 @@ Cone cone(const Table& G, std::size_t dimension) {
     rays[k].zero[k] = 0;
   }
   for (std::size_t i = 0; i < G.size(); ++i)
-    if (std::find(first.begin(), first.end(), i) == first.end()) cut(rays, restricted(i), rank);
+    if (std::find(first.begin(), first.end(), i) == first.end() && !cut(rays, restricted(i), rank, stop)) return {};
   for (const Ray& ray : rays) {
     Row x(dimension);
     for (std::size_t k = 0; k < rank; ++k) x[columns[k]] = ray.x[k];

@@ -12,6 +12,7 @@
 #include <boost/multiprecision/gmp.hpp>
 
 #include <cmath>
+#include <functional>
 #include <vector>
 
 namespace orthant::exact {
@@ -89,11 +90,12 @@ std::vector<std::size_t> reduce(Table& rows, std::size_t columns);
 
 /// Generators of the cone { x : G x ≥ 0 }: every member is Σ t_k rays[k] + Σ s_l lines[l], t ≥ 0. Rays are extreme when
 /// there are no lines (else extreme in the part of the cone where the lines' free coordinates are 0).
-/// The double description method; time and memory grow with the number of rays, which may be exponential.
+/// The double description method; time and memory grow with the number of rays, which may be exponential. stop() is asked
+/// for each ray and inequality: once it is true, what is returned has nothing in it.
 /// Source: Fukuda & Prodon, Double description method revisited, LNCS 1120 (1996).
 struct Cone {
   Table rays, lines;
 };
-Cone cone(const Table& G, std::size_t dimension);
+Cone cone(const Table& G, std::size_t dimension, const std::function<bool()>& stop = {});
 
 }  // namespace orthant::exact
