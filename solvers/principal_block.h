@@ -30,8 +30,9 @@ class PrincipalBlock {
   /// none. Once it is over no factorization is begun, and a dense one with partial pivoting is given up.
   void load(const Matrix& A, const Budget* budget = nullptr);
 
-  /// False when the block is singular or not finite, or the budget is over. F ascends; empty is fine. D = diag(shift_F) from the n numbers of
-  /// `shift`, which must outlive the solves; null: 0. The block of the last call, unshifted both, is not factorized again.
+  /// False when the block is singular or not finite, or the budget is over. F ascends; empty is fine. D = diag(shift_F)
+  /// from the n numbers of `shift`, which must outlive the solves; null: 0. The block of the last call, unshifted both, is
+  /// not factorized again.
   bool factorize(const std::vector<Index>& F, const Vector* shift = nullptr);
 
   /// x ← (A_FF + D)⁻¹ r for the last block, both of |F| entries; one step of refinement, dense with the residual in long
