@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -72,16 +73,27 @@ template <int N> void store_lower(std::integral_constant<int, N> n, Local<N * N>
        [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
 }
 void store_lower(int, InPlace, double*) {}
-template <int N> Local<N> line(std::integral_constant<int, N> n, double* from) {
+template <int N> Local<N> line(std::integral_constant<int, N> n, const double* from, double*) {
   Local<N> to;
   each(n, [&](auto i) { to[i] = from[i]; });
   return to;
 }
-InPlace line(int, double* from) { return {from}; }
-template <int N> void store(std::integral_constant<int, N> n, Local<N>& from, double* to) {
-  each(n, [&](auto i) { to[i] = from[i]; });
+InPlace line(int n, const double* from, double* to) {
+  if (from != to) std::copy_n(from, n, to);
+  return {to};
+}
+/// In twos, as who comes next reads them: a processor waits where it reads at once what was stored number by number.
+using TwoDoubles [[gnu::vector_size(16)]] = double;  // Eigen's would be put together in memory, and so wait itself
+template <int N> void store(std::integral_constant<int, N>, Local<N>& from, double* to) {
+  each(std::integral_constant<int, N / 2>{}, [&](auto i) {
+    const TwoDoubles two{from[2 * i], from[2 * i + 1]};
+    std::memcpy(to + 2 * i, &two, sizeof two);
+  });
+  if constexpr (N % 2 == 1) to[N - 1] = from[N - 1];
 }
 void store(int, InPlace, double*) {}
+
+constexpr std::array<double, 3> kNothing{};
 
 }  // namespace
 
@@ -118,7 +130,7 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
     const auto [m, n, j] = body.inverse_mass;
     const std::span<Two> twos = on(body);
     for (Two& u : twos) {
-      const std::array<double, 3> g = u.part(G, 0), h = u.both ? u.part(G, 1) : std::array<double, 3>{};
+      const std::array<double, 3>&g = u.part(G, 0), &h = u.both ? u.part(G, 1) : kNothing;
       u.x = m * Eigen::Array2d(g[0], h[0]), u.y = n * Eigen::Array2d(g[1], h[1]), u.z = j * Eigen::Array2d(g[2], h[2]);
       double *const first = S_.data() + u.row * n_, *const second = first + n_;
       for (const Two* v = twos.data(); v <= &u; ++v) {  // a number more at the end of a row's is 0, or overwritten
@@ -130,24 +142,35 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
   return with_size(n_, [&](auto n) { return factorize_rows(n, dependent); });
 }
 
-/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij.
+/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. Every second D_i comes from
+/// D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
 template <class N> bool Schur::factorize_rows(N n, double dependent) {
   auto S = triangle(n, S_.data());
-  auto inverse = line(n, inverse_pivot_.data());
-  auto pivot = line(n, pivot_.data());
+  auto inverse = line(n, inverse_pivot_.data(), inverse_pivot_.data());
+  auto pivot = line(n, pivot_.data(), pivot_.data());
   bool independent = true;
   each(n, [&](auto i) {
     const double whole = S[i * n + i];
-    double left = whole;
+    double left = whole, last = 0;  // y_i−1
     each(i, [&](auto j) { each(j, [&](auto k) { S[i * n + j] -= S[i * n + k] * S[j * n + k]; }); });
     each(i, [&](auto j) {
       const double y = S[i * n + j];
       S[i * n + j] = y * inverse[j];
-      left -= y * S[i * n + j];
+      if (i % 2 == 1 && j == i - 1)
+        last = y;
+      else
+        left -= y * S[i * n + j];
     });
-    const bool holds = left > dependent * whole && left < std::numeric_limits<double>::infinity();  // false of NaN
+    if (i % 2 == 0) {
+      pivot[i] = left, inverse[i] = 1 / left;
+    } else {
+      const double both = pivot[i - 1] * left - last * last;
+      pivot[i] = both * inverse[i - 1], inverse[i] = pivot[i - 1] / both;
+    }
+    const bool holds =
+        pivot[i] > dependent * whole && pivot[i] < std::numeric_limits<double>::infinity();  // false of NaN
     independent &= holds;
-    pivot[i] = left, inverse[i] = holds ? 1 / left : 0;  // 0: what follows stays finite, for finite()
+    if (!holds) inverse[i] = 0;  // what follows stays finite, for finite()
   });
   if (!independent) return false;
   store_lower(n, S, S_.data()), store(n, inverse, inverse_pivot_.data()), store(n, pivot, pivot_.data());
@@ -168,17 +191,18 @@ void Schur::solve(const double* f, const double* c, double* x, double* lambda) c
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
   std::copy_n(c, n_, lambda_.data());
   for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
-  with_size(n_, [&](auto n) { solve_rows(n, lambda_.data()); });
-  add_rows(lambda_.data(), x);
-  std::copy_n(lambda_.data(), n_, lambda);
+  solve_and_add(lambda_.data(), x, lambda);
 }
 
 void Schur::solve_rates(const double* c, double* x, double* lambda) const {
   std::fill_n(x, inverse_mass_.size(), 0.0);
-  std::copy_n(c, n_, lambda_.data());
-  with_size(n_, [&](auto n) { solve_rows(n, lambda_.data()); });
+  solve_and_add(c, x, lambda);
+}
+
+void Schur::solve_and_add(const double* c, double* x, double* lambda) const {
+  with_size(n_, [&](auto n) { solve_rows(n, c, lambda_.data()); });
   add_rows(lambda_.data(), x);
-  std::copy_n(lambda_.data(), n_, lambda);
+  if (lambda != nullptr) std::copy_n(lambda_.data(), n_, lambda);
 }
 
 void Schur::solve_row(const Row& row, double* x) const {
@@ -190,8 +214,7 @@ void Schur::solve_row(const Row& row, double* x) const {
     if (b >= 0 && body != bodies_.end()) subtract_rates(*body, j.data());
   };
   load(row.a, row.ja), load(row.b, row.jb);
-  with_size(n_, [&](auto n) { solve_rows(n, lambda_.data()); });
-  add_rows(lambda_.data(), x);
+  solve_and_add(lambda_.data(), x, nullptr);
 }
 
 /// λ −= G M⁻¹ f, the part of one body with its three f.
@@ -215,10 +238,10 @@ void Schur::add_rows(const double* lambda, double* x) const {
   }
 }
 
-/// S λ = λ.
-template <class N> void Schur::solve_rows(N n, double* lambda) const {
+/// S λ = c.
+template <class N> void Schur::solve_rows(N n, const double* c, double* lambda) const {
   const double *L = S_.data(), *inverse = inverse_pivot_.data();
-  auto y = line(n, lambda);
+  auto y = line(n, c, lambda);
   each(n, [&](auto i) { each(i, [&](auto k) { y[i] -= L[i * n + k] * y[k]; }); });
   each(n, [&](auto i) { y[i] *= inverse[i]; });
   each_down(n, [&](auto i) { each(i, [&](auto k) { y[k] -= L[i * n + k] * y[i]; }); });

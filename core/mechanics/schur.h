@@ -49,7 +49,8 @@ class Schur {
     std::array<double, 3> inverse_mass;
   };
   template <class N> bool factorize_rows(N n, double dependent);
-  template <class N> void solve_rows(N n, double* lambda) const;
+  template <class N> void solve_rows(N n, const double* c, double* lambda) const;
+  void solve_and_add(const double* c, double* x, double* lambda) const;
   void add_rows(const double* lambda, double* x) const;
   void subtract_rates(const OnBody& body, const double* f) const;
   std::span<Two> on(const OnBody& b) { return {twos_.data() + b.begin, twos_.data() + b.end}; }

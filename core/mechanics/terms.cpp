@@ -43,8 +43,8 @@ void move_poses(const System& system, double t, const Eigen::VectorXd& q, Kinema
       pose = {{qi[0], qi[1]}, qi[2], std::cos(qi[2]), std::sin(qi[2])};
       continue;
     }
-    const double sine = turn * (1 - square / 6 * (1 - square / 20));
-    const double less = square / 2 * (1 - square / 12 * (1 - square / 30));  // 1 − cosine
+    const double sine = turn * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
+    const double less = square * (0.5 - square * (1.0 / 24 - square * (1.0 / 720)));  // 1 − cosine
     pose = {{qi[0], qi[1]}, qi[2], pose.c - (pose.c * less + pose.s * sine), pose.s - (pose.s * less - pose.c * sine)};
   }
   at.t = t;
