@@ -9,9 +9,7 @@ Projection::Projection(const System& system, bool with_joints)
       basic_(system, with_joints),
       far_(system.assembly()),
       trial_(system.dof()),
-      step_(system.dof()),
       rate_(system.joint_rows()),
-      lambda_(system.joint_rows()),
       weight_(system.joint_rows()) {}
 
 double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
@@ -26,8 +24,8 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   double left = mismatch(terms);
   for (int i = 0; i < kIterations && left > kTolerance; ++i) {
     rate_ = -terms.phi;
-    basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());
-    trial_ = q + step_;
+    trial_ = q;
+    basic_.add_rates(rate_.data(), trial_.data());
     move_poses(system_, t, trial_, terms.at);
     evaluate_joints(system_, terms);
     const double next = mismatch(terms);
@@ -68,8 +66,7 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
     return most;
   };
   const auto correct = [&] {
-    basic_.solve_rates(rate_.data(), step_.data(), lambda_.data());
-    v += step_;
+    basic_.add_rates(rate_.data(), v.data());
     return missing();
   };
   constexpr int kIterations = 10;

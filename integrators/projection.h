@@ -36,7 +36,7 @@ class Projection {
   const System& system_;
   BasicSystem basic_;
   Extents far_;
-  Eigen::VectorXd trial_, step_, rate_, lambda_;
+  Eigen::VectorXd trial_, rate_;
   Eigen::VectorXd weight_;  // of each row: 1 / (1 m + its bodies' coordinates)
 };
 

@@ -22,8 +22,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       velocities_(system),
       problem_(&velocities_.problem()),
       q_end_(system.dof()),
-      free_(system.dof()),
-      correction_(system.dof()) {
+      free_(system.dof()) {
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
   require_plain_impacts(system, name);
   refuse_loaded_friction(name);
@@ -86,8 +85,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
 
     if (rate_.size() > 0) {
       rate_ = -end_.phi;
-      basic_.solve_rates(rate_.data(), correction_.data(), lambda_.data());
-      free_ += correction_;
+      basic_.add_rates(rate_.data(), free_.data());
     }
     const bool rows = resists || !start_.closed.empty();
     if (rows) {

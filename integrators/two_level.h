@@ -73,7 +73,7 @@ class TwoLevel : public Integrator {
   double stiffness_weight_ = 0, damping_weight_ = 0;
   std::vector<Wanted> wanted_;
   std::vector<int> carrying_;
-  Eigen::VectorXd q_end_, free_, correction_;
+  Eigen::VectorXd q_end_, free_;
 };
 
 }  // namespace orthant

@@ -289,9 +289,10 @@ void BasicSystem::solve(const double* f, const double* c, double* x, double* lam
   Eigen::Map<Eigen::VectorXd>(x, dof_) = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
 }
 
-void BasicSystem::solve_rates(const double* c, double* x, double* lambda) const {
-  if (way_ == Way::dense && !redundant_) return schur_->solve_rates(c, x, lambda);
-  solve(zero_.data(), c, x, lambda);
+void BasicSystem::add_rates(const double* c, double* x) const {
+  if (way_ == Way::dense && !redundant_) return schur_->add_rates(c, x);
+  solve(zero_.data(), c, force_.data(), lambda_.data());
+  Eigen::Map<Eigen::VectorXd>(x, dof_) += force_;
 }
 
 void BasicSystem::solve_row(const Row& row, double* x) const {

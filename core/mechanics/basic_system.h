@@ -34,8 +34,8 @@ class BasicSystem {
   /// f has dof entries, c joint_rows() entries; λ likewise (both empty without joints). Sizes are not checked.
   void solve(const double* f, const double* c, double* x, double* lambda) const;
 
-  /// f = 0.
-  void solve_rates(const double* c, double* x, double* lambda) const;
+  /// Adds to x the solution for f = 0.
+  void add_rates(const double* c, double* x) const;
 
   /// Right-hand side f = rowᵀ, c = 0.
   void solve_row(const Row& row, double* x) const;

@@ -191,18 +191,13 @@ void Schur::solve(const double* f, const double* c, double* x, double* lambda) c
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
   std::copy_n(c, n_, lambda_.data());
   for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
-  solve_and_add(lambda_.data(), x, lambda);
+  add_rates(lambda_.data(), x);
+  std::copy_n(lambda_.data(), n_, lambda);
 }
 
-void Schur::solve_rates(const double* c, double* x, double* lambda) const {
-  std::fill_n(x, inverse_mass_.size(), 0.0);
-  solve_and_add(c, x, lambda);
-}
-
-void Schur::solve_and_add(const double* c, double* x, double* lambda) const {
+void Schur::add_rates(const double* c, double* x) const {
   with_size(n_, [&](auto n) { solve_rows(n, c, lambda_.data()); });
   add_rows(lambda_.data(), x);
-  if (lambda != nullptr) std::copy_n(lambda_.data(), n_, lambda);
 }
 
 void Schur::solve_row(const Row& row, double* x) const {
@@ -214,7 +209,7 @@ void Schur::solve_row(const Row& row, double* x) const {
     if (b >= 0 && body != bodies_.end()) subtract_rates(*body, j.data());
   };
   load(row.a, row.ja), load(row.b, row.jb);
-  solve_and_add(lambda_.data(), x, nullptr);
+  add_rates(lambda_.data(), x);
 }
 
 /// λ −= G M⁻¹ f, the part of one body with its three f.

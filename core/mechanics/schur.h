@@ -23,8 +23,8 @@ class Schur {
   bool factorize(std::span<const Row> G, double dependent);
 
   void solve(const double* f, const double* c, double* x, double* lambda) const;
-  /// f = 0.
-  void solve_rates(const double* c, double* x, double* lambda) const;
+  /// Adds to x the solution for f = 0.
+  void add_rates(const double* c, double* x) const;
   /// f = rowᵀ, c = 0.
   void solve_row(const Row& row, double* x) const;
 
@@ -50,7 +50,6 @@ class Schur {
   };
   template <class N> bool factorize_rows(N n, double dependent);
   template <class N> void solve_rows(N n, const double* c, double* lambda) const;
-  void solve_and_add(const double* c, double* x, double* lambda) const;
   void add_rows(const double* lambda, double* x) const;
   void subtract_rates(const OnBody& body, const double* f) const;
   std::span<Two> on(const OnBody& b) { return {twos_.data() + b.begin, twos_.data() + b.end}; }
