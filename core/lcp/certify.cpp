@@ -18,7 +18,8 @@ constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
 constexpr Index kFew = 8;           // rows
 constexpr long double kRounding = std::numeric_limits<long double>::epsilon() / 2;
-constexpr double kFormed = 7e7;  // products up to which an operator's entries are formed
+constexpr double kProducts = 1e-290;  // a sum below it may have lost terms that are smaller than any double
+constexpr double kFormed = 7e7;       // products up to which an operator's entries are formed
 
 // Its first 26 bits.
 double head(double value) {
@@ -345,7 +346,7 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     const Row& row = rows_[at(i)];
     const Row& whole = rows_[at(part_[at(i)])];
     const double beta = whole.data > 0 ? whole.data : scale_;
-    const double own = spreads && reach[i] > 0 ? reach[i] : beta;
+    const double own = spreads && reach[i] > 0 ? std::max(reach[i], least_scale_) : beta;
     const double noise = kRoundings * kEpsilon * std::min(abs_[i], hi_[i]);
     const double allowance = std::max(tolerance * std::min(own, row.size), noise);
     if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
@@ -521,6 +522,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
       for (Index i = 0; i < n; ++i)
         if (spoken(i)) scale = std::max(scale, abs_[i]);
     }
+    if (scale < kProducts) return false;
     threshold += 2 * kappa * runaway(scale) * norm1;
   }
   return sum + threshold < 0;

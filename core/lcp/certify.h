@@ -12,7 +12,8 @@
 //   each row in its own unit,
 //     r_i ≤ max(tolerance · min(β_i, s_i), 20 ε t_i),   s_i = |b_i| + Σ_j |A_ij z_j|,   ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i):
 //   β_i, of the row's own data or what others' bring into it, is the least with β_i ≥ min(|A_ij z_j|, β_j) for all j (β where
-//   nothing does, and for operators too large to be formed): large data excuse no runaway z in rows that do not feel them.
+//   nothing does, and for operators too large to be formed), but not below the least of all data: large data excuse no
+//   runaway z in rows that do not feel them.
 //     t_i = |b_i| + min(Σ_j |A_ij| max |z|, Σ_j |A_ij| / a_j max a |z|),   a_j = max_i |A_ij|, the maxima over the part:
 //   what the last digits of z, each relative to the largest of them or of what they do to w, leave unknown in a row.
 //   Below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make

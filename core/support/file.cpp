@@ -1,10 +1,12 @@
 #include <orthant/core/support/file.h>
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -76,8 +78,7 @@ std::string read_whole(const std::filesystem::path& path, std::uintmax_t most) {
 void write_whole(const std::filesystem::path& file, std::string_view text) {
   check_writable(file);
   const std::filesystem::path path = target_of(file);
-  std::filesystem::path temporary = path;
-  temporary += ".tmp" + std::to_string(getpid());
+  const std::filesystem::path temporary = beside(path);
   errno = 0;
   std::ofstream out(temporary, std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
@@ -90,6 +91,21 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
   const std::string reason = error ? error.message() : std::strerror(errno);
   std::filesystem::remove(temporary, error);
   throw std::runtime_error("cannot write " + path.string() + ": " + reason);
+}
+
+std::filesystem::path beside(std::filesystem::path path) { return path += ".tmp" + std::to_string(getpid()); }
+
+std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& path) {
+  const std::string start = path.filename().string() + ".tmp";
+  std::vector<std::filesystem::path> left;
+  std::error_code error;
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const int process = name.starts_with(start) ? std::atoi(name.c_str() + start.size()) : 0;
+    if (process == getpid() || (process > 0 && kill(process, 0) != 0 && errno == ESRCH)) left.push_back(entry.path());
+  }
+  return left;
 }
 
 void check_readable(const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace orthant {
 
@@ -25,6 +26,11 @@ std::string read_whole(const std::filesystem::path& path, std::uintmax_t most = 
 /// A link is followed; what is no regular file (a device, say) is refused and left alone.
 /// Throws std::runtime_error naming the file and the reason; nothing is left behind then.
 void write_whole(const std::filesystem::path& path, std::string_view text);
+
+/// Where this process writes what is to take the place of `path`: NAME.tmp and the process's number.
+std::filesystem::path beside(std::filesystem::path path);
+/// What killed processes left there: names with the number of a process that is no more, or is this one.
+std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& path);
 
 /// Throws std::runtime_error when `path` is no regular file that can be read (a folder or a device, say).
 void check_readable(const std::filesystem::path& path);

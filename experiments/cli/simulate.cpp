@@ -192,6 +192,7 @@ int run_simulate(const SimulateArguments& arguments) {
     if (!arguments.output.empty() && place(arguments.checkpoint) == place(arguments.output))
       throw std::invalid_argument("--checkpoint '" + arguments.checkpoint + "' and --output '" + arguments.output +
                                   "': must be two files");
+    for (const fs::path& left : leftovers_beside(place(arguments.checkpoint))) fs::remove(left);
     const std::string label = label_of(arguments);
     restart.every = arguments.checkpoint_every;
     restart.save = [&, label](const std::string& bytes) {

@@ -124,6 +124,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       terms += of_a * abs(x[at(j)]);
       summed += abs(a * x[at(j)]);
     }
+    if (given <= lost) given = T(0);
     own[at(i)] = terms, digits[at(i)] = least_of(by_z, by_push);
     entries[at(i)] = summed, reach[at(i)] = given;
     data[root] = most_of(data[root], given);
@@ -131,6 +132,9 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     whole = most_of(whole, given);
   }
 
+  T least(whole);  // of the data that are not 0
+  for (const T& given : reach)
+    if (given > 0) least = least_of<T>(least, given);
   for (bool changed = true; changed;) {
     changed = false;
     const auto raise = [&](Index i, const T& by) {
@@ -159,7 +163,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
                                static_cast<double>(T(kEpsilon) * size[root] / (beta > 0 ? beta : T(1))));
         return finding;
       }
-      const T mine = reach[at(i)] > 0 ? reach[at(i)] : beta;
+      const T mine = reach[at(i)] > 0 ? most_of<T>(reach[at(i)], least) : beta;
       if (T(kEpsilon) * (entries[at(i)] - lost) > T(1.001) * runaway<T>(mine + lost)) {
         finding.why = row_says(i, "z has run away beside what the data bring into the row",
                                static_cast<double>(entries[at(i)] / mine));

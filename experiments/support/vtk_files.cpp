@@ -5,7 +5,6 @@
 #include <orthant/core/support/file.h>
 
 #include <fcntl.h>
-#include <signal.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -59,8 +58,6 @@ bool is_moment(const std::string& name, const std::string& stem) {
          name.find_first_not_of("0123456789", digits) == name.size() - 4;
 }
 
-fs::path beside(fs::path path) { return path += ".tmp" + std::to_string(getpid()); }
-
 /// Removes the moments NAME_i of an earlier result, a folder; files of others there go to `folder`.
 void discard(const fs::path& old, const fs::path& folder, const std::string& stem) {
   std::vector<fs::path> others;
@@ -70,18 +67,6 @@ void discard(const fs::path& old, const fs::path& folder, const std::string& ste
   if (!others.empty()) fs::create_directories(folder);
   for (const fs::path& other : others) fs::rename(other, folder / other.filename());
   fs::remove_all(old);
-}
-
-/// Removes what killed runs left beside `path`: names with the number of a process that is no more, or is this one.
-void discard_leftovers(const fs::path& path, const std::string& stem) {
-  const std::string start = path.filename().string() + ".tmp";
-  std::vector<fs::path> left;
-  for (const auto& entry : fs::directory_iterator(path.parent_path())) {
-    const std::string name = entry.path().filename().string();
-    const int process = name.starts_with(start) ? std::atoi(name.c_str() + start.size()) : 0;
-    if (process == getpid() || (process > 0 && kill(process, 0) != 0 && errno == ESRCH)) left.push_back(entry.path());
-  }
-  for (const fs::path& one : left) discard(one, path, stem);
 }
 
 /// Each takes the other's place, at one stroke where the file system can (NFS cannot); `b` need not exist.
@@ -121,7 +106,8 @@ void write_vtk(const fs::path& file, const Scene& scene, std::size_t width, cons
     const fs::path folder = fs::weakly_canonical(fs::absolute(file).parent_path() / stem);
     if (fs::exists(folder) && !fs::is_directory(folder))
       throw std::runtime_error("cannot write " + folder.string() + ": is no folder");
-    discard_leftovers(index, stem), discard_leftovers(folder, stem);
+    for (const fs::path& path : {index, folder})
+      for (const fs::path& left : leftovers_beside(path)) discard(left, folder, stem);
     const fs::path new_index = beside(index), new_folder = beside(folder);
     try {
       fs::create_directory(new_folder);

@@ -146,6 +146,18 @@ TEST_CASE("a runaway z is no solution, however small its relative residual") {
   }
 }
 
+TEST_CASE("what is left of nothing brings no data: a z beside it is no runaway") {
+  // Row 2 has no data of its own and 1e-21 of row 1's, by way of z₁; z₂ = 1 is as good as any other.
+  const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, 0, 0}, {1, 0, 2}, {0, 0, 0}}), Vector{1, 0, 0});
+  const Vector z{1e-21, 0, 1};
+  CHECK(verdict(p, z) == Status::solved);
+  Lcp looked_at = p;  // a row above rounding: all rows are looked at
+  looked_at.A = DenseMatrix(Eigen::Matrix4d{{0, 0, 0, 0}, {1, 0, 2, 0}, {0, 0, 0, 0}, {0, 0, 0, 1}});
+  looked_at.b = Vector{1, 0, 0, -1}, looked_at.lo = Vector{0, 0, 0, 0}, looked_at.hi = Vector{kInf, kInf, kInf, kInf};
+  CHECK(verdict(looked_at, Vector{1e-21, 0, 1, 1 + 1e-12}) == Status::solved);
+  CHECK(verdict(looked_at, Vector{1e-21, 0, 1, 1 + 1e-9}) != Status::solved);
+}
+
 TEST_CASE("a long chain whose rows are in no order is judged as quickly as any") {
   constexpr int n = 100000;
   std::vector<int> row(at(n));
@@ -254,6 +266,12 @@ TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
       Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0.1, -0.7, 0}, {-0.1, 0.7, 0}, {-1e-7, 0, 1}}), Vector{1, -2, 1e9});
   CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::infeasible);
   CHECK(verdict_on_proof(as_sparse(beside), Vector{1, 1, 0}) == Status::infeasible);
+  // The slack of u'A may be used, but by how much is lost where bounds times entries are less than any number: z = 0 solves.
+  Lcp lost = pair({0x1.5555555555556p-662, 0, 0x1p-660, 0}, Vector{0, 0});
+  lost.lo = Vector{-kInf, 0}, lost.hi = Vector{1e-172, kInf};
+  CHECK(!Judge().proves_infeasible(lost, Vector{-3, 1}));
+  lost.hi[0] = 1e-72;
+  CHECK(!Judge().proves_infeasible(lost, Vector{-3, 1}));
   std::get<DenseMatrix>(beside.A)(1, 1) += 1e-16;  // now z = (7e16, 1e16, …) has w ≥ 0
   CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::ray);
 }

@@ -38,8 +38,11 @@ TEST_CASE("killed and resumed, a simulation writes the file that it would have w
     if (std::filesystem::exists(here.path / "part.csv")) CHECK(slurp(here.path / "part.csv") == whole);
   }
   CHECK(kills > 0);
+  // What a kill in the midst of writing leaves: of a process that is no more, the shell of this very line.
+  REQUIRE(here.run("sh -c 'echo half > c.ckpt.tmp$$'; echo mine > c.ckpt.tmp1; ls c.ckpt.tmp*").exit_code == 0);
   CHECK(here.run(resumed).exit_code == 0);
   CHECK(slurp(here.path / "part.csv") == whole);
+  CHECK(here.run("ls c.ckpt.tmp* | grep -c .").out == "1\n");  // of a process that lives
 }
 
 TEST_CASE("a checkpoint of another run, a damaged one and none are told in words") {
