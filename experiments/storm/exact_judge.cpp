@@ -184,7 +184,8 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       }
       const bool under = below && x[at(i)] < lo, over = above && x[at(i)] > hi;
       if (!under && !over && abs(w[at(i)]) <= r[at(i)]) continue;
-      const bool to_lower = under || (!over && w[at(i)] > 0);
+      // By w first: where both bounds are within reach, a z past the one may belong to the other.
+      const bool to_lower = abs(w[at(i)]) > r[at(i)] ? w[at(i)] > 0 : under;
       if (to_lower ? !below : !above) {
         finding.why = row_says(i, "w", static_cast<double>(w[at(i)])) + " with no bound to rest on";
         return finding;

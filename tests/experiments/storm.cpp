@@ -66,6 +66,11 @@ TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound
   const Lcp coupled =                                             // and a small row in a large part: w₁ = −1
       Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, 2, 1e-30}, {0, 1, 0}, {0, 0, 1}}), Vector{-1, 1e11, -1e11});
   CHECK(!examine_solution(coupled, Vector{0, 0, 1e11}, 1e-10).holds);
+  Lcp narrow = one;  // both bounds are within rounding of z = 0, and w = 1 asks for the lower one
+  narrow.lo[0] = -1e-160, narrow.hi[0] = -1e-200;
+  CHECK(examine_solution(narrow, Vector{0}, 1e-10).holds);
+  narrow.lo[0] = -1;
+  CHECK(!examine_solution(narrow, Vector{0}, 1e-10).holds);
 }
 
 TEST_CASE(
