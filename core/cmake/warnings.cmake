@@ -11,6 +11,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # And a file that a unity build includes is no header.
   list(APPEND orthant_warnings -Wno-subobject-linkage)
   list(APPEND orthant_warnings -Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict -Wno-missing-field-initializers)
+else()
+  list(APPEND orthant_warnings -Wno-double-promotion)  # of clang: of double to long double too, which loses nothing
 endif()
 
 # -ffp-contract=off, no -ffast-math, no -march=native: the compiler neither fuses nor reorders arithmetic, so the same

@@ -2,6 +2,7 @@
 
 #include "drift.h"
 
+#include "experiments/benchmarks/clock.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/trajectory.h"
 
@@ -11,8 +12,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
-
-#include <time.h>
 
 #include <cmath>
 #include <cstdint>
@@ -89,13 +88,6 @@ class Along {
 constexpr double kLong = 0.1;  // [s] two runs of this length are measured well enough
 constexpr int kLeast = 2;      // runs, for a scatter
 
-/// [s] of this process: other programs on the machine disturb it little.
-double processor_time() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
   const System system(make_scene(c.scene, c.sets()));
   const auto columns = trajectory_columns(system.scene());
@@ -111,9 +103,9 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
   for (int i = 0; i < c.repeats && (i < kLeast || seconds < kLong); ++i) {  // once more, to be timed: nothing recorded
     const auto again = make_integrator(c.integrator_spec(), system);
     const auto solver = make_solver(c.solver);
-    const double start = processor_time();
+    const double start = rival::processor_time();
     simulate(*again, *solver, clock);
-    const double taken = processor_time() - start;
+    const double taken = rival::processor_time() - start;
     seconds = std::min(seconds, taken), slowest = std::max(slowest, taken);
   }
   const bool solved = run.status == Status::solved;
