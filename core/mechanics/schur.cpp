@@ -94,6 +94,7 @@ template <int N> void store(std::integral_constant<int, N>, Local<N>& from, doub
 void store(int, InPlace, double*) {}
 
 constexpr std::array<double, 3> kNothing{};
+constexpr double kLeast = 1e-280, kMost = 1e300;  // of a product of two pivots: its digits are all there
 
 }  // namespace
 
@@ -164,8 +165,13 @@ template <class N> bool Schur::factorize_rows(N n, double dependent) {
     if (i % 2 == 0) {
       pivot[i] = left, inverse[i] = 1 / left;
     } else {
-      const double both = pivot[i - 1] * left - last * last;
-      pivot[i] = both * inverse[i - 1], inverse[i] = pivot[i - 1] / both;
+      const double product = pivot[i - 1] * left;
+      if (product > kLeast && product < kMost) {
+        const double both = product - last * last;
+        pivot[i] = both * inverse[i - 1], inverse[i] = pivot[i - 1] / both;
+      } else {
+        pivot[i] = left - last * S[i * n + i - 1], inverse[i] = 1 / pivot[i];
+      }
     }
     const bool holds =
         pivot[i] > dependent * whole && pivot[i] < std::numeric_limits<double>::infinity();  // false of NaN
@@ -193,6 +199,7 @@ void Schur::solve(const double* f, const double* c, double* x, double* lambda) c
   for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
   add_rates(lambda_.data(), x);
   std::copy_n(lambda_.data(), n_, lambda);
+  lambda_.back() = 0;  // a force that was not finite leaves its mark there, too
 }
 
 void Schur::add_rates(const double* c, double* x) const {
@@ -210,6 +217,7 @@ void Schur::solve_row(const Row& row, double* x) const {
   };
   load(row.a, row.ja), load(row.b, row.jb);
   add_rates(lambda_.data(), x);
+  lambda_.back() = 0;
 }
 
 /// λ −= G M⁻¹ f, the part of one body with its three f.

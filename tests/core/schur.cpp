@@ -1,0 +1,107 @@
+// Joint rows eliminated: both equations hold, at any mass, and nothing stays of what was not finite.
+#include <orthant/core/lcp/families.h>
+#include <orthant/core/mechanics/schur.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace orthant;
+
+namespace {
+
+/// n rows on n + 1 bodies, each on two of them; every third but for `near` the one before it.
+std::vector<Row> random_rows(int n, double near, Random& random) {
+  std::vector<Row> rows;
+  for (int i = 0; i < n; ++i) {
+    Row row{.a = i, .b = i % 4 == 3 ? kGround : i + 1, .ja = {}, .jb = {}};
+    for (std::size_t k = 0; k < 3; ++k) row.ja[k] = random.normal(), row.jb[k] = random.normal();
+    if (near > 0 && i % 3 == 2) {
+      row = rows.back();
+      for (double& entry : row.ja) entry += near * random.normal();
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Eigen::VectorXd normal_vector(Eigen::Index size, Random& random) {
+  return Eigen::VectorXd::NullaryExpr(size, [&] { return random.normal(); });
+}
+
+/// The largest |G x − c| and, in accelerations, |M x − Gᵀ λ − f|.
+double residual(std::span<const Row> rows, const Eigen::VectorXd& inverse_mass, const Eigen::VectorXd& f,
+                const Eigen::VectorXd& c, const Eigen::VectorXd& x, const Eigen::VectorXd& lambda) {
+  Eigen::VectorXd push = f;
+  double worst = 0;
+  for (Eigen::Index i = 0; i < c.size(); ++i) {
+    const Row& row = rows[static_cast<std::size_t>(i)];
+    apply_transposed(row, lambda[i], push.data());
+    worst = std::max(worst, std::abs(apply(row, x.data()) - c[i]));
+  }
+  return std::max(worst, (x - inverse_mass.cwiseProduct(push)).lpNorm<Eigen::Infinity>());
+}
+
+}  // namespace
+
+TEST_CASE(
+    "joint rows eliminated: both equations hold for 0 to 12 rows, masses from 1e-250 to 1e250, nearly equal rows") {
+  Random random(1);
+  for (const double unit : {1e-250, 1e-160, 1e-150, 1.0, 1e150, 1e155, 1e160, 1e250})
+    for (const double near : {0.0, 1e-3})
+      for (int n = 0; n <= 12; ++n) {
+        CAPTURE(unit);
+        CAPTURE(near);
+        CAPTURE(n);
+        const std::vector<Row> rows = random_rows(n, near, random);
+        const Eigen::Index dof = 3 * (n + 1);
+        const Eigen::VectorXd inverse_mass = (1 + normal_vector(dof, random).array().square()) / unit;
+        const Eigen::VectorXd f = unit * normal_vector(dof, random), c = normal_vector(n, random);
+        Schur schur(inverse_mass, rows);
+        REQUIRE(schur.factorize(rows, 1e-14));
+        CHECK(schur.independence() > 1e-10);
+        Eigen::VectorXd x(dof), lambda(n);
+        schur.solve(f.data(), c.data(), x.data(), lambda.data());
+        CHECK(residual(rows, inverse_mass, f, c, x, lambda) < 1e-9 * (1 + x.lpNorm<Eigen::Infinity>()));
+      }
+}
+
+TEST_CASE("joint rows eliminated: equal rows are told at any mass, and so is what is not finite") {
+  Random random(2);
+  for (const double unit : {1e-250, 1e-155, 1.0, 1e155, 1e250})
+    for (int n = 2; n <= 12; ++n) {
+      std::vector<Row> rows = random_rows(n, 0, random);
+      rows.back() = rows.front();
+      const Eigen::VectorXd inverse_mass = Eigen::VectorXd::Constant(3 * (n + 1), 1 / unit);
+      Schur schur(inverse_mass, rows);
+      CHECK_FALSE(schur.factorize(rows, 1e-12));
+      CHECK(schur.finite());
+      rows.front().ja[1] = std::numeric_limits<double>::quiet_NaN();
+      CHECK_FALSE(schur.factorize(rows, 1e-12));
+      CHECK_FALSE(schur.finite());
+    }
+}
+
+TEST_CASE("joint rows eliminated: after forces and rows that are not finite the next solution is as before") {
+  Random random(3);
+  for (int n = 1; n <= 12; ++n) {
+    CAPTURE(n);
+    const std::vector<Row> rows = random_rows(n, 0, random);
+    const Eigen::Index dof = 3 * (n + 1);
+    Schur schur(Eigen::VectorXd::Ones(dof), rows);
+    REQUIRE(schur.factorize(rows, 1e-14));
+    const Eigen::VectorXd f = normal_vector(dof, random), c = normal_vector(n, random);
+    Eigen::VectorXd before(dof), after(dof), lambda(n);
+    schur.solve(f.data(), c.data(), before.data(), lambda.data());
+    const Eigen::VectorXd no_force = Eigen::VectorXd::Constant(dof, std::numeric_limits<double>::quiet_NaN());
+    schur.solve(no_force.data(), c.data(), after.data(), lambda.data());
+    schur.solve(f.data(), c.data(), after.data(), lambda.data());
+    CHECK(after == before);
+    Row no_row = rows.front();
+    no_row.ja.fill(std::numeric_limits<double>::infinity());
+    schur.solve_row(no_row, after.data());
+    schur.solve(f.data(), c.data(), after.data(), lambda.data());
+    CHECK(after == before);
+  }
+}
