@@ -45,6 +45,14 @@ class Program final : public ip::TNLP {
     return same;
   }
 
+  /// Whether there are numbers at the start, within the bounds: without, Ipopt reads an iterate that it has not made.
+  bool starts() {
+    scratch_ = z.cwiseMax(p().lo).cwiseMin(p().hi);
+    force(scratch_);
+    return w_.allFinite() &&
+           std::isfinite(quadratic_ ? 0.5 * scratch_.dot(w_ + p().b) : (scratch_ - reference_).dot(w_));
+  }
+
  private:
   enum Kind : char { free, lower, upper, box, fixed };
 
@@ -222,6 +230,7 @@ Status IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool 
   Program& program = *work_->program;
   const bool same = program.load(problem, quadratic);
   program.z = z;
+  if (!program.starts()) return Status::numerical_error;
   ip::OptionsList& o = *application.Options();
   o.SetIntegerValue("max_iter", options_.max_iterations);
   o.SetStringValue("warm_start_init_point", warm ? "yes" : "no");

@@ -415,7 +415,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       if (c == covering_ || (c != 0 && !is_z(variable))) continue;
       const auto given = [&](int e) {
         const int j = c == 0 ? 0 : origin_[u(variable - pairs_)];
-        return abs(static_cast<T>(c == 0 ? q[e] * row[e] : M(e, j) * row[e] * col[j]));
+        return abs(c == 0 ? scaled(q[e], row[e], 1) : scaled(M(e, j), row[e], col[j]));
       };
       T size = given(i);
       for (int e = 0; e < n_; ++e)

@@ -333,7 +333,8 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
   beta_.resize(n);
   for (Index i = 0; i < n; ++i) beta_[i] = rows_[at(part_[at(i)])].z;
   sums(abs_);
-  for (Index i = 0; i < n; ++i) beta_[i] = d_[i] > 0 ? rows_[at(part_[at(i)])].push / d_[i] : 0;
+  constexpr double kMost = std::numeric_limits<double>::max();  // times an entry of 0 that is 0, unlike infinity
+  for (Index i = 0; i < n; ++i) beta_[i] = d_[i] > 0 ? std::min(rows_[at(part_[at(i)])].push / d_[i], kMost) : 0;
   sums(hi_);
   Vector& reach = d_;
   for (Index i = 0; i < n; ++i) reach[i] = rows_[at(i)].data;
@@ -347,7 +348,8 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     const Row& whole = rows_[at(part_[at(i)])];
     const double beta = whole.data > 0 ? whole.data : scale_;
     const double own = spreads && reach[i] > 0 ? std::max(reach[i], least_scale_) : beta;
-    const double noise = kRoundings * kEpsilon * std::min(abs_[i], hi_[i]);
+    const double unknown = std::min(abs_[i], hi_[i]);
+    const double noise = unknown < kInf && hi_[i] == hi_[i] ? kRoundings * kEpsilon * unknown : 0;
     const double allowance = std::max(tolerance * std::min(own, row.size), noise);
     if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
           row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))

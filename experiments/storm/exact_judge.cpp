@@ -5,6 +5,8 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/gmp.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -101,6 +103,14 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       cost[at(j)] = most_of<T>(cost[at(j)], abs(a));
       most[at(j)] = most_of<T>(most[at(j)], of_a);
     }
+  if (std::holds_alternative<Delassus>(p.A)) {  // what an operator's diagonal says of its columns, √(A_jj max A_kk)
+    std::vector<double> root(at(n));
+    for (Index i = 0; i < n; ++i)
+      each(i, [&](Index j, const T& a) { root[at(j)] = i == j ? std::sqrt(static_cast<double>(a)) : root[at(j)]; });
+    const double largest = *std::max_element(root.begin(), root.end());
+    for (Index j = 0; j < n; ++j)
+      if (root[at(j)] > 0) most[at(j)] = T(root[at(j)] * largest);
+  }
   std::vector<T> far(at(n), T(0)), push(at(n), T(0));  // of each part: the largest |z_j|, and a_j |z_j|
   for (Index j = 0; j < n; ++j) {
     const auto root = at(copy.part[at(j)]);
@@ -138,7 +148,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   for (bool changed = true; changed;) {
     changed = false;
     const auto raise = [&](Index i, const T& by) {
-      if (by > reach[at(i)]) reach[at(i)] = by, changed = true;
+      if (by > reach[at(i)] && by > lost) reach[at(i)] = by, changed = true;
     };
     for (Index i = 0; i < n; ++i)
       each(i, [&](Index j, const T& a) { raise(i, least_of<T>(abs(a * x[at(j)]), reach[at(j)])); });
@@ -169,8 +179,9 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
                                static_cast<double>(entries[at(i)] / mine));
         return finding;
       }
+      const T summed = T(0.5 * kEpsilon * static_cast<double>(n + 1)) * own[at(i)] + lost;  // w, in doubles
       r[at(i)] =
-          T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]) + lost;
+          summed + T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]), T(20 * kEpsilon) * digits[at(i)]);
       allowed[at(i)] = r[at(i)];
       T lo(0), hi(0);
       bool below = true, above = true;  // bounds there are

@@ -7,8 +7,10 @@
 //     |w̄_i| ≤ T_i on rows that stayed,  w̄_i ≥ −T_i at lo,  w̄_i ≤ T_i at hi,
 //     r_i = max(tolerance · min(β_i, s_i), 20 ε t_i),  T_i = r_i + Σ_j |A_ij| / d_j r_j over the rows that moved,
 //     ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i),  ε max s ≤ min(1e-6 (1 + β), 1e-4 β),
-//   s_i = |b_i| + Σ_j |A_ij z_j|, t_i what the last digits of z leave unknown in a row, β of the data alone, β_i
-//   what of them reaches the row (certify.h). r_i is n + 1 of the least doubles more: products may be less than any.
+//   s_i = |b_i| + Σ_j |A_ij z_j|, t_i what the last digits of z leave unknown in a row (certify.h; of an operator with
+//   a_j = √(A_jj max_k A_kk), which is no less than any entry of column j), β of the data alone, β_i
+//   what of them reaches the row (certify.h). r_i is (n + 1) ε/2 s_i more, what sums of doubles may lose, and n + 1 of the
+//   least doubles: products may be less than any.
 //   max s and β are of each part of the problem, rows that A couples. Of an operator, where an entry is a sum over bodies,
 //   the sizes s, t, β are those of its terms; max s is of the entries.
 //

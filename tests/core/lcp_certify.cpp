@@ -416,3 +416,13 @@ TEST_CASE("certify: an operator whose factors cancel is judged by its entries, n
   CHECK(verdict(problem, Vector{0, 1}) != Status::solved);  // w_0 = -1/16, which the factors' sum absorbs
   CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);
 }
+
+TEST_CASE("certify: what overflows in its own measures excuses nothing") {
+  for (const double least : {1e-280, 1e-300, 1e-307}) {
+    CAPTURE(least);
+    const Lcp problem =
+        Lcp::standard(DenseMatrix(Eigen::Matrix3d{{1, 0, 0}, {0, least, least}, {1e20, 0, 1}}), Vector{-1, 0, -1e16});
+    CHECK(verdict(problem, Vector{0, 0, 1e16}) != Status::solved);  // w_0 = -1
+    CHECK(verdict(problem, Vector{1, 0, 0}) == Status::solved);
+  }
+}

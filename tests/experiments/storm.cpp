@@ -73,6 +73,21 @@ TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound
   CHECK(!examine_solution(narrow, Vector{0}, 1e-10).holds);
 }
 
+TEST_CASE("the exact judge: what a sum of doubles loses is no fault, what is more is one") {
+  const Index n = 40;
+  DenseMatrix rows(Eigen::MatrixXd::Identity(n, n));
+  rows.row(0).setOnes(), rows(1, 1) = rows(2, 2) = 0;  // of which 100 and -100 are free to cancel
+  Lcp sums = Lcp::standard(rows, Vector(Eigen::VectorXd::Zero(n)));
+  sums.lo.setConstant(-kInf);
+  sums.b[0] = 1;
+  Vector z(Eigen::VectorXd::Zero(n));
+  z[1] = 100, z[2] = -100;
+  z[0] = -1 - 1.006e-10;
+  CHECK(examine_solution(sums, z, 1e-10).holds);
+  z[0] = -1 - 1.1e-10;
+  CHECK(!examine_solution(sums, z, 1e-10).holds);
+}
+
 TEST_CASE(
     "the exact judge: a proof's slack by friction alone is beside what that friction does, not beside its normal") {
   Eigen::Matrix4d A{{0, 0, 1, 0},  // row 2: friction of row 1

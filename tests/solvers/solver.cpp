@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
+#include <limits>
 
 using namespace orthant;
 
@@ -74,6 +75,27 @@ TEST_CASE("no rows: solved; huge numbers: solved or an error, never NaN called s
       if (s.status == Status::solved) CHECK((s.z - Eigen::Vector3d(1, 0, 0)).lpNorm<Eigen::Infinity>() < 1e-6);
     }
   }
+}
+
+TEST_CASE("problems whose sums or scaled entries overflow end no process") {
+  // A dependent free row beside a product of 1e300 with its scaling; fixed z whose w is infinite.
+  Lcp dependent = Lcp::standard(
+      DenseMatrix(Eigen::Matrix4d{
+          {1, 8.749002899132048e+99, 0, 0}, {0, 0, 0, 0}, {0, 1, 0, 8.183476519740355e+149}, {0, 0, 0, 0}}),
+      Vector{0, 0, 0, 0});
+  dependent.lo = Vector{-kInf, 1e-10, -kInf, -1e150};
+  dependent.hi[1] = 1e-5;
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  Lcp fixed = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{0, 0}, {-kLargest, 1}}), Vector{0, 0});
+  fixed.lo = fixed.hi = Vector{-1e160, -kLargest};
+  for (const SolverEntry& entry : solvers())
+    for (const Lcp* problem : {&dependent, &fixed}) {
+      INFO(entry.name);
+      const auto solver = make_solver(entry.name);
+      Solution s;
+      solver->set_time_limit(2);
+      if (solver->solve(*problem, s).status == Status::solved) CHECK(s.w.allFinite());
+    }
 }
 
 TEST_CASE("a time limit and a raised flag end a run") {
