@@ -23,7 +23,9 @@ int main(int argc, char** argv) {
   int repeats = 7;
   app.add_option("--integrator", integrator, "NAME[:option=value,...]")->capture_default_str();
   app.add_option("--solver", solver, "NAME[:option=value,...]")->capture_default_str();
-  app.add_option("--repeats", repeats, "runs of each scene; the fastest counts")->capture_default_str();
+  app.add_option("--repeats", repeats, "runs of each scene; the fastest counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   struct Variant {

@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> specs{"lemke:form=tableau", "lemke:form=revised", "murty:max_pivots=2000",
                                  "dantzig:max_pivots=2000", "path:max_crash=0"};
   double seconds = 0.3;
-  app.add_option("--sizes", sizes, "rows n")->capture_default_str();
+  app.add_option("--sizes", sizes, "rows n")->check(CLI::Range(1, 5000))->capture_default_str();
   app.add_option("--solvers", specs, "as in orthant list, with options")->capture_default_str();
   app.add_option("--seconds", seconds, "of repeats for each number, at least 3")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
