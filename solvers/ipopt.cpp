@@ -45,6 +45,9 @@ class Program final : public ip::TNLP {
     return same;
   }
 
+  /// The last problem was not optimized: there is no structure for the next one to keep.
+  void forget() { last_start_.clear(); }
+
   /// Whether there are numbers at the start, within the bounds: without, Ipopt reads an iterate that it has not made.
   bool starts() {
     scratch_ = z.cwiseMax(p().lo).cwiseMin(p().hi);
@@ -230,7 +233,10 @@ Status IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool 
   Program& program = *work_->program;
   const bool same = program.load(problem, quadratic);
   program.z = z;
-  if (!program.starts()) return Status::numerical_error;
+  if (!program.starts()) {
+    program.forget();
+    return Status::numerical_error;
+  }
   ip::OptionsList& o = *application.Options();
   o.SetIntegerValue("max_iter", options_.max_iterations);
   o.SetStringValue("warm_start_init_point", warm ? "yes" : "no");

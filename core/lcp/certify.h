@@ -14,8 +14,9 @@
 //   β_i, of the row's own data or what others' bring into it, is the least with β_i ≥ min(|A_ij z_j|, β_j) for all j (β where
 //   nothing does, and for operators too large to be formed), but not below the least of all data: large data excuse no
 //   runaway z in rows that do not feel them.
-//     t_i = |b_i| + min(Σ_j |A_ij| max |z|, Σ_j |A_ij| / a_j max a |z|),   a_j = max_i |A_ij|, the maxima over the part:
-//   what the last digits of z, each relative to the largest of them or of what they do to w, leave unknown in a row.
+//     t_i = |b_i| + min(Σ_j |A_ij| max |z|, Σ_j |A_ij| / a_j max a |z|),   a_j = max_i |A_ij| (of an operator
+//   √(A_jj max_k A_kk), which is no less), the maxima over the part: what the last digits of z, each relative to the
+//   largest of them or of what they do to w, leave unknown in a row.
 //   Below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
 //   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
 //   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
