@@ -4,6 +4,7 @@
 // together and friction by projected sweeps: nothing that could be left out, nothing that is checked, nothing that could
 // be another mechanism. Beside it Orthant, which keeps all nine coordinates, the joints and a verdict on each problem. Both are timed
 // by turns; the least counts. Equations of motion: Flores, Leine & Glocker, Multibody Syst. Dyn. 23 (2010) 165-190.
+#include "experiments/support/between.h"
 #include "experiments/support/reference_kernel.h"
 
 #include <orthant/core/scenes/slider_crank.h>
@@ -132,12 +133,12 @@ int main(int argc, char** argv) {
   double h = 1e-5;
   int repeats = 9;
   std::vector<double> frictions{0, 0.01, 0.1}, restitutions{0, 0.4};
-  app.add_option("--step", h, "[s]")->capture_default_str()->check(CLI::Range(1e-9, 1e-2));
+  app.add_option("--step", h, "[s]")->capture_default_str()->check(between(1e-9, 1e-2));
   app.add_option("--repeats", repeats, "runs of each; the fastest counts")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_option("--friction", frictions, "values of mu")->capture_default_str();
-  app.add_option("--restitution", restitutions, "values of e")->capture_default_str();
+  app.add_option("--friction", frictions, "values of mu")->capture_default_str()->check(between(0, 1e6));
+  app.add_option("--restitution", restitutions, "values of e")->capture_default_str()->check(between(0, 1));
   CLI11_PARSE(app, argc, argv);
 
   const double duration = 0.2;

@@ -3,6 +3,7 @@
 // Every solver of the registry, and whatever rivals there are (experiments/benchmarks), on problem families, known
 // problems, steps of simulations, and files. Writes a row per case (what there is, every minute), a summary per solver, a
 // table of what really answered, a manifest. Times are processor time.
+#include "experiments/support/between.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/solver_table.h"
 
@@ -71,9 +72,9 @@ int main(int argc, char** argv) {
   const auto* largest = app.add_option("--largest", plan.choice.largest, "no families' problems larger than this");
   app.add_option("--seeds", plan.choice.seeds, "of random families")->check(CLI::Range(1, 1000))->capture_default_str();
   const auto* limit = app.add_option("--time-limit", plan.limits.time, "of a solve [s]; killed after 1.5 times that")
-                          ->check(CLI::Range(1e-6, 1e6))
+                          ->check(between(1e-6, 1e6))
                           ->capture_default_str();
-  app.add_option("--memory", plan.limits.memory, "of a solve [GB], 0: no limit")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--memory", plan.limits.memory, "of a solve [GB], 0: no limit")->check(between(0.0, 1e6));
   app.add_option("--jobs", plan.limits.jobs, "processes at a time; more than 1 disturb each other's times")
       ->check(CLI::Range(1U, 1024U))
       ->capture_default_str();

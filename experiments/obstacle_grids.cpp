@@ -3,6 +3,8 @@
 // The ball obstacle on a grid by every method for such problems, each to the judge's satisfaction, beside the unrestricted
 // Laplacian equation by CHOLMOD: factorizations counted where they are made (those of coarse grids too; "full" adds up
 // their rows over n). Time: the best of `repeats`, the equation measured anew before each method. A Markdown table.
+#include "experiments/support/between.h"
+
 #include <orthant/core/lcp/obstacles.h>
 #include <orthant/solvers/registry.h>
 #include <orthant/solvers/sparse_cholesky.h>
@@ -54,7 +56,7 @@ int main(int argc, char** argv) {
   app.add_option("--grids", grids, "interior nodes a side")->check(CLI::Range(2, 4096))->capture_default_str();
   app.add_option("--solvers", specs, "as in orthant list, with options")->capture_default_str();
   app.add_option("--repeats", repeats, "of each time")->check(CLI::Range(1, 100))->capture_default_str();
-  app.add_option("--time-limit", time_limit, "of a solve [s]")->check(CLI::Range(1e-3, 1e6))->capture_default_str();
+  app.add_option("--time-limit", time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   bool all = true;

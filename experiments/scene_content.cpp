@@ -17,7 +17,7 @@
 
 using namespace orthant;
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Cost of a step of the slider-crank with parts of the scene left out");
   std::string integrator = "moreau-jean", solver = "auto";
   int repeats = 7;
@@ -70,4 +70,7 @@ int main(int argc, char** argv) {
   for (const Variant& v : variants)
     std::cout << "| " << v.name << " | " << std::setprecision(2) << 1e6 * v.seconds << " | "
               << v.seconds / variants[0].seconds << " |\n";
+} catch (const std::exception& error) {  // an unknown integrator, solver or option
+  std::cerr << "scene_content: " << error.what() << '\n';
+  return 1;
 }

@@ -4,6 +4,7 @@
 // every solver: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the largest
 // kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study, and at its end
 // one of all solvers. Long runs are by some solvers only.
+#include "experiments/support/between.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
 #include "experiments/support/retold.h"
@@ -230,7 +231,7 @@ int main(int argc, char** argv) {
   std::string only;
   CLI::App app("Mass ratios, stiffness, steps, clearances, offsets: how far the numbers carry");
   app.add_option("--output", output, "folder for the tables and the manifest")->capture_default_str();
-  app.add_option("--time-limit", limit, "of each run [s]")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--time-limit", limit, "of each run [s]")->check(between(1e-3, 1e6))->capture_default_str();
   app.add_option("--only", only, "studies whose name has this text");
   app.add_flag("--quick", quick, "every third decade, shorter runs");
   CLI11_PARSE(app, argc, argv);

@@ -6,6 +6,8 @@
 // A step of size h sees but a few of these impacts. Printed: the face's effective restitution
 //   Σ Λ_N of the top corners while the strikes last / the same for e = 0 from the symmetric start − 1
 // against h, by integrator, from a state that event-driven integration has brought to 1 µs before the first touch.
+#include "experiments/support/between.h"
+
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>
@@ -66,9 +68,11 @@ int main(int argc, char** argv) {
   double omega3 = -0.01, e = 0.4, finest = 1e-9;
   std::vector<std::string> specs{"moreau-jean", "rattle", "generalized-alpha", "stewart-trinkle", "event-driven"};
   CLI::App app("Slider-crank that starts tilted: effective restitution of the slider's face against step size");
-  app.add_option("--omega3", omega3, "initial angular velocity of the slider [rad/s]")->capture_default_str();
-  app.add_option("--restitution", e, "of each corner")->check(CLI::Range(0.0, 1.0))->capture_default_str();
-  app.add_option("--finest", finest, "smallest step size [s]")->check(CLI::Range(1e-11, 1e-5))->capture_default_str();
+  app.add_option("--omega3", omega3, "initial angular velocity of the slider [rad/s]")
+      ->check(between(-1e6, 1e6))
+      ->capture_default_str();
+  app.add_option("--restitution", e, "of each corner")->check(between(0.0, 1.0))->capture_default_str();
+  app.add_option("--finest", finest, "smallest step size [s]")->check(between(1e-11, 1e-5))->capture_default_str();
   app.add_option("--integrators", specs, "NAME[:option=value,...] ...")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {

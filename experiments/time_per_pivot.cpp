@@ -2,6 +2,7 @@
 //
 // Pivoting methods on random positive definite problems, dense: time of a solve over its pivots, so with the share of
 // loading, refining and judging; the best of several repeats, processor time. Printed as a Markdown table, µs and multiples.
+#include "experiments/support/between.h"
 #include "experiments/support/reference_kernel.h"
 
 #include <orthant/core/lcp/collection.h>
@@ -40,7 +41,7 @@ double rank_one(Index n, double seconds) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Time per pivot of the pivoting methods, beside one rank-1 update of the same size");
   std::vector<Index> sizes{8, 16, 64, 256, 1024};
   std::vector<std::string> specs{"lemke:form=tableau", "lemke:form=revised", "murty:max_pivots=2000",
@@ -48,7 +49,9 @@ int main(int argc, char** argv) {
   double seconds = 0.3;
   app.add_option("--sizes", sizes, "rows n")->check(CLI::Range(1, 5000))->capture_default_str();
   app.add_option("--solvers", specs, "as in orthant list, with options")->capture_default_str();
-  app.add_option("--seconds", seconds, "of repeats for each number, at least 3")->capture_default_str();
+  app.add_option("--seconds", seconds, "of repeats for each number, at least 3")
+      ->check(between(0, 1e4))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   std::cout << "| n | rank-1 update, µs | solver | pivots | µs a pivot | rank-1 updates a pivot "
@@ -67,4 +70,7 @@ int main(int argc, char** argv) {
                 << std::endl;
     }
   }
+} catch (const std::exception& error) {  // an unknown solver or option
+  std::cerr << "time_per_pivot: " << error.what() << '\n';
+  return 1;
 }

@@ -4,6 +4,7 @@
 // tolerances, on μ × e; errors of θ₁(0.2 s) against the exact motion,
 // the fastest of the repeats. "Time to ε" is that of the cheapest setting from which on every finer one stays below ε, so
 // that no lucky run counts; the table shows the worst over the cases with e ≤ 0.4. Writes all runs and that table.
+#include "experiments/support/between.h"
 #include "experiments/support/isolated.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
@@ -187,7 +188,7 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", plan.repeats, "of each run, the fastest counts")->check(CLI::Range(1, 100));
   app.add_option("--rivals", plan.rivals, "folder of rivals' drivers; they take part as well");
   app.add_option("--time-limit", plan.time_limit, "of a rival's run [s]")
-      ->check(CLI::Range(1e-3, 1e6))
+      ->check(between(1e-3, 1e6))
       ->capture_default_str();
   app.add_flag("--quick", plan.quick, "fewer and coarser settings");
   CLI11_PARSE(app, argc, argv);

@@ -8,6 +8,7 @@
 //   tolerances  when the finest error is at most 1e-6.
 // Nothing is left out: what does not pass says why.
 #include "experiments/museum/exhibit.h"
+#include "experiments/support/between.h"
 #include "experiments/support/fit_order.h"
 #include "experiments/support/isolated.h"
 #include "experiments/support/manifest.h"
@@ -381,9 +382,7 @@ int main(int argc, char** argv) {
   app.add_option("--levels", plan.levels, "step sizes, each half of the one before")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();
-  app.add_option("--time-limit", plan.time_limit, "of a run [s]")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
+  app.add_option("--time-limit", plan.time_limit, "of a run [s]")->check(between(0.1, 3600.0))->capture_default_str();
   app.add_option("--jobs", plan.jobs, "runs at a time")->check(CLI::Range(1, 256));
   app.add_flag("--quick", quick, "three step sizes, two seconds a run");
   plan.jobs = std::max(1U, std::thread::hardware_concurrency());
