@@ -123,13 +123,17 @@ std::string output_of(const std::vector<std::string>& command) {
 }
 
 std::vector<Rival> rivals(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_directory(folder))
+  std::ifstream list(folder / "drivers.txt");
+  if (!list)
     throw std::invalid_argument("rivals '" + folder.string() +
-                                "': must be a folder of drivers (experiments/run peers)");
+                                "': must be a folder of drivers, named in its drivers.txt (experiments/run peers)");
   std::vector<Rival> all;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (access(entry.path().c_str(), X_OK) != 0 || !entry.is_regular_file()) continue;
-    const auto program = std::filesystem::absolute(entry.path());
+  for (std::string file; std::getline(list, file);) {
+    if (file.empty()) continue;
+    if (std::filesystem::path(file).filename() != file)
+      throw std::invalid_argument("rivals '" + folder.string() + "': drivers.txt: '" + file +
+                                  "': must be the name of a file beside it");
+    const auto program = std::filesystem::absolute(folder / file);
     const std::string owner = program.stem().string();
     try {
       std::istringstream lines(output_of({program.string()}));

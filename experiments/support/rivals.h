@@ -21,8 +21,8 @@ struct Rival {
   std::string absent;  // why, in words; empty: it is there
 };
 
-/// All methods of the executables in a folder, by name; what is no executable is passed over. Throws
-/// std::invalid_argument when there is no such folder.
+/// All methods of a folder's drivers, by name. Only what its drivers.txt names is started, a file a line. Throws
+/// std::invalid_argument when there is no such list.
 std::vector<Rival> rivals(const std::filesystem::path& folder);
 
 /// What a program printed. Throws std::runtime_error with what it said on its error stream, or its signal, when it does

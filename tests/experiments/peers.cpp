@@ -19,6 +19,7 @@ struct StandIns : Folder {
   /// A driver: `methods` is what it prints without arguments, `solve` the shell that answers "$1" to "$3".
   void driver(const char* name, const std::string& methods, const std::string& solve) const {
     const auto file = path / "rivals" / name;
+    if (!std::filesystem::exists(file)) std::ofstream(path / "rivals/drivers.txt", std::ios::app) << name << '\n';
     std::ofstream(file) << "#!/bin/sh\nif [ $# = 0 ]; then " << methods << "; exit; fi\n" << solve << '\n';
     std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   }
@@ -45,7 +46,8 @@ TEST_CASE("rivals: an answer is judged here; a lie, a crash, a refusal, an absen
     crash) kill -SEGV $$ ;;
   esac)");
   folder.driver("absent", "echo 'no such package' >&2; exit 3", "");
-  folder.write("rivals/notes.txt", "no driver");
+  folder.write("rivals/other", "#!/bin/sh\ntouch \"$0.started\"; echo method pure");  // not in the list: not started
+  std::filesystem::permissions(folder.path / "rivals/other", std::filesystem::perms::owner_all);
   std::map<std::string, Rival> found;
   for (const Rival& rival : folder.all()) found[rival.name] = rival;
   CHECK(found.size() == 6);
@@ -62,7 +64,11 @@ TEST_CASE("rivals: an answer is judged here; a lie, a crash, a refusal, an absen
   CHECK(result("absent") == Result::refused);
   CHECK(found.at("absent").absent == "no such package");
   CHECK_THROWS_WITH_AS(result("two/crash"), "Segmentation fault", std::runtime_error);
+  CHECK_FALSE(std::filesystem::exists(folder.path / "rivals/other.started"));
   CHECK_THROWS_AS(rivals(folder.path / "nowhere"), std::invalid_argument);
+  CHECK_THROWS_AS(rivals(folder.path), std::invalid_argument);  // a folder, but none of drivers
+  folder.write("drivers.txt", "rivals/other");
+  CHECK_THROWS_AS(rivals(folder.path), std::invalid_argument);  // a file elsewhere
 }
 
 TEST_CASE("rivals: friction and boxes are rows of their own for solvers of pure problems, untouched for others") {
