@@ -172,7 +172,6 @@ bool ContactMotion::changed_places(int contact) const {
 
 ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
   Residual left;
-  set_poses(system_, t, q, terms_.at);  // afresh: poses turned on from earlier ones would depend on these
   left.joint = projection_.position(t, terms_, q);
   if (!(left.joint < kInf)) return left;
   const auto correct = [&](bool position, Eigen::VectorXd& x) {

@@ -15,7 +15,7 @@ Projection::Projection(const System& system, bool with_joints)
 double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   constexpr int kIterations = 20;
   constexpr double kTolerance = 1e-15;
-  move_poses(system_, t, q, terms.at);
+  set_poses(system_, t, q, terms.at);
   evaluate_joints(system_, terms);
   if (terms.phi.size() == 0) return 0;
   if (basic_.joint_rows() == 0) return terms.phi.lpNorm<Eigen::Infinity>();
@@ -26,11 +26,11 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
     rate_ = -terms.phi;
     trial_ = q;
     basic_.add_rates(rate_.data(), trial_.data());
-    move_poses(system_, t, trial_, terms.at);
+    set_poses(system_, t, trial_, terms.at);
     evaluate_joints(system_, terms);
     const double next = mismatch(terms);
     if (!(next < left)) {  // rounding level reached, or the iteration diverges: q is the better one
-      move_poses(system_, t, q, terms.at);
+      set_poses(system_, t, q, terms.at);
       evaluate_joints(system_, terms);
       break;
     }

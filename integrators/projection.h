@@ -19,8 +19,8 @@ class Projection {
  public:
   explicit Projection(const System& system, bool with_joints = true);
 
-  /// Moves q at the time t; `terms.at` holds poses nearby. Afterwards terms.at, phi and G are those at q. Returns max |Φ|
-  /// left [m, rad], infinity when the joint matrix is not usable. Without joints: sets the poses, 0.
+  /// Moves q at the time t. Afterwards terms.at, phi and G are those at q. Returns max |Φ| left [m, rad], infinity when
+  /// the joint matrix is not usable. Without joints: sets the poses, 0.
   double position(double t, Terms& terms, Eigen::VectorXd& q);
 
   /// Moves v at the coordinates that position() ended at, with the terms it left. Returns max |G v − ṡ| left

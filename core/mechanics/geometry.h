@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace orthant {
@@ -68,8 +69,12 @@ inline void apply_transposed(const Row& row, double lambda, double* f) {
 
 /// Poses and twists of all bodies, with the ground behind index kGround.
 struct Kinematics {
+  struct Node {  // of a grid of angles; none at first
+    double theta = std::numeric_limits<double>::quiet_NaN(), c = 0, s = 0;
+  };
   std::vector<Pose> pose;    // bodies + 1; the last is the ground
   std::vector<Twist> twist;  // likewise; filled when velocities are asked for
+  std::vector<Node> node;    // a body's angle is near to (set_poses)
   double t = 0;              // [s] what driving constraints read
   const Pose& at(BodyId i) const { return i < 0 ? pose.back() : pose[static_cast<std::size_t>(i)]; }
   const Twist& rate(BodyId i) const { return i < 0 ? twist.back() : twist[static_cast<std::size_t>(i)]; }

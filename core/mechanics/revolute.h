@@ -14,7 +14,8 @@ struct Revolute {
   BodyId a = kGround, b = kGround;
   Vector2d point_a{0, 0}, point_b{0, 0};  // [m] in the bodies' frames
 
-  void residual(const Kinematics& k, double* phi) const {
+  /// Inline, so that rows() after it need not turn the points again.
+  [[gnu::always_inline]] void residual(const Kinematics& k, double* phi) const {
     const Vector2d d = k.at(a).x + k.at(a).turn(point_a) - k.at(b).x - k.at(b).turn(point_b);
     phi[0] = d.x(), phi[1] = d.y();
   }

@@ -1,8 +1,8 @@
 #include <orthant/core/mechanics/schur.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -10,30 +10,15 @@
 namespace orthant {
 namespace {
 
-/// f(n), with n known to the compiler where it is small.
-template <class F> decltype(auto) with_size(int n, F&& f) {
-  static_assert(Schur::kUnrolled == 8);
-  switch (n) {
-    case 1:
-      return f(std::integral_constant<int, 1>{});
-    case 2:
-      return f(std::integral_constant<int, 2>{});
-    case 3:
-      return f(std::integral_constant<int, 3>{});
-    case 4:
-      return f(std::integral_constant<int, 4>{});
-    case 5:
-      return f(std::integral_constant<int, 5>{});
-    case 6:
-      return f(std::integral_constant<int, 6>{});
-    case 7:
-      return f(std::integral_constant<int, 7>{});
-    case 8:
-      return f(std::integral_constant<int, 8>{});
-    default:
-      return f(n);
-  }
-}
+/// So many pairs of rows, known to the compiler; S does not couple the first `apart`.
+template <int pairs, int apart = 0> struct Pairs : std::integral_constant<int, pairs> {
+  static constexpr bool couple(int p, int q) { return p == q || std::max(p, q) >= apart; }
+};
+struct AnyPairs {
+  int pairs;
+  operator int() const { return pairs; }
+  static constexpr bool couple(int /*p*/, int /*q*/) { return true; }
+};
 
 /// f(0), f(1) … f(n − 1), or the other way round: written out where n is known.
 template <int N, class F> void each(std::integral_constant<int, N>, F&& f) {
@@ -51,204 +36,235 @@ template <class F> void each_down(int n, F&& f) {
   for (int i = n - 1; i >= 0; --i) f(i);
 }
 
-/// Numbers to work on: a copy where their count is known, which the compiler keeps in registers; else where they are.
-template <int Count> struct Local {
-  double value[static_cast<std::size_t>(Count)];
-  double& operator[](int i) { return value[i]; }
-};
-struct InPlace {
-  double* value;
-  double& operator[](int i) const { return value[i]; }
-};
-/// `lower` of a square: on and below the diagonal, by rows.
-template <int N> Local<N * N> triangle(std::integral_constant<int, N> n, double* from) {
-  Local<N * N> to;
-  each(n,
-       [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
-  return to;
-}
-InPlace triangle(int, double* from) { return {from}; }
-template <int N> void store_lower(std::integral_constant<int, N> n, Local<N * N>& from, double* to) {
-  each(n,
-       [&](auto i) { each(std::integral_constant<int, i + 1>{}, [&](auto j) { to[i * N + j] = from[i * N + j]; }); });
-}
-void store_lower(int, InPlace, double*) {}
-template <int N> Local<N> line(std::integral_constant<int, N> n, const double* from, double*) {
-  Local<N> to;
-  each(n, [&](auto i) { to[i] = from[i]; });
-  return to;
-}
-InPlace line(int n, const double* from, double* to) {
-  if (from != to) std::copy_n(from, n, to);
-  return {to};
-}
-/// In twos, as who comes next reads them: a processor waits where it reads at once what was stored number by number.
-using TwoDoubles [[gnu::vector_size(16)]] = double;  // Eigen's would be put together in memory, and so wait itself
-template <int N> void store(std::integral_constant<int, N>, Local<N>& from, double* to) {
-  each(std::integral_constant<int, N / 2>{}, [&](auto i) {
-    const TwoDoubles two{from[2 * i], from[2 * i + 1]};
-    std::memcpy(to + 2 * i, &two, sizeof two);
-  });
-  if constexpr (N % 2 == 1) to[N - 1] = from[N - 1];
-}
-void store(int, InPlace, double*) {}
+/// 2 n, known to the compiler if n is.
+template <int N> std::integral_constant<int, 2 * N> twice(std::integral_constant<int, N>) { return {}; }
+int twice(int n) { return 2 * n; }
 
 constexpr std::array<double, 3> kNothing{};
 constexpr double kLeast = 1e-280, kMost = 1e300;  // of a product of two pivots: its digits are all there
 
 }  // namespace
 
+template <class F> decltype(auto) Schur::with_pairs(F&& f) const {
+  static_assert(kUnrolled == 8);
+  if (pairs_ == 1) return f(Pairs<1>{});
+  if (pairs_ == 2) return apart_ == 2 ? f(Pairs<2, 2>{}) : f(Pairs<2>{});
+  if (pairs_ == 3) return apart_ >= 2 ? f(Pairs<3, 2>{}) : f(Pairs<3>{});
+  if (pairs_ == 4) return apart_ >= 2 ? f(Pairs<4, 2>{}) : f(Pairs<4>{});
+  return f(AnyPairs{pairs_});
+}
+
 Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
-    : n_(static_cast<int>(rows.size())),
+    : rows_(static_cast<int>(rows.size())),
+      pairs_((rows_ + 1) / 2),
+      order_(static_cast<std::size_t>(pairs_)),
       inverse_mass_(inverse_mass),
-      S_(rows.size() * rows.size() + 1),
-      pivot_(rows.size()),
-      inverse_pivot_(rows.size()),
-      lambda_(rows.size() + 1) {
-  const auto side_on = [&](int i, int first) {  // −1: row i does not act there
-    if (i >= n_) return -1;
+      S_(static_cast<std::size_t>(2 * pairs_ * pairs_)),
+      pivot_(static_cast<std::size_t>(2 * pairs_)),
+      inverse_pivot_(pivot_.size()),
+      lambda_(static_cast<std::size_t>(pairs_)) {
+  put_apart_first(rows);
+  const auto side_on = [&](int i, int first) {
+    if (i >= rows_) return Side::neither;
     const Row& row = rows[static_cast<std::size_t>(i)];
-    return 3 * row.a == first ? 0 : 3 * row.b == first ? 1 : -1;
+    return 3 * row.a == first ? Side::ja : 3 * row.b == first ? Side::jb : Side::neither;
   };
   for (int first = 0; first < inverse_mass.size(); first += 3) {
-    const auto begin = static_cast<int>(twos_.size());
-    for (int i = 0; i < n_; ++i) {
-      const int which = side_on(i, first);
-      if (which < 0) continue;
-      const bool both = side_on(i + 1, first) == which;
-      twos_.push_back({i, which, both, {}, {}, {}});
-      i += both;
+    const auto begin = static_cast<int>(on_bodies_.size());
+    for (int p = 0; p < pairs_; ++p) {
+      const int row = order_[static_cast<std::size_t>(p)];
+      const std::array<Side, 2> sides{side_on(row, first), side_on(row + 1, first)};
+      if (sides[0] == Side::neither && sides[1] == Side::neither) continue;
+      on_bodies_.push_back({p, row, sides, {}, {}, {}, {}, {}, {}});
     }
-    if (const auto end = static_cast<int>(twos_.size()); end > begin)
+    if (const auto end = static_cast<int>(on_bodies_.size()); end > begin)
       bodies_.push_back({first, begin, end, {inverse_mass[first], inverse_mass[first + 1], inverse_mass[first + 2]}});
   }
 }
 
+/// A largest set of pairs that have no body in common. A row without another stays the last.
+void Schur::put_apart_first(std::span<const Row> rows) {
+  for (int p = 0; p < pairs_; ++p) order_[static_cast<std::size_t>(p)] = 2 * p;
+  if (rows_ > kUnrolled) return;
+  const auto meet = [](const Row& r, const Row& s) {
+    return (r.a >= 0 && (r.a == s.a || r.a == s.b)) || (r.b >= 0 && (r.b == s.a || r.b == s.b));
+  };
+  const auto couple = [&](int p, int q) {
+    for (const int i : {2 * p, 2 * p + 1})
+      for (const int j : {2 * q, 2 * q + 1})
+        if (meet(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)])) return true;
+    return false;
+  };
+  const auto whole = static_cast<unsigned>(rows_ / 2);
+  unsigned best = 0;
+  for (unsigned set = 0; set < 1U << whole; ++set) {
+    const auto has = [&](int p) { return (set >> p & 1U) != 0; };
+    bool apart = std::popcount(set) > std::max(1, std::popcount(best));
+    for (int p = 0; p < rows_ / 2; ++p)
+      for (int q = 0; q < p; ++q) apart = apart && !(has(p) && has(q) && couple(p, q));
+    if (apart) best = set;
+  }
+  apart_ = std::popcount(best);
+  std::ranges::stable_partition(order_, [&](int row) { return (best >> (row / 2) & 1U) != 0; });
+}
+
 bool Schur::factorize(std::span<const Row> G, double dependent) {
-  std::fill(S_.begin(), S_.end(), 0.0);
-  const auto add = [](double* to, const Eigen::Array2d& what) { Eigen::Map<Eigen::Array2d>(to, 2) += what; };
+  std::fill(S_.begin(), S_.end(), Two(0));
+  if (rows_ % 2 == 1) S_.back() = Two(0, 1);  // the row of nothing
+  const auto part = [&](const PairOnBody& u, int k) -> const std::array<double, 3>& {
+    const Side side = u.sides[static_cast<std::size_t>(k)];
+    if (side == Side::neither) return kNothing;
+    const Row& row = G[static_cast<std::size_t>(u.row + k)];
+    return side == Side::ja ? row.ja : row.jb;
+  };
   for (const OnBody& body : bodies_) {
     const auto [m, n, j] = body.inverse_mass;
-    const std::span<Two> twos = on(body);
-    for (Two& u : twos) {
-      const std::array<double, 3>&g = u.part(G, 0), &h = u.both ? u.part(G, 1) : kNothing;
-      u.x = m * Eigen::Array2d(g[0], h[0]), u.y = n * Eigen::Array2d(g[1], h[1]), u.z = j * Eigen::Array2d(g[2], h[2]);
-      double *const first = S_.data() + u.row * n_, *const second = first + n_;
-      for (const Two* v = twos.data(); v <= &u; ++v) {  // a number more at the end of a row's is 0, or overwritten
-        add(first + v->row, g[0] * v->x + g[1] * v->y + g[2] * v->z);
-        if (u.both) add(second + v->row, h[0] * v->x + h[1] * v->y + h[2] * v->z);
+    const PairOnBody* const first = on_bodies_.data() + body.begin;
+    for (PairOnBody* u = on_bodies_.data() + body.begin; u != on_bodies_.data() + body.end; ++u) {
+      const std::array<double, 3>&g = part(*u, 0), &h = part(*u, 1);
+      const Two gx(g[0], h[0]), gy(g[1], h[1]), gz(g[2], h[2]), x = m * gx, y = n * gy, z = j * gz;
+      u->gx = gx, u->gy = gy, u->gz = gz, u->x = x, u->y = y, u->z = z;
+      for (const PairOnBody* v = first; v <= u; ++v) {
+        Two* const to = S_.data() + 2 * (u->pair * pairs_ + v->pair);
+        to[0] += v->gx[0] * x + v->gy[0] * y + v->gz[0] * z;
+        to[1] += v->gx[1] * x + v->gy[1] * y + v->gz[1] * z;
       }
     }
   }
-  return with_size(n_, [&](auto n) { return factorize_rows(n, dependent); });
+  return with_pairs([&](auto n) { return factorize_pairs(n, dependent); });
 }
 
-/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. Every second D_i comes from
+/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. The second D_i of a pair comes from
 /// D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
-template <class N> bool Schur::factorize_rows(N n, double dependent) {
-  auto S = triangle(n, S_.data());
-  auto inverse = line(n, inverse_pivot_.data(), inverse_pivot_.data());
-  auto pivot = line(n, pivot_.data(), pivot_.data());
+template <class N> bool Schur::factorize_pairs(N n, double dependent) {
+  const auto S = [&](int p, int j) -> Two& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
+  const auto L = [&](int i, int j) { return S(i / 2, j)[i % 2]; };
+  double *const inverse = inverse_pivot_.data(), *const pivot = pivot_.data();
   bool independent = true;
-  each(n, [&](auto i) {
-    const double whole = S[i * n + i];
-    double left = whole, last = 0;  // y_i−1
-    each(i, [&](auto j) { each(j, [&](auto k) { S[i * n + j] -= S[i * n + k] * S[j * n + k]; }); });
-    each(i, [&](auto j) {
-      const double y = S[i * n + j];
-      S[i * n + j] = y * inverse[j];
-      if (i % 2 == 1 && j == i - 1)
-        last = y;
-      else
-        left -= y * S[i * n + j];
-    });
-    if (i % 2 == 0) {
-      pivot[i] = left, inverse[i] = 1 / left;
-    } else {
-      const double product = pivot[i - 1] * left;
-      if (product > kLeast && product < kMost) {
-        const double both = product - last * last;
-        pivot[i] = both * inverse[i - 1], inverse[i] = pivot[i - 1] / both;
-      } else {
-        pivot[i] = left - last * S[i * n + i - 1], inverse[i] = 1 / pivot[i];
-      }
-    }
+  const auto check = [&](int i, double whole) {
     const bool holds =
         pivot[i] > dependent * whole && pivot[i] < std::numeric_limits<double>::infinity();  // false of NaN
     independent &= holds;
     if (!holds) inverse[i] = 0;  // what follows stays finite, for finite()
+  };
+  each(n, [&](auto p) {
+    Two whole(S(p, 2 * p)[0], S(p, 2 * p + 1)[1]), left = whole;
+    double last = S(p, 2 * p)[1];
+    each(twice(p), [&](auto j) {
+      if (!n.couple(p, j / 2)) return;
+      Two y = S(p, j);
+      each(j, [&](auto k) {
+        if (n.couple(p, k / 2) && n.couple(j / 2, k / 2)) y -= S(p, k) * Two(L(j, k));
+      });
+      S(p, j) = y;
+    });
+    each(twice(p), [&](auto j) {
+      if (!n.couple(p, j / 2)) return;
+      const Two y = S(p, j), l = y * Two(inverse[j]);
+      S(p, j) = l, left -= y * l, last -= y[1] * l[0];
+    });
+    const int i = 2 * p;
+    pivot[i] = left[0], inverse[i] = 1 / left[0];
+    check(i, whole[0]);
+    const double product = left[0] * left[1];
+    if (product > kLeast && product < kMost) {
+      const double both = product - last * last;
+      pivot[i + 1] = both * inverse[i], inverse[i + 1] = left[0] / both;
+    } else {
+      pivot[i + 1] = left[1] - last * (last * inverse[i]), inverse[i + 1] = 1 / pivot[i + 1];
+    }
+    check(i + 1, whole[1]);
+    S(p, i) = Two(whole[0], last * inverse[i]);
   });
-  if (!independent) return false;
-  store_lower(n, S, S_.data()), store(n, inverse, inverse_pivot_.data()), store(n, pivot, pivot_.data());
-  return true;
+  return independent;
 }
 
 bool Schur::finite() const {
-  return std::all_of(S_.begin(), S_.end(), [](double s) { return std::isfinite(s); });
+  return std::all_of(S_.begin(), S_.end(), [](Two s) { return std::isfinite(s[0]) && std::isfinite(s[1]); });
 }
 
 double Schur::independence() const {
   double least = 1;
-  for (std::size_t i = 0; i < pivot_.size(); ++i) least = std::min(least, pivot_[i] / S_[i * (pivot_.size() + 1)]);
+  for (int i = 0; i < rows_; ++i) {
+    const double whole = S_[static_cast<std::size_t>((i / 2) * 2 * pairs_ + i)][i % 2];
+    least = std::min(least, pivot_[static_cast<std::size_t>(i)] / whole);
+  }
   return least;
 }
 
 void Schur::solve(const double* f, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
-  std::copy_n(c, n_, lambda_.data());
+  set_rates(c);
   for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
-  add_rates(lambda_.data(), x);
-  std::copy_n(lambda_.data(), n_, lambda);
-  lambda_.back() = 0;  // a force that was not finite leaves its mark there, too
+  add_solution(x);
+  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p].store(lambda + order_[p]);
+  if (rows_ % 2 == 1) lambda[rows_ - 1] = lambda_.back()[0];
 }
 
 void Schur::add_rates(const double* c, double* x) const {
-  with_size(n_, [&](auto n) { solve_rows(n, c, lambda_.data()); });
-  add_rows(lambda_.data(), x);
+  set_rates(c);
+  add_solution(x);
 }
 
 void Schur::solve_row(const Row& row, double* x) const {
   std::fill_n(x, inverse_mass_.size(), 0.0);
-  std::fill(lambda_.begin(), lambda_.end(), 0.0);
+  std::fill(lambda_.begin(), lambda_.end(), Two(0));
   const auto load = [&](BodyId b, const std::array<double, 3>& j) {
     const auto body = std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == 3 * b; });
     for (int k = 0; b >= 0 && k < 3; ++k) x[3 * b + k] += inverse_mass_[3 * b + k] * j[static_cast<std::size_t>(k)];
     if (b >= 0 && body != bodies_.end()) subtract_rates(*body, j.data());
   };
   load(row.a, row.ja), load(row.b, row.jb);
-  add_rates(lambda_.data(), x);
-  lambda_.back() = 0;
+  add_solution(x);
+}
+
+/// λ = c.
+void Schur::set_rates(const double* c) const {
+  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p] = Two::load(c + order_[p]);
+  if (rows_ % 2 == 1) lambda_.back() = Two(c[rows_ - 1], 0);
 }
 
 /// λ −= G M⁻¹ f, the part of one body with its three f.
 void Schur::subtract_rates(const OnBody& body, const double* f) const {
-  for (const Two& two : on(body)) {
-    Eigen::Map<Eigen::Array2d> both(lambda_.data() + two.row);
-    both -= f[0] * two.x + f[1] * two.y + f[2] * two.z;
-  }
+  for (const PairOnBody& u : on(body))
+    lambda_[static_cast<std::size_t>(u.pair)] -= f[0] * u.x + f[1] * u.y + f[2] * u.z;
 }
 
-/// x += M⁻¹ Gᵀ λ.
-void Schur::add_rows(const double* lambda, double* x) const {
+/// S λ' = λ,  x += M⁻¹ Gᵀ λ'.
+void Schur::add_solution(double* x) const {
+  with_pairs([&](auto n) { solve_pairs(n); });
   for (const OnBody& body : bodies_) {
-    Eigen::Array2d x0(0, 0), x1(0, 0), x2(0, 0);
-    for (const Two& two : on(body)) {
-      const Eigen::Map<const Eigen::Array2d> by(lambda + two.row);
-      x0 += two.x * by, x1 += two.y * by, x2 += two.z * by;
+    Two x0(0), x1(0), x2(0);
+    for (const PairOnBody& u : on(body)) {
+      const Two by = lambda_[static_cast<std::size_t>(u.pair)];
+      x0 += u.x * by, x1 += u.y * by, x2 += u.z * by;
     }
     double* const v = x + body.first;
     v[0] += x0.sum(), v[1] += x1.sum(), v[2] += x2.sum();
   }
 }
 
-/// S λ = c.
-template <class N> void Schur::solve_rows(N n, const double* c, double* lambda) const {
-  const double *L = S_.data(), *inverse = inverse_pivot_.data();
-  auto y = line(n, c, lambda);
-  each(n, [&](auto i) { each(i, [&](auto k) { y[i] -= L[i * n + k] * y[k]; }); });
-  each(n, [&](auto i) { y[i] *= inverse[i]; });
-  each_down(n, [&](auto i) { each(i, [&](auto k) { y[k] -= L[i * n + k] * y[i]; }); });
-  store(n, y, lambda);
+/// S λ' = λ.
+template <class N> void Schur::solve_pairs(N n) const {
+  const auto S = [&](int p, int j) { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
+  Two* const y = lambda_.data();
+  each(n, [&](auto p) {
+    Two left = y[p];
+    each(p, [&](auto q) {
+      if (n.couple(p, q)) left -= S(p, 2 * q) * Two(y[q][0]) + S(p, 2 * q + 1) * Two(y[q][1]);
+    });
+    y[p] = Two(left[0], left[1] - S(p, 2 * p)[1] * left[0]);
+  });
+  each(n, [&](auto p) { y[p] *= Two::load(inverse_pivot_.data() + 2 * p); });
+  each_down(n, [&](auto p) {
+    const Two two(y[p][0] - S(p, 2 * p)[1] * y[p][1], y[p][1]);
+    y[p] = two;
+    each(p, [&](auto q) {
+      if (!n.couple(p, q)) return;
+      const Two first = S(p, 2 * q) * two, second = S(p, 2 * q + 1) * two;
+      y[q] -= Two(first.sum(), second.sum());
+    });
+  });
 }
 
 }  // namespace orthant

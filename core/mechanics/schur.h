@@ -1,11 +1,14 @@
 // core/mechanics/schur.h — few joint rows eliminated onto S = G M⁻¹ Gᵀ, diagonal M:  S = L D Lᵀ, L with unit diagonal.
 //
 //   M x − Gᵀ λ = f,  G x = c:   S λ = c − G M⁻¹ f,  x = M⁻¹ f + (M⁻¹ Gᵀ) λ
-// n³/6 multiplications and n divisions, n² a solve. Up to kUnrolled rows the compiler knows the loops' lengths and keeps
-// the factor in registers: the six rows of a slider-crank take two thirds of the time that loops of any length take.
+// n³/6 multiplications and n divisions, n² a solve. Rows go by pairs, as joints have most of theirs, and two numbers are what
+// every processor multiplies at once; an odd one gets a row of nothing beside it. Pairs that have no body in common, every
+// second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the compiler knows the loops'
+// lengths and what is zero.
 #pragma once
 
 #include <orthant/core/mechanics/geometry.h>
+#include <orthant/core/support/two.h>
 
 #include <array>
 #include <span>
@@ -33,35 +36,35 @@ class Schur {
   bool finite() const;  // the S of the last factorization, where that gave up on it
 
  private:
-  /// The parts of two consecutive rows, or of one and nothing, on one body: joints have most of their rows in twos, and
-  /// two numbers are what every processor multiplies at once (a factorization of six rows: 0.7 of the instructions).
-  struct Two {
-    int row, which;  // the first row; which: 0 its ja, 1 its jb
-    bool both;
-    Eigen::Array2d x, y, z;  // those parts, times M⁻¹
-    const std::array<double, 3>& part(std::span<const Row> G, int k) const {
-      const Row& r = G[static_cast<std::size_t>(row + k)];
-      return which == 0 ? r.ja : r.jb;
-    }
+  enum class Side { ja, jb, neither };
+  struct PairOnBody {
+    int pair, row;              // where it stands here; its first row in G
+    std::array<Side, 2> sides;  // which parts of its rows are on the body
+    Two gx, gy, gz, x, y, z;    // those parts; times M⁻¹
   };
-  struct OnBody {  // those from `begin` up to `end` act on the coordinates from `first` on
+  struct OnBody {  // pairs from `begin` up to `end` act on the coordinates from `first` on
     int first, begin, end;
     std::array<double, 3> inverse_mass;
   };
-  template <class N> bool factorize_rows(N n, double dependent);
-  template <class N> void solve_rows(N n, const double* c, double* lambda) const;
-  void add_rows(const double* lambda, double* x) const;
+  void put_apart_first(std::span<const Row> rows);
+  template <class F> decltype(auto) with_pairs(F&& f) const;
+  template <class N> bool factorize_pairs(N n, double dependent);
+  template <class N> void solve_pairs(N n) const;
+  void set_rates(const double* c) const;
   void subtract_rates(const OnBody& body, const double* f) const;
-  std::span<Two> on(const OnBody& b) { return {twos_.data() + b.begin, twos_.data() + b.end}; }
-  std::span<const Two> on(const OnBody& b) const { return {twos_.data() + b.begin, twos_.data() + b.end}; }
+  void add_solution(double* x) const;
+  std::span<const PairOnBody> on(const OnBody& b) const {
+    return {on_bodies_.data() + b.begin, on_bodies_.data() + b.end};
+  }
 
-  int n_;
+  int rows_, pairs_, apart_ = 0;  // pairs that come first and have no body in common
+  std::vector<int> order_;        // the first row in G of each pair
   Eigen::VectorXd inverse_mass_;
-  std::vector<Two> twos_;                      // by bodies, rows ascending; those on the ground have none
+  std::vector<PairOnBody> on_bodies_;          // by bodies, pairs ascending; those on the ground have none
   std::vector<OnBody> bodies_;                 // ascending
-  std::vector<double> S_;                      // n × n by rows, and one place more: S_ii, below the diagonal L
+  std::vector<Two> S_;                         // pairs × 2 pairs by rows: S_ii; below the diagonal L
   std::vector<double> pivot_, inverse_pivot_;  // D_i, 1 / D_i
-  mutable std::vector<double> lambda_;         // n, and one place more
+  mutable std::vector<Two> lambda_;            // pairs
 };
 
 }  // namespace orthant

@@ -23,29 +23,21 @@ Terms::Terms(const System& system) {
 }
 
 void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at) {
+  constexpr double kCell = 0x1p-5;  // [rad] the series' next terms are below 1e-19 in half of it
   const auto bodies = static_cast<std::size_t>(system.bodies());
-  at.pose.resize(bodies + 1);
+  at.pose.resize(bodies + 1), at.node.resize(bodies);
   for (std::size_t i = 0; i < bodies; ++i) {
     const double* qi = q.data() + 3 * i;
-    at.pose[i] = {{qi[0], qi[1]}, qi[2], std::cos(qi[2]), std::sin(qi[2])};
-  }
-  at.t = t;
-}
-
-void move_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at) {
-  constexpr double kLittle = 0x1p-7;  // [rad] beyond it the terms left out of the series are more than rounding
-  const auto bodies = static_cast<std::size_t>(system.bodies());
-  for (std::size_t i = 0; i < bodies; ++i) {
-    const double* qi = q.data() + 3 * i;
-    Pose& pose = at.pose[i];
-    const double turn = qi[2] - pose.theta, square = turn * turn;
-    if (!(std::abs(turn) <= kLittle)) {
-      pose = {{qi[0], qi[1]}, qi[2], std::cos(qi[2]), std::sin(qi[2])};
-      continue;
+    Kinematics::Node& node = at.node[i];
+    if (!(std::abs(qi[2] - node.theta) < kCell / 2)) {
+      node.theta = std::round(qi[2] / kCell) * kCell;
+      node.c = std::cos(node.theta), node.s = std::sin(node.theta);
     }
-    const double sine = turn * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
+    const double turn = qi[2] - node.theta, square = turn * turn;
+    const double sine = turn * (1 - square * (1.0 / 6 - square * (1.0 / 120 - square * (1.0 / 5040))));
     const double less = square * (0.5 - square * (1.0 / 24 - square * (1.0 / 720)));  // 1 − cosine
-    pose = {{qi[0], qi[1]}, qi[2], pose.c - (pose.c * less + pose.s * sine), pose.s - (pose.s * less - pose.c * sine)};
+    at.pose[i] = {
+        {qi[0], qi[1]}, qi[2], node.c - (node.c * less + node.s * sine), node.s - (node.s * less - node.c * sine)};
   }
   at.t = t;
 }

@@ -40,10 +40,9 @@ struct Terms {
   }
 };
 
+/// Cosine and sine are turned on from the nearest of a fixed grid of angles, whose own `at` keeps: to one rounding more, in a
+/// quarter of the time, and a function of the angle alone.
 void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at);
-/// The same from the poses that `at` has: a body that turned little has its cosine and sine turned on, to one rounding
-/// more, in a quarter of the time that new ones take.
-void move_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at);
 void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at);
 
 /// Each reads terms.at; what needs velocities reads twists too. All in the order of the scene.
