@@ -1,6 +1,6 @@
 // Is any verdict wrong? Random problems of every kind through every solver, each verdict checked again in exact arithmetic.
 //
-//   build/release/experiments/storm --output results/storm                        10⁶ problems; four hours of a core; goes on where it was
+//   build/release/experiments/storm --output results/storm                        10⁶ problems; two to three hours of a core; goes on where it was
 //   build/release/experiments/storm --output results/storm --problems 5000        a share
 //   build/release/experiments/storm --only 123456                                 one problem, by its number
 //
@@ -9,6 +9,7 @@
 // Crashes and endless loops end a process of their own. Exit code 1 when there is a fault.
 #include "storm/storm.h"
 #include "storm/shrink.h"
+#include "support/between.h"
 #include "support/isolated.h"
 #include "support/manifest.h"
 #include "support/progress.h"
@@ -240,7 +241,7 @@ int main(int argc, char** argv) {
   app.add_option("--solvers", a.specs, "as in orthant list, with options; default: all");
   app.add_option("--only", a.only, "one problem, by its number");
   app.add_option("--time-limit", a.choice.time_limit, "of a solve [s]")
-      ->check(CLI::Range(1e-3, 1e6))
+      ->check(between(1e-3, 1e6))
       ->capture_default_str();
   app.add_option("--jobs", a.jobs, "processes at a time")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--chunk", a.chunk, "problems a process")->check(CLI::Range(1, 100000))->capture_default_str();

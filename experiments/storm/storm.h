@@ -44,7 +44,7 @@ std::vector<StormSolver> storm_solvers();
 struct StormChoice {
   std::uint64_t seed = 1;
   std::vector<StormSolver> solvers = storm_solvers();
-  double time_limit = 2;  // [s] of each solve in every 41st turn of all kinds; 0.005 in the others
+  double time_limit = 2;  // [s] of each solve in every 41st turn of all kinds; 0.002 in the others
   double grace = 1;       // [s] past it a solve is late
 };
 
