@@ -1,0 +1,64 @@
+// tests/support/work.h — what is watched for its speed: timed by integrators/speed.cpp, counted by tests/instructions.
+#pragma once
+
+#include <orthant/core/lcp/collection.h>
+#include <orthant/core/scenes/chain.h>
+#include <orthant/core/scenes/pile.h>
+#include <orthant/core/scenes/slider_crank.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/integrators/simulate.h>
+#include <orthant/solvers/registry.h>
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+struct Work {
+  std::string name, unit;
+  long least, more;  // units of a short run and a longer one: their difference is free of what comes once
+  std::function<std::function<void(long)>()> make;  // what does so many units
+};
+
+/// Steps of moreau-jean, a run of so many each time.
+inline auto steps_of(const Scene& scene, double h) {
+  return [scene, h] {
+    const auto system = std::make_shared<System>(scene);
+    const std::shared_ptr<Integrator> scheme = make_integrator("moreau-jean", *system);
+    const std::shared_ptr<Solver> solver = make_solver("auto");
+    return [=](long count) {
+      (void)system;  // the scheme holds on to it
+      const double duration = h * static_cast<double>(count);
+      const Run run = simulate(*scheme, *solver, {.step = h, .duration = duration, .every = count});
+      if (run.status != Status::solved) throw std::runtime_error(scheme->why());
+    };
+  };
+}
+
+/// Cold solves of one problem.
+inline auto solves_of(const Lcp& problem, const std::string& spec) {
+  return [problem, spec] {
+    const std::shared_ptr<Solver> solver = make_solver(spec);
+    return [=, s = Solution()](long count) mutable {
+      for (long k = 0; k < count; ++k)
+        if (solver->solve(problem, s).status != Status::solved) throw std::runtime_error(spec + " fails");
+    };
+  };
+}
+
+inline std::vector<Work> watched_work() {
+  Random random(1);
+  const Lcp ten = random_spd_problem(10, random), hundred = random_spd_problem(100, random);
+  const Lcp rubbing = random_contact_problem(6, 12, 0.3, random);
+  return {{"slider_crank", "step", 2000, 4000, steps_of(slider_crank(), 1e-5)},
+          {"chain", "step of 100 links", 20, 40, steps_of(chain({.links = 100}), 1e-3)},
+          {"pile", "step of 30 discs", 200, 300, steps_of(pile({.discs = 30}), 1e-3)},
+          {"spd_10", "solve by auto", 20, 40, solves_of(ten, "auto")},
+          {"friction_12", "solve by auto", 20, 40, solves_of(rubbing, "auto")},
+          {"spd_100", "solve by Lemke's tableau", 2, 4, solves_of(hundred, "lemke:form=tableau")}};
+}
+
+}  // namespace orthant
