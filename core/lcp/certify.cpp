@@ -350,7 +350,8 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     const double own = spreads && reach[i] > 0 ? std::max(reach[i], least_scale_) : beta;
     const double unknown = std::min(abs_[i], hi_[i]);
     const double noise = unknown < kInf && hi_[i] == hi_[i] ? kRoundings * kEpsilon * unknown : 0;
-    const double allowance = std::max(tolerance * std::min(own, row.size), noise);
+    const double unit = spreads && !(reach[i] > 0) ? std::max(std::min(row.size, beta), least_scale_) : own;
+    const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise, kCoarsest * unit));
     if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
           row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
       return false;

@@ -253,6 +253,19 @@ StormProblem named(Random& random) {  // the known problems, b in another unit
   return p;
 }
 
+/// Two rows that contradict each other over one z_j, and another z that they do not hold and that may run away.
+StormProblem runaways(Random& random) {
+  const Index n = rows(random, 12) + 3;
+  MatrixXd A = integers(n, n, 2, random);
+  VectorXd b = integers(n, 1, 2, random) * std::pow(10.0, random.integer(0, 5));
+  const auto shifted = [&, by = random.integer(0, 1000)](Index i) { return (i + by) % n; };
+  const Index least = shifted(0), most = shifted(1), j = shifted(random.integer(0, 2));
+  A.row(least).setZero(), A.row(most).setZero();
+  A(least, j) = random.integer(1, 20), b[least] = -std::pow(10.0, -random.integer(0, 6));
+  A(most, j) = -std::ldexp(1.0, random.integer(-3, 3)), b[most] = 0;
+  return plain(A, b, Answer::infeasible);
+}
+
 struct Kind {
   std::string_view name;
   StormProblem (*make)(Random&);
@@ -276,6 +289,7 @@ constexpr Kind kKinds[] = {{"small-integers", small_integers},
                            {"copies", copies},
                            {"saddle", saddle},
                            {"family", family},
+                           {"runaways", runaways},
                            {"named", named}};
 constexpr auto kNames = [] {
   std::array<std::string_view, std::size(kKinds)> names;

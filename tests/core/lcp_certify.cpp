@@ -128,6 +128,26 @@ TEST_CASE("a runaway z is no solution beside a row of large numbers either") {
   CHECK(verdict(box, Vector{1e14, 1e14 + 1.5, 1e9}) != Status::solved);
 }
 
+TEST_CASE("a runaway z excuses no row that it does not enter") {
+  // Row 1 says z₂ ≥ s / a, row 2 z₂ ≤ 0: no solution, though z₁ may be as large as row 3 lets it.
+  for (const double a : {1.0, 20.0})
+    for (const double s : {1.0, 1e-3, 1e-6})
+      for (const double other : {1.0, 1e3, 1e5}) {
+        const Lcp p =
+            Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, a, 0}, {0, -1, 0}, {1, 0, 0}}), Vector{-s, 0, other});
+        INFO("z₂ ≥ ", s / a, ", beside ", other);
+        for (const double far : {1e6, 1e9, 1e11, 1e12, 3.3e12, 3e14})
+          for (const double share : {0.0, 0.5, 0.99, 1.0}) {
+            CHECK(verdict(p, Vector{far, share * s / a, 0}) != Status::solved);
+            CHECK(verdict(as_sparse(p), Vector{far, share * s / a, 0}) != Status::solved);
+          }
+      }
+  const Lcp wide =
+      Lcp::standard(DenseMatrix(Eigen::Matrix4d{{0, 400, 0, 0}, {0, -1, 0, 0}, {0, 0, 0, 0}, {1, 0, 100, 0}}),
+                    Vector{-1e-4, 0, 0, 1000});
+  CHECK(verdict(wide, Vector{0, 0, 1e10, 0}) != Status::solved);
+}
+
 TEST_CASE("z = 0 does not pass because the numbers are small") {
   CHECK(verdict(scalar(-1e-12, -1e-12), Vector{0}) == Status::stalled);
   CHECK(verdict(scalar(1e-300, -1e-300), Vector{0}) == Status::stalled);
