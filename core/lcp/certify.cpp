@@ -351,7 +351,8 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     const double unknown = std::min(abs_[i], hi_[i]);
     const double noise = unknown < kInf && hi_[i] == hi_[i] ? kRoundings * kEpsilon * unknown : 0;
     const double unit = spreads && !(reach[i] > 0) ? std::max(std::min(row.size, beta), least_scale_) : own;
-    const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise, kCoarsest * unit));
+    const double most = std::max(kCoarsest * unit, kRoundings * kEpsilon * beta);  // the latter where nothing runs away
+    const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise, most));
     if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
           row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
       return false;

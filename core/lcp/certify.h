@@ -10,7 +10,7 @@
 //     r ≤ max(tolerance · β, min(20 ρ, 4e-5 β)),   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ min(1e-6 (1 + β), 1e-4 β):
 //   by each part of the problem, a set of rows that A couples: one part's large numbers excuse nothing in another; and by
 //   each row in its own unit,
-//     r_i ≤ max(tolerance · min(β_i, s_i), min(20 ε t_i, 4e-5 β_i)),   s_i = |b_i| + Σ_j |A_ij z_j|,   ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i):
+//     r_i ≤ max(tolerance · min(β_i, s_i), min(20 ε t_i, max(4e-5 β_i, 20 ε β))),   s_i = |b_i| + Σ_j |A_ij z_j|,   ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i):
 //   β_i, of the row's own data or what others' bring into it, is the least with β_i ≥ min(|A_ij z_j|, β_j) for all j (β where
 //   nothing does, and for operators too large to be formed; in 4e-5 β_i s_i where nothing does), but not below the least of
 //   all data: large data excuse no runaway z in rows that do not feel them, nor does a runaway z excuse these rows.

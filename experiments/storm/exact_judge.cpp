@@ -182,7 +182,8 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
       const T summed = T(0.5 * kEpsilon * static_cast<double>(n + 1)) * own[at(i)] + lost;  // w, in doubles
       const T unit = reach[at(i)] > 0 ? mine : most_of<T>(least_of(entries[at(i)], beta), least);
       r[at(i)] = summed + T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]),
-                                                least_of<T>(T(20 * kEpsilon) * digits[at(i)], T(4e-5) * unit));
+                                                least_of<T>(T(20 * kEpsilon) * digits[at(i)],
+                                                            most_of<T>(T(4e-5) * unit, T(20 * kEpsilon) * beta)));
       allowed[at(i)] = r[at(i)];
       T lo(0), hi(0);
       bool below = true, above = true;  // bounds there are
