@@ -10,7 +10,8 @@
 //     r ≤ max(tolerance · β, min(20 ρ, 4e-5 β)),   ρ = ε max_i (|b_i| + Σ_j |A_ij z_j|) ≤ min(1e-6 (1 + β), 1e-4 β):
 //   by each part of the problem, a set of rows that A couples: one part's large numbers excuse nothing in another; and by
 //   each row in its own unit,
-//     r_i ≤ max(tolerance · min(β_i, s_i), min(20 ε t_i, max(4e-5 β_i, 20 ε β))),   s_i = |b_i| + Σ_j |A_ij z_j|,   ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i):
+//     r_i ≤ max(tolerance · min(β_i, s_i), min(20 ε t_i, max(4e-5 β_i, 20 ε β))),
+//     s_i = |b_i| + Σ_j |A_ij z_j|,   ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i):
 //   β_i, of the row's own data or what others' bring into it, is the least with β_i ≥ min(|A_ij z_j|, β_j) for all j (β where
 //   nothing does, and for operators too large to be formed; in 4e-5 β_i s_i where nothing does), but not below the least of
 //   all data: large data excuse no runaway z in rows that do not feel them, nor does a runaway z excuse these rows.
@@ -29,8 +30,8 @@
 //   friction rows, whose w_i has either sign. Farkas' lemma; complete for linear feasibility, and so, by the existence
 //   theorem for monotone problems, for every A with xᵀA x ≥ 0. With g = Aᵀu the supremum over z is
 //     bᵀu + Σ_j sup g_j z_j:   g_j + Σ μ_t |g_t| (over its friction rows t) ≤ 0 on [lo, ∞), g_j = 0 on free rows.
-//   Rounding: sums run in long double with their errors, found out as they arise, on the wrong side. A g_j that misses its sign by no more
-//   than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
+//   Rounding: sums run in long double with their errors, found out as they arise, on the wrong side. A g_j that misses its
+//   sign by no more than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
 //   have a larger ρ. (Beside a proof a z that misses by less than the tolerance may be called solved: both are true.)
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.5, 3.1, 3.7.
 #pragma once
