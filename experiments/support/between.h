@@ -8,10 +8,9 @@
 
 namespace orthant {
 
-/// `unit` as its words are to name it, with a space before it: " s".
-inline CLI::Validator between(double least, double most, const std::string& unit = "") {
+inline CLI::Validator between(double least, double most) {
   std::ostringstream range;
-  range << '[' << least << ", " << most << ']' << unit;
+  range << '[' << least << ", " << most << ']';
   return CLI::Validator(
       [=, range = range.str()](std::string& text) {
         double value = 0;
