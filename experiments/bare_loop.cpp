@@ -5,6 +5,7 @@
 // be another mechanism. Beside it Orthant, which keeps all nine coordinates, the joints and a verdict on each problem. Both are timed
 // by turns; the least counts. Equations of motion: Flores, Leine & Glocker, Multibody Syst. Dyn. 23 (2010) 165-190.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 
 #include <orthant/core/scenes/slider_crank.h>
@@ -139,7 +140,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--friction", frictions, "values of mu")->capture_default_str()->check(between(0, 1e6));
   app.add_option("--restitution", restitutions, "values of e")->capture_default_str()->check(between(0, 1));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
 
   const double duration = 0.2;
   const long steps = std::lround(duration / h);

@@ -3,6 +3,7 @@
 // Every scene by every integrator with every solver, up to 10^4 steps: hashes of all states (support/fingerprint.h) in 1, 2
 // and 8 threads, against each other and, where the build is the same, against the table tests/data/determinism.csv.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/fingerprint.h"
 #include "experiments/support/progress.h"
 
@@ -10,7 +11,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <filesystem>
 #include <iostream>
 
 using namespace orthant;
@@ -37,19 +37,21 @@ int main(int argc, char** argv) {
   bool pin = false;
   std::string only;
   CLI::App app("The bits of every scene, integrator and solver in 1, 2 and 8 threads");
-  app.add_option("--table", pinned, "hashes to compare with")->capture_default_str();
+  app.add_option("--table", pinned, "hashes to compare with, or to write")->capture_default_str();
   app.add_option("--steps", steps, "of each run")->check(CLI::Range(1L, kMarks.back()))->capture_default_str();
   app.add_option("--time-limit", seconds, "of each run [s]; what is late has fewer hashes")
       ->check(between(1e-3, 1e6))
       ->capture_default_str();
-  app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
-  app.add_flag("--pin", pin, "write the table anew, where the threads agree");
-  CLI11_PARSE(app, argc, argv);
+  auto* const some = app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
+  app.add_flag("--pin", pin, "write the table anew, where the threads agree")->excludes(some);
+  if (const auto end = parse(app, argc, argv)) return *end;
   try {
     auto alone = all_fingerprints();
     std::erase_if(alone, [&](const Fingerprint& f) {
       return (f.scene + ',' + f.integrator + ',' + f.solver).find(only) == std::string::npos;
     });
+    if (alone.empty()) throw std::invalid_argument("--only '" + only + "': no run's scene,integrator,solver holds it");
+    if (!pin) check_readable(pinned);
     const auto untaken = alone;
     const auto all_in = [&](std::vector<Fingerprint>& runs, int threads) {
       Progress progress("threads " + std::to_string(threads), static_cast<double>(runs.size()));
@@ -70,9 +72,9 @@ int main(int argc, char** argv) {
       wrong += report(alone, together, std::to_string(threads) + " threads");
     }
     std::string build;
-    if (pin && only.empty() && wrong == 0) {
-      write_whole(pinned, table_of(alone));
-    } else if (!pin && std::filesystem::exists(pinned)) {
+    if (pin) {
+      if (wrong == 0) write_whole(pinned, table_of(alone));
+    } else {
       const auto table = read_fingerprints(pinned, build);
       if (build == build_of_bits())
         wrong += report(table, alone, "the table");

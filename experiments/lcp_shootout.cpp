@@ -4,6 +4,7 @@
 // problems, steps of simulations, and files. Writes a row per case (what there is, every minute), a summary per solver, a
 // table of what really answered, a manifest. Times are processor time.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/solver_table.h"
 
@@ -69,7 +70,8 @@ int main(int argc, char** argv) {
   app.add_option("--families", plan.choice.families, "names of core/lcp/families.h, known, steps; default: all");
   app.add_option("--scenes", plan.choice.scenes, "scenes whose steps are recorded")->capture_default_str();
   app.add_option("--problems", plan.choice.problems, "problem files as well");
-  const auto* largest = app.add_option("--largest", plan.choice.largest, "no families' problems larger than this");
+  const auto* largest = app.add_option("--largest", plan.choice.largest, "no families' problems larger than this")
+                            ->check(CLI::Range(1, 1 << 30));
   app.add_option("--seeds", plan.choice.seeds, "of random families")->check(CLI::Range(1, 1000))->capture_default_str();
   const auto* limit = app.add_option("--time-limit", plan.limits.time, "of a solve [s]; killed after 1.5 times that")
                           ->check(between(1e-6, 1e6))
@@ -79,7 +81,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1U, 1024U))
       ->capture_default_str();
   app.add_flag("--quick", plan.quick, "smallest sizes, 0.3 s a solve");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   plan.choice.smallest_only = plan.quick && largest->count() == 0;
   if (plan.quick && limit->count() == 0) plan.limits.time = 0.3;
   std::string command_line;

@@ -4,6 +4,7 @@
 // Laplacian equation by CHOLMOD: factorizations counted where they are made (those of coarse grids too; "full" adds up
 // their rows over n). Time: the best of `repeats`, the equation measured anew before each method. A Markdown table.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 
 #include <orthant/core/lcp/obstacles.h>
 #include <orthant/solvers/registry.h>
@@ -57,13 +58,14 @@ int main(int argc, char** argv) {
   app.add_option("--solvers", specs, "as in orthant list, with options")->capture_default_str();
   app.add_option("--repeats", repeats, "of each time")->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--time-limit", time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
 
   bool all = true;
-  std::cout
-      << "| n | solver | status | residual | iterations | factorizations | full | s | times the equation | last event "
-         "|\n|---|---|---|---|---|---|---|---|---|---|\n";
   try {
+    for (const std::string& spec : specs) make_solver(spec);  // an unknown one is refused before the table
+    std::cout << "| n | solver | status | residual | iterations | factorizations | full | s | times the equation | "
+                 "last event "
+                 "|\n|---|---|---|---|---|---|---|---|---|---|\n";
     for (const Index grid : grids) {
       const Lcp problem = ball_obstacle(grid + 1).problem;
       const auto n = static_cast<double>(problem.size());

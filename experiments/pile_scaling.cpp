@@ -5,6 +5,7 @@
 // the solver (broad phase, rows, the problem, the motion) and of it; of the last step's problem, cold, each solver's time
 // until the judge accepts a residual (relative to the problem's data), or what became of it.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 
 #include <orthant/core/scenes/pile.h>
@@ -76,7 +77,9 @@ int main(int argc, char** argv) try {
   app.add_option("--fall", fall, "time to settle [s]")->check(between(1e-3, 1e3))->capture_default_str();
   app.add_option("--step", h, "[s]")->check(between(1e-6, 1e-1))->capture_default_str();
   app.add_option("--time-limit", time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
+  for (const std::string& spec : specs) Timed(spec, kSettling);
+  Timed(by, kSettling);  // an unknown one is refused before the table
 
   std::ostringstream solves;
   solves << "| discs | rows | residual |";

@@ -2,6 +2,7 @@
 //
 // Printed as a Markdown table: the least time of several runs of 0.05 s of motion, h = 1e-5, over its steps; in units of
 // the whole scene's, all measured in turn so that they meet the same disturbances.
+#include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 
 #include <orthant/core/scenes/slider_crank.h>
@@ -26,7 +27,7 @@ int main(int argc, char** argv) try {
   app.add_option("--repeats", repeats, "runs of each scene; the fastest counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
 
   struct Variant {
     std::string name;

@@ -5,6 +5,7 @@
 // kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study, and at its end
 // one of all solvers. Long runs are by some solvers only.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
 #include "experiments/support/retold.h"
@@ -173,7 +174,6 @@ std::string line_of_solver(const std::string& solver, const std::vector<Row>& ro
 
 void run(const std::filesystem::path& output, bool quick, double limit, const std::string& only,
          const std::string& command_line) {
-  std::filesystem::create_directories(output);
   std::string csv = "study,value,integrator,solver,end,steps,residual,drift,penetration,energy_defect,seconds\n",
               tables;
   std::vector<std::pair<std::string, std::string>> few, every;
@@ -185,6 +185,8 @@ void run(const std::filesystem::path& output, bool quick, double limit, const st
   std::map<std::string, std::vector<Row>> by_solver;
   auto all = studies(quick);
   std::erase_if(all, [&](const Study& study) { return study.name.find(only) == std::string::npos; });
+  if (all.empty()) throw std::invalid_argument("--only '" + only + "': no study's name has it");
+  std::filesystem::create_directories(output);
   double lines = 0;
   for (const Study& study : all) lines += static_cast<double>((study.is_long() ? few : every).size());
   Progress progress("stability", lines);
@@ -234,7 +236,7 @@ int main(int argc, char** argv) {
   app.add_option("--time-limit", limit, "of each run [s]")->check(between(1e-3, 1e6))->capture_default_str();
   app.add_option("--only", only, "studies whose name has this text");
   app.add_flag("--quick", quick, "every third decade, shorter runs");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   try {

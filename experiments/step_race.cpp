@@ -4,6 +4,7 @@
 // (Siconos: minimal coordinates, written by hand for this mechanism). A step: both by turns at h = 1e-5, the least of the
 // repeats. An error: the quickest run of each that ends that near to the exact θ₁, for μ = 0.01, e = 0.4. Processor time.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 #include "experiments/support/rivals.h"
 
@@ -140,7 +141,7 @@ int main(int argc, char** argv) {
   app.add_option("--finest", finest, "step of theirs on the way to an error [s]; 1e-7: minutes")
       ->capture_default_str()
       ->check(between(1e-8, 1e-5));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   for (const char* threads : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"})
     setenv(threads, "1", 1);  // for theirs, as for ours
   try {

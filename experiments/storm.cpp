@@ -6,10 +6,11 @@
 //
 // Writes into the output folder: chunks.jsonl (one line a finished chunk: killed and started again, only what is missing is
 // done), storm.csv (kind × solver: how often which outcome), fault_*.json (each fault's problem, shrunk, for orthant replay).
-// Crashes and endless loops end a process of their own. Exit code 1 when there is a fault.
+// Crashes and endless loops end a process of their own. Exit code 3 when there is a fault.
 #include "storm/storm.h"
 #include "storm/shrink.h"
 #include "support/between.h"
+#include "support/command_line.h"
 #include "support/isolated.h"
 #include "support/manifest.h"
 #include "support/progress.h"
@@ -196,7 +197,7 @@ int report(const StormTally& all, std::uint64_t problems) {
     for (const long count : row.count) std::cout << ' ' << count << " |";
     std::cout << '\n';
   }
-  return all.faults.empty() ? 0 : 1;
+  return all.faults.empty() ? 0 : 3;
 }
 
 int run(Arguments a) {
@@ -247,11 +248,11 @@ int main(int argc, char** argv) {
   app.add_option("--chunk", a.chunk, "problems a process")->check(CLI::Range(1, 100000))->capture_default_str();
   app.add_option("--memory", a.memory, "of a process [MiB]; 0: no limit")->capture_default_str();
   app.add_option("--shrink", a.shrunk, "at most so many faults")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   try {
     return run(std::move(a));
   } catch (const std::exception& error) {
     std::cerr << "storm: " << error.what() << '\n';
-    return 2;
+    return 1;
   }
 }

@@ -7,6 +7,7 @@
 //   Σ Λ_N of the top corners while the strikes last / the same for e = 0 from the symmetric start − 1
 // against h, by integrator, from a state that event-driven integration has brought to 1 µs before the first touch.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/core/support/options.h>
@@ -74,7 +75,7 @@ int main(int argc, char** argv) {
   app.add_option("--restitution", e, "of each corner")->check(between(0.0, 1.0))->capture_default_str();
   app.add_option("--finest", finest, "smallest step size [s]")->check(between(1e-11, 1e-5))->capture_default_str();
   app.add_option("--integrators", specs, "NAME[:option=value,...] ...")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   try {
     const double before = 1e-6;  // [s]
     const Scene tilted = slider_crank({.e = e, .omega3 = omega3}), plain = slider_crank({.e = 0});

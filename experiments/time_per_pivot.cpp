@@ -3,6 +3,7 @@
 // Pivoting methods on random positive definite problems, dense: time of a solve over its pivots, so with the share of
 // loading, refining and judging; the best of several repeats, processor time. Printed as a Markdown table, µs and multiples.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 
 #include <orthant/core/lcp/collection.h>
@@ -52,7 +53,8 @@ int main(int argc, char** argv) try {
   app.add_option("--seconds", seconds, "of repeats for each number, at least 3")
       ->check(between(0, 1e4))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
+  for (const std::string& spec : specs) make_solver(spec);  // an unknown one is refused before the table
 
   std::cout << "| n | rank-1 update, µs | solver | pivots | µs a pivot | rank-1 updates a pivot "
                "|\n|---|---|---|---|---|---|\n"

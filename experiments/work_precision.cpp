@@ -5,6 +5,7 @@
 // the fastest of the repeats. "Time to ε" is that of the cheapest setting from which on every finer one stays below ε, so
 // that no lucky run counts; the table shows the worst over the cases with e ≤ 0.4. Writes all runs and that table.
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/isolated.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
@@ -191,7 +192,7 @@ int main(int argc, char** argv) {
       ->check(between(1e-3, 1e6))
       ->capture_default_str();
   app.add_flag("--quick", plan.quick, "fewer and coarser settings");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   try {

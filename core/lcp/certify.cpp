@@ -14,6 +14,8 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kCoarsest = 4e-5;  // residual beside β that rounding may excuse
 // s above this: w is unknown. By s, not by ρ = ε s, which is no number any more where s < 1e-308.
 double runaway(double beta) { return std::min(1e-6 / kEpsilon * (1 + beta), 1e-4 / kEpsilon * beta); }
+// s above this: no z is worth looking for. Between the two nothing is claimed: a z may hold that no double can show.
+double unknowable(double beta) { return 1e-2 / kEpsilon * beta; }
 constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
 constexpr Index kFew = 8;           // rows
@@ -527,7 +529,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
         if (spoken(i)) scale = std::max(scale, abs_[i]);
     }
     if (scale < kProducts) return false;
-    threshold += 2 * kappa * runaway(scale) * norm1;
+    threshold += 2 * kappa * unknowable(scale) * norm1;
   }
   return sum + threshold < 0;
 }

@@ -32,7 +32,8 @@
 //     bᵀu + Σ_j sup g_j z_j:   g_j + Σ μ_t |g_t| (over its friction rows t) ≤ 0 on [lo, ∞), g_j = 0 on free rows.
 //   Rounding: sums run in long double with their errors, found out as they arise, on the wrong side. A g_j that misses its
 //   sign by no more than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
-//   have a larger ρ. (Beside a proof a z that misses by less than the tolerance may be called solved: both are true.)
+//   have ρ ≥ 0.01 β, no digits left. Between that and the ρ of a z that is accepted nothing is claimed: masses 1e10 apart ask
+//   for a z that large, which exists. (Beside a proof a z that misses by less than the tolerance may be called solved: both are true.)
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.5, 3.1, 3.7.
 #pragma once
 

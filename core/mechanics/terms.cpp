@@ -24,13 +24,14 @@ Terms::Terms(const System& system) {
 
 void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at) {
   constexpr double kCell = 0x1p-5;  // [rad] the series' next terms are below 1e-19 in half of it
+  constexpr double kGrid = 0x1p48;  // [rad] beyond, all doubles are on the grid, and the last overflow in units of it
   const auto bodies = static_cast<std::size_t>(system.bodies());
   at.pose.resize(bodies + 1), at.node.resize(bodies);
   for (std::size_t i = 0; i < bodies; ++i) {
     const double* qi = q.data() + 3 * i;
     Kinematics::Node& node = at.node[i];
     if (!(std::abs(qi[2] - node.theta) < kCell / 2)) {
-      node.theta = std::round(qi[2] / kCell) * kCell;
+      node.theta = std::abs(qi[2]) < kGrid ? std::round(qi[2] / kCell) * kCell : qi[2];
       node.c = std::cos(node.theta), node.s = std::sin(node.theta);
     }
     const double turn = qi[2] - node.theta, square = turn * turn;

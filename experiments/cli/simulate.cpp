@@ -258,7 +258,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
-  command->add_flag("--resume", arguments->resume, "go on from the checkpoint, if there is one; to the same bits");
+  command->add_flag("--resume", arguments->resume,
+                    "go on from the checkpoint, if there is one; to the bits of an unbroken run");
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; what is done by then is kept");
   command
       ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")

@@ -9,6 +9,7 @@
 // Nothing is left out: what does not pass says why.
 #include "experiments/museum/exhibit.h"
 #include "experiments/support/between.h"
+#include "experiments/support/command_line.h"
 #include "experiments/support/fit_order.h"
 #include "experiments/support/isolated.h"
 #include "experiments/support/manifest.h"
@@ -386,7 +387,7 @@ int main(int argc, char** argv) {
   app.add_option("--jobs", plan.jobs, "runs at a time")->check(CLI::Range(1, 256));
   app.add_flag("--quick", quick, "three step sizes, two seconds a run");
   plan.jobs = std::max(1U, std::thread::hardware_concurrency());
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = parse(app, argc, argv)) return *end;
   if (quick) plan.levels = std::min(plan.levels, 3), plan.time_limit = std::min(plan.time_limit, 2.0);
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);

@@ -82,6 +82,13 @@ bool fixed(const std::filesystem::path& file) {
          !std::filesystem::exists(file.string() + "-wal", none);
 }
 
+/// Bytes, but fewer than SQLite's smallest page: it takes them for no bytes.
+bool is_scrap(const std::filesystem::path& file) {
+  std::error_code none;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, none);
+  return !none && bytes > 0 && bytes < 512;
+}
+
 std::string uri_of(const std::filesystem::path& file) {
   std::string uri = "file:";
   for (const char c : std::filesystem::absolute(file).string())
@@ -240,7 +247,7 @@ Results::Results(const std::filesystem::path& file, Open open, double patience) 
     run("COMMIT");
     if (id == kOurs) {
       if (version != kVersion) throw std::runtime_error(file.string() + ": was written by another version of orthant");
-    } else if (id == 0 && open == read_only && schema == 0) {
+    } else if (id == 0 && open == read_only && schema == 0 && !is_scrap(file)) {
       throw std::runtime_error("cannot use " + file.string() + ": it is empty, no sweep has written to it yet");
     } else if (id != 0 || open == read_only || schema != 0) {
       throw std::runtime_error("cannot use " + file.string() + ": it is no results file");

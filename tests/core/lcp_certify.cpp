@@ -346,6 +346,18 @@ TEST_CASE("a proof cannot stand beside a solution: random u on solvable problems
   }
 }
 
+TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing proves that there is none") {
+  // z_0 − z_1 = −1000 and 1e-12 (z_0 + z_1) = 1000 stop both bodies, w = 0; u = (1, 1, 0) adds the two contacts' velocities,
+  // in which the light body cancels and the heavy one is at the last digits.
+  const Eigen::MatrixXd W{{1, 1e-3}, {-1, 1e-3}, {1, 0}};
+  const Eigen::VectorXd v{{1000, -1000}};
+  const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1e-9}, {}};
+  const Lcp contacts = Lcp::standard(A, Vector(W * v));
+  CHECK_FALSE(Judge{}.proves_infeasible(contacts, Vector{1, 1, 0}));
+  CHECK(Judge{}.proves_infeasible(Lcp::standard(A, Vector{-1e3, -1e3, 1e3}),
+                                  Vector{1, 1, 0}));  // no digits left of any z
+}
+
 TEST_CASE("a Delassus operator is judged as its dense form is") {
   Random random(7);
   for (int trial = 0; trial < 50; ++trial) {

@@ -32,7 +32,7 @@ TEST_CASE("killed and resumed, a simulation writes the file that it would have w
   int kills = 0;
   for (int i = 1; i <= 40; ++i) {
     const std::string limit = std::to_string(0.02 + 0.01 * i);
-    const Reply reply = here.run("timeout -s KILL " + limit + " " + resumed);
+    const Reply reply = here.run("timeout --foreground -s KILL " + limit + " " + resumed);
     if (reply.exit_code == 0) break;
     ++kills;
     if (std::filesystem::exists(here.path / "part.csv")) CHECK(slurp(here.path / "part.csv") == whole);

@@ -1,0 +1,44 @@
+// The programs of experiments/ refuse what they cannot do in one line, before they begin: nothing printed, exit code 1.
+#include <doctest/doctest.h>
+
+#include "tests/support/folder.h"
+#include "tests/support/sanitized.h"
+
+using namespace orthant;
+
+TEST_CASE("a program refuses what it cannot do in one line, before it begins") {
+  if (kSanitized) return;  // they are not built
+  const struct {
+    std::string command, says;
+  } refused[] = {
+      {"bare_loop --restitution 2", "--restitution: '2': must be in [0, 1]"},
+      {"determinism --only zzz", "--only 'zzz': no run's scene,integrator,solver holds it"},
+      {"determinism --table missing.csv", "missing.csv: cannot read: no such file"},
+      {"determinism --pin --only pgs", "--only excludes --pin"},
+      {"lcp_shootout --largest 0", "--largest"},
+      {"lcp_shootout --largest 99999999999999999999", "--largest"},
+      {"museum --levels 0", "--levels"},
+      {"obstacle_grids --solvers nix", "solver 'nix'"},
+      {"pile_scaling --solvers nix", "solver 'nix'"},
+      {"pile_scaling --by nix", "solver 'nix'"},
+      {"scene_content --solver nix", "solver 'nix'"},
+      {"stability --only zzz", "--only 'zzz': no study's name has it"},
+      {"step_race --finest 1", "--finest: '1': must be in [1e-08, 1e-05]"},
+      {"storm --jobs 0", "--jobs"},
+      {"storm --only 1 --output /dev/null/x", "cannot create directories"},
+      {"tilted_start --omega3 nan", "--omega3: 'nan': must be in"},
+      {"time_per_pivot --solvers nix", "solver 'nix'"},
+      {"work_precision --nix", "--nix"},
+  };
+  const Folder folder;
+  for (const auto& [command, says] : refused) {
+    CAPTURE(command);
+    const Reply reply = folder.run("'" ORTHANT_EXPERIMENTS "'/" + command);
+    CHECK(reply.exit_code == 1);
+    CHECK(reply.out == "");
+    CHECK(lines(reply.err) == 1);
+    CHECK(reply.err.starts_with(command.substr(0, command.find(' ')) + ": "));
+    INFO(reply.err);
+    CHECK(reply.err.find(says) != std::string::npos);
+  }
+}
