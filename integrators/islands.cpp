@@ -1,9 +1,13 @@
 #include <orthant/integrators/islands.h>
 
+#include <algorithm>
+#include <numeric>
+
 namespace orthant {
 
 Islands::Islands(const System& system) : fixed_(system.assembly()), block_(fixed_.size()) {
   parent_ = fixed_;
+  whole_ = std::ranges::count(fixed_, fixed_.empty() ? 0 : fixed_[0]) == std::ssize(fixed_);
   const auto most =
       static_cast<std::size_t>(2 * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
@@ -23,6 +27,11 @@ void Islands::join(BodyId a, BodyId b) {
 }
 
 void Islands::sort(std::span<const Row> rows) {
+  if (whole_ && !rows.empty()) {
+    row_.resize(rows.size()), start_.assign({0, rows.size()});
+    std::iota(row_.begin(), row_.end(), 0);
+    return;
+  }
   parent_ = fixed_;
   for (const Row& row : rows) join(row.a, row.b);
   std::fill(block_.begin(), block_.end(), -1);

@@ -33,6 +33,7 @@ class Islands {
   void join(BodyId a, BodyId b);
 
   std::vector<int> fixed_, parent_;  // by joints and springs; now
+  bool whole_;                       // all bodies are connected for good: one island, whatever closes
   std::vector<int> block_;           // of each island's root; −1: none yet
   std::vector<int> of_row_, row_;    // block of each row; rows by blocks
   std::vector<std::size_t> start_{0};

@@ -42,7 +42,12 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
 
 void Projection::weigh(const Terms& terms, const Eigen::VectorXd& q) {
   far_.measure([&](Index i) { return largest_entry(q, i); });
-  for (Index i = 0; i < weight_.size(); ++i) weight_[i] = 1 / (1 + far_.of(terms.G[static_cast<std::size_t>(i)]));
+  double far = 0, weight = 1;  // the last row's: most have the same
+  for (Index i = 0; i < weight_.size(); ++i) {
+    if (const double next = far_.of(terms.G[static_cast<std::size_t>(i)]); next != far)
+      far = next, weight = 1 / (1 + far);
+    weight_[i] = weight;
+  }
 }
 
 double Projection::mismatch(const Terms& terms) const {

@@ -114,7 +114,11 @@ template <Index N> bool Attempt<N>::z_matrix() const {
 template <Index N> void Attempt<N>::guess(double* z) {
   const Index n = size();
   double* const w = w_.data();
-  for (Index i = 0; i < n; ++i) w[i] = b_[i];
+  double* const by = rhs_.data();  // 1 / A_ii: the sweeps' rows wait for one another, and would for divisions
+  for (Index i = 0; i < n; ++i) {
+    const double d = A_[i * n + i];
+    w[i] = b_[i], by[i] = d > 0 ? 1 / d : 0;
+  }
   const auto move = [&](Index j, double change) {
     const double* const column = A_ + j * n;
     if constexpr (N == kAny)
@@ -126,14 +130,13 @@ template <Index N> void Attempt<N>::guess(double* z) {
     if (z[j] != 0) move(j, z[j]);
   for (int sweep = 0; sweep < 2; ++sweep)
     for (Index i = 0; i < n; ++i) {
-      const double d = A_[i * n + i];
       if (friction_ && normal_[i] >= 0) hi_[i] = mu_[i] * std::max(z[normal_[i]], 0.0), lo_[i] = -hi_[i];
-      const double to = std::clamp(d > 0 ? z[i] - w[i] / d : z[i], lo_[i], hi_[i]);
+      const double to = std::clamp(z[i] - w[i] * by[i], lo_[i], hi_[i]);
       if (to != z[i]) move(i, to - z[i]);
       z[i] = to;
     }
   for (Index i = 0; i < n; ++i) {
-    const double d = A_[i * n + i], to = z[i] - (d > 0 ? w[i] / d : w[i]);
+    const double to = z[i] - w[i] * (A_[i * n + i] > 0 ? by[i] : 1);
     side_[i] = to <= lo_[i] ? Side::lower : to >= hi_[i] ? Side::upper : Side::inside;
   }
 }

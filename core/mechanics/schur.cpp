@@ -109,7 +109,12 @@ void Schur::put_apart_first(std::span<const Row> rows) {
 }
 
 bool Schur::factorize(std::span<const Row> G, double dependent) {
-  std::fill(S_.begin(), S_.end(), Two(0));
+  with_pairs([&](auto n) {  // number by number: a call of memset twice a step took 3 % of it
+    each(n, [&](auto p) {
+      each(twice(p), [&](auto j) { S_[static_cast<std::size_t>(2 * p * n + j)] = Two(0); });
+      S_[static_cast<std::size_t>(2 * p * (n + 1))] = S_[static_cast<std::size_t>(2 * p * (n + 1) + 1)] = Two(0);
+    });
+  });
   if (rows_ % 2 == 1) S_.back() = Two(0, 1);  // the row of nothing
   const auto part = [&](const PairOnBody& u, int k) -> const std::array<double, 3>& {
     const Side side = u.sides[static_cast<std::size_t>(k)];
