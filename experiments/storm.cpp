@@ -1,6 +1,6 @@
 // Is any verdict wrong? Random problems of every kind through every solver, each verdict checked again in exact arithmetic.
 //
-//   build/release/experiments/storm --output results/storm                        10⁶ problems; two to three hours of a core; goes on where it was
+//   build/release/experiments/storm --output results/storm                        10⁶ problems; three hours of a core (--jobs); goes on where it was
 //   build/release/experiments/storm --output results/storm --problems 5000        a share
 //   build/release/experiments/storm --only 123456                                 one problem, by its number
 //
