@@ -316,8 +316,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   finding.error = static_cast<double>(kappa);
   if (value >= 0) return refuse("the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0");
   if (rounding > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + detail::text_of(finding.error));
-  // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i: no digits may be left of it.
-  if (kappa > 0 && -value * Rational(kEpsilon) < Rational(0.01) * data * kappa * norm)
+  // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i. None that is accepted may; certify() asks for more.
+  if (kappa > 0 && -value * Rational(kEpsilon) < runaway(data) * kappa * norm)
     return refuse("a z within reach may use the slack of g");
   finding.holds = true;
   return finding;
