@@ -16,6 +16,7 @@ constexpr double kCoarsest = 4e-5;  // residual beside β that rounding may excu
 double runaway(double beta) { return std::min(1e-6 / kEpsilon * (1 + beta), 1e-4 / kEpsilon * beta); }
 // s above this: no z is worth looking for. Between the two nothing is claimed: a z may hold that no double can show.
 double unknowable(double beta) { return 1e-2 / kEpsilon * beta; }
+constexpr double kOfBox = 1e-6;     // of its width, that a z may be beside the bound of a box
 constexpr double kRoundings = 20;   // residuals below this many ρ are noise
 constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
 constexpr Index kFew = 8;           // rows
@@ -173,16 +174,21 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
     // d |z − clamp(z − w/d)| = max(d · how far z is out of its bounds, min(d · distance to the bound that w pushes against, |w|)):
     // never by z − w/d, which is z where w/d is below its rounding, whatever w is.
     double r = std::abs(w);
+    Row& row = rows_[at(i)];
+    row = {};
     const double room = w >= 0 ? z - lo[i] : hi[i] - z;
     if (z < lo[i] || z > hi[i] || room < r) {
       // d matters only here, where z is off its bound by less than |w|: most verdicts never need the weights.
       if (room != 0 && !weighed) largest_of_columns(problem.A, d_), weighed = true;
       const double d = room == 0 ? 1.0 : std::max(1.0, d_[i]);
-      r = std::max(d * std::max(lo[i] - z, z - hi[i]), std::min(d * std::max(room, 0.0), r));
+      row.out = std::max({lo[i] - z, z - hi[i], 0.0});
+      if (d * std::max(room, 0.0) < r)
+        row.room = std::max(room, 0.0), row.held = lo[i] < hi[i] ? r : kInf, r = d * row.room;
+      r = std::max(d * row.out, r);
     }
     residual = std::max(residual, r);
-    rows_[at(i)] = {r, data, abs_[i], abs_[i], 0, 0};
-    settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i];
+    row.residual = r, row.data = data, row.size = row.most = abs_[i];
+    settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i] && !(row.room > 0);
   }
   if (bounded) {
     beta_.resize(n);
@@ -345,8 +351,9 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     Row& whole = rows_[at(part_[at(i)])];
     whole.data = std::max(whole.data, rows_[at(i)].data);
   }
+  bool moves = false;
   for (Index i = 0; i < n; ++i) {
-    const Row& row = rows_[at(i)];
+    Row& row = rows_[at(i)];
     const Row& whole = rows_[at(part_[at(i)])];
     const double beta = whole.data > 0 ? whole.data : scale_;
     const double own = spreads && reach[i] > 0 ? std::max(reach[i], least_scale_) : beta;
@@ -358,8 +365,40 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
     if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
           row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
       return false;
+    if (std::abs(s.w[i]) <= allowance) row.room = 0, row.held = row.held < kInf ? 0 : kInf;  // as w_i = 0
+    const double width = problem.hi[i] - problem.lo[i];
+    if (row.room > std::max(kOfBox * width, kRoundings * kEpsilon * std::abs(s.z[i])) && problem.lo[i] < problem.hi[i])
+      return false;
+    row.excused = allowance;
+    row.room = std::max(row.room, row.out);
+    moves = moves || row.room > 0;
   }
-  return true;
+  return !moves || !spreads || others_bear_moves(problem);
+}
+
+// A z_i beside its bound changes the other rows when it is moved there: by no more than the w_k that holds z_k at its own
+// bound, and for each such z_i what is excused in the row.
+bool Judge::others_bear_moves(const Lcp& problem) {
+  const Index n = problem.size();
+  for (Index k = 0; k < n; ++k) rows_[at(k)].charge = 0, rows_[at(k)].borne = rows_[at(k)].held;
+  for (const Friction& f : problem.friction)
+    rows_[at(f.row)].room += f.mu * rows_[at(f.normal)].room;  // its bounds move
+  const auto charge = [this](Index k, Index i, double a) {
+    if (k == i || a == 0 || rows_[at(i)].room == 0) return;
+    rows_[at(k)].charge += std::abs(a) * rows_[at(i)].room;
+    rows_[at(k)].borne += rows_[at(k)].excused;
+  };
+  if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
+    for (Index i = 0; i < n; ++i)
+      for (Index k = 0; k < n && rows_[at(i)].room > 0; ++k) charge(k, i, (*dense)(k, i));
+  } else {
+    const auto* sparse = std::get_if<RowSparse>(&problem.A);
+    const RowSparse& rows = sparse != nullptr ? *sparse : entries_;
+    for (Index k = 0; k < n; ++k)
+      for (std::size_t l = at(rows.start[at(k)]); l < at(rows.start[at(k) + 1]); ++l)
+        charge(k, rows.column[l], rows.value[l]);
+  }
+  return std::all_of(rows_.begin(), rows_.begin() + n, [](const Row& row) { return row.charge <= row.borne; });
 }
 
 void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution& s) {

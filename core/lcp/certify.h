@@ -18,6 +18,9 @@
 //     t_i = |b_i| + min(Σ_j |A_ij| max |z|, Σ_j |A_ij| / a_j max a |z|),   a_j = max_i |A_ij| (of an operator
 //   √(A_jj max_k A_kk), which is no less), the maxima over the part: what the last digits of z, each relative to the
 //   largest of them or of what they do to w, leave unknown in a row.
+//   A z_i that passes by its distance δ to a bound, where |w_i| alone would not, is a z_i at that bound but for what the move
+//   costs: |A_ki| δ in row k. All of them together cost no row more than the w_k that holds z_k at its own bound, and for each
+//   what is excused there; and in a box δ is at most 1e-6 of its width (or rounding). A large b_i excuses no z_i that others feel.
 //   Below a small multiple of ρ no residual can be known, and a runaway z (|z| ~ 1e15 along a ray), which would make
 //   any residual relative to ‖z‖ small, has a large ρ. The scale β = max_i (|b_i| + Σ_j |A_ij β_j|) is what the caller
 //   gave: β_j = |z_j| where z_j sits on its own finite bound, else the bound nearest to 0. For 0 ≤ z it is ‖b‖∞.
@@ -64,6 +67,9 @@ class Judge {  // the members are scratch: after the first problem of a size not
   struct Row {
     double residual = 0, data = 0, size = 0;  // r_i, what β takes of it, s_i
     double most = 0, z = 0, push = 0;         // of a part: its largest s_j, |z_j| and a_j |z_j|
+    double out = 0, room = 0;                 // how far z_i is out of its bounds, or from the one that w_i asks for
+    double held = 0, excused = 0;             // |w_i| at a bound that it holds z_i at; the residual that would pass
+    double charge = 0, borne = 0;             // what moves of others cost here, and may
   };
   using Way = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
 
@@ -72,6 +78,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   static double allowed(double tolerance, double rounding, double beta);
   void label_parts(const Lcp& problem);
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
+  bool others_bear_moves(const Lcp& problem);
   bool spread(const Lcp& problem, const Vector& z, Vector& beta);
   void product(const Matrix& A, const Vector& u, bool transposed);
 

@@ -210,6 +210,13 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
         const Index normal = friction[at(i)]->normal;
         allowed[at(i)] += T(friction[at(i)]->mu) * cost[at(i)] * abs(moved[at(normal)] - x[at(normal)]);
       }
+      const bool wide = below && above && !second && lo < hi && !under && !over;
+      if (wide &&
+          abs(moved[at(i)] - x[at(i)]) > T(1.001) * most_of<T>(T(1e-6) * (hi - lo), T(20 * kEpsilon) * abs(x[at(i)]))) {
+        finding.why = row_says(i, "distance of z from its bound, beside the width of the box",
+                               static_cast<double>(abs(moved[at(i)] - x[at(i)]) / (hi - lo)));
+        return finding;
+      }
       if (cost[at(i)] * abs(moved[at(i)] - x[at(i)]) > allowed[at(i)]) {
         finding.why = row_says(i, "distance of z from the bound that the sign of w asks for",
                                static_cast<double>(abs(moved[at(i)] - x[at(i)])));
@@ -225,7 +232,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     each(i, [&](Index j, const T& a) {
       if (moved[at(j)] == x[at(j)]) return;
       value += a * (moved[at(j)] - x[at(j)]);
-      bearable += abs(a) / cost[at(j)] * allowed[at(j)];
+      bearable += r[at(i)];  // a move costs a row no more than what is excused in it, whatever its own row is excused
     });
     const T violation = side[at(i)] == Side::stays ? abs(value) : side[at(i)] == Side::lower ? -value : value;
     if (violation > 0 && data[root] > 0)

@@ -266,6 +266,18 @@ StormProblem runaways(Random& random) {
   return plain(A, b, Answer::infeasible);
 }
 
+/// One or more rows with a b far above the others': what excuses much there excuses nothing elsewhere.
+StormProblem loud(Random& random) {
+  StormProblem p = random.integer(0, 2) == 0   ? boxes(random)
+                   : random.integer(0, 1) == 0 ? contacts(random)
+                                               : definite(random);
+  p.answer.reset();
+  const double loud = std::pow(10, random.integer(6, 15));
+  for (double& value : p.problem.b)
+    if (random.integer(0, 3) == 0) value *= loud;
+  return p;
+}
+
 struct Kind {
   std::string_view name;
   StormProblem (*make)(Random&);
@@ -290,6 +302,7 @@ constexpr Kind kKinds[] = {{"small-integers", small_integers},
                            {"saddle", saddle},
                            {"family", family},
                            {"runaways", runaways},
+                           {"loud", loud},
                            {"named", named}};
 constexpr auto kNames = [] {
   std::array<std::string_view, std::size(kKinds)> names;

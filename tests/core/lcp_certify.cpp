@@ -458,3 +458,36 @@ TEST_CASE("certify: what overflows in its own measures excuses nothing") {
     CHECK(verdict(problem, Vector{1, 0, 0}) == Status::solved);
   }
 }
+
+TEST_CASE("a large b makes no z right that other rows feel: a z beside its bound costs them what the move does") {
+  const auto verdict_of = [](const Lcp& p, const Vector& z) {
+    Judge judge;
+    Solution s;
+    s.z = z;
+    judge.certify(p, 1e-10, Status::solved, s);
+    return s.status;
+  };
+  // A body slides at 1e10 times the speed with which its contact closes: z_t = −µ z_n, not 0.
+  Lcp slides = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 0.1}, {0.1, 1}}), Vector{-1e-9, 100});
+  slides.lo[1] = -kInf;
+  slides.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  const double normal = 1e-9 / 0.95;
+  CHECK(verdict_of(slides, Vector{normal, -0.5 * normal}) == Status::solved);
+  CHECK(verdict_of(slides, Vector{1e-9, 0}) == Status::stalled);
+
+  // A box of width 2 around 0, and w_1 = 4.85e13 that asks for its lower end; also where nothing feels it.
+  for (const double coupling : {1.0, 0.0}) {
+    Lcp box = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{3, coupling}, {coupling, 2}}), Vector{0.5, 4.85e13});
+    box.lo[1] = -1, box.hi[1] = 1;
+    CHECK(verdict_of(box, Vector{std::max(0.0, (coupling - 0.5) / 3), -1}) == Status::solved);
+    CHECK(verdict_of(box, Vector{0, 0}) == Status::stalled);
+  }
+
+  // Three rows that each feel the first: moves of 1e-11 are no matter beside data of 1, and are one beside data of 1e-6.
+  for (const double data : {1.0, 1e-6}) {
+    const Lcp shared =
+        Lcp::standard(DenseMatrix(Eigen::Matrix3d{{2, 1, 1}, {1, 2, 0}, {1, 0, 2}}), Vector{1e3, -data, -data});
+    CHECK(verdict_of(shared, Vector{0, data / 2, data / 2}) == Status::solved);
+    CHECK(verdict_of(shared, Vector{1e-11, data / 2, data / 2}) == (data == 1 ? Status::solved : Status::stalled));
+  }
+}
