@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
       return (f.scene + ',' + f.integrator + ',' + f.solver).find(only) == std::string::npos;
     });
     if (alone.empty()) throw std::invalid_argument("--only '" + only + "': no run's scene,integrator,solver holds it");
-    if (!pin) check_readable(pinned);
+    pin ? check_writable(pinned) : check_readable(pinned);
     const auto untaken = alone;
     const auto all_in = [&](std::vector<Fingerprint>& runs, int threads) {
       Progress progress("threads " + std::to_string(threads), static_cast<double>(runs.size()));

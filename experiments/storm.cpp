@@ -18,6 +18,7 @@
 #include <orthant/core/lcp/io.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
+#include <orthant/solvers/registry.h>
 
 #include <CLI/CLI.hpp>
 
@@ -203,7 +204,7 @@ int report(const StormTally& all, std::uint64_t problems) {
 int run(Arguments a) {
   if (!a.specs.empty()) {
     a.choice.solvers.clear();
-    for (const std::string& spec : a.specs) a.choice.solvers.push_back({spec});
+    for (const std::string& spec : a.specs) make_solver(spec), a.choice.solvers.push_back({spec});  // known ones only
   }
   std::filesystem::create_directories(a.output);
   std::string header =
@@ -236,18 +237,19 @@ int run(Arguments a) {
 int main(int argc, char** argv) {
   CLI::App app("Random problems of every kind through every solver, each verdict checked again in exact arithmetic");
   Arguments a;
+  const auto kCount = CLI::Range(0L, 1'000'000'000'000L);
   app.add_option("--output", a.output, "folder")->capture_default_str();
-  app.add_option("--problems", a.problems, "how many")->capture_default_str();
+  app.add_option("--problems", a.problems, "how many")->check(kCount)->capture_default_str();
   app.add_option("--seed", a.choice.seed, "")->capture_default_str();
   app.add_option("--solvers", a.specs, "as in orthant list, with options; default: all");
-  app.add_option("--only", a.only, "one problem, by its number");
+  app.add_option("--only", a.only, "one problem, by its number")->check(kCount);
   app.add_option("--time-limit", a.choice.time_limit, "of a solve [s]")
       ->check(between(1e-3, 1e6))
       ->capture_default_str();
   app.add_option("--jobs", a.jobs, "processes at a time")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--chunk", a.chunk, "problems a process")->check(CLI::Range(1, 100000))->capture_default_str();
   app.add_option("--memory", a.memory, "of a process [MiB]; 0: no limit")->capture_default_str();
-  app.add_option("--shrink", a.shrunk, "at most so many faults")->capture_default_str();
+  app.add_option("--shrink", a.shrunk, "at most so many faults")->check(CLI::Range(0, 1000000))->capture_default_str();
   if (const auto end = parse(app, argc, argv)) return *end;
   try {
     return run(std::move(a));
