@@ -173,22 +173,23 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
               (z != 0 && on_bound(z, problem.lo[i], problem.hi[i]));
     // d |z − clamp(z − w/d)| = max(d · how far z is out of its bounds, min(d · distance to the bound that w pushes against, |w|)):
     // never by z − w/d, which is z where w/d is below its rounding, whatever w is.
-    double r = std::abs(w);
-    Row& row = rows_[at(i)];
-    row = {};
+    double r = std::abs(w), out = 0, beside = 0, held = 0;
     const double room = w >= 0 ? z - lo[i] : hi[i] - z;
-    if (z < lo[i] || z > hi[i] || room < r) {
+    if (room == 0 && r > 0 && lo[i] <= z && z <= hi[i]) {  // on the bound that w holds it at: most are
+      held = lo[i] < hi[i] ? r : kInf, r = 0;
+    } else if (z < lo[i] || z > hi[i] || room < r) {
       // d matters only here, where z is off its bound by less than |w|: most verdicts never need the weights.
       if (room != 0 && !weighed) largest_of_columns(problem.A, d_), weighed = true;
       const double d = room == 0 ? 1.0 : std::max(1.0, d_[i]);
-      row.out = std::max({lo[i] - z, z - hi[i], 0.0});
-      if (d * std::max(room, 0.0) < r)
-        row.room = std::max(room, 0.0), row.held = lo[i] < hi[i] ? r : kInf, r = d * row.room;
-      r = std::max(d * row.out, r);
+      out = std::max({lo[i] - z, z - hi[i], 0.0});
+      if (d * std::max(room, 0.0) < r) beside = std::max(room, 0.0), held = lo[i] < hi[i] ? r : kInf, r = d * beside;
+      r = std::max(d * out, r);
     }
     residual = std::max(residual, r);
-    row.residual = r, row.data = data, row.size = row.most = abs_[i];
-    settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i] && !(row.room > 0);
+    Row& row = rows_[at(i)];
+    row.residual = r, row.data = data, row.size = row.most = abs_[i], row.z = row.push = 0;
+    row.out = out, row.room = beside, row.held = held;
+    settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i] && !(beside > 0);
   }
   if (bounded) {
     beta_.resize(n);
