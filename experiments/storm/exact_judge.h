@@ -6,7 +6,7 @@
 //   Then, with w̄ = A z̄ + b,
 //     |w̄_i| ≤ T_i on rows that stayed,  w̄_i ≥ −T_i at lo,  w̄_i ≤ T_i at hi,
 //     r_i = max(tolerance · min(β_i, s_i), min(20 ε t_i, max(4e-5 β_i, 20 ε β))),
-//     T_i = r_i + Σ_j |A_ij| / d_j r_j over the rows that moved,
+//     T_i = (1 + m_i) r_i, m_i of the rows that moved being felt in row i, in a box by 1e-6 of its width at most,
 //     ε s_i ≤ min(1e-6 (1 + β_i), 1e-4 β_i),  ε max s ≤ min(1e-6 (1 + β), 1e-4 β),
 //   s_i = |b_i| + Σ_j |A_ij z_j|, t_i what the last digits of z leave unknown in a row (certify.h; of an operator with
 //   a_j = √(A_jj max_k A_kk), which is no less than any entry of column j), β of the data alone, β_i
