@@ -51,7 +51,10 @@ int main(int argc, char** argv) {
       return (f.scene + ',' + f.integrator + ',' + f.solver).find(only) == std::string::npos;
     });
     if (alone.empty()) throw std::invalid_argument("--only '" + only + "': no run's scene,integrator,solver holds it");
+    std::string build;
+    std::vector<Fingerprint> table;
     pin ? check_writable(pinned) : check_readable(pinned);
+    if (!pin) table = read_fingerprints(pinned, build);
     const auto untaken = alone;
     const auto all_in = [&](std::vector<Fingerprint>& runs, int threads) {
       Progress progress("threads " + std::to_string(threads), static_cast<double>(runs.size()));
@@ -71,15 +74,12 @@ int main(int argc, char** argv) {
       all_in(together, threads);
       wrong += report(alone, together, std::to_string(threads) + " threads");
     }
-    std::string build;
     if (pin) {
       if (wrong == 0) write_whole(pinned, table_of(alone));
+    } else if (build == build_of_bits()) {
+      wrong += report(table, alone, "the table");
     } else {
-      const auto table = read_fingerprints(pinned, build);
-      if (build == build_of_bits())
-        wrong += report(table, alone, "the table");
-      else
-        std::cout << "the table is of another build: " << build << '\n';
+      std::cout << "the table is of another build: " << build << '\n';
     }
     return wrong > 0;
   } catch (const std::exception& error) {

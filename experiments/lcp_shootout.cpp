@@ -34,10 +34,11 @@ void run(Plan plan, const std::string& command_line) {
     for (const SolverEntry& entry : solvers()) plan.solvers.emplace_back(entry.name);
   for (const std::string& spec : plan.solvers) make_solver(spec);  // unknown: said at once
   const auto others = plan.rivals.empty() ? std::vector<Rival>() : rivals(plan.rivals);
+  const auto cases = lcp_cases(plan.choice);
   std::filesystem::create_directories(plan.output);
   check_writable(plan.output / "shootout.csv");
   const auto save = [&](const SolverTable& table) { write_whole(plan.output / "shootout.csv", table.csv()); };
-  const SolverTable table = try_all(plan.solvers, others, lcp_cases(plan.choice), plan.limits, save);
+  const SolverTable table = try_all(plan.solvers, others, cases, plan.limits, save);
   save(table);
   const SolverTable::Cells summary = table.summary();
   write_whole(plan.output / "summary.csv", to_csv(summary));

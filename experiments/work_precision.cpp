@@ -150,11 +150,14 @@ void study(const std::string& name, const Rival* rival, const Plan& plan, std::s
 }
 
 void run(const Plan& plan, const std::string& command_line) {
+  for (const std::string& name : plan.names) make_integrator(name, System(slider_crank({})));  // unknown: said at once
+  make_solver(plan.solver);
+  const std::vector<Rival> others = plan.rivals.empty() ? std::vector<Rival>{} : rivals(plan.rivals);
   std::filesystem::create_directories(plan.output);
+  check_writable(plan.output / "runs.csv");
   std::string runs =
       "integrator,setting,mu,e,status,error,seconds,accepted,rejected,lcp_solves,events,joint_residual\n";
   std::string table = "integrator,to_1e-2,to_1e-3,to_1e-6,to_1e-9\n";
-  const std::vector<Rival> others = plan.rivals.empty() ? std::vector<Rival>{} : rivals(plan.rivals);
   std::cout << "worst time to an error of theta1(0.2 s) over mu in {0, .01, .1}, e in {0, .4} [ms]\n"
             << "| integrator | 1e-2 | 1e-3 | 1e-6 | 1e-9 |\n|---|---|---|---|---|\n";
   Progress progress("work-precision", static_cast<double>(plan.names.size() + others.size()));

@@ -36,10 +36,10 @@ class Schur {
   bool finite() const;  // the S of the last factorization, where that gave up on it
 
  private:
-  enum class Side { ja, jb, neither };
+  using Part = std::array<double, 3> Row::*;
   struct PairOnBody {
-    int pair, row;              // where it stands here; its first row in G
-    std::array<Side, 2> sides;  // which parts of its rows are on the body
+    int pair, at, row;          // where it stands here; where its row begins in S; its first row in G
+    std::array<Part, 2> parts;  // of its rows, that are on the body, or none
     Two gx, gy, gz, x, y, z;    // those parts; times M⁻¹
   };
   struct OnBody {  // pairs from `begin` up to `end` act on the coordinates from `first` on
@@ -60,9 +60,10 @@ class Schur {
   int rows_, pairs_, apart_ = 0;  // pairs that come first and have no body in common
   std::vector<int> order_;        // the first row in G of each pair
   Eigen::VectorXd inverse_mass_;
-  std::vector<PairOnBody> on_bodies_;          // by bodies, pairs ascending; those on the ground have none
-  std::vector<OnBody> bodies_;                 // ascending
-  std::vector<Two> S_;                         // pairs × 2 pairs by rows: S_ii; below the diagonal L
+  std::vector<PairOnBody> on_bodies_;  // by bodies, pairs ascending; those on the ground have none
+  std::vector<OnBody> bodies_;         // ascending
+  // Pairs × 2 pairs by rows. S = K B Kᵀ, B of pairs' own l D lᵀ: S_ii and l on the diagonal, below it K = L l⁻¹.
+  std::vector<Two> S_;
   std::vector<double> pivot_, inverse_pivot_;  // D_i, 1 / D_i
   mutable std::vector<Two> lambda_;            // pairs
 };

@@ -357,13 +357,14 @@ void report(const std::filesystem::path& output, const std::vector<Exhibit>& all
 }
 
 void run(const std::filesystem::path& output, const Plan& plan, const std::string& command_line) {
-  std::filesystem::create_directories(output);
   for (const std::string& solver : plan.solvers) make_solver(solver);  // bad names before hours of work
   std::vector<Exhibit> all = exhibits();
   if (!plan.only.empty())
     std::erase_if(
         all, [&](const Exhibit& e) { return std::find(plan.only.begin(), plan.only.end(), e.id) == plan.only.end(); });
   if (all.empty()) throw std::invalid_argument("--cases: no exhibit has this number");
+  std::filesystem::create_directories(output);
+  check_writable(output / "runs.csv");
   report(output, all, visit_all(plan, all));
   auto about = manifest();
   about["command"] = command_line;

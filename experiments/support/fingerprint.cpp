@@ -10,6 +10,7 @@
 #include <gnu/libc-version.h>
 
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <sstream>
@@ -138,7 +139,9 @@ std::vector<Fingerprint> read_fingerprints(const std::string& file, std::string&
     for (std::uint64_t& hash : f.hash) {
       std::string cell;
       std::getline(cells, cell, ',');
-      hash = std::stoull(cell, nullptr, 16);
+      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), hash, 16);
+      if (error != std::errc() || end != cell.data() + cell.size())
+        throw std::runtime_error(file + ": '" + line + "': '" + cell + "' is no hash");
     }
     all.push_back(f);
   }

@@ -14,10 +14,15 @@ TEST_CASE("a program refuses what it cannot do in one line, before it begins") {
       {"bare_loop --restitution 2", "--restitution: '2': must be in [0, 1]"},
       {"determinism --only zzz", "--only 'zzz': no run's scene,integrator,solver holds it"},
       {"determinism --table missing.csv", "missing.csv: cannot read: no such file"},
+      {"determinism --table err.txt", "err.txt: names no build"},
       {"determinism --pin --only pgs", "--only excludes --pin"},
       {"lcp_shootout --largest 0", "--largest"},
       {"lcp_shootout --largest 99999999999999999999", "--largest"},
+      {"lcp_shootout --families nix", "'nix'"},
+      {"lcp_shootout --scenes nix", "'nix'"},
       {"museum --levels 0", "--levels"},
+      {"museum --cases Z9", "--cases: no exhibit has this number"},
+      {"museum --solvers nix", "solver 'nix'"},
       {"obstacle_grids --solvers nix", "solver 'nix'"},
       {"pile_scaling --solvers nix", "solver 'nix'"},
       {"pile_scaling --by nix", "solver 'nix'"},
@@ -30,8 +35,11 @@ TEST_CASE("a program refuses what it cannot do in one line, before it begins") {
       {"storm --solvers nix", "solver 'nix'"},
       {"storm --only 1 --output /dev/null/x", "cannot create directories"},
       {"tilted_start --omega3 nan", "--omega3: 'nan': must be in"},
+      {"tilted_start --integrators moreau-jean nix", "integrator 'nix'"},
       {"time_per_pivot --solvers nix", "solver 'nix'"},
       {"work_precision --nix", "--nix"},
+      {"work_precision --integrators nix", "integrator 'nix'"},
+      {"work_precision --solver nix", "solver 'nix'"},
   };
   const Folder folder;
   for (const auto& [command, says] : refused) {
@@ -43,5 +51,7 @@ TEST_CASE("a program refuses what it cannot do in one line, before it begins") {
     CHECK(reply.err.starts_with(command.substr(0, command.find(' ')) + ": "));
     INFO(reply.err);
     CHECK(reply.err.find(says) != std::string::npos);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) ==
+          2);  // what it was to print: no results
   }
 }
