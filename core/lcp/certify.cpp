@@ -131,7 +131,7 @@ void Judge::prepare(const Lcp& problem) {
   if (const auto* rows = std::get_if<RowSparse>(&problem.A))
     ways_.reserve(rows->value.size() + problem.friction.size());
   if (at(n) <= rows_.size()) return;
-  for (Vector* each : {&d_, &lo_, &hi_, &beta_}) each->resize(n);
+  for (Vector* each : {&d_, &lo_, &hi_, &beta_, &reach_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_, &g_error_}) each->reserve(at(n));
   rows_.resize(at(n));
   heap_.reserve(at(2 * n + 1));
@@ -187,7 +187,7 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
     }
     residual = std::max(residual, r);
     Row& row = rows_[at(i)];
-    row.residual = r, row.data = data, row.size = row.most = abs_[i], row.z = row.push = 0;
+    row.residual = r, row.data = data, row.size = row.most = abs_[i];
     row.out = out, row.room = beside, row.held = held;
     settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i] && !(beside > 0);
   }
@@ -267,39 +267,33 @@ void Judge::label_parts(const Lcp& problem) {
   for (Index i = 0; i < n; ++i) part_[at(i)] = root(i);
 }
 
-// β_i ← the least with β_i ≥ β_i and β_i ≥ min(|A_ij z_j|, β_j) for all j: what the data of others bring into a row, and
-// never more than enters it. The widest paths, the widest first: n log n for n rows, where sweeps over a long chain whose
-// rows are in no order take n². Friction has its normal's. False: the operator has too many entries to be formed.
-bool Judge::spread(const Lcp& problem, const Vector& z, Vector& beta) {
+// x_i ← the least with x_i ≥ x_i and x_i ≥ min(width(A_ij, j), x_j) for all j. The widest paths, the widest first: n log n
+// for n rows, where sweeps over a long chain whose rows are in no order take n². Friction has its normal's.
+template <class Width> void Judge::spread(const Lcp& problem, const Width& width, Vector& x) {
   const auto* dense = std::get_if<DenseMatrix>(&problem.A);
   const auto* rows = std::get_if<RowSparse>(&problem.A);
-  if (const auto* delassus = std::get_if<Delassus>(&problem.A)) {
-    if (!to_rows(*delassus, entries_, kFormed)) return false;
-    rows = &entries_;
-  }
-  const Index n = z.size();
+  if (std::holds_alternative<Delassus>(problem.A)) rows = &entries_;
+  const Index n = problem.size();
   if (rows != nullptr) {  // by columns
     first_.assign(at(n + 1), 0);
     for (const int column : rows->column) ++first_[at(column)];
     for (const Friction& f : problem.friction) ++first_[at(f.normal)];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     ways_.resize(at(first_[at(n)]));
-    const auto place = [&](Index j, Index i, double width) {
-      ways_[at(--first_[at(j)])] = {width, static_cast<int>(i)};
-    };
+    const auto place = [&](Index j, Index i, double wide) { ways_[at(--first_[at(j)])] = {wide, static_cast<int>(i)}; };
     for (Index i = 0; i < n; ++i)
       for (std::size_t k = at(rows->start[at(i)]); k < at(rows->start[at(i) + 1]); ++k)
-        place(rows->column[k], i, std::abs(rows->value[k] * z[rows->column[k]]));
+        place(rows->column[k], i, width(rows->value[k], rows->column[k]));
     for (const Friction& f : problem.friction) place(f.normal, f.row, kInf);
   }
   heap_.clear();
   for (Index i = 0; i < n; ++i)
-    if (beta[i] > 0) heap_.emplace_back(beta[i], static_cast<int>(i));
+    if (x[i] > 0) heap_.emplace_back(x[i], static_cast<int>(i));
   std::make_heap(heap_.begin(), heap_.end());
-  const auto stale = [&](const Way& each) { return each.first < beta[each.second]; };
+  const auto stale = [&](const Way& each) { return each.first < x[each.second]; };
   const auto raise = [&](Index i, double by) {
-    if (by <= beta[i]) return;
-    beta[i] = by;
+    if (by <= x[i]) return;
+    x[i] = by;
     if (heap_.size() > at(2 * n)) {  // no more than n are not stale
       std::erase_if(heap_, stale);
       std::make_heap(heap_.begin(), heap_.end());
@@ -312,86 +306,116 @@ bool Judge::spread(const Lcp& problem, const Vector& z, Vector& beta) {
     const Way next = heap_.back();
     heap_.pop_back();
     if (stale(next)) continue;
-    const auto [width, j] = next;
+    const auto [much, j] = next;
     if (dense != nullptr) {
-      for (Index i = 0; i < n; ++i) raise(i, std::min(std::abs((*dense)(i, j) * z[j]), width));
+      for (Index i = 0; i < n; ++i) raise(i, std::min(width((*dense)(i, j), j), much));
       for (const Friction& f : problem.friction)
-        if (f.normal == j) raise(f.row, width);
+        if (f.normal == j) raise(f.row, much);
     } else {
       for (std::size_t k = at(first_[at(j)]); k < at(first_[at(j + 1)]); ++k)
-        raise(ways_[k].second, std::min(ways_[k].first, width));
+        raise(ways_[k].second, std::min(ways_[k].first, much));
     }
   }
-  return true;
+}
+
+// abs_, hi_ ← t_i by the sizes of z, and by what they do to w.
+void Judge::find_unknown(const Lcp& problem, const Solution& s, bool formed) {
+  constexpr double kMost = std::numeric_limits<double>::max();  // times an entry of 0 that is 0, unlike infinity
+  const Index n = problem.size();
+  at_bound_.assign(at(n), 0);
+  for (Index i = 0; i < n; ++i) at_bound_[at(i)] = on_bound(s.z[i], problem.lo[i], problem.hi[i]);
+  for (const Friction& f : problem.friction)
+    at_bound_[at(f.row)] = at_bound_[at(f.normal)] != 0 && std::abs(s.z[f.row]) == f.mu * s.z[f.normal];
+  const auto at_bound = [this](Index i) { return at_bound_[at(i)] != 0; };
+  const auto computed_from = [&](Vector& x) {
+    if (formed)
+      return spread(
+          problem, [&](double a, Index j) { return a != 0 && !at_bound(j) ? kInf : 0.0; }, x);
+    for (Index i = 0; i < n; ++i) rows_[at(i)].largest = 0;
+    for (Index i = 0; i < n; ++i) {
+      double& largest = rows_[at(part_[at(i)])].largest;
+      largest = std::max(largest, x[i]);
+    }
+    for (Index i = 0; i < n; ++i) x[i] = rows_[at(part_[at(i)])].largest;
+  };
+  const auto sums = [&](Vector& size) { apply(problem.A, problem.b, beta_, lo_, size, inner_, inner_abs_); };
+  largest_of_columns(problem.A, d_);
+  beta_ = s.z.cwiseAbs();
+  computed_from(beta_);
+  for (Index i = 0; i < n; ++i) beta_[i] = at_bound(i) ? std::abs(s.z[i]) : beta_[i];
+  sums(abs_);
+  for (Index i = 0; i < n; ++i) beta_[i] = d_[i] * std::abs(s.z[i]);
+  computed_from(beta_);
+  for (Index i = 0; i < n; ++i)
+    beta_[i] = at_bound(i) ? std::abs(s.z[i]) : d_[i] > 0 ? std::min(beta_[i] / d_[i], kMost) : 0;
+  sums(hi_);
 }
 
 // The rule for each part by itself, and for each row in its own unit.
 bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
   if (settled_ && size_ <= runaway(least_scale_)) return true;
   label_parts(problem);
-  largest_of_columns(problem.A, d_);
+  const auto* delassus = std::get_if<Delassus>(&problem.A);
+  const bool formed = delassus == nullptr || to_rows(*delassus, entries_, kFormed);
   const Index n = problem.size();
+  reach_.resize(n);
+  for (Index i = 0; i < n; ++i) reach_[i] = rows_[at(i)].data;
+  if (formed)
+    spread(
+        problem, [&](double a, Index j) { return std::abs(a * s.z[j]); }, reach_);
   for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
     Row& whole = rows_[at(part_[at(i)])];
-    const double z = std::abs(s.z[i]);
     whole.most = std::max(whole.most, rows_[at(i)].size);
-    whole.z = std::max(whole.z, z);
-    whole.push = std::max(whole.push, d_[i] * z);
-  }
-  const auto sums = [&](Vector& size) { apply(problem.A, problem.b, beta_, lo_, size, inner_, inner_abs_); };
-  beta_.resize(n);
-  for (Index i = 0; i < n; ++i) beta_[i] = rows_[at(part_[at(i)])].z;
-  sums(abs_);
-  constexpr double kMost = std::numeric_limits<double>::max();  // times an entry of 0 that is 0, unlike infinity
-  for (Index i = 0; i < n; ++i) beta_[i] = d_[i] > 0 ? std::min(rows_[at(part_[at(i)])].push / d_[i], kMost) : 0;
-  sums(hi_);
-  Vector& reach = d_;
-  for (Index i = 0; i < n; ++i) reach[i] = rows_[at(i)].data;
-  const bool spreads = spread(problem, s.z, reach);
-  for (Index i = 0; i < n; ++i) {
-    Row& whole = rows_[at(part_[at(i)])];
     whole.data = std::max(whole.data, rows_[at(i)].data);
   }
-  bool moves = false;
-  for (Index i = 0; i < n; ++i) {
-    Row& row = rows_[at(i)];
-    const Row& whole = rows_[at(part_[at(i)])];
-    const double beta = whole.data > 0 ? whole.data : scale_;
-    const double own = spreads && reach[i] > 0 ? std::max(reach[i], least_scale_) : beta;
+  const auto pass = [&](const auto& noise) {
+    bool moves = false;
+    for (Index i = 0; i < n; ++i) {
+      Row& row = rows_[at(i)];
+      const Row& whole = rows_[at(part_[at(i)])];
+      const double beta = whole.data > 0 ? whole.data : scale_;
+      const double own = formed && reach_[i] > 0 ? std::max(reach_[i], least_scale_) : beta;
+      const double unit = formed && !(reach_[i] > 0) ? std::max(std::min(row.size, beta), least_scale_) : own;
+      const double most =
+          std::max(kCoarsest * unit, kRoundings * kEpsilon * beta);  // the latter where nothing runs away
+      const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise(i), most));
+      if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
+            row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
+        return false;
+      const bool as_zero = std::abs(s.w[i]) <= allowance;
+      const double width = problem.hi[i] - problem.lo[i], room = as_zero ? 0 : row.room;
+      if (room > std::max(kOfBox * width, kRoundings * kEpsilon * std::abs(s.z[i])) && problem.lo[i] < problem.hi[i])
+        return false;
+      row.excused = allowance;
+      row.move = std::max(room, row.out);
+      row.borne = as_zero && row.held < kInf ? 0 : row.held;
+      moves = moves || row.move > 0;
+    }
+    return !moves || !formed || others_bear_moves(problem);
+  };
+  if (pass([](Index /*i*/) { return 0.0; })) return true;  // without what takes three times as long to find
+  find_unknown(problem, s, formed);
+  return pass([this](Index i) {
     const double unknown = std::min(abs_[i], hi_[i]);
-    const double noise = unknown < kInf && hi_[i] == hi_[i] ? kRoundings * kEpsilon * unknown : 0;
-    const double unit = spreads && !(reach[i] > 0) ? std::max(std::min(row.size, beta), least_scale_) : own;
-    const double most = std::max(kCoarsest * unit, kRoundings * kEpsilon * beta);  // the latter where nothing runs away
-    const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise, most));
-    if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
-          row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
-      return false;
-    if (std::abs(s.w[i]) <= allowance) row.room = 0, row.held = row.held < kInf ? 0 : kInf;  // as w_i = 0
-    const double width = problem.hi[i] - problem.lo[i];
-    if (row.room > std::max(kOfBox * width, kRoundings * kEpsilon * std::abs(s.z[i])) && problem.lo[i] < problem.hi[i])
-      return false;
-    row.excused = allowance;
-    row.room = std::max(row.room, row.out);
-    moves = moves || row.room > 0;
-  }
-  return !moves || !spreads || others_bear_moves(problem);
+    return unknown < kInf && hi_[i] == hi_[i] ? kRoundings * kEpsilon * unknown : 0;
+  });
 }
 
 // A z_i beside its bound changes the other rows when it is moved there: by no more than the w_k that holds z_k at its own
 // bound, and for each such z_i what is excused in the row.
 bool Judge::others_bear_moves(const Lcp& problem) {
   const Index n = problem.size();
-  for (Index k = 0; k < n; ++k) rows_[at(k)].charge = 0, rows_[at(k)].borne = rows_[at(k)].held;
+  for (Index k = 0; k < n; ++k) rows_[at(k)].charge = 0;
   for (const Friction& f : problem.friction)
-    rows_[at(f.row)].room += f.mu * rows_[at(f.normal)].room;  // its bounds move
+    rows_[at(f.row)].move += f.mu * rows_[at(f.normal)].move;  // its bounds move
   const auto charge = [this](Index k, Index i, double a) {
-    if (k == i || a == 0 || rows_[at(i)].room == 0) return;
-    rows_[at(k)].charge += std::abs(a) * rows_[at(i)].room;
+    if (k == i || a == 0 || rows_[at(i)].move == 0) return;
+    rows_[at(k)].charge += std::abs(a) * rows_[at(i)].move;
     rows_[at(k)].borne += rows_[at(k)].excused;
   };
   if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
     for (Index i = 0; i < n; ++i)
-      for (Index k = 0; k < n && rows_[at(i)].room > 0; ++k) charge(k, i, (*dense)(k, i));
+      for (Index k = 0; k < n && rows_[at(i)].move > 0; ++k) charge(k, i, (*dense)(k, i));
   } else {
     const auto* sparse = std::get_if<RowSparse>(&problem.A);
     const RowSparse& rows = sparse != nullptr ? *sparse : entries_;

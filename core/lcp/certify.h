@@ -15,9 +15,11 @@
 //   β_i, of the row's own data or what others' bring into it, is the least with β_i ≥ min(|A_ij z_j|, β_j) for all j (β where
 //   nothing does, and for operators too large to be formed; in 4e-5 β_i s_i where nothing does), but not below the least of
 //   all data: large data excuse no runaway z in rows that do not feel them, nor does a runaway z excuse these rows.
-//     t_i = |b_i| + min(Σ_j |A_ij| max |z|, Σ_j |A_ij| / a_j max a |z|),   a_j = max_i |A_ij| (of an operator
-//   √(A_jj max_k A_kk), which is no less), the maxima over the part: what the last digits of z, each relative to the
-//   largest of them or of what they do to w, leave unknown in a row.
+//     t_i = |b_i| + min(Σ_j |A_ij| u_j, Σ_j |A_ij| u'_j / a_j),   a_j = max_i |A_ij| (of an operator √(A_jj max_k A_kk),
+//   which is no less): what the last digits of z leave unknown in a row, each relative to the largest of those that z_j may
+//   have been computed from, or of what these do to w. u_j = |z_j| where z_j is exactly at a bound, else the largest |z_k| with
+//   a chain of entries from row j to column k through columns that are not at bounds; u'_j likewise of a |z|. So what runs away
+//   excuses no row that is not tied to it, in whatever part.
 //   A z_i that passes by its distance δ to a bound, where |w_i| alone would not, is a z_i at that bound but for what the move
 //   costs: |A_ki| δ in row k. All of them together cost no row more than the w_k that holds z_k at its own bound, and for each
 //   what is excused there; and in a box δ is at most 1e-6 of its width (or rounding). A large b_i excuses no z_i that others feel.
@@ -66,9 +68,10 @@ class Judge {  // the members are scratch: after the first problem of a size not
  private:
   struct Row {
     double residual = 0, data = 0, size = 0;  // r_i, what β takes of it, s_i
-    double most = 0, z = 0, push = 0;         // of a part: its largest s_j, |z_j| and a_j |z_j|
+    double most = 0, largest = 0;             // of a part: its largest s_j, and |z_j| or a_j |z_j|
     double out = 0, room = 0;                 // how far z_i is out of its bounds, or from the one that w_i asks for
     double held = 0, excused = 0;             // |w_i| at a bound that it holds z_i at; the residual that would pass
+    double move = 0;                          // of z_i to its bound
     double charge = 0, borne = 0;             // what moves of others cost here, and may
   };
   using Way = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
@@ -79,15 +82,16 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void label_parts(const Lcp& problem);
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);
   bool others_bear_moves(const Lcp& problem);
-  bool spread(const Lcp& problem, const Vector& z, Vector& beta);
+  template <class Width> void spread(const Lcp& problem, const Width& width, Vector& x);
+  void find_unknown(const Lcp& problem, const Solution& solution, bool formed);
   void product(const Matrix& A, const Vector& u, bool transposed);
 
   RowSparse entries_;  // of an operator
-  Vector d_, lo_, hi_, abs_, beta_, inner_, inner_abs_;
+  Vector d_, lo_, hi_, abs_, beta_, reach_, inner_, inner_abs_;
   std::vector<Row> rows_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body, or column: its first row, or place
   std::vector<Way> ways_, heap_;
-  std::vector<char> spoken_;
+  std::vector<char> spoken_, at_bound_;
   bool settled_ = false;    // every r_i is at the rounding level of its own row
   double least_scale_ = 0;  // the smallest |b_i| > 0, or what stands for it
   double scale_ = 0;        // β

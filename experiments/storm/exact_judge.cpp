@@ -111,11 +111,23 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     for (Index j = 0; j < n; ++j)
       if (root[at(j)] > 0) most[at(j)] = T(root[at(j)] * largest);
   }
-  std::vector<T> far(at(n), T(0)), push(at(n), T(0));  // of each part: the largest |z_j|, and a_j |z_j|
-  for (Index j = 0; j < n; ++j) {
-    const auto root = at(copy.part[at(j)]);
-    far[root] = most_of<T>(far[root], abs(x[at(j)]));
-    push[root] = most_of<T>(push[root], most[at(j)] * abs(x[at(j)]));
+  std::vector<char> held_at_bound(at(n));
+  for (Index j = 0; j < n; ++j) held_at_bound[at(j)] = z[j] == p.lo[j] || z[j] == p.hi[j];
+  for (const Friction& f : p.friction)
+    held_at_bound[at(f.row)] = held_at_bound[at(f.normal)] != 0 && std::abs(z[f.row]) == f.mu * z[f.normal];
+  const auto at_bound = [&](Index j) { return held_at_bound[at(j)] != 0; };
+  std::vector<T> far(at(n)), push(at(n));  // the largest |z_k|, and a_k |z_k|, that z_j may have been computed from
+  for (Index j = 0; j < n; ++j) far[at(j)] = abs(x[at(j)]), push[at(j)] = most[at(j)] * abs(x[at(j)]);
+  for (bool changed = true; changed;) {
+    changed = false;
+    const auto raise = [&](Index i, Index j) {
+      if (far[at(j)] > far[at(i)]) far[at(i)] = far[at(j)], changed = true;
+      if (push[at(j)] > push[at(i)]) push[at(i)] = push[at(j)], changed = true;
+    };
+    for (Index i = 0; i < n; ++i)
+      for (const auto& entry : copy.rows[at(i)])
+        if (!at_bound(entry.column)) raise(i, entry.column);
+    for (const Friction& f : p.friction) raise(f.row, f.normal);
   }
 
   const T lost = T(n + 1) * T(std::numeric_limits<double>::denorm_min());  // products too small for any double
@@ -125,10 +137,9 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     const auto root = at(copy.part[at(i)]);
     T terms = abs(copy.b[at(i)]), summed = terms, given = terms, by_z = terms, by_push = terms;
     for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
-      by_z += of_a * far[root];
-      by_push += of_a / most[at(j)] * push[root];
-      const bool on_bound = z[j] == p.lo[j] || z[j] == p.hi[j];
-      const double bound = on_bound ? z[j] : near_zero(p.lo[j], p.hi[j]);
+      by_z += of_a * (at_bound(j) ? abs(x[at(j)]) : far[at(j)]);
+      by_push += of_a * (at_bound(j) ? abs(x[at(j)]) : T(push[at(j)] / most[at(j)]));
+      const double bound = z[j] == p.lo[j] || z[j] == p.hi[j] ? z[j] : near_zero(p.lo[j], p.hi[j]);
       if (bound != 0) given += of_a * T(std::abs(bound));
       w[at(i)] += a * x[at(j)];
       terms += of_a * abs(x[at(j)]);

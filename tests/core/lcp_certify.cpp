@@ -148,6 +148,21 @@ TEST_CASE("a runaway z excuses no row that it does not enter") {
   CHECK(verdict(wide, Vector{0, 0, 1e10, 0}) != Status::solved);
 }
 
+TEST_CASE("a runaway z excuses no row whose own z were not computed from it") {
+  // w₁ = −2 z₂ − 4 has to be 0, and misses by 2e-8: z₂ is at the upper bound of its box, where z₁ ≥ 5 puts it …
+  Lcp box = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, -2, 0}, {-1, 0, 0}, {1, 0, 0}}), Vector{-4, 3, -5});
+  box.lo = Vector{-kInf, -2, 0}, box.hi = Vector{kInf, -2 + 1e-8, kInf};
+  // … or row 2 alone says what it is: z₁ is tied to both by row 3.
+  Lcp tied = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, -2, 0}, {0, 1, 0}, {1, 1, 1}}), Vector{-4, 2 - 1e-8, 0});
+  tied.lo = Vector{-kInf, -kInf, 0};
+  for (const double far : {1e1, 1e5, 1e7, 1e9, 1e11})
+    for (const Lcp& p : {box, tied}) {
+      CAPTURE(far);
+      CHECK(verdict(p, Vector{far, -2 + 1e-8, 0}) != Status::solved);
+      CHECK(verdict(as_sparse(p), Vector{far, -2 + 1e-8, 0}) != Status::solved);
+    }
+}
+
 TEST_CASE("z = 0 does not pass because the numbers are small") {
   CHECK(verdict(scalar(-1e-12, -1e-12), Vector{0}) == Status::stalled);
   CHECK(verdict(scalar(1e-300, -1e-300), Vector{0}) == Status::stalled);
