@@ -649,7 +649,7 @@ void Adaptive::settle_modes(double h, const State& x) {
 bool Adaptive::land(double t) {
   residual_ = motion_.project(t, q_, v_);
   if (residual_.rate > kEps * v_.lpNorm<Eigen::Infinity>()) residual_ = motion_.project(t, q_, v_);
-  return residual_.joint <= kJointsHold * (1 + q_.lpNorm<Eigen::Infinity>()) && q_.allFinite() && v_.allFinite();
+  return residual_.off <= kJointsHold && q_.allFinite() && v_.allFinite();
 }
 
 /// Takes q_, v_, landed already, as the end of a step of h, into x.

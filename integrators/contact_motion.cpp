@@ -161,6 +161,7 @@ ContactMotion::Residual ContactMotion::residual(double t, const Eigen::VectorXd&
     left.joint = std::max(left.joint, std::abs(terms_.phi[i]));
     left.rate = std::max(left.rate, std::abs(terms_.missing_rate(i, v)));
   }
+  left.off = projection_.off(terms_, q);
   return left;
 }
 
@@ -198,6 +199,7 @@ ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eig
     correct(true, q);
     left.joint = projection_.position(t, terms_, q);
   }
+  left.off = projection_.off(terms_, q);
   left.rate = projection_.velocity(terms_, v);
   if (lasting_.empty()) return left;
   for (std::size_t i = 0; i < lasting_.size(); ++i) taken_[i] = apply(terms_.closed[i].rows.normal, v.data());

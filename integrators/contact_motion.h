@@ -69,6 +69,7 @@ class ContactMotion {
 
   struct Residual {
     double joint = 0, rate = 0;
+    double off = kInf;  // of joints_off()
   };
   Residual residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // of the joints
   /// Infinite residual: no usable matrix.

@@ -108,7 +108,7 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
   report.joint_residual = residual.joint, report.joint_rate = residual.rate;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
   sort_events();
-  if (good_ && !(report.joint_residual <= kJointsHold * (1 + x.q.lpNorm<Eigen::Infinity>())))
+  if (good_ && !(residual.off <= kJointsHold))
     good_ = fail(report, Status::numerical_error,
                  "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
   last_q_ = x.q, last_v_ = x.v;

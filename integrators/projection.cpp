@@ -4,6 +4,31 @@
 
 namespace orthant {
 
+namespace {
+
+/// The largest of off(i), or NaN where one of them is.
+template <class Off> double largest_off(Index rows, Off&& off) {
+  double worst = 0;
+  for (Index i = 0; i < rows && !std::isnan(worst); ++i)
+    if (const double next = off(i); !(next <= worst)) worst = next;
+  return worst;
+}
+
+}  // namespace
+
+double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far) {
+  constexpr double kAngle =
+      1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, a hundredth of what is asked of places
+  const Index rows = terms.phi.size();
+  const double worst = largest_off(rows, [&](Index i) { return std::abs(terms.phi[i]); });
+  if (worst <= kJointsHold) return worst;
+  far.measure([&](Index i) {
+    return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), kAngle * std::abs(q[3 * i + 2]));
+  });
+  return largest_off(
+      rows, [&](Index i) { return std::abs(terms.phi[i]) / (1 + far.of(terms.G[static_cast<std::size_t>(i)])); });
+}
+
 Projection::Projection(const System& system, bool with_joints)
     : system_(system),
       basic_(system, with_joints),
@@ -51,13 +76,7 @@ void Projection::weigh(const Terms& terms, const Eigen::VectorXd& q) {
 }
 
 double Projection::mismatch(const Terms& terms) const {
-  double worst = 0;
-  for (Index i = 0; i < weight_.size(); ++i) {
-    const double off = std::abs(terms.phi[i]) * weight_[i];
-    if (!(off <= worst)) worst = off;  // NaN stays, as nothing is larger
-    if (std::isnan(worst)) break;
-  }
-  return worst;
+  return largest_off(weight_.size(), [&](Index i) { return std::abs(terms.phi[i]) * weight_[i]; });
 }
 
 double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
@@ -75,8 +94,10 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
     return missing();
   };
   constexpr int kIterations = 10;
+  constexpr double kOften =
+      1e-12;  // [m/s, rad/s] one solve leaves less, but for drives and rows that nearly repeat others
   double left = (missing(), correct());
-  if (!system_.driven()) return left;
+  if (left <= kOften && !system_.driven()) return left;
   const double tolerance = 1e-15 * (1 + v.lpNorm<Eigen::Infinity>());
   for (int i = 1; i < kIterations && left > tolerance; ++i) {
     const double next = correct();

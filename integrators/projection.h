@@ -15,6 +15,10 @@ namespace orthant {
 /// Of 1 m + the largest coordinate: joints left farther than this contradict each other, or the step was much too long.
 inline constexpr double kJointsHold = 1e-8;
 
+/// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those of its
+/// row, angles counting by their rounding; up to kJointsHold the largest |Φ_i| itself. far: of System::assembly(), for its room.
+double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far);
+
 class Projection {
  public:
   explicit Projection(const System& system, bool with_joints = true);
@@ -26,6 +30,9 @@ class Projection {
   /// Moves v at the coordinates that position() ended at, with the terms it left. Returns max |G v − ṡ| left
   /// [m/s, rad/s].
   double velocity(Terms& terms, Eigen::VectorXd& v);
+
+  /// Of the q that position() ended at, with the terms it left.
+  double off(const Terms& terms, const Eigen::VectorXd& q) { return joints_off(terms, q, far_); }
 
   void forget() { basic_.forget(); }  // see there
 

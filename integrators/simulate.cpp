@@ -147,9 +147,8 @@ void close_joints(const System& system, Terms& terms, State& x) {
   evaluate_joint_rows(system, terms);
   double rate = 0;
   for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
-  const double length = 1 + x.q.lpNorm<Eigen::Infinity>();
-  if (terms.phi.lpNorm<Eigen::Infinity>() <= kClosed * length && rate <= kClosed * (1 + x.v.lpNorm<Eigen::Infinity>()))
-    return;
+  Extents far(system.assembly());
+  if (joints_off(terms, x.q, far) <= kClosed && rate <= kClosed * (1 + x.v.lpNorm<Eigen::Infinity>())) return;
   Projection projection(system);
   State closed = x;
   double left = kInf;
@@ -158,7 +157,7 @@ void close_joints(const System& system, Terms& terms, State& x) {
     if (!(now < left)) break;
     left = now;
   }
-  if (!(left <= kJointsHold * length)) return;
+  if (!(projection.off(terms, closed.q) <= kJointsHold)) return;
   projection.velocity(terms, closed.v);
   x = closed;
 }

@@ -161,8 +161,7 @@ double VelocityStepping::note_loads(double h, const State& x) {
 
 bool VelocityStepping::settle(double t, StepReport& report) {
   report.joint_residual = projection_.position(t, terms_, q_new_);
-  if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold) &&
-      !(report.joint_residual <= kJointsHold * (1 + q_new_.lpNorm<Eigen::Infinity>())))
+  if (plan_.joints != Joints::none && !(projection_.off(terms_, q_new_) <= kJointsHold))
     return fail(report, Status::numerical_error,
                 "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
   if (plan_.joints == Joints::symmetric) report.joint_rate = projection_.velocity(terms_, v_new_);

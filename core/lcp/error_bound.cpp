@@ -84,9 +84,11 @@ double bound_definite(const Formed& A, const Lcp& problem, const Vector& z, cons
     exact::add_product(sum[at(i)], d, r[at(i)]);
   }
   for_each_entry(A, [&](Index i, Index j, const Filtered& a) { exact::add_product(sum[at(j)], a, r[at(i)]); });
-  double square = 0;
-  for (const Filtered& x : sum) square += at_most(x) * at_most(x);
-  return std::sqrt(square) / modulus * (1 + static_cast<double>(n + 8) * 0x1p-52);
+  double most = 0, square = 0;  // of what is over the largest: a square of 1e-170 is no number
+  for (const Filtered& x : sum) most = std::max(most, at_most(x));
+  if (most == 0) return 0;
+  for (const Filtered& x : sum) square += at_most(x) / most * (at_most(x) / most);
+  return most / modulus * std::sqrt(square) * (1 + static_cast<double>(n + 9) * 0x1p-52);
 }
 
 // Solves B x = last column, rows pivoted; false: a pivot's sign is open.

@@ -106,6 +106,18 @@ TEST_CASE("well conditioned problems: the bound is within a modest factor of the
   }
 }
 
+TEST_CASE("the bound does not depend on the unit of w, where squares of its numbers are none") {
+  for (const double unit : {1e-100, 1e-170, 1e-200, 1e200}) {
+    CAPTURE(unit);
+    const DenseMatrix A = unit * DenseMatrix(Eigen::Matrix2d{{2, 1}, {1, 2}});
+    const Lcp p = Lcp::standard(A, unit * Vector{-1, -2});
+    const double bound = error_bound(p, Vector{0.002, 0.999});  // the solution: (0, 1)
+    CHECK(bound >= 0.002);
+    CHECK(bound <= 0.02);
+    CHECK(error_bound(Lcp::standard(DenseMatrix::Constant(1, 1, unit), Vector{3}), Vector{0.107}) >= 0.107);
+  }
+}
+
 TEST_CASE("sparse and large: a string's K-matrix; none for friction, singular and indefinite matrices") {
   const Index n = 2000;
   std::vector<Eigen::Triplet<double>> entries;
