@@ -17,11 +17,11 @@ template <class Off> double largest_off(Index rows, Off&& off) {
 }  // namespace
 
 double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far) {
-  constexpr double kAngle =
-      1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, a hundredth of what is asked of places
+  constexpr double kClosed = 1e-9;
+  constexpr double kAngle = 1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, far less than is asked of places
   const Index rows = terms.phi.size();
   const double worst = largest_off(rows, [&](Index i) { return std::abs(terms.phi[i]); });
-  if (worst <= kJointsHold) return worst;
+  if (worst <= kClosed) return worst;
   far.measure([&](Index i) {
     return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), kAngle * std::abs(q[3 * i + 2]));
   });
@@ -94,10 +94,9 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
     return missing();
   };
   constexpr int kIterations = 10;
-  constexpr double kOften =
-      1e-12;  // [m/s, rad/s] one solve leaves less, but for drives and rows that nearly repeat others
+  constexpr double kOnce = 1e-12;  // [m/s, rad/s] one solve leaves less, unless rows nearly repeat others
   double left = (missing(), correct());
-  if (left <= kOften && !system_.driven()) return left;
+  if (left <= kOnce && !system_.driven()) return left;
   const double tolerance = 1e-15 * (1 + v.lpNorm<Eigen::Infinity>());
   for (int i = 1; i < kIterations && left > tolerance; ++i) {
     const double next = correct();

@@ -16,7 +16,7 @@ namespace orthant {
 inline constexpr double kJointsHold = 1e-8;
 
 /// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those of its
-/// row, angles counting by their rounding; up to kJointsHold the largest |Φ_i| itself. far: of System::assembly(), for its room.
+/// row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for its room.
 double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far);
 
 class Projection {

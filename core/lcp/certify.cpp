@@ -376,8 +376,7 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
       const double beta = whole.data > 0 ? whole.data : scale_;
       const double own = formed && reach_[i] > 0 ? std::max(reach_[i], least_scale_) : beta;
       const double unit = formed && !(reach_[i] > 0) ? std::max(std::min(row.size, beta), least_scale_) : own;
-      const double most =
-          std::max(kCoarsest * unit, kRoundings * kEpsilon * beta);  // the latter where nothing runs away
+      const double most = std::max(kCoarsest * unit, kRoundings * kEpsilon * beta);  // the latter: nothing runs away
       const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise(i), most));
       if (!(whole.most <= runaway(beta) && row.size <= runaway(own) &&
             row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
