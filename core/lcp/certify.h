@@ -19,7 +19,7 @@
 //   which is no less): what the last digits of z leave unknown in a row, each relative to the largest of those that z_j may
 //   have been computed from, or of what these do to w. u_j = |z_j| where z_j is exactly at a bound, else the largest |z_k| with
 //   a chain of entries from row j to column k through columns that are not at bounds; u'_j likewise of a |z|. So what runs away
-//   excuses no row that is not tied to it, in whatever part.
+//   excuses no row that is not tied to it. Of operators too large to be formed: the largest of the part.
 //   A z_i that passes by its distance δ to a bound, where |w_i| alone would not, is a z_i at that bound but for what the move
 //   costs: |A_ki| δ in row k. All of them together cost no row more than the w_k that holds z_k at its own bound, and for each
 //   what is excused there; and in a box δ is at most 1e-6 of its width (or rounding). A large b_i excuses no z_i that others feel.

@@ -181,7 +181,7 @@ template <class N> bool Schur::factorize_pairs(N n, double dependent) {
     check(i + 1, whole[1]);
     S(p, i) = Two(whole[0], last * inverse[i]);
   });
-  each(n, [&](auto p) {  // L with that of each pair taken out of its columns: solves need 0.8 of their time
+  each(n, [&](auto p) {  // L with that of each pair taken out of its columns: 0.97 of a step (bare_loop)
     each(p, [&](auto q) {
       if (n.couple(p, q)) S(p, 2 * q) -= S(p, 2 * q + 1) * Two(S(q, 2 * q)[1]);
     });
