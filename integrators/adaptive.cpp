@@ -72,7 +72,9 @@ Adaptive::Adaptive(const System& system, const Options& options)
       v_new_(system.dof()),
       v_before_(system.dof()),
       v_half_(system.dof()),
+      from_(system.dof()),
       force_(system.dof()),
+      rate_(system.joint_rows()),
       lambda_(system.joint_rows()),
       sum_(system.laws().size()),
       kick_(system.laws().size()),
@@ -498,8 +500,8 @@ bool Adaptive::predict(double t, double h, double joints) {
   evaluate_joint_rows(system_, terms_);
   if (!basic_.factorize(system_, terms_, h * h / 4, h / 2)) return false;
   force_ = h * terms_.f;
-  for (Index i = 0; i < lambda_.size(); ++i) lambda_[i] = joints * terms_.missing_rate(i, v_);
-  basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
+  from_ = joints * v_, rate_ = joints * terms_.joint_rate;
+  basic_.solve_change(terms_.G, force_.data(), from_.data(), rate_.data(), v_new_.data(), lambda_.data());
   v_new_ += v_;
   return v_new_.allFinite();
 }

@@ -134,7 +134,7 @@ class Adaptive final : public Integrator {
   std::vector<char> over_;                         // in a crossing: the contact's series ends within
   bool in_turn_ = false;                           // there are such contacts
   std::vector<Eigen::VectorXd> row_;               // q, v of every column of the extrapolation
-  Eigen::VectorXd q_, v_, v_new_, v_before_, v_half_, force_, lambda_;
+  Eigen::VectorXd q_, v_, v_new_, v_before_, v_half_, from_, force_, rate_, lambda_;
   std::vector<Impulse> sum_;
   std::vector<Impulse> kick_;
   Eigen::VectorXd none_;

@@ -8,10 +8,39 @@ namespace {
 
 /// The largest of off(i), or NaN where one of them is.
 template <class Off> double largest_off(Index rows, Off&& off) {
-  double worst = 0;
-  for (Index i = 0; i < rows && !std::isnan(worst); ++i)
-    if (const double next = off(i); !(next <= worst)) worst = next;
-  return worst;
+  double worst = 0, sum = 0;  // no branches: what is left after a correction is rounding, that none foresees
+  for (Index i = 0; i < rows; ++i) {
+    const double next = off(i);
+    worst = std::max(worst, next), sum += next;
+  }
+  return std::isnan(sum) ? sum : worst;
+}
+
+double largest(const Eigen::VectorXd& off) {
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]); });
+}
+
+/// The largest coordinate that Φ_i is computed from.
+double far(const Terms& terms, const Eigen::VectorXd& q, Index i) {
+  const Row& row = terms.G[static_cast<std::size_t>(i)];
+  double most = 0;
+  for (const BodyId body : {row.a, row.b})
+    if (body >= 0) most = std::max(most, largest_entry(q, body));
+  return most;
+}
+
+/// Some |Φ_i| is more than rounding, or NaN. worst: the largest of them.
+bool misses(double worst, const Terms& terms, const Eigen::VectorXd& q) {
+  constexpr double kTolerance = 1e-15;
+  if (worst <= kTolerance) return false;
+  for (Index i = 0; i < terms.phi.size(); ++i)
+    if (!(std::abs(terms.phi[i]) <= kTolerance * (1 + far(terms, q, i)))) return true;
+  return false;
+}
+
+/// The largest |off_i| over 1 m + the largest coordinate that Φ_i is computed from, or NaN.
+double weighed(const Terms& terms, const Eigen::VectorXd& q, const Eigen::VectorXd& off) {
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far(terms, q, i)); });
 }
 
 }  // namespace
@@ -20,7 +49,7 @@ double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far) {
   constexpr double kClosed = 1e-9;
   constexpr double kAngle = 1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, far less than is asked of places
   const Index rows = terms.phi.size();
-  const double worst = largest_off(rows, [&](Index i) { return std::abs(terms.phi[i]); });
+  const double worst = largest(terms.phi);
   if (worst <= kClosed) return worst;
   far.measure([&](Index i) {
     return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), kAngle * std::abs(q[3 * i + 2]));
@@ -34,49 +63,35 @@ Projection::Projection(const System& system, bool with_joints)
       basic_(system, with_joints),
       far_(system.assembly()),
       trial_(system.dof()),
-      rate_(system.joint_rows()),
-      weight_(system.joint_rows()) {}
+      rate_(system.joint_rows()) {}
 
 double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   constexpr int kIterations = 20;
-  constexpr double kTolerance = 1e-15;
   set_poses(system_, t, q, terms.at);
   evaluate_joints(system_, terms);
   if (terms.phi.size() == 0) return 0;
-  if (basic_.joint_rows() == 0) return terms.phi.lpNorm<Eigen::Infinity>();
+  if (basic_.joint_rows() == 0) return largest(terms.phi);
   if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
-  weigh(terms, q);
-  double left = mismatch(terms);
-  for (int i = 0; i < kIterations && left > kTolerance; ++i) {
+  double worst = largest(terms.phi);
+  bool more = misses(worst, terms, q);
+  for (int i = 0; i < kIterations && more; ++i) {
     rate_ = -terms.phi;
     trial_ = q;
     basic_.add_rates(rate_.data(), trial_.data());
     set_poses(system_, t, trial_, terms.at);
     evaluate_joints(system_, terms);
-    const double next = mismatch(terms);
-    if (!(next < left)) {  // rounding level reached, or the iteration diverges: q is the better one
+    const double next = largest(terms.phi);
+    more = misses(next, terms, trial_);
+    if (more &&
+        !(weighed(terms, q, terms.phi) < weighed(terms, q, rate_))) {  // rounding, or it diverges: q is the better one
       set_poses(system_, t, q, terms.at);
       evaluate_joints(system_, terms);
       break;
     }
     q.swap(trial_);
-    left = next;
+    worst = next;
   }
-  return terms.phi.lpNorm<Eigen::Infinity>();
-}
-
-void Projection::weigh(const Terms& terms, const Eigen::VectorXd& q) {
-  far_.measure([&](Index i) { return largest_entry(q, i); });
-  double far = 0, weight = 1;  // the last row's: most have the same
-  for (Index i = 0; i < weight_.size(); ++i) {
-    if (const double next = far_.of(terms.G[static_cast<std::size_t>(i)]); next != far)
-      far = next, weight = 1 / (1 + far);
-    weight_[i] = weight;
-  }
-}
-
-double Projection::mismatch(const Terms& terms) const {
-  return largest_off(weight_.size(), [&](Index i) { return std::abs(terms.phi[i]) * weight_[i]; });
+  return worst;
 }
 
 double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {

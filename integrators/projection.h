@@ -37,14 +37,10 @@ class Projection {
   void forget() { basic_.forget(); }  // see there
 
  private:
-  void weigh(const Terms& terms, const Eigen::VectorXd& q);
-  double mismatch(const Terms& terms) const;  // the largest |Φ_i| times its weight, or NaN
-
   const System& system_;
   BasicSystem basic_;
   Extents far_;
   Eigen::VectorXd trial_, rate_;
-  Eigen::VectorXd weight_;  // of each row: 1 / (1 m + its bodies' coordinates)
 };
 
 }  // namespace orthant

@@ -31,9 +31,9 @@ bool Rattle::half_kick(double h, const State& x, StepReport& report) {
   // A guess at G u that leaves Φ = O(h³): u is tangent half a step ahead. Any other would end at the same q⁺.
   start_.closed.clear();
   evaluate_biases(system_, start_);
-  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = start_.missing_rate(i, x.v) - h / 2 * start_.joint_bias[i];
+  rate_ = start_.joint_rate - h / 2 * start_.joint_bias;
   force_ = h / 2 * start_.f;
-  basic_.solve(force_.data(), rate_.data(), path_.data(), lambda_.data());
+  basic_.solve_change(start_.G, force_.data(), x.v.data(), rate_.data(), path_.data(), lambda_.data());
   path_ = h * (x.v + path_);
   return true;
 }
@@ -49,8 +49,7 @@ bool Rattle::other_half(double h, const State& x, StepReport& report) {
   }
   for (std::size_t i = 0; i < system_.scene().frictions.size(); ++i)
     apply_transposed(system_.scene().frictions[i].of.row(end_.at), -friction_carried(i) / h, force_.data());
-  for (Index i = 0; i < rate_.size(); ++i) rate_[i] = end_.missing_rate(i, v_);
-  basic_.solve(force_.data(), rate_.data(), path_.data(), lambda_.data());
+  basic_.solve_change(end_.G, force_.data(), v_.data(), end_.joint_rate.data(), path_.data(), lambda_.data());
   v_ += path_;
   return true;
 }

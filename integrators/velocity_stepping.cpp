@@ -9,6 +9,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       v_new_(system.dof()),
       q_new_(system.dof()),
       plan_(plan),
+      share_(plan.joints == Joints::symmetric ? 1 / plan.at : 1),
       basic_(system, plan.form == Form::reduced),
       projection_(system, plan.joints != Joints::none),
       impact_(system, plan.form),
@@ -19,6 +20,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
       q_mid_(system.dof()),
+      from_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
@@ -78,17 +80,20 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   if (!basic_.factorize(system_, terms_, h * h * at * plan_.theta, h * at))
     return fail(report, Status::numerical_error, "the basic system is not finite");
 
-  // Wanted of G v⁺: ṡ, or such that the mean velocity of the step satisfies the joints.
-  const double share = plan_.joints == Joints::symmetric ? 1 / at : 1;
-  for (Index i = 0; i < rate_.size(); ++i) {
-    const double rate = apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
-    lambda_[i] = share * (terms_.joint_rate[i] - rate);
-    rate_[i] = rate + lambda_[i];
-  }
   force_ = h * terms_.f;
-  basic_.solve(force_.data(), lambda_.data(), v_new_.data(), lambda_.data());
+  change_joined(x.v, v_new_);
   v_new_ += x.v;
+  if (plan_.form == Form::full)
+    for (Index i = 0; i < rate_.size(); ++i)
+      rate_[i] =
+          share_ * terms_.joint_rate[i] - (share_ - 1) * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
   return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+void VelocityStepping::change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change) {
+  from_ = share_ * v;
+  rate_ = share_ * terms_.joint_rate;
+  basic_.solve_change(terms_.G, force_.data(), from_.data(), rate_.data(), change.data(), lambda_.data());
 }
 
 void VelocityStepping::measure(double h, const State& x) {
@@ -144,9 +149,7 @@ double VelocityStepping::note_loads(double h, const State& x) {
     }
     for (std::size_t i = 0; i < frictions.size(); ++i)
       apply_transposed(frictions[i].of.row(terms_.at), frictions_[i], force_.data());
-    for (Index i = 0; i < rate_.size(); ++i)
-      lambda_[i] = rate_[i] - apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
-    basic_.solve(force_.data(), lambda_.data(), q_mid_.data(), lambda_.data());
+    change_joined(x.v, q_mid_);
   }
   double change = 0;
   auto joint = joint_loads_.begin();
@@ -161,7 +164,8 @@ double VelocityStepping::note_loads(double h, const State& x) {
 
 bool VelocityStepping::settle(double t, StepReport& report) {
   report.joint_residual = projection_.position(t, terms_, q_new_);
-  if (plan_.joints != Joints::none && !(projection_.off(terms_, q_new_) <= kJointsHold))
+  if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold) &&
+      !(projection_.off(terms_, q_new_) <= kJointsHold))
     return fail(report, Status::numerical_error,
                 "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
   if (plan_.joints == Joints::symmetric) report.joint_rate = projection_.velocity(terms_, v_new_);

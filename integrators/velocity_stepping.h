@@ -79,6 +79,8 @@ class VelocityStepping : public Integrator {
   void measure(double h, const State& x);  // near_
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
+  /// The change of v by force_ in the step, with joints such that G (share v + change) = share ṡ; their impulses in lambda_.
+  void change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change);
   /// The pairs that can be closed in the step, terms_.at being on its way.
   bool find_pairs(double h, const State& x, StepReport& report);
   /// The step's problem and what it does to v_new_. From a new start joints' loads are not known, and are found by
@@ -90,6 +92,7 @@ class VelocityStepping : public Integrator {
   bool settle(double t, StepReport& report);
 
   Plan plan_;
+  double share_;       // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
   BasicSystem basic_;  // of the step: with joints in the reduced form
   Projection projection_;
   Impact impact_;
@@ -103,7 +106,7 @@ class VelocityStepping : public Integrator {
   std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
-  Eigen::VectorXd q_mid_, v_free_, force_, rate_, lambda_;
+  Eigen::VectorXd q_mid_, from_, v_free_, force_, rate_, lambda_;
 };
 
 }  // namespace orthant

@@ -289,6 +289,13 @@ void BasicSystem::solve(const double* f, const double* c, double* x, double* lam
   Eigen::Map<Eigen::VectorXd>(x, dof_) = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
 }
 
+void BasicSystem::solve_change(std::span<const Row> G, const double* f, const double* v, const double* c, double* x,
+                               double* lambda) const {
+  if (way_ == Way::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rows_); ++i) lambda[i] = c[i] - apply(G[i], v);
+  solve(f, lambda, x, lambda);
+}
+
 void BasicSystem::add_rates(const double* c, double* x) const {
   if (way_ == Way::dense && !redundant_) return schur_->add_rates(c, x);
   solve(zero_.data(), c, force_.data(), lambda_.data());

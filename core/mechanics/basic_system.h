@@ -34,6 +34,10 @@ class BasicSystem {
   /// f has dof entries, c joint_rows() entries; λ likewise (both empty without joints). Sizes are not checked.
   void solve(const double* f, const double* c, double* x, double* lambda) const;
 
+  /// G (v + x) = c: x, the change of velocities v. `G`: the rows that were factorized.
+  void solve_change(std::span<const Row> G, const double* f, const double* v, const double* c, double* x,
+                    double* lambda) const;
+
   /// Adds to x the solution for f = 0.
   void add_rates(const double* c, double* x) const;
 

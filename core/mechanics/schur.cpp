@@ -207,8 +207,19 @@ void Schur::solve(const double* f, const double* c, double* x, double* lambda) c
   set_rates(c);
   for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
   add_solution(x);
-  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p].store(lambda + order_[p]);
-  if (rows_ % 2 == 1) lambda[rows_ - 1] = lambda_.back()[0];
+  store_forces(lambda);
+}
+
+void Schur::solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const {
+  for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
+  set_rates(c);
+  for (const OnBody& body : bodies_) {
+    const double *const from = v + body.first, *const by = x + body.first;
+    const double w0 = from[0] + by[0], w1 = from[1] + by[1], w2 = from[2] + by[2];
+    for (const PairOnBody& u : on(body)) lambda_[static_cast<std::size_t>(u.pair)] -= w0 * u.gx + w1 * u.gy + w2 * u.gz;
+  }
+  add_solution(x);
+  store_forces(lambda);
 }
 
 void Schur::add_rates(const double* c, double* x) const {
@@ -232,6 +243,11 @@ void Schur::solve_row(const Row& row, double* x) const {
 void Schur::set_rates(const double* c) const {
   for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p] = Two::load(c + order_[p]);
   if (rows_ % 2 == 1) lambda_.back() = Two(c[rows_ - 1], 0);
+}
+
+void Schur::store_forces(double* lambda) const {
+  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p].store(lambda + order_[p]);
+  if (rows_ % 2 == 1) lambda[rows_ - 1] = lambda_.back()[0];
 }
 
 /// λ −= G M⁻¹ f, the part of one body with its three f.

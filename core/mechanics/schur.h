@@ -26,6 +26,8 @@ class Schur {
   bool factorize(std::span<const Row> G, double dependent);
 
   void solve(const double* f, const double* c, double* x, double* lambda) const;
+  /// G (v + x) = c: x, the change of velocities v, without a pass over the rows for G v.
+  void solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const;
   /// Adds to x the solution for f = 0.
   void add_rates(const double* c, double* x) const;
   /// f = rowᵀ, c = 0.
@@ -53,6 +55,7 @@ class Schur {
   void set_rates(const double* c) const;
   void subtract_rates(const OnBody& body, const double* f) const;
   void add_solution(double* x) const;
+  void store_forces(double* lambda) const;
   std::span<const PairOnBody> on(const OnBody& b) const {
     return {on_bodies_.data() + b.begin, on_bodies_.data() + b.end};
   }

@@ -1,4 +1,5 @@
 #include <orthant/core/mechanics/terms.h>
+#include <orthant/core/support/two.h>
 
 #include <cmath>
 #include <limits>
@@ -35,10 +36,12 @@ void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinemat
       node.c = std::cos(node.theta), node.s = std::sin(node.theta);
     }
     const double turn = qi[2] - node.theta, square = turn * turn;
-    const double sine = turn * (1 - square * (1.0 / 6 - square * (1.0 / 120 - square * (1.0 / 5040))));
-    const double less = square * (0.5 - square * (1.0 / 24 - square * (1.0 / 720)));  // 1 − cosine
-    at.pose[i] = {
-        {qi[0], qi[1]}, qi[2], node.c - (node.c * less + node.s * sine), node.s - (node.s * less - node.c * sine)};
+    const Two series = Two(1, 0.5) - square * (Two(1.0 / 6, 1.0 / 24) -
+                                               square * (Two(1.0 / 120, 1.0 / 720) - square * Two(1.0 / 5040, 0)));
+    const Two sine_less = Two(turn, square) * series;  // the sine, 1 − cosine
+    const Two there(node.c, node.s), across(node.s, -node.c);
+    const Two rotated = there - (there * Two(sine_less[1]) + across * Two(sine_less[0]));
+    at.pose[i] = {{qi[0], qi[1]}, qi[2], rotated[0], rotated[1]};
   }
   at.t = t;
 }

@@ -64,6 +64,12 @@ TEST_CASE(
         Eigen::VectorXd x(dof), lambda(n);
         schur.solve(f.data(), c.data(), x.data(), lambda.data());
         CHECK(residual(rows, inverse_mass, f, c, x, lambda) < 1e-9 * (1 + x.lpNorm<Eigen::Infinity>()));
+
+        const Eigen::VectorXd v = normal_vector(dof, random);
+        Eigen::VectorXd missing = c;
+        for (Eigen::Index i = 0; i < n; ++i) missing[i] -= apply(rows[static_cast<std::size_t>(i)], v.data());
+        schur.solve_change(f.data(), v.data(), c.data(), x.data(), lambda.data());
+        CHECK(residual(rows, inverse_mass, f, missing, x, lambda) < 1e-9 * (1 + x.lpNorm<Eigen::Infinity>()));
       }
 }
 
