@@ -304,6 +304,7 @@ std::string Formulation::contradiction() const {
     if (!part) continue;
     names += (names.empty() ? "" : ", ") + name_of(c.index);
   }
+  if (names.empty()) return "no motion satisfies the joints";
   return "no motion satisfies contacts " + names +
          (system_.joint_rows() > 0 ? " together with the joints" : " together");
 }

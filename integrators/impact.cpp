@@ -22,7 +22,8 @@ Impact::Impact(const System& system, Form form)
       sum_(static_cast<std::size_t>(system.contacts())),
       one_(sum_),
       v_(system.dof()),
-      rate_(system.joint_rows()) {
+      rate_(system.joint_rows()),
+      joint_sum_(rate_.size()) {
   struck_.closed.reserve(sum_.size());
   wanted_.reserve(sum_.size());
   approach_.reserve(sum_.size());
@@ -50,6 +51,7 @@ bool Impact::solve(Solver& solver, StepReport& report) {
     return false;
   }
   formulation_.advance(v_, one_);
+  if (form_ == Form::full) joint_sum_ += formulation_.solution().z.head(joint_sum_.size());
   for (const ClosedContact& c : struck_.closed) {
     const auto i = static_cast<std::size_t>(c.contact);
     sum_[i].normal += one_[i].normal, sum_[i].tangent += one_[i].tangent;
@@ -81,6 +83,13 @@ bool Impact::one_by_one(const Terms& terms, const BasicSystem& basic, const std:
   }
 }
 
+void Impact::begin(const Terms& terms, const Eigen::VectorXd& v) {
+  std::fill(sum_.begin(), sum_.end(), Impulse{});
+  joint_sum_.setZero();
+  v_ = v;
+  if (form_ == Form::full) struck_.G = terms.G;
+}
+
 bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
                             Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   why_.clear();
@@ -89,9 +98,7 @@ bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const 
     if (in_turn[at(c.contact)]) first = std::max(first, -apply(c.rows.normal, v.data()));
   any_ = first > kRestSpeed;
   if (!any_) return true;
-  std::fill(sum_.begin(), sum_.end(), Impulse{});
-  v_ = v;
-  if (form_ == Form::full) struck_.G = terms.G;
+  begin(terms, v);
   if (!one_by_one(terms, basic, &in_turn, first, solver, report)) return false;
   v = v_;
   return true;
@@ -105,9 +112,7 @@ bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::V
   for (const Wanted& w : wanted) first = std::max(first, -w.approach);
   if (!has_law() || first <= kRestSpeed) return true;
   any_ = true;
-  std::fill(sum_.begin(), sum_.end(), Impulse{});
-  v_ = before;
-  if (form_ == Form::full) struck_.G = terms.G;
+  begin(terms, before);
   struck_.closed = terms.closed;
   const bool struck = impacts_ == Impacts::simultaneous ? act(basic, solver, report)
                                                         : one_by_one(terms, basic, nullptr, first, solver, report);
@@ -129,6 +134,10 @@ void Impact::add_to(std::vector<Impulse>& impulses) const {
   if (!any_) return;
   for (std::size_t i = 0; i < sum_.size(); ++i)
     impulses[i].normal += sum_[i].normal, impulses[i].tangent += sum_[i].tangent;
+}
+
+void Impact::add_joints_to(Eigen::VectorXd& impulses) const {
+  if (any_) impulses += joint_sum_;
 }
 
 void require_plain_impacts(const System& system, std::string_view integrator) {

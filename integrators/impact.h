@@ -52,6 +52,8 @@ class Impact {
 
   /// Adds the impulses of the last strike, if it was one.
   void add_to(std::vector<Impulse>& impulses) const;
+  /// Of the full form: those of the joints, one a row.
+  void add_joints_to(Eigen::VectorXd& impulses) const;
 
   void remember(Memory& memory) { memory(formulation_); }
 
@@ -66,6 +68,7 @@ class Impact {
   /// The contacts struck_.closed strike at v_, by the law of restitution.
   bool act(const BasicSystem& basic, Solver& solver, StepReport& report);
   bool solve(Solver& solver, StepReport& report);
+  void begin(const Terms& terms, const Eigen::VectorXd& v);
 
   const System& system_;
   Restitution restitution_;
@@ -76,7 +79,7 @@ class Impact {
   std::vector<Wanted> wanted_;
   std::vector<Impulse> sum_, one_;
   std::vector<double> approach_;
-  Eigen::VectorXd v_, rate_;
+  Eigen::VectorXd v_, rate_, joint_sum_;
   bool any_ = false;
   std::string why_;
 };

@@ -20,30 +20,29 @@ double largest(const Eigen::VectorXd& off) {
   return largest_off(off.size(), [&](Index i) { return std::abs(off[i]); });
 }
 
-/// The largest coordinate that Φ_i is computed from.
-double far(const Terms& terms, const Eigen::VectorXd& q, Index i) {
+/// The largest entry of x of row i's bodies.
+double far(const Terms& terms, const Eigen::VectorXd& x, Index i) {
   const Row& row = terms.G[static_cast<std::size_t>(i)];
   double most = 0;
   for (const BodyId body : {row.a, row.b})
-    if (body >= 0) most = std::max(most, largest_entry(q, body));
+    if (body >= 0) most = std::max(most, largest_entry(x, body));
   return most;
 }
 
-/// Some |Φ_i| is more than rounding, or NaN. worst: the largest of them.
-bool misses(double worst, const Terms& terms, const Eigen::VectorXd& q) {
+/// Some |off_i| is more than rounding of x, or NaN. worst: the largest of them.
+bool misses(double worst, const Terms& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off) {
   constexpr double kTolerance = 1e-15;
   if (worst <= kTolerance) return false;
-  for (Index i = 0; i < terms.phi.size(); ++i)
-    if (!(std::abs(terms.phi[i]) <= kTolerance * (1 + far(terms, q, i)))) return true;
+  for (Index i = 0; i < off.size(); ++i)
+    if (!(std::abs(off[i]) <= kTolerance * (1 + far(terms, x, i)))) return true;
   return false;
 }
 
-/// The largest |off_i| over 1 m + the largest coordinate that Φ_i is computed from, or NaN.
-double weighed(const Terms& terms, const Eigen::VectorXd& q, const Eigen::VectorXd& off) {
-  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far(terms, q, i)); });
-}
-
 }  // namespace
+
+double off_by(const Terms& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off) {
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far(terms, x, i)); });
+}
 
 double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far) {
   constexpr double kClosed = 1e-9;
@@ -73,7 +72,7 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
   if (basic_.joint_rows() == 0) return largest(terms.phi);
   if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
   double worst = largest(terms.phi);
-  bool more = misses(worst, terms, q);
+  bool more = misses(worst, terms, q, terms.phi);
   for (int i = 0; i < kIterations && more; ++i) {
     rate_ = -terms.phi;
     trial_ = q;
@@ -81,9 +80,8 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
     set_poses(system_, t, trial_, terms.at);
     evaluate_joints(system_, terms);
     const double next = largest(terms.phi);
-    more = misses(next, terms, trial_);
-    if (more &&
-        !(weighed(terms, q, terms.phi) < weighed(terms, q, rate_))) {  // rounding, or it diverges: q is the better one
+    more = misses(next, terms, trial_, terms.phi);
+    if (more && !(off_by(terms, q, terms.phi) < off_by(terms, q, rate_))) {  // rounding, or it diverges: q is better
       set_poses(system_, t, q, terms.at);
       evaluate_joints(system_, terms);
       break;
@@ -112,8 +110,7 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
   constexpr double kOnce = 1e-12;  // [m/s, rad/s] one solve leaves less, unless rows nearly repeat others
   double left = (missing(), correct());
   if (left <= kOnce && !system_.driven()) return left;
-  const double tolerance = 1e-15 * (1 + v.lpNorm<Eigen::Infinity>());
-  for (int i = 1; i < kIterations && left > tolerance; ++i) {
+  for (int i = 1; i < kIterations && misses(left, terms, v, rate_); ++i) {
     const double next = correct();
     if (!(next < left)) return next;  // rounding level reached
     left = next;

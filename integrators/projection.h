@@ -19,6 +19,9 @@ inline constexpr double kJointsHold = 1e-8;
 /// row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for its room.
 double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far);
 
+/// The largest |off_i|, of joint rows, over 1 + the largest entry of x of its row's own bodies, or NaN.
+double off_by(const Terms& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off);
+
 class Projection {
  public:
   explicit Projection(const System& system, bool with_joints = true);

@@ -19,15 +19,15 @@ StepReport Rattle::step(double h, Solver& solver, State& x) {
 }
 
 bool Rattle::half_kick(double h, const State& x, StepReport& report) {
-  if (factorized_there_ && x.q == last_) {  // where the step before ended: nothing to do again
-    std::swap(start_, end_);
-  } else {
-    set_poses(system_, x.t, x.q, start_.at);
-    if (!factorize(start_, 0, h / 2, report)) return false;
-  }
+  const bool factorized = factorized_there_ && x.q == last_;  // where the step before ended: nothing to do again
   factorized_there_ = false;
+  if (factorized)
+    std::swap(start_, end_);
+  else
+    set_poses(system_, x.t, x.q, start_.at);
   set_twists(system_, x.v, start_.at);
   evaluate_forces(system_, x.t, x.v, start_);
+  if (!factorized && !factorize(start_, 0, h / 2, report)) return false;
   // A guess at G u that leaves Φ = O(h³): u is tangent half a step ahead. Any other would end at the same q⁺.
   start_.closed.clear();
   evaluate_biases(system_, start_);

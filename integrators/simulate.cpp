@@ -145,10 +145,10 @@ void close_joints(const System& system, Terms& terms, State& x) {
   set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_residual(system, terms);
   evaluate_joint_rows(system, terms);
-  double rate = 0;
-  for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
+  Eigen::VectorXd rate(terms.phi.size());
+  for (Index i = 0; i < rate.size(); ++i) rate[i] = terms.missing_rate(i, x.v);
   Extents far(system.assembly());
-  if (joints_off(terms, x.q, far) <= kClosed && rate <= kClosed * (1 + x.v.lpNorm<Eigen::Infinity>())) return;
+  if (joints_off(terms, x.q, far) <= kClosed && off_by(terms, x.v, rate) <= kClosed) return;
   Projection projection(system);
   State closed = x;
   double left = kInf;

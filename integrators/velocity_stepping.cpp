@@ -140,6 +140,7 @@ double VelocityStepping::note_loads(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   if (plan_.form == Form::full) {
     lambda_ = formulation_.solution().z.head(lambda_.size());
+    impact_.add_joints_to(lambda_);
   } else {  // M̂ Δv = h f + Jᵀ z + Gᵀ Λ once more, with z known
     force_ = h * terms_.f;
     for (const ClosedContact& c : terms_.closed) {
@@ -163,6 +164,14 @@ double VelocityStepping::note_loads(double h, const State& x) {
 }
 
 bool VelocityStepping::settle(double t, StepReport& report) {
+  if (plan_.joints == Joints::none && rate_.size() > 0) {  // all that this asks of joints
+    constexpr double kHold = 1e-6;                         // of 1 m/s + the velocities of a row's bodies
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms_.missing_rate(i, v_new_);
+    report.joint_rate = rate_.lpNorm<Eigen::Infinity>();
+    if (!(off_by(terms_, v_new_, rate_) <= kHold))
+      return fail(report, Status::numerical_error,
+                  "joints that contradict each other: rates are missed by " + detail::text_of(report.joint_rate));
+  }
   report.joint_residual = projection_.position(t, terms_, q_new_);
   if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold) &&
       !(projection_.off(terms_, q_new_) <= kJointsHold))

@@ -23,8 +23,9 @@ class Reader {
   }
 
   [[noreturn]] void refuse(const std::string& field, const std::string& rule) const {
-    throw std::runtime_error(file_ + ": " + path_ + field + (path_.empty() && field.empty() ? "the file " : " ") +
-                             rule);
+    std::string where = path_ + field;
+    if (where.ends_with('.')) where.pop_back();  // the object itself
+    throw std::runtime_error(file_ + ": " + (where.empty() ? "the file" : where) + " " + rule);
   }
   void only(std::initializer_list<const char*> known) const {
     for (const auto& [key, value] : json_.items()) {

@@ -31,13 +31,16 @@ std::vector<std::string> limits_entered(const System& system, const Run& run, st
       limits.push_back(words_of("\"", bodies[heavy[b]].name, "\" has ", ratio, " times the mass of \"",
                                 bodies[light[b]].name, "\": beyond ", kMassRatio,
                                 " contacts between such bodies may not be solved"));
-  double far = 0;
+  double far = 0, turned = 0;
   for (const State& x : {system.initial_state(), run.final})
     for (Index i = 0; i < x.q.size(); ++i)
-      if (i % 3 != 2) far = std::max(far, std::abs(x.q[i]));
+      (i % 3 != 2 ? far : turned) = std::max(i % 3 != 2 ? far : turned, std::abs(x.q[i]));
   if (far > kFar)
     limits.push_back(words_of("bodies are ", far, " m from the origin: places are rounded to ", far * 0x1p-52,
                               " m, rates to that over the step"));
+  if (turned > kFar)
+    limits.push_back(words_of("bodies are turned by ", turned, " rad: angles are rounded to ", turned * 0x1p-52,
+                              " rad, rates to that over the step"));
   if (integrator.starts_with("adaptive") || integrator.starts_with("event-driven")) return limits;
 
   const auto swing = [&](const auto& spring) {

@@ -12,7 +12,7 @@ namespace orthant {
 inline constexpr double kMassRatio = 1e9;  // of bodies that may act on one another
 inline constexpr double kSwing = 1;        // [rad] ω h of a spring
 inline constexpr double kTurn = 0.5;       // [rad] that a body turns in a step
-inline constexpr double kFar = 1e5;        // [m] from the origin: places are rounded to 1e-11 m
+inline constexpr double kFar = 1e5;        // [m] from the origin, [rad]: places and angles are rounded to 1e-11
 
 /// In words, each limit that the run has entered; of schemes that choose their steps the step counts for nothing.
 std::vector<std::string> limits_entered(const System& system, const Run& run, std::string_view integrator, double step);

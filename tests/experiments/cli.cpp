@@ -369,10 +369,10 @@ TEST_CASE("eight times the bodies take eight times the time, from the file to th
 TEST_CASE("a run that enters a limit of the numbers is told which, by name, and no other is") {
   const Cli folder;
   const auto scene = [&](const std::string& mass, const std::string& place, const std::string& spin,
-                         const std::string& stiffness) {
+                         const std::string& stiffness, const std::string& angle = "0") {
     folder.write("limits.toml",
                  "duration = 0.01\nstep = 1e-3\n[[body]]\nname = 'light'\nmass = 1\ninertia = 1\nposition = [" + place +
-                     ", 0]\nomega = " + spin + "\n[[body]]\nname = 'heavy'\nmass = " + mass +
+                     ", 0]\nangle = " + angle + "\nomega = " + spin + "\n[[body]]\nname = 'heavy'\nmass = " + mass +
                      "\ninertia = 1\n[[spring]]\ntype = 'point'\nname = 's'\nbodies = ['light', 'heavy']\n"
                      "point_a = [0, 0]\npoint_b = [0, 0]\nstiffness = " +
                      stiffness + "\n");
@@ -382,6 +382,7 @@ TEST_CASE("a run that enters a limit of the numbers is told which, by name, and 
   CHECK(scene("1e8", "1", "400", "4e5").empty());
   CHECK(holds(scene("1e10", "1", "0", "0"), "\"heavy\" has 1e+10 times the mass of \"light\""));
   CHECK(holds(scene("1", "2e5", "0", "0"), "bodies are 200000 m from the origin"));
+  CHECK(holds(scene("1", "1", "0", "0", "2e5"), "bodies are turned by 200000 rad"));
   CHECK(holds(scene("1", "1", "600", "0"), "\"light\" turns by 0.6 rad in a step"));
   const std::string swings = scene("1", "1", "0", "2e6");
   CHECK(holds(swings, "spring \"s\" swings by 2 rad in a step"));

@@ -125,6 +125,30 @@ TEST_CASE("a spring on a shaken cart: driven slide, forced vibration, second ord
   CHECK(error(kLocating[1], 0.1) < 1e-6);
 }
 
+TEST_CASE("dampers: what they brake stops as exp(-c t / m), second order; stiff ones give no energy") {
+  const auto braked = [](double damping, const std::string& scheme, double h) {
+    Scene s{.duration = 40 * h};
+    const auto body = s.body({.mass = 2, .position = {1, 0}, .velocity = {3, 0}});
+    s.spring(PointSpring{.a = kGround, .b = body, .damping = damping});
+    const Run r = run(s, scheme, h);
+    REQUIRE(r.status == Status::solved);
+    return r.final;
+  };
+  for (const std::string& scheme : kSecondOrder) {
+    CAPTURE(scheme);
+    const auto error = [&](int halvings) {  // at 0.4 s
+      Scene s{.duration = 0.4};
+      const auto body = s.body({.mass = 2, .position = {1, 0}, .velocity = {3, 0}});
+      s.spring(PointSpring{.a = kGround, .b = body, .damping = 10});
+      return std::abs(run(s, scheme, 0.02 / (1 << halvings)).final.v[0] - 3 * std::exp(-10 * 0.4 / 2));
+    };
+    CHECK(std::log2(error(0) / error(1)) == doctest::Approx(2).epsilon(0.05));
+    const State stiff = braked(1e6, scheme, 1e-3);
+    CHECK(std::abs(stiff.v[0]) <= 3);
+    CHECK(std::abs(stiff.q[0] - 1) <= 0.01);
+  }
+}
+
 TEST_CASE("a ball on a table that is moved up and down: a wall of a driven body") {
   // The table falls away faster than g: the ball flies, and lands on it with e = 0.
   const double A = 0.1, W = 15;
@@ -341,6 +365,24 @@ TEST_CASE(
   CHECK(slid(0.99 * std::tan(slope)) == doctest::Approx(0.01 * 9.81 / 2 * std::sin(slope)).epsilon(1e-3));  // ½ a t²
 }
 
+TEST_CASE("friction of a joint's load: the reduced and the full form agree, impacts within the step too") {
+  for (const Impacts impacts : {Impacts::simultaneous, Impacts::sequential})
+    for (const Restitution restitution : {Restitution::newton, Restitution::poisson}) {
+      CAPTURE(impacts);
+      CAPTURE(restitution);
+      Scene s{.gravity = {0, -9.81}, .restitution = restitution, .impacts = impacts, .duration = 1};
+      const auto arm = s.body({.name = "arm", .inertia = 0.1, .position = {0.5, 0}});
+      s.joint(Revolute{"pivot", kGround, arm, {0, 0}, {-0.5, 0}});
+      s.contact(Limit{"stop", Angle{kGround, arm}, Limit::Side::lower, -0.5, {.e = 0.5}});
+      s.friction({"bearing", Angle{kGround, arm}, 0, 0.3, 0.05, 0});
+      const Run reduced = run(s, "moreau-jean", 1e-3), full = run(s, "moreau-jean:form=full", 1e-3);
+      REQUIRE(reduced.status == Status::solved);
+      REQUIRE(full.status == Status::solved);
+      CHECK(mismatch(reduced.final.v, full.final.v) < 1e-9);
+      CHECK(mismatch(reduced.final.q, full.final.q) < 1e-9);
+    }
+}
+
 TEST_CASE("friction of a joint's load does not depend on how often the joint is written, nor which way round") {
   Scene s{.gravity = {1, -10}, .duration = 0.2};
   const auto wheel = s.body({.name = "wheel", .mass = 10, .inertia = 2, .omega = 3});
@@ -392,6 +434,20 @@ TEST_CASE("joints that contradict each other: no integrator calls that solved") 
     const Run r = run_for(s, 0.01, scheme.name, 1e-3);
     CHECK(r.status == Status::numerical_error);
     CHECK(!r.why.empty());
+  }
+}
+
+TEST_CASE("drives that contradict each other: rates that cannot be met are told where positions are left to drift") {
+  Scene s;
+  const BodyId wheel = s.body({.name = "wheel"});
+  s.joint(Revolute{"axle", kGround, wheel});
+  s.joint(Drive{"slow", Angle{kGround, wheel}, {.rate_of_change = 1}});
+  s.joint(Drive{"fast", Angle{kGround, wheel}, {.rate_of_change = 2}});
+  for (const std::string form : {"reduced", "full"}) {
+    CAPTURE(form);
+    const Run r = run_for(s, 0.01, "moreau-jean:joints=none,form=" + form, 1e-3);
+    CHECK(r.status != Status::solved);
+    CHECK(r.why.find("joints") != std::string::npos);
   }
 }
 

@@ -126,7 +126,7 @@ def _text_of_file(file: str) -> str:
 class Trajectory:
     """A run: `columns` name those of `table` (rows, columns), SI units; trajectory["ball.y"] is one of them.
 
-    summary: status, time reached, worst joint residual, penetration, ... ; why: in words, where it did not end as solved;
+    summary: status, time reached, worst joint residual, penetration, ... ; why: in words, where the status does not say it all;
     unsolved: the Problem that stopped it, else None.
     """
 
