@@ -10,7 +10,8 @@
 //   position   G v⁺ = ṡ, then q⁺ is projected onto Φ = 0 (in the metric of M)
 //   symmetric  G (a v⁺ + (1−a) v) = ṡ, then q⁺ and v⁺ are projected onto Φ = 0, G v⁺ = ṡ. For a = θ = ½ the smooth
 //              motion is of second order; contact impulses act through the constrained inverse and leave G v⁺ as it was.
-// A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long.
+// A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long, and
+// so do rates that joints which contradict each other leave unmet (`none`: by more than 1e-6 of 1 m/s + the bodies').
 #pragma once
 
 #include <orthant/core/mechanics/broad_phase.h>
