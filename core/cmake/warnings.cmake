@@ -21,7 +21,8 @@ endif()
 # -falign-…: a step takes the same wherever its functions come to lie; changes elsewhere moved it by 2 to 4 % (bare_loop).
 function(orthant_compile_options target)
   target_compile_options(${target} PRIVATE ${orthant_warnings} -ffp-contract=off -fno-semantic-interposition
-                         -falign-functions=64 -falign-loops=32 $<$<BOOL:${ORTHANT_WERROR}>:-Werror>)
+                         $<$<CXX_COMPILER_ID:GNU>:-falign-functions=64> $<$<CXX_COMPILER_ID:GNU>:-falign-loops=32>
+                         $<$<BOOL:${ORTHANT_WERROR}>:-Werror>)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
 endfunction()
 
