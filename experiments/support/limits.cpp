@@ -33,8 +33,10 @@ std::vector<std::string> limits_entered(const System& system, const Run& run, st
                                 " contacts between such bodies may not be solved"));
   double far = 0, turned = 0;
   for (const State& x : {system.initial_state(), run.final})
-    for (Index i = 0; i < x.q.size(); ++i)
-      (i % 3 != 2 ? far : turned) = std::max(i % 3 != 2 ? far : turned, std::abs(x.q[i]));
+    for (Index i = 0; i < x.q.size(); ++i) {
+      double& most = i % 3 != 2 ? far : turned;
+      most = std::max(most, std::abs(x.q[i]));
+    }
   if (far > kFar)
     limits.push_back(words_of("bodies are ", far, " m from the origin: places are rounded to ", far * 0x1p-52,
                               " m, rates to that over the step"));
