@@ -69,7 +69,8 @@ class Adaptive final : public Integrator {
   const Lcp& problem() const override { return formulation_.problem(); }
 
  private:
-  static constexpr double kNone = 1e-4;  // of the tolerance
+  static constexpr double kNone = 1e-4;   // of the tolerance
+  static constexpr double kNoise = 0.01;  // of the tolerance: slips and gaps are looked at no closer
   enum class Outcome { done, impact, change, dip, failed };
   struct Margin {  // an open contact's gap, at the last three points looked at
     struct Sample {

@@ -76,10 +76,11 @@ class EventDriven final : public Integrator {
   std::string why() const override { return why_; }
 
  private:
-  struct Bounces : ImpactSeries {  // a contact's impacts
-    double height = 0;             // [m] bound of the next bounce
-    bool rounding = false;         // the last bounce was of the size of rounding
-    bool over = false;             // accumulated, just now
+  static constexpr double kSoon = 50;  // crossings: no calm has come since the last one
+  struct Bounces : ImpactSeries {      // a contact's impacts
+    double height = 0;                 // [m] bound of the next bounce
+    bool rounding = false;             // the last bounce was of the size of rounding
+    bool over = false;                 // accumulated, just now
   };
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows

@@ -35,7 +35,7 @@ Scene parse_scene(std::string_view text, std::span<const std::string> overrides,
   as_invalid([&] { check_size(file, text.size(), largest_input(kLargestScene)); });
   return in_a_line([&] {
     toml::table root = scene_file::parse(text, file);
-    for (const std::string& one : overrides) scene_file::apply_override(root, one);
+    scene_file::apply_overrides(root, overrides);
     return scene_file::Reader(root, file).scene();
   });
 }

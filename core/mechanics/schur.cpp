@@ -205,7 +205,10 @@ double Schur::independence() const {
 void Schur::solve(const double* f, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
   set_rates(c);
-  for (const OnBody& body : bodies_) subtract_rates(body, f + body.first);
+  for (const OnBody& body : bodies_) {
+    const double* const by = x + body.first;
+    subtract_rates(body, by[0], by[1], by[2]);
+  }
   add_solution(x);
   store_forces(lambda);
 }
@@ -215,8 +218,7 @@ void Schur::solve_change(const double* f, const double* v, const double* c, doub
   set_rates(c);
   for (const OnBody& body : bodies_) {
     const double *const from = v + body.first, *const by = x + body.first;
-    const double w0 = from[0] + by[0], w1 = from[1] + by[1], w2 = from[2] + by[2];
-    for (const PairOnBody& u : on(body)) lambda_[static_cast<std::size_t>(u.pair)] -= w0 * u.gx + w1 * u.gy + w2 * u.gz;
+    subtract_rates(body, from[0] + by[0], from[1] + by[1], from[2] + by[2]);
   }
   add_solution(x);
   store_forces(lambda);
@@ -231,9 +233,12 @@ void Schur::solve_row(const Row& row, double* x) const {
   std::fill_n(x, inverse_mass_.size(), 0.0);
   std::fill(lambda_.begin(), lambda_.end(), Two(0));
   const auto load = [&](BodyId b, const std::array<double, 3>& j) {
+    if (b < 0) return;
+    const double* const m = inverse_mass_.data() + 3 * b;
+    const double vx = m[0] * j[0], vy = m[1] * j[1], vz = m[2] * j[2];
+    x[3 * b] += vx, x[3 * b + 1] += vy, x[3 * b + 2] += vz;
     const auto body = std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == 3 * b; });
-    for (int k = 0; b >= 0 && k < 3; ++k) x[3 * b + k] += inverse_mass_[3 * b + k] * j[static_cast<std::size_t>(k)];
-    if (b >= 0 && body != bodies_.end()) subtract_rates(*body, j.data());
+    if (body != bodies_.end()) subtract_rates(*body, vx, vy, vz);
   };
   load(row.a, row.ja), load(row.b, row.jb);
   add_solution(x);
@@ -250,10 +255,9 @@ void Schur::store_forces(double* lambda) const {
   if (rows_ % 2 == 1) lambda[rows_ - 1] = lambda_.back()[0];
 }
 
-/// λ −= G M⁻¹ f, the part of one body with its three f.
-void Schur::subtract_rates(const OnBody& body, const double* f) const {
-  for (const PairOnBody& u : on(body))
-    lambda_[static_cast<std::size_t>(u.pair)] -= f[0] * u.x + f[1] * u.y + f[2] * u.z;
+/// λ −= G v, the part of one body with its three v.
+void Schur::subtract_rates(const OnBody& body, double vx, double vy, double vz) const {
+  for (const PairOnBody& u : on(body)) lambda_[static_cast<std::size_t>(u.pair)] -= vx * u.gx + vy * u.gy + vz * u.gz;
 }
 
 /// S λ' = λ,  x += M⁻¹ Gᵀ λ'.

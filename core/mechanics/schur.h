@@ -53,7 +53,7 @@ class Schur {
   template <class N> bool factorize_pairs(N n, double dependent);
   template <class N> void solve_pairs(N n) const;
   void set_rates(const double* c) const;
-  void subtract_rates(const OnBody& body, const double* f) const;
+  void subtract_rates(const OnBody& body, double vx, double vy, double vz) const;
   void add_solution(double* x) const;
   void store_forces(double* lambda) const;
   std::span<const PairOnBody> on(const OnBody& b) const {

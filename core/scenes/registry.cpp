@@ -36,7 +36,9 @@ Scene ideal(const NoOptions&) { return slider_crank_ideal(); }
 
 template <class Options, Scene (*draw)(const Options&)> Scene make(std::span<const std::string> sets) {
   Options options;
-  for (const std::string& set : sets) set_options(options, set);
+  std::string list;  // in one, so that no key may stand in two
+  for (const std::string& set : sets) list += (list.empty() ? "" : ",") + set;
+  set_options(options, list);
   return draw(options);
 }
 

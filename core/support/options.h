@@ -29,8 +29,8 @@ struct Spec {
 
 namespace detail {
 
-/// Shortest text that reads back as the same number.
-inline std::string text_of(double value) {
+/// Shortest text that reads back as the same number; a whole number's without exponent.
+template <class Number> std::string text_of(Number value) {
   std::array<char, 40> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   return {buffer.data(), end};
@@ -56,11 +56,9 @@ class OptionSetter {
   void operator()(std::string_view name, Number& field, Number low, Number high) {
     if (!matches(name)) return;
     const auto value = parse_number<Number>(name, text_);
-    if (!(value >= low && value <= high)) {
-      std::ostringstream words;
-      words << "option " << name << " = " << shortened(text_) << ": must be in [" << low << ", " << high << "]";
-      throw std::invalid_argument(words.str());
-    }
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument("option " + std::string(name) + " = " + shortened(text_) + ": must be in [" +
+                                  text_of(low) + ", " + text_of(high) + "]");
     field = value;
   }
   void operator()(std::string_view name, bool& field) {
@@ -102,8 +100,7 @@ class OptionPrinter {
   template <class Number>
     requires(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>)
   void operator()(std::string_view name, Number& field, Number low, Number high) {
-    begin(name) << text_of(static_cast<double>(field)) << " in [" << text_of(static_cast<double>(low)) << ", "
-                << text_of(static_cast<double>(high)) << "]";
+    begin(name) << text_of(field) << " in [" << text_of(low) << ", " << text_of(high) << "]";
   }
   void operator()(std::string_view name, bool& field) { begin(name) << (field ? "true" : "false"); }
   template <class Enum, std::size_t N>

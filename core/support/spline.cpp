@@ -26,6 +26,9 @@ Spline::Spline(std::vector<double> times, std::vector<double> values)
     slope_[i] = (b - left * slope_[i - 1]) / pivot;
   }
   for (std::size_t i = n; i-- > 1;) slope_[i - 1] -= above[i - 1] * slope_[i];
+  for (const double t : t_)
+    if (!std::isfinite(acceleration(t)))  // where a slope or a curvature is not finite
+      throw std::invalid_argument("times: must be so far apart that the values' slopes and curvatures are finite");
 }
 
 double Spline::at(double t, int derivative) const {

@@ -13,7 +13,8 @@ namespace orthant {
 class Spline {
  public:
   Spline() = default;  // zero everywhere
-  /// times ascending, as many as values, at least one, all finite. Throws std::invalid_argument naming which and the rule.
+  /// times ascending, as many as values, at least one, all finite, and so are the slopes and curvatures between.
+  /// Throws std::invalid_argument naming which and the rule.
   Spline(std::vector<double> times, std::vector<double> values);
 
   const std::vector<double>& times() const { return t_; }

@@ -6,14 +6,24 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <iostream>
 
 namespace orthant {
 namespace {
 
-std::vector<std::vector<double>> lists(const std::vector<Vector>& vectors) {
-  std::vector<std::vector<double>> all;
-  for (const Vector& x : vectors) all.emplace_back(x.data(), x.data() + x.size());
+/// What is beyond the doubles as the text that problem files have for it: JSON's numbers end there.
+nlohmann::ordered_json number(double x) {
+  if (std::isfinite(x)) return x;
+  return x > 0 ? "inf" : "-inf";
+}
+
+nlohmann::ordered_json lists(const std::vector<Vector>& vectors) {
+  auto all = nlohmann::ordered_json::array();
+  for (const Vector& x : vectors) {
+    auto& list = all.emplace_back(nlohmann::ordered_json::array());
+    for (const double entry : x) list.push_back(number(entry));
+  }
   return all;
 }
 

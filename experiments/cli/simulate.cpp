@@ -126,7 +126,7 @@ void warn_of_start(const System& system) {
     std::cerr << "orthant: warning: at the start " << what << " by " << size << " " << unit << ": " << then << '\n';
   };
   if (const double off = terms.phi.size() > 0 ? terms.phi.lpNorm<Eigen::Infinity>() : 0; off > kSmall)
-    warn("joints are off", off, "m or rad", "the bodies are moved onto them");
+    warn("joints are off", off, "m or rad", "the bodies are moved onto them, but where joints=none");
   if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
     warn("velocities break joints", rate, "m/s or rad/s", "they are changed to keep them");
   Index deepest = 0;
@@ -249,11 +249,13 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
   command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
   command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
-  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated")
+  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--output", arguments->output, "trajectory: .csv, .h5 (HDF5), or .pvd (VTK, for ParaView)");
-  command->add_option("--every", arguments->every, "record every so many steps")->capture_default_str();
+  command->add_option("--every", arguments->every, "record every so many steps")
+      ->check(CLI::Range(1L, 1'000'000'000'000'000L))
+      ->capture_default_str();
   command->add_option("--checkpoint", arguments->checkpoint, "a file to go on from after a kill, written now and then");
   command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
       ->check(CLI::Range(1, 1000000000))

@@ -179,6 +179,7 @@ TEST_CASE("problem files: what is wrong is said in one line, quickly") {
         400);  // quotes what it read
   CHECK(contains(error([] { parse_problem("[1, 2]", "file.json"); }), "object"));
   CHECK(contains(why(A + R"(, "b": [1])"), "format"));
+  CHECK(why(head + R"("A": 3, "b": [1])") == "file.json: A must be an object");
   CHECK(contains(why(R"("format": "other", "version": 1, )" + A + R"(, "b": [1])"), "orthant-lcp"));
   CHECK(contains(why(R"("format": "orthant-lcp", "version": 2, )" + A + R"(, "b": [1])"), "version"));
   CHECK(contains(why(head + A), "b is missing"));

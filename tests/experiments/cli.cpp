@@ -86,13 +86,14 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   folder.write("missing_body.toml", body +
                                         "[[contact]]\ntype = 'corner-wall'\nname = 'c'\nbody = 'nobody'\n"
                                         "point = [0, 0]\nwall = {body = 'ground', point = [0, 0], normal = [0, 1]}\n");
+  folder.write("one_body.toml", body);
   folder.write("broken.toml", "gravity = [0, \n");
   folder.write("nonsquare.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n2\n");
   folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n-1\n");
   folder.write("nan.mtx", "%%MatrixMarket matrix array real general\n1 1\nnan\n");
   folder.write("q1.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
 
-  const std::array<std::array<std::string, 2>, 22> bad = {{
+  const std::array<std::array<std::string, 2>, 25> bad = {{
       {"simulate no_such_scene", "no_such_scene"},
       {"simulate missing.toml", "missing.toml"},
       {"simulate negative.toml", "mass"},
@@ -106,6 +107,9 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
       {"simulate slider_crank --step 1e-5x", "step"},
       {"simulate slider_crank --duration 0", "duration"},
       {"simulate slider_crank --every 0", "every"},
+      {"simulate slider_crank --every 99999999999999999999", "every"},
+      {"simulate slider_crank --set mu=0.1 --set mu=0.2", "mu=0.2': is given twice"},
+      {"simulate one_body.toml --set gravity=[0,0] --set gravity=[0,1]", "override gravity=[0,1]: is given twice"},
       {"simulate slider_crank --set mu=-1", "mu"},
       {"simulate slider_crank --set nu=1", "nu"},
       {"simulate slider_crank --set mu", "KEY=VALUE"},
@@ -410,6 +414,9 @@ TEST_CASE("orthant list names everything, with options") {
   };
   CHECK(option("solvers", "pgs", "omega").at("range") == nlohmann::json::parse("[0.001, 1.999]"));
   CHECK(option("solvers", "lemke", "rescue").at("default") == true);
+  // What is printed is taken back: a whole number without exponent.
+  CHECK(a.out.find("max_sweeps=100000 in [1, ") != std::string::npos);
+  CHECK(a.out.find("max_sweeps=1e+05") == std::string::npos);
   CHECK(option("integrators", "moreau-jean", "joints").at("choices").size() > 1);
   CHECK(json.at("scenes")[0].at("name") == "bouncing_ball");
   CHECK(!nlohmann::json::parse(folder.orthant("list solvers --json").out).contains("scenes"));
@@ -494,6 +501,9 @@ TEST_CASE("orthant enumerate, replay, --version, completion") {
   const std::string none = folder.write("none.json", R"({"format": "orthant-lcp", "version": 1,
     "A": {"storage": "dense", "n": 1, "rows": [[-1]]}, "b": [-1]})");
   CHECK(folder.orthant("enumerate none.json").exit_code == 2);
+  folder.write("beyond.json", R"({"format": "orthant-lcp", "version": 1,
+    "A": {"storage": "dense", "n": 1, "rows": [[1e-200]]}, "b": [-1e200]})");
+  CHECK(nlohmann::json::parse(folder.orthant("enumerate beyond.json --json").out).at("isolated")[0][0] == "inf");
 
   const Reply replay = folder.orthant("replay p.json --json");
   CHECK(replay.exit_code == 0);

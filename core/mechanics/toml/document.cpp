@@ -4,6 +4,7 @@
 #include <orthant/core/support/toml_nesting.h>
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -24,6 +25,34 @@ void merge(toml::table&& from, toml::table& into) {
     else
       node.visit([&, &name = key](auto& n) { into.insert_or_assign(name.str(), std::move(n)); });
   }
+}
+
+std::string_view key_of(std::string_view override_text) { return override_text.substr(0, override_text.find('=')); }
+
+void apply_override(toml::table& root, std::string_view override_text) {
+  const std::string name = std::string(kOverride) + std::string(override_text);
+  const auto path = key_of(override_text);
+  if (path.size() == override_text.size()) throw std::invalid_argument(name + ": must have the form key=value");
+  const auto dot = path.find('.');
+  const auto kind = path.substr(0, dot);
+  if (dot == std::string_view::npos) return merge(parse(override_text, name), root);
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
+    throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of " +
+                                join({kKinds.begin(), kKinds.end()}));
+  const auto second_dot = path.find('.', dot + 1);
+  if (second_dot == std::string_view::npos)
+    throw std::invalid_argument(name + ": must have the form " + std::string(kind) + ".NAME.KEY=VALUE");
+  const auto wanted = path.substr(dot + 1, second_dot - dot - 1);
+  std::vector<std::string> present;
+  if (toml::array* elements = root[kind].as_array())
+    for (std::size_t i = 0; i < elements->size(); ++i) {
+      toml::node& element = *elements->get(i);
+      present.push_back(name_of(element, kind, i));
+      if (present.back() == wanted && element.is_table())
+        return merge(parse(override_text.substr(second_dot + 1), name), *element.as_table());
+    }
+  throw std::invalid_argument(name + ": no " + std::string(kind) + " is named " + in_quotes(wanted) +
+                              ": must be one of " + (present.empty() ? "(the scene has none)" : join(present)));
 }
 
 }  // namespace
@@ -75,30 +104,13 @@ std::string name_of(const toml::node& element, std::string_view kind, std::size_
   return name && !name->empty() ? *name : std::string(kind) + std::to_string(index + 1);
 }
 
-void apply_override(toml::table& root, std::string_view override_text) {
-  const std::string name = std::string(kOverride) + std::string(override_text);
-  const auto path = override_text.substr(0, override_text.find('='));
-  if (path.size() == override_text.size()) throw std::invalid_argument(name + ": must have the form key=value");
-  const auto dot = path.find('.');
-  const auto kind = path.substr(0, dot);
-  if (dot == std::string_view::npos) return merge(parse(override_text, name), root);
-  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
-    throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of " +
-                                join({kKinds.begin(), kKinds.end()}));
-  const auto second_dot = path.find('.', dot + 1);
-  if (second_dot == std::string_view::npos)
-    throw std::invalid_argument(name + ": must have the form " + std::string(kind) + ".NAME.KEY=VALUE");
-  const auto wanted = path.substr(dot + 1, second_dot - dot - 1);
-  std::vector<std::string> present;
-  if (toml::array* elements = root[kind].as_array())
-    for (std::size_t i = 0; i < elements->size(); ++i) {
-      toml::node& element = *elements->get(i);
-      present.push_back(name_of(element, kind, i));
-      if (present.back() == wanted && element.is_table())
-        return merge(parse(override_text.substr(second_dot + 1), name), *element.as_table());
-    }
-  throw std::invalid_argument(name + ": no " + std::string(kind) + " is named " + in_quotes(wanted) +
-                              ": must be one of " + (present.empty() ? "(the scene has none)" : join(present)));
+void apply_overrides(toml::table& root, std::span<const std::string> overrides) {
+  std::set<std::string_view> given;
+  for (const std::string& one : overrides) {
+    if (!given.insert(key_of(one)).second)
+      throw std::invalid_argument(std::string(kOverride) + one + ": is given twice");
+    apply_override(root, one);
+  }
 }
 
 }  // namespace orthant::scene_file

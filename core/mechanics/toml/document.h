@@ -6,6 +6,7 @@
 #include <toml++/toml.h>
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,7 +29,7 @@ toml::table parse(std::string_view text, const std::string& name);
 /// An element's own name, or the one it gets from its place.
 std::string name_of(const toml::node& element, std::string_view kind, std::size_t index);
 
-/// "contact.corner1.mu=0.1": what follows kind and name is TOML as it would stand in that element.
-void apply_override(toml::table& root, std::string_view override_text);
+/// "contact.corner1.mu=0.1": what follows kind and name is TOML as it would stand in that element. No key twice.
+void apply_overrides(toml::table& root, std::span<const std::string> overrides);
 
 }  // namespace orthant::scene_file

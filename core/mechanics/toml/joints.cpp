@@ -41,7 +41,11 @@ bool Reader::time_law(Fields& f, TimeLaw& law) {
   if (const toml::table* table = f.inner("table")) {
     Fields g = f.fields("table", *table);
     const auto [times, values] = points_in_time(g);
-    law.table = Spline(times, values);
+    try {
+      law.table = Spline(times, values);
+    } catch (const std::invalid_argument& error) {
+      g.fail(*table, "table." + std::string(error.what()));
+    }
     g.done();
   }
   return placed;
