@@ -73,7 +73,7 @@ std::vector<Long> long_work() {
   const Lcp large = family_problem("spd", 1000, 1e6), grid = family_problem("ball", 65025, 0);
   return {{"auto", family_problem("nonsymmetric", 1000, 10)},
           {"lemke:max_pivots=1000000000", murty_problem(40)},
-          {"lemke:max_pivots=1000000000", large},
+          {"lemke:max_pivots=1000000000", family_problem("spd", 2000, 1e6)},  // of 1000 rows it is done within the limit
           {"path", large},
           {"path", grid},
           {"pgs:max_sweeps=1000000000", blocks},
