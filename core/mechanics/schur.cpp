@@ -105,7 +105,7 @@ void Schur::put_apart_first(std::span<const Row> rows) {
     if (apart) best = set;
   }
   apart_ = std::popcount(best);
-  std::ranges::stable_partition(order_, [&](int row) { return (best >> (row / 2) & 1U) != 0; });
+  std::stable_partition(order_.begin(), order_.end(), [&](int row) { return (best >> (row / 2) & 1U) != 0; });
 }
 
 bool Schur::factorize(std::span<const Row> G, double dependent) {
