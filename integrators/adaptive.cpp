@@ -218,6 +218,7 @@ bool Adaptive::cross_here(bool jumps, double left, Solver& solver, State& x, Ste
   // Twice: a contact that now lasts may have had a gap that turns its normal when it goes, as in a journal's clearance.
   if (land(x.t + width) && land(x.t + width)) {
     accept(width, x, report);
+    report.crossings += error_ > 1;
     return true;
   }
   motion_.modes = before_, motion_.modes_changed();

@@ -190,7 +190,8 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     if (!(s > 0)) return fail(report, status, words);
     crossing_state_.t = start_ + elapsed_, crossing_state_.q = now_.q, crossing_state_.v = now_.v;
     const StepReport step = stepping_.step(s, solver, crossing_state_);
-    report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations, ++report.accepted;
+    report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
+    ++report.accepted, ++report.crossings;
     if (step.status != Status::solved) return fail(report, status, words);
     now_.q = crossing_state_.q, now_.v = crossing_state_.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;

@@ -29,6 +29,7 @@ struct StepReport {
   double joint_residual = 0;  // max |Φ| at the end of the step [m, rad]
   double joint_rate = 0;      // max |G v| at the end of the step [m/s, rad/s], of schemes that satisfy it
   double penetration = 0;     // max(0, −gap) at the end of the step [m]
+  int crossings = 0;          // of the inner steps: across crowds of events, to first order whatever the tolerance
   double energy_rise = 0;     // [J] that impacts added where they should not, see impact.h; 0: they did not
   Passage passage;            // of bodies through each other, unseen, of schemes of fixed step
 

@@ -112,6 +112,7 @@ void note(const StepReport& report, Run& run) {
   run.max_lcp_residual = std::max(run.max_lcp_residual, report.lcp_residual);
   run.max_joint_rate = std::max(run.max_joint_rate, report.joint_rate);
   run.accepted += report.accepted;
+  run.crossings += report.crossings;
   run.rejected += report.rejected;
   run.lcp_solves += report.lcp_solves;
   run.lcp_iterations += report.lcp_iterations;
@@ -120,8 +121,8 @@ void note(const StepReport& report, Run& run) {
 void remember(Run& run, Memory& memory) {
   memory(run.final, run.steps, run.seconds, run.energy_initial, run.max_joint_residual, run.max_penetration,
          run.max_lcp_residual, run.max_joint_rate, run.accepted, run.rejected, run.lcp_solves, run.lcp_iterations,
-         run.events, run.energy_rises, run.max_energy_rise, run.max_rise_time, run.passages, run.first_passage,
-         run.first_passage_time);
+         run.events, run.crossings, run.energy_rises, run.max_energy_rise, run.max_rise_time, run.passages,
+         run.first_passage, run.first_passage_time);
 }
 
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.

@@ -22,6 +22,7 @@ struct Run {
   long accepted = 0, rejected = 0;              // inner steps
   long lcp_solves = 0, lcp_iterations = 0;
   long events = 0;                                // located
+  long crossings = 0;                             // of crowds of events, see StepReport
   long energy_rises = 0;                          // steps in which impacts raised the energy (impact.h)
   double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
   long passages = 0;                              // steps in which bodies passed through each other (passing.h)

@@ -1,4 +1,5 @@
 #include <orthant/core/support/options.h>
+#include <orthant/integrators/projection.h>
 #include <orthant/integrators/two_level.h>
 
 #include <algorithm>
@@ -198,6 +199,12 @@ void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report
     return;
   }
   report.joint_residual = end_.phi.size() > 0 ? end_.phi.lpNorm<Eigen::Infinity>() : 0;
+  if (!(joints_off(end_, q_end_, far_) <= kJointsHold)) {  // a path as long as one may wish excuses no end of it
+    fail(
+        report, Status::numerical_error,
+        "joints are left at " + detail::text_of(report.joint_residual) + " m or rad by a step of much too long a path");
+    return;
+  }
   for (Index i = 0; i < rate_.size(); ++i)
     report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;

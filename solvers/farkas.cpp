@@ -2,6 +2,7 @@
 
 #include <orthant/solvers/farkas_simplex.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -47,6 +48,17 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
   tidy_certificate(pure, pure_u_);
   pyramid_.restore_certificate(problem, pure_u_, u);
   return true;
+}
+
+bool in_whole_numbers(Vector& u) {
+  constexpr double kMost = 4096, kOff = 1e-10;  // of u: its digits, from a tableau
+  const auto whole = [](double x) { return std::abs(x - std::round(x)); };
+  for (double k = 1; k <= kMost; ++k)
+    if (std::all_of(u.begin(), u.end(), [&](double x) { return whole(k * x) <= k * kOff; })) {
+      for (double& x : u) x = std::round(k * x);
+      return true;
+    }
+  return false;
 }
 
 void tidy_certificate(const Lcp& p, Vector& u) {

@@ -334,8 +334,11 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   const Index n = problem.size() + static_cast<Index>(problem.friction.size());
   while (work.stage < kLastAttempt + kRestarts) {
     const int stage = work.stage++;
-    // A residual that would do: more digits may find the right basis, but other forms and paths are not called for.
-    if (stage >= kFirstAttempts && s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>()) return false;
+    // A residual that would do: more digits may find the right basis, but other forms and paths are not called for. But a
+    // shifted friction force has lost what is small beside its bound.
+    if (stage >= kFirstAttempts && problem.friction.empty() &&
+        s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>())
+      return false;
     if (stage >= kLastAttempt) {
       if (slow) return false;
       if (work.pure->size() <= kEnumerable) {

@@ -6,15 +6,19 @@
 namespace orthant {
 
 void Solver::seek_proof(const Lcp& problem, Solution& s) {
-  const bool cheap = problem.size() <= Farkas::kTableau;  // then worth it after a run that was only too short
+  // Cheap: then worth it after a run that was only too short, and where only rounding excuses what a z misses.
+  const bool cheap = problem.size() <= Farkas::kTableau;
+  const bool contested = s.status == Status::solved && judge_.doubtful(s);
   if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error &&
-      !(cheap && s.status == Status::iteration_limit))
+      !(cheap && (s.status == Status::iteration_limit || contested)))
     return;
-  if (!proof_search_ || !seeks_proof() || budget_.exhausted()) return;
+  if (!proof_search_ || !(seeks_proof() || contested) || budget_.exhausted()) return;
   Budget share;  // a quarter of what is left
   share.start(budget_.remaining() / 4, budget_.cancel());
   if (!farkas_.propose(problem, proof_, share)) return;
-  if (!judge_.proves_infeasible(problem, proof_)) return;  // a ray's direction stays what it was
+  if (!judge_.proves_infeasible(problem, proof_) &&
+      !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_)))
+    return;  // a ray's direction stays what it was
   s.certificate = proof_;
   judge_.certify(problem, tolerance(), Status::ray, s);
 }
@@ -69,6 +73,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
     s = best_;
   }
   if (open() && goal_residual < tolerance()) judge_.certify(problem, tolerance(), s.status, s);
+  if (s.status == Status::solved) seek_proof(problem, s);
   if (s.status == Status::solved) s.certificate.resize(0);
   if (open() && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
   s.factorizations = effort().factorizations - before.factorizations;

@@ -141,10 +141,12 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
     evaluate(problem, s, true);
     accepted = passes();
   }
-  if (accepted) {
+  const auto disproved = [&] {
+    return claim == Status::ray && s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate);
+  };
+  if (accepted && !(doubtful(s) && disproved())) {
     s.status = Status::solved;
-  } else if (claim == Status::ray && s.certificate.size() == problem.size() &&
-             proves_infeasible(problem, s.certificate)) {
+  } else if (accepted || disproved()) {
     s.status = Status::infeasible;
   } else if (claim == Status::solved || claim == Status::infeasible) {
     s.status = known ? Status::stalled : Status::numerical_error;

@@ -38,7 +38,7 @@
 //   Rounding: sums run in long double with their errors, found out as they arise, on the wrong side. A g_j that misses its
 //   sign by no more than κ Σ_i |A_ij u_i|, κ ≤ 32 ε, is let through, but then bᵀu must be so negative that a z using the slack would
 //   have ρ ≥ 0.01 β, no digits left. Between that and the ρ of a z that is accepted nothing is claimed: masses 1e10 apart ask
-//   for a z that large, which exists. (Beside a proof a z that misses by less than the tolerance may be called solved: both are true.)
+//   for a z that large, which exists. (Beside a proof a z that misses by less than 1e-8 β may be called solved: both are true.)
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.5, 3.1, 3.7.
 #pragma once
 
@@ -53,7 +53,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
  public:
   /// Fills w, residual and rounding from z, and replaces solution.status by what can be vouched for:
   /// `claim` (what the solver thinks: its own status, with `solved` meaning "please judge") becomes
-  ///   solved           when z passes, whatever the claim,
+  ///   solved           when z passes, whatever the claim; but not a doubtful() one beside a proof,
   ///   infeasible       when the claim is `ray` and solution.certificate proves it,
   ///   numerical_error  when the claim was solved and z is not finite or ρ is too large,
   ///   stalled          when the claim was solved and r is too large (or the claim was `infeasible`: not its to make).
@@ -61,6 +61,9 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
   /// The residual up to which the z last judged would have been accepted.
   double accepted() const { return accepted_; }
+
+  /// Whether the z last judged misses by more than 1e-8 β: rounding excuses that, unless a proof says that there is no solution.
+  bool doubtful(const Solution& solution) const { return solution.residual > 1e-8 * scale_; }
 
   /// True when u proves that no z in the bounds has the signs of w that its rows demand.
   bool proves_infeasible(const Lcp& problem, const Vector& u);

@@ -131,4 +131,15 @@ void check_writable(const std::filesystem::path& file) {
     throw std::runtime_error("cannot write " + path.string() + ": no permission in " + folder.string());
 }
 
+void check_apart(std::string_view one, const std::filesystem::path& path, std::string_view other,
+                 const std::filesystem::path& other_path) {
+  std::error_code none;
+  const auto place = [](const std::filesystem::path& file) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file));
+  };
+  if (!std::filesystem::equivalent(path, other_path, none) && place(path) != place(other_path)) return;
+  throw std::invalid_argument(std::string(one) + " '" + path.string() + "' and " + std::string(other) + " '" +
+                              other_path.string() + "': must be two files");
+}
+
 }  // namespace orthant

@@ -38,4 +38,9 @@ void check_readable(const std::filesystem::path& path);
 /// Throws std::runtime_error when `path` could not be written: asked before a long run, not after it.
 void check_writable(const std::filesystem::path& path);
 
+/// Throws std::invalid_argument when both are one file: what is written would take the place of what was read, or written.
+/// `one` and `other` as the caller knows them, such as "--output".
+void check_apart(std::string_view one, const std::filesystem::path& path, std::string_view other,
+                 const std::filesystem::path& other_path);
+
 }  // namespace orthant

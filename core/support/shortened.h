@@ -8,11 +8,18 @@
 
 namespace orthant {
 
+/// The text, with \0 as \\0: what() ends there.
+inline std::string without_end(std::string_view text) {
+  std::string all;
+  for (const char c : text) c == '\0' ? all += "\\0" : all += c;
+  return all;
+}
+
 /// The text, or its beginning and its end where it has more than `most` characters.
 inline std::string shortened(std::string_view text, std::size_t most = 60) {
-  if (text.size() <= most) return std::string(text);
+  if (text.size() <= most) return without_end(text);
   const std::size_t end = most / 3;
-  return std::string(text.substr(0, most - end)) + " ... " + std::string(text.substr(text.size() - end));
+  return without_end(text.substr(0, most - end)) + " ... " + without_end(text.substr(text.size() - end));
 }
 
 /// What work() returns; what it says of a bad argument as one line: where at its beginning, the rule at its end.

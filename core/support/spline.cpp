@@ -26,8 +26,9 @@ Spline::Spline(std::vector<double> times, std::vector<double> values)
     slope_[i] = (b - left * slope_[i - 1]) / pivot;
   }
   for (std::size_t i = n; i-- > 1;) slope_[i - 1] -= above[i - 1] * slope_[i];
+  if (!std::isfinite(t_.back() - t_.front())) throw std::invalid_argument("times: must span a finite time");
   for (const double t : t_)
-    if (!std::isfinite(acceleration(t)))  // where a slope or a curvature is not finite
+    if (!std::isfinite(acceleration(t)))  // where a slope or a curvature is not
       throw std::invalid_argument("times: must be so far apart that the values' slopes and curvatures are finite");
 }
 

@@ -24,6 +24,7 @@ void add_report(CLI::App& app, int& exit_code) {
       "Example:\n"
       "  orthant report mine.sqlite --output mine.html");
   command->callback([arguments, &exit_code] {
+    check_apart("--output", arguments->output, "the results", arguments->results);
     check_writable(arguments->output);
     try {
       write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));

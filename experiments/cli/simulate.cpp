@@ -70,6 +70,7 @@ nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& c
                                  {"accepted", run.accepted},
                                  {"rejected", run.rejected},
                                  {"events", run.events},
+                                 {"crossings", run.crossings},
                                  {"energy_rises", run.energy_rises},
                                  {"max_energy_rise", run.max_energy_rise},
                                  {"passages", run.passages},
@@ -180,7 +181,10 @@ int run_simulate(const SimulateArguments& arguments) {
                     .duration = arguments.duration.value_or(scene.duration),
                     .every = arguments.every,
                     .time_limit = arguments.time_limit.value_or(kInf)};
-  if (!arguments.output.empty()) check_trajectory_file(arguments.output), check_writable(arguments.output);
+  if (!arguments.output.empty()) {
+    check_trajectory_file(arguments.output), check_writable(arguments.output);
+    if (!is_built_in(arguments.scene)) check_apart("--output", arguments.output, "the scene", arguments.scene);
+  }
 
   warn_of_start(system);
   const auto columns = trajectory_columns(scene);
@@ -188,11 +192,10 @@ int run_simulate(const SimulateArguments& arguments) {
   Restart restart;
   if (!arguments.checkpoint.empty()) {
     check_writable(arguments.checkpoint);
-    const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
-    if (!arguments.output.empty() && place(arguments.checkpoint) == place(arguments.output))
-      throw std::invalid_argument("--checkpoint '" + arguments.checkpoint + "' and --output '" + arguments.output +
-                                  "': must be two files");
-    for (const fs::path& left : leftovers_beside(place(arguments.checkpoint))) fs::remove(left);
+    if (!arguments.output.empty()) check_apart("--checkpoint", arguments.checkpoint, "--output", arguments.output);
+    check_takes_checkpoint(arguments.checkpoint);
+    for (const fs::path& left : leftovers_beside(fs::weakly_canonical(fs::absolute(arguments.checkpoint))))
+      fs::remove(left);
     const std::string label = label_of(arguments);
     restart.every = arguments.checkpoint_every;
     restart.save = [&, label](const std::string& bytes) {
@@ -247,16 +250,19 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("scene", arguments->scene, "built-in scene (see `orthant list scenes`) or TOML file")->required();
   command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
-  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
+  const CLI::Validator given([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's")->check(given);
+  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's")->check(given);
   command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--output", arguments->output, "trajectory: .csv, .h5 (HDF5), or .pvd (VTK, for ParaView)");
+  command->add_option("--output", arguments->output, "trajectory: .csv, .h5 (HDF5), or .pvd (VTK, for ParaView)")
+      ->check(given);
   command->add_option("--every", arguments->every, "record every so many steps")
       ->check(CLI::Range(1L, 1'000'000'000'000'000L))
       ->capture_default_str();
-  command->add_option("--checkpoint", arguments->checkpoint, "a file to go on from after a kill, written now and then");
+  command->add_option("--checkpoint", arguments->checkpoint, "a file to go on from after a kill, written now and then")
+      ->check(given);
   command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();

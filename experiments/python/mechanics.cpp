@@ -48,6 +48,7 @@ py::dict summary(const Run& run) {
   d["lcp_solves"] = run.lcp_solves;
   d["lcp_iterations"] = run.lcp_iterations;
   d["events"] = run.events;
+  d["crossings"] = run.crossings;
   d["energy_rises"] = run.energy_rises;
   d["max_energy_rise"] = run.max_energy_rise;
   d["passages"] = run.passages;

@@ -4,11 +4,12 @@
 #include <orthant/integrators/memory.h>
 
 #include <cstdint>
+#include <fstream>
 
 namespace orthant {
 namespace {
 
-constexpr std::string_view kMagic = "orthant checkpoint 1\n";
+constexpr std::string_view kMagic = "orthant checkpoint 1\n", kStart = kMagic.substr(0, 19);  // of any version
 
 /// FNV-1a, 64 bits (Fowler, Noll & Vo): tells damage, not malice.
 std::uint64_t check_sum(std::string_view bytes) {
@@ -27,6 +28,15 @@ void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint) 
   std::uint64_t check = check_sum(body.bytes());
   sum(check);
   write_whole(file, std::string(kMagic) + sum.bytes() + body.bytes());
+}
+
+void check_takes_checkpoint(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string start(kMagic.size(), '\0');
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  if (!start.starts_with(kStart.substr(0, start.size())))
+    throw std::runtime_error(file.string() + ": is no checkpoint, and would be lost: must be one, or not there yet");
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {

@@ -17,6 +17,8 @@ struct Checkpoint {
 };
 
 void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint);
+/// Throws std::runtime_error where another kind of file would be written over.
+void check_takes_checkpoint(const std::filesystem::path& file);
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
 }  // namespace orthant

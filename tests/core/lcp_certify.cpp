@@ -311,6 +311,18 @@ TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
   CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::ray);
 }
 
+TEST_CASE("what only rounding excuses is no solution beside a proof that there is none") {
+  // The second row is three times the first, but for b; a bound of 1e5 makes a miss of 13 small beside the data.
+  Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{4, -1, -3}, {12, -3, -9}, {-2, 13, -1}}), Vector{-2, 4, 2});
+  p.lo = Vector{-kInf, -kInf, 0}, p.hi = Vector{kInf, kInf, 1e5};
+  Judge judge;
+  Solution s;
+  s.z = Vector{-55996559999999.99, -223986240000000, 1e5};
+  s.certificate = Vector{3, -1, 0};
+  judge.certify(p, 1e-12, Status::ray, s);
+  CHECK(s.status == Status::infeasible);
+}
+
 TEST_CASE("proofs with free rows, boxes and friction") {
   CHECK(verdict_on_proof(scalar(0, 1, -kInf, kInf), Vector{-1}) == Status::infeasible);  // 0 z + 1 = 0
   CHECK(verdict_on_proof(scalar(1e-9, 1, -kInf, kInf), Vector{-1}) == Status::ray);

@@ -227,6 +227,13 @@ const Override kBadOverrides[] = {
     {{"contact.foot.muu=1"},
      "override contact.foot.muu=1: contact \"foot\": unknown key \"muu\": must be one of type, name, body, point"},
     {{"contact.foot.mu=0.1", "contact.foot.mu=0.2"}, "override contact.foot.mu=0.2: is given twice"},
+    {{"contact.foot.mu=0.1", "contact.foot.mu =0.1"}, "override contact.foot.mu =0.1: is given twice"},
+    {{"step=1e-3", "\"step\"=1e-4"}, "override \"step\"=1e-4: is given twice"},
+    {{"contact.foot.wall.normal=[1, 0]", "contact.foot.wall={normal = [0, 1]}"},
+     "override contact.foot.wall={normal = [0, 1]}: is given twice"},
+    {{"contact.foot.wall={normal = [0, 1]}", "contact.foot.wall.normal=[1, 0]"},
+     "override contact.foot.wall.normal=[1, 0]: is given twice"},
+    {{"step=1e-3\nduration=1"}, "must be one line"},
     {{"contact.foot.mu=-1"}, "override contact.foot.mu=-1: contact \"foot\": mu = -1: must be >= 0"},
     {{"contact.foot.mu.x=1"}, "override contact.foot.mu.x=1: contact \"foot\": mu = "},
     {{"contact.foot.wall.tilt=1"}, "override contact.foot.wall.tilt=1: contact \"foot\": unknown key \"wall.tilt\""},
@@ -294,6 +301,7 @@ TEST_CASE("hostile text is refused: deep, long, binary, cut off") {
     CHECK(contains(long_one, "must "));
     CHECK(long_one.size() < 1100);
   }
+  CHECK(contains(error_of("[[body]]\nname = \"a\\u0000b\"\nmass = -1\ninertia = 1"), "body \"a\\0b\""));
   CHECK(error_of(repeated("[[body]]\n", 1000)).starts_with("s.toml:1: body"));
 
   const std::string whole = contents(kCore / "scenes" / "slider_crank.toml");

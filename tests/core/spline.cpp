@@ -45,6 +45,7 @@ TEST_CASE("a spline's points are refused in words") {
   CHECK_THROWS_WITH_AS(Spline({0, 0}, {1, 2}), "times: must be ascending", std::invalid_argument);
   CHECK_THROWS_WITH_AS(Spline({0, 1}, {1, std::numeric_limits<double>::quiet_NaN()}), "values: must be finite",
                        std::invalid_argument);
+  CHECK_THROWS_WITH_AS(Spline({-1e308, 1e308}, {0, 1}), "times: must span a finite time", std::invalid_argument);
   for (const double apart : {1e-300, 1e-160})
     CHECK_THROWS_WITH_AS(Spline({0, apart, 1}, {0, 1, 2}),
                          "times: must be so far apart that the values' slopes and curvatures are finite",

@@ -63,6 +63,9 @@ TEST_CASE("a checkpoint of another run, a damaged one and none are told in words
     says(here.command("--checkpoint c.ckpt.csv --output " + std::string(same)),
          ("--checkpoint 'c.ckpt.csv' and --output '" + std::string(same) + "': must be two files").c_str());
   says(here.command("--resume"), "--resume: needs --checkpoint");
+  here.write("letter.txt", "keep me");
+  says(here.command("--checkpoint letter.txt"), "letter.txt: is no checkpoint, and would be lost");
+  CHECK(slurp(here.path / "letter.txt") == "keep me");
   std::string bytes = slurp(here.path / "c.ckpt");
   bytes[bytes.size() / 2] ^= 1;
   here.write("c.ckpt", bytes);

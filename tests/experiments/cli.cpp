@@ -4,6 +4,7 @@
 #include <H5Cpp.h>
 #include <doctest/doctest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"
@@ -86,14 +87,15 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
   folder.write("missing_body.toml", body +
                                         "[[contact]]\ntype = 'corner-wall'\nname = 'c'\nbody = 'nobody'\n"
                                         "point = [0, 0]\nwall = {body = 'ground', point = [0, 0], normal = [0, 1]}\n");
-  folder.write("one_body.toml", body);
+  folder.write("one_body.toml", body), folder.write("kept.csv", body);
+  REQUIRE(::mkfifo((folder.path / "pipe").c_str(), 0600) == 0);
   folder.write("broken.toml", "gravity = [0, \n");
   folder.write("nonsquare.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n2\n");
   folder.write("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n-1\n");
   folder.write("nan.mtx", "%%MatrixMarket matrix array real general\n1 1\nnan\n");
   folder.write("q1.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
 
-  const std::array<std::array<std::string, 2>, 25> bad = {{
+  const std::array<std::array<std::string, 2>, 31> bad = {{
       {"simulate no_such_scene", "no_such_scene"},
       {"simulate missing.toml", "missing.toml"},
       {"simulate negative.toml", "mass"},
@@ -102,6 +104,12 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
       {"simulate missing_body.toml", "nobody"},
       {"simulate broken.toml", "broken.toml"},
       {"simulate slider_crank --step 0", "step"},
+      {"simulate slider_crank --step ''", "--step: must not be empty"},
+      {"simulate slider_crank --output ''", "--output: must not be empty"},
+      {"simulate kept.csv --output ./kept.csv", "--output './kept.csv' and the scene 'kept.csv': must be two files"},
+      {"simulate one_body.toml --checkpoint one_body.toml", "one_body.toml: is no checkpoint, and would be lost"},
+      {"report kept.csv --output kept.csv", "--output 'kept.csv' and the results 'kept.csv': must be two files"},
+      {"results pipe", "pipe: is no regular file"},
       {"simulate slider_crank --step -1e-3", "step"},
       {"simulate slider_crank --step nan", "step"},
       {"simulate slider_crank --step 1e-5x", "step"},
@@ -392,6 +400,17 @@ TEST_CASE("a run that enters a limit of the numbers is told which, by name, and 
   CHECK(holds(swings, "spring \"s\" swings by 2 rad in a step"));
   CHECK(lines(swings) == 1);
   CHECK(folder.orthant("simulate limits.toml --integrator adaptive").err.empty());
+
+  std::string crushed = "gravity = [0, -9.81]\nduration = 0.6\nstep = 1e-2\n";  // the light disc, by the heavy one
+  for (const auto& [name, mass, place] : {std::array{"a", "1", "0, 0.21"}, std::array{"b", "1000", "-0.0313, 0.7273"}})
+    crushed += "[[body]]\nname = '" + std::string(name) + "'\nmass = " + mass + "\ninertia = 0.02\nposition = [" +
+               place + "]\n[[contact]]\ntype = 'disc-wall'\nbody = '" + name +
+               "'\nradius = 0.2\nwall = {normal = [0, 1]}\nmu = 0.1\ne_n = 0.8\n";
+  folder.write("crushed.toml", crushed +
+                                   "[[contact]]\ntype = 'disc-disc'\nbodies = ['a', 'b']\nradius_a = 0.2\n"
+                                   "radius_b = 0.2\nmu = 0.1\ne_n = 0.8\n");
+  CHECK(holds(folder.orthant("simulate crushed.toml --integrator event-driven").err,
+              "crowds of events were crossed in "));
 }
 
 TEST_CASE("orthant list names everything, with options") {

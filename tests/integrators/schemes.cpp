@@ -9,6 +9,7 @@
 #include <orthant/core/scenes/n_four_bar.h>
 #include <orthant/core/scenes/oscillator.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/support/spline.h>
 
 #include <doctest/doctest.h>
 
@@ -460,6 +461,19 @@ TEST_CASE("a start that breaks its joints is moved onto them, the same way by al
     const Run r = run_for(scene, duration, entry.name, h);
     CHECK(r.status == Status::solved);
     CHECK((r.final.q - exact.final.q).lpNorm<Eigen::Infinity>() <= 1e-3);
+  }
+}
+
+TEST_CASE("joints that a step leaves open end the run, however long its path was") {
+  Scene scene;
+  const BodyId wheel = scene.body({.name = "wheel", .mass = 1, .inertia = 1});
+  scene.joint(Revolute{"pin", kGround, wheel});
+  scene.joint(Drive{"drive", Angle{kGround, wheel}, {.table = Spline({0, 1e-30, 1}, {0, 1e-3, 1})}});
+  for (const std::string_view scheme :
+       {"moreau-jean", "stewart-trinkle", "paoli-schatzman", "rattle", "generalized-alpha"}) {
+    CAPTURE(scheme);
+    const Run r = run_for(scene, 1, scheme, 1e-2);
+    if (r.status == Status::solved) CHECK(r.final.q[2] == doctest::Approx(1).epsilon(1e-6));
   }
 }
 

@@ -117,6 +117,16 @@ TEST_CASE("Lemke ends honestly at its pivot limit; its rescue takes other paths"
   CHECK(s.status == Status::iteration_limit);
 }
 
+TEST_CASE("Lemke: a friction force that is small beside its bound is not lost in the shift by it") {
+  Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{0.001, 0}, {0, 2}}), Vector{-0.001, -3e-14});
+  p.lo[1] = -kInf;
+  p.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  Lemke lemke;
+  Solution s;
+  CHECK(lemke.solve(p, s).status == Status::solved);
+  CHECK(s.z[1] == doctest::Approx(1.5e-14).epsilon(1e-9));
+}
+
 TEST_CASE("Lemke: bounds that overflow when shifted end honestly, in every stage") {
   for (const double lo : {5.0, 50.0, 100.0}) {
     Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Constant(1, 1, 1e308)), Vector{-1});

@@ -4,7 +4,7 @@
 #include <orthant/core/support/toml_nesting.h>
 
 #include <algorithm>
-#include <set>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -27,15 +27,47 @@ void merge(toml::table&& from, toml::table& into) {
   }
 }
 
-std::string_view key_of(std::string_view override_text) { return override_text.substr(0, override_text.find('=')); }
+using Path = std::vector<std::string>;  // of keys, from the root
 
-void apply_override(toml::table& root, std::string_view override_text) {
+/// Where each value of `from` goes, as merge() takes them.
+void list_paths(const toml::table& from, const Path& above, std::vector<Path>& all) {
+  for (const auto& [key, node] : from) {
+    Path path = above;
+    path.emplace_back(key.str());
+    const toml::table* inner = node.as_table();
+    if (inner != nullptr && !inner->is_inline())
+      list_paths(*inner, path, all);
+    else
+      all.push_back(std::move(path));
+  }
+}
+
+/// One is the other, or above it.
+bool meet(const Path& a, const Path& b) {
+  return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(std::min(a.size(), b.size())), b.begin());
+}
+
+/// `paths`: where what has been put in is; this one's are added.
+void apply_override(toml::table& root, std::string_view override_text, std::vector<Path>& paths) {
   const std::string name = std::string(kOverride) + std::string(override_text);
-  const auto path = key_of(override_text);
+  if (const auto end = override_text.find('\n'); end != std::string_view::npos)
+    throw std::invalid_argument(std::string(kOverride) + std::string(override_text.substr(0, end)) +
+                                " ...: must be one line");
+  const auto put = [&](std::string_view text, const Path& above, toml::table& into) {
+    toml::table values = parse(text, name);
+    std::vector<Path> added;
+    list_paths(values, above, added);
+    for (const Path& path : added)
+      if (std::any_of(paths.begin(), paths.end(), [&](const Path& other) { return meet(path, other); }))
+        throw std::invalid_argument(name + ": is given twice");
+    std::move(added.begin(), added.end(), std::back_inserter(paths));
+    merge(std::move(values), into);
+  };
+  const auto path = override_text.substr(0, override_text.find('='));
   if (path.size() == override_text.size()) throw std::invalid_argument(name + ": must have the form key=value");
   const auto dot = path.find('.');
   const auto kind = path.substr(0, dot);
-  if (dot == std::string_view::npos) return merge(parse(override_text, name), root);
+  if (dot == std::string_view::npos) return put(override_text, {}, root);
   if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
     throw std::invalid_argument(name + ": unknown kind " + in_quotes(kind) + ": must be one of " +
                                 join({kKinds.begin(), kKinds.end()}));
@@ -49,7 +81,7 @@ void apply_override(toml::table& root, std::string_view override_text) {
       toml::node& element = *elements->get(i);
       present.push_back(name_of(element, kind, i));
       if (present.back() == wanted && element.is_table())
-        return merge(parse(override_text.substr(second_dot + 1), name), *element.as_table());
+        return put(override_text.substr(second_dot + 1), {std::string(kind), present.back()}, *element.as_table());
     }
   throw std::invalid_argument(name + ": no " + std::string(kind) + " is named " + in_quotes(wanted) +
                               ": must be one of " + (present.empty() ? "(the scene has none)" : join(present)));
@@ -105,12 +137,8 @@ std::string name_of(const toml::node& element, std::string_view kind, std::size_
 }
 
 void apply_overrides(toml::table& root, std::span<const std::string> overrides) {
-  std::set<std::string_view> given;
-  for (const std::string& one : overrides) {
-    if (!given.insert(key_of(one)).second)
-      throw std::invalid_argument(std::string(kOverride) + one + ": is given twice");
-    apply_override(root, one);
-  }
+  std::vector<Path> paths;
+  for (const std::string& one : overrides) apply_override(root, one, paths);
 }
 
 }  // namespace orthant::scene_file

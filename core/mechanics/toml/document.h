@@ -3,6 +3,7 @@
 // Not installed: TOML stays inside core.
 #pragma once
 
+#include <orthant/core/support/shortened.h>
 #include <toml++/toml.h>
 
 #include <array>
@@ -13,7 +14,7 @@
 
 namespace orthant::scene_file {
 
-inline std::string in_quotes(std::string_view s) { return std::string("\"").append(s).append("\""); }
+inline std::string in_quotes(std::string_view s) { return '"' + without_end(s) + '"'; }
 
 std::string join(const std::vector<std::string>& words);
 
@@ -29,7 +30,8 @@ toml::table parse(std::string_view text, const std::string& name);
 /// An element's own name, or the one it gets from its place.
 std::string name_of(const toml::node& element, std::string_view kind, std::size_t index);
 
-/// "contact.corner1.mu=0.1": what follows kind and name is TOML as it would stand in that element. No key twice.
+/// "contact.corner1.mu=0.1": what follows kind and name is one line of TOML as it would stand in that element. No key twice, nor
+/// one within another.
 void apply_overrides(toml::table& root, std::span<const std::string> overrides);
 
 }  // namespace orthant::scene_file
