@@ -231,7 +231,8 @@ void Results::run(const std::string& sql) const {
 Results::Results(const std::filesystem::path& file, Open open, double patience) : file_(file) {
   std::error_code none;
   if (std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
-    throw std::runtime_error("cannot use " + file.string() + ": is no regular file");
+    throw std::runtime_error("cannot use " + file.string() + ": it is " +
+                             (std::filesystem::is_directory(file, none) ? "a folder" : "no regular file"));
   const int flags = open == read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   try {
     const bool alone = open == read_only && fixed(file);

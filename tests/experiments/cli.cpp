@@ -109,7 +109,7 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
       {"simulate kept.csv --output ./kept.csv", "--output './kept.csv' and the scene 'kept.csv': must be two files"},
       {"simulate one_body.toml --checkpoint one_body.toml", "one_body.toml: is no checkpoint, and would be lost"},
       {"report kept.csv --output kept.csv", "--output 'kept.csv' and the results 'kept.csv': must be two files"},
-      {"results pipe", "pipe: is no regular file"},
+      {"results pipe", "pipe: it is no regular file"},
       {"simulate slider_crank --step -1e-3", "step"},
       {"simulate slider_crank --step nan", "step"},
       {"simulate slider_crank --step 1e-5x", "step"},
