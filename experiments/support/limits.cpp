@@ -33,7 +33,8 @@ std::vector<std::string> limits_entered(const System& system, const Run& run, st
                                 " contacts between such bodies may not be solved"));
   if (run.crossings > 0)
     limits.push_back(words_of("crowds of events were crossed in ", run.crossings,
-                              " steps of first order, whatever the tolerance: the motion may depend on them"));
+                              run.crossings == 1 ? " step" : " steps",
+                              " of first order, whatever the tolerance: the motion may depend on that"));
   double far = 0, turned = 0;
   for (const State& x : {system.initial_state(), run.final})
     for (Index i = 0; i < x.q.size(); ++i) {
