@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   app.add_option("--output", plan.output, "folder for tables and manifest")->capture_default_str();
   app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...; default: all of the registry");
   app.add_option("--rivals", plan.rivals, "folder of rivals' drivers; they take part as well");
-  app.add_option("--families", plan.choice.families, "names of core/lcp/families.h, known, steps; default: all");
+  app.add_option("--families", plan.choice.families, "names of core/lcp/problems/families.h, known, steps; default: all");
   app.add_option("--scenes", plan.choice.scenes, "scenes whose steps are recorded")->capture_default_str();
   app.add_option("--problems", plan.choice.problems, "problem files as well");
   const auto* largest = app.add_option("--largest", plan.choice.largest, "no families' problems larger than this")

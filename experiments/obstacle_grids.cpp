@@ -6,7 +6,7 @@
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/registry.h>
 #include <orthant/solvers/sparse_cholesky.h>
 

@@ -15,7 +15,7 @@
 #include "support/manifest.h"
 #include "support/progress.h"
 
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
 #include <orthant/solvers/registry.h>

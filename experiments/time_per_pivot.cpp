@@ -6,7 +6,7 @@
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
 #include <CLI/CLI.hpp>

@@ -1,6 +1,6 @@
 #include <orthant/solvers/enumerate.h>
 
-#include <orthant/core/support/exact.h>
+#include <orthant/core/lcp/judge/exact.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include <orthant/solvers/farkas_simplex.h>
 
-#include <orthant/core/lcp/definite.h>
+#include <orthant/core/lcp/judge/definite.h>
 
 #include <Eigen/SparseLU>
 #include <coin/ClpEventHandler.hpp>

@@ -1,6 +1,6 @@
 #include <orthant/solvers/interior_point.h>
 
-#include <orthant/core/lcp/definite.h>
+#include <orthant/core/lcp/judge/definite.h>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // solvers/solver.h — the interface that all solvers share.
 #pragma once
 
-#include <orthant/core/lcp/certify.h>
+#include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/farkas.h>

@@ -5,7 +5,7 @@
 //   do not, at some 60 times the cost of double. Rationals round nothing at all: for small problems the path is exact.
 #pragma once
 
-#include <orthant/core/support/exact.h>
+#include <orthant/core/lcp/judge/exact.h>
 #include <orthant/solvers/tableau.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>

@@ -5,8 +5,8 @@
 // tests/integrators/speed.cpp, as ratios.
 #include "experiments/support/reference_kernel.h"
 
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/pile.h>

@@ -2,7 +2,7 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
-#include <orthant/core/lcp/analyse.h>
+#include <orthant/core/lcp/judge/analyse.h>
 #include <orthant/solvers/budget.h>
 
 #include <nlohmann/json.hpp>

@@ -2,7 +2,7 @@
 
 #include "../support/problem_file.h"
 
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
 
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 #include <orthant/core/mechanics/broad_phase.h>
 #include <orthant/core/mechanics/redundancy.h>
 #include <orthant/core/mechanics/scene_toml.h>

@@ -2,8 +2,8 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
-#include <orthant/core/lcp/active_set.h>
-#include <orthant/core/lcp/error_bound.h>
+#include <orthant/core/lcp/judge/active_set.h>
+#include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // An American put option: one complementarity problem a time step, value and exercise boundary together.
-#include <orthant/core/lcp/american_put.h>
+#include <orthant/core/lcp/problems/american_put.h>
 #include <orthant/solvers/registry.h>
 
 #include <iostream>

@@ -6,11 +6,11 @@
 
 #include "../support/problem_file.h"
 
-#include <orthant/core/lcp/active_set.h>
-#include <orthant/core/lcp/analyse.h>
-#include <orthant/core/lcp/error_bound.h>
-#include <orthant/core/lcp/io.h>
-#include <orthant/core/lcp/io_fclib.h>
+#include <orthant/core/lcp/judge/active_set.h>
+#include <orthant/core/lcp/judge/analyse.h>
+#include <orthant/core/lcp/judge/error_bound.h>
+#include <orthant/core/lcp/files/io.h>
+#include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/registry.h>

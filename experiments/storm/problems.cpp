@@ -1,6 +1,6 @@
 #include "problems.h"
 
-#include <orthant/core/lcp/families.h>
+#include <orthant/core/lcp/problems/families.h>
 
 #include <Eigen/Core>
 

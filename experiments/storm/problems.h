@@ -4,7 +4,7 @@
 //   sparse storage take turns. Where an answer is known by construction it comes along.
 #pragma once
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <optional>
 #include <span>

@@ -1,4 +1,4 @@
-// experiments/support/independent_judge.h — a second judge, written apart from core/lcp/certify.cpp: in long double, entry by entry.
+// experiments/support/independent_judge.h — a second judge, written apart from core/lcp/judge/certify.cpp: in long double, entry by entry.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

@@ -1,6 +1,6 @@
 #include "lcp_cases.h"
 
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>

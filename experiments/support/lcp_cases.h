@@ -1,12 +1,12 @@
 // experiments/support/lcp_cases.h — the problems that solvers are compared on, from four places, made when needed.
 //
-//   families       core/lcp/families.h: size × hardness × seed
-//   "known"        core/lcp/collection.h: small ones with exact answers
-//   "file"         problem files (core/lcp/io.h)
+//   families       core/lcp/problems/families.h: size × hardness × seed
+//   "known"        core/lcp/problems/collection.h: small ones with exact answers
+//   "file"         problem files (core/lcp/files/io.h)
 //   "steps"        the problems of a scene's time steps, recorded from a run
 #pragma once
 
-#include <orthant/core/lcp/families.h>
+#include <orthant/core/lcp/problems/families.h>
 
 #include <functional>
 #include <optional>

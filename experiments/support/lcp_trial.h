@@ -1,7 +1,7 @@
 // experiments/support/lcp_trial.h — one solver on one problem: what it claims, what that is worth, what it cost.
 #pragma once
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 #include "problem_file.h"
 
-#include <orthant/core/lcp/io.h>
-#include <orthant/core/lcp/io_fclib.h>
+#include <orthant/core/lcp/files/io.h>
+#include <orthant/core/lcp/files/io_fclib.h>
 
 namespace orthant {
 

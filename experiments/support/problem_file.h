@@ -7,7 +7,7 @@
 
 namespace orthant {
 
-/// By the name's end: .hdf5, .h5 FCLIB (core/lcp/io_fclib.h), else a JSON problem file (core/lcp/io.h).
+/// By the name's end: .hdf5, .h5 FCLIB (core/lcp/files/io_fclib.h), else a JSON problem file (core/lcp/files/io.h).
 Lcp read_problem_file(const std::filesystem::path& file);
 
 }  // namespace orthant

@@ -4,7 +4,7 @@
 #include "vtk_files.h"
 
 #include <orthant/core/support/file.h>
-#include <orthant/core/support/hdf5_image.h>
+#include <orthant/core/lcp/files/hdf5_image.h>
 
 namespace orthant {
 namespace {

@@ -6,7 +6,7 @@
 #include "experiments/support/manifest.h"
 #include "experiments/support/trajectory.h"
 
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
 #include <orthant/core/support/options.h>

@@ -1,8 +1,8 @@
 // What kind of matrix: against brute force in rationals, and on matrices whose kind is known.
-#include <orthant/core/lcp/analyse.h>
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/definite.h>
-#include <orthant/core/support/exact.h>
+#include <orthant/core/lcp/judge/analyse.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/judge/definite.h>
+#include <orthant/core/lcp/judge/exact.h>
 
 #include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>

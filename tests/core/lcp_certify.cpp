@@ -1,5 +1,5 @@
-#include <orthant/core/lcp/certify.h>
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/judge/certify.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,9 @@
 // Bounds on the error, and where rows stand: against planted solutions and complete solution sets.
-#include <orthant/core/lcp/active_set.h>
-#include <orthant/core/lcp/analyse.h>
-#include <orthant/core/lcp/certify.h>
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/error_bound.h>
+#include <orthant/core/lcp/judge/active_set.h>
+#include <orthant/core/lcp/judge/analyse.h>
+#include <orthant/core/lcp/judge/certify.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/solvers/enumerate.h>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
-#include <orthant/core/lcp/american_put.h>
-#include <orthant/core/lcp/certify.h>
-#include <orthant/core/lcp/contact_piles.h>
-#include <orthant/core/lcp/families.h>
+#include <orthant/core/lcp/problems/american_put.h>
+#include <orthant/core/lcp/judge/certify.h>
+#include <orthant/core/lcp/problems/contact_piles.h>
+#include <orthant/core/lcp/problems/families.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // Contact problems in the FCLIB format: written and read back, solved, and one clear line for files that lie.
-#include <orthant/core/lcp/contact_piles.h>
-#include <orthant/core/lcp/io_fclib.h>
+#include <orthant/core/lcp/problems/contact_piles.h>
+#include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 

@@ -3,7 +3,7 @@
 #include "experiments/storm/exact_judge.h"
 #include "experiments/storm/shrink.h"
 
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

@@ -2,7 +2,7 @@
 // that are damaged, locked, on a full or a read-only disk.
 #include "experiments/sweep/run.h"
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>

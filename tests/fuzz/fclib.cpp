@@ -1,4 +1,4 @@
-#include <orthant/core/lcp/io_fclib.h>
+#include <orthant/core/lcp/files/io_fclib.h>
 
 #include "target.h"
 

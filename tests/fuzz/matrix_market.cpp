@@ -1,4 +1,4 @@
-#include <orthant/core/lcp/io.h>
+#include <orthant/core/lcp/files/io.h>
 
 #include "target.h"
 

@@ -1,5 +1,5 @@
 // Every parser on its seeds and on thousands of mutations of them, the same ones in each run; the long run: preset fuzz.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 

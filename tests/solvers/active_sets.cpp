@@ -1,6 +1,6 @@
 // Methods that search for the right active rows: murty, block-pivot, newton-min, newton-fb.
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/block_pivot.h>
 #include <orthant/solvers/murty.h>
 #include <orthant/solvers/newton_fb.h>

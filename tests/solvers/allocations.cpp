@@ -1,5 +1,5 @@
 // From the second problem of a size on, a solver allocates nothing: a loop over the registry.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 // Libraries under the solvers that fail: without memory a sparse factorization is refused, and the solver says so.
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/registry.h>
 #include <orthant/solvers/sparse_cholesky.h>
 

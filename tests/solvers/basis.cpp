@@ -1,6 +1,6 @@
 #include <orthant/solvers/basis.h>
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 #include <Eigen/Dense>

@@ -1,5 +1,5 @@
 // Every solver ends when its time is over or the caller raises the flag, wherever in its work that finds it.
-#include <orthant/core/lcp/families.h>
+#include <orthant/core/lcp/problems/families.h>
 #include <orthant/core/support/options.h>
 #include <orthant/solvers/registry.h>
 

@@ -1,5 +1,5 @@
 // Principal pivoting: dantzig, and what it shares with the other pivoting and active-set methods.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/dantzig.h>
 #include <orthant/solvers/registry.h>
 

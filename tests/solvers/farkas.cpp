@@ -1,5 +1,5 @@
 // Proofs that there is no solution, on problems too large for a dense tableau.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/farkas.h>
 #include <orthant/solvers/lemke.h>
 #include <orthant/solvers/registry.h>

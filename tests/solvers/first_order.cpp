@@ -1,7 +1,7 @@
 // First-order methods: psor, sgs, jacobi, nncg, apgd, mprgp, admm (pgs also has a file of its own).
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/contact_piles.h>
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/problems/contact_piles.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/lemke.h>
 #include <orthant/solvers/registry.h>
 

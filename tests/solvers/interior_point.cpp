@@ -1,6 +1,6 @@
 // interior-point: monotone problems of every kind, exactly; catalogue cases; proofs; warm start; obstacles of 256² nodes.
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/interior_point.h>
 #include <orthant/solvers/registry.h>
 #include <orthant/solvers/sparse_cholesky.h>

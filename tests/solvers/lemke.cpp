@@ -1,6 +1,6 @@
 #include <orthant/solvers/lemke.h>
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/delayed_pivots.h>
 #include <orthant/solvers/enumerate.h>
 

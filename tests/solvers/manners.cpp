@@ -1,6 +1,6 @@
 // The library is a guest in its host's process: it never ends it, prints nothing, and leaves rounding, floating-point
 // exceptions, locale and signal handlers as they were.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

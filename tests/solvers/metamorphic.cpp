@@ -1,6 +1,6 @@
 // What must not depend on how a problem is put: the order of its rows, their units, their sign, the storage, a second
 // copy beside it, the start, what was solved before. Every registered solver; the answer in the new words must be the old answer.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 // Solvers that minimize and polish: ipopt and nlopt, in builds that have them; what the others answer.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 #include <orthant/solvers/path.h>
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 

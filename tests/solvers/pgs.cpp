@@ -1,6 +1,6 @@
 #include <orthant/solvers/pgs.h>
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/lemke.h>
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 // Systems with principal blocks, dense and sparse, of every definiteness.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/principal_block.h>
 #include <orthant/solvers/sparse_cholesky.h>
 

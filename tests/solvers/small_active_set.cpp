@@ -1,6 +1,6 @@
 // The bold first try of `auto`: what it claims holds, and it claims what it is there for.
-#include <orthant/core/lcp/collection.h>
-#include <orthant/core/lcp/families.h>
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/problems/families.h>
 #include <orthant/solvers/dense_lu.h>
 #include <orthant/solvers/few_lu.h>
 #include <orthant/solvers/kernels.h>

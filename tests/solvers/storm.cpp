@@ -1,4 +1,4 @@
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/enumerate.h>
 #include <orthant/solvers/registry.h>
 

@@ -1,5 +1,5 @@
 // Solvers share nothing: in several threads at once each gives the bits that it gives alone.
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

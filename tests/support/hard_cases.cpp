@@ -1,6 +1,6 @@
 #include "hard_cases.h"
 
-#include <orthant/core/lcp/obstacles.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 // ones of the same families. The answers are exact, or come from an independent computation named beside them.
 #pragma once
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <functional>
 #include <string>

@@ -1,7 +1,7 @@
 // tests/support/work.h — what is watched for its speed: timed by integrators/speed.cpp, counted by tests/instructions.
 #pragma once
 
-#include <orthant/core/lcp/collection.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/pile.h>
 #include <orthant/core/scenes/slider_crank.h>

@@ -1,0 +1,285 @@
+#include <orthant/core/lcp/files/io.h>
+#include <orthant/core/lcp/files/io_fclib.h>
+
+#include <orthant/core/support/file.h>
+#include <orthant/core/lcp/files/hdf5_image.h>
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
+
+#include <H5Cpp.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+constexpr std::uintmax_t kLargestDataset = 1 << 30;  // [bytes] as numbers in memory: in the file it may be packed
+
+/// One file's datasets, by path; every complaint names both.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : name_(file.string()) {
+    check_readable(file);
+    check_size(name_, std::filesystem::file_size(file), largest_input(kLargestProblem));
+    try {
+      file_.openFile(name_, H5F_ACC_RDONLY);
+    } catch (const H5::Exception&) {
+      throw std::runtime_error(name_ + ": is no HDF5 file, or a broken one");
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& path, const std::string& rule) const {
+    throw std::runtime_error(name_ + ": " + path + " " + rule);
+  }
+  bool has(const std::string& path) const {
+    for (std::size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1))
+      if (H5Lexists(file_.getId(), path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+    return H5Lexists(file_.getId(), path.c_str(), H5P_DEFAULT) > 0;
+  }
+
+  template <class Number> std::vector<Number> list(const std::string& path) const {
+    if (!has(path)) refuse(path, "is missing");
+    try {
+      const H5::DataSet set = file_.openDataSet(path);
+      const H5T_class_t kind = set.getTypeClass();
+      if (kind != H5T_INTEGER && !(kind == H5T_FLOAT && std::is_floating_point_v<Number>))
+        refuse(path, std::is_floating_point_v<Number> ? "must hold numbers" : "must hold whole numbers");
+      const hssize_t count = set.getSpace().getSimpleExtentNpoints();
+      if (count < 0 || static_cast<hsize_t>(count) > UINTMAX_MAX / sizeof(double))
+        refuse(path, "has " + std::to_string(count) + " entries");
+      check_size(name_ + ": " + path, static_cast<std::uintmax_t>(count) * sizeof(double),
+                 largest_input(kLargestDataset));
+      std::vector<Number> values(static_cast<std::size_t>(count));
+      if (count > 0)
+        set.read(values.data(),
+                 std::is_floating_point_v<Number> ? H5::PredType::NATIVE_DOUBLE : H5::PredType::NATIVE_INT);
+      return values;
+    } catch (const H5::Exception&) {
+      refuse(path, "cannot be read");
+    }
+  }
+  int whole(const std::string& path) const {
+    const auto values = list<int>(path);
+    if (values.size() != 1) refuse(path, "must be one number");
+    return values.front();
+  }
+  Vector numbers(const std::string& path, Index n) const {
+    const auto values = list<double>(path);
+    if (static_cast<Index>(values.size()) != n)
+      refuse(path, "has " + std::to_string(values.size()) + " entries: must have " + std::to_string(n));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i])) refuse(path + "[" + std::to_string(i) + "]", "must be finite");
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), n);
+  }
+  std::string text(const std::string& path) const {
+    if (!has(path)) return {};
+    try {
+      const H5::DataSet set = file_.openDataSet(path);
+      std::string words;
+      if (set.getTypeClass() == H5T_STRING && set.getStorageSize() < 1 << 16) set.read(words, set.getStrType());
+      return words.c_str();  // up to the first NUL
+    } catch (const H5::Exception&) {
+      return {};  // words are no reason to lose a problem
+    }
+  }
+
+  Sparse matrix(const std::string& path) const {
+    const int m = whole(path + "/m"), n = whole(path + "/n"), nz = whole(path + "/nz");
+    if (m < 0 || n < 0) refuse(path, "is " + std::to_string(m) + " x " + std::to_string(n) + ": sizes must be >= 0");
+    if (nz < -2) refuse(path + "/nz", "= " + std::to_string(nz) + ": must be >= 0, -1 (columns) or -2 (rows)");
+    std::vector<int> p = list<int>(path + "/p"), i = list<int>(path + "/i");
+    const Vector x = numbers(path + "/x", static_cast<Index>(i.size()));
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto add = [&](int row, int column, std::size_t k) {
+      if (row < 0 || row >= m || column < 0 || column >= n)
+        refuse(path, "has an entry at (" + std::to_string(row) + ", " + std::to_string(column) + "): must be within " +
+                         std::to_string(m) + " x " + std::to_string(n));
+      entries.emplace_back(row, column, x[static_cast<Index>(k)]);
+    };
+    if (nz >= 0) {
+      const auto count = static_cast<std::size_t>(nz);
+      if (p.size() < count || i.size() < count)
+        refuse(path + "/nz", "= " + std::to_string(nz) + ": must not exceed the lengths of p and i");
+      for (std::size_t k = 0; k < count; ++k) add(i[k], p[k], k);
+    } else {
+      const auto outer = static_cast<std::size_t>(nz == -1 ? n : m);
+      if (p.size() != outer + 1 || p.front() != 0 || !std::is_sorted(p.begin(), p.end()) ||
+          static_cast<std::size_t>(p.back()) > i.size())
+        refuse(path + "/p", "must ascend from 0 to the number of entries, one more than there are " +
+                                std::string(nz == -1 ? "columns" : "rows"));
+      for (std::size_t o = 0; o < outer; ++o)
+        for (auto k = static_cast<std::size_t>(p[o]); k < static_cast<std::size_t>(p[o + 1]); ++k)
+          nz == -1 ? add(i[k], static_cast<int>(o), k) : add(static_cast<int>(o), i[k], k);
+    }
+    Sparse A(m, n);
+    A.setFromTriplets(entries.begin(), entries.end());
+    return A;
+  }
+
+ private:
+  std::string name_;
+  H5::H5File file_;
+};
+
+bool is_diagonal(const Sparse& A) {
+  for (Index i = 0; i < A.outerSize(); ++i)
+    for (Sparse::InnerIterator it(A, i); it; ++it)
+      if (it.col() != i && it.value() != 0) return false;
+  return true;
+}
+
+void read_local(const Reader& in, Lcp& problem) {
+  for (const char* unknown : {"fclib_local/V", "fclib_local/R"})
+    if (in.has(unknown)) in.refuse(unknown, "brings further unknowns: must be absent");
+  const Sparse W = in.matrix("fclib_local/W");
+  if (W.rows() != W.cols()) in.refuse("fclib_local/W", "must be square");
+  problem.A = RowSparse::from(W);
+  problem.b = in.numbers("fclib_local/vectors/q", W.rows());
+}
+
+/// Returns the rows of the contacts; those of G stand behind them.
+Index read_global(const Reader& in, Lcp& problem) {
+  const Sparse M = in.matrix("fclib_global/M"), H = in.matrix("fclib_global/H");
+  const Index m = M.rows();
+  if (M.cols() != m || H.rows() != m) in.refuse("fclib_global/M", "must be square, with as many rows as H");
+  const Vector f = in.numbers("fclib_global/vectors/f", m), w = in.numbers("fclib_global/vectors/w", H.cols());
+  Sparse J = H.transpose();
+  Eigen::VectorXd b = w;
+  if (in.has("fclib_global/G")) {
+    const Sparse G = in.matrix("fclib_global/G");
+    if (G.rows() != m) in.refuse("fclib_global/G", "must have as many rows as M");
+    Sparse both(H.cols() + G.cols(), m);
+    both.topRows(H.cols()) = J, both.bottomRows(G.cols()) = Sparse(G.transpose());
+    J = both;
+    b.conservativeResize(J.rows());
+    b.tail(G.cols()) = in.numbers("fclib_global/vectors/b", G.cols());
+  }
+  if (is_diagonal(M)) {
+    Delassus A{RowSparse::from(J), Eigen::VectorXd(M.diagonal().cwiseInverse()), {}};
+    for (Index i = 0; i < m; ++i)
+      if (!(A.inverse_mass[i] > 0 && A.inverse_mass[i] < kInf))
+        in.refuse("fclib_global/M", "has " + std::to_string(M.coeff(i, i)) + " on its diagonal: must be > 0");
+    problem.b = b + J * Eigen::VectorXd(A.inverse_mass.cwiseProduct(f));
+    problem.A = std::move(A);
+    return H.cols();
+  }
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{Eigen::SparseMatrix<double>(M)};
+  if (lu.info() != Eigen::Success) in.refuse("fclib_global/M", "is singular: must have an inverse");
+  const Eigen::SparseMatrix<double> X = lu.solve(Eigen::SparseMatrix<double>(J.transpose()));
+  problem.A = RowSparse::from(Sparse(J * X));
+  problem.b = b + J * Eigen::VectorXd(lu.solve(Eigen::VectorXd(f)));
+  return H.cols();
+}
+
+void write_matrix(Hdf5Image& out, const std::string& path, const RowSparse& A) {
+  out.group(path);
+  out.whole(path + "/m", static_cast<int>(A.rows)), out.whole(path + "/n", static_cast<int>(A.cols));
+  out.whole(path + "/nzmax", static_cast<int>(A.value.size())), out.whole(path + "/nz", -2);
+  out.numbers(path + "/p", A.start), out.numbers(path + "/i", A.column), out.numbers(path + "/x", A.value);
+}
+
+[[noreturn]] void refuse_to_write(Index row, const std::string& rule) {
+  throw std::invalid_argument("row " + std::to_string(row) + ": must be " + rule);
+}
+
+/// μ of each contact; throws unless the rows are those of contacts in order (free ones behind, where they may be).
+std::vector<double> coefficients(const ContactProblem& p, bool free_rows_behind) {
+  const Index d = p.dimension, n = p.problem.size();
+  if (d != 2 && d != 3) throw std::invalid_argument("dimension = " + std::to_string(d) + ": must be 2 or 3");
+  if (p.contacts < 0 || p.contacts * d > n || (!free_rows_behind && p.contacts * d != n))
+    throw std::invalid_argument("contacts = " + std::to_string(p.contacts) + ": must give " + std::to_string(n) +
+                                " rows, " + std::to_string(d) + " each");
+  std::vector<const Friction*> of(static_cast<std::size_t>(n), nullptr);
+  for (const Friction& f : p.problem.friction) of[static_cast<std::size_t>(f.row)] = &f;
+  std::vector<double> mu;
+  for (Index row = 0; row < n; ++row) {
+    const Friction* f = of[static_cast<std::size_t>(row)];
+    const bool contact = row < d * p.contacts, normal = contact && row % d == 0;
+    const double lo = p.problem.lo[row], hi = p.problem.hi[row];
+    if (normal && (f != nullptr || lo != 0 || hi != kInf)) refuse_to_write(row, "a normal row, [0, inf)");
+    if (contact && !normal && (f == nullptr || f->normal != row - row % d || (row % d == 2 && f->mu != mu.back())))
+      refuse_to_write(row, "friction of the normal row before it, one coefficient a contact");
+    if (!contact && (f != nullptr || lo != -kInf || hi != kInf)) refuse_to_write(row, "free, behind the contacts");
+    if (contact && row % d == 1) mu.push_back(f->mu);
+  }
+  return mu;
+}
+
+}  // namespace
+
+ContactProblem read_fclib(const std::filesystem::path& file) {
+  const detail::Hdf5Quiet quiet;
+  const Reader in(file);
+  ContactProblem p;
+  const bool local = in.has("fclib_local"), global = in.has("fclib_global");
+  if (local == global) in.refuse("the file", "must have one group, fclib_local or fclib_global");
+  const std::string group = local ? "fclib_local" : "fclib_global";
+  p.dimension = in.whole(group + "/spacedim");
+  if (p.dimension != 2 && p.dimension != 3)
+    in.refuse(group + "/spacedim", "= " + std::to_string(p.dimension) + ": must be 2 or 3");
+  p.title = in.text(group + "/info/title"), p.description = in.text(group + "/info/description");
+  Index rows = 0;
+  if (local)
+    read_local(in, p.problem), rows = p.problem.size();
+  else
+    rows = read_global(in, p.problem);
+  if (rows % p.dimension != 0)
+    in.refuse(group, "has " + std::to_string(rows) + " contact rows: must be a multiple of spacedim");
+  p.contacts = rows / p.dimension;
+  const Vector mu = in.numbers(group + "/vectors/mu", p.contacts);
+  const Index n = p.problem.size();
+  p.problem.lo = Eigen::VectorXd::Constant(n, -kInf), p.problem.hi = Eigen::VectorXd::Constant(n, kInf);
+  for (Index k = 0; k < p.contacts; ++k) {
+    if (mu[k] < 0) in.refuse(group + "/vectors/mu[" + std::to_string(k) + "]", "must be >= 0");
+    p.problem.lo[p.dimension * k] = 0;
+    for (Index t = 1; t < p.dimension; ++t) p.problem.friction.push_back({p.dimension * k + t, p.dimension * k, mu[k]});
+  }
+  check(p.problem);
+  return p;
+}
+
+void write_fclib(const std::filesystem::path& file, const ContactProblem& p) {
+  check(p.problem);
+  const auto* delassus = std::get_if<Delassus>(&p.problem.A);
+  const bool global = delassus != nullptr && delassus->regularization.size() == 0 &&
+                      (delassus->inverse_mass.size() == 0 || delassus->inverse_mass.minCoeff() > 0);
+  const std::vector<double> mu = coefficients(p, global);
+  Hdf5Image out;
+  const std::string group = global ? "fclib_global" : "fclib_local";
+  out.group(group), out.group(group + "/vectors"), out.group(group + "/info");
+  out.whole(group + "/spacedim", p.dimension);
+  out.numbers(group + "/vectors/mu", mu);
+  out.text(group + "/info/title", p.title), out.text(group + "/info/description", p.description);
+  out.text(group + "/info/math_info", "");
+  const auto vector = [&](const char* name, const Eigen::VectorXd& x) {
+    out.numbers(group + "/vectors/" + name, std::span(x.data(), static_cast<std::size_t>(x.size())));
+  };
+  if (global) {
+    const Index m = delassus->W.cols, rows = p.dimension * p.contacts;
+    const Sparse J = delassus->W.view();
+    Sparse M(m, m);
+    for (Index i = 0; i < m; ++i) M.insert(i, i) = 1 / delassus->inverse_mass[i];
+    write_matrix(out, group + "/M", RowSparse::from(M));
+    write_matrix(out, group + "/H", RowSparse::from(Sparse(Sparse(J.topRows(rows)).transpose())));
+    vector("f", Eigen::VectorXd::Zero(m)), vector("w", p.problem.b.head(rows));
+    if (rows < J.rows()) {
+      write_matrix(out, group + "/G", RowSparse::from(Sparse(Sparse(J.bottomRows(J.rows() - rows)).transpose())));
+      vector("b", p.problem.b.tail(J.rows() - rows));
+    }
+  } else {
+    if (const auto* sparse = std::get_if<RowSparse>(&p.problem.A)) {
+      write_matrix(out, group + "/W", *sparse);
+    } else {
+      DenseMatrix dense;
+      to_dense(p.problem.A, dense);
+      write_matrix(out, group + "/W", RowSparse::from(Sparse(dense.sparseView(0, 0))));
+    }
+    vector("q", p.problem.b);
+  }
+  write_whole(file, out.bytes());
+}
+
+}  // namespace orthant

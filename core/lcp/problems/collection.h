@@ -1,0 +1,88 @@
+// core/lcp/problems/collection.h — named problems with known answers, and random ones from a seed.
+//
+//   Shared by tests and benchmarks. Answers are exact: rational numbers worked out by hand, or planted (q = w* − M z* in
+//   numbers that double holds exactly). The names say where a problem comes from; the comments in collection.cpp, what
+//   it breaks.
+#pragma once
+
+#include <orthant/core/lcp/solution.h>
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+enum class Answer {
+  unique,      // z is the only solution
+  one_of,      // z is one of several
+  infeasible,  // no z has the signs of w that the rows demand: a proof exists
+  none,        // no solution, and no such proof either
+};
+
+struct Known {
+  std::string name;
+  Lcp problem;
+  Answer answer = Answer::unique;
+  Vector z;               // empty when there is none
+  double accuracy = 0;    // ‖error‖∞ / ‖z‖∞ that the conditioning allows; 0: rounding of z itself
+  bool unique_w = false;  // several z, but all with the same w
+};
+
+/// All of them, n ≤ 60, dense. Built anew at each call.
+std::vector<Known> known_problems();
+
+/// M with 1 on the diagonal and 2 below, q = −e: z = e₁. Lemke's method takes 2ⁿ pivots (Murty 1978); on the
+/// transposed (z = eₙ) 2, where pivoting by the least index takes 2ⁿ − 1; on M Mᵀ (Fathi 1979, z = e₁) 2ⁿ again.
+Lcp murty_problem(Index n, bool transposed = false);
+
+/// The same problem with A stored as rows.
+Lcp as_sparse(const Lcp& problem);
+
+/// The same numbers on every machine and with every compiler: std::mt19937_64, which the standard fixes bit by bit, and
+/// mappings of our own, which std::*_distribution are not.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // [0, 1)
+  double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
+  int integer(int lo, int hi) {  // lo … hi
+    return lo + static_cast<int>(engine_() % static_cast<std::uint64_t>(hi - lo + 1));
+  }
+  double normal() {  // sum of 12 uniform numbers: no logarithm whose last bit differs between libraries
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += uniform();
+    return sum;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// Any signs, any solvability; entries are integers in [−2, 2], so that ties and singular blocks abound. Rows of the
+/// kinds asked for take turns at random.
+struct Kinds {
+  bool free = false, box = false, friction = false;
+};
+Lcp random_integer_problem(Index n, Kinds kinds, Random& random);
+
+/// M = BᵀB + S, S skew, B rank × n: monotone, solvable, z and w known: `strict` rows have one of z_i, w_i positive, the
+/// other n − strict have both zero. Small integers: q is exact.
+Known planted_problem(Index n, Index rank, Index strict, Random& random);
+
+/// BᵀB + I with normal numbers in B, q normal: symmetric positive definite.
+Lcp random_spd_problem(Index n, Random& random);
+
+/// `contacts` planar contacts of bodies with normal entries in W, as a Delassus operator, friction coefficient mu:
+/// rows N₁ T₁ N₂ T₂ …, dof coordinates with masses in [0.5, 2].
+Lcp random_contact_problem(Index contacts, Index dof, double mu, Random& random);
+
+/// Planar frictional contacts in the copositive form of Stewart and Trinkle, dense, n = 4 contacts, as many freedoms as
+/// contacts: J_N, J_T and v normal, D = [J_T; −J_T], inverse masses log-uniform in [1/mass_ratio, 1], and
+///   M = [ J M⁻¹ Jᵀ  (0; E) ; (μ −Eᵀ)  0 ],  J = [J_N; D], E = [I; I],   q = (J_N v; D v; 0),   z = (λ_N; λ_T; γ).
+/// Solvable by theory; harder with each power of ten of the mass ratio.
+/// Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996) 2673-2691.
+Lcp stewart_trinkle_problem(Index contacts, double mu, double mass_ratio, Random& random);
+
+}  // namespace orthant

@@ -1,0 +1,95 @@
+#include <orthant/core/lcp/problems/obstacles.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace orthant {
+
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+Lcp assemble(const Triplets& entries, const Vector& q) {
+  Eigen::SparseMatrix<double, Eigen::RowMajor> M(q.size(), q.size());
+  M.setFromTriplets(entries.begin(), entries.end());
+  return Lcp::standard(RowSparse::from(M), q);
+}
+
+Vector zeros(Index n) { return Eigen::VectorXd::Zero(n); }
+
+}  // namespace
+
+Lcp string_on_obstacle(Index intervals, double gap) {
+  const auto n = static_cast<int>(intervals) - 1;
+  const double per_h2 = static_cast<double>(intervals) * static_cast<double>(intervals);
+  Triplets entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 2 * per_h2);
+    if (i > 0) entries.emplace_back(i, i - 1, -per_h2);
+    if (i + 1 < n) entries.emplace_back(i, i + 1, -per_h2);
+  }
+  Vector q(Eigen::VectorXd::Constant(n, 8));
+  q[0] -= gap * per_h2;  // z = gap at the ends
+  q[n - 1] -= gap * per_h2;
+  return assemble(entries, q);
+}
+
+BallObstacle ball_obstacle(Index intervals) {
+  constexpr double rim = 0.69796514822337356642;  // r*
+  const double h = 4 / static_cast<double>(intervals);
+  const auto m = static_cast<int>(intervals) - 1;
+  const auto radius = [&](int i, int j) { return std::hypot(-2 + h * (i + 1), -2 + h * (j + 1)); };  // i, j = −1 … m
+  const auto obstacle = [](double r) { return r <= 1 ? std::sqrt(1 - r * r) : -1.0; };
+  const auto u = [&](double r) {
+    return r <= rim ? obstacle(r) : -rim * rim * std::log(r / 2) / std::sqrt(1 - rim * rim);
+  };
+  Triplets entries;
+  BallObstacle ball{{}, zeros(m * m)};
+  Vector q = zeros(m * m);
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < m; ++i) {
+      const int row = j * m + i;
+      const double r = radius(i, j), psi = obstacle(r);
+      entries.emplace_back(row, row, 4 / (h * h));
+      q[row] = 4 / (h * h) * psi;
+      ball.exact[row] = u(r) - psi;
+      for (const auto& [k, l] : {std::array{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
+        const bool inner = k >= 0 && k < m && l >= 0 && l < m;
+        if (inner) entries.emplace_back(row, l * m + k, -1 / (h * h));
+        q[row] -= (inner ? obstacle(radius(k, l)) : u(radius(k, l))) / (h * h);
+      }
+    }
+  ball.problem = assemble(entries, q);
+  return ball;
+}
+
+Lcp journal_bearing(Index nx, Index ny, double eccentricity, double b) {
+  const double hx = 2 * std::numbers::pi / static_cast<double>(nx + 1), hy = 2 * b / static_cast<double>(ny + 1);
+  const auto width = static_cast<int>(nx), height = static_cast<int>(ny);
+  const auto cubed = [&](int i) { return std::pow(1 + eccentricity * std::cos(hx * (i + 1)), 3); };
+  Triplets entries;
+  const auto add = [&](int i, int j, int k, int l, double value) {  // value (v_ij − v_kl)²/2, v = 0 at the boundary
+    const auto inner = [&](int x, int y) { return x >= 0 && x < width && y >= 0 && y < height; };
+    const int row = j * width + i, column = l * width + k;
+    if (inner(i, j)) entries.emplace_back(row, row, value);
+    if (inner(k, l)) entries.emplace_back(column, column, value);
+    if (!inner(i, j) || !inner(k, l)) return;
+    entries.emplace_back(row, column, -value);
+    entries.emplace_back(column, row, -value);
+  };
+  for (int j = -1; j < height; ++j)
+    for (int i = -1; i < width; ++i) {  // the two triangles of a cell, the weight averaged over their corners
+      const double lower = (2 * cubed(i) + cubed(i + 1)) / 6, upper = (cubed(i) + 2 * cubed(i + 1)) / 6;
+      add(i, j, i + 1, j, lower * hy / hx);
+      add(i, j, i, j + 1, lower * hx / hy);
+      add(i + 1, j + 1, i, j + 1, upper * hy / hx);
+      add(i + 1, j + 1, i + 1, j, upper * hx / hy);
+    }
+  Vector q = zeros(nx * ny);
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i) q[j * width + i] = -eccentricity * std::sin(hx * (i + 1)) * hx * hy;
+  return assemble(entries, q);
+}
+
+}  // namespace orthant

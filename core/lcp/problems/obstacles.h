@@ -1,0 +1,30 @@
+// core/lcp/problems/obstacles.h — obstacle problems on grids, sparse, of any size, with answers known from outside.
+//
+//   A membrane u is pressed on an obstacle ψ: u ≥ ψ, its load −(Δ u) ≥ f, one of the two equal at each node. The unknown
+//   is z = u − ψ ≥ 0; M is a symmetric K-matrix (A_ij ≤ 0 off the diagonal, all principal minors > 0), so that z is
+//   unique. n up to 10⁶ takes a second to build. Shared by tests and benchmarks.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+
+namespace orthant {
+
+/// −u″ + 8 ≥ 0, u ≥ −gap on (0, 1), u = 0 at both ends; h = 1/intervals, n = intervals − 1, z_i = u((i + 1) h) + gap.
+/// In contact on [a, 1 − a], a = √(gap)/2, z = 4 (x − a)² left of it: the discrete answer too, where a is a node.
+Lcp string_on_obstacle(Index intervals, double gap = 0.25);
+
+/// Δu ≤ 0 on (−2, 2)² above the upper half ball, ψ = √(1 − r²) for r ≤ 1, else −1; five-point differences of −Δ, at
+/// (intervals − 1)² nodes, row by row. At the boundary u is the exact answer: in contact for r ≤ r*, outside
+///   u = −r*² ln(r/2) / √(1 − r*²),   r*² (1 − ln(r*/2)) = 1.
+struct BallObstacle {
+  Lcp problem;
+  Vector exact;  // z = u − ψ at the nodes, of the differential equation: O(h²) from the discrete one
+};
+BallObstacle ball_obstacle(Index intervals);
+
+/// Pressure in a journal bearing: min ½ ∫ (1 + ε cos x)³ |∇v|² − ε ∫ v sin x, v ≥ 0 on (0, 2π) × (0, 2b), v = 0 at the
+/// boundary; linear elements on nx × ny interior nodes, x fastest. The minimum is ½ zᵀM z + qᵀz.
+/// Source: Averick, Carter, Moré & Xue, The MINPACK-2 test problem collection, ANL/MCS-P153-0692 (1992), 4.2.
+Lcp journal_bearing(Index nx, Index ny, double eccentricity = 0.1, double b = 10);
+
+}  // namespace orthant
