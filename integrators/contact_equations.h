@@ -6,7 +6,7 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
-#include <orthant/core/mechanics/basic_system.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
 
 #include <Eigen/Dense>
 

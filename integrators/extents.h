@@ -7,7 +7,7 @@
 // Cost: O(bodies).
 #pragma once
 
-#include <orthant/core/mechanics/system.h>
+#include <orthant/core/mechanics/dynamics/system.h>
 
 #include <algorithm>
 #include <cmath>

@@ -25,7 +25,7 @@
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/lcp/solution.h>
-#include <orthant/core/mechanics/basic_system.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/crew.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/islands.h>

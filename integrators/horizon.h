@@ -8,7 +8,7 @@
 //   points and discs with the ground cost no step.   O(contacts).
 #pragma once
 
-#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/mechanics/dynamics/terms.h>
 
 namespace orthant {
 

@@ -1,7 +1,7 @@
 // integrators/integrator.h — the interface that all schemes share: one step, and what it reports.
 #pragma once
 
-#include <orthant/core/mechanics/system.h>
+#include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/integrators/crew.h>
 #include <orthant/integrators/event.h>
 #include <orthant/integrators/memory.h>

@@ -6,7 +6,7 @@
 // Cost: O(bodies + rows) a step, by disjoint sets.
 #pragma once
 
-#include <orthant/core/mechanics/system.h>
+#include <orthant/core/mechanics/dynamics/system.h>
 
 #include <span>
 

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <orthant/core/lcp/solution.h>
-#include <orthant/core/mechanics/state.h>
+#include <orthant/core/mechanics/dynamics/state.h>
 
 #include <cstring>
 #include <stdexcept>

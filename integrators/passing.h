@@ -7,7 +7,7 @@
 // Limit: what passes by at less than that depth, or goes another way than straight, is not told.
 #pragma once
 
-#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/mechanics/dynamics/terms.h>
 
 #include <vector>
 

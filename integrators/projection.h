@@ -7,7 +7,7 @@
 // Source: Hairer & Wanner, Solving Ordinary Differential Equations II (1996), VII.2; Eich, SINUM 30 (1993) 1467-1482.
 #pragma once
 
-#include <orthant/core/mechanics/basic_system.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/extents.h>
 
 namespace orthant {

@@ -1,4 +1,4 @@
-#include <orthant/core/mechanics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/integrators/sleep.h>
 
 #include <algorithm>

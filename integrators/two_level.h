@@ -13,8 +13,8 @@
 //   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths too.
 #pragma once
 
-#include <orthant/core/mechanics/basic_system.h>
-#include <orthant/core/mechanics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/integrators/extents.h>
 #include <orthant/integrators/impact.h>
 #include <orthant/integrators/integrator.h>

@@ -14,8 +14,8 @@
 // so do rates that joints which contradict each other leave unmet (`none`: by more than 1e-6 of 1 m/s + the bodies').
 #pragma once
 
-#include <orthant/core/mechanics/broad_phase.h>
-#include <orthant/core/mechanics/joint_load.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/joint_load.h>
 #include <orthant/integrators/extents.h>
 #include <orthant/integrators/formulate.h>
 #include <orthant/integrators/impact.h>

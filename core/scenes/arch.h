@@ -10,7 +10,7 @@
 // Source: Makris & Alexakis, Archive of Applied Mechanics 83 (2013) 1345-1366.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -5,7 +5,7 @@
 //   for e < 1 they accumulate at t∞ = t₁ (1 + e) / (1 − e) (Zeno), and the ball rests from then on.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -5,7 +5,7 @@
 //   Small swings: θ = Σ modes, ω²L/g the roots of the Laguerre polynomial L_N.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 #include <numbers>

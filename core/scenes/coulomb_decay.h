@@ -5,7 +5,7 @@
 //   Defaults: k = m = 1, μ m g = 0.7, from 10: turning points 10, −8.6, 7.2, −5.8, 4.4, −3, 1.6, −0.2 (rest).
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -7,7 +7,7 @@
 //   Both keep the momentum m v, and for e = 1 the energy: laws differ where mechanics of rigid bodies does not decide.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant {
 

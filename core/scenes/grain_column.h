@@ -4,7 +4,7 @@
 //   level k = 1 … n (1: the floor) is (n − k + 1) m v, and from then on the force is (n − k + 1) m g.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

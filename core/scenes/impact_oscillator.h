@@ -10,7 +10,7 @@
 // Source: Shaw & Holmes, Journal of Sound and Vibration 90 (1983) 129-155.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

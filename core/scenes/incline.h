@@ -5,7 +5,7 @@
 //   The block is a point for contact purposes: it cannot topple.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 #include <numbers>

@@ -8,7 +8,7 @@
 // Source: González, Dopico, Luaces & Cuadrado, Multibody System Dynamics 16 (2006) 179-194 (benchmark N-four-bar).
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

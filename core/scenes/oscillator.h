@@ -1,7 +1,7 @@
 // core/scenes/oscillator.h — a point mass on a linear spring along x: the frame of the oscillator scenes.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

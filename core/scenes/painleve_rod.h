@@ -7,7 +7,7 @@
 // Source: Génot & Brogliato, European Journal of Mechanics A 18 (1999) 653-677.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -6,7 +6,7 @@
 // Source: Abramowitz & Stegun (1964), 16 and 17.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -4,7 +4,7 @@
 //   numbers), so that the pile does not balance on its columns. As many rows as columns but for N / columns.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

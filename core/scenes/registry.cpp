@@ -1,4 +1,4 @@
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/arch.h>
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/chain.h>

@@ -4,7 +4,7 @@
 //   Scene t = make_scene("door.toml", std::vector<std::string>{"contact.corner1.mu=0.1"});
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 #include <span>
 #include <string>

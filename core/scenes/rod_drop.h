@@ -5,7 +5,7 @@
 //   (of the end that is ahead on the left; the other is out of reach for the scene's duration).
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 #include <numbers>
 

@@ -7,7 +7,7 @@
 // Drawn with the slope along x (downwards) and gravity turned.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -5,7 +5,7 @@
 //   corner1 (−a, +b) and corner2 (+a, +b) the top wall, corner3 (−a, −b) and corner4 (+a, −b) the bottom wall.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant {
 

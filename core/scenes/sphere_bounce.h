@@ -5,7 +5,7 @@
 //   and the tangential direction do not see each other.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant {
 

@@ -8,7 +8,7 @@
 //   Defaults: k = m = 1, μ_s m g = 1, μ m g = 1/2.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

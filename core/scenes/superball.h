@@ -8,7 +8,7 @@
 // The step is a power of two, so that a gap of 0 stays 0 while both fall.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant {
 

@@ -6,7 +6,7 @@
 //   (four legs: d > 5/9): it pulls at a leg although the table does not tip.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 #include <span>

@@ -4,7 +4,7 @@
 //   and r large, Gauss-Seidel's error falls by r/(1 + r) a sweep (two blocks), direct methods do not see the ratio.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/scenes/motion.h>
 
 namespace orthant {

@@ -7,7 +7,7 @@
 
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/core/mechanics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/pile.h>
 #include <orthant/core/scenes/slider_crank.h>

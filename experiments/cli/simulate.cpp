@@ -8,9 +8,9 @@
 #include "../support/trajectory_files.h"
 
 #include <orthant/core/lcp/files/io.h>
-#include <orthant/core/mechanics/broad_phase.h>
-#include <orthant/core/mechanics/redundancy.h>
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/redundancy.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/integrators/registry.h>

@@ -6,7 +6,7 @@
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
 
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>

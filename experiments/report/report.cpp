@@ -3,7 +3,7 @@
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/page.h"
 
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>

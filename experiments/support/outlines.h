@@ -1,7 +1,7 @@
 // experiments/support/outlines.h — what a scene's bodies look like: what its joints and contacts say of them, drawn.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 // joints are Revolute and whose contacts are CornerWall.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant {
 

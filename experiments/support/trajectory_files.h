@@ -6,7 +6,7 @@
 //               bodies' outlines in place (cells), their number, velocity [m/s] and angular velocity [rad/s]
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 #include <filesystem>
 #include <string>

@@ -5,7 +5,7 @@
 //   the folder NAME stay.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 #include <filesystem>
 #include <vector>

@@ -6,7 +6,7 @@
 // That energy falls where there is friction or e < 1 is no fault: which of the figures must be zero is for the reader.
 #pragma once
 
-#include <orthant/core/mechanics/system.h>
+#include <orthant/core/mechanics/dynamics/system.h>
 
 namespace orthant {
 

@@ -2,7 +2,7 @@
 // file is read and not when all of it has been computed.
 #pragma once
 
-#include <orthant/core/mechanics/scene.h>
+#include <orthant/core/mechanics/scene/scene.h>
 #include <nlohmann/json.hpp>
 
 #include <functional>

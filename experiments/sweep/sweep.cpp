@@ -4,7 +4,7 @@
 
 #include "experiments/support/trajectory.h"
 
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>

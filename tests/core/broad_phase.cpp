@@ -1,6 +1,6 @@
 // Candidates of a collision: none that touches is missed, in the order of the pairs, linear in the shapes.
-#include <orthant/core/mechanics/broad_phase.h>
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/pile.h>
 
 #include <doctest/doctest.h>

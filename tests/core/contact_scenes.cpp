@@ -2,7 +2,7 @@
 // drawings against the answers.
 #include "tests/support/runs.h"
 
-#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/scenes/arch.h>
 #include <orthant/core/scenes/collinear.h>
 #include <orthant/core/scenes/cradle.h>

@@ -1,5 +1,5 @@
 // Joints and contacts from outside: the same motion as the built-in ones; wrong derivatives are told.
-#include <orthant/core/mechanics/derivatives.h>
+#include <orthant/core/mechanics/scene/derivatives.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/integrators/registry.h>

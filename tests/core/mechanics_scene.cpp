@@ -1,6 +1,6 @@
 // check(scene): every rule refuses, in one line that names element, field, value and rule.
 #include <doctest/doctest.h>
-#include <orthant/core/mechanics/system.h>
+#include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/scenes/slider_crank.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "tests/support/mechanics.h"
 #include "tests/support/runs.h"
 
-#include <orthant/core/mechanics/redundancy.h>
+#include <orthant/core/mechanics/dynamics/redundancy.h>
 #include <orthant/core/scenes/n_four_bar.h>
 #include <orthant/core/scenes/pendulum.h>
 

@@ -1,6 +1,6 @@
 // Scenes from files: the same data as from C++, what is left out, what is overridden; nothing crashes.
 #include <doctest/doctest.h>
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank.h>
 

@@ -2,7 +2,7 @@
 // drawings against the answers: a first-order run has to come near them.
 #include "tests/support/runs.h"
 
-#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/coulomb_decay.h>

@@ -1,6 +1,6 @@
 // Joint rows eliminated: both equations hold, at any mass, and nothing stays of what was not finite.
 #include <orthant/core/lcp/problems/families.h>
-#include <orthant/core/mechanics/schur.h>
+#include <orthant/core/mechanics/dynamics/schur.h>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // Driven joints, limits, ropes, clearance joints, dry friction in joints: mechanisms with exact answers, every integrator.
 #include <doctest/doctest.h>
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/pendulum.h>
 
 #include <cmath>

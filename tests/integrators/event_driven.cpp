@@ -2,7 +2,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/runs.h"
 
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/coulomb_decay.h>

@@ -1,7 +1,7 @@
 // Stacks whose top weighs a million times the rest: every direct and Newton solver answers, and nothing moves.
 #include "tests/support/runs.h"
 
-#include <orthant/core/mechanics/contact_sets.h>
+#include <orthant/core/mechanics/planar/contact_sets.h>
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // tests/support/mechanics.h — random mechanisms, and what their tests measure with.
 #pragma once
 
-#include <orthant/core/mechanics/basic_system.h>
-#include <orthant/core/mechanics/terms.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
+#include <orthant/core/mechanics/dynamics/terms.h>
 
 #include <Eigen/Dense>
 #include <cstdint>

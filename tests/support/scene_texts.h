@@ -2,7 +2,7 @@
 #pragma once
 
 #include <doctest/doctest.h>
-#include <orthant/core/mechanics/scene_toml.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 
 #include <filesystem>
 #include <fstream>

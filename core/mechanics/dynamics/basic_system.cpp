@@ -1,0 +1,313 @@
+#include <orthant/core/mechanics/dynamics/basic_system.h>
+
+#include <klu.h>
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace orthant {
+namespace {
+
+constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
+constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
+constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
+
+const std::array<double, 3>& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
+int body(const Row& row, int which) { return which == 0 ? row.a : row.b; }
+
+/// The rows' bodies without their numbers: the pattern of G and of the springs.
+Terms topology(const System& system) {
+  Terms terms(system);
+  const State x = system.initial_state();
+  set_poses(system, x.t, x.q, terms.at);
+  evaluate_joint_rows(system, terms);
+  evaluate_forces(system, x.t, x.v, terms);
+  return terms;
+}
+
+}  // namespace
+
+/// [ M̂ −Gᵀ ; G 0 ] by columns. Every number has a place found once; a new matrix is a loop over places.
+struct BasicSystem::Sparse {
+  std::vector<int> start, index;  // compressed columns
+  std::vector<double> value, rhs;
+  std::vector<int> mass_place;    // dof: M's diagonal
+  std::vector<int> spring_place;  // 36 a spring
+  std::vector<int> joint_place;   // 12 a joint row: six entries, then their transposes
+  klu_common common{};
+  klu_symbolic* symbolic = nullptr;
+  klu_numeric* numeric = nullptr;
+  int n = 0;
+  // For independence(): M^−½ Gᵀ, its square S, and S's factors, analysed once.
+  mutable Eigen::SparseMatrix<double> half, square;
+  mutable Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors;
+  mutable Eigen::VectorXd diagonal;
+
+  Sparse(const System& system, const Terms& terms, int rows) : n(system.dof() + rows) {
+    struct Entry {
+      int row, column, order;
+    };
+    std::vector<Entry> entries;
+    const auto add = [&](int row, int column) {  // −1: belongs to the ground, has no place
+      entries.push_back({row, column, static_cast<int>(entries.size())});
+    };
+    const auto coordinate = [](const Row& r, int k) {
+      const int b = body(r, k / 3);
+      return b < 0 ? -1 : 3 * b + k % 3;
+    };
+    for (int i = 0; i < system.dof(); ++i) add(i, i);
+    for (const SpringState& s : terms.springs)
+      for (int k = 0; k < 36; ++k) add(coordinate(s.row, k / 6), coordinate(s.row, k % 6));
+    for (int r = 0; r < rows; ++r) {
+      const Row& row = terms.G[static_cast<std::size_t>(r)];
+      for (int k = 0; k < 6; ++k) add(system.dof() + r, coordinate(row, k));
+      for (int k = 0; k < 6; ++k) add(coordinate(row, k), system.dof() + r);
+    }
+    std::vector<int> place(entries.size(), -1);
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      return std::tie(a.column, a.row, a.order) < std::tie(b.column, b.row, b.order);
+    });
+    start.assign(static_cast<std::size_t>(n) + 1, 0);
+    int last_row = -1, last_column = -1;
+    for (const Entry& e : entries) {
+      if (e.row < 0 || e.column < 0) continue;
+      if (e.row != last_row || e.column != last_column) {
+        index.push_back(e.row);
+        ++start[static_cast<std::size_t>(e.column) + 1];
+        last_row = e.row, last_column = e.column;
+      }
+      place[static_cast<std::size_t>(e.order)] = static_cast<int>(index.size()) - 1;
+    }
+    for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j) start[j + 1] += start[j];
+    value.resize(index.size());
+    rhs.resize(static_cast<std::size_t>(n));
+    const auto dof_end = place.begin() + system.dof();
+    const auto spring_end = dof_end + 36 * static_cast<std::ptrdiff_t>(terms.springs.size());
+    mass_place.assign(place.begin(), dof_end);
+    spring_place.assign(dof_end, spring_end);
+    joint_place.assign(spring_end, place.end());
+    klu_defaults(&common);
+    symbolic = klu_analyze(n, start.data(), index.data(), &common);
+  }
+  ~Sparse() {
+    klu_free_numeric(&numeric, &common);
+    klu_free_symbolic(&symbolic, &common);
+  }
+  Sparse(const Sparse&) = delete;
+  Sparse& operator=(const Sparse&) = delete;
+
+  void put(int place, double number) {
+    if (place >= 0) value[static_cast<std::size_t>(place)] += number;
+  }
+
+  /// Fills the matrix and factorizes it; false when it is singular or not finite.
+  bool factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
+    std::fill(value.begin(), value.end(), 0.0);
+    for (std::size_t i = 0; i < mass_place.size(); ++i) put(mass_place[i], system.mass()[static_cast<Index>(i)]);
+    for (std::size_t i = 0; i < terms.springs.size(); ++i) {
+      const Row& row = terms.springs[i].row;
+      const double weight =
+          std::visit([&](const auto& s) { return stiffness_weight * s.stiffness + damping_weight * s.damping; },
+                     system.scene().springs[i]);
+      for (int k = 0; k < 36; ++k)
+        put(spring_place[36 * i + static_cast<std::size_t>(k)], weight * number(row, k / 6) * number(row, k % 6));
+    }
+    for (std::size_t r = 0; 12 * r < joint_place.size(); ++r)
+      for (int k = 0; k < 6; ++k) {
+        const double entry = number(terms.G[r], k);
+        put(joint_place[12 * r + static_cast<std::size_t>(k)], entry);
+        put(joint_place[12 * r + 6 + static_cast<std::size_t>(k)], -entry);
+      }
+    if (numeric != nullptr && klu_refactor(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
+        well_conditioned() && pivots_still_fit())
+      return true;
+    klu_free_numeric(&numeric, &common);
+    numeric = klu_factor(start.data(), index.data(), value.data(), symbolic, &common);
+    if (numeric != nullptr && well_conditioned() && finds_known_solution()) return true;
+    klu_free_numeric(&numeric, &common);  // so that the next matrix is looked at as closely
+    return false;
+  }
+  /// The pivot that is left of a redundant row is rounding: mostly next to 0, but not in every choice of units.
+  bool finds_known_solution() {
+    const auto known = [](int i) { return 1 + 0.25 * (i * 7 % 5); };
+    std::fill(rhs.begin(), rhs.end(), 0.0);
+    for (int j = 0; j < n; ++j)
+      for (int k = start[static_cast<std::size_t>(j)]; k < start[static_cast<std::size_t>(j) + 1]; ++k)
+        rhs[static_cast<std::size_t>(index[static_cast<std::size_t>(k)])] +=
+            value[static_cast<std::size_t>(k)] * known(j);
+    klu_solve(symbolic, numeric, n, 1, rhs.data(), &common);
+    for (int j = 0; j < n; ++j)
+      if (!(std::abs(rhs[static_cast<std::size_t>(j)] - known(j)) < 1e-6)) return false;
+    return true;
+  }
+  /// Pivots chosen for another matrix may be small in this one, next to a singular pose above all, and entries grow.
+  bool pivots_still_fit() {
+    return klu_rgrowth(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
+           common.rgrowth > kMostGrowth;
+  }
+  bool well_conditioned() {  // cheap estimate: the smallest against the largest pivot
+    return common.status == KLU_OK && klu_rcond(symbolic, numeric, &common) != 0 && common.rcond > 1e-15;
+  }
+  /// The least D_i / S_ii of S = G M⁻¹ Gᵀ = L D Lᵀ.
+  double independence(const Eigen::VectorXd& inverse_mass) const {
+    const Index dof = inverse_mass.size();
+    half.resize(dof, n - dof);
+    half.reserve(static_cast<Index>(joint_place.size()) / 2);
+    for (int r = static_cast<int>(dof); r < n; ++r) {  // the columns of −Gᵀ
+      half.startVec(r - dof);
+      for (int k = start[static_cast<std::size_t>(r)]; k < start[static_cast<std::size_t>(r) + 1]; ++k)
+        if (const int i = index[static_cast<std::size_t>(k)]; i < dof)
+          half.insertBack(i, r - dof) = value[static_cast<std::size_t>(k)] * std::sqrt(inverse_mass[i]);
+    }
+    half.finalize();
+    square = half.transpose() * half;
+    if (factors.rows() != square.rows()) factors.analyzePattern(square);
+    factors.factorize(square);
+    if (factors.info() != Eigen::Success) return 0;
+    diagonal = factors.permutationP() * square.diagonal();
+    return std::max(0.0, factors.vectorD().cwiseQuotient(diagonal).minCoeff());
+  }
+  bool finite() const {
+    return std::all_of(value.begin(), value.end(), [](double number) { return std::isfinite(number); });
+  }
+  /// M̂ as a dense matrix.
+  Eigen::MatrixXd mass(int dof) const {
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(dof, dof);
+    for (int j = 0; j < dof; ++j)
+      for (int k = start[static_cast<std::size_t>(j)]; k < start[static_cast<std::size_t>(j) + 1]; ++k)
+        if (const int i = index[static_cast<std::size_t>(k)]; i < dof) dense(i, j) = value[static_cast<std::size_t>(k)];
+    return dense;
+  }
+  static double number(const Row& row, int k) { return side(row, k / 3)[static_cast<std::size_t>(k % 3)]; }
+};
+
+/// x and the least λ by an orthogonal decomposition of A = L⁻¹ Gᵀ D, M̂ = L Lᵀ, D: each column of length 1.
+///   x = M̂⁻¹ f + L⁻ᵀ y with the least y that has Aᵀ y = D (c − G M̂⁻¹ f);  λ = D μ with the least μ that has A μ = y.
+struct BasicSystem::LeastNorm {
+  Eigen::LLT<Eigen::MatrixXd> factor;  // of M̂; not used when M̂ is diagonal:
+  Eigen::VectorXd inverse_root;        // diagonal of L⁻¹, or empty
+  Eigen::VectorXd scale;               // diagonal of D
+  Eigen::MatrixXd G;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> A;
+
+  LeastNorm(const Eigen::MatrixXd& mass, std::span<const Row> rows) : factor(mass) { decompose(rows, mass.rows()); }
+  LeastNorm(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows) : inverse_root(inverse_mass.cwiseSqrt()) {
+    decompose(rows, inverse_mass.size());
+  }
+
+  void decompose(std::span<const Row> rows, Index dof) {
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(dof, static_cast<Index>(rows.size()));
+    for (Index i = 0; i < columns.cols(); ++i)
+      apply_transposed(rows[static_cast<std::size_t>(i)], 1.0, columns.col(i).data());
+    G = columns.transpose();
+    for (Index i = 0; i < columns.cols(); ++i) columns.col(i) = half(columns.col(i));
+    scale = columns.colwise().norm();
+    scale = (scale.array() > 0).select(scale.cwiseInverse(), 0.0);
+    A.setThreshold(std::sqrt(kDependent));  // lengths here, their squares in the Cholesky factor's pivots
+    A.compute(columns * scale.asDiagonal());
+  }
+  double independence() const {
+    const double least = A.matrixQTZ().diagonal().head(A.rank()).cwiseAbs().minCoeff();
+    return std::min(1.0, least * least);
+  }
+  Eigen::VectorXd half(const Eigen::VectorXd& v) const {  // L⁻¹ v
+    return inverse_root.size() > 0 ? Eigen::VectorXd(inverse_root.cwiseProduct(v)) : factor.matrixL().solve(v);
+  }
+  Eigen::VectorXd other_half(const Eigen::VectorXd& v) const {  // L⁻ᵀ v
+    return inverse_root.size() > 0 ? Eigen::VectorXd(inverse_root.cwiseProduct(v)) : factor.matrixU().solve(v);
+  }
+  void solve(Index dof, const double* f, const double* c, double* x, double* lambda) const {
+    const Eigen::VectorXd free = other_half(half(Eigen::Map<const Eigen::VectorXd>(f, dof)));
+    const Eigen::VectorXd wanted = Eigen::Map<const Eigen::VectorXd>(c, G.rows()) - G * free;
+    const Eigen::VectorXd y = A.transpose().solve(scale.cwiseProduct(wanted));
+    Eigen::Map<Eigen::VectorXd>(x, dof) = free + other_half(y);
+    Eigen::Map<Eigen::VectorXd>(lambda, G.rows()) = scale.cwiseProduct(A.solve(y));
+  }
+};
+
+BasicSystem::BasicSystem(const System& system, bool with_joints)
+    : dof_(system.dof()),
+      rows_(with_joints ? system.joint_rows() : 0),
+      inverse_mass_(system.inverse_mass()),
+      zero_(Eigen::VectorXd::Zero(std::max(rows_, dof_))),
+      force_(dof_),
+      lambda_(rows_) {
+  if (rows_ == 0 && system.scene().springs.empty()) return;
+  const Terms terms = topology(system);
+  if (rows_ > kDenseRows || !system.scene().springs.empty()) sparse_ = std::make_unique<Sparse>(system, terms, rows_);
+  if (rows_ > 0 && rows_ <= kDenseRows) schur_.emplace(inverse_mass_, terms.G);
+}
+
+BasicSystem::~BasicSystem() = default;
+BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
+
+bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
+  redundant_ = false;
+  const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
+  const bool springs = !terms.springs.empty() && (stiffness_weight != 0 || damping_weight != 0);
+  way_ = rows_ > kDenseRows || springs ? Way::sparse : rows_ > 0 ? Way::dense : Way::diagonal;
+  if (way_ == Way::sparse) {
+    if (sparse_->factorize(system, terms, stiffness_weight, damping_weight)) return true;
+    if (!sparse_->finite()) return false;
+    least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
+  } else {
+    if (way_ == Way::diagonal || schur_->factorize(G, kDependent)) return true;
+    if (!schur_->finite()) return false;
+    least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G);
+  }
+  redundant_ = true;
+  return true;
+}
+
+int BasicSystem::rank() const { return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_; }
+
+double BasicSystem::independence() const {
+  if (rows_ == 0 || rank() == 0) return 1;
+  if (redundant_) return least_norm_->independence();
+  return way_ == Way::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
+}
+
+void BasicSystem::forget() {
+  if (sparse_) klu_free_numeric(&sparse_->numeric, &sparse_->common);
+}
+
+void BasicSystem::solve(const double* f, const double* c, double* x, double* lambda) const {
+  if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
+  if (way_ == Way::dense) return schur_->solve(f, c, x, lambda);
+  if (way_ == Way::sparse) {
+    Eigen::Map<Eigen::VectorXd> rhs(sparse_->rhs.data(), sparse_->n);
+    rhs.head(dof_) = Eigen::Map<const Eigen::VectorXd>(f, dof_);
+    if (rows_ > 0) rhs.tail(rows_) = Eigen::Map<const Eigen::VectorXd>(c, rows_);
+    klu_solve(sparse_->symbolic, sparse_->numeric, sparse_->n, 1, sparse_->rhs.data(), &sparse_->common);
+    std::copy_n(sparse_->rhs.data(), dof_, x);
+    std::copy_n(sparse_->rhs.data() + dof_, rows_, lambda);
+    return;
+  }
+  Eigen::Map<Eigen::VectorXd>(x, dof_) = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
+}
+
+void BasicSystem::solve_change(std::span<const Row> G, const double* f, const double* v, const double* c, double* x,
+                               double* lambda) const {
+  if (way_ == Way::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rows_); ++i) lambda[i] = c[i] - apply(G[i], v);
+  solve(f, lambda, x, lambda);
+}
+
+void BasicSystem::add_rates(const double* c, double* x) const {
+  if (way_ == Way::dense && !redundant_) return schur_->add_rates(c, x);
+  solve(zero_.data(), c, force_.data(), lambda_.data());
+  Eigen::Map<Eigen::VectorXd>(x, dof_) += force_;
+}
+
+void BasicSystem::solve_row(const Row& row, double* x) const {
+  if (way_ == Way::dense && !redundant_) return schur_->solve_row(row, x);
+  // A row touches two bodies at the most, but x is full as soon as joints carry it on.
+  force_.setZero();
+  apply_transposed(row, 1.0, force_.data());
+  solve(force_.data(), zero_.data(), x, lambda_.data());
+}
+
+}  // namespace orthant

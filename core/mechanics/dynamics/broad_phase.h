@@ -1,0 +1,75 @@
+// core/mechanics/dynamics/broad_phase.h — which pairs of a collision's shapes can touch in a step: candidates, linear in their number.
+//
+//   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median box,
+//   take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap (discs:
+//   their circles). Cells are hashed into a table of a fixed size, so that bodies far away cost nothing.
+//   A shape of more than kLarge cells is held against all others instead.
+//   The candidates stand in the order of the pairs, whatever the grid: a step with them is the step with all pairs listed.
+// Cost: O(shapes + candidates) for shapes of like size (to a factor of some ten); a large one costs O(shapes). Memory taken
+// once; a crowd larger than any before may take more.
+// Source: Ericson, Real-Time Collision Detection (2005), ch. 7.
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/terms.h>
+
+#include <cstdint>
+#include <span>
+
+namespace orthant {
+
+class BroadPhase {
+ public:
+  explicit BroadPhase(const System& system);
+
+  bool any() const { return !system_.scene().collisions.empty(); }
+
+  enum class Reach { own, farthest };
+
+  /// Sets terms.pairs: all that can touch while no coordinate moves farther from the poses terms.at than `way`, one entry
+  /// a coordinate [m, m, rad] of either sign. Reach::farthest: any shape moves as far as the one that moves the farthest.
+  /// False: there are more than the scene has room for, see why().
+  bool find(const Eigen::VectorXd& way, Terms& terms, Reach reach = Reach::own);
+
+  std::string why() const { return why_; }
+
+ private:
+  struct Box {
+    BodyId body;
+    bool disc;
+    Vector2d low, high;
+  };
+  struct Cells {  // x0 … x1 × y0 … y1
+    std::int64_t x0, x1, y0, y1;
+    double count() const { return (static_cast<double>(x1 - x0) + 1) * (static_cast<double>(y1 - y0) + 1); }
+  };
+  bool find(int collision, Terms& terms);
+  void set_boxes(int collision, const Kinematics& at, const Eigen::VectorXd& way, Reach reach);
+  void sort_into_cells();
+  std::size_t slot(std::int64_t x, std::int64_t y) const;
+  /// The cells of shape i, into near_: the shapes behind it that its box meets, ascending.
+  void meet(int i);
+
+  const System& system_;
+  std::vector<std::vector<double>> radius_;  // [m] of each shape about its body's centre
+  std::vector<Box> boxes_;
+  std::vector<double> widths_;
+  std::vector<Cells> cells_;
+  std::vector<int> start_, member_;  // of each slot of the table, the shapes in it
+  std::vector<int> large_;           // shapes of too many cells
+  std::vector<int> seen_, near_;
+  std::string why_;
+};
+
+/// Values, one per contact of the system, from the pairs `was` to the pairs `is`; a new pair's is T{}. `old` is scratch.
+template <class T> void carry(const System& system, std::span<const Pair> was, std::span<const Pair> is,
+                              std::vector<T>& values, std::vector<T>& old) {
+  old.assign(values.begin() + system.listed(), values.end());
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < is.size(); ++i) {
+    while (k < was.size() && (was[k].none() || was[k] < is[i])) ++k;
+    const bool same = !is[i].none() && k < was.size() && was[k] == is[i];
+    values[static_cast<std::size_t>(system.listed()) + i] = same ? old[k] : T{};
+  }
+}
+
+}  // namespace orthant

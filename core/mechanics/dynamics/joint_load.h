@@ -1,0 +1,33 @@
+// core/mechanics/dynamics/joint_load.h — the force that a joint transmits, as dry friction in it wants to know it.
+//
+//   R = | Σ_r λ_r f_r |,   f_r: the force that row r of G puts on one of the two bodies for λ_r = 1   [N]
+// over the rows of the joint and of its copies: pins of the same two bodies at the same points, rails of the same two
+// bodies in one direction. How copies share the load is not determined, their sum is; so the friction does not depend
+// on how often a joint is written. Angle rows exert no force and do not count.
+// Limit: where other joints repeat what this one says, R is the share that the redundant rows' λ give it
+// (basic_system.h); Redundancy tells of such joints.
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/system.h>
+
+#include <span>
+#include <vector>
+
+namespace orthant {
+
+/// The joint and its copies, in the order of the scene.
+std::vector<int> copies_of(const Scene& scene, int joint);
+
+class JointLoad {
+ public:
+  JointLoad(const System& system, int joint);
+
+  /// G and λ, one entry a joint row; λ may be impulses [N s], then so is R.
+  double size(std::span<const Row> G, const double* lambda) const;
+
+ private:
+  BodyId body_;
+  std::vector<int> rows_;
+};
+
+}  // namespace orthant

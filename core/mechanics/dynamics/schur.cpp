@@ -1,0 +1,303 @@
+#include <orthant/core/mechanics/dynamics/schur.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+namespace orthant {
+namespace {
+
+/// So many pairs of rows, known to the compiler; S does not couple the first `apart`.
+template <int pairs, int apart = 0> struct Pairs : std::integral_constant<int, pairs> {
+  static constexpr bool couple(int p, int q) { return p == q || std::max(p, q) >= apart; }
+};
+struct AnyPairs {
+  int pairs;
+  operator int() const { return pairs; }
+  static constexpr bool couple(int /*p*/, int /*q*/) { return true; }
+};
+
+/// f(0), f(1) … f(n − 1), or the other way round: written out where n is known.
+template <int N, class F> void each(std::integral_constant<int, N>, F&& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) { (f(std::integral_constant<int, i>{}), ...); }
+  (std::make_integer_sequence<int, N>{});
+}
+template <int N, class F> void each_down(std::integral_constant<int, N>, F&& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) { (f(std::integral_constant<int, N - 1 - i>{}), ...); }
+  (std::make_integer_sequence<int, N>{});
+}
+template <class F> void each(int n, F&& f) {
+  for (int i = 0; i < n; ++i) f(i);
+}
+template <class F> void each_down(int n, F&& f) {
+  for (int i = n - 1; i >= 0; --i) f(i);
+}
+
+/// 2 n, known to the compiler if n is.
+template <int N> std::integral_constant<int, 2 * N> twice(std::integral_constant<int, N>) { return {}; }
+int twice(int n) { return 2 * n; }
+
+constexpr std::array<double, 3> kNothing{};
+constexpr double kLeast = 1e-280, kMost = 1e300;  // of a product of two pivots: its digits are all there
+
+}  // namespace
+
+template <class F> decltype(auto) Schur::with_pairs(F&& f) const {
+  static_assert(kUnrolled == 8);
+  if (pairs_ == 1) return f(Pairs<1>{});
+  if (pairs_ == 2) return apart_ == 2 ? f(Pairs<2, 2>{}) : f(Pairs<2>{});
+  if (pairs_ == 3) return apart_ >= 2 ? f(Pairs<3, 2>{}) : f(Pairs<3>{});
+  if (pairs_ == 4) return apart_ >= 2 ? f(Pairs<4, 2>{}) : f(Pairs<4>{});
+  return f(AnyPairs{pairs_});
+}
+
+Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
+    : rows_(static_cast<int>(rows.size())),
+      pairs_((rows_ + 1) / 2),
+      order_(static_cast<std::size_t>(pairs_)),
+      inverse_mass_(inverse_mass),
+      S_(static_cast<std::size_t>(2 * pairs_ * pairs_)),
+      pivot_(static_cast<std::size_t>(2 * pairs_)),
+      inverse_pivot_(pivot_.size()),
+      lambda_(static_cast<std::size_t>(pairs_)) {
+  put_apart_first(rows);
+  const auto part_on = [&](int i, int first) -> Part {
+    if (i >= rows_) return nullptr;
+    const Row& row = rows[static_cast<std::size_t>(i)];
+    return 3 * row.a == first ? &Row::ja : 3 * row.b == first ? &Row::jb : nullptr;
+  };
+  for (int first = 0; first < inverse_mass.size(); first += 3) {
+    const auto begin = static_cast<int>(on_bodies_.size());
+    for (int p = 0; p < pairs_; ++p) {
+      const int row = order_[static_cast<std::size_t>(p)];
+      const std::array<Part, 2> parts{part_on(row, first), part_on(row + 1, first)};
+      if (parts[0] == nullptr && parts[1] == nullptr) continue;
+      on_bodies_.push_back({p, 2 * p * pairs_, row, parts, {}, {}, {}, {}, {}, {}});
+    }
+    if (const auto end = static_cast<int>(on_bodies_.size()); end > begin)
+      bodies_.push_back({first, begin, end, {inverse_mass[first], inverse_mass[first + 1], inverse_mass[first + 2]}});
+  }
+}
+
+/// A largest set of pairs that have no body in common. A row without another stays the last.
+void Schur::put_apart_first(std::span<const Row> rows) {
+  for (int p = 0; p < pairs_; ++p) order_[static_cast<std::size_t>(p)] = 2 * p;
+  if (rows_ > kUnrolled) return;
+  const auto meet = [](const Row& r, const Row& s) {
+    return (r.a >= 0 && (r.a == s.a || r.a == s.b)) || (r.b >= 0 && (r.b == s.a || r.b == s.b));
+  };
+  const auto couple = [&](int p, int q) {
+    for (const int i : {2 * p, 2 * p + 1})
+      for (const int j : {2 * q, 2 * q + 1})
+        if (meet(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)])) return true;
+    return false;
+  };
+  const auto whole = static_cast<unsigned>(rows_ / 2);
+  unsigned best = 0;
+  for (unsigned set = 0; set < 1U << whole; ++set) {
+    const auto has = [&](int p) { return (set >> p & 1U) != 0; };
+    bool apart = std::popcount(set) > std::max(1, std::popcount(best));
+    for (int p = 0; p < rows_ / 2; ++p)
+      for (int q = 0; q < p; ++q) apart = apart && !(has(p) && has(q) && couple(p, q));
+    if (apart) best = set;
+  }
+  apart_ = std::popcount(best);
+  std::stable_partition(order_.begin(), order_.end(), [&](int row) { return (best >> (row / 2) & 1U) != 0; });
+}
+
+bool Schur::factorize(std::span<const Row> G, double dependent) {
+  with_pairs([&](auto n) {  // number by number: a call of memset twice a step took 3 % of it
+    each(n, [&](auto p) {
+      each(twice(p), [&](auto j) { S_[static_cast<std::size_t>(2 * p * n + j)] = Two(0); });
+      S_[static_cast<std::size_t>(2 * p * (n + 1))] = S_[static_cast<std::size_t>(2 * p * (n + 1) + 1)] = Two(0);
+    });
+  });
+  if (rows_ % 2 == 1) S_.back() = Two(0, 1);  // the row of nothing
+  const auto part = [&](const PairOnBody& u, std::size_t k) -> const std::array<double, 3>& {
+    return u.parts[k] == nullptr ? kNothing : G[static_cast<std::size_t>(u.row) + k].*u.parts[k];
+  };
+  for (const OnBody& body : bodies_) {
+    const auto [m, n, j] = body.inverse_mass;
+    const PairOnBody* const first = on_bodies_.data() + body.begin;
+    for (PairOnBody* u = on_bodies_.data() + body.begin; u != on_bodies_.data() + body.end; ++u) {
+      const std::array<double, 3>&g = part(*u, 0), &h = part(*u, 1);
+      const Two gx(g[0], h[0]), gy(g[1], h[1]), gz(g[2], h[2]), x = m * gx, y = n * gy, z = j * gz;
+      u->gx = gx, u->gy = gy, u->gz = gz, u->x = x, u->y = y, u->z = z;
+      Two* to = S_.data() + u->at;
+      for (const PairOnBody* v = first; v < u; ++v) {
+        to[2 * v->pair] += v->gx[0] * x + v->gy[0] * y + v->gz[0] * z;
+        to[2 * v->pair + 1] += v->gx[1] * x + v->gy[1] * y + v->gz[1] * z;
+      }
+      to += 2 * u->pair;  // its own: [1][0] is not read
+      to[0] += gx[0] * x + gy[0] * y + gz[0] * z;
+      to[1] += gx * x + gy * y + gz * z;
+    }
+  }
+  return with_pairs([&](auto n) { return factorize_pairs(n, dependent); });
+}
+
+/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. The second D_i of a pair comes from
+/// D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
+template <class N> bool Schur::factorize_pairs(N n, double dependent) {
+  const auto S = [&](int p, int j) -> Two& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
+  const auto L = [&](int i, int j) { return S(i / 2, j)[i % 2]; };
+  double *const inverse = inverse_pivot_.data(), *const pivot = pivot_.data();
+  bool independent = true;
+  const auto check = [&](int i, double whole) {
+    const bool holds =
+        pivot[i] > dependent * whole && pivot[i] < std::numeric_limits<double>::infinity();  // false of NaN
+    independent &= holds;
+    if (!holds) inverse[i] = 0;  // what follows stays finite, for finite()
+  };
+  each(n, [&](auto p) {
+    Two whole(S(p, 2 * p)[0], S(p, 2 * p + 1)[1]), left = whole;
+    double last = S(p, 2 * p)[1];
+    each(twice(p), [&](auto j) {
+      if (!n.couple(p, j / 2)) return;
+      Two y = S(p, j);
+      each(j, [&](auto k) {
+        if (n.couple(p, k / 2) && n.couple(j / 2, k / 2)) y -= S(p, k) * Two(L(j, k));
+      });
+      S(p, j) = y;
+    });
+    each(twice(p), [&](auto j) {
+      if (!n.couple(p, j / 2)) return;
+      const Two y = S(p, j), l = y * Two(inverse[j]);
+      S(p, j) = l, left -= y * l, last -= y[1] * l[0];
+    });
+    const int i = 2 * p;
+    pivot[i] = left[0], inverse[i] = 1 / left[0];
+    check(i, whole[0]);
+    const double product = left[0] * left[1];
+    if (product > kLeast && product < kMost) {
+      const double both = product - last * last;
+      pivot[i + 1] = both * inverse[i], inverse[i + 1] = left[0] / both;
+    } else {
+      pivot[i + 1] = left[1] - last * (last * inverse[i]), inverse[i + 1] = 1 / pivot[i + 1];
+    }
+    check(i + 1, whole[1]);
+    S(p, i) = Two(whole[0], last * inverse[i]);
+  });
+  each(n, [&](auto p) {  // L with that of each pair taken out of its columns: 0.97 of a step (bare_loop)
+    each(p, [&](auto q) {
+      if (n.couple(p, q)) S(p, 2 * q) -= S(p, 2 * q + 1) * Two(S(q, 2 * q)[1]);
+    });
+  });
+  return independent;
+}
+
+bool Schur::finite() const {
+  return std::all_of(S_.begin(), S_.end(), [](Two s) { return std::isfinite(s[0]) && std::isfinite(s[1]); });
+}
+
+double Schur::independence() const {
+  double least = 1;
+  for (int i = 0; i < rows_; ++i) {
+    const double whole = S_[static_cast<std::size_t>((i / 2) * 2 * pairs_ + i)][i % 2];
+    least = std::min(least, pivot_[static_cast<std::size_t>(i)] / whole);
+  }
+  return least;
+}
+
+void Schur::solve(const double* f, const double* c, double* x, double* lambda) const {
+  for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
+  set_rates(c);
+  for (const OnBody& body : bodies_) {
+    const double* const by = x + body.first;
+    subtract_rates(body, by[0], by[1], by[2]);
+  }
+  add_solution(x);
+  store_forces(lambda);
+}
+
+void Schur::solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const {
+  for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
+  set_rates(c);
+  for (const OnBody& body : bodies_) {
+    const double *const from = v + body.first, *const by = x + body.first;
+    subtract_rates(body, from[0] + by[0], from[1] + by[1], from[2] + by[2]);
+  }
+  add_solution(x);
+  store_forces(lambda);
+}
+
+void Schur::add_rates(const double* c, double* x) const {
+  set_rates(c);
+  add_solution(x);
+}
+
+void Schur::solve_row(const Row& row, double* x) const {
+  std::fill_n(x, inverse_mass_.size(), 0.0);
+  std::fill(lambda_.begin(), lambda_.end(), Two(0));
+  const auto load = [&](BodyId b, const std::array<double, 3>& j) {
+    if (b < 0) return;
+    const double* const m = inverse_mass_.data() + 3 * b;
+    const double vx = m[0] * j[0], vy = m[1] * j[1], vz = m[2] * j[2];
+    x[3 * b] += vx, x[3 * b + 1] += vy, x[3 * b + 2] += vz;
+    const auto body = std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == 3 * b; });
+    if (body != bodies_.end()) subtract_rates(*body, vx, vy, vz);
+  };
+  load(row.a, row.ja), load(row.b, row.jb);
+  add_solution(x);
+}
+
+/// λ = c.
+void Schur::set_rates(const double* c) const {
+  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p] = Two::load(c + order_[p]);
+  if (rows_ % 2 == 1) lambda_.back() = Two(c[rows_ - 1], 0);
+}
+
+void Schur::store_forces(double* lambda) const {
+  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p].store(lambda + order_[p]);
+  if (rows_ % 2 == 1) lambda[rows_ - 1] = lambda_.back()[0];
+}
+
+/// λ −= G v, the part of one body with its three v.
+void Schur::subtract_rates(const OnBody& body, double vx, double vy, double vz) const {
+  for (const PairOnBody& u : on(body)) lambda_[static_cast<std::size_t>(u.pair)] -= vx * u.gx + vy * u.gy + vz * u.gz;
+}
+
+/// S λ' = λ,  x += M⁻¹ Gᵀ λ'.
+void Schur::add_solution(double* x) const {
+  with_pairs([&](auto n) { solve_pairs(n); });
+  for (const OnBody& body : bodies_) {
+    Two x0(0), x1(0), x2(0);
+    for (const PairOnBody& u : on(body)) {
+      const Two by = lambda_[static_cast<std::size_t>(u.pair)];
+      x0 += u.x * by, x1 += u.y * by, x2 += u.z * by;
+    }
+    double* const v = x + body.first;
+    v[0] += x0.sum(), v[1] += x1.sum(), v[2] += x2.sum();
+  }
+}
+
+/// S λ' = λ. What is within a pair is no step of its own on the way there and back: no other pair waits for it.
+template <class N> void Schur::solve_pairs(N n) const {
+  const auto S = [&](int p, int j) { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
+  Two* const y = lambda_.data();
+  each(n, [&](auto p) {
+    Two left = y[p];
+    each(p, [&](auto q) {
+      if (n.couple(p, q)) left -= S(p, 2 * q) * Two(y[q][0]) + S(p, 2 * q + 1) * Two(y[q][1]);
+    });
+    y[p] = left;
+  });
+  each(n, [&](auto p) {
+    const double l = S(p, 2 * p)[1];
+    const Two left = Two(y[p][0], y[p][1] - l * y[p][0]) * Two::load(inverse_pivot_.data() + 2 * p);
+    y[p] = Two(left[0] - l * left[1], left[1]);
+  });
+  each_down(n, [&](auto p) {
+    const Two two = y[p];
+    each(p, [&](auto q) {
+      if (!n.couple(p, q)) return;
+      const Two first = S(p, 2 * q) * two, second = S(p, 2 * q + 1) * two;
+      y[q] -= Two(first.sum(), second.sum());
+    });
+  });
+}
+
+}  // namespace orthant

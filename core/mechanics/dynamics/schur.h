@@ -1,0 +1,74 @@
+// core/mechanics/dynamics/schur.h — few joint rows eliminated onto S = G M⁻¹ Gᵀ, diagonal M:  S = L D Lᵀ, L with unit diagonal.
+//
+//   M x − Gᵀ λ = f,  G x = c:   S λ = c − G M⁻¹ f,  x = M⁻¹ f + (M⁻¹ Gᵀ) λ
+// n³/6 multiplications and n divisions, n² a solve. Rows go by pairs, as joints have most of theirs, and two numbers are what
+// every processor multiplies at once; an odd one gets a row of nothing beside it. Pairs that have no body in common, every
+// second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the compiler knows the loops'
+// lengths and what is zero.
+#pragma once
+
+#include <orthant/core/mechanics/planar/geometry.h>
+#include <orthant/core/support/two.h>
+
+#include <array>
+#include <span>
+
+namespace orthant {
+
+class Schur {
+ public:
+  static constexpr int kUnrolled = 8;
+
+  /// `rows`: with the bodies that all later ones have.
+  Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows);
+
+  /// False: some pivot D_i is at most `dependent` times S_ii (a ratio that neither masses nor units change), or not finite.
+  bool factorize(std::span<const Row> G, double dependent);
+
+  void solve(const double* f, const double* c, double* x, double* lambda) const;
+  /// G (v + x) = c: x, the change of velocities v, without a pass over the rows for G v.
+  void solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const;
+  /// Adds to x the solution for f = 0.
+  void add_rates(const double* c, double* x) const;
+  /// f = rowᵀ, c = 0.
+  void solve_row(const Row& row, double* x) const;
+
+  /// The least D_i / S_ii of the last factorization, in (0, 1].
+  double independence() const;
+  bool finite() const;  // the S of the last factorization, where that gave up on it
+
+ private:
+  using Part = std::array<double, 3> Row::*;
+  struct PairOnBody {
+    int pair, at, row;          // where it stands here; where its row begins in S; its first row in G
+    std::array<Part, 2> parts;  // of its rows, that are on the body, or none
+    Two gx, gy, gz, x, y, z;    // those parts; times M⁻¹
+  };
+  struct OnBody {  // pairs from `begin` up to `end` act on the coordinates from `first` on
+    int first, begin, end;
+    std::array<double, 3> inverse_mass;
+  };
+  void put_apart_first(std::span<const Row> rows);
+  template <class F> decltype(auto) with_pairs(F&& f) const;
+  template <class N> bool factorize_pairs(N n, double dependent);
+  template <class N> void solve_pairs(N n) const;
+  void set_rates(const double* c) const;
+  void subtract_rates(const OnBody& body, double vx, double vy, double vz) const;
+  void add_solution(double* x) const;
+  void store_forces(double* lambda) const;
+  std::span<const PairOnBody> on(const OnBody& b) const {
+    return {on_bodies_.data() + b.begin, on_bodies_.data() + b.end};
+  }
+
+  int rows_, pairs_, apart_ = 0;  // pairs that come first and have no body in common
+  std::vector<int> order_;        // the first row in G of each pair
+  Eigen::VectorXd inverse_mass_;
+  std::vector<PairOnBody> on_bodies_;  // by bodies, pairs ascending; those on the ground have none
+  std::vector<OnBody> bodies_;         // ascending
+  // Pairs × 2 pairs by rows. S = K B Kᵀ, B of pairs' own l D lᵀ: S_ii and l on the diagonal, below it K = L l⁻¹.
+  std::vector<Two> S_;
+  std::vector<double> pivot_, inverse_pivot_;  // D_i, 1 / D_i
+  mutable std::vector<Two> lambda_;            // pairs
+};
+
+}  // namespace orthant

@@ -1,0 +1,60 @@
+// core/mechanics/dynamics/system.h — assemble: a checked scene with its index layout. What a scene lacks costs nothing here.
+#pragma once
+
+#include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/dynamics/state.h>
+
+namespace orthant {
+
+/// Coordinates 3i, 3i+1, 3i+2 are x, y, θ of body i; joint rows stand in the order of the scene's joints.
+class System {
+ public:
+  /// Throws std::invalid_argument where check(scene) does.
+  explicit System(Scene scene);
+
+  const Scene& scene() const { return scene_; }
+  int bodies() const { return static_cast<int>(scene_.bodies.size()); }
+  int dof() const { return 3 * bodies(); }
+  int joint_rows() const { return joint_rows_; }
+  int first_row(std::size_t joint) const { return first_row_[joint]; }
+  bool driven() const { return driven_; }  // some joint is given in time
+  /// Of each body the first one that joints and springs connect it with, itself maybe.
+  const std::vector<int>& assembly() const { return assembly_; }
+  /// Likewise the first one of all whose motion can ever meet its own, through contacts too.
+  const std::vector<int>& cluster() const { return cluster_; }
+  /// The listed ones, then room for the pairs of each collision that are near each other.
+  int contacts() const { return listed() + pairs_.back(); }
+  int listed() const { return static_cast<int>(scene_.contacts.size()); }
+  /// Where the pairs of each collision begin, counted from listed(); at the end their number.
+  const std::vector<int>& pairs() const { return pairs_; }
+
+  const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body
+  const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
+  const Eigen::VectorXd& weight() const { return weight_; }              // dof: M g [N, N, 0]
+  const std::vector<ContactLaw>& laws() const { return laws_; }          // one per contact
+  const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
+
+  /// The first time > t [s] at which an applied force or its slope jumps; infinity.
+  double next_breakpoint(double t) const;
+  /// [rad/s] of the fastest swing that a load or drive is given with; 0.
+  double swing() const { return swing_; }
+
+  State initial_state() const;
+
+ private:
+  Scene scene_;
+  int joint_rows_ = 0;
+  std::vector<int> first_row_;  // of each joint
+  std::vector<int> assembly_, cluster_;
+  bool driven_ = false;
+  Eigen::VectorXd mass_, inverse_mass_, weight_;
+  std::vector<ContactLaw> laws_;
+  std::vector<int> pairs_ = {0};
+  std::vector<double> breakpoints_;  // [s] ascending, of all loads and drives
+  double swing_ = 0;
+};
+
+/// Kinetic energy + potential of gravity (zero at the origin) and springs [J].
+double energy(const System& system, const State& state);
+
+}  // namespace orthant

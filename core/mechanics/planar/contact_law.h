@@ -1,0 +1,36 @@
+// core/mechanics/planar/contact_law.h — what every contact has besides its geometry.
+#pragma once
+
+#include <orthant/core/mechanics/planar/geometry.h>
+
+#include <cmath>
+
+namespace orthant {
+
+inline constexpr double kStickSpeed = 1e-9;  // [m/s] a contact whose slip |γ_T| is no larger sticks
+
+/// Coulomb friction and Newton restitution: ξ = γ⁺ + e γ⁻ in the normal and in the tangential direction. The slip γ_T is
+/// taken against b's surface, which may move along itself (a belt): γ_T = rate of the tangent row − belt.
+struct ContactLaw {
+  double mu = 0;         // friction coefficient ≥ 0, of a contact that slides; 0: no friction rows at all
+  double e = 0;          // normal restitution in [0, 1]
+  double e_t = 0;        // tangential restitution in [−1, 1]
+  double mu_static = 0;  // ≥ mu, of a contact that sticks; 0: the same as mu
+  double belt = 0;       // [m/s] speed of b's surface against b, along the tangent
+
+  bool frictional() const { return mu > 0 || mu_static > 0; }
+  /// The coefficient that bounds friction where the slip is γ_T [m/s].
+  double mu_at(double slip) const { return mu_static > mu && std::abs(slip) <= kStickSpeed ? mu_static : mu; }
+};
+
+/// Kinematics of a closed contact. The normal points from b to a; the tangent is t = −perp(n).
+struct ContactRows {
+  Row normal, tangent;  // rates of the gap and of slip [m/s]
+};
+struct ContactBias {
+  double normal = 0, tangent = 0;  // d/dt of the two rates at zero acceleration [m/s²]
+};
+
+inline Vector2d tangent_of(const Vector2d& n) { return {n.y(), -n.x()}; }
+
+}  // namespace orthant

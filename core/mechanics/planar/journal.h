@@ -1,0 +1,40 @@
+// core/mechanics/planar/journal.h — a revolute joint with clearance: a journal (disc of a) inside a bearing (hole of b).
+//   g = (radius_b − radius_a) − |d|,  d = C_a − C_b   [m]; contact at the hole's surface, in the direction of d.
+// It is disc_disc.h turned inside out: the journal's radius counts as negative, gap and rows change their sign. Centred
+// (d = 0) there is no direction and the rows are zero; no contact is closed there, as the clearance is > 0.
+// Source: Flores, Ambrósio, Claro & Lankarani, Kinematics and Dynamics of Multibody Systems with Imperfect Joints (2008).
+#pragma once
+
+#include <orthant/core/mechanics/planar/disc_disc.h>
+
+namespace orthant {
+
+struct Journal {
+  std::string name;
+  BodyId a = kGround;
+  Vector2d centre_a{0, 0};  // [m] in a's frame
+  double radius_a = 1;      // [m] > 0, of the journal
+  BodyId b = kGround;
+  Vector2d centre_b{0, 0};  // [m] in b's frame
+  double radius_b = 2;      // [m] > radius_a, of the bearing
+  ContactLaw law;
+
+  double gap(const Kinematics& k) const { return -discs().gap(k); }
+  ContactRows rows(const Kinematics& k) const {
+    ContactRows r = discs().rows(k);
+    for (std::size_t i = 0; i < 3; ++i) {
+      r.normal.ja[i] *= -1, r.normal.jb[i] *= -1;
+      r.tangent.ja[i] *= -1, r.tangent.jb[i] *= -1;
+    }
+    return r;
+  }
+  ContactBias bias(const Kinematics& k) const {
+    const ContactBias outside = discs().bias(k);
+    return {-outside.normal, -outside.tangent};
+  }
+
+ private:
+  DiscDisc discs() const { return {{}, a, centre_a, -radius_a, b, centre_b, radius_b, {}}; }
+};
+
+}  // namespace orthant

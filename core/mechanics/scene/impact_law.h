@@ -1,0 +1,15 @@
+// core/mechanics/scene/impact_law.h — how a scene's impacts are treated, by name. What the laws do: integrators/impact.h.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace orthant {
+
+enum class Restitution { newton, poisson };  // e relates velocities; e relates the impulses of two phases
+inline constexpr std::array<std::string_view, 2> kRestitutionNames = {"newton", "poisson"};
+
+enum class Impacts { simultaneous, sequential };  // all closed contacts at once; the fastest approach first, one by one
+inline constexpr std::array<std::string_view, 2> kImpactsNames = {"simultaneous", "sequential"};
+
+}  // namespace orthant

@@ -1,0 +1,47 @@
+#include "toml/reader.h"
+
+#include <orthant/core/mechanics/scene/scene_toml.h>
+#include <orthant/core/support/file.h>
+#include <orthant/core/support/shortened.h>
+
+#include <cstdint>
+#include <stdexcept>
+
+namespace orthant {
+namespace {
+
+constexpr std::uintmax_t kLargestScene = 16 << 20;  // [bytes]
+
+/// Whatever is wrong with a scene is an invalid argument.
+template <class Work> auto as_invalid(Work&& work) {
+  try {
+    return work();
+  } catch (const std::runtime_error& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+}  // namespace
+
+std::string read_scene_text(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw std::invalid_argument(file.string() + ": must be a file that exists");
+  return as_invalid([&] { return read_whole(file, largest_input(kLargestScene)); });
+}
+
+Scene parse_scene(std::string_view text, std::span<const std::string> overrides, std::string_view name) {
+  const std::string file(name);
+  as_invalid([&] { check_size(file, text.size(), largest_input(kLargestScene)); });
+  return in_a_line([&] {
+    toml::table root = scene_file::parse(text, file);
+    scene_file::apply_overrides(root, overrides);
+    return scene_file::Reader(root, file).scene();
+  });
+}
+
+Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {
+  return parse_scene(read_scene_text(file), overrides, file.string());
+}
+
+}  // namespace orthant

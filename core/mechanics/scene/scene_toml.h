@@ -1,0 +1,29 @@
+// core/mechanics/scene/scene_toml.h — scenes from TOML text. core/scenes/README.md is the format: every element and key.
+//
+//   Scene s = read_scene("door.toml", std::vector<std::string>{"gravity=[0, 0]", "contact.corner1.mu=0.1"});
+//
+// An override is one line of TOML. Its key path addresses an element by kind and name, then a key of the format, which
+// the file itself need not have: contact.corner1.wall.normal=[0, 1]. An inline table replaces, a key path adds.
+// Everything wrong (text that is no TOML, unknown or missing keys, wrong types, values that check() refuses) throws
+// std::invalid_argument with file and line or override, element, key, value and rule. Hostile text is refused as well:
+// files over 16 MiB (support/file.h: largest_input()), keys and brackets nested deeper than any scene needs.
+#pragma once
+
+#include <orthant/core/mechanics/scene/scene.h>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace orthant {
+
+Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+/// What read_scene() reads, as it is in the file: to keep beside results.
+std::string read_scene_text(const std::filesystem::path& file);
+
+/// `name` stands for the file in error messages.
+Scene parse_scene(std::string_view text, std::span<const std::string> overrides = {}, std::string_view name = "scene");
+
+}  // namespace orthant

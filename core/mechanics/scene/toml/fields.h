@@ -1,0 +1,114 @@
+// core/mechanics/scene/toml/fields.h — one table while it is read: every key by name, every mistake with its place.
+#pragma once
+
+#include "document.h"
+
+#include <orthant/core/mechanics/planar/geometry.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace orthant::scene_file {
+
+/// One table being read. Every key is asked for; done() refuses those that nobody asked for.
+class Fields {
+ public:
+  Fields(const toml::table& table, std::string who, const std::string& file, std::string prefix = "")
+      : table_(table), who_(std::move(who)), file_(file), prefix_(std::move(prefix)) {}
+
+  template <class T> void need(std::string_view key, T& value) {
+    if (!maybe(key, value)) miss(key);
+  }
+  [[noreturn]] void miss(std::string_view key) const {
+    fail(table_, "missing key " + in_quotes(prefix_ + std::string(key)));
+  }
+  /// False, and `value` as it was, when the key is not there.
+  template <class T> bool maybe(std::string_view key, T& value) {
+    const toml::node* node = find(key);
+    if (node != nullptr) convert(key, *node, value);
+    return node != nullptr;
+  }
+  /// The table under `key`; null when it is not there.
+  const toml::table* inner(std::string_view key) {
+    const toml::node* node = find(key);
+    if (node != nullptr && !node->is_table()) refuse(key, *node, "a table");
+    return node == nullptr ? nullptr : node->as_table();
+  }
+  Fields fields(std::string_view key, const toml::table& table) const {
+    return {table, who_, file_, prefix_ + std::string(key) + "."};
+  }
+  /// A direction of any length but zero, made a unit vector.
+  bool direction(std::string_view key, Vector2d& unit) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return false;
+    convert(key, *node, unit);
+    if (unit.isZero(0)) refuse(key, *node, "a direction, not zero");
+    unit = unit.stableNormalized().eval();
+    return true;
+  }
+  template <class Enum, std::size_t N>
+  void choice(std::string_view key, Enum& value, const std::array<std::string_view, N>& names) {
+    std::string word;
+    if (!maybe(key, word)) return;
+    const auto found = std::find(names.begin(), names.end(), word);
+    if (found == names.end()) refuse(key, *table_.get(key), "one of " + join({names.begin(), names.end()}));
+    value = static_cast<Enum>(found - names.begin());
+  }
+  void done() const {
+    for (const auto& [key, node] : table_)
+      if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
+        fail(node, "unknown key " + in_quotes(prefix_ + std::string(key.str())) + ": must be one of " + join(known_));
+  }
+
+  const toml::node* find(std::string_view key) {
+    known_.emplace_back(key);
+    return table_.get(key);
+  }
+  [[noreturn]] void refuse(std::string_view key, const toml::node& node, const std::string& rule) const {
+    fail(node, prefix_ + std::string(key) + " = " + text(node) + ": must be " + rule);
+  }
+  [[noreturn]] void fail(const toml::node& node, const std::string& sentence) const {
+    // The table may be younger than the element: then the place of the table is the better guess.
+    throw std::invalid_argument(place(node.source().path ? node : table_, file_) + ": " + who_ + sentence);
+  }
+  const toml::table& table() const { return table_; }
+
+ private:
+  void convert(std::string_view key, const toml::node& node, double& value) const {
+    const auto number = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!number) refuse(key, node, "a number");
+    if (!std::isfinite(*number)) refuse(key, node, "finite");
+    value = *number;
+  }
+  void convert(std::string_view key, const toml::node& node, std::vector<double>& values) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) refuse(key, node, "a list of numbers");
+    values.resize(array->size());
+    for (std::size_t i = 0; i < values.size(); ++i) convert(key, *array->get(i), values[i]);
+  }
+  void convert(std::string_view key, const toml::node& node, Vector2d& value) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->size() != 2) refuse(key, node, "two numbers [x, y]");
+    convert(key, *array->get(0), value.x()), convert(key, *array->get(1), value.y());
+  }
+  void convert(std::string_view key, const toml::node& node, std::vector<Vector2d>& points) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) refuse(key, node, "a list of points [[x, y], ...]");
+    points.resize(array->size());
+    for (std::size_t i = 0; i < points.size(); ++i) convert(key, *array->get(i), points[i]);
+  }
+  void convert(std::string_view key, const toml::node& node, std::string& value) const {
+    const auto words = node.value_exact<std::string>();
+    if (!words) refuse(key, node, "a string in quotes");
+    value = *words;
+  }
+
+  const toml::table& table_;
+  std::string who_;  // contact "corner1":
+  const std::string& file_;
+  std::string prefix_;  // of keys, inside an inner table
+  std::vector<std::string> known_;
+};
+
+}  // namespace orthant::scene_file
