@@ -8,7 +8,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>
-#include <orthant/core/support/two.h>
+#include <orthant/core/support/simd2.h>
 
 #include <array>
 #include <span>

@@ -1,5 +1,5 @@
 #include <orthant/core/mechanics/dynamics/terms.h>
-#include <orthant/core/support/two.h>
+#include <orthant/core/support/simd2.h>
 
 #include <cmath>
 #include <limits>
