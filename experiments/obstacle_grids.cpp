@@ -8,7 +8,7 @@
 
 #include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/registry.h>
-#include <orthant/solvers/sparse_cholesky.h>
+#include <orthant/solvers/linear_algebra/sparse_cholesky.h>
 
 #include <CLI/CLI.hpp>
 

@@ -1,6 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/contact_transition.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
 #include <cmath>

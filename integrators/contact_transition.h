@@ -15,7 +15,7 @@
 
 #include <orthant/integrators/contact_motion.h>
 #include <orthant/integrators/integrator.h>
-#include <orthant/solvers/path.h>
+#include <orthant/solvers/pivoting/path.h>
 
 namespace orthant {
 

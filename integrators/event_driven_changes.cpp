@@ -1,7 +1,7 @@
 // What happens at an event of an EventDriven integrator: impacts, accumulations, crossings of crowds, changes of contacts' modes.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include <orthant/solvers/automatic.h>
 #include <orthant/solvers/registry.h>
-#include <orthant/solvers/small_active_set.h>
+#include <orthant/solvers/active_set/small_active_set.h>
 
 #include <orthant/core/support/options.h>
 

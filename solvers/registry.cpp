@@ -1,27 +1,27 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
-#include <orthant/solvers/admm.h>
-#include <orthant/solvers/apgd.h>
+#include <orthant/solvers/first_order/admm.h>
+#include <orthant/solvers/first_order/apgd.h>
 #include <orthant/solvers/automatic.h>
-#include <orthant/solvers/block_pivot.h>
-#include <orthant/solvers/dantzig.h>
-#include <orthant/solvers/enumerate.h>
-#include <orthant/solvers/interior_point.h>
-#include <orthant/solvers/ipopt.h>
-#include <orthant/solvers/jacobi.h>
-#include <orthant/solvers/lemke.h>
-#include <orthant/solvers/lemke_howson.h>
-#include <orthant/solvers/mprgp.h>
-#include <orthant/solvers/murty.h>
-#include <orthant/solvers/newton_fb.h>
-#include <orthant/solvers/newton_min.h>
-#include <orthant/solvers/nlopt.h>
-#include <orthant/solvers/nncg.h>
-#include <orthant/solvers/path.h>
-#include <orthant/solvers/pgs.h>
-#include <orthant/solvers/psor.h>
-#include <orthant/solvers/sgs.h>
+#include <orthant/solvers/active_set/block_pivot.h>
+#include <orthant/solvers/pivoting/dantzig.h>
+#include <orthant/solvers/pivoting/enumerate.h>
+#include <orthant/solvers/active_set/interior_point.h>
+#include <orthant/solvers/external/ipopt.h>
+#include <orthant/solvers/first_order/jacobi.h>
+#include <orthant/solvers/pivoting/lemke.h>
+#include <orthant/solvers/pivoting/lemke_howson.h>
+#include <orthant/solvers/first_order/mprgp.h>
+#include <orthant/solvers/pivoting/murty.h>
+#include <orthant/solvers/active_set/newton_fb.h>
+#include <orthant/solvers/active_set/newton_min.h>
+#include <orthant/solvers/external/nlopt.h>
+#include <orthant/solvers/first_order/nncg.h>
+#include <orthant/solvers/pivoting/path.h>
+#include <orthant/solvers/first_order/pgs.h>
+#include <orthant/solvers/first_order/psor.h>
+#include <orthant/solvers/first_order/sgs.h>
 
 #include <stdexcept>
 

@@ -4,7 +4,7 @@
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/budget.h>
-#include <orthant/solvers/farkas.h>
+#include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/iteration_log.h>
 
 #include <string>

@@ -14,7 +14,7 @@
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/simulate.h>
 #include <orthant/solvers/effort.h>
-#include <orthant/solvers/farkas.h>
+#include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/registry.h>
 
 #include <benchmark/benchmark.h>

@@ -2,7 +2,7 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <nlohmann/json.hpp>
 

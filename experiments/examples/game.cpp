@@ -1,5 +1,5 @@
 // A bimatrix game by Lemke and Howson's method: matching pennies, played half and half.
-#include <orthant/solvers/lemke_howson.h>
+#include <orthant/solvers/pivoting/lemke_howson.h>
 
 #include <cmath>
 #include <iostream>

@@ -1,5 +1,5 @@
 // A nonlinear complementarity problem by two callbacks: z >= 0, F(z) >= 0, z'F = 0 (Kojima & Shindo's four unknowns).
-#include <orthant/solvers/path.h>
+#include <orthant/solvers/pivoting/path.h>
 
 #include <iostream>
 

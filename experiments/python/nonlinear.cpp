@@ -5,8 +5,8 @@
 #include "pickle.h"
 
 #include <orthant/core/support/options.h>
-#include <orthant/solvers/lemke_howson.h>
-#include <orthant/solvers/path.h>
+#include <orthant/solvers/pivoting/lemke_howson.h>
+#include <orthant/solvers/pivoting/path.h>
 
 #include <pybind11/eigen.h>
 #include <pybind11/functional.h>

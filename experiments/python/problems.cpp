@@ -12,7 +12,7 @@
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/support/file.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/registry.h>
 
 #include <pybind11/stl.h>

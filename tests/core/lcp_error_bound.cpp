@@ -4,7 +4,7 @@
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/judge/error_bound.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/pyramid.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,10 @@
 // Methods that search for the right active rows: murty, block-pivot, newton-min, newton-fb.
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/solvers/block_pivot.h>
-#include <orthant/solvers/murty.h>
-#include <orthant/solvers/newton_fb.h>
-#include <orthant/solvers/newton_min.h>
+#include <orthant/solvers/active_set/block_pivot.h>
+#include <orthant/solvers/pivoting/murty.h>
+#include <orthant/solvers/active_set/newton_fb.h>
+#include <orthant/solvers/active_set/newton_min.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

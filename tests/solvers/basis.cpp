@@ -1,4 +1,4 @@
-#include <orthant/solvers/basis.h>
+#include <orthant/solvers/linear_algebra/basis.h>
 
 #include <orthant/core/lcp/problems/collection.h>
 

@@ -1,6 +1,6 @@
 // Principal pivoting: dantzig, and what it shares with the other pivoting and active-set methods.
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/dantzig.h>
+#include <orthant/solvers/pivoting/dantzig.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // Proofs that there is no solution, on problems too large for a dense tableau.
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/farkas.h>
-#include <orthant/solvers/lemke.h>
+#include <orthant/solvers/proof/farkas.h>
+#include <orthant/solvers/pivoting/lemke.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

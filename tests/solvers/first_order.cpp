@@ -2,7 +2,7 @@
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/solvers/lemke.h>
+#include <orthant/solvers/pivoting/lemke.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

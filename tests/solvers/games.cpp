@@ -1,8 +1,8 @@
 // Bimatrix games: equilibria in game terms, by every label and on from each equilibrium found.
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/families.h>
-#include <orthant/solvers/enumerate.h>
-#include <orthant/solvers/lemke_howson.h>
+#include <orthant/solvers/pivoting/enumerate.h>
+#include <orthant/solvers/pivoting/lemke_howson.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

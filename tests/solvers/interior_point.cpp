@@ -1,9 +1,9 @@
 // interior-point: monotone problems of every kind, exactly; catalogue cases; proofs; warm start; obstacles of 256² nodes.
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/solvers/interior_point.h>
+#include <orthant/solvers/active_set/interior_point.h>
 #include <orthant/solvers/registry.h>
-#include <orthant/solvers/sparse_cholesky.h>
+#include <orthant/solvers/linear_algebra/sparse_cholesky.h>
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
-#include <orthant/solvers/lemke.h>
+#include <orthant/solvers/pivoting/lemke.h>
 
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/delayed_pivots.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/delayed_pivots.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include <orthant/solvers/path.h>
+#include <orthant/solvers/pivoting/path.h>
 
 #include <orthant/core/lcp/problems/collection.h>
 

@@ -1,7 +1,7 @@
-#include <orthant/solvers/pgs.h>
+#include <orthant/solvers/first_order/pgs.h>
 
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/lemke.h>
+#include <orthant/solvers/pivoting/lemke.h>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/polish.h>
+#include <orthant/solvers/active_set/polish.h>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // Systems with principal blocks, dense and sparse, of every definiteness.
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/principal_block.h>
-#include <orthant/solvers/sparse_cholesky.h>
+#include <orthant/solvers/linear_algebra/principal_block.h>
+#include <orthant/solvers/linear_algebra/sparse_cholesky.h>
 
 #include <doctest/doctest.h>
 

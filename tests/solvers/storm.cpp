@@ -1,5 +1,5 @@
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/enumerate.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

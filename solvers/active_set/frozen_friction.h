@@ -1,0 +1,100 @@
+// solvers/active_set/frozen_friction.h — Coulomb friction as a fixed point of box problems, for methods that solve these well.
+//
+//   z_t ∈ [−μ z_n, μ z_n] with z_n of the round before: symmetric and monotone where A is, as friction itself is not.
+//   From z = 0 the first round is the problem without friction; contacts that stick are found in the second or third,
+//   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: where asked for, the
+//   bounds are extrapolated from the last kMemory rounds after the first ones (Anderson's mixing).
+// A fixed point is a solution; where there is none to be reached the last z is left to the judge.
+// Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432; Haslinger & Tvrdy, Apl. Mat. 28 (1983);
+// Anderson, J. ACM 12 (1965) 547-560.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+#include <orthant/core/lcp/solution.h>
+#include <orthant/solvers/budget.h>
+
+#include <Eigen/QR>
+
+#include <algorithm>
+
+namespace orthant {
+
+class FrozenFriction {  // reuse it
+ public:
+  /// solve_box(problem, z) improves z on a box problem and returns its claim.
+  template <class SolveBox> Status iterate(const Lcp& problem, Vector& z, const Budget& budget, SolveBox&& solve_box) {
+    return iterate(
+        problem, z, budget, solve_box, [](const Vector&) { return false; }, false);
+  }
+
+  /// The same, ended too where done(z) says so of a round's z, friction within its bounds; `mixed`: the bounds are
+  /// extrapolated, for large problems, where rounds are dear.
+  template <class SolveBox, class Done> Status iterate(const Lcp& problem, Vector& z, const Budget& budget,
+                                                       SolveBox&& solve_box, const Done& done, bool mixed = true) {
+    box_ = problem;
+    box_.friction.clear();
+    Status claim = Status::stalled;
+    const auto pressed = [&](Eigen::VectorXd& by) {  // z_n of each friction row
+      by.resize(static_cast<Index>(problem.friction.size()));
+      for (Index k = 0; k < by.size(); ++k) by[k] = std::max(0.0, z[problem.friction[at(k)].normal]);
+    };
+    pressed(assumed_);
+    for (int round = 0; round < kRounds && !budget.exhausted(); ++round) {
+      for (Index k = 0; k < assumed_.size(); ++k) {
+        const Friction& f = problem.friction[at(k)];
+        box_.hi[f.row] = f.mu * assumed_[k];
+        box_.lo[f.row] = -box_.hi[f.row];
+      }
+      before_ = z;
+      claim = solve_box(box_, z);
+      double change = 0;
+      for (const Friction& f : problem.friction)
+        change = std::max(change, f.mu * std::abs(z[f.normal] - before_[f.normal]));
+      if (!(change > 1e-15 * z.lpNorm<Eigen::Infinity>())) break;
+      before_ = z;
+      clamp(problem, before_);
+      if (done(before_)) break;
+      pressed(mixed ? found_ : assumed_);
+      if (mixed) mix(round);
+    }
+    clamp(problem, z);
+    return claim;
+  }
+
+ private:
+  /// Within the bounds to the last bit.
+  static void clamp(const Lcp& problem, Vector& z) {
+    for (const Friction& f : problem.friction) {
+      const double bound = f.mu * std::max(0.0, z[f.normal]);
+      z[f.row] = std::clamp(z[f.row], -bound, bound);
+    }
+  }
+
+  /// The next assumed normals: those found, or what the last rounds make of them.
+  void mix(int round) {
+    const Index columns = std::min(Index{round - kFree}, kMemory);
+    off_ = found_ - assumed_;
+    if (round >= kFree) {
+      const Index newest = (round - kFree) % kMemory;
+      if (round == kFree) changes_off_.resize(off_.size(), kMemory), changes_found_.resize(off_.size(), kMemory);
+      if (round > kFree) {
+        changes_off_.col((newest + kMemory - 1) % kMemory) = off_ - last_off_;
+        changes_found_.col((newest + kMemory - 1) % kMemory) = found_ - last_found_;
+      }
+      last_off_ = off_, last_found_ = found_;
+    }
+    assumed_ = found_;
+    if (columns < 1) return;
+    const Eigen::VectorXd share = changes_off_.leftCols(columns).colPivHouseholderQr().solve(off_);
+    if (share.allFinite()) assumed_ = (found_ - changes_found_.leftCols(columns) * share).cwiseMax(0.0);
+  }
+
+  static constexpr int kRounds = 60, kFree = 3;
+  static constexpr Index kMemory = 5;
+  Lcp box_;
+  Vector before_;
+  Eigen::VectorXd assumed_, found_, off_, last_off_, last_found_;  // of each friction row
+  Eigen::MatrixXd changes_off_, changes_found_;
+};
+
+}  // namespace orthant

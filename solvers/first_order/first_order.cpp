@@ -1,0 +1,177 @@
+#include <orthant/solvers/first_order/first_order.h>
+
+#include <sstream>
+
+namespace orthant {
+
+constexpr int kPatience = 16384;  // slow modes may let the violation rise for thousands of iterations
+
+Status FirstOrder::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Status::solved;
+  load(problem, s.z);  // in any case: what a solver allocates, it allocates at the first problem of a size
+  if (passes(problem, s) && start == Start::warm) return Status::solved;  // cold: 0 may pass where units differ
+  double mark = accepted();
+  double least = kInf;
+  int least_at = 0;
+  while (s.iterations < max_iterations()) {
+    ++s.iterations;
+    last_ = s.z;
+    const Step step = advance(problem, s.z);
+    log(s.iterations, step.violation, step.length, step.event);
+    if (step.end == Status::ray) {
+      s.certificate = *step.ray;
+      tidy_certificate(problem, s.certificate);
+    }
+    if (step.end != Status::not_run) return step.end;
+    if (!std::isfinite(step.violation)) {
+      s.z = last_;
+      return Status::numerical_error;
+    }
+    if (step.violation <= mark || !step.moved) {
+      if (passes(problem, s)) return Status::solved;
+      if (!step.moved) return Status::stalled;
+      mark = step.violation * std::clamp(accepted() / s.residual, 1e-3, 0.5);
+    }
+    if (step.violation < (1 - 1e-9) * least) least = step.violation, least_at = s.iterations;
+    if (s.iterations >= kPatience && s.iterations / 8 >= least_at) return Status::stalled;
+    if (budget().exhausted()) return Status::time_limit;
+  }
+  return Status::iteration_limit;
+}
+
+namespace detail {
+namespace {
+
+std::string named(Index i, Index j, double value) {
+  std::ostringstream text;
+  text << "entry (" << i << ", " << j << ") = " << value;
+  return text.str();
+}
+
+double entry(const RowSparse& A, Index i, Index j) {
+  const auto begin = A.column.begin() + A.start[at(i)], end = A.column.begin() + A.start[at(i) + 1];
+  const auto it = std::lower_bound(begin, end, static_cast<int>(j));
+  return it != end && *it == j ? A.value[static_cast<std::size_t>(it - A.column.begin())] : 0.0;
+}
+
+/// visit(i, j, A_ij) of a matrix stored by entries; ends when visit says false.
+template <class Visit> void each_entry(const Matrix& A, const Visit& visit) {
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+    for (Index j = 0; j < dense->cols(); ++j)
+      for (Index i = 0; i < dense->rows(); ++i)
+        if (!visit(i, j, (*dense)(i, j))) return;
+  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
+    for (Index i = 0; i < sparse->rows; ++i)
+      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
+        if (!visit(i, static_cast<Index>(sparse->column[k]), sparse->value[k])) return;
+  }
+}
+
+}  // namespace
+
+std::string diagonal_why_not(const Matrix& A, bool zero_allowed) {
+  for (Index i = 0; i < order(A); ++i)
+    if (const double d = diagonal(A, i); !(d > 0 || (zero_allowed && d == 0)))
+      return named(i, i, d) + ": must be " + (zero_allowed ? ">= 0" : "> 0");
+  return {};
+}
+
+std::string quadratic_why_not(const Matrix& A) {
+  std::string reason = diagonal_why_not(A, true);
+  if (!reason.empty()) return reason;
+  const auto* dense = std::get_if<DenseMatrix>(&A);
+  const auto* sparse = std::get_if<RowSparse>(&A);
+  each_entry(A, [&](Index i, Index j, double value) {
+    if (i == j || value == 0) return true;
+    const double other = dense != nullptr ? (*dense)(j, i) : entry(*sparse, j, i);
+    const double size = std::sqrt(diagonal(A, i)) * std::sqrt(diagonal(A, j));
+    if (!(std::abs(value - other) <= 1e-12 * size))
+      reason =
+          named(i, j, value) + ", " + named(j, i, other) + ": must be equal, the method minimizes a quadratic form";
+    else if (!(std::abs(value) <= (1 + 1e-12) * size))
+      reason = named(i, j, value) + ": larger than its diagonal entries allow, the matrix is not positive semidefinite";
+    return reason.empty();
+  });
+  return reason;
+}
+
+namespace {
+
+/// y ≥ |A| x for x ≥ 0; equal where A is stored by entries, else y = |W| M⁻¹ |W|ᵀ x + R x.
+void absolute_product(const Matrix& A, const Vector& x, Vector& y, Vector& scratch) {
+  y.resize(order(A));
+  y.setZero();
+  each_entry(A, [&](Index i, Index j, double value) {
+    y[i] += std::abs(value) * x[j];
+    return true;
+  });
+  const auto* delassus = std::get_if<Delassus>(&A);
+  if (delassus == nullptr) return;
+  const auto& [W, inverse_mass, regularization] = *delassus;
+  const auto each = [&W = W](const auto& use) {
+    for (Index i = 0; i < W.rows; ++i)
+      for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k)
+        use(i, W.column[k], std::abs(W.value[k]));
+  };
+  scratch.resize(W.cols);
+  scratch.setZero();
+  each([&](Index i, int k, double value) { scratch[k] += value * x[i]; });
+  scratch.array() *= inverse_mass.array();
+  if (regularization.size() != 0) y = regularization.cwiseProduct(x);
+  each([&](Index i, int k, double value) { y[i] += value * scratch[k]; });
+}
+
+}  // namespace
+
+void RowSums::evaluate(const Matrix& A, const Vector& d) {
+  x_ = d.cwiseSqrt().cwiseInverse();
+  absolute_product(A, x_, sums, inner_);
+  sums.array() *= d.array().sqrt();
+}
+
+double largest_ratio(const Matrix& A, const Vector& d, const Vector& b, Vector& x, Vector& Ax, Vector& scratch) {
+  double largest = 0;
+  x = b.cwiseQuotient(d);
+  if (!(x.squaredNorm() > 0)) x.setOnes();
+  for (int k = 0; k < 10; ++k) {
+    x /= std::sqrt(dot(d, x, x));
+    multiply(A, x, Ax, scratch);
+    largest = std::max(largest, x.dot(Ax));
+    if (!(Ax.squaredNorm() > 0)) break;
+    x = Ax.cwiseQuotient(d);
+  }
+  return largest;
+}
+
+void HeldBounds::load(const Lcp& problem, Vector& z) {
+  lo = problem.lo, hi = problem.hi;
+  diagonal(problem.A, d);
+  each_entry(problem.A, [&](Index i, Index j, double value) {  // a zero diagonal entry takes the row's largest, negated
+    if (i != j && d[i] <= 0) d[i] = std::min(d[i], -std::abs(value));
+    return true;
+  });
+  for (double& value : d) value = value == 0 ? 1 : std::abs(value);
+  hold(problem, z);
+}
+
+void HeldBounds::hold(const Lcp& problem, Vector& z) {
+  z = z.cwiseMax(problem.lo).cwiseMin(problem.hi);
+  for (const Friction& f : problem.friction) {
+    hi[f.row] = f.mu * z[f.normal], lo[f.row] = -hi[f.row];
+    z[f.row] = std::clamp(z[f.row], lo[f.row], hi[f.row]);
+  }
+}
+
+double HeldBounds::violation(const Lcp& problem, const Vector& z, const Vector& w) {
+  held_ = 0;
+  for (Index i = 0; i < z.size(); ++i) raise(held_, row(i, z[i], w[i], lo[i], hi[i]));
+  true_ = held_;
+  for (const Friction& f : problem.friction) {
+    const double bound = f.mu * z[f.normal];
+    raise(true_, row(f.row, z[f.row], w[f.row], -bound, bound));
+  }
+  return true_;
+}
+
+}  // namespace detail
+}  // namespace orthant
