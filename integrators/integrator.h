@@ -2,10 +2,10 @@
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>
-#include <orthant/integrators/crew.h>
+#include <orthant/integrators/solver_pool.h>
 #include <orthant/integrators/event.h>
-#include <orthant/integrators/memory.h>
-#include <orthant/integrators/passing.h>
+#include <orthant/integrators/checkpoint.h>
+#include <orthant/integrators/step/tunnelling.h>
 #include <orthant/solvers/solver.h>
 
 #include <algorithm>
@@ -61,7 +61,7 @@ class Integrator {
   /// that controls its step leaves it at the last time it reached.
   virtual StepReport step(double h, Solver& solver, State& x) = 0;
 
-  /// All that the scheme remembers from one step to the next, to `memory` or from it (memory.h): a scheme that has read it
+  /// All that the scheme remembers from one step to the next, to `memory` or from it (checkpoint.h): a scheme that has read it
   /// goes on bit for bit as this one, which forgets what only saves it work (pivots chosen, matrices factorized).
   virtual void remember(Memory& memory) = 0;
 

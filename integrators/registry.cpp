@@ -1,13 +1,13 @@
 #include <orthant/core/support/options.h>
-#include <orthant/integrators/adaptive.h>
-#include <orthant/integrators/anitescu_potra.h>
-#include <orthant/integrators/event_driven.h>
-#include <orthant/integrators/generalized_alpha.h>
-#include <orthant/integrators/moreau_jean.h>
-#include <orthant/integrators/paoli_schatzman.h>
-#include <orthant/integrators/rattle.h>
+#include <orthant/integrators/adaptive/adaptive.h>
+#include <orthant/integrators/fixed_step/anitescu_potra.h>
+#include <orthant/integrators/event_driven/event_driven.h>
+#include <orthant/integrators/fixed_step/generalized_alpha.h>
+#include <orthant/integrators/fixed_step/moreau_jean.h>
+#include <orthant/integrators/fixed_step/paoli_schatzman.h>
+#include <orthant/integrators/fixed_step/rattle.h>
 #include <orthant/integrators/registry.h>
-#include <orthant/integrators/stewart_trinkle.h>
+#include <orthant/integrators/fixed_step/stewart_trinkle.h>
 
 namespace orthant {
 namespace {

@@ -1,6 +1,6 @@
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/core/support/options.h>
-#include <orthant/integrators/projection.h>
+#include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/simulate.h>
 
 #include <chrono>

@@ -25,7 +25,7 @@ struct Run {
   long crossings = 0;                             // of crowds of events, see StepReport
   long energy_rises = 0;                          // steps in which impacts raised the energy (impact.h)
   double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
-  long passages = 0;                              // steps in which bodies passed through each other (passing.h)
+  long passages = 0;                              // steps in which bodies passed through each other (tunnelling.h)
   Passage first_passage;
   double first_passage_time = 0;  // [s] the end of that step
 };

@@ -1,7 +1,7 @@
 #include "checkpoint.h"
 
 #include <orthant/core/support/file.h>
-#include <orthant/integrators/memory.h>
+#include <orthant/integrators/checkpoint.h>
 
 #include <cstdint>
 #include <fstream>

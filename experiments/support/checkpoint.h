@@ -1,6 +1,6 @@
 // experiments/support/checkpoint.h — a run's state in a file, to go on from after a kill.
 //
-//   File: one line of text, a check sum of what follows, then the bytes of Memory (integrators/memory.h). Written whole or not at
+//   File: one line of text, a check sum of what follows, then the bytes of Memory (integrators/checkpoint.h). Written whole or not at
 //   all (core/support/file.h). Throws std::runtime_error naming the file for what is no checkpoint, or a damaged one.
 #pragma once
 

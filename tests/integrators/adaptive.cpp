@@ -12,7 +12,7 @@
 #include <orthant/core/scenes/pendulum.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
 #include <orthant/core/scenes/stick_slip.h>
-#include <orthant/integrators/adaptive.h>
+#include <orthant/integrators/adaptive/adaptive.h>
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/runs.h"
 
-#include <orthant/integrators/islands.h>
+#include <orthant/integrators/step/islands.h>
 
 #include <doctest/doctest.h>
 

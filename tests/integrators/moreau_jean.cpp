@@ -3,7 +3,7 @@
 
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/incline.h>
-#include <orthant/integrators/moreau_jean.h>
+#include <orthant/integrators/fixed_step/moreau_jean.h>
 
 #include <doctest/doctest.h>
 

@@ -1,0 +1,75 @@
+// integrators/between_events/contact_equations.h — contact rows against contact forces, the joints eliminated.
+//
+//   A_ij = J_i B F_jᵀ,  b_i = J_i x + c_i:   what the rows J of x (accelerations, or a velocity) become when forces z act
+//   along F is A z + b. B is the inverse of the basic system with its joints, so that the joints hold on either side.
+//   F = J for forces along the rows themselves; sliding contacts couple W_T to the normal force, and A is not symmetric.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
+
+#include <Eigen/Dense>
+
+namespace orthant {
+
+class ContactEquations {
+ public:
+  ContactEquations(const System& system, std::size_t most) : dof_(system.dof()), row_(most), force_(most), c_(most) {
+    const auto n = static_cast<Index>(most);
+    columns_.resize(dof_, n), A.resize(n, n), b.resize(n), z.resize(n);
+    clear();
+  }
+
+  void clear() { row_.clear(), force_.clear(), c_.clear(); }
+  void add(const Row& row, const Row& force, double c) {
+    row_.push_back(row), force_.push_back(force), c_.push_back(c);
+  }
+  Index size() const { return static_cast<Index>(row_.size()); }
+
+  void assemble(const BasicSystem& basic, const Eigen::VectorXd& x) {
+    const Index n = size();
+    A.resize(n, n), b.resize(n), columns_.resize(dof_, n);
+    for (Index j = 0; j < n; ++j) {
+      basic.solve_row(force_[static_cast<std::size_t>(j)], columns_.col(j).data());
+      for (Index i = 0; i < n; ++i) A(i, j) = apply(row_[static_cast<std::size_t>(i)], columns_.col(j).data());
+    }
+    for (Index i = 0; i < n; ++i)
+      b[i] = apply(row_[static_cast<std::size_t>(i)], x.data()) + c_[static_cast<std::size_t>(i)];
+  }
+
+  /// A z = −b. Where rows depend on each other, the z of least Σ z_i² / share_i: equal forces share a load in proportion
+  /// to their shares. share: n, > 0.
+  void solve(const Vector& share) {
+    if (size() <= kSmall)
+      solve_as<Eigen::Matrix<double, -1, -1, 0, kSmall, kSmall>>(share);
+    else
+      solve_as<Eigen::MatrixXd>(share);
+  }
+
+  /// x + B Fᵀ z
+  void act(const Vector& forces, Eigen::VectorXd& x) const { x.noalias() += columns_ * forces; }
+
+  DenseMatrix A;
+  Vector b, z;
+  bool dependent = false;  // the rows solved for last
+
+ private:
+  static constexpr int kSmall = 16;  // up to here on the stack
+
+  template <class Dense> void solve_as(const Vector& share) {
+    Eigen::CompleteOrthogonalDecomposition<Dense> decomposition;
+    decomposition.setThreshold(1e-10);
+    using Few = Eigen::Matrix<double, -1, 1, 0, Dense::MaxRowsAtCompileTime, 1>;
+    const Few root = share.cwiseSqrt();
+    decomposition.compute(Dense(A * root.asDiagonal()));
+    dependent = decomposition.rank() < size();
+    z = root.cwiseProduct(decomposition.solve(Few(-b)));
+  }
+
+  Index dof_;
+  std::vector<Row> row_, force_;
+  std::vector<double> c_;
+  DenseMatrix columns_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,178 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/between_events/contact_transition.h>
+#include <orthant/solvers/pivoting/enumerate.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+
+ContactTransition::ContactTransition(const System& system)
+    : system_(system), equations_(system, 2 * system.scene().contacts.size()) {
+  candidates.reserve(system.scene().contacts.size());
+  rows_.reserve(system.scene().contacts.size());
+}
+
+/// Rows: the normals of all candidates, then the tangents of those with friction that do not slide.
+void ContactTransition::formulate(ContactMotion& motion) {
+  Terms& terms = motion.terms();
+  terms.closed.clear();
+  equations_.clear(), rows_.clear(), lcp_.friction.clear();
+  for (const Candidate& c : candidates) {
+    std::visit(
+        [&](const auto& contact) {
+          const ContactRows rows = contact.rows(terms.at);
+          rows_.push_back(rows);
+          const double mu = c.slip * contact.law.mu;
+          equations_.add(rows.normal, mu != 0 ? sliding_force(rows, mu) : rows.normal, contact.bias(terms.at).normal);
+        },
+        system_.scene().contacts[static_cast<std::size_t>(c.contact)]);
+  }
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const double mu = static_mu(system_.law(candidates[i].contact));
+    if (candidates[i].slip != 0 || mu <= 0) continue;
+    lcp_.friction.push_back({equations_.size(), static_cast<Index>(i), mu});
+    std::visit(
+        [&](const auto& contact) {
+          equations_.add(rows_[i].tangent, rows_[i].tangent, contact.bias(terms.at).tangent);
+        },
+        system_.scene().contacts[static_cast<std::size_t>(candidates[i].contact)]);
+  }
+  equations_.assemble(motion.basic(), motion.free());
+  const Index n = equations_.size(), normals = static_cast<Index>(candidates.size());
+  std::get<DenseMatrix>(lcp_.A) = equations_.A;
+  lcp_.b = equations_.b;
+  lcp_.lo.resize(n), lcp_.hi.resize(n);
+  lcp_.hi.setConstant(kInf), lcp_.lo.setConstant(-kInf);
+  lcp_.lo.head(normals).setZero();
+}
+
+/// More than one solution, or none, is possible already for one contact by itself.
+bool ContactTransition::doubtful() const {
+  const auto normals = static_cast<Index>(candidates.size());
+  for (Index i = 0; i < normals; ++i)
+    if (equations_.A(i, i) <= 0) return true;
+  for (const Friction& f : lcp_.friction)
+    if (equations_.A(f.normal, f.normal) <= f.mu * std::abs(equations_.A(f.normal, f.row))) return true;
+  return false;
+}
+
+/// Whether the certificate u stands against rounding of the problem too. Redundant rows, equal in truth, contradict each
+/// other by that. And where a column's share of Aᵀu is neither zero nor clearly below, large forces are the answer and not
+/// none: a light body between heavy ones, whose contacts are out of line by rounding alone.
+bool ContactTransition::proved() const {
+  constexpr double kProof = 1e-8, kZero = 1e-13;
+  const Vector& u = solution_.certificate;
+  if (solution_.status != Status::infeasible ||
+      lcp_.b.dot(u) >= -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>())
+    return false;
+  for (Index i = 0; i < static_cast<Index>(candidates.size()); ++i) {
+    const auto share = [&](Index row) { return equations_.A.col(row).dot(u); };
+    const auto size = [&](Index row) { return equations_.A.col(row).cwiseAbs().dot(u.cwiseAbs()); };
+    double sum = share(i), all = size(i);
+    for (const Friction& f : lcp_.friction)
+      if (f.normal == i) sum += f.mu * std::abs(share(f.row)), all += f.mu * size(f.row);
+    if (std::abs(sum) > kZero * all && sum > -kProof * all) return false;
+  }
+  return true;
+}
+
+/// The judge's status, `unsupported` for several solutions; why_ says so in words.
+Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
+  constexpr Index kMostRows = 12;
+  constexpr double kSameMotion = 1e-9;  // of what the forces add up to
+  why_.clear(), undecided_ = false;
+  solver.solve(lcp_, solution_);
+  if (solution_.status != Status::solved && !proved()) second_.solve(lcp_, solution_);
+  if (proved()) {
+    why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
+    return solution_.status;
+  }
+  if (solution_.status == Status::solved && !doubtful()) return solution_.status;
+  SolutionSet set;
+  if (lcp_.size() <= kMostRows && finite(lcp_)) set = enumerate_solutions(lcp_);
+  std::vector<Vector> found = set.isolated;
+  for (const SolutionFace& face : set.faces) found.insert(found.end(), face.vertices.begin(), face.vertices.end());
+  std::vector<Vector> different;
+  Eigen::VectorXd one = free, other;
+  for (const Vector& z : found) {
+    const auto same = [&](const Vector& known) {
+      one = free, other = free;
+      equations_.act(known, one), equations_.act(z, other);
+      const double size = free.lpNorm<Eigen::Infinity>() + (equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff();
+      return (one - other).lpNorm<Eigen::Infinity>() <= kSameMotion * size;
+    };
+    if (std::none_of(different.begin(), different.end(), same)) different.push_back(z);
+  }
+  if (different.size() > 1) {
+    why_ = "several acceleration-level solutions (Painleve), normal forces [N]:";
+    for (const Vector& z : different) {
+      for (std::size_t i = 0; i < candidates.size(); ++i)
+        why_ += (i == 0 ? " (" : ", ") + detail::text_of(z[static_cast<Index>(i)]);
+      why_ += ")";
+    }
+    return Status::unsupported;
+  }
+  undecided_ = solution_.status != Status::solved;
+  if (undecided_) {
+    why_ = "the problem at acceleration level was not solved, nor is it proved that it cannot be";
+    if (solution_.status == Status::infeasible) return Status::numerical_error;  // by rounding
+  }
+  return solution_.status;
+}
+
+/// [m/s²] what rounding makes of accelerations that are zero.
+double ContactTransition::zero() const {
+  return std::max(kSame * lcp_.b.lpNorm<Eigen::Infinity>(), 32 * solution_.rounding);
+}
+
+/// Contacts whose friction is at its bound slide from now on. True: with another coefficient, to be solved again.
+bool ContactTransition::slide_off() {
+  bool again = false;
+  const double zero = this->zero();
+  for (const Friction& f : lcp_.friction) {
+    const double slack = f.mu * solution_.z[f.normal] - std::abs(solution_.z[f.row]), slip = solution_.w[f.row];
+    if (std::abs(slip) <= equations_.A(f.row, f.row) * slack + zero) continue;
+    Candidate& c = candidates[static_cast<std::size_t>(f.normal)];
+    c.slip = slip > 0 ? 1 : -1;
+    again = again || system_.law(c.contact).mu != f.mu;
+  }
+  return again;
+}
+
+Status ContactTransition::decide(ContactMotion& motion, Solver& solver, StepReport& report) {
+  lcp_.b.resize(0);
+  if (!candidates.empty()) {
+    do {
+      formulate(motion);
+      const double velocity_residual = report.lcp_residual;  // that one is in m/s, not m/s²
+      const Status status = examine(solver, motion.free());
+      report.note(lcp_, solution_);
+      report.lcp_residual = velocity_residual;
+      report.status = status;
+      if (report.status != Status::solved) return report.status;
+    } while (slide_off());
+  }
+  std::fill(motion.modes.begin(), motion.modes.end(), ContactMode{});
+  const double zero = lcp_.size() > 0 ? this->zero() : 0;
+  const double most = candidates.empty() ? 0 : solution_.z.head(static_cast<Index>(candidates.size())).maxCoeff();
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const double push = equations_.A(row, row) * solution_.z[row];
+    ContactMode& mode = motion.modes[static_cast<std::size_t>(candidates[i].contact)];
+    mode.lasting = push > solution_.w[row] && push > zero;
+    if (!mode.lasting) continue;
+    mode.slip = candidates[i].slip;
+    mode.share_normal = std::max(solution_.z[row], 1e-3 * most);  // none so small that it counts as dependent
+  }
+  for (const Friction& f : lcp_.friction) {
+    const Candidate& c = candidates[static_cast<std::size_t>(f.normal)];
+    ContactMode& mode = motion.modes[static_cast<std::size_t>(c.contact)];
+    mode.sticks = mode.lasting && c.slip == 0;
+    mode.share_tangent = f.mu * mode.share_normal;
+  }
+  motion.modes_changed();
+  return Status::solved;
+}
+
+}  // namespace orthant

@@ -1,0 +1,58 @@
+// integrators/between_events/contact_transition.h — which contacts last, stick or slide from now on: the problem at acceleration level.
+//
+//   Over the contacts that touch and do not separate (g = 0, γ_N = 0), with λ_T = −σ μ λ_N put in where slip γ_T ≠ 0:
+//     0 ≤ λ_N ⊥ W_N a + Ẇ_N v ≥ 0,     γ_T = 0:  |λ_T| ≤ μ λ_N,  inside: γ̇_T = 0,  at a bound: opposite to γ̇_T.
+//   λ_N > 0: the contact lasts, else it opens. γ_T = 0 with |λ_T| inside its bounds: it sticks, else it slides off in the
+//   sense of γ̇_T; with a greater static coefficient the problem is then solved again with the kinetic one.
+//   With friction there may be no solution or several (Painlevé). "None" is said only where a proof stands (certify.h)
+//   that rounding of the problem could not have made; what is neither solved, by path.h too where the solver given does
+//   not, nor proved is undecided(). "Several" is looked for where a contact's own coupling allows it
+//   (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ that it may take), by enumeration of at most 12 rows; solutions count as one
+//   where the accelerations are the same. What several contacts only allow together is not looked for.
+//   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 6; Génot & Brogliato,
+//   European Journal of Mechanics A 18 (1999) 653-677.
+#pragma once
+
+#include <orthant/integrators/between_events/contact_motion.h>
+#include <orthant/integrators/integrator.h>
+#include <orthant/solvers/pivoting/path.h>
+
+namespace orthant {
+
+class ContactTransition {
+ public:
+  explicit ContactTransition(const System& system);
+
+  struct Candidate {
+    int contact = 0;
+    double slip = 0;  // σ, when it slides; 0: γ_T = 0
+  };
+  std::vector<Candidate> candidates;  // in the order of the scene
+
+  /// Writes the modes of all contacts; `motion` has just evaluated its accelerations at (q, v). Not solved: why() says
+  /// what is wrong, the modes are as they were.
+  Status decide(ContactMotion& motion, Solver& solver, StepReport& report);
+
+  const Lcp& problem() const { return lcp_; }
+  const std::string& why() const { return why_; }
+  bool undecided() const { return undecided_; }  // not solved, and not known whether it can be
+
+ private:
+  void formulate(ContactMotion& motion);
+  bool doubtful() const;
+  bool proved() const;
+  double zero() const;
+  Status examine(Solver& solver, const Eigen::VectorXd& free);
+  bool slide_off();
+
+  const System& system_;
+  ContactEquations equations_;
+  Lcp lcp_;
+  Solution solution_;
+  Path second_;
+  std::vector<ContactRows> rows_;
+  std::string why_;
+  bool undecided_ = false;
+};
+
+}  // namespace orthant

@@ -1,0 +1,314 @@
+// What happens at an event of an EventDriven integrator: impacts, accumulations, crossings of crowds, changes of contacts' modes.
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/event_driven/event_driven.h>
+#include <orthant/solvers/pivoting/enumerate.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr double kForceZero =
+    1e-8;                          // of the largest force: contacts this near to opening or sliding off do so together
+constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go that comes back faster does not open
+constexpr double kLongestCrossing = 1e-4;  // [s]
+constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
+constexpr int kShares = 200;               // times that friction is shared anew in a crowd, which count for no event
+
+/// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing hangs on
+/// rounding: friction and restitution contradict each other. Impulses that lose all digits solve nothing.
+bool contradictory(Lcp impact) {
+  constexpr Index kFewRows = 12;
+  constexpr double kSlack = 1e-8, kLost = 1e12;  // of the fastest rate; likewise, what one impulse does
+  if (impact.size() == 0 || impact.size() > kFewRows || !finite(impact)) return false;
+  const double fastest = impact.b.lpNorm<Eigen::Infinity>();
+  impact.b += (impact.lo.array() == 0).select(kSlack * fastest, Vector::Zero(impact.size()));
+  Vector diag;
+  diagonal(impact.A, diag);
+  const auto solves = [&](const Vector& z) { return (diag.array() * z.array()).abs().maxCoeff() <= kLost * fastest; };
+  const SolutionSet set = enumerate_solutions(impact);
+  return std::none_of(set.isolated.begin(), set.isolated.end(), solves) &&
+         std::all_of(set.faces.begin(), set.faces.end(), [&](const SolutionFace& face) {
+           return std::none_of(face.vertices.begin(), face.vertices.end(), solves);
+         });
+}
+
+}  // namespace
+
+/// At now_: impacts, then the modes; their events.
+bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
+  const double t = start_ + elapsed_;
+  if (++instants_ > options_.max_events)
+    return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
+  if (event && standstill_ == 0 && shares_anew(*event)) {
+    if (++shared_ < kShares) crowded_ = std::max(0, crowded_ - 1);  // no event of a crowd, unless it goes on so
+    return true;
+  }
+  no_answer_ = false;
+  before_ = motion_.modes;
+  std::fill(released_.begin(), released_.end(), false);
+  std::fill(slides_.begin(), slides_.end(), 0.0);
+  std::fill(held_.begin(), held_.end(), false);
+  for (Bounces& b : bounces_) b.over = false;
+  int struck = 0;
+  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and of
+  // the velocities that it left.
+  const double tie = 16 + 64.0 * flight_, since = flight_time_;
+  flight_ = 0, flight_time_ = 0;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const ContactMode& mode = motion_.modes[at(c)];
+    const bool hit = event && event->watch == Watch::gap && event->contact == c;
+    touching_[at(c)] =
+        hit || mode.lasting ||
+        now_.w.gap[c] <= tie * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
+    if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
+    ++struck;
+    note_bounce(c);
+  }
+  if (struck > 1) close_together();
+  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
+  return settle(solver, event, struck > 0, report);
+}
+
+/// Contacts that strike together get the gap 0: a tilt that rounding made would grow from impact to impact.
+void EventDriven::close_together() {
+  for (std::size_t c = 0; c < touching_.size(); ++c)
+    motion_.modes[c].lasting = touching_[c] && now_.w.gap[static_cast<Index>(c)] > -kTilt;
+  motion_.modes_changed();
+  stage_q_ = now_.q, stage_v_ = now_.v;
+  if (motion_.project(start_ + elapsed_, stage_q_, stage_v_).joint < kInf) now_.q = stage_q_;
+  motion_.modes = before_;
+  motion_.modes_changed();
+}
+
+bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
+  Terms& terms = motion_.terms();
+  if (!motion_.accelerations(start_ + elapsed_, now_.q, now_.v, now_.a))
+    return fail(report, Status::numerical_error, "no accelerations at an impact");
+  struck_.clear();
+  for (int c = 0; c < system_.contacts(); ++c)
+    if (plastic ? bounces_[at(c)].over || motion_.modes[at(c)].lasting : touching_[at(c)]) struck_.push_back(c);
+  evaluate_closed(system_, struck_, terms);
+  // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
+  now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
+  newtons_law(system_.laws(), terms, now_.v, wanted_);
+  restrict_to_strikes(wanted_);
+  stage_v_ = now_.v;
+  problem_ = &impact_.problem();
+  const bool in_turn = plastic && ends_in_turn();
+  if (in_turn)
+    no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
+  else if (!plastic)
+    no_answer_ = !impact_.strike(terms, motion_.basic(), stage_v_, wanted_, now_.v, solver, report);
+  if (no_answer_) return fail(report, report.status, impact_.why());
+  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
+  if (plastic)
+    for (Wanted& wanted : wanted_) wanted.normal = 0;
+  formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
+  problem_ = &formulation_.problem();
+  no_answer_ = !formulation_.solve(solver, report);
+  if (no_answer_) {
+    const bool none = contradictory(formulation_.problem());
+    return fail(
+        report, none ? Status::infeasible : report.status,
+        none ? "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)"
+             : "the impact was not solved");
+  }
+  formulation_.advance(now_.v, hit_);
+  if (in_turn || !plastic) impact_.add_to(hit_);
+  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, hit_));
+  const double t = start_ + elapsed_;
+  for (const ClosedContact& closed : terms.closed) {
+    const int c = closed.contact;
+    const Impulse& hit = hit_[at(c)];
+    impulses_[at(c)].normal += hit.normal, impulses_[at(c)].tangent += hit.tangent;
+    if (plastic && bounces_[at(c)].over)
+      events_.push_back({t + bounces_[at(c)].rest, EventKind::accumulation, c, hit.normal, hit.tangent});
+    else if (hit.normal > 0)
+      events_.push_back({t, EventKind::impact, c, hit.normal, hit.tangent});
+  }
+  return true;
+}
+
+/// Before an impact at contact c.
+void EventDriven::note_bounce(int c) {
+  Bounces& b = bounces_[at(c)];
+  b.add(start_ + elapsed_);
+  const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
+  b.height = height * b.ratio;
+  b.rounding = height <= 16 * gap_zero(c);
+}
+
+/// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
+template <class Low> bool EventDriven::waits(const Bounces& ending, const Low& low) const {
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const Bounces& b = bounces_[at(c)];
+    const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
+    if (between && !motion_.modes[at(c)].lasting && !(b.accumulates() && now_.w.gap[c] <= low(c))) return true;
+  }
+  return false;
+}
+
+/// Marks the contacts whose bounces need not be resolved any more, if there are any at this time.
+bool EventDriven::accumulates() {
+  const double t = start_ + elapsed_;
+  const auto low = [&](int c) { return std::max(options_.accumulation, 32 * gap_zero(c)); };
+  bool any = false;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const Bounces& b = bounces_[at(c)];
+    any = any || (b.last == t && (b.rounding || (b.accumulates() && b.height <= low(c) && !waits(b, low))));
+  }
+  for (int c = 0; c < system_.contacts(); ++c) {
+    Bounces& b = bounces_[at(c)];
+    b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && now_.w.gap[c] <= low(c);
+    touching_[at(c)] = touching_[at(c)] || b.over;
+  }
+  return any;
+}
+
+/// Whether several of the series that are over had their impacts in turn: in_turn_.
+bool EventDriven::ends_in_turn() {
+  double first = kInf, last = -kInf, interval = kInf;
+  for (std::size_t c = 0; c < in_turn_.size(); ++c) {
+    const Bounces& b = bounces_[c];
+    in_turn_[c] = b.over && !motion_.modes[c].lasting;
+    if (!in_turn_[c]) continue;
+    first = std::min(first, b.last), last = std::max(last, b.last), interval = std::min(interval, b.interval);
+  }
+  return last - first > kInTurn * interval;
+}
+
+/// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
+/// leaves no faster than it falls within the step lasts. Where that does not help either the next one is twice as long.
+bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
+  const Status status = report.status;
+  const std::string words = why_;
+  for (bool calm = false; !calm;) {
+    crossing_ = elapsed_ - crossed_ < kSoon * crossing_ ? std::min(2 * crossing_, kLongestCrossing) : options_.crossing;
+    const double s = std::min(crossing_, end - elapsed_);
+    if (!(s > 0)) return fail(report, status, words);
+    crossing_state_.t = start_ + elapsed_, crossing_state_.q = now_.q, crossing_state_.v = now_.v;
+    const StepReport step = stepping_.step(s, solver, crossing_state_);
+    report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
+    ++report.accepted, ++report.crossings;
+    if (step.status != Status::solved) return fail(report, status, words);
+    now_.q = crossing_state_.q, now_.v = crossing_state_.v;
+    elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
+    crossed_ = elapsed_, standstill_ = crowded_ = shared_ = flight_ = 0, flight_time_ = 0;
+    std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
+    motion_.modes_changed();
+    if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");
+    const double slow = s * now_.a.lpNorm<Eigen::Infinity>();
+    bool any = false;
+    for (int c = 0; c < system_.contacts(); ++c) {
+      const Impulse& push = stepping_.impulses()[at(c)];
+      impulses_[at(c)].normal += push.normal, impulses_[at(c)].tangent += push.tangent;
+      bounces_[at(c)] = {};
+      touching_[at(c)] = bounces_[at(c)].over = push.normal > 0 && now_.w.gap_rate[c] <= slow;
+      any = any || bounces_[at(c)].over;
+    }
+    std::fill(released_.begin(), released_.end(), false);
+    std::fill(slides_.begin(), slides_.end(), 0.0);
+    std::fill(held_.begin(), held_.end(), false);
+    no_answer_ = false;
+    calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    if (!calm && !no_answer_) return false;
+    if (calm) why_.clear(), report.status = Status::solved;
+  }
+  return true;
+}
+
+/// The modes at now_, after an impact or an event of the motion.
+bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
+  const double t = start_ + elapsed_;
+  if (event && !struck) let_go(*event);
+  const auto open_all = [&] {
+    std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
+    motion_.modes_changed();
+    return observe(now_, t);
+  };
+  for (bool again = true; again;) {
+    if (!open_all()) return fail(report, Status::numerical_error, "no accelerations after an event");
+    gather_candidates();
+    const Status status = transition_.decide(motion_, solver, report);
+    if (status != Status::solved) {
+      problem_ = &transition_.problem();
+      no_answer_ = transition_.undecided();
+      return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
+    }
+    residual_ = motion_.project(t, now_.q, now_.v);
+    if (!observe(now_, t)) return fail(report, Status::numerical_error, "no accelerations after an event");
+    again = false;
+    for (int c = 0; c < system_.contacts(); ++c)
+      if (released_[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+        released_[at(c)] = false, again = true;  // pressed back by what else changes here
+      else if (held_[at(c)] &&
+               slides_[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+        held_[at(c)] = false, slides_[at(c)] = 0, again = true;
+  }
+  load_ = 0, noise_.setZero();
+  note_changes(event.has_value() && !struck);
+  return true;
+}
+
+/// Contacts that share a force do so in the proportion of the normal forces when their modes were decided. One that comes
+/// to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
+bool EventDriven::shares_anew(const Sign& event) {
+  if (event.watch != Watch::cone_up && event.watch != Watch::cone_down) return false;
+  motion_.share_anew(now_.w);
+  return observe(now_, start_ + elapsed_) && room(event.contact) > slack(event);
+}
+
+/// What is "at the same time" in forces [N]. When events repeat at one time it is no better known than that.
+double EventDriven::force_zero() const { return kForceZero * (1 + 1e3 * standstill_) * load_; }
+
+double EventDriven::room(int contact) const {
+  return static_mu(system_.law(contact)) * now_.w.normal[contact] - std::abs(now_.w.tangent[contact]);
+}
+
+/// Which contacts open (released_) or slide off (slides_) because their force has come to its end.
+void EventDriven::let_go(const Sign& event) {
+  if (event.watch == Watch::gap || event.watch == Watch::slip) return;
+  const Watched& w = now_.w;
+  const double zero = force_zero();
+  for (const int c : motion_.lasting()) {
+    if (event.watch == Watch::force) {
+      released_[at(c)] = c == event.contact || w.normal[c] <= zero;
+    } else if (before_[at(c)].slip != 0 && std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c])) {
+      held_[at(c)] = true, slides_[at(c)] = before_[at(c)].slip;  // at its bound while others hold it: let it be
+    } else if (before_[at(c)].sticks) {
+      if (c == event.contact || room(c) <= zero) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
+    }
+  }
+}
+
+/// Contacts that touch and neither separate nor were let go.
+void EventDriven::gather_candidates() {
+  transition_.candidates.clear();
+  const Watched& w = now_.w;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    if (!touching_[at(c)] || released_[at(c)]) continue;
+    if (w.gap_rate[c] > speed_zero(w.gap_rate_scale[c]) && !bounces_[at(c)].over) continue;
+    double slip = 0;
+    if (system_.law(c).frictional())
+      slip = std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c]) ? slides_[at(c)] : w.slip[c] > 0 ? 1 : -1;
+    transition_.candidates.push_back({c, slip});
+  }
+}
+
+void EventDriven::note_changes(bool touched) {
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const ContactMode &old = before_[at(c)], &mode = motion_.modes[at(c)];
+    if (old == mode) continue;
+    const auto emit = [&](EventKind kind) { events_.push_back({start_ + elapsed_, kind, c, 0, 0}); };
+    if (!mode.lasting)
+      emit(EventKind::release);
+    else if (old.lasting)
+      emit(mode.sticks ? EventKind::stick : EventKind::slip);
+    else if (touched)
+      emit(EventKind::touch);
+  }
+}
+
+}  // namespace orthant

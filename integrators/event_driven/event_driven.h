@@ -1,0 +1,181 @@
+// integrators/event_driven/event_driven.h — the smooth motion by a Runge–Kutta method of order 8, impacts and changes of contact
+// located and landed on.
+//
+//   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with error
+//   control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched are
+//     open contact: g           → closing, quintic Hermite polynomial from g, ġ, g̈ at the ends of a step
+//     lasting ones: forces, slip → opening, sliding off, stopping (contact_watch.h).
+//   The first one to turn negative is landed on by steps from the same start, their length by secant steps: nothing is
+//   interpolated, so that the state there has the full order. Then
+//     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at velocity
+//                                       level (formulate.h, reduced form)
+//     after every event:                the modes by the problem at acceleration level (contact_transition.h).
+//   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as touching, so that
+//   what is simultaneous stays so. No step is longer than look_ahead.h allows, so that what meets within it is seen.
+//   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one before)
+//   and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact without
+//   restitution takes the place of all that follow, for all contacts in this state, and they last. The event has the time
+//   extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as zero, and the
+//   impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some 10 times
+//   `accumulation`. Series that several contacts have in turn end together, when all are that low; their remaining impacts,
+//   which may still be large, follow one after the other at that instant (impact.h).
+//   Contacts that bear a load together share it in proportion to what each can bear; one at the bound of its friction
+//   stays there while others hold it.
+//   Crowds: where events go on without end (steps in a row that lead nowhere: chatter, hyperstatic friction) or an instant
+//   has no answer that could be computed, a step of Moreau-Jean's method of `crossing` goes across, or of twice the last one
+//   where no calm has come since, up to 1e-4 s. What it leaves no faster than it falls within it lasts. Its error is of
+//   first order: speeds times its length. Runs without crowds have none.
+//   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the accelerations. An event's time is found to rounding of the event function.
+//   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³, δ
+//   the distance: such poses are passed over in one step, no stage of which is very near. A state there that the caller
+//   asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from there).
+//   Where a lasting contact's normal jumps (a corner comes to the end of its face, and lies against an edge from then on) a step
+//   ends, too, as near to it as time can be told; its velocity is no more along the contact then: it strikes, or leaves.
+//   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided anew.
+//   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
+//   impact or an acceleration-level problem without solution, or one with several, ends the run, see why(). Rounding in
+//   crowds decides: piles come to rest, but not always in the same places. Every contact's row is looked at
+//   in every step. Cost: 13 evaluations a step, some 3 steps an event.
+//   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996); Brogliato & Acary (2008), ch. 8;
+//   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6.
+#pragma once
+
+#include <orthant/integrators/between_events/contact_transition.h>
+#include <orthant/integrators/between_events/contact_watch.h>
+#include <orthant/integrators/event_driven/dormand_prince.h>
+#include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/between_events/impact_series.h>
+#include <orthant/integrators/fixed_step/moreau_jean.h>
+
+namespace orthant {
+
+inline constexpr double kRounding = 0x1p-52;
+
+struct EventDrivenOptions {
+  double rtol = 1e-13,
+         atol = 1e-14;          // error of a step, per entry of q and v; atol is also the slip [m/s] taken as none
+  double first_step = 0;        // [s]; 0: from the accelerations
+  double touching = 1e-15;      // [m] gap taken as closed where another contact is struck
+  double accumulation = 1e-14;  // [m] height of bounces that are not resolved any more
+  double crossing = 1e-6;       // [s] first step of Moreau–Jean's method where events have no end or no answer
+  int max_events = 1000000;     // instants of one call of step() at which contacts strike or change their modes
+  template <class V> void visit(V&& v) {
+    v("rtol", rtol, 1e-15, 1e-2), v("atol", atol, 1e-30, 1e-2), v("first_step", first_step, 0.0, 1e6);
+    v("touching", touching, 0.0, 1e-3), v("accumulation", accumulation, 0.0, 1e-3);
+    v("crossing", crossing, 1e-9, 1e-4), v("max_events", max_events, 1, 1000000000);
+  }
+};
+
+class EventDriven final : public Integrator {
+ public:
+  using Options = EventDrivenOptions;
+  explicit EventDriven(const System& system, const Options& options = {});
+  StepReport step(double h, Solver& solver, State& x) override;
+  void remember(Memory& memory) override;
+  const Lcp& problem() const override { return *problem_; }
+  std::string why() const override { return why_; }
+
+ private:
+  static constexpr double kSoon = 50;  // crossings: no calm has come since the last one
+  struct Bounces : ImpactSeries {      // a contact's impacts
+    double height = 0;                 // [m] bound of the next bounce
+    bool rounding = false;             // the last bounce was of the size of rounding
+    bool over = false;                 // accumulated, just now
+  };
+  struct Point : MotionPoint {
+    double independence = 1;  // of the joint rows
+    using MotionPoint::MotionPoint;
+    void remember(Memory& memory) {
+      MotionPoint::remember(memory);
+      memory(independence);
+    }
+  };
+
+  void sort_events();
+  bool begin(Solver& solver, const State& x, StepReport& report);
+  double next_stop() const;
+  bool renew(Solver& solver, StepReport& report);
+  bool advance(Solver& solver, double end, bool last, StepReport& report);
+  double error_of_step(double s);
+  std::optional<double> pose_in(double s) const;
+  void measure_noise();
+  bool pass_over(double& s, double rest);
+  bool look_ahead(double s);
+  double first_guess(double rest) const;
+  double independence() const;
+  bool observe(Point& p, double t);
+  bool try_step(double s);
+  bool turned(std::size_t lasting, double s) const;
+  bool turns(double s) const;
+  bool find_turn(double& s);
+  void accept(double s, double end);
+  bool turn(Solver& solver, double s, double end, StepReport& report);
+
+  double value(const Sign& sign, const Watched& w) const;
+  double slack(const Sign& sign) const;
+  std::optional<Sign> first_sign(double s);
+  bool land(const Sign& sign, double& s);
+
+  bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
+  bool impact(Solver& solver, bool plastic, StepReport& report);
+  bool cross(Solver& solver, double end, StepReport& report);
+  void close_together();
+  void note_bounce(int contact);
+  template <class Low> bool waits(const Bounces& ending, const Low& low) const;
+  bool accumulates();
+  bool ends_in_turn();
+  bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
+  bool shares_anew(const Sign& event);
+  double force_zero() const;
+  double room(int contact) const;
+  void let_go(const Sign& event);
+  void gather_candidates();
+  void note_changes(bool touched);
+  bool fail(StepReport& report, Status status, std::string why);
+  double gap_zero(int contact) const { return kRounding * now_.w.gap_scale[contact]; }  // [m]
+  double speed_zero(double scale) const { return options_.atol + kSame * scale; }
+
+  Options options_;
+  ContactMotion motion_;
+  ContactWatch watch_;
+  ContactTransition transition_;
+  Formulation formulation_;
+  Impact impact_;
+  DormandPrince rk_;
+  Point now_, trial_, middle_, earlier_;
+  double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
+  double lead_ = 0;                         // [s] of the state that was handed out before now_
+  double stop_ = kInf;                      // [s] forces are not looked at later in this step
+  int rank_ = 0;                            // of the joints' rows, away from singular poses
+  double least_independence_ = 1;           // of the joints in the trial step
+  double load_ = 0;                         // [N] the largest normal force since the modes were decided
+  int flight_ = 0;                          // steps since the last event
+  double flight_time_ = 0;                  // [s]
+  Kinematics poses_;
+  int standstill_ = 0;  // steps since time moved
+  int crowded_ = 0;     // steps since it moved by more than next to nothing
+  int instants_ = 0;    // of this call at which something happened
+  int shared_ = 0;      // times that friction was shared anew meanwhile
+  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, free_v_, last_q_, last_v_;
+  Eigen::VectorXd noise_, none_;  // noise_: of the accelerations [m/s², rad/s²]
+  bool good_ = false;             // the last call ended at last_q_, last_v_
+  ContactMotion::Residual residual_, trial_residual_;
+  std::vector<Bounces> bounces_;
+  std::vector<char> touching_,
+      in_turn_;  // of an impact without restitution: struck one after the other
+  std::vector<char> released_;
+  std::vector<double> slides_;
+  std::vector<char> held_;
+  std::vector<int> struck_;
+  std::vector<Impulse> push_, hit_;  // mean force of the trial step [N]; of an impact [N s]
+  std::vector<ContactMode> before_;
+  std::vector<Wanted> wanted_;
+  MoreauJean stepping_;
+  State crossing_state_;
+  double crossing_ = 0, crossed_ = -kInf;  // [s] the last of its steps, and its end
+  bool no_answer_ = false;                 // an impact or an acceleration-level problem was not solved
+  const Lcp* problem_;
+  std::string why_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,63 @@
+#include <orthant/integrators/fixed_step/gap_stepping.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+/// Σ |J_k| way_k: how far the contact may close while no coordinate moves farther than its way.
+double farthest(const Row& row, const Eigen::VectorXd& way) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (row.a >= 0) sum += std::abs(row.ja[k]) * way[3 * row.a + static_cast<Index>(k)];
+    if (row.b >= 0) sum += std::abs(row.jb[k]) * way[3 * row.b + static_cast<Index>(k)];
+  }
+  return sum;
+}
+
+}  // namespace
+
+void GapStepping::close(double h, const State& x) {
+  flight_ = v_new_;
+  q_new_ = x.q + h * flight_;
+  set_poses(system_, x.t + h, q_new_, terms_.at);
+  evaluate_gaps(system_, terms_);
+  terms_.closed.clear();
+  const double near = reach();
+  for (int i = 0; i < system_.contacts(); ++i) {
+    const bool joined = std::find(joined_.begin(), joined_.end(), i) != joined_.end();
+    if (terms_.gap[i] == kInf || (terms_.gap[i] > near && !joined)) continue;
+    add_closed(system_, i, terms_);
+    const ClosedContact& c = terms_.closed.back();
+    if (!joined && apply(c.rows.normal, flight_.data()) > least(c, h, x, flight_) + nearly(c.rows) / h)
+      terms_.closed.pop_back();
+  }
+  newtons_law(system_.laws(), terms_, x.v, wanted_);
+  want(h, x);
+}
+
+bool GapStepping::missed(double h, const State& x) {
+  if (terms_.closed.empty() || v_new_ == flight_) return false;
+  way_ = h * (x.v.cwiseAbs() + flight_.cwiseAbs());
+  const std::size_t before = joined_.size(), taking_part = terms_.closed.size();
+  for (int i = 0, next = 0; i < system_.contacts(); ++i) {
+    if (static_cast<std::size_t>(next) < taking_part && terms_.closed[static_cast<std::size_t>(next)].contact == i) {
+      ++next;
+      continue;
+    }
+    if (terms_.gap[i] == kInf) continue;
+    add_closed(system_, i, terms_);
+    const ClosedContact c = terms_.closed.back();
+    terms_.closed.pop_back();
+    const double rate = apply(c.rows.normal, v_new_.data());
+    if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
+        terms_.gap[i] <= farthest(c.rows.normal, way_))
+      joined_.push_back(i);
+  }
+  if (joined_.size() == before) return false;
+  v_new_ = flight_;
+  return true;
+}
+
+}  // namespace orthant

@@ -1,0 +1,41 @@
+// integrators/fixed_step/gap_stepping.h — the step of velocity_stepping.h for schemes that hold the gap at the end of the step.
+//
+//   γ_N⁺ ≥ what the scheme asks of a contact, a function of the gap at the end of free flight, q + h v_free, about which
+//   rows are linearized: g_N = 0 at q + h v⁺ is γ_N⁺ = γ_N,free − g_N/h.
+// All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of the
+// others may drive them shut: what the solution violates then joins the problem, which is solved anew, until nothing is
+// violated. So the answer is that of the whole problem, at the cost of the contacts that take part. What joins is nearer than
+// the two bodies come by themselves, h (|v| + |v_free|): farther away (a row of balls with gaps) a contact that is shut by an
+// impulse is made in the next step, as in the source, so that pairs found by a grid are all there are.
+#pragma once
+
+#include <orthant/integrators/fixed_step/velocity_stepping.h>
+
+namespace orthant {
+
+class GapStepping : public VelocityStepping {
+ protected:
+  using VelocityStepping::VelocityStepping;
+
+  /// The least γ_N that the scheme lets the contact have where the velocities after the step are v. [m/s]
+  virtual double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const = 0;
+  /// The law of what takes part; wanted_ is Newton's.
+  virtual void want(double h, const State& x) = 0;
+
+  /// [m] Contacts farther open at the end of free flight need not be asked at first.
+  virtual double reach() const { return kInf; }
+
+  /// γ_N⁺ that just closes the gap at the end of the step, to first order.
+  double closing(const ClosedContact& c, double h) const {
+    return apply(c.rows.normal, flight_.data()) - terms_.gap[c.contact] / h;
+  }
+
+ private:
+  void close(double h, const State& x) final;
+  bool missed(double h, const State& x) final;
+
+  Eigen::VectorXd flight_;  // v_free
+  Eigen::VectorXd way_;
+};
+
+}  // namespace orthant

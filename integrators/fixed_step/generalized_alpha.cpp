@@ -1,0 +1,85 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/fixed_step/generalized_alpha.h>
+
+#include <algorithm>
+
+namespace orthant {
+
+GeneralizedAlpha::GeneralizedAlpha(const System& system, const Options& options)
+    : TwoLevel(system, "generalized-alpha"),
+      alpha_m_((2 * options.rho_inf - 1) / (options.rho_inf + 1)),
+      alpha_f_(options.rho_inf / (options.rho_inf + 1)),
+      gamma_(0.5 + alpha_f_ - alpha_m_),
+      beta_((gamma_ + 0.5) * (gamma_ + 0.5) / 4) {
+  for (Eigen::VectorXd* v : {&s_, &a_, &s_new_, &path_, &change_, &v_, &path_known_, &v_known_})
+    v->setZero(system.dof());
+}
+
+StepReport GeneralizedAlpha::step(double h, Solver& solver, State& x) {
+  StepReport report;
+  begin();
+  if (!start(x, report) || !flow(h, x, solver, report)) return report;
+  hand_over(x);
+  if (!strike(v_, solver, report)) return report;
+  arrive(h, v_, x, report);
+  if (report.status != Status::solved) return report;
+  a_ = ((1 - alpha_f_) * s_new_ + alpha_f_ * s_ - alpha_m_ * a_) / (1 - alpha_m_);
+  s_.swap(s_new_);
+  q_last_ = x.q, v_last_ = x.v;
+  return report;
+}
+
+bool GeneralizedAlpha::start(const State& x, StepReport& report) {
+  if (q_last_.size() > 0 && x.q == q_last_ && x.v == v_last_) return true;
+  set_poses(system_, x.t, x.q, start_.at);
+  set_twists(system_, x.v, start_.at);
+  evaluate_forces(system_, x.t, x.v, start_);
+  if (!factorize(start_, 0, 0, report)) return false;
+  start_.closed.clear();
+  evaluate_biases(system_, start_);
+  rate_ = -start_.joint_bias;
+  basic_.solve(start_.f.data(), rate_.data(), s_.data(), lambda_.data());
+  a_ = s_;
+  q_last_.resize(0);  // until a step has come from here
+  return true;
+}
+
+bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport& report) {
+  constexpr int kPasses = 20;
+  constexpr double kEnough = 1e-13;
+  // a⁺ = known + share s⁺
+  const double share = (1 - alpha_f_) / (1 - alpha_m_), by_s = h * gamma_ * share, by_s2 = h * h * beta_ * share;
+  const double keep_s = alpha_f_ / (1 - alpha_m_), keep_a = alpha_m_ / (1 - alpha_m_);
+  v_known_ = x.v + h * (1 - gamma_) * a_ + h * gamma_ * (keep_s * s_ - keep_a * a_);
+  path_known_ = h * x.v + h * h * (0.5 - beta_) * a_ + h * h * beta_ * (keep_s * s_ - keep_a * a_);
+  s_new_ = s_;
+  path_ = x.q + path_known_ + by_s2 * s_new_;
+  set_poses(system_, x.t + h, path_, start_.at);
+  if (!system_.scene().springs.empty()) evaluate_forces(system_, x.t + h, x.v, start_);  // their rows, there
+  if (!factorize(start_, by_s2, by_s, report)) return false;
+  double before = kInf;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    path_ = path_known_ + by_s2 * s_new_;
+    v_ = v_known_ + by_s * s_new_;
+    if (!reach(h, x, path_, solver, report)) return false;
+    evaluate_forces(system_, x.t + h, v_, end_);
+    if (!factorize(end_, by_s2, by_s, report)) return false;
+    force_ = end_.f - system_.mass().cwiseProduct(s_new_);
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = end_.missing_rate(i, v_) / by_s;
+    basic_.solve(force_.data(), rate_.data(), change_.data(), lambda_.data());
+    s_new_ += change_;
+    v_ += by_s * change_;
+    far_.measure([&](Index i) { return largest_entry(x.q, i) + by_s2 * largest_entry(s_new_, i); });
+    double moved = 0;  // over what is known of a coordinate
+    for (Index i = 0; i < change_.size(); ++i)
+      moved = std::max(moved, by_s2 * std::abs(change_[i]) / (1 + far_.of_entry(i)));
+    if (moved <= kEnough || (moved <= 1e3 * kEnough && moved >= before)) return true;
+    before = moved;
+    std::swap(start_.at, end_.at);  // the next pass freezes its rows where basic_ is factorized
+  }
+  return fail(report, Status::numerical_error,
+              "the smooth motion does not converge: its last pass moved q by " +
+                  detail::text_of(by_s2 * change_.lpNorm<Eigen::Infinity>()) + " m");
+}
+
+}  // namespace orthant

@@ -1,0 +1,37 @@
+#include <orthant/integrators/fixed_step/stewart_trinkle.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+/// |γ_N| + |γ_T| [m/s]: of the two surfaces against each other, whatever the frame.
+double speed(const ContactRows& rows, const Eigen::VectorXd& v) {
+  return std::abs(apply(rows.normal, v.data())) + std::abs(apply(rows.tangent, v.data()));
+}
+
+}  // namespace
+
+double StewartTrinkle::reach() const { return cone_ == Cone::coulomb ? nearly() : kInf; }
+
+double StewartTrinkle::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
+  if (cone_ == Cone::coulomb) return closing(c, h);
+  const ContactLaw& law = system_.law(c.contact);
+  const double slip = apply(c.rows.tangent, v.data()) - law.belt;
+  return closing(c, h) + law.mu_at(slip) * std::abs(slip);
+}
+
+void StewartTrinkle::want(double h, const State& x) {
+  constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {
+    const ContactRows& rows = terms_.closed[k].rows;
+    const double pace = kPace * (speed(rows, x.v) + speed(rows, v_new_));
+    const double approach = std::min(closing(terms_.closed[k], h), pace);
+    const bool rebounds = system_.law(terms_.closed[k].contact).e > 0;
+    wanted_[k].normal = rebounds ? std::max(wanted_[k].normal, approach) : approach;
+    wanted_[k].least = approach;
+  }
+}
+
+}  // namespace orthant

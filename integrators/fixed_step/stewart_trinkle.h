@@ -1,0 +1,37 @@
+// integrators/fixed_step/stewart_trinkle.h — Stewart–Trinkle stepping: the gap at the end of the step, linearized, is unilateral.
+//
+//   The step of velocity_stepping.h with a = ½, θ = 1 (q⁺ = q + h v⁺), polyhedral Coulomb friction, and
+//     0 ≤ Λ_N ⊥ g_N/h + γ_N⁺ ≥ 0,
+//   linearized about the end of free flight, q + h v_free: g_N there stands for g_N + h γ_N,free. Contacts whose gap is
+//   positive there and stays so under the others' impulses have no rows. So a contact is made with g_N = 0, and what
+//   penetration there is (curvature, a start) is taken back in the next step; at a quarter of the surfaces' relative
+//   speeds at the most, lest a start that penetrates is shot off.
+//   Restitution is not in the source. Here a candidate with e > 0 rebounds in the step before the gap is used up:
+//     γ_N⁺ ≥ max(−e γ_N⁻, −g_N/h),  at a gap of up to h |γ_N⁻|.
+// Order 1, on smooth motion too (q⁺ uses the velocity at the end).
+// Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996) 2673-2691; Stewart, SIAM Review 42 (2000) 3-39.
+#pragma once
+
+#include <orthant/integrators/fixed_step/gap_stepping.h>
+
+namespace orthant {
+
+class StewartTrinkle : public GapStepping {
+ public:
+  using Options = VelocitySteppingOptions;
+  explicit StewartTrinkle(const System& system, const Options& options = {})
+      : StewartTrinkle(system, options, Cone::coulomb) {}
+
+ protected:
+  StewartTrinkle(const System& system, const Options& options, Cone cone)
+      : GapStepping(system, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
+
+ private:
+  double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const final;
+  void want(double h, const State& x) final;
+  double reach() const final;
+
+  Cone cone_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,218 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/step/projection.h>
+#include <orthant/integrators/fixed_step/two_level.h>
+
+#include <algorithm>
+
+namespace orthant {
+
+TwoLevel::TwoLevel(const System& system, std::string_view name)
+    : Integrator(system),
+      start_(system),
+      end_(system),
+      basic_(system),
+      far_(system.assembly()),
+      path_(system.assembly()),
+      force_(system.dof()),
+      rate_(system.joint_rows()),
+      lambda_(system.joint_rows()),
+      has_rows_(static_cast<std::size_t>(system.contacts())),
+      broad_phase_(system),
+      passing_(system),
+      positions_(system),
+      velocities_(system),
+      problem_(&velocities_.problem()),
+      q_end_(system.dof()),
+      free_(system.dof()) {
+  wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
+  require_plain_impacts(system, name);
+  refuse_loaded_friction(name);
+}
+
+void TwoLevel::remember(Memory& memory) {
+  memory(positions_, velocities_);
+  basic_.forget();
+}
+
+void TwoLevel::begin() {
+  velocities_.clear();
+  problem_ = &velocities_.problem();
+  why_.clear();
+}
+
+bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report) {
+  evaluate_joint_rows(system_, terms);
+  stiffness_weight_ = stiffness_weight, damping_weight_ = damping_weight;
+  return basic_.factorize(system_, terms, stiffness_weight, damping_weight) ||
+         fail(report, Status::numerical_error, "the joints' matrix is not finite");
+}
+
+bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
+  constexpr int kIterations = 50;
+  q_end_ = x.q + path;
+  far_.measure([&](Index i) { return std::max(largest_entry(x.q, i), largest_entry(q_end_, i)); });
+  if (broad_phase_
+          .any()) {  // what contacts add to the path is no longer than the longest: bodies do not overlap deeper
+    set_poses(system_, x.t + h, q_end_, end_.at);
+    if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
+    if (!broad_phase_.find(2 * path, end_, BroadPhase::Reach::farthest))
+      return fail(report, Status::numerical_error, broad_phase_.why());
+    start_.pairs = end_.pairs;
+  }
+  start_.closed.clear();
+  std::fill(has_rows_.begin(), has_rows_.end(), false);
+  std::fill(impulses_.begin(), impulses_.end(), Impulse{});
+  const bool resists = !system_.scene().frictions.empty();
+  bool joins = resists;  // its rows have to be built once
+  positions_.resist(h * h / 2), velocities_.resist(h);
+  free_ = path;                        // p without what the contacts add
+  double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
+  Mismatch left;
+  for (int i = 0; i < kIterations;) {
+    q_end_ = x.q + path;
+    set_poses(system_, x.t + h, q_end_, end_.at);
+    evaluate_joint_residual(system_, end_);
+    evaluate_gaps(system_, end_);
+    bool more = close_gaps() || joins;
+    joins = false;
+    i += !more;  // rows that join are as many as the contacts at the most
+    left = mismatch(accuracy);
+    if (!more && left.none) return true;
+    if (!more && left.relative > before / 2) {
+      if (!freeze_here(report)) return false;
+      more = true;
+    }
+    before = left.relative;
+
+    if (rate_.size() > 0) {
+      rate_ = -end_.phi;
+      basic_.add_rates(rate_.data(), free_.data());
+    }
+    const bool rows = resists || !start_.closed.empty();
+    if (rows) {
+      newtons_law(system_.laws(), start_, x.v, wanted_);  // for the slip that chooses μ
+      for (std::size_t k = 0; k < wanted_.size(); ++k) {
+        const ClosedContact& c = start_.closed[k];
+        wanted_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
+        wanted_[k].tangent = h * system_.law(c.contact).belt;
+      }
+      if (more)
+        positions_.formulate(start_, basic_, wanted_, free_, rate_);
+      else
+        positions_.retarget(wanted_, free_, rate_);
+      if (!solve(positions_, solver, report)) return false;
+      accuracy = positions_.solution().residual;
+    }
+    path = free_;
+    if (rows) positions_.advance(path, impulses_);
+  }
+  return fail(report, Status::numerical_error,
+              "the position stage does not converge: joints and gaps are left at " + detail::text_of(left.size) + " m");
+}
+
+bool TwoLevel::freeze_here(StepReport& report) {
+  start_.at.pose = end_.at.pose, start_.at.t = end_.at.t;
+  start_.closed.swap(end_.closed);
+  start_.closed.clear();
+  for (const ClosedContact& c : end_.closed) add_closed(system_, c.contact, start_);
+  return factorize(start_, stiffness_weight_, damping_weight_, report);
+}
+
+bool TwoLevel::close_gaps() {
+  const double zero = touching(far_.largest());
+  bool more = false;
+  for (int i = 0; i < system_.contacts(); ++i) {
+    if (!(end_.gap[i] <= zero) || has_rows_[static_cast<std::size_t>(i)]) continue;
+    const auto [a, b] = bodies_of(system_, end_.pairs, i);
+    if (end_.gap[i] > touching(far_.of(a, b))) continue;
+    add_closed(system_, i, start_);
+    has_rows_[static_cast<std::size_t>(i)] = more = true;
+  }
+  return more;
+}
+
+TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
+  constexpr double kOfPlaces = 1e-14, kOfGaps = 10;
+  Mismatch m;
+  const auto note = [&](double off, double rounding, double allowed) {
+    m.size = std::max(m.size, off), m.relative = std::max(m.relative, off / rounding);
+    if (!(off <= allowed)) m.none = false;  // NaN too
+  };
+  for (Index i = 0; i < end_.phi.size(); ++i) {
+    const double rounding = kOfPlaces * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
+    note(std::abs(end_.phi[i]), rounding, rounding);
+  }
+  for (const ClosedContact& c : start_.closed) {
+    const double gap = end_.gap[c.contact], rounding = kOfPlaces * (1 + far_.of(c.rows.normal));
+    note(impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap, rounding,
+         kOfGaps * rounding + 2 * accuracy);
+  }
+  return m;
+}
+
+bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
+  if (formulation.problem().size() > 0) problem_ = &formulation.problem();
+  if (formulation.solve(solver, report, crew())) return true;
+  why_ = formulation.contradiction();
+  return false;
+}
+
+void TwoLevel::hand_over(const State& x) {
+  constexpr double kOfPath = 1e-8;
+  carrying_.clear();
+  path_.measure([&](Index i) {
+    return std::max(std::abs(q_end_[3 * i] - x.q[3 * i]), std::abs(q_end_[3 * i + 1] - x.q[3 * i + 1]));
+  });
+  for (int i = 0; i < system_.contacts(); ++i) {
+    bool touches = impulses_[static_cast<std::size_t>(i)].normal > 0;
+    if (!touches && end_.gap[i] < kInf) {  // rounding, of what was far out before, too, does not decide who strikes now
+      const auto [a, b] = bodies_of(system_, end_.pairs, i);
+      touches = end_.gap[i] <= touching(far_.of(a, b)) + kOfPath * path_.of(a, b);
+    }
+    if (touches) carrying_.push_back(i);
+  }
+  start_.closed.clear(), end_.closed.clear();
+  if (!carrying_.empty()) set_poses(system_, x.t, x.q, start_.at);
+  for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
+  newtons_law(system_.laws(), start_, x.v, wanted_);
+  restrict_to_strikes(wanted_);
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {  // the work is that of the rows at the end
+    const ContactRows& rows = end_.closed[k].rows;
+    wanted_[k].approach = apply(rows.normal, x.v.data());
+    wanted_[k].slip_before = apply(rows.tangent, x.v.data()) - wanted_[k].law->belt;
+  }
+}
+
+bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  note_forces(end_, v, wanted_);
+  velocities_.formulate(end_, basic_, wanted_, v, rate_);
+  if (!solve(velocities_, solver, report)) return false;
+  velocities_.advance(v, impulses_);
+  for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = velocities_.joint_friction(i);
+  report.energy_rise = energy_rise(system_, end_, wanted_, v, impulses_, kOtherRows);
+  return true;
+}
+
+void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report) {
+  if (!q_end_.allFinite() || !v.allFinite()) {
+    fail(report, Status::numerical_error, "the motion is not finite");
+    return;
+  }
+  report.joint_residual = end_.phi.size() > 0 ? end_.phi.lpNorm<Eigen::Infinity>() : 0;
+  if (!(joints_off(end_, q_end_, far_) <= kJointsHold)) {  // a path as long as one may wish excuses no end of it
+    fail(
+        report, Status::numerical_error,
+        "joints are left at " + detail::text_of(report.joint_residual) + " m or rad by a step of much too long a path");
+    return;
+  }
+  for (Index i = 0; i < rate_.size(); ++i)
+    report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
+  gaps_ = end_.gap;
+  report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
+  report.passage = passing_.find(x.q, q_end_, end_);
+  x.t += h;
+  x.q.swap(q_end_);
+  x.v.swap(v);
+}
+
+}  // namespace orthant

@@ -1,0 +1,187 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/fixed_step/velocity_stepping.h>
+
+namespace orthant {
+
+VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
+    : Integrator(system),
+      terms_(system),
+      v_new_(system.dof()),
+      q_new_(system.dof()),
+      plan_(plan),
+      share_(plan.joints == Joints::symmetric ? 1 / plan.at : 1),
+      basic_(system, plan.form == Form::reduced),
+      projection_(system, plan.joints != Joints::none),
+      impact_(system, plan.form),
+      near_(system.cluster()),
+      broad_phase_(system),
+      sleep_(system, plan.sleep),
+      passing_(system),
+      formulation_(system, plan.form, plan.cone),
+      problem_(&formulation_.problem()),
+      q_mid_(system.dof()),
+      from_(system.dof()),
+      force_(system.dof()),
+      rate_(system.joint_rows()),
+      lambda_(system.joint_rows()) {
+  for (const JointFriction& f : system.scene().frictions)
+    if (f.loaded()) joint_loads_.emplace_back(system, f.joint);
+  if (!joint_loads_.empty()) loads_.resize(system.scene().frictions.size()), v_free_.resize(system.dof());
+  wanted_.reserve(static_cast<std::size_t>(system.contacts()));
+  taken_.reserve(2 * wanted_.capacity());
+}
+
+StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
+  StepReport report;
+  formulation_.clear();
+  problem_ = &formulation_.problem();
+  why_.clear();
+  joined_.clear();
+  if (!free_flight(h, x, report)) return report;
+  measure(h, x);
+  if (!find_pairs(h, x, report)) return report;
+  sleep_.begin(x, terms_, v_new_);
+  do {
+    do close(h, x);
+    while (sleep_.disturbed(terms_, wanted_, v_new_));
+    note_forces(terms_, v_new_, wanted_);
+    restrict_to_strikes(wanted_);
+    if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
+      problem_ = &impact_.problem();
+      why_ = impact_.why();
+      return report;
+    }
+    if (!solve_contacts(h, x, solver, report)) return report;
+  } while (missed(h, x));
+  report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
+  sleep_.hold(h, impulses_);
+  q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
+  if (!settle(x.t + h, report)) return report;
+  report.passage = passing_.find(x.q, q_new_, terms_);
+  x.t += h;
+  x.q.swap(q_new_);
+  x.v.swap(v_new_);
+  sleep_.end(h, terms_, impulses_, x);
+  if (!loads_.empty()) last_q_ = x.q, last_v_ = x.v;
+  return report;
+}
+
+void VelocityStepping::remember(Memory& memory) {
+  memory(formulation_, impact_, sleep_, taken_, loads_, last_q_, last_v_);
+  basic_.forget(), projection_.forget();
+}
+
+bool VelocityStepping::free_flight(double h, const State& x, StepReport& report) {
+  const double at = plan_.at;
+  q_mid_ = x.q + at * h * x.v;
+  set_poses(system_, x.t + at * h, q_mid_, terms_.at);
+  evaluate_forces(system_, x.t + at * h, x.v, terms_);
+  evaluate_joint_rows(system_, terms_);
+  if (!basic_.factorize(system_, terms_, h * h * at * plan_.theta, h * at))
+    return fail(report, Status::numerical_error, "the basic system is not finite");
+
+  force_ = h * terms_.f;
+  change_joined(x.v, v_new_);
+  v_new_ += x.v;
+  if (plan_.form == Form::full)
+    for (Index i = 0; i < rate_.size(); ++i)
+      rate_[i] =
+          share_ * terms_.joint_rate[i] - (share_ - 1) * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
+  return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+void VelocityStepping::change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change) {
+  from_ = share_ * v;
+  rate_ = share_ * terms_.joint_rate;
+  basic_.solve_change(terms_.G, force_.data(), from_.data(), rate_.data(), change.data(), lambda_.data());
+}
+
+void VelocityStepping::measure(double h, const State& x) {
+  constexpr double kImpulses = 1e-8;  // of velocities
+  if (plan_.parted > 0) force_ = system_.inverse_mass().cwiseProduct(terms_.f);
+  near_.measure([&](Index i) {
+    const double forces = plan_.parted > 0 ? plan_.parted * h * h * largest_motion(force_, i) : 0;
+    return touching(largest_entry(x.q, i)) + kImpulses * h * largest_motion(v_new_, i) + forces;
+  });
+}
+
+bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) {
+  if (!broad_phase_.any()) return true;
+  double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
+  for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
+  q_mid_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
+  q_mid_.array() += 10 * nearly();  // what a scheme takes for closed may be open
+  return broad_phase_.find(q_mid_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
+}
+
+bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, StepReport& report) {
+  constexpr int kPasses = 50;
+  constexpr double kSameLoads = 1e-12;  // of the largest load
+  const bool known = loads_.empty() || (last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_);
+  if (!known) std::fill(loads_.begin(), loads_.end(), 0.0), v_free_ = v_new_;
+  for (int pass = 1;; ++pass) {
+    formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
+    formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
+    if (!formulation_.solve(solver, report, crew())) {
+      why_ = formulation_.contradiction();
+      return false;
+    }
+    formulation_.advance(v_new_, impulses_);
+    impact_.add_to(impulses_);
+    for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = formulation_.joint_friction(i);
+    if (loads_.empty()) return true;
+    const double change = note_loads(h, x);
+    if (known || pass == kPasses || change <= kSameLoads * *std::max_element(loads_.begin(), loads_.end())) return true;
+    v_new_ = v_free_;
+  }
+}
+
+double VelocityStepping::note_loads(double h, const State& x) {
+  const auto& frictions = system_.scene().frictions;
+  if (plan_.form == Form::full) {
+    lambda_ = formulation_.solution().z.head(lambda_.size());
+    impact_.add_joints_to(lambda_);
+  } else {  // M̂ Δv = h f + Jᵀ z + Gᵀ Λ once more, with z known
+    force_ = h * terms_.f;
+    for (const ClosedContact& c : terms_.closed) {
+      const Impulse& impulse = impulses_[static_cast<std::size_t>(c.contact)];
+      apply_transposed(c.rows.normal, impulse.normal, force_.data());
+      apply_transposed(c.rows.tangent, impulse.tangent, force_.data());
+    }
+    for (std::size_t i = 0; i < frictions.size(); ++i)
+      apply_transposed(frictions[i].of.row(terms_.at), frictions_[i], force_.data());
+    change_joined(x.v, q_mid_);
+  }
+  double change = 0;
+  auto joint = joint_loads_.begin();
+  for (std::size_t i = 0; i < frictions.size(); ++i) {
+    if (!frictions[i].loaded()) continue;
+    const double load = (joint++)->size(terms_.G, lambda_.data()) / h;
+    change = std::max(change, std::abs(load - loads_[i]));
+    loads_[i] = load;
+  }
+  return change;
+}
+
+bool VelocityStepping::settle(double t, StepReport& report) {
+  if (plan_.joints == Joints::none && rate_.size() > 0) {  // all that this asks of joints
+    constexpr double kHold = 1e-6;                         // of 1 m/s + the velocities of a row's bodies
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms_.missing_rate(i, v_new_);
+    report.joint_rate = rate_.lpNorm<Eigen::Infinity>();
+    if (!(off_by(terms_, v_new_, rate_) <= kHold))
+      return fail(report, Status::numerical_error,
+                  "joints that contradict each other: rates are missed by " + detail::text_of(report.joint_rate));
+  }
+  report.joint_residual = projection_.position(t, terms_, q_new_);
+  if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold) &&
+      !(projection_.off(terms_, q_new_) <= kJointsHold))
+    return fail(report, Status::numerical_error,
+                "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
+  if (plan_.joints == Joints::symmetric) report.joint_rate = projection_.velocity(terms_, v_new_);
+  evaluate_gaps(system_, terms_);
+  gaps_ = terms_.gap;
+  report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
+  return (finite(q_new_) && finite(v_new_)) || fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+}  // namespace orthant

@@ -1,0 +1,113 @@
+// integrators/fixed_step/velocity_stepping.h — the story of a step that the schemes with one problem at velocity level share.
+//
+//   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme names the closed contacts and what it wants of their rates
+//   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²aθ K + h a C
+//   q⁺ = q + h (θ v⁺ + (1−θ) v)
+// Springs and dampers are so, linearly implicit, those at q + a (q⁺ − q) and v + a (v⁺ − v): bounded at any step.
+// Impacts by another law than Newton's on all contacts at once come first, at v (impact.h); v_free has them then.
+// Joints, by the option `joints`:
+//   none       G v⁺ = ṡ                      positions drift by O(h) over a fixed time; ṡ = 0 but for driven joints
+//   position   G v⁺ = ṡ, then q⁺ is projected onto Φ = 0 (in the metric of M)
+//   symmetric  G (a v⁺ + (1−a) v) = ṡ, then q⁺ and v⁺ are projected onto Φ = 0, G v⁺ = ṡ. For a = θ = ½ the smooth
+//              motion is of second order; contact impulses act through the constrained inverse and leave G v⁺ as it was.
+// A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long, and
+// so do rates that joints which contradict each other leave unmet (`none`: by more than 1e-6 of 1 m/s + the bodies').
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/joint_load.h>
+#include <orthant/integrators/step/magnitudes.h>
+#include <orthant/integrators/step/formulate.h>
+#include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/projection.h>
+#include <orthant/integrators/step/sleep.h>
+
+#include <array>
+#include <string_view>
+
+namespace orthant {
+
+enum class Joints { none, position, symmetric };
+inline constexpr std::array<std::string_view, 3> kJointsNames = {"none", "position", "symmetric"};
+
+/// Of the schemes that have no others.
+struct VelocitySteppingOptions {
+  Joints joints = Joints::symmetric;
+  Form form = Form::reduced;
+  SleepOptions sleep;
+  template <class V> void visit(V&& v) {
+    v("joints", joints, kJointsNames), v("form", form, kFormNames);
+    v("sleep_after", sleep.after, 0.0, 1e9), v("sleep_speed", sleep.speed, 0.0, 1e3);
+  }
+};
+
+class VelocityStepping : public Integrator {
+ public:
+  StepReport step(double h, Solver& solver, State& x) final;
+  void remember(Memory& memory) final;
+  const Lcp& problem() const final { return *problem_; }
+
+ protected:
+  struct Plan {
+    double at, theta;  // a, θ
+    Joints joints;
+    Form form;
+    Cone cone = Cone::coulomb;
+    SleepOptions sleep = {};
+    double parted = 0;  // of the way that the applied forces move a body, how far open counts as closed
+  };
+  VelocityStepping(const System& system, const Plan& plan);
+
+  /// terms_ is at q_a, v_new_ is v_free: sets terms_.closed and wanted_.
+  virtual void close(double h, const State& x) = 0;
+
+  /// The step is solved, v_new_ is v⁺. True: the solution violates contacts that close() left out; they are in joined_,
+  /// and v_new_ is v_free again.
+  virtual bool missed(double /*h*/, const State& /*x*/) { return false; }
+
+  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls parted.
+  double nearly(const ContactRows& rows) const { return near_.of(rows.normal); }
+  double nearly() const { return near_.largest(); }  // of any contact
+
+  Terms terms_;
+  std::vector<Wanted> wanted_;  // one per closed contact
+  Eigen::VectorXd v_new_;       // before the contacts act: v_free
+  Eigen::VectorXd q_new_;
+  std::vector<int> joined_;  // contacts that take part in this step whatever free flight makes of them
+
+ private:
+  void measure(double h, const State& x);  // near_
+  /// v_new_ without contact impulses (full form: without any).
+  bool free_flight(double h, const State& x, StepReport& report);
+  /// The change of v by force_ in the step, with joints such that G (share v + change) = share ṡ; their impulses in lambda_.
+  void change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change);
+  /// The pairs that can be closed in the step, terms_.at being on its way.
+  bool find_pairs(double h, const State& x, StepReport& report);
+  /// The step's problem and what it does to v_new_. From a new start joints' loads are not known, and are found by
+  /// repetition.
+  bool solve_contacts(double h, const State& x, Solver& solver, StepReport& report);
+  /// The joints' loads in the step, where friction depends on them, for the next one. Returns the largest change [N].
+  double note_loads(double h, const State& x);
+  /// Projection; joint residual and penetration at the end.
+  bool settle(double t, StepReport& report);
+
+  Plan plan_;
+  double share_;       // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
+  BasicSystem basic_;  // of the step: with joints in the reduced form
+  Projection projection_;
+  Impact impact_;
+  Extents near_;  // [m]
+  BroadPhase broad_phase_;
+  Sleep sleep_;
+  Passing passing_;
+  Formulation formulation_;
+  const Lcp* problem_;
+  std::vector<Taken> taken_;            // by contacts that the scheme pushed
+  std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
+  std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
+  Eigen::VectorXd last_q_, last_v_;
+  Eigen::VectorXd q_mid_, from_, v_free_, force_, rate_, lambda_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,203 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/step/impact.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr double kTie = 1e-9;  // of the fastest approach: as fast
+constexpr int kMostInTurn = 1000;
+constexpr double kLeft = 1e-10;  // of the first approach: the rest of an infinite sequence
+
+}  // namespace
+
+Impact::Impact(const System& system, Form form)
+    : system_(system),
+      restitution_(system.scene().restitution),
+      impacts_(system.scene().impacts),
+      form_(form),
+      formulation_(system, form),
+      sum_(static_cast<std::size_t>(system.contacts())),
+      one_(sum_),
+      v_(system.dof()),
+      rate_(system.joint_rows()),
+      joint_sum_(rate_.size()) {
+  struck_.closed.reserve(sum_.size());
+  wanted_.reserve(sum_.size());
+  approach_.reserve(sum_.size());
+}
+
+bool Impact::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
+  newtons_law(system_.laws(), struck_, v_, wanted_);
+  if (form_ == Form::full)  // impulses of contacts leave the joints' rates as they are
+    for (Index i = 0; i < rate_.size(); ++i) rate_[i] = apply(struck_.G[static_cast<std::size_t>(i)], v_.data());
+  const bool phases = restitution_ == Restitution::poisson;
+  if (phases)
+    for (Wanted& w : wanted_) w.normal = 0, w.tangent = w.law->belt;
+  formulation_.formulate(struck_, basic, wanted_, v_, rate_);
+  if (!solve(solver, report)) return false;
+  if (!phases) return true;
+  for (Wanted& w : wanted_) w.tangent = w.law->belt - w.law->e_t * w.slip;
+  formulation_.retarget(wanted_, v_, rate_);
+  formulation_.release(one_);
+  return solve(solver, report);
+}
+
+bool Impact::solve(Solver& solver, StepReport& report) {
+  if (!formulation_.solve(solver, report)) {
+    why_ = "an impact was not solved";
+    return false;
+  }
+  formulation_.advance(v_, one_);
+  if (form_ == Form::full) joint_sum_ += formulation_.solution().z.head(joint_sum_.size());
+  for (const ClosedContact& c : struck_.closed) {
+    const auto i = static_cast<std::size_t>(c.contact);
+    sum_[i].normal += one_[i].normal, sum_[i].tangent += one_[i].tangent;
+  }
+  return true;
+}
+
+bool Impact::one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
+                        Solver& solver, StepReport& report) {
+  for (int impacts = 0;; ++impacts) {
+    approach_.clear();
+    for (const ClosedContact& c : terms.closed)
+      approach_.push_back(may == nullptr || (*may)[at(c.contact)] ? -apply(c.rows.normal, v_.data()) : kInf);
+    double fastest = 0;
+    for (const double approach : approach_)
+      if (approach < kInf) fastest = std::max(fastest, approach);
+    if (fastest <= kLeft * first) return true;
+    if (may != nullptr && impacts == kMostInTurn) return true;
+    if (impacts == kMostImpacts) {
+      report.status = Status::iteration_limit;
+      why_ = "impacts one after the other do not end: after " + std::to_string(impacts) +
+             " contacts still approach at " + detail::text_of(fastest) + " m/s";
+      return false;
+    }
+    struck_.closed.clear();
+    for (std::size_t k = 0; k < approach_.size(); ++k)
+      if (approach_[k] >= (1 - kTie) * fastest) struck_.closed.push_back(terms.closed[k]);
+    if (!act(basic, solver, report)) return false;
+  }
+}
+
+void Impact::begin(const Terms& terms, const Eigen::VectorXd& v) {
+  std::fill(sum_.begin(), sum_.end(), Impulse{});
+  joint_sum_.setZero();
+  v_ = v;
+  if (form_ == Form::full) struck_.G = terms.G;
+}
+
+bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
+                            Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  why_.clear();
+  double first = 0;
+  for (const ClosedContact& c : terms.closed)
+    if (in_turn[at(c.contact)]) first = std::max(first, -apply(c.rows.normal, v.data()));
+  any_ = first > kRestSpeed;
+  if (!any_) return true;
+  begin(terms, v);
+  if (!one_by_one(terms, basic, &in_turn, first, solver, report)) return false;
+  v = v_;
+  return true;
+}
+
+bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
+                    std::vector<Wanted>& wanted, Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+  any_ = false;
+  why_.clear();
+  double first = 0;
+  for (const Wanted& w : wanted) first = std::max(first, -w.approach);
+  if (!has_law() || first <= kRestSpeed) return true;
+  any_ = true;
+  begin(terms, before);
+  struck_.closed = terms.closed;
+  const bool struck = impacts_ == Impacts::simultaneous ? act(basic, solver, report)
+                                                        : one_by_one(terms, basic, nullptr, first, solver, report);
+  if (!struck) return false;
+  v += v_ - before;
+  // What struck keeps the rate that its impulse left. What approached and got none only may not approach: which of two
+  // copies of a contact has the impulse is the solver's choice, and no other than the one law holds.
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    Wanted& w = wanted[k];
+    if (sum_[static_cast<std::size_t>(terms.closed[k].contact)].normal > 0)
+      w.normal = std::max({0.0, apply(terms.closed[k].rows.normal, v_.data()), w.least});
+    else if (w.approach < 0)
+      w.normal = std::max(0.0, w.least);
+  }
+  return true;
+}
+
+void Impact::add_to(std::vector<Impulse>& impulses) const {
+  if (!any_) return;
+  for (std::size_t i = 0; i < sum_.size(); ++i)
+    impulses[i].normal += sum_[i].normal, impulses[i].tangent += sum_[i].tangent;
+}
+
+void Impact::add_joints_to(Eigen::VectorXd& impulses) const {
+  if (any_) impulses += joint_sum_;
+}
+
+void require_plain_impacts(const System& system, std::string_view integrator) {
+  const auto refuse = [&](const char* field, std::string_view value, const char* rule) {
+    throw std::invalid_argument(std::string(integrator) + " cannot take " + field + " = \"" + std::string(value) +
+                                "\": must be \"" + rule +
+                                "\" (moreau-jean, stewart-trinkle and event-driven take both)");
+  };
+  if (const auto r = system.scene().restitution; r != Restitution::newton)
+    refuse("restitution", kRestitutionNames[static_cast<std::size_t>(r)], "newton");
+  if (const auto i = system.scene().impacts; i != Impacts::simultaneous)
+    refuse("impacts", kImpactsNames[static_cast<std::size_t>(i)], "simultaneous");
+}
+
+void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted) {
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const ContactRows& rows = terms.closed[k].rows;
+    Wanted& w = wanted[k];
+    w.free = apply(rows.normal, v_free.data());
+    if (w.law->frictional()) w.free_slip = apply(rows.tangent, v_free.data()) - w.law->belt;
+  }
+}
+
+double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
+                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses, double small,
+                   std::vector<Taken>* taken) {
+  double sum = 0, exchanged = 0, forced = 0;
+  bool counts = false;
+  const std::size_t before = taken != nullptr ? taken->size() : 0;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const Wanted& w = wanted[k];
+    const int contact = terms.closed[k].contact;
+    const Impulse& impulse = impulses[static_cast<std::size_t>(contact)];
+    if (impulse.normal == 0) continue;
+    const bool pushed = w.least >= w.normal;
+    if (pushed) small = std::max(small, kOtherRows);
+    counts = counts || small > kSameRows || w.approach < -kRestSpeed;
+    const ContactRows& rows = terms.closed[k].rows;
+    double work = 0;
+    const auto add = [&](double by, double after, double free, double was) {
+      work += by * (after + free) / 2;
+      exchanged += std::abs(by) * (std::abs(after) + std::abs(free)) / 2;
+      forced += std::abs(by) * std::abs(free - was);
+    };
+    add(impulse.normal, apply(rows.normal, v.data()), w.free, w.approach);
+    if (impulse.tangent != 0)
+      add(impulse.tangent, apply(rows.tangent, v.data()) - w.law->belt, w.free_slip, w.slip_before);
+    sum += work;
+    if (!pushed || taken == nullptr) continue;
+    const Pair key = contact < system.listed() ? Pair{-1, contact, 0, 0}
+                                               : terms.pairs[static_cast<std::size_t>(contact - system.listed())];
+    while (next < before && (*taken)[next].contact < key) ++next;
+    if (next < before && (*taken)[next].contact == key) sum += (*taken)[next].work;
+    if (work < 0) taken->push_back({key, work});
+  }
+  if (taken != nullptr) taken->erase(taken->begin(), taken->begin() + static_cast<std::ptrdiff_t>(before));
+  const bool rises = counts && sum > forced && sum > small * exchanged &&
+                     sum > std::max(kSameRows, small / 10) / 2 * v.dot(system.mass().cwiseProduct(v));
+  return rises ? sum : 0;
+}
+
+}  // namespace orthant

@@ -1,0 +1,42 @@
+// integrators/step/islands.h — bodies that act on one another in a step: connected components by joints, springs and contacts.
+//
+//   Rows of different islands do not see each other (J_i B J_jᵀ = 0): the step's problem falls into one block an island,
+//   whose solutions together are the whole one's. Joints and springs connect for good, closed contacts for the step; the
+//   ground connects nothing.
+// Cost: O(bodies + rows) a step, by disjoint sets.
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/system.h>
+
+#include <span>
+
+namespace orthant {
+
+class Islands {
+ public:
+  explicit Islands(const System& system);
+
+  /// Sorts the rows of a problem into blocks, in the order of their first rows.
+  void sort(std::span<const Row> rows);
+
+  int count() const { return static_cast<int>(start_.size()) - 1; }  // blocks of the last sort()
+  /// Its rows, ascending.
+  std::span<const int> rows(int block) const {
+    const auto b = static_cast<std::size_t>(block);
+    return {row_.data() + start_[b], row_.data() + start_[b + 1]};
+  }
+  /// A body of the island that this body is in; the same one for all of them.
+  int root(BodyId body) { return find(body); }
+
+ private:
+  int find(int body);
+  void join(BodyId a, BodyId b);
+
+  std::vector<int> fixed_, parent_;  // by joints and springs; now
+  bool whole_;                       // all bodies are connected for good: one island, whatever closes
+  std::vector<int> block_;           // of each island's root; −1: none yet
+  std::vector<int> of_row_, row_;    // block of each row; rows by blocks
+  std::vector<std::size_t> start_{0};
+};
+
+}  // namespace orthant

@@ -1,0 +1,62 @@
+// integrators/step/magnitudes.h — how large the numbers are that a body's motion is computed from.
+//
+//   Rounding of the largest number among those that are computed from one another reaches all of them; others never see
+//   it. So what counts as zero, and what counts as an error, goes by groups of bodies: a body 10 km away changes nothing
+//   here. Positions: by what joints and springs connect (System::assembly()). Velocities, which impacts hand on: by what
+//   contacts may connect, too (System::cluster()).
+// Cost: O(bodies).
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/system.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace orthant {
+
+/// Whether all entries are numbers: x − x is 0 of those alone. Half the time of Eigen's allFinite(), twice a step.
+inline bool finite(const Eigen::VectorXd& x) { return (x - x).sum() == 0; }
+
+/// The largest of |x|, |y|, |θ|, of body i.
+inline double largest_entry(const Eigen::VectorXd& q, Eigen::Index i) {
+  return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), std::abs(q[3 * i + 2]));
+}
+/// The larger of translation and rotation of body i, velocities or accelerations: the same in every frame that is turned.
+inline double largest_motion(const Eigen::VectorXd& v, Eigen::Index i) {
+  return std::max(std::sqrt(v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1]), std::abs(v[3 * i + 2]));
+}
+
+class Extents {
+ public:
+  /// groups: System's, which must outlive this.
+  explicit Extents(const std::vector<int>& groups) : first_(groups), of_(groups.size()) {}
+
+  /// size(i) ≥ 0 of each body i: keeps the largest of each group, where its first body is.
+  template <class Size> void measure(Size&& size) {
+    std::size_t group = 0;
+    double most = 0;  // of the group at hand: neighbours mostly share theirs
+    for (std::size_t i = 0; i < of_.size(); ++i) {
+      const double own = size(static_cast<Eigen::Index>(i));
+      if (const auto first = static_cast<std::size_t>(first_[i]); first != group)
+        of_[group] = most, group = first, most = first < i ? of_[first] : 0;
+      most = std::max(most, own);
+    }
+    if (!of_.empty()) of_[group] = most;
+  }
+
+  double of(BodyId body) const {
+    return body < 0 ? 0 : of_[static_cast<std::size_t>(first_[static_cast<std::size_t>(body)])];
+  }
+  double of(BodyId a, BodyId b) const { return std::max(of(a), of(b)); }
+  double of(const Row& row) const { return of(row.a, row.b); }
+  double of_entry(Eigen::Index i) const { return of(static_cast<BodyId>(i / 3)); }  // of a dof
+  double largest() const { return of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()); }
+
+ private:
+  const std::vector<int>& first_;
+  std::vector<double> of_;  // of groups, at their first bodies; 0 elsewhere
+};
+
+}  // namespace orthant
