@@ -1,5 +1,5 @@
 // orthant list — what can be named on the command line: solvers, integrators, scenes, each with its options.
-//   --json the same for programs; --markdown prints the solvers as the README's table, which a test compares.
+//   --json the same for programs; --markdown prints the solvers as the table of experiments/README.md, which a test compares.
 #include "commands.h"
 
 #include <orthant/core/scenes/registry.h>
@@ -66,7 +66,7 @@ void add_list(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("list", "Solvers, integrators and scenes, with their options");
   command->add_option("what", *what, "solvers, integrators or scenes; default: all")
       ->check(CLI::IsMember({"solvers", "integrators", "scenes"}));
-  command->add_flag("--markdown", *markdown, "the solvers as a table for the README");
+  command->add_flag("--markdown", *markdown, "the solvers as a Markdown table");
   command->add_flag("--json", *json, "all of it as one JSON object")->excludes("--markdown");
   command->footer(
       "Exit codes: 0 done, 1 bad input.\n"

@@ -20,12 +20,28 @@ PAGES = {
     "theory/tilted_start.md": "paper/notes/tilted_start.md",
 }
 FOLDERS = {
-    "core/lcp": "Problems, solutions, the judge",
-    "core/mechanics": "Mechanisms: bodies, joints, contacts, their terms",
+    "core/lcp": "Problems and solutions",
+    "core/lcp/judge": "The judge, error bounds, matrix classes",
+    "core/lcp/problems": "Known problems and families",
+    "core/lcp/files": "Problem files",
+    "core/mechanics/planar": "Planar geometry, joints, contacts, springs, loads",
+    "core/mechanics/scene": "Scenes and scene files",
+    "core/mechanics/dynamics": "Systems, terms, the basic system",
     "core/scenes": "Built-in scenes",
     "core/support": "Support",
-    "solvers": "Solvers",
-    "integrators": "Integrators",
+    "solvers": "Solver interface and registry",
+    "solvers/pivoting": "Pivoting solvers",
+    "solvers/active_set": "Active-set, Newton and interior-point solvers",
+    "solvers/first_order": "First-order solvers",
+    "solvers/external": "Solvers over Ipopt and NLopt",
+    "solvers/proof": "Proofs of infeasibility",
+    "solvers/linear_algebra": "Factorizations and kernels",
+    "integrators": "Integrator interface, registry, simulation loop",
+    "integrators/step": "Parts of one step",
+    "integrators/fixed_step": "Fixed-step schemes",
+    "integrators/between_events": "Smooth motion between events",
+    "integrators/adaptive": "Adaptive integrator",
+    "integrators/event_driven": "Event-driven integrator",
 }
 
 
@@ -68,7 +84,7 @@ def write_reference(folder):
 def gather(source):
     """All pages in one folder, as Sphinx wants them; nothing is written into the tree."""
     shutil.rmtree(source, ignore_errors=True)
-    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "build.py"))
+    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "build.py", "figures"))
     for page, file in PAGES.items():
         (source / page).write_text(page_of((ROOT / file).read_text(encoding="utf-8")), encoding="utf-8")
     shutil.copy(ROOT / "paper/notation.csv", source / "theory/notation.csv")

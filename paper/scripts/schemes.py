@@ -3,7 +3,7 @@ import re
 
 from data import PAPER, tex
 
-# On smooth motion, with impacts; None: to a tolerance. And the words of integrators/NAME.h that say so.
+# On smooth motion, with impacts; None: to a tolerance. And the words of NAME.h below integrators/ that say so.
 ORDERS = {
     "moreau-jean": (2, 1, "Order 1 with impacts; 2 on smooth motion for θ = ½ and symmetric joints"),
     "stewart-trinkle": (1, 1, "Order 1, on smooth motion too"),
@@ -25,7 +25,7 @@ def numeral(n):
 
 def numbers(n):
     for name, (smooth, impacts, said) in ORDERS.items():
-        header = PAPER.parent / f"integrators/{name.replace('-', '_')}.h"
+        header = next((PAPER.parent / "integrators").resolve().rglob(f"{name.replace('-', '_')}.h"))
         if said not in re.sub(r"\n//\s*", " ", header.read_text()):
             raise SystemExit(f"{header.name} no longer says '{said}': what order has {name}?")
         if smooth is not None:

@@ -463,12 +463,12 @@ TEST_CASE("orthant analyse and solve: the kind of matrix, the rows' places, the 
   CHECK(answer.at("error_bound").get<double>() < 1e-12);
 }
 
-TEST_CASE("the README's table of solvers is what orthant list --markdown prints") {
+TEST_CASE("experiments/README.md has the table of solvers that orthant list --markdown prints") {
   const Cli folder;
   const Reply a = folder.orthant("list --markdown");
   CHECK(a.exit_code == 0);
   CHECK(lines(a.out) > 5);
-  CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../README.md").find(a.out) != std::string::npos);
+  CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../experiments/README.md").find(a.out) != std::string::npos);
 }
 
 TEST_CASE("every command that takes a problem takes Matrix Market files; solve asks auto") {

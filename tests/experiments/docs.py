@@ -1,5 +1,5 @@
 """docs.py PAGES BUILD PREFIX CXX: every block of code of the documentation runs, and says what the page says.
-The README's C++, too, and its commands on built-in scenes and lists.
+So do the C++, the scene and the commands on built-in scenes and lists of README.md and experiments/README.md.
 
 A page's blocks share one empty folder. By language:
   python    one after the other in one namespace, by this interpreter; those after a console block run with all before them
@@ -150,10 +150,13 @@ class Page:
         shutil.rmtree(self.folder), shutil.rmtree(self.home)
         return self.failures
 
-    def check_readme(self):
+    def check_readme(self, least):
         """Its C++ is the inside of a program. Of its commands those run that need no file of the reader's and no minutes."""
+        root = Path(__file__).resolve().parents[2]
         text = self.file.read_text(encoding="utf-8")
         for line, language, lines in blocks(text):
+            if language == "toml":
+                self.keep(line, language, lines)
             if language == "cpp":
                 top = [x for x in lines if x.startswith(("#include", "using "))]
                 inside = [x for x in lines if x not in top]
@@ -161,13 +164,14 @@ class Page:
                 self.programs.append((line, "main.cpp"))
         self.build_programs(text)
         for number, line in enumerate(text.splitlines(), 1):
-            if match := re.match(r"    build/release/(orthant (?:simulate slider_crank|list).*)", line):
+            if match := re.match(r"    (?:build/release/(orthant (?:simulate slider_crank|simulate door|list).*)|"
+                                 r"(experiments/scripts/plot_run.py .*))", line):
                 self.run_count += 1
-                done = self.bash(match[1].split("  #")[0])
+                done = self.bash(match[1].split("  #")[0] if match[1] else f"{root}/{match[2]}")
                 if done.returncode != 0:
                     self.fail(number, f"$ {match[1]}\nended with {done.returncode}: {done.stderr[-2000:]}")
-        if self.run_count < 4:
-            self.fail(1, "the C++ and the commands were not found")
+        if self.run_count < least:
+            self.fail(1, f"only {self.run_count} programs and commands were found")
         return self.done()
 
 
@@ -180,9 +184,10 @@ def main():
         not_run |= page.not_run
         count += page.run_count
         print(f"{file.relative_to(folder)}: {page.run_count} run")
-    readme = Page(folder.parents[1] / "README.md", build, prefix, sys.argv[4])
-    failures += readme.check_readme()
-    print(f"README.md: {readme.run_count} run")
+    for name, least in {"README.md": 3, "experiments/README.md": 3}.items():
+        readme = Page(folder.parents[1] / name, build, prefix, sys.argv[4])
+        failures += readme.check_readme(least)
+        print(f"{name}: {readme.run_count} run")
     for command in sorted(not_run):
         print(f"not run here ({SETS_UP[command]}): {command}")
     for command in sorted(SETS_UP.keys() - not_run):
