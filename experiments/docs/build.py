@@ -2,10 +2,14 @@
 
     ./experiments/run docs                                     into build/docs; needs the Python package, which is built first
     build.py --output DIR --package build/release/python       the same by hand
+
+Sphinx and its theme live in an environment of their own, build/docs-env, made from requirements.txt at the first call.
 """
 import argparse
+import os
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -43,6 +47,22 @@ FOLDERS = {
     "integrators/adaptive": "Adaptive integrator",
     "integrators/event_driven": "Event-driven integrator",
 }
+
+
+def in_environment(environment):
+    """Goes on in the documentation's own environment, which is made or renewed where requirements.txt asks for another one."""
+    python, stamp = environment / "bin/python", environment / "requirements.txt"
+    wanted = (HERE / "requirements.txt").read_text(encoding="utf-8")
+    if Path(sys.prefix).resolve() == environment.resolve():
+        return
+    if not stamp.exists() or stamp.read_text(encoding="utf-8") != wanted:
+        for command in (["/usr/bin/python3", "-m", "venv", "--clear", "--system-site-packages", str(environment)],
+                        [str(python), "-m", "pip", "install", "-q", "--disable-pip-version-check", "-r", str(HERE / "requirements.txt")]):
+            if subprocess.run(command, check=False).returncode != 0:
+                sys.exit(f"docs: '{' '.join(command)}' failed; it makes the environment that the site is built in")
+        stamp.write_text(wanted, encoding="utf-8")
+    sys.stdout.flush()
+    os.execv(python, [str(python), "-s", *sys.argv])
 
 
 def page_of(text):
@@ -84,7 +104,7 @@ def write_reference(folder):
 def gather(source):
     """All pages in one folder, as Sphinx wants them; nothing is written into the tree."""
     shutil.rmtree(source, ignore_errors=True)
-    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "build.py", "figures"))
+    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "build.py", "requirements.txt"))
     for page, file in PAGES.items():
         (source / page).write_text(page_of((ROOT / file).read_text(encoding="utf-8")), encoding="utf-8")
     shutil.copy(ROOT / "paper/notation.csv", source / "theory/notation.csv")
@@ -101,6 +121,7 @@ def main():
     parser.add_argument("--output", type=Path, default=ROOT / "build/docs", help="default: %(default)s")
     parser.add_argument("--package", type=Path, default=ROOT / "build/release/python", help="default: %(default)s")
     a = parser.parse_args()
+    in_environment(ROOT / "build/docs-env")
     source = a.output / "source"
     gather(source)
     sys.path.insert(0, str(a.package.resolve()))  # autodoc imports the package

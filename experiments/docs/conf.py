@@ -6,15 +6,15 @@ import orthant  # build.py has put it on the path
 project = "Orthant"
 version = release = orthant.__version__
 copyright = "the authors of Orthant, BSD-3-Clause"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
-myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx_copybutton"]
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = f"Orthant {version}"
 html_static_path = ["_static"]
 html_show_sphinx = False
 html_copy_source = False
-exclude_patterns = ["README.md"]
+exclude_patterns = ["README.md", "figures/README.md"]
 highlight_language = "none"
 default_role = "code"
 

@@ -27,7 +27,7 @@ SETS_UP = {
     "./experiments/run work_precision": "two minutes",
     "experiments/docs/tables.py integrators results/work_precision quiet": "needs that run",
 }
-NOT_CODE = {"text", "none", "{csv-table}", "{toctree}", "{eval-rst}", "{automodule}", "{literalinclude}", "{include}"}
+NOT_CODE = {"text", "none", "{csv-table}", "{toctree}", "{eval-rst}", "{literalinclude}", "{include}"}
 
 
 def blocks(text):
