@@ -1,4 +1,4 @@
-// core/lcp/mcp.h — nonlinear mixed complementarity problems, as two callbacks.
+// core/lcp/mcp.h — mixed complementarity problems, nonlinear: two callbacks, F(z) and its Jacobian.
 //
 //   Find lo ≤ z ≤ hi such that, row by row,
 //     z_i = lo_i ⇒ F_i(z) ≥ 0,   z_i = hi_i ⇒ F_i(z) ≤ 0,   otherwise F_i(z) = 0.
@@ -18,7 +18,7 @@ namespace orthant {
 
 struct Mcp {
   Vector lo, hi;                                      // n
-  std::function<void(const Vector& z, Vector& F)> F;  // F, n on entry and on return; asked within the bounds only
+  std::function<void(const Vector& z, Vector& F)> F;  // F, n on entry and on return; called within the bounds only
   std::function<void(const Vector& z, Matrix& J)> jacobian;  // J_ij = ∂F_i/∂z_j, n × n, dense or RowSparse
 
   Index size() const { return lo.size(); }

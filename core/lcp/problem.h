@@ -1,4 +1,4 @@
-// core/lcp/problem.h — the one problem type that every solver takes.
+// core/lcp/problem.h — linear complementarity problem (LCP): the one type that every solver takes.
 //
 //   Find z with lo ≤ z ≤ hi and w = A z + b such that, row by row,
 //     z_i = lo_i ⇒ w_i ≥ 0,   z_i = hi_i ⇒ w_i ≤ 0,   otherwise w_i = 0.
@@ -81,8 +81,8 @@ void diagonal(const Matrix& A, Vector& diag);
 
 /// A as a dense matrix (the Delassus operator is formed: for direct methods on small problems).
 void to_dense(const Matrix& A, DenseMatrix& dense);
-/// The entries of an operator row by row, columns ascending, sums that are 0 left out. False, and nothing formed, where that
-/// takes more than `most` products.
+/// The entries of an operator row by row, columns ascending, sums that are 0 left out. False, and nothing formed, where
+/// that takes more than `most` products.
 bool to_rows(const Delassus& A, RowSparse& rows, double most = kInf);
 
 }  // namespace orthant

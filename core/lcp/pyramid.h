@@ -1,4 +1,4 @@
-// core/lcp/pyramid.h — coupled friction rows, finite boxes and shifted bounds → only [0, ∞) and free rows.
+// core/lcp/pyramid.h — reduction to a pure LCP: friction, boxes and shifted bounds become [0, ∞) or free rows.
 //
 //   One-sided:     z = lo + y, or z = hi − y with the row's sign turned.
 //   Box [lo, hi]:  z = lo + y,       0 ≤ y ⊥ w + ξ ≥ 0,  0 ≤ ξ ⊥ (hi − lo) − y ≥ 0.

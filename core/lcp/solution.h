@@ -1,4 +1,4 @@
-// core/lcp/solution.h — what a solver gives back.
+// core/lcp/solution.h — solution and status of a solve.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

@@ -6,7 +6,8 @@
 //     tan φ = −(1 − e) / ((1 + e) ω) tan(T/2),    ẋ⁻ = C (cos φ tan(T/2) − ω sin φ) > 0 chooses φ's branch.
 //   The time origin is an impact, so that φ is the load's phase. A disturbance of this motion shrinks by the factor e a
 //   period (both Floquet multipliers have |μ| = e where they are complex, as they are for the default).
-//   Admissible where x ≤ 0 all the time: ω > 1 not near 2 (resonance, T/2 = π/2 … ); 1.4 … 1.8 and 2.2 … 2.6 at e = 0.8.
+//   Admissible where x ≤ 0 all the time: ω > 1 not near 2 (resonance, T/2 = π/2 … ); 1.4 … 1.8 and 2.2 … 2.6 at e =
+//   0.8.
 // Source: Shaw & Holmes, Journal of Sound and Vibration 90 (1983) 129-155.
 #pragma once
 

@@ -1,4 +1,4 @@
-// core/scenes/motion.h — what the exact answer of a scene with one coordinate is told as.
+// core/scenes/motion.h — exact motion (position and velocity) of a one-coordinate scene.
 #pragma once
 
 namespace orthant {

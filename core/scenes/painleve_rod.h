@@ -1,4 +1,4 @@
-// core/scenes/painleve_rod.h — a rod that slides with one end on a rough floor, and its contact force: one, none or two.
+// core/scenes/painleve_rod.h — Painlevé's rod: one end slides on a rough floor; contact force: one, none or two.
 //
 //   Half-length 1 m, mass 1 kg, angle φ to the floor, the lower end sliding so that friction pushes it under the rod.
 //   λ solves 0 ≤ λ ⊥ A λ + b ≥ 0,   A = 1 + 3 cos² φ − 3 μ sin φ cos φ,   b = φ̇² sin φ − g.

@@ -1,7 +1,7 @@
-// core/scenes/pile.h — N discs dropped into a trough, a few columns wide: what grows with the number of bodies, and how.
+// core/scenes/pile.h — pile: N discs dropped into a trough, a few columns wide, to measure growth with their number.
 //
 //   Radii within a tenth of each other and places shifted by up to a tenth of a radius (a fixed pattern, no random
-//   numbers), so that the pile does not balance on its columns. As many rows as columns but for N / columns.
+//   numbers), so that the pile does not balance on its columns. The number of rows is N / columns.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
@@ -22,7 +22,8 @@ struct Pile {
   }
 };
 
-/// Discs of 1 kg/m² by their areas; contacts 3i, 3i + 1, 3i + 2 are disc i with floor, left and right wall; one collision.
+/// Discs of 1 kg/m² by their areas; contacts 3i, 3i + 1, 3i + 2 are disc i with floor, left and right wall; one
+/// collision.
 Scene pile(const Pile& p = {});
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// core/scenes/registry.h — built-in scenes have names, in one table; everything else is a TOML file.
+// core/scenes/registry.h — scene registry: the built-in scenes by name, in one table; all others are TOML files.
 //
 //   Scene s = make_scene("slider_crank", std::vector<std::string>{"mu=0.1", "omega3=-0.01"});
 //   Scene t = make_scene("door.toml", std::vector<std::string>{"contact.corner1.mu=0.1"});

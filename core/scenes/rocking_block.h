@@ -6,8 +6,8 @@
 //     ω⁺ = η ω⁻,  η = 1 − (3/2) sin² α,  while h > b/√2; a flatter block (η ≤ 0) stops dead.
 //   Impacts n = 1, 2, … from the amplitudes cos(α − θₙ) = cos α + η²ⁿ (cos(α − θ₀) − cos α) and the times T(θₙ) of
 //   falling from them:  t₁ = T(θ₀), tₙ₊₁ = tₙ + 2 T(θₙ).
-// Source: Housner, Bulletin of the Seismological Society of America 53 (1963) 403-417 (his period is linearized, this is
-// not).
+// Source: Housner, Bulletin of the Seismological Society of America 53 (1963) 403-417 (his period is linearized, this
+// is not).
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

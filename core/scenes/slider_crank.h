@@ -28,7 +28,8 @@ struct SliderCrank {
 
 Scene slider_crank(const SliderCrank& p = {});
 
-/// The same mechanism without clearance: the slider slides along y = 0. Clearance, friction and restitution are not read.
+/// The same mechanism without clearance: the slider slides along y = 0. Clearance, friction and restitution are not
+/// read.
 Scene slider_crank_ideal(const SliderCrank& p = {});
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// core/scenes/table.h — a table with more legs in a row than its weight can tell apart: forces are not unique.
+// core/scenes/table.h — table with more legs in a row than equilibrium determines: its forces are not unique.
 //
 //   Legs at x_i, equally spaced over [−1, 1], the centre of mass at x = d. At rest on the floor any λ ≥ 0 with
 //     Σ λ_i = m g,  Σ λ_i x_i = m g d

@@ -64,7 +64,7 @@ std::string read_whole(const std::filesystem::path& path, std::uintmax_t most) {
   text.reserve(said);
   std::array<char, 1 << 16> chunk;
   while (in) {
-    const std::uintmax_t left = most - text.size();  // one byte more is asked for, and none after that
+    const std::uintmax_t left = most - text.size();  // one byte more is requested, and none after that
     in.read(chunk.data(), static_cast<std::streamsize>(left < chunk.size() ? left + 1 : chunk.size()));
     const auto count = static_cast<std::size_t>(in.gcount());
     if (count > left)

@@ -1,4 +1,4 @@
-// core/support/file.h — files are written whole or not at all, and read whole up to a limit or not at all.
+// core/support/file.h — file input and output: files are written whole or not at all, and read up to a limit.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ void check_size(const std::string& name, std::uintmax_t bytes, std::uintmax_t mo
 /// Throws std::runtime_error naming the file and the reason.
 std::string read_whole(const std::filesystem::path& path, std::uintmax_t most = UINTMAX_MAX);
 
-/// Writes to a temporary file beside `path` and renames it: readers see the old file or the new one, never half.
+/// Writes to a temporary file next to `path` and renames it: readers see the old or the new file, never half of it.
 /// A link is followed; what is no regular file (a device, say) is refused and left alone.
 /// Throws std::runtime_error naming the file and the reason; nothing is left behind then.
 void write_whole(const std::filesystem::path& path, std::string_view text);
@@ -35,10 +35,11 @@ std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path&
 /// Throws std::runtime_error when `path` is no regular file that can be read (a folder or a device, say).
 void check_readable(const std::filesystem::path& path);
 
-/// Throws std::runtime_error when `path` could not be written: asked before a long run, not after it.
+/// Throws std::runtime_error when `path` could not be written. Call it before a long run, not after it.
 void check_writable(const std::filesystem::path& path);
 
-/// Throws std::invalid_argument when both are one file: what is written would take the place of what was read, or written.
+/// Throws std::invalid_argument when both are one file: what is written would take the place of what was read, or
+/// written.
 /// `one` and `other` as the caller knows them, such as "--output".
 void check_apart(std::string_view one, const std::filesystem::path& path, std::string_view other,
                  const std::filesystem::path& other_path);

@@ -1,4 +1,4 @@
-// core/support/options.h — named options with ranges, written once as a visit() list (see solvers/first_order/pgs.h).
+// core/support/options.h — options with names and ranges, listed once in visit() (see solvers/first_order/pgs.h).
 //
 //   struct Options { double omega = 1; template <class V> void visit(V&& v) { v("omega", omega, 0.0, 2.0); } };
 //   set_options(options, "omega=1.3,max_sweeps=50")  // unknown key, bad number or out of range: throws, in words

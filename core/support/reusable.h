@@ -1,4 +1,4 @@
-// core/support/reusable.h — Eigen vectors and matrices that keep their memory when their size changes.
+// core/support/reusable.h — reusable Eigen vectors and matrices: they keep their memory when their size changes.
 //
 // A time step's problem grows and shrinks with the number of closed contacts. Eigen's own containers free and
 // allocate at every change of size; these allocate only when they outgrow the largest size they ever had.

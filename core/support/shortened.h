@@ -1,4 +1,4 @@
-// core/support/shortened.h — messages quote the text of strangers, which may be long; a message is a line.
+// core/support/shortened.h — shortened text for messages: long quotations become one line.
 #pragma once
 
 #include <stdexcept>

@@ -1,7 +1,7 @@
-// core/support/simd2.h — two numbers that a processor adds or multiplies at once, in a register of 16 bytes.
+// core/support/simd2.h — SIMD pair: two doubles in one 16-byte register.
 //
-// Put together from scalars in registers, as Eigen's Array2d is not: memory that was just stored number by number and is read
-// as a whole makes a processor wait.
+// Put together from scalars in registers, as Eigen's Array2d is not: memory that was just stored number by number and
+// is read as a whole makes a processor wait.
 #pragma once
 
 #include <cstring>

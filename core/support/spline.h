@@ -1,4 +1,4 @@
-// core/support/spline.h — a smooth function through points: the clamped cubic spline.
+// core/support/spline.h — clamped cubic spline through given points.
 //   Between neighbours a cubic; value, slope and curvature are continuous. Slope 0 at both ends, constant outside.
 //   The slopes m solve m_{i−1}/h_{i−1} + 2 (1/h_{i−1} + 1/h_i) m_i + m_{i+1}/h_i = 3 (Δ_{i−1}/h_{i−1} + Δ_i/h_i),
 //   Δ_i = (y_{i+1} − y_i)/h_i, h_i = t_{i+1} − t_i: tridiagonal, diagonally dominant, O(n) once. A call: O(log n).

@@ -1,4 +1,4 @@
-// core/support/toml_nesting.h — how deep a TOML text may be nested.
+// core/support/toml_nesting.h — nesting limit of TOML text.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 namespace orthant {
 
 /// toml++ walks nested tables by recursion, as deep as the text says; so depth is bounded before it sees the text.
-/// Throws std::invalid_argument with `name` and the line where brackets or dotted keys are deeper than any file of ours.
+/// Throws std::invalid_argument with `name` and the line where brackets or dotted keys are deeper than any file of
+/// ours.
 void refuse_deep(std::string_view text, const std::string& name);
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// core/lcp/files/hdf5_image.h — an HDF5 file made in memory, to be written in one piece (file.h: whole or not at all).
+// core/lcp/files/hdf5_image.h — HDF5 image in memory, written to disk as a whole or not at all (file.h).
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// core/lcp/files/io.h — problems as files: Matrix Market for matrices and vectors, one JSON file for everything.
+// core/lcp/files/io.h — problem files: Matrix Market for matrices and vectors, JSON for whole problems.
 //
 //   JSON problem file (UTF-8, one object):
 //     format    "orthant-lcp"          version   1

@@ -1,8 +1,8 @@
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/lcp/files/io_fclib.h>
 
-#include <orthant/core/support/file.h>
 #include <orthant/core/lcp/files/hdf5_image.h>
+#include <orthant/core/support/file.h>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>

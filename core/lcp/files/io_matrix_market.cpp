@@ -29,8 +29,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestLine = 1000;
 
-/// A file's text, once everything is checked that CHOLMOD's reader takes on trust or guesses: without a banner it guesses
-/// the format, patterns it fills with numbers of its own, an index 0 makes it count from 0, a missing value it makes up.
+/// A file's text, once everything is checked that CHOLMOD's reader takes on trust or guesses: without a banner it
+/// guesses the format, patterns it fills with numbers of its own, an index 0 makes it count from 0, a missing value it
+/// makes up.
 struct Text {
   std::string text;  // its banner says real where the file says double, a word that CHOLMOD does not know
   bool dense = false;
@@ -179,7 +180,7 @@ class Cholmod {
   cholmod_common common{};
 };
 
-/// Calls use(kind, object) on what the file holds: a cholmod_dense where dense is asked for, else unsymmetric sparse.
+/// Calls use(kind, object) on what the file holds: a cholmod_dense if dense is requested, else unsymmetric sparse.
 template <class Object, class Use>
 void read(const fs::path& file, std::string& text, int prefer, int wanted, Use&& use) {
   Cholmod cholmod;

@@ -1,9 +1,9 @@
-// core/lcp/judge/analyse.h — what kind of matrix is it? Decides which method may be trusted with it.
+// core/lcp/judge/analyse.h — matrix classes: which of them a matrix belongs to, and so which methods apply.
 //
 //   Every answer is yes, no, or not_decided, never a guess. Yes and no come from exact comparisons, from rationals
 //   (n ≤ 40 for definiteness, K, H₊ and rank; n ≤ 12 for P, P₀ and copositivity; n ≤ 5 for sufficiency), or from a
-//   floating-point proof: Cholesky with a margin for definiteness (definite.h), a vector d > 0 with ⟨A⟩ d > 0 for H₊ (and
-//   K), a vector or an index set as the witness of a no.
+//   floating-point proof: Cholesky with a margin for definiteness (definite.h), a vector d > 0 with ⟨A⟩ d > 0 for H₊
+//   (and K), a vector or an index set as the witness of a no.
 //     positive (semi)definite   xᵀA x > 0 (≥ 0) for x ≠ 0: of the symmetric part
 //     Z   A_ij ≤ 0 off the diagonal            K   Z and P
 //     H₊  A_ii > 0 and ⟨A⟩ (|A_ii| on the diagonal, −|A_ij| off it) a K-matrix: contains strict diagonal dominance
@@ -41,7 +41,7 @@ struct Analysis {
   double condition = kInf;  // estimate of ‖A‖₁ ‖A⁻¹‖₁; kInf: singular to working precision, NaN: not estimated
 };
 
-/// `stop` is asked now and then; once it says true, what is open stays so (condition: NaN).
+/// `stop` is polled; once it says true, what is open stays so (condition: NaN).
 /// Throws std::invalid_argument when A is not square or not finite.
 Analysis analyse(const Matrix& A, const std::function<bool()>& stop = {});
 

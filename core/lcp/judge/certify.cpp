@@ -8,7 +8,7 @@ namespace orthant {
 namespace {
 
 using detail::kCoarsest, detail::kEpsilon, detail::kRoundings;
-constexpr double kTelling = 1e-11;  // 20 ρ beside β below which an operator's sums need no second look
+constexpr double kTelling = 1e-11;  // 20 ρ relative to β below which an operator's sums need no second look
 
 double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
@@ -63,7 +63,8 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
     if (data > 0) least = std::min(least, data);
     bounded = bounded || nearest_to_zero(problem.lo[i], problem.hi[i]) != 0 ||
               (z != 0 && detail::on_bound(z, problem.lo[i], problem.hi[i]));
-    // d |z − clamp(z − w/d)| = max(d · how far z is out of its bounds, min(d · distance to the bound that w pushes against, |w|)):
+    // d |z − clamp(z − w/d)| = max(d · how far z is out of its bounds, min(d · distance to the bound that w pushes
+    // against, |w|)):
     // never by z − w/d, which is z where w/d is below its rounding, whatever w is.
     double r = std::abs(w), out = 0, beside = 0, held = 0;
     const double room = w >= 0 ? z - lo[i] : hi[i] - z;
@@ -129,6 +130,8 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
   const auto passes = [&] {
     known = scale_ < kInf && size_ < kInf && size_ <= detail::runaway(scale_);
     accepted_ = allowed(tolerance, s.rounding, scale_);
+    if (known && s.residual > accepted_ && s.residual < detail::kLeastNormal)
+      accepted_ = std::max(accepted_, detail::lost_to_underflow(problem.A, d_));
     return known && s.residual <= accepted_ && rows_pass(problem, tolerance, s);
   };
   // Where rounding of the sums may be what decides, they are done with more digits: what stands in the way of a z, and

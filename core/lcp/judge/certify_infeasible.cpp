@@ -22,7 +22,7 @@ double head(double value) {
 
 }  // namespace
 
-// g_ ← Aᵀu or A u in long double, g_abs_ beside it; of Aᵀu also what rounding has taken from each sum.
+// g_ ← Aᵀu or A u in long double, and its g_abs_; of Aᵀu also what rounding has taken from each sum.
 void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
   const Index n = u.size();
   g_.assign(at(n), 0);

@@ -10,7 +10,7 @@ namespace orthant {
 namespace {
 
 using detail::kCoarsest, detail::kEpsilon, detail::kRoundings;
-constexpr double kOfBox = 1e-6;  // of its width, that a z may be beside the bound of a box
+constexpr double kOfBox = 1e-6;  // of its width: distance of a z from the bound of a box
 
 }  // namespace
 
@@ -53,8 +53,8 @@ void Judge::label_parts(const Lcp& problem) {
   for (Index i = 0; i < n; ++i) part_[at(i)] = root(i);
 }
 
-// x_i ← the least with x_i ≥ x_i and x_i ≥ min(width(A_ij, j), x_j) for all j. The widest paths, the widest first: n log n
-// for n rows, where sweeps over a long chain whose rows are in no order take n². Friction has its normal's.
+// x_i ← the least with x_i ≥ x_i and x_i ≥ min(width(A_ij, j), x_j) for all j. The widest paths, the widest first: n
+// log n for n rows, where sweeps over a long chain whose rows are in no order take n². Friction has its normal's.
 template <class Width> void Judge::spread(const Lcp& problem, const Width& width, Vector& x) {
   const auto* dense = std::get_if<DenseMatrix>(&problem.A);
   const auto* rows = std::get_if<RowSparse>(&problem.A);
@@ -163,9 +163,13 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
       const double own = formed && reach_[i] > 0 ? std::max(reach_[i], least_scale_) : beta;
       const double unit = formed && !(reach_[i] > 0) ? std::max(std::min(row.size, beta), least_scale_) : own;
       const double most = std::max(kCoarsest * unit, kRoundings * kEpsilon * beta);  // the latter: nothing runs away
-      const double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise(i), most));
-      if (!(whole.most <= detail::runaway(beta) && row.size <= detail::runaway(own) &&
-            row.residual <= std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta))))
+      double allowance = std::max(tolerance * std::min(own, row.size), std::min(noise(i), most));
+      double accepted = std::min(allowance, allowed(tolerance, kEpsilon * whole.most, beta));
+      if (row.residual > accepted && row.residual < detail::kLeastNormal) {
+        accepted = std::max(accepted, detail::lost_to_underflow(problem.A, d_));
+        allowance = std::max(allowance, accepted);
+      }
+      if (!(whole.most <= detail::runaway(beta) && row.size <= detail::runaway(own) && row.residual <= accepted))
         return false;
       const bool as_zero = std::abs(s.w[i]) <= allowance;
       const double width = problem.hi[i] - problem.lo[i], room = as_zero ? 0 : row.room;
@@ -186,7 +190,7 @@ bool Judge::rows_pass(const Lcp& problem, double tolerance, const Solution& s) {
   });
 }
 
-// A z_i beside its bound changes the other rows when it is moved there: by no more than the w_k that holds z_k at its own
+// A z_i near its bound changes the other rows when it is moved there: by no more than the w_k that holds z_k at its own
 // bound, and for each such z_i what is excused in the row.
 bool Judge::others_bear_moves(const Lcp& problem) {
   const Index n = problem.size();

@@ -1,12 +1,14 @@
-// core/lcp/judge/definite.h — matrices in one sparse form with error bounds; proofs that one is definite, or an M-matrix.
+// core/lcp/judge/definite.h — definiteness and M-matrix proofs, in one sparse form with error bounds.
 //
 //   formed(A): the entries of any storage; those of a Delassus operator carry the rounding of the product.
-//   surely_definite(S, c): λ_min of the symmetric part is > c, proved. Cholesky (CHOLMOD, sparse) of D S D − s I, D powers
-//   of 2 that bring the diagonal near 1: where it runs to its end in floating point, λ_min > 0 without the shift
+//   surely_definite(S, c): λ_min of the symmetric part is > c, proved. Cholesky (CHOLMOD, sparse) of D S D − s I, D
+//   powers of 2 that bring the diagonal near 1: where it runs to its end in floating point, λ_min > 0 without the shift
 //     s ≥ γ/(1 − γ) tr(D S D) + ‖error‖∞,   γ = (n + 2) ε.
 //   Cost: a sparse Cholesky factorization. `false` says nothing: that the matrix is not definite needs a witness.
-//   surely_m_matrix(A, d): d > 0 with ⟨A⟩ d > 0, ⟨A⟩ = |A_ii| on the diagonal, −|A_ij| off it, proves ⟨A⟩⁻¹ ≥ 0. One sparse LU.
-//   Sources: Berman & Plemmons, Nonnegative Matrices in the Mathematical Sciences (1979), ch. 6; Rump, BIT 46 (2006), Verification of positive definiteness.
+//   surely_m_matrix(A, d): d > 0 with ⟨A⟩ d > 0, ⟨A⟩ = |A_ii| on the diagonal, −|A_ij| off it, proves ⟨A⟩⁻¹ ≥ 0. One
+//   sparse LU.
+//   Sources: Berman & Plemmons, Nonnegative Matrices in the Mathematical Sciences (1979), ch. 6; Rump, BIT 46 (2006),
+//   Verification of positive definiteness.
 #pragma once
 
 #include <orthant/core/lcp/judge/exact.h>

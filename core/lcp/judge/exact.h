@@ -1,8 +1,8 @@
-// core/lcp/judge/exact.h — decisions that rounding must not make: exact rationals, and a fast filter before them.
+// core/lcp/judge/exact.h — exact arithmetic: rationals where rounding must not decide, with a fast filter.
 //
-//   Every double is a rational number, so signs, ranks and memberships of given data have exact answers. `Rational` finds
-//   them, slowly. `Filtered` is a double with a bound on its error: its sign is certain or unknown, and what is unknown
-//   is then done again in rationals. Templates over both need sign(), weight(), quotient(), subtract_product().
+//   Every double is a rational number, so signs, ranks and memberships of given data have exact answers. `Rational`
+//   finds them, slowly. `Filtered` is a double with a bound on its error: its sign is certain or unknown, and what is
+//   unknown is then done again in rationals. Templates over both need sign(), weight(), quotient(), subtract_product().
 //   Cost: a Filtered operation some nanoseconds; a Rational one 0.1 µs for small integers, more as the numbers grow.
 //   Source: Shewchuk, Discrete Comput. Geom. 18 (1997) (filters); GMP (numbers).
 #pragma once
@@ -90,7 +90,7 @@ std::vector<std::size_t> reduce(Table& rows, std::size_t columns);
 
 /// Generators of the cone { x : G x ≥ 0 }: every member is Σ t_k rays[k] + Σ s_l lines[l], t ≥ 0. Rays are extreme when
 /// there are no lines (else extreme in the part of the cone where the lines' free coordinates are 0).
-/// The double description method; time and memory grow with the number of rays, which may be exponential. stop() is asked
+/// Double description method; time and memory grow with the number of rays, which may be exponential. stop() is polled
 /// for each ray and inequality: once it is true, what is returned has nothing in it.
 /// Source: Fukuda & Prodon, Double description method revisited, LNCS 1120 (1996).
 struct Cone {

@@ -1,4 +1,4 @@
-// core/lcp/problems/american_put.h — the value of an American put option, one complementarity problem a time step.
+// core/lcp/problems/american_put.h — American put option: one complementarity problem a time step.
 //
 //   V(S, t) ≥ ψ(S) = max(K − S, 0) and  L V ≥ 0,  L V = −V_t − ½ σ² S² V_SS − r S V_S + r V,  one of the two equal
 //   (Black-Scholes). Backwards in time by θ-steps on nodes S_i = i S_max / (nodes + 1):

@@ -79,7 +79,8 @@ void add_standard(Collector& c) {
   c.add("murty", murty(n), -ones(n), unit(n, 0));
   c.add("murty_transposed", murty(n).transpose(), -ones(n), unit(n, n - 1));
   c.add("fathi", murty(n) * murty(n).transpose(), -ones(n), unit(n, 0));
-  // All ratios tie: a rule without anticycling goes round for ever; Newton-min does so too (Ben Gharbia & Gilbert 2012).
+  // All ratios tie: a rule without anticycling goes round for ever; Newton-min does so too (Ben Gharbia & Gilbert
+  // 2012).
   c.add("circulant", square({1, 2, 0, 0, 1, 2, 2, 0, 1}), -ones(3), ones(3) / 3);
   // Singular blocks; a segment of solutions, then an unbounded one, whose last ratio test ties with z₀.
   c.add("rank_one", square({1, 1, 1, 1}), -ones(2), list({0.5, 0.5}), Answer::one_of).unique_w = true;

@@ -1,8 +1,8 @@
-// core/lcp/problems/collection.h — named problems with known answers, and random ones from a seed.
+// core/lcp/problems/collection.h — named problems with known answers, and random problems from a seed.
 //
-//   Shared by tests and benchmarks. Answers are exact: rational numbers worked out by hand, or planted (q = w* − M z* in
-//   numbers that double holds exactly). The names say where a problem comes from; the comments in collection.cpp, what
-//   it breaks.
+//   Shared by tests and benchmarks. Answers are exact: rational numbers worked out by hand, or planted (q = w* − M z*
+//   in numbers that double holds exactly). The names say where a problem comes from; the comments in collection.cpp,
+//   what it breaks.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>
@@ -30,7 +30,7 @@ struct Known {
   bool unique_w = false;  // several z, but all with the same w
 };
 
-/// All of them, n ≤ 60, dense. Built anew at each call.
+/// All of them, n ≤ 60, dense. Built again at each call.
 std::vector<Known> known_problems();
 
 /// M with 1 on the diagonal and 2 below, q = −e: z = e₁. Lemke's method takes 2ⁿ pivots (Murty 1978); on the
@@ -61,7 +61,7 @@ class Random {
 };
 
 /// Any signs, any solvability; entries are integers in [−2, 2], so that ties and singular blocks abound. Rows of the
-/// kinds asked for take turns at random.
+/// requested kinds alternate at random.
 struct Kinds {
   bool free = false, box = false, friction = false;
 };

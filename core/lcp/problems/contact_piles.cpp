@@ -66,7 +66,8 @@ class Builder {
   }
 
  private:
-  // The row of the relative velocity along d: planar coordinates (x, z, rotation about −y), spatial (x, y, z, rotations).
+  // The row of the relative velocity along d: planar coordinates (x, z, rotation about −y), spatial (x, y, z,
+  // rotations).
   int direction(int above, int below, const Point& point, const Point& d) {
     const int row = rows_++;
     for (const auto& [body, sign] : {std::pair{above, 1.0}, std::pair{below, -1.0}}) {

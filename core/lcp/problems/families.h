@@ -1,7 +1,8 @@
-// core/lcp/problems/families.h — problem families: what solvers are compared on, each with what is known about it.
+// core/lcp/problems/families.h — problem families for comparing solvers, each with its known properties.
 //
-//   A family makes a problem from a size, a hardness (condition, mass ratio, spread of units, …; what it means is told)
-//   and a seed, the same on every machine. Its matrix class and its kind of answer say what may be expected of a solver:
+//   A family makes a problem from a size, a hardness (condition, mass ratio, spread of units, …: see its family)
+//   and a seed, the same on every machine. Its matrix class and its kind of answer say what may be expected of a
+//   solver:
 //   the class is what the construction guarantees up to the rounding of the entries.
 //   Sources: collection.h, obstacles.h, contact_piles.h, american_put.h, and the names given.
 #pragma once

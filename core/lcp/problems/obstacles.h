@@ -1,8 +1,8 @@
-// core/lcp/problems/obstacles.h — obstacle problems on grids, sparse, of any size, with answers known from outside.
+// core/lcp/problems/obstacles.h — obstacle problems on grids: sparse, of any size, with known answers.
 //
-//   A membrane u is pressed on an obstacle ψ: u ≥ ψ, its load −(Δ u) ≥ f, one of the two equal at each node. The unknown
-//   is z = u − ψ ≥ 0; M is a symmetric K-matrix (A_ij ≤ 0 off the diagonal, all principal minors > 0), so that z is
-//   unique. n up to 10⁶ takes a second to build. Shared by tests and benchmarks.
+//   A membrane u is pressed on an obstacle ψ: u ≥ ψ, its load −(Δ u) ≥ f, one of the two equal at each node. The
+//   unknown is z = u − ψ ≥ 0; M is a symmetric K-matrix (A_ij ≤ 0 off the diagonal, all principal minors > 0), so that
+//   z is unique. n up to 10⁶ takes a second to build. Shared by tests and benchmarks.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

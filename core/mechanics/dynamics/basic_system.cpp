@@ -14,6 +14,7 @@ namespace {
 constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
 constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
 constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
+constexpr double kDoubtful = 1e-9;    // likewise: rounding of S makes that, ε times the ratio of the masses
 
 const std::array<double, 3>& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
 int body(const Row& row, int which) { return which == 0 ? row.a : row.b; }
@@ -104,9 +105,12 @@ struct BasicSystem::Sparse {
   }
 
   /// Fills the matrix and factorizes it; false when it is singular or not finite.
-  bool factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
+  bool factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight,
+                 const Eigen::VectorXd* added) {
     std::fill(value.begin(), value.end(), 0.0);
     for (std::size_t i = 0; i < mass_place.size(); ++i) put(mass_place[i], system.mass()[static_cast<Index>(i)]);
+    if (added != nullptr)
+      for (std::size_t i = 0; i < mass_place.size(); ++i) put(mass_place[i], (*added)[static_cast<Index>(i)]);
     for (std::size_t i = 0; i < terms.springs.size(); ++i) {
       const Row& row = terms.springs[i].row;
       const double weight =
@@ -244,17 +248,24 @@ BasicSystem::BasicSystem(const System& system, bool with_joints)
 BasicSystem::~BasicSystem() = default;
 BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
 
-bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight) {
+bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight,
+                            const Eigen::VectorXd* added) {
   redundant_ = false;
+  if (added != nullptr || added_) {
+    added_ = added != nullptr;
+    inverse_mass_ = system.inverse_mass();
+    if (added_) inverse_mass_ = (system.mass() + *added).cwiseInverse();
+    if (schur_) schur_->set_inverse_mass(inverse_mass_);
+  }
   const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
   const bool springs = !terms.springs.empty() && (stiffness_weight != 0 || damping_weight != 0);
   way_ = rows_ > kDenseRows || springs ? Way::sparse : rows_ > 0 ? Way::dense : Way::diagonal;
   if (way_ == Way::sparse) {
-    if (sparse_->factorize(system, terms, stiffness_weight, damping_weight)) return true;
+    if (sparse_->factorize(system, terms, stiffness_weight, damping_weight, added)) return true;
     if (!sparse_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
   } else {
-    if (way_ == Way::diagonal || schur_->factorize(G, kDependent)) return true;
+    if (way_ == Way::diagonal || schur_->factorize(G, kDoubtful)) return true;
     if (!schur_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G);
   }

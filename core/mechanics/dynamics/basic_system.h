@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/basic_system.h — the saddle system of the mechanism without contact, factorized once and solved often.
+// core/mechanics/dynamics/basic_system.h — saddle-point system of the mechanism without contact: factorized once.
 //
 //   M̂ x − Gᵀ λ = f,   G x = c,      M̂ = M + Σ_springs row ⊗ row (k_weight k + c_weight c)
 // This is the DAE's matrix that is left when contact and friction are removed; contacts enter through its inverse.
@@ -6,9 +6,9 @@
 //   M̂ = M, no joints        x = M⁻¹ f
 //   M̂ = M, few joint rows   S = G M⁻¹ Gᵀ, dense (schur.h)
 //   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
-// Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken (copies
-// of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S, whose
-// condition is the square. Rows that are independent only by drift below 3e-7 of their length count as redundant.
+// Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken
+// (copies of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S,
+// whose condition is the square. Rows that are independent only by drift below 3e-7 of their length count as redundant.
 // Source: Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10; Davis, KLU (2010).
 #pragma once
 
@@ -28,8 +28,10 @@ class BasicSystem {
   ~BasicSystem();
   BasicSystem(BasicSystem&&) noexcept;
 
-  /// Reads terms.G and terms.springs. False: not finite, nothing usable.
-  bool factorize(const System& system, const Terms& terms, double stiffness_weight = 0, double damping_weight = 0);
+  /// Reads terms.G and terms.springs. `added`: to M's diagonal (dof), ≥ 0; null: nothing. False: not finite, nothing
+  /// usable.
+  bool factorize(const System& system, const Terms& terms, double stiffness_weight = 0, double damping_weight = 0,
+                 const Eigen::VectorXd* added = nullptr);
 
   /// f has dof entries, c joint_rows() entries; λ likewise (both empty without joints). Sizes are not checked.
   void solve(const double* f, const double* c, double* x, double* lambda) const;
@@ -44,15 +46,18 @@ class BasicSystem {
   /// Right-hand side f = rowᵀ, c = 0.
   void solve_row(const Row& row, double* x) const;
 
-  /// The next factorization chooses its pivots anew, as the first one does: what it gives depends on no matrix before.
+  /// The next factorization chooses its pivots again, as the first one does: what it gives depends on no matrix before.
   void forget();
 
   int joint_rows() const { return rows_; }
+  /// Of M with what was added in the last factorization.
+  const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
   int rank() const;                              // of the joint rows, as the last factorization found it
-  /// What is left of the most dependent of rank() joint rows of the last factorization, squared over its S_ii, in (0, 1]:
-  /// near 0 next to a singular pose. 1 where there are no joints. Of the sparse matrix it is found when asked for, at the
-  /// cost of another factorization.
+  /// What is left of the most dependent of rank() joint rows of the last factorization, squared over its S_ii, in (0,
+  /// 1]:
+  /// near 0 next to a singular pose. 1 where there are no joints. Of the sparse matrix it is computed on request, at
+  /// the cost of another factorization.
   double independence() const;
 
  private:
@@ -61,7 +66,7 @@ class BasicSystem {
   enum class Way { diagonal, dense, sparse };
 
   int dof_ = 0, rows_ = 0;
-  bool redundant_ = false;
+  bool redundant_ = false, added_ = false;
   Way way_ = Way::diagonal;  // of the last factorization
   Eigen::VectorXd inverse_mass_;
   std::optional<Schur> schur_;

@@ -1,12 +1,14 @@
-// core/mechanics/dynamics/broad_phase.h — which pairs of a collision's shapes can touch in a step: candidates, linear in their number.
+// core/mechanics/dynamics/broad_phase.h — broad phase of collision detection: candidate pairs of shapes within a step.
 //
-//   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median box,
-//   take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap (discs:
+//   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median
+//   box, take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap
+//   (discs:
 //   their circles). Cells are hashed into a table of a fixed size, so that bodies far away cost nothing.
 //   A shape of more than kLarge cells is held against all others instead.
-//   The candidates stand in the order of the pairs, whatever the grid: a step with them is the step with all pairs listed.
-// Cost: O(shapes + candidates) for shapes of like size (to a factor of some ten); a large one costs O(shapes). Memory taken
-// once; a crowd larger than any before may take more.
+//   The candidates stand in the order of the pairs, whatever the grid: a step with them is the step with all pairs
+//   listed.
+// Cost: O(shapes + candidates) for shapes of like size (to a factor of some ten); a large one costs O(shapes). Memory
+// taken once; a crowd larger than any before may take more.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 7.
 #pragma once
 
@@ -25,8 +27,9 @@ class BroadPhase {
 
   enum class Reach { own, farthest };
 
-  /// Sets terms.pairs: all that can touch while no coordinate moves farther from the poses terms.at than `way`, one entry
-  /// a coordinate [m, m, rad] of either sign. Reach::farthest: any shape moves as far as the one that moves the farthest.
+  /// Sets terms.pairs: all that can touch while no coordinate moves farther from the poses terms.at than `way`, one
+  /// entry a coordinate [m, m, rad] of either sign. Reach::farthest: any shape moves as far as the one that moves the
+  /// farthest.
   /// False: there are more than the scene has room for, see why().
   bool find(const Eigen::VectorXd& way, Terms& terms, Reach reach = Reach::own);
 
@@ -60,7 +63,8 @@ class BroadPhase {
   std::string why_;
 };
 
-/// Values, one per contact of the system, from the pairs `was` to the pairs `is`; a new pair's is T{}. `old` is scratch.
+/// Values, one per contact of the system, from the pairs `was` to the pairs `is`; a new pair's is T{}. `old` is
+/// scratch.
 template <class T> void carry(const System& system, std::span<const Pair> was, std::span<const Pair> is,
                               std::vector<T>& values, std::vector<T>& old) {
   old.assign(values.begin() + system.listed(), values.end());

@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/joint_load.h — the force that a joint transmits, as dry friction in it wants to know it.
+// core/mechanics/dynamics/joint_load.h — joint reaction force: its magnitude, for dry friction in the joint.
 //
 //   R = | Σ_r λ_r f_r |,   f_r: the force that row r of G puts on one of the two bodies for λ_r = 1   [N]
 // over the rows of the joint and of its copies: pins of the same two bodies at the same points, rails of the same two

@@ -139,8 +139,8 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
   return with_pairs([&](auto n) { return factorize_pairs(n, dependent); });
 }
 
-/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. The second D_i of a pair comes from
-/// D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
+/// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. The second D_i of a pair comes
+/// from D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
 template <class N> bool Schur::factorize_pairs(N n, double dependent) {
   const auto S = [&](int p, int j) -> Two& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
   const auto L = [&](int i, int j) { return S(i / 2, j)[i % 2]; };
@@ -187,6 +187,12 @@ template <class N> bool Schur::factorize_pairs(N n, double dependent) {
     });
   });
   return independent;
+}
+
+void Schur::set_inverse_mass(const Eigen::VectorXd& inverse_mass) {
+  inverse_mass_ = inverse_mass;
+  for (OnBody& body : bodies_)
+    body.inverse_mass = {inverse_mass[body.first], inverse_mass[body.first + 1], inverse_mass[body.first + 2]};
 }
 
 bool Schur::finite() const {

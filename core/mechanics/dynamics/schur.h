@@ -1,10 +1,10 @@
-// core/mechanics/dynamics/schur.h — few joint rows eliminated onto S = G M⁻¹ Gᵀ, diagonal M:  S = L D Lᵀ, L with unit diagonal.
+// core/mechanics/dynamics/schur.h — Schur complement of few joint rows: S = G M⁻¹ Gᵀ = L D Lᵀ, L with unit diagonal.
 //
 //   M x − Gᵀ λ = f,  G x = c:   S λ = c − G M⁻¹ f,  x = M⁻¹ f + (M⁻¹ Gᵀ) λ
-// n³/6 multiplications and n divisions, n² a solve. Rows go by pairs, as joints have most of theirs, and two numbers are what
-// every processor multiplies at once; an odd one gets a row of nothing beside it. Pairs that have no body in common, every
-// second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the compiler knows the loops'
-// lengths and what is zero.
+// n³/6 multiplications and n divisions, n² a solve. Rows go by pairs, as joints have most of theirs, and two numbers
+// are what every processor multiplies at once; an odd one gets a row of zeros. Pairs that have no body in common, every
+// second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the compiler knows the
+// loops' lengths and what is zero.
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>
@@ -22,7 +22,11 @@ class Schur {
   /// `rows`: with the bodies that all later ones have.
   Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows);
 
-  /// False: some pivot D_i is at most `dependent` times S_ii (a ratio that neither masses nor units change), or not finite.
+  /// For the factorizations from now on.
+  void set_inverse_mass(const Eigen::VectorXd& inverse_mass);
+
+  /// False: some pivot D_i is at most `dependent` times S_ii (a ratio that neither masses nor units change), or not
+  /// finite.
   bool factorize(std::span<const Row> G, double dependent);
 
   void solve(const double* f, const double* c, double* x, double* lambda) const;

@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/state.h — what moves: time, coordinates and velocities of all bodies.
+// core/mechanics/dynamics/state.h — state: time, coordinates and velocities of all bodies.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,7 @@
+#include <orthant/core/mechanics/dynamics/assemble.h>
 #include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/mechanics/scene/expose.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,6 +41,8 @@ class Groups {
 
 System::System(Scene scene) : scene_(std::move(scene)) {
   check(scene_);
+  if (scene_.assemble) scene_ = assembled(scene_);
+  expose(scene_);
   Groups groups(scene_.bodies.size());
   const auto connect = [&](const auto& element) {
     const auto [a, b] = bodies_of(element);

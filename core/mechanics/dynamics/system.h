@@ -1,8 +1,8 @@
-// core/mechanics/dynamics/system.h — assemble: a checked scene with its index layout. What a scene lacks costs nothing here.
+// core/mechanics/dynamics/system.h — assembly of a checked scene: index layout. What a scene lacks costs nothing.
 #pragma once
 
-#include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/mechanics/dynamics/state.h>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant {
 

@@ -1,7 +1,7 @@
-// core/mechanics/dynamics/terms.h — evaluate: the quantities of the equations of motion at one (t, q, v), in reused storage.
+// core/mechanics/dynamics/terms.h — quantities of the equations of motion at one (t, q, v), in reused storage.
 //
 //   M v̇ = f(t, q, v) + Gᵀ λ + W_Nᵀ λ_N + W_Tᵀ λ_T,   Φ(q, t) = 0,  g_N(q) ≥ 0
-//   Φ̇ = G v − ṡ,   Φ̈ = G v̇ + (Ġ v − s̈);   ṡ, s̈ are zero but for driven joints (drive.h).
+//   Φ̇ = G v − ṡ,   Φ̈ = G v̇ + (Ġ v − s̈);   ṡ, s̈ are zero except for driven joints (drive.h).
 // M is constant and diagonal here (planar bodies at their centres of mass): System::mass().
 // Only what is asked for is evaluated, and only rows of contacts that are closed are built.
 #pragma once
@@ -40,8 +40,8 @@ struct Terms {
   }
 };
 
-/// Cosine and sine are turned on from the nearest of a fixed grid of angles, whose own `at` keeps: to one rounding more, in a
-/// quarter of the time, and a function of the angle alone.
+/// Cosine and sine are turned on from the nearest of a fixed grid of angles, whose own `at` keeps: to one rounding
+/// more, in a quarter of the time, and a function of the angle alone.
 void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at);
 void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at);
 

@@ -1,8 +1,8 @@
-// core/mechanics/planar/collision.h — shapes of which any two may touch, without a contact being written for every pair.
+// core/mechanics/planar/collision.h — collision sets: shapes of which any two may touch, without a contact per pair.
 //
-//   Stands for a disc-disc, disc-polygon or polygon-polygon contact between every two shapes of different bodies, in the
-//   order (1, 2), (1, 3), …, (2, 3), …; broad_phase.h finds, once a step, the few that can touch in it. They are the
-//   contacts of the system behind the listed ones, numbered anew each step.
+//   Stands for a disc-disc, disc-polygon or polygon-polygon contact between every two shapes of different bodies, in
+//   the order (1, 2), (1, 3), …, (2, 3), …; broad_phase.h finds, once a step, the few that can touch in it. They are
+//   the contacts of the system behind the listed ones, numbered again each step.
 #pragma once
 
 #include <orthant/core/mechanics/planar/disc_polygon.h>
@@ -15,6 +15,7 @@ struct Shape {
   Vector2d centre{0, 0};  // [m] of a disc, in the body's frame
   double radius = 1;      // [m] > 0 of a disc
   Polygon corners;        // [m] in the body's frame; empty: a disc
+  Exposed exposed = {};   // of the polygon; set by System
 };
 
 struct Collision {
@@ -52,11 +53,12 @@ template <class What>
 decltype(auto) as_contact(const Collision& c, const Pair& pair, const Kinematics& k, What&& what) {
   const Shape *x = &c.shapes[static_cast<std::size_t>(pair.a)], *y = &c.shapes[static_cast<std::size_t>(pair.b)];
   if (!x->corners.empty() && !y->corners.empty())
-    return std::visit(what, touch(k, x->body, x->corners, y->body, y->corners, pair.point));
+    return std::visit(
+        what, touch(k, {x->body, x->corners, x->exposed.get()}, {y->body, y->corners, y->exposed.get()}, pair.point));
   if (x->corners.empty() && y->corners.empty())
     return what(DiscDisc{{}, x->body, x->centre, x->radius, y->body, y->centre, y->radius, {}});
   if (!x->corners.empty()) std::swap(x, y);
-  return std::visit(what, touch(k, x->body, x->centre, x->radius, y->body, y->corners));
+  return std::visit(what, touch(k, x->body, x->centre, x->radius, y->body, y->corners, y->exposed.get()));
 }
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// core/mechanics/planar/contact_law.h — what every contact has besides its geometry.
+// core/mechanics/planar/contact_law.h — contact law: friction and restitution of every contact.
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>
@@ -9,8 +9,8 @@ namespace orthant {
 
 inline constexpr double kStickSpeed = 1e-9;  // [m/s] a contact whose slip |γ_T| is no larger sticks
 
-/// Coulomb friction and Newton restitution: ξ = γ⁺ + e γ⁻ in the normal and in the tangential direction. The slip γ_T is
-/// taken against b's surface, which may move along itself (a belt): γ_T = rate of the tangent row − belt.
+/// Coulomb friction and Newton restitution: ξ = γ⁺ + e γ⁻ in the normal and in the tangential direction. The slip γ_T
+/// is taken against b's surface, which may move along itself (a belt): γ_T = rate of the tangent row − belt.
 struct ContactLaw {
   double mu = 0;         // friction coefficient ≥ 0, of a contact that slides; 0: no friction rows at all
   double e = 0;          // normal restitution in [0, 1]

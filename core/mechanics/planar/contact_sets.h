@@ -1,4 +1,4 @@
-// core/mechanics/planar/contact_sets.h — pairs of bodies that several contacts stand for. Names: NAME_1, NAME_2, …
+// core/mechanics/planar/contact_sets.h — contact sets: several contacts of a pair of bodies. Names: NAME_1, NAME_2, …
 #pragma once
 
 #include <orthant/core/mechanics/planar/corner_wall.h>
@@ -23,7 +23,8 @@ inline std::vector<CornerWall> polygon_wall(const CornerWall& wall, const Polygo
   return all;
 }
 
-/// A prismatic joint with clearance: a rectangular slider between two parallel walls, four corners against one wall each.
+/// A prismatic joint with clearance: a rectangular slider between two parallel walls, four corners against one wall
+/// each.
 struct Guide {
   std::string name;
   BodyId a = kGround;                // the slider

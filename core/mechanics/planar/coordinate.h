@@ -1,10 +1,10 @@
-// core/mechanics/planar/coordinate.h — a relative coordinate of two bodies: what a joint leaves free, or what keeps it.
+// core/mechanics/planar/coordinate.h — relative coordinate of two bodies, left free or constrained by a joint.
 //
 //   Angle   c = θ_b − θ_a                           [rad]
 //   Slide   c = u · (P_b − P_a),  u = R_a axis      [m]
 //   Span    c = |P_a − P_b|                         [m]; no direction at c = 0: the row is zero there
-// Limits, drives, springs and dry friction act along one of these; each needs its value, its row (ċ = row v) and the bias
-// that is left of c̈ at zero acceleration.
+// Limits, drives, springs and dry friction act along one of these; each needs its value, its row (ċ = row v) and the
+// bias that is left of c̈ at zero acceleration.
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>

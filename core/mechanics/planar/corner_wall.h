@@ -1,4 +1,4 @@
-// core/mechanics/planar/corner_wall.h — a point of body a against a half-plane fixed in body b (or the ground).
+// core/mechanics/planar/corner_wall.h — corner-wall contact: a point of body a, a half-plane of body b (or the ground).
 //   g = n · (P − W),  n = R_b normal (into the free side), P = x_a + R_a point, W = x_b + R_b wall_point   [m].
 #pragma once
 

@@ -1,5 +1,5 @@
-// core/mechanics/planar/custom_contact.h — a contact kind from outside: a struct of the same shape as CornerWall, handed to
-// Scene::contact().
+// core/mechanics/planar/custom_contact.h — user-defined contact: a struct of the same shape as CornerWall,
+// handed to Scene::contact().
 //
 //   struct Mine {
 //     std::string name;
@@ -12,10 +12,11 @@
 //   };
 //   scene.contact(Mine{"mine", a, b, {.mu = 0.3}, …});
 //
-// check(scene) compares rows and bias with differences of gap and rows (derivatives.h). length(): how far the bodies may
-// move against each other before the gap's course is another one, a radius or so; integrators that look for contacts along
-// a long step look that often, and each half radian of turning. Absent: only turning counts. Steps in which thin bodies pass
-// through each other are not warned of (integrators/step/tunnelling.h knows the built-in shapes).
+// check(scene) compares rows and bias with differences of gap and rows (derivatives.h). length(): how far the bodies
+// may move against each other before the gap's course is another one, a radius or so; integrators that look for
+// contacts along a long step look that often, and each half radian of turning. Absent: only turning counts. Steps in
+// which thin bodies pass through each other are not warned of (integrators/step/tunnelling.h knows the built-in
+// shapes).
 #pragma once
 
 #include <orthant/core/mechanics/planar/contact_law.h>
@@ -55,6 +56,8 @@ class CustomContact {
   ContactRows rows(const Kinematics& k) const { return kind_->rows(k); }
   ContactBias bias(const Kinematics& k) const { return kind_->bias(k); }
   double length() const { return kind_->length(); }
+  /// False of kinds with `kChecked = false`, of the library's own: their rows act on other bodies, too.
+  bool checked() const { return kind_->checked(); }
 
  private:
   struct Kind {
@@ -64,6 +67,7 @@ class CustomContact {
     virtual ContactRows rows(const Kinematics& k) const = 0;
     virtual ContactBias bias(const Kinematics& k) const = 0;
     virtual double length() const = 0;
+    virtual bool checked() const = 0;
   };
   template <class T> struct Of final : Kind {
     explicit Of(T contact) : contact_(std::move(contact)) {}
@@ -76,6 +80,12 @@ class CustomContact {
         return contact_.length();
       else
         return std::numeric_limits<double>::infinity();
+    }
+    bool checked() const override {
+      if constexpr (requires { T::kChecked; })
+        return T::kChecked;
+      else
+        return true;
     }
     T contact_;
   };

@@ -1,4 +1,5 @@
-// core/mechanics/planar/custom_joint.h — a joint kind from outside: a struct of the same shape as Revolute, handed to Scene::joint().
+// core/mechanics/planar/custom_joint.h — user-defined joint: a struct of the same shape as Revolute,
+// handed to Scene::joint().
 //
 //   struct Mine {
 //     static constexpr int kRows = 1;                                        // Φ = 0 has so many rows
@@ -11,9 +12,9 @@
 //   };
 //   scene.joint(Mine{"mine", a, b, …});
 //
-// check(scene) compares rows, rate and bias with differences of residual and rows (derivatives.h). A custom joint costs an
-// indirect call where a built-in one costs a branch; a scene without one costs nothing more. Jumps of a drive's s̈ are not
-// known as breakpoints: integrators to a tolerance find them, the others see them at their steps.
+// check(scene) compares rows, rate and bias with differences of residual and rows (derivatives.h). A custom joint costs
+// an indirect call where a built-in one costs a branch; a scene without one costs nothing more. Jumps of a drive's s̈
+// are not known as breakpoints: integrators to a tolerance find them, the others see them at their steps.
 #pragma once
 
 #include <orthant/core/mechanics/planar/coordinate.h>

@@ -1,4 +1,4 @@
-// core/mechanics/planar/disc_wall.h — a disc of body a against a half-plane fixed in body b (or the ground).
+// core/mechanics/planar/disc_wall.h — disc-wall contact: a disc of body a, a half-plane of body b (or the ground).
 //   g = n · (C − W) − radius,  C = x_a + R_a centre   [m]; the contact point is P = C − radius n.
 #pragma once
 

@@ -1,4 +1,4 @@
-// core/mechanics/planar/distance.h — a massless link: two points keep their distance.
+// core/mechanics/planar/distance.h — distance joint, a massless link: two points keep their distance.
 //   Φ = |d| − length = 0   [m], d = P_a − P_b, 1 row. Needs length > 0 (the direction is lost at d = 0).
 #pragma once
 

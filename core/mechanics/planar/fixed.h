@@ -1,4 +1,4 @@
-// core/mechanics/planar/fixed.h — a weld: a pin whose angle is held too.
+// core/mechanics/planar/fixed.h — fixed joint (weld): a pin whose angle is constrained too.
 //   Φ = [ x_a + R_a p_a − x_b − R_b p_b,  θ_a − θ_b − angle ] = 0   [m, m, rad], 3 rows.
 #pragma once
 

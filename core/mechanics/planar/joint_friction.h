@@ -1,4 +1,4 @@
-// core/mechanics/planar/joint_friction.h — dry friction along a relative coordinate: a bearing, a brake, a seal.
+// core/mechanics/planar/joint_friction.h — joint friction, dry, along a relative coordinate: bearing, brake, seal.
 //   λ ∈ −B Sgn(ċ):  λ = −B sgn(ċ) while it moves, |λ| ≤ B while it sticks   [N m or N].
 //   B = bound + mu radius R,   R the size of the joint's reaction [N], see joint_load.h: of a revolute one the force on
 //   its pin, of a prismatic one the force across (its torque does not count).

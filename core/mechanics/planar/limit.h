@@ -1,4 +1,4 @@
-// core/mechanics/planar/limit.h — a bound on a relative coordinate, as a contact: joint limits, stops and ropes.
+// core/mechanics/planar/limit.h — joint limit: a bound on a relative coordinate, as a contact; stops and ropes.
 //   lower: g = c − bound,   upper: g = bound − c   [rad or m]. No friction. An upper bound on a Span is a rope.
 #pragma once
 

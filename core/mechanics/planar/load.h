@@ -1,4 +1,4 @@
-// core/mechanics/planar/load.h — an applied force at a point of a body and a torque, constant or given in time.
+// core/mechanics/planar/load.h — applied loads: a force at a point of a body and a torque, constant or given in time.
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>

@@ -3,12 +3,14 @@
 
 #include <orthant/core/mechanics/planar/geometry.h>
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace orthant {
 
-/// Corners [m] in the body's frame, counter-clockwise, each a strict left turn; at least three. Face i runs from corner i
-/// to the next one.
+/// Corners [m] in the body's frame, counter-clockwise, each a strict left turn; at least three. Face i runs from corner
+/// i to the next one.
 using Polygon = std::vector<Vector2d>;
 
 inline std::size_t next(const Polygon& p, std::size_t i) { return i + 1 < p.size() ? i + 1 : 0; }
@@ -26,6 +28,13 @@ inline bool convex(const Polygon& p) {
     turned += std::atan2(cross(here, then), here.dot(then));
   }
   return turned < 7;
+}
+
+/// [m] Of the shortest face.
+inline double shortest_face(const Polygon& p) {
+  double least = (p.front() - p.back()).squaredNorm();
+  for (std::size_t i = 1; i < p.size(); ++i) least = std::min(least, (p[i] - p[i - 1]).squaredNorm());
+  return std::sqrt(least);
 }
 
 inline Polygon rectangle(double width, double height) {

@@ -6,11 +6,10 @@
 namespace orthant {
 namespace {
 
-constexpr double kFlat = 0.1;  // sine of the tilt
-
 struct Side {  // one of the two polygons
   BodyId body;
   const Polygon& corners;
+  const Exposure* exposed;
   const Pose& pose;
   Vector2d corner(std::size_t i) const { return pose.x + pose.turn(corners[i]); }
 };
@@ -20,8 +19,14 @@ struct Axis {
   std::size_t face = 0, nearest = 0;  // nearest: the other's corner
 };
 
-/// The face of x beyond which y lies farthest.
-Axis separating(const Side& x, const Side& y) {
+/// The neighbours of x leave face i free, and those of y the corner j for a face of the outward normal n.
+bool admitted(const Side& x, std::size_t i, const Side& y, std::size_t j, const Vector2d& n) {
+  return (x.exposed == nullptr || x.exposed->face[i].free) &&
+         (y.exposed == nullptr || y.exposed->admits(j, -y.pose.turn_back(n)));
+}
+
+/// The face of x beyond which y lies farthest; of those admitted, if `free`.
+Axis separating(const Side& x, const Side& y, bool free = false) {
   Axis best;
   for (std::size_t i = 0; i < x.corners.size(); ++i) {
     const Vector2d n = x.pose.turn(outward(x.corners, i)), n_y = y.pose.turn_back(n);
@@ -29,7 +34,7 @@ Axis separating(const Side& x, const Side& y) {
     Axis axis{std::numeric_limits<double>::infinity(), i, 0};
     for (std::size_t j = 0; j < y.corners.size(); ++j)
       if (const double s = offset + n_y.dot(y.corners[j]); s < axis.separation) axis.separation = s, axis.nearest = j;
-    if (axis.separation > best.separation) best = axis;
+    if (axis.separation > best.separation && (!free || admitted(x, i, y, axis.nearest, n))) best = axis;
   }
   return best;
 }
@@ -41,12 +46,80 @@ DiscDisc corner_corner(const Side& x, std::size_t i, const Side& y, std::size_t 
   return {{}, x.body, x.corners[i], 0, y.body, y.corners[j], 0, {}};
 }
 
+double shorter_face(const Side& x, const Side& y) {
+  return std::min(shortest_face(x.corners), shortest_face(y.corners));
+}
+
+/// A corner off the ends of a face, which it does not meet: open, with the face's normal.
+CornerWall off_face(const Side& c, std::size_t corner, const Side& f, std::size_t face, double aside = kAside) {
+  CornerWall wall = corner_face(c, corner, f, face);
+  wall.wall_point -= aside * shorter_face(c, f) * wall.normal;
+  return wall;
+}
+/// Whether off_face() is open at that separation.
+bool near_face(double separation, const Side& x, const Side& y) {
+  return separation > -kAside / 2 * shorter_face(x, y);
+}
+
+struct End {  // of a face, at a corner, with the neighbouring face there
+  std::size_t face, corner, beside;
+};
+End end_of(const Side& s, std::size_t face, bool last) {
+  const std::size_t n = s.corners.size();
+  return last ? End{face, next(s.corners, face), next(s.corners, face)} : End{face, face, (face ? face : n) - 1};
+}
+
+/// Two faces end to end, flush: open, with the normal of the surface that one of the two passes along. That is not one
+/// of covered faces, nor, where they lie apart, of these two; at a common corner it is taken for that of the longer
+/// ones.
+Touch end_to_end(const Side& x, const End& ex, const Side& y, const End& ey, double separation, double graze) {
+  const auto free = [](const Side& s, std::size_t face) { return s.exposed == nullptr || s.exposed->face[face].free; };
+  const auto length = [](const Side& s, std::size_t face) {
+    return (s.corners[next(s.corners, face)] - s.corners[face]).norm();
+  };
+  const auto beyond = [](const Side& f, std::size_t face, const Vector2d& p) {
+    return f.pose.turn(outward(f.corners, face)).dot(p - f.corner(face));
+  };
+  const bool these = free(x, ex.face) && free(y, ey.face), others = free(x, ex.beside) && free(y, ey.beside);
+  const bool longer = length(x, ex.face) + length(y, ey.face) > length(x, ex.beside) + length(y, ey.beside);
+  if (these != others ? these : separation <= graze && longer) return off_face(y, ey.corner, x, ex.face);
+  const double over_x = beyond(x, ex.beside, y.corner(ey.corner)), over_y = beyond(y, ey.beside, x.corner(ex.corner));
+  if (!near_face(std::max(over_x, over_y), x, y)) return off_face(y, ey.corner, x, ex.face);
+  return over_x > over_y ? off_face(y, ey.corner, x, ex.beside) : off_face(x, ex.corner, y, ey.beside);
+}
+
+/// Corner i of x and corner j of y, which lie apart. Where the neighbours leave no such corner: off x's face.
+Touch corners_apart(const Side& x, std::size_t face, std::size_t i, const Side& y, std::size_t j) {
+  const auto free = [](const Side& s, std::size_t corner, const Vector2d& d) {
+    if (s.exposed == nullptr) return true;
+    const double far = d.norm();
+    return far > 0 && s.exposed->points_to(corner, s.pose.turn_back(d / far));
+  };
+  const Vector2d d = y.corner(j) - x.corner(i);
+  if (free(x, i, d) && free(y, j, -d)) return corner_corner(y, j, x, i);
+  return off_face(y, j, x, face);
+}
+
 }  // namespace
 
-Touch touch(const Kinematics& k, BodyId a, const Polygon& corners_a, BodyId b, const Polygon& corners_b, int point) {
-  const Side side_a{a, corners_a, k.at(a)}, side_b{b, corners_b, k.at(b)};
-  const Axis from_a = separating(side_a, side_b), from_b = separating(side_b, side_a);
-  const bool on_a = from_a.separation > from_b.separation;
+Touch touch(const Kinematics& k, const Placed& a, const Placed& b, int point) {
+  const Side side_a{a.body, a.corners, a.exposed, k.at(a.body)}, side_b{b.body, b.corners, b.exposed, k.at(b.body)};
+  Axis from_a = separating(side_a, side_b), from_b = separating(side_b, side_a);
+  bool on_a = from_a.separation > from_b.separation;
+  if (a.exposed != nullptr || b.exposed != nullptr) {
+    const bool most_on_a = on_a;
+    const Axis most = on_a ? from_a : from_b;
+    from_a = separating(side_a, side_b, true), from_b = separating(side_b, side_a, true);
+    on_a = from_a.separation > from_b.separation;
+    const Axis& free = on_a ? from_a : from_b;
+    const Side &f = on_a ? side_a : side_b, &c = on_a ? side_b : side_a;
+    if (!(free.separation > -std::numeric_limits<double>::infinity())) return off_face(c, 0, f, 0, kCovered);
+    if (most.separation > free.separation && most.separation > 0) {
+      if (near_face(free.separation, c, f)) return off_face(c, free.nearest, f, free.face);
+      const Side &covered = most_on_a ? side_a : side_b, &other = most_on_a ? side_b : side_a;
+      return corner_face(other, most.nearest, covered, most.face);
+    }
+  }
   const Side &x = on_a ? side_a : side_b, &y = on_a ? side_b : side_a;
   const Axis& axis = on_a ? from_a : from_b;
 
@@ -66,11 +139,15 @@ Touch touch(const Kinematics& k, BodyId a, const Polygon& corners_a, BodyId b, c
   if (tilt > kFlat || along(j) > 0) {
     const double at = high ? y_high : y_low;
     if (y_corner == here && axis.separation > 0 && (at < 0 || at > length))
-      return corner_corner(y, here, x, at < 0 ? i : i_end);
+      return corners_apart(x, i, at < 0 ? i : i_end, y, here);
     return corner_face(y, y_corner, x, i);
   }
-  if (y_low > length || y_high < 0) {  // side by side they are not
-    if (axis.separation > 0) return y_low > length ? corner_corner(y, j_end, x, i_end) : corner_corner(y, j, x, i);
+  const double graze = kFlush * std::min(length, y_high - y_low);
+  const bool past = y_low > length - graze, short_of = y_high < graze;
+  if (axis.separation > -graze && ((past && y_low < length + graze) || (short_of && y_high > -graze)))
+    return end_to_end(x, end_of(x, i, past), y, end_of(y, j, past), axis.separation, graze);
+  if (past || short_of) {  // side by side they are not
+    if (axis.separation > 0) return past ? corners_apart(x, i, i_end, y, j_end) : corners_apart(x, i, i, y, j);
     return corner_face(y, here, x, i);
   }
   if (high) return y_high <= length ? corner_face(y, j, x, i) : corner_face(x, i_end, y, j);

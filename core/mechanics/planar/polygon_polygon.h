@@ -1,16 +1,18 @@
-// core/mechanics/planar/polygon_polygon.h — one of the two points in which two convex polygons touch.
+// core/mechanics/planar/polygon_polygon.h — polygon-polygon contact: one of the two points where convex polygons touch.
 //
-//   The reference face is the one, of either polygon, beyond which the other lies farthest (separating axis); against it
-//   stands the other's face at its nearest corner that is turned to it most. Where the two faces lie side by side, the two
-//   ends of their overlap are the points: each is a corner of one polygon against the face of the other (corner_wall.h), so
-//   that gap, rows and biases are exact and do not depend on which is the reference. Faces tilted by more than kFlat have no
-//   overlap to speak of: the points are then the two corners of the face against the reference, of which one is far.
+//   The reference face is the one, of either polygon, beyond which the other lies farthest (separating axis); against
+//   it stands the other's face at its nearest corner that is turned to it most. Where the two faces lie side by side,
+//   the two ends of their overlap are the points: each is a corner of one polygon against the face of the other
+//   (corner_wall.h), so that gap, rows and biases are exact and do not depend on which is the reference. Faces tilted
+//   by more than kFlat have no overlap to speak of: the points are then the two corners of the face against the
+//   reference, of which one is far.
 //   Polygons apart, beyond the faces' ends: the distance of two corners.
-//   Which end is point 0 follows from the faces' numbers: a corner keeps its point when its polygon slides on a face, rocks,
-//   or rolls over it, and both gaps are continuous then. Where the contact passes from a corner of one polygon to a corner of
-//   the other (a tilted one slides off an edge), and, for an odd number of corners, once a turn, the points change places:
-//   the smaller gap is continuous all the same. Steppers do not mind; schemes that remember what a contact did cannot pass
-//   over this (event-driven says so and stops).
+//   Which end is point 0 follows from the faces' numbers: a corner keeps its point when its polygon slides on a face,
+//   rocks, or rolls over it, and both gaps are continuous then. Where the contact passes from a corner of one polygon
+//   to a corner of the other (a tilted one slides off an edge), and, for an odd number of corners, once a turn, the
+//   points change places:
+//   the smaller gap is continuous all the same. Steppers do not mind; schemes that remember what a contact did cannot
+//   pass over this (event-driven says so and stops).
 //   Polygons pushed into each other by more than half their width come out on the other side.   O(n_a n_b) a call.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 5; Gregorius, Robust contact creation for physics
 // simulations (GDC 2015), for face clipping.
@@ -18,7 +20,7 @@
 
 #include <orthant/core/mechanics/planar/corner_wall.h>
 #include <orthant/core/mechanics/planar/disc_disc.h>
-#include <orthant/core/mechanics/planar/polygon.h>
+#include <orthant/core/mechanics/planar/exposure.h>
 
 #include <variant>
 
@@ -26,7 +28,12 @@ namespace orthant {
 
 /// What point 0 or 1 of two polygons is at the moment: a corner against a face, or two corners.
 using Touch = std::variant<CornerWall, DiscDisc>;
-Touch touch(const Kinematics& k, BodyId a, const Polygon& corners_a, BodyId b, const Polygon& corners_b, int point);
+struct Placed {  // a polygon fixed in a body
+  BodyId body;
+  const Polygon& corners;
+  const Exposure* exposed = nullptr;  // among its neighbours in the body; null: all of it
+};
+Touch touch(const Kinematics& k, const Placed& a, const Placed& b, int point);
 
 struct PolygonPolygon {
   std::string name;
@@ -36,6 +43,7 @@ struct PolygonPolygon {
   Polygon corners_b;  // [m] in b's frame
   int point = 0;      // 0 or 1
   ContactLaw law;
+  Exposed exposed_a = {}, exposed_b = {};  // set by System
 
   double gap(const Kinematics& k) const {
     return std::visit([&](const auto& c) { return c.gap(k); }, touch(k));
@@ -47,7 +55,9 @@ struct PolygonPolygon {
     return std::visit([&](const auto& c) { return c.bias(k); }, touch(k));
   }
 
-  Touch touch(const Kinematics& k) const { return orthant::touch(k, a, corners_a, b, corners_b, point); }
+  Touch touch(const Kinematics& k) const {
+    return orthant::touch(k, {a, corners_a, exposed_a.get()}, {b, corners_b, exposed_b.get()}, point);
+  }
 };
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// core/mechanics/planar/prismatic.h — body b slides along an axis fixed in body a and keeps its angle to it.
+// core/mechanics/planar/prismatic.h — prismatic joint: body b slides along an axis of body a and keeps its angle to it.
 //   Φ = [ n · (P_b − P_a),  θ_b − θ_a − angle ] = 0   [m, rad], n = R_a perp(axis), 2 rows.
 #pragma once
 

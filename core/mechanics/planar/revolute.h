@@ -1,4 +1,4 @@
-// core/mechanics/planar/revolute.h — a pin: one point of body a stays on one point of body b.
+// core/mechanics/planar/revolute.h — revolute joint (pin): one point of body a stays on one point of body b.
 //   Φ = x_a + R_a p_a − x_b − R_b p_b = 0   [m], 2 rows.
 #pragma once
 

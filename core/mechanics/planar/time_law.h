@@ -1,4 +1,4 @@
-// core/mechanics/planar/time_law.h — a coordinate given in time, with its first two derivatives.
+// core/mechanics/planar/time_law.h — time law: a coordinate given in time, with its first two derivatives.
 //   s(t) = offset + rate t + amplitude sin(omega t + phase) + table(t)   [rad or m], t in s.
 #pragma once
 

@@ -58,13 +58,13 @@ std::string compare(const Subject& s, const Kinematics& k) {
       moved(kDifference, plus), moved(-kDifference, minus);
       unit[place] = 1;
       for (std::size_t i = 0; i < static_cast<std::size_t>(s.values); ++i) {
-        const double by_differences = (plus[i] - minus[i]) / (2 * kDifference), told = apply(rows[i], unit.data());
-        if (!(std::abs(by_differences - told) <= kAgree * (1 + std::abs(by_differences))))
+        const double by_differences = (plus[i] - minus[i]) / (2 * kDifference), given = apply(rows[i], unit.data());
+        if (!(std::abs(by_differences - given) <= kAgree * (1 + std::abs(by_differences))))
           return s.row_name(static_cast<int>(i)) + " by the " +
                  (c == 0   ? "x"
                   : c == 1 ? "y"
                            : "angle") +
-                 " of body " + std::to_string(body) + " is " + six_digits(told) + ": differences of " + s.value_name +
+                 " of body " + std::to_string(body) + " is " + six_digits(given) + ": differences of " + s.value_name +
                  " give " + six_digits(by_differences);
       }
       unit[place] = 0;

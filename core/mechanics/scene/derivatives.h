@@ -1,4 +1,4 @@
-// core/mechanics/scene/derivatives.h — are the rows of a joint or contact the derivatives that they are taken for?
+// core/mechanics/scene/derivatives.h — derivative check: rows of joints and contacts against finite differences.
 //
 //   rows(q) = ∂Φ/∂q or ∂g/∂q,   rate(t) = −∂Φ/∂t,   bias(q, v, t) = d/dt (rows v − rate) along q̇ = v, v̇ = 0
 // by central differences at the given poses of the bodies and at two others near them. What is wrong at all three is an
@@ -10,7 +10,8 @@
 
 namespace orthant {
 
-/// Words for what is wrong, such as "rows[1] by the angle of body 0 is 0.5: differences of residual give -0.5"; empty: right.
+/// Words for what is wrong, such as "rows[1] by the angle of body 0 is 0.5: differences of residual give -0.5"; empty:
+/// right.
 std::string wrong_derivative(const Joint& joint, const Kinematics& poses);
 std::string wrong_derivative(const Contact& contact, const Kinematics& poses);
 

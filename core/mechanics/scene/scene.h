@@ -1,4 +1,4 @@
-// core/mechanics/scene/scene.h — a mechanism as plain data: bodies, joints, contacts, friction, springs, loads. SI units.
+// core/mechanics/scene/scene.h — mechanism as plain data: bodies, joints, contacts, friction, springs, loads. SI units.
 //
 //   Scene s;
 //   const auto rod = s.body({.name = "rod", .mass = 1, .inertia = 1.0 / 12, .position = {0.5, 0}});
@@ -12,7 +12,6 @@
 #include <orthant/core/mechanics/planar/distance.h>
 #include <orthant/core/mechanics/planar/drive.h>
 #include <orthant/core/mechanics/planar/fixed.h>
-#include <orthant/core/mechanics/scene/impact_law.h>
 #include <orthant/core/mechanics/planar/joint_friction.h>
 #include <orthant/core/mechanics/planar/journal.h>
 #include <orthant/core/mechanics/planar/limit.h>
@@ -20,6 +19,7 @@
 #include <orthant/core/mechanics/planar/prismatic.h>
 #include <orthant/core/mechanics/planar/revolute.h>
 #include <orthant/core/mechanics/planar/spring.h>
+#include <orthant/core/mechanics/scene/impact_law.h>
 
 #include <stdexcept>
 #include <string>
@@ -74,6 +74,7 @@ struct Scene {
   std::vector<Load> loads;
   Restitution restitution = Restitution::newton;
   Impacts impacts = Impacts::simultaneous;
+  bool assemble = false;             // bodies are moved into their joints and journals at the start (assemble.h)
   double duration = 1, step = 1e-3;  // [s] what `simulate` takes when it is not told
 
   /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.
@@ -122,12 +123,14 @@ struct SceneError : std::invalid_argument {
 };
 
 /// Throws SceneError naming element, field, value and rule: masses and inertias > 0, finite numbers, two different
-/// bodies that exist, unit directions, radii and lengths > 0, convex polygons, bearings wider than their journals, 0 ≤ μ ≤ 1e6,
-/// μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints ascending, rows of
-/// custom joints and contacts that are the derivatives they stand for (derivatives.h), at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
+/// bodies that exist, unit directions, radii and lengths > 0, convex polygons, bearings wider than their journals, 0 ≤
+/// μ ≤ 1e6, μ_static 0 or ≥ μ, e in [0, 1], e_t in [−1, 1], stiffness, damping and dry friction ≥ 0, breakpoints
+/// ascending, rows of custom joints and contacts that are the derivatives they stand for (derivatives.h), at least one
+/// body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 
-/// The same scene with every pair that a collision stands for as a contact of its own, behind the others: NAME_1, NAME_2, …
+/// The same scene with every pair that a collision stands for as a contact of its own, behind the others: NAME_1,
+/// NAME_2, …
 Scene with_pairs_listed(const Scene& scene);
 
 }  // namespace orthant

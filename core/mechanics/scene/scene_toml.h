@@ -1,4 +1,4 @@
-// core/mechanics/scene/scene_toml.h — scenes from TOML text. core/scenes/README.md is the format: every element and key.
+// core/mechanics/scene/scene_toml.h — scenes from TOML text. Format, every element and key: core/scenes/README.md.
 //
 //   Scene s = read_scene("door.toml", std::vector<std::string>{"gravity=[0, 0]", "contact.corner1.mu=0.1"});
 //
@@ -20,7 +20,7 @@ namespace orthant {
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
-/// What read_scene() reads, as it is in the file: to keep beside results.
+/// The text of the file that read_scene() reads, to be stored with the results.
 std::string read_scene_text(const std::filesystem::path& file);
 
 /// `name` stands for the file in error messages.

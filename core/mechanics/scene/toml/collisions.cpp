@@ -21,6 +21,11 @@ void Reader::collision(Fields& f) {
     if (!polygon) g.maybe("centre", s.centre), g.need("radius", s.radius);
     c.shapes.push_back(s);
   });
+  each_table(f, "chains", [&](Fields& g) {
+    Shape s;
+    if (const toml::node* node = g.find("body")) s.body = id(g, "body", *node);
+    for (Polygon& piece : pieces_of(g)) s.corners = std::move(piece), c.shapes.push_back(s);
+  });
   auto& walls = walls_.emplace_back();
   each_table(f, "walls", [&](Fields& g) { half_plane(g, walls.emplace_back()); });
   if (walls.empty() &&

@@ -37,6 +37,8 @@ void Reader::contact(Fields& f) {
     bodies_of(f, c), f.need("corners_a", c.corners_a), f.need("corners_b", c.corners_b), law(f, c.law);
     convex_corners(f, "corners_a", c.corners_a), convex_corners(f, "corners_b", c.corners_b);
     scene_.contact_set(polygon_polygon(c));
+  } else if (type == "chain") {
+    chain_contact(f, name);
   } else if (type == "journal") {
     Journal c{.name = name};
     bodies_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
@@ -53,10 +55,14 @@ void Reader::contact(Fields& f) {
     if (!(c.bound > 0)) f.refuse("length", *f.table().get("length"), "> 0");
     c.of = span;
     scene_.contact(c);
+  } else if (type == "relation") {
+    relation_limit(f, name);
+  } else if (type == "pulley") {
+    pulley(f, name);
   } else {
     f.refuse("type", *f.table().get("type"),
-             "corner-wall, disc-wall, disc-disc, polygon-wall, disc-polygon, polygon-polygon, journal, guide, limit "
-             "or rope");
+             "corner-wall, disc-wall, disc-disc, polygon-wall, disc-polygon, polygon-polygon, chain, journal, guide, "
+             "limit, rope, relation or pulley");
   }
 }
 

@@ -11,7 +11,7 @@
 
 namespace orthant::scene_file {
 
-/// One table being read. Every key is asked for; done() refuses those that nobody asked for.
+/// One table being read. done() refuses the keys that no call has read.
 class Fields {
  public:
   Fields(const toml::table& table, std::string who, const std::string& file, std::string prefix = "")
@@ -80,6 +80,11 @@ class Fields {
     if (!number) refuse(key, node, "a number");
     if (!std::isfinite(*number)) refuse(key, node, "finite");
     value = *number;
+  }
+  void convert(std::string_view key, const toml::node& node, bool& value) const {
+    const auto answer = node.value_exact<bool>();
+    if (!answer) refuse(key, node, "true or false");
+    value = *answer;
   }
   void convert(std::string_view key, const toml::node& node, std::vector<double>& values) const {
     const toml::array* array = node.as_array();

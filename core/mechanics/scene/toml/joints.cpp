@@ -29,8 +29,12 @@ void Reader::joint(Fields& f) {
     const bool placed = time_law(f, j.law);
     if (!placed) j.law.offset = j.of.value(initial_) - j.law.value(0);
     scene_.joint(j);
+  } else if (type == "relation") {
+    relation(f, name.empty() ? given_name_ : name);
+  } else if (type == "gear") {
+    gear(f, name.empty() ? given_name_ : name);
   } else {
-    f.refuse("type", *f.table().get("type"), "revolute, prismatic, fixed, distance or drive");
+    f.refuse("type", *f.table().get("type"), "revolute, prismatic, fixed, distance, drive, relation or gear");
   }
 }
 

@@ -5,6 +5,7 @@ namespace orthant::scene_file {
 Scene Reader::scene() {
   Fields top(root_, "", file_);
   top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
+  top.maybe("assemble", scene_.assemble);
   top.choice("restitution", scene_.restitution, kRestitutionNames);
   top.choice("impacts", scene_.impacts, kImpactsNames);
   each(top, "body", [&](Fields& f) { body(f); });

@@ -1,9 +1,11 @@
-// core/mechanics/scene/toml/reader.h — the tables of a file to a scene, element by element: joints.cpp, contacts.cpp,
-// collisions.cpp and loads.cpp read the kinds, reader.cpp the rest.
+// core/mechanics/scene/toml/reader.h — the tables of a file to a scene, element by element: joints.cpp, relations.cpp,
+// contacts.cpp, chains.cpp, collisions.cpp and loads.cpp read the kinds, reader.cpp the rest.
 #pragma once
 
 #include "fields.h"
 
+#include <orthant/core/mechanics/planar/chain.h>
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/core/mechanics/scene/scene.h>
 
 #include <map>
@@ -64,6 +66,14 @@ class Reader {
   Coordinate coordinate(Fields& f) const;
   Coordinate free_at(const Fields& f, const toml::node& joint) const;
 
+  // Linear relations between coordinates (planar/relation.h): relations.cpp.
+  std::vector<CoordinateTerm> terms_of(Fields& f);
+  void apart_at_start(const Fields& f, const std::vector<CoordinateTerm>& terms) const;
+  void relation(Fields& f, const std::string& name);
+  void gear(Fields& f, const std::string& name);
+  void relation_limit(Fields& f, const std::string& name);
+  void pulley(Fields& f, const std::string& name);
+
   void contact(Fields& f);
   static void law(Fields& f, ContactLaw& law);
   static void convex_corners(const Fields& f, std::string_view key, const Polygon& corners);
@@ -81,6 +91,13 @@ class Reader {
     w.maybe("point", c.wall_point);
     if (!w.direction("normal", c.normal)) w.miss("normal");
   }
+
+  /// Points from a table: a line each, x and y; the path is relative to the scene's file.
+  std::vector<Vector2d> table_of(const Fields& f, std::string_view key, const toml::node& node) const;
+  GroundChain chain_of(Fields& f) const;
+  [[noreturn]] static void fail_at_points(const Fields& f, const std::string& what);
+  std::vector<Polygon> pieces_of(Fields& f) const;
+  void chain_contact(Fields& f, const std::string& name);
 
   void collision(Fields& f);
   template <class Read> void each_table(Fields& f, std::string_view key, Read&& read) {
