@@ -1,6 +1,6 @@
+#include <orthant/solvers/active_set/small_active_set.h>
 #include <orthant/solvers/automatic.h>
 #include <orthant/solvers/registry.h>
-#include <orthant/solvers/active_set/small_active_set.h>
 
 #include <orthant/core/support/options.h>
 
@@ -26,7 +26,8 @@ struct Step {
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
 
-// Rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick; at 1000, dense, 3 to 9 times.
+// Rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick; at 1000, dense, 3 to 9
+// times.
 constexpr Index kBold = 1500;
 constexpr Index kBoldFormed = 600;  // of an operator, which has to be formed for it
 constexpr Index kBoldRows = 100;    // in sparse storage, which it does not use
@@ -199,7 +200,8 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
   solver->set_time_limit(share);
   solver->set_cancel(budget().cancel());
   if (work.warm) work.inner.z = work.start;
-  // A tableau takes the matrix formed already; who comes later, where rounding of its entries may be the trouble, does not.
+  // A tableau takes the matrix formed already; who comes later, where rounding of its entries may be the trouble, does
+  // not.
   const bool tableau = kSteps[k].solver == std::string_view(kTableau);
   solver->solve(tableau ? *work.formed : problem, work.inner, work.warm ? Start::warm : Start::cold);
   claim = work.inner.status;

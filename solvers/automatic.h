@@ -1,11 +1,11 @@
-// solvers/automatic.h — picks a solver by what the problem shows at a glance, and the next one when it gives up.
+// solvers/automatic.h — automatic solver choice by the structure of the problem, with the next one on failure.
 //
 //   One look at the entries, cheaper than any solve (O(nonzeros)): size, storage, friction, free rows, symmetry, signs.
-//   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with what it is for and what a problem
-//   must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there is no
-//   solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
-//     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to 1500 rows
-//                          of a dense matrix, 600 of an operator, 100 in sparse storage
+//   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with what it is for and what a
+//   problem must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there
+//   is no solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
+//     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to
+//                          1500 rows of a dense matrix, 600 of an operator, 100 in sparse storage
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) block-pivot and newton-min from coarse grids
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0; interior-point

@@ -1,7 +1,7 @@
-// solvers/budget.h — time limit and cancellation: asked once an iteration, free when neither is set.
+// solvers/budget.h — time limit and cancellation, polled once an iteration; free when neither is set.
 //
-//   Limits of a fifth of a second and more are kept by the kernel's coarse clock where there is one (Linux: some milliseconds fine): to
-//   read it costs a few nanoseconds, where the fine one takes as long as a small problem.
+//   Limits of a fifth of a second and more are kept by the kernel's coarse clock where there is one (Linux: some
+//   milliseconds fine): to read it costs a few nanoseconds, where the fine one takes as long as a small problem.
 #pragma once
 
 #include <time.h>

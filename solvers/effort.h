@@ -1,4 +1,4 @@
-// solvers/effort.h — matrix factorizations counted where they are made, so that no method can forget one.
+// solvers/effort.h — counts of matrix factorizations, taken where they are made.
 //
 //   Every factorization of a method of this library adds to its thread's tally: one, and its rows (those of a basis
 //   without its unit columns). Solver::solve() takes the difference into the solution, those of solvers it calls

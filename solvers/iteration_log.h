@@ -1,4 +1,4 @@
-// solvers/iteration_log.h — what a solver did, as data, when somebody asks for it.
+// solvers/iteration_log.h — iteration log: the steps of a solver as data, on request.
 #pragma once
 
 #include <string>

@@ -1,27 +1,27 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
-#include <orthant/solvers/first_order/admm.h>
-#include <orthant/solvers/first_order/apgd.h>
-#include <orthant/solvers/automatic.h>
 #include <orthant/solvers/active_set/block_pivot.h>
-#include <orthant/solvers/pivoting/dantzig.h>
-#include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/active_set/interior_point.h>
-#include <orthant/solvers/external/ipopt.h>
-#include <orthant/solvers/first_order/jacobi.h>
-#include <orthant/solvers/pivoting/lemke.h>
-#include <orthant/solvers/pivoting/lemke_howson.h>
-#include <orthant/solvers/first_order/mprgp.h>
-#include <orthant/solvers/pivoting/murty.h>
 #include <orthant/solvers/active_set/newton_fb.h>
 #include <orthant/solvers/active_set/newton_min.h>
+#include <orthant/solvers/automatic.h>
+#include <orthant/solvers/external/ipopt.h>
 #include <orthant/solvers/external/nlopt.h>
+#include <orthant/solvers/first_order/admm.h>
+#include <orthant/solvers/first_order/apgd.h>
+#include <orthant/solvers/first_order/jacobi.h>
+#include <orthant/solvers/first_order/mprgp.h>
 #include <orthant/solvers/first_order/nncg.h>
-#include <orthant/solvers/pivoting/path.h>
 #include <orthant/solvers/first_order/pgs.h>
 #include <orthant/solvers/first_order/psor.h>
 #include <orthant/solvers/first_order/sgs.h>
+#include <orthant/solvers/pivoting/dantzig.h>
+#include <orthant/solvers/pivoting/enumerate.h>
+#include <orthant/solvers/pivoting/lemke.h>
+#include <orthant/solvers/pivoting/lemke_howson.h>
+#include <orthant/solvers/pivoting/murty.h>
+#include <orthant/solvers/pivoting/path.h>
 
 #include <stdexcept>
 
@@ -49,7 +49,7 @@ constexpr SolverEntry kSolvers[] = {
     {"psor", "projected Gauss-Seidel with over-relaxation found on the way; positive diagonal", &make<Psor>,
      &options<Psor>},
     {"sgs", "projected Gauss-Seidel sweeps forward and backward; positive diagonal", &make<Sgs>, &options<Sgs>},
-    {"jacobi", "projected Jacobi, damped by l1 row sums or as asked; positive diagonal", &make<Jacobi>,
+    {"jacobi", "projected Jacobi, damped by l1 row sums or as specified; positive diagonal", &make<Jacobi>,
      &options<Jacobi>},
     {"nncg", "nonsmooth nonlinear conjugate gradients over Gauss-Seidel sweeps; positive diagonal", &make<Nncg>,
      &options<Nncg>},

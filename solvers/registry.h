@@ -1,4 +1,4 @@
-// solvers/registry.h — solvers have names, in one table you can read (registry.cpp).
+// solvers/registry.h — solver registry: names, summaries and options in one table (registry.cpp).
 #pragma once
 
 #include <orthant/solvers/solver.h>

@@ -1,11 +1,11 @@
-// solvers/solver.h — the interface that all solvers share.
+// solvers/solver.h — solver interface.
 #pragma once
 
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/budget.h>
-#include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/iteration_log.h>
+#include <orthant/solvers/proof/farkas.h>
 
 #include <string>
 
@@ -29,7 +29,8 @@ class Solver {
 
   /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
   void set_time_limit(double seconds) { time_limit_ = seconds; }
-  /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive solves.
+  /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive
+  /// solves.
   void set_cancel(const std::atomic<bool>* cancel) { cancel_ = cancel; }
   /// Whether a run that ends on a ray, stalled or lost to rounding (small problems: or at its limit) is followed by one
   /// search for a proof that there is no solution (farkas.h: a linear program, which may cost more than the run did).
@@ -46,7 +47,7 @@ class Solver {
   }
   const Budget& budget() const { return budget_; }  // run() asks it once an iteration
   bool logging() const { return log_ != nullptr; }
-  /// The judge asked before the end: true when s.z would be accepted as it stands. One product with A; fills w, residual
+  /// The judge, before the end: true when s.z would be accepted as it stands. One product with A; fills w, residual
   /// and rounding of s. accepted(): the residual up to which this z would have been.
   bool passes(const Lcp& problem, Solution& s);
   double accepted() const { return judge_.accepted(); }
@@ -64,7 +65,7 @@ class Solver {
   virtual bool seeks_proof() const { return true; }
   void seek_proof(const Lcp& problem, Solution& s);
   virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
-  /// Residual below which no further attempt is made. A method that should reach more than is asked for says so here:
+  /// Residual below which no further attempt is made. A method that must reach more than is required says so here:
   /// an answer between the two is taken only when its further attempts do no better.
   virtual double goal() const { return tolerance(); }
 

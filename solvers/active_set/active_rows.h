@@ -1,4 +1,4 @@
-// solvers/active_set/active_rows.h — which rows sit on a bound and which satisfy w = 0, and the point that this choice defines.
+// solvers/active_set/active_rows.h — active rows: rows at a bound, rows with w = 0, and the point they define.
 //
 //   lower: z_i = lo_i;  upper: z_i = hi_i;  inside: w_i = 0, so that A_FF z_F = −(b_F + A_FN z_N), F = the inside rows.
 // Shared by the methods that search for the right choice (block-pivot, newton-min) and those that end by naming it.
@@ -37,15 +37,15 @@ class ActiveRows {  // reuse it
     for (Index i = 0; i < n; ++i) side[at(i)] = target(i);
   }
 
-  /// All rows inside: where A is an M-matrix (obstacle problems), rows then leave in large blocks, while from the bounds
-  /// they enter one layer an iteration. False when A is singular: load() again then.
+  /// All rows inside: where A is an M-matrix (obstacle problems), rows then leave in large blocks, while from the
+  /// bounds they enter one layer an iteration. False when A is singular: load() again then.
   bool release_all(bool refined = true) {
     side.assign(side.size(), Side::inside);
     return solve(refined);
   }
 
-  /// z and w of the present choice; false when its block is singular. Not refined, z is as exact as the block's condition
-  /// lets one solve be: enough to see which rows are wrong while many are, a tenth of the time less.
+  /// z and w of the present choice; false when its block is singular. Not refined, z is as exact as the block's
+  /// condition lets one solve be: enough to see which rows are wrong while many are, a tenth of the time less.
   bool solve(bool refined = true) {
     choose(nullptr);
     if (!block_.factorize(inside_)) return false;
@@ -139,7 +139,7 @@ class ActiveRows {  // reuse it
     for (Index i = 0; i < p.size(); ++i) size_[i] += scale(i) * std::abs(z[i]);
     reach_ = p.size() > 0 ? z.lpNorm<Eigen::Infinity>() * std::numeric_limits<double>::epsilon() : 0;
     w += p.b;
-    for (const Index i : inside_) w[i] = 0;  // by choice; the judge computes it anew
+    for (const Index i : inside_) w[i] = 0;  // by choice; the judge computes it again
     return z.allFinite();
   }
 

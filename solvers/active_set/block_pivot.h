@@ -6,8 +6,8 @@
 //   Finite for P-matrices, whatever the start: for them usually 3 to 10 factorizations.
 //   Dense and sparse (principal_block.h): one factorization of a principal block an iteration.
 //   Free rows are always inside. Friction rows make no P-matrix → unsupported.  A singular block → stalled.
-//   The start value is used; cold, sparse Z-matrices (obstacle problems) start from coarse problems (coarse_start.h: the
-//   string A18 of 4095 rows in 1 iteration and not 1490), else all rows inside. Coarse iterations are not counted.
+//   The start value is used; cold, sparse Z-matrices (obstacle problems) start from coarse problems (coarse_start.h:
+//   the string A18 of 4095 rows in 1 iteration and not 1490), else all rows inside. Coarse iterations are not counted.
 //   Source: Kostreva (1978); Júdice & Pires, Computers & Operations Research 21 (1994) 587-596.
 #pragma once
 

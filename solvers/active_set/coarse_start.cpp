@@ -28,9 +28,9 @@ bool CoarseStart::interpolation(const Lcp& fine, Sparse& P, std::vector<int>& co
   std::vector<int> place(at(A.rows), kOpen);  // of a coarse row among them
   coarse.clear();
   for (Index i = 0; i < A.rows; ++i) {
-    bool beside = place[at(i)] == kFine;
-    weights(i, [&](int j, double) { beside = beside || place[at(j)] >= 0; });
-    if (beside) {
+    bool adjacent = place[at(i)] == kFine;
+    weights(i, [&](int j, double) { adjacent = adjacent || place[at(j)] >= 0; });
+    if (adjacent) {
       place[at(i)] = kFine;
       continue;
     }

@@ -1,4 +1,4 @@
-// solvers/active_set/coarse_start.h — a start for active-set methods from smaller problems made of the same matrix (obstacle grids).
+// solvers/active_set/coarse_start.h — coarse-grid start of active-set methods: smaller problems of the same matrix.
 //
 //   The free boundary of an obstacle problem moves a few rows an iteration: from far away that takes a number of
 //   iterations that grows with the grid. So the problem is first solved on part of its rows, as multigrid would:
@@ -10,7 +10,7 @@
 //   all of them together as on the finest.
 //   block-pivot on the ball obstacle A19: 128² nodes 15 → 3 iterations (half the time), 256² 26 → 3 (a third); on 64²
 //   8 → 7, and the setup costs more than it saves.
-//   Only for sparse A with positive diagonal and no positive entry beside it (Z-matrices): else there is no start.
+//   Only for sparse A with positive diagonal and no positive entry outside it (Z-matrices): else there is no start.
 //   Source: Ruge & Stüben in McCormick (ed.), Multigrid Methods (1987), ch. 4; Hoppe, SIAM J. Numer. Anal. 24 (1987).
 #pragma once
 

@@ -1,4 +1,4 @@
-// solvers/active_set/fischer_burmeister.h — φ(a, b) = √(a² + b²) − a − b, zero exactly where a ≥ 0, b ≥ 0, ab = 0.
+// solvers/active_set/fischer_burmeister.h — Fischer-Burmeister function φ = √(a² + b²) − a − b; 0 iff a, b ≥ 0, ab = 0.
 //
 //   ½ Σ φ² over the rows of a complementarity problem is smooth, although φ is not: a merit to descend.
 //   Boxes: φ(a, φ(b', −w)) with the distances a, b' to the two bounds.

@@ -1,8 +1,8 @@
-// solvers/active_set/frozen_friction.h — Coulomb friction as a fixed point of box problems, for methods that solve these well.
+// solvers/active_set/frozen_friction.h — frozen friction: Coulomb friction as a fixed point of box problems.
 //
 //   z_t ∈ [−μ z_n, μ z_n] with z_n of the round before: symmetric and monotone where A is, as friction itself is not.
 //   From z = 0 the first round is the problem without friction; contacts that stick are found in the second or third,
-//   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: where asked for, the
+//   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: on request, the
 //   bounds are extrapolated from the last kMemory rounds after the first ones (Anderson's mixing).
 // A fixed point is a solution; where there is none to be reached the last z is left to the judge.
 // Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432; Haslinger & Tvrdy, Apl. Mat. 28 (1983);

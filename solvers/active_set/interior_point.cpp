@@ -12,7 +12,7 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kExact = 1e-13;   // residual, relative as certify() has it, at which crossover is done
 constexpr double kExplained = 16;  // ρ (solution.h) times this: what rounding explains
-constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start beside Mehrotra's
+constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start, relative to Mehrotra's
 
 /// The largest entry of each row, 1 for none.
 void row_sizes(const Matrix& A, Vector& size) {
@@ -83,7 +83,7 @@ void InteriorPoint::barrier() {
 
 bool InteriorPoint::factorize() {
   barrier();
-  for (double least = 1e-14; least < 1e-4; least *= 100) {  // A + D is regular, but for rounding
+  for (double least = 1e-14; least < 1e-4; least *= 100) {  // A + D is regular, up to rounding
     shift_ = D_.cwiseMax(least * scale_);
     if (block_.factorize(open_, &shift_)) return true;
   }
@@ -328,8 +328,8 @@ Status InteriorPoint::iterate(const Lcp& p, Solution& s, double farther) {
   return s.iterations < options_.max_iterations ? Status::solved : Status::iteration_limit;
 }
 
-/// Where few of W's rows meet, a Delassus operator as rows; where the entries of A span many powers of ten, the problem in
-/// other units.
+/// Where few of W's rows meet, a Delassus operator as rows; where the entries of A span many powers of ten, the problem
+/// in other units.
 const Lcp& InteriorPoint::prepared(const Lcp& given) {
   scaling_.clear();
   const Lcp* from = &given;

@@ -1,4 +1,4 @@
-// solvers/active_set/interior_point.h — Mehrotra's predictor-corrector for monotone problems, with crossover to an exact active set.
+// solvers/active_set/interior_point.h — interior-point method (Mehrotra), monotone; crossover to an active set.
 //
 //   Each finite bound k of row i has a slack s_k = σ_k (z_i − bound_k) > 0, σ = 1 below and −1 above, and a multiplier
 //   l_k > 0 with w = A z + b = Σ_k σ_k l_k. Newton's method on
@@ -10,22 +10,24 @@
 //   and one step length for s, z and l: with A not zero, steps of their own would spoil A z + b − Σ σ l. The start is
 //   infeasible: (A + diag) z = −b, then s and l shifted until positive. A + D may be singular on free rows, or to
 //   rounding: D is kept above 1e-14 of A's entries, more where that is not enough.
-//   A start that is much closer to the boundary than the solution makes steps short: no progress in 8 iterations, and it
-//   begins anew with slacks 1e3, 1e6, 1e9 times as large (mass ratios of 1e10 need that).
-//   Where the corrector allows no step of 0.3, one with the second-order term times α_a², then one of centring alone is tried.
-//   Crossover: once the rows' sides stand still from one iteration to the next (the predictor tells them: ds/s + dl/l = −1,
-//   and the one of s, l that vanishes is near −1), the equations w_F = 0 of the rows inside are solved by
+//   A start that is much closer to the boundary than the solution makes steps short: no progress in 8 iterations, and
+//   it begins again with slacks 1e3, 1e6, 1e9 times as large (mass ratios of 1e10 need that).
+//   Where the corrector allows no step of 0.3, one with the second-order term times α_a², then one of centring alone is
+//   tried.
+//   Crossover: once the rows' sides stand still from one iteration to the next (the predictor tells them: ds/s + dl/l =
+//   −1, and the one of s, l that vanishes is near −1), the equations w_F = 0 of the rows inside are solved by
 //     z_F ← z_F − (A_FF + t D_F)⁻¹ w_F,   t D at most 1e-8 of A's entries (smaller where that is slow),
-//   the proximal point iteration: where A_FF is singular, z goes to the solution nearest to the iterate in the norm of D,
-//   hence inside the bounds. Rows that come out with a wrong sign change sides as long as their number falls. The judge
-//   decides; until it accepts at rounding level (1e-13) the iteration goes on.
+//   the proximal point iteration: where A_FF is singular, z goes to the solution nearest to the iterate in the norm of
+//   D, hence inside the bounds. Rows that come out with a wrong sign change sides as long as their number falls. The
+//   judge decides; until it accepts at rounding level (1e-13) the iteration goes on.
 //   Warm: the guess's sides are tried by crossover first (one factorization when they are right); else it is not used,
 //   for a point on the boundary is a poor start of an interior method.
 //   Dense and sparse storage (principal_block.h; a Delassus operator is formed, as rows where few of W's rows meet):
-//   Cholesky for symmetric A, else LU; one symbolic analysis for all iterations, and for all solves of a pattern. Usually 5
+//   Cholesky for symmetric A, else LU; one symbolic analysis for all iterations, and for all solves of a pattern.
+//   Usually 5
 //   to 20 factorizations, whatever n.  Entries that span many powers of ten are scaled by powers of 2.
-//   A must be monotone, xᵀA x ≥ 0 (not checked: else it may end stalled, or solve it all the same). Where A's condition is
-//   beyond 1e10 and A is singular besides, the equations w_F = 0 may be missed: stalled.
+//   A must be monotone, xᵀA x ≥ 0 (not checked: else it may end stalled, or solve it all the same). Where A's condition
+//   is beyond 1e10 and A is singular besides, the equations w_F = 0 may be missed: stalled.
 //   Friction rows with μ > 0 → unsupported.  Iterates that run away: their direction is made a proof of infeasibility
 //   (A u = 0 solved for on the rows that do) → ray.  No progress in 20 iterations → stalled.
 //   Source: Mehrotra, SIAM J. Optim. 2 (1992) 575-601; Wright, Primal-Dual Interior-Point Methods (1997), ch. 8, 10;

@@ -1,7 +1,7 @@
 #include <orthant/solvers/active_set/newton_fb.h>
 
-#include <orthant/solvers/effort.h>
 #include <orthant/solvers/active_set/fischer_burmeister.h>
+#include <orthant/solvers/effort.h>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -18,7 +18,7 @@ using detail::Slope;
 
 namespace {
 
-constexpr std::array kWeights = {1.0, 1e-3, 1e-6, 1e-9};  // of d z beside w
+constexpr std::array kWeights = {1.0, 1e-3, 1e-6, 1e-9};  // of d z relative to w
 constexpr Index kDenseRows = 5000;                        // rows of a dense factorization, friction in its pure form
 constexpr int kRefinements = 8;                           // of frozen friction, in one run
 constexpr double kNear = 1e-3;                            // of b: merits that count as near the end
@@ -55,7 +55,8 @@ bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& c
       y_ = z;
       const Status round = in_good_units(box, s);
       z = y_.cwiseMax(box.lo).cwiseMin(box.hi);
-      // Redundant contacts under large mass ratios: near the end the merit does not tell; elsewhere this would lead nowhere.
+      // Redundant contacts under large mass ratios: near the end the merit does not tell; elsewhere this would lead
+      // nowhere.
       if (near_ && refinements_-- > 0 && !polish_.improve(box, z, budget())) proximal(box, s, z);
       return round;
     });
@@ -96,7 +97,7 @@ Status NewtonFb::attempt(const Lcp& problem, Solution& s) {
   return claim;
 }
 
-/// A + δ diag A with δ z beside b is regular where A is singular, and its solutions lead to one of A's: redundant contacts
+/// A + δ diag A, and b + δ z, is regular where A is singular, and its solutions lead to one of A's: redundant contacts
 /// under large mass ratios, where the merit of A itself no longer tells good from bad. Rockafellar's proximal point.
 void NewtonFb::proximal(const Lcp& box, Solution& s, Vector& z) {
   constexpr double kProximal = 1e-4;
@@ -199,8 +200,8 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
   return d_.allFinite();
 }
 
-/// The rows' sides as (z, w) shows them, solved for, or where they repeat each other the solution next to z; taken when the
-/// merit falls.
+/// The rows' sides as (z, w) shows them, solved for, or where they repeat each other the solution next to z; taken when
+/// the merit falls.
 bool NewtonFb::polish(const Lcp& p, Vector& z) {
   const double before = merit(p, z);
   rows_.z = z;

@@ -1,4 +1,4 @@
-// solvers/active_set/newton_fb.h — semismooth Newton on the Fischer–Burmeister function, globalized by its smooth merit.
+// solvers/active_set/newton_fb.h — semismooth Newton method on the Fischer-Burmeister function, globalized.
 //
 //   φ(a, b) = √(a² + b²) − a − b vanishes exactly where a ≥ 0, b ≥ 0, ab = 0. With scaled rows a_i = d_i (z_i − lo_i):
 //     one bound  Φ_i = φ(d_i (z_i − lo_i), w_i), mirrored for an upper one;   free row  Φ_i = −w_i;
@@ -10,7 +10,8 @@
 //   d_i is A's largest entry in the row. Where z is much larger than w/d (mass ratios of 1e10), w alone counts in Φ and
 //   the iteration creeps: a run that creeps or fails is made again with d 1e-3, 1e-6, 1e-9 times that, at
 //   last patiently with d; without friction from 0 after a warm start, and with d itself first.
-//   Friction rows through the pure form (pyramid.h), then as a fixed point of box problems (frozen_friction.h); rows and columns scaled by powers of 2 where the entries span many
+//   Friction rows through the pure form (pyramid.h), then as a fixed point of box problems (frozen_friction.h); rows
+//   and columns scaled by powers of 2 where the entries span many
 //   orders (scaling.h). The start value is used.  A stationary point of the merit that is
 //   no solution → stalled (for P0-matrices there is none).
 //   Source: Fischer, Optimization 24 (1992); De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407-439;
@@ -19,10 +20,10 @@
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_set/active_rows.h>
-#include <orthant/solvers/linear_algebra/dense_cholesky.h>
-#include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/active_set/frozen_friction.h>
 #include <orthant/solvers/active_set/polish.h>
+#include <orthant/solvers/linear_algebra/dense_cholesky.h>
+#include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/scaling.h>
 #include <orthant/solvers/solver.h>
 
@@ -70,7 +71,7 @@ class NewtonFb final : public Solver {
   detail::Scaling scaling_;
   Lcp scaled_;
   ActiveRows rows_;
-  double weight_of_z_ = 1;  // beside w in φ
+  double weight_of_z_ = 1;  // relative to w in φ
   bool patient_ = false;    // also where the merit creeps
   Vector start_, y_, w_, phi_, da_, db_, trial_, scratch_, d_, gradient_, scale_;
   DenseMatrix dense_;

@@ -1,4 +1,4 @@
-// solvers/active_set/newton_min.h — semismooth Newton on the minimum map (the primal-dual active set method), made safe.
+// solvers/active_set/newton_min.h — semismooth Newton method on the minimum map (primal-dual active set), globalized.
 //
 //   H_i(z) = z_i − clamp(z_i − w_i / d_i, lo_i, hi_i) = 0,  w = A z + b,  d_i = A_ii where positive, else 1.
 //   An element of H's generalized Jacobian at z picks a side for each row; Newton's point is the one that this choice
@@ -6,9 +6,9 @@
 //   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
-//   Friction rows through the pure form (pyramid.h), which is dense; where that fails, and at once in large problems that
-//   are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value is
-//   used, and after failing from it 0; cold, without friction, it is that of coarse problems for sparse Z-matrices
+//   Friction rows through the pure form (pyramid.h), which is dense; where that fails, and at once in large problems
+//   that are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value
+//   is used, and after failing from it 0; cold, without friction, it is that of coarse problems for sparse Z-matrices
 //   (coarse_start.h), else the solution of A z = −b cut to the bounds.
 //   Source: Pang, Math. of OR 15 (1990) 311-341; Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888;
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
@@ -17,9 +17,9 @@
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_set/active_rows.h>
 #include <orthant/solvers/active_set/coarse_start.h>
-#include <orthant/solvers/linear_algebra/dense_cholesky.h>
 #include <orthant/solvers/active_set/frozen_friction.h>
 #include <orthant/solvers/active_set/polish.h>
+#include <orthant/solvers/linear_algebra/dense_cholesky.h>
 #include <orthant/solvers/solver.h>
 
 #include <vector>

@@ -1,11 +1,12 @@
-// solvers/active_set/polish.h — the last digits of an approximate solution: name its active rows, solve for them exactly.
+// solvers/active_set/polish.h — polishing: the active rows of an approximate solution, solved exactly.
 //
-//   An optimization method ends near a solution, with z_i and w_i both small but neither zero. Here each row is given its
-//   side (active_rows.h), the system of that choice is solved, rows that come out wrong change sides, a few times over.
+//   An optimization method ends near a solution, with z_i and w_i both small but neither zero. Here each row is given
+//   its side (active_rows.h), the system of that choice is solved, rows that come out wrong change sides, a few times
+//   over.
 //   Where the system is singular the point next to the guess is taken. What is better by the judge's residual is kept.
-//   Guesses, until one is exact: the minimum map's choice; only rows clearly inside; all rows not clearly outside (these
-//   two differ on degenerate rows, z_i = w_i = 0); the first one again, the point next to 0 (z may have run away along a
-//   face of solutions).
+//   Guesses, until one is exact: the minimum map's choice; only rows clearly inside; all rows not clearly outside
+//   (these two differ on degenerate rows, z_i = w_i = 0); the first one again, the point next to 0 (z may have run away
+//   along a face of solutions).
 //   Local by design: started far from a solution it ends there, or improves little.
 //   Cost: 1 to 32 factorizations of a principal block, O(n³) dense. Problems without friction rows.
 //   Source: Mehrotra & Ye, Math. Programming 62 (1993) 497-515 (the optimal face from an interior point).

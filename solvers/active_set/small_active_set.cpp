@@ -1,8 +1,8 @@
 #include <orthant/solvers/active_set/small_active_set.h>
 
 #include <orthant/solvers/active_set/active_rows.h>
-#include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/effort.h>
+#include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/few_lu.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
 
@@ -98,7 +98,7 @@ template <Index N> void Attempt<N>::bounds(const double* z) {
   for (const Friction& f : problem_->friction) hi_[f.row] = f.mu * std::max(z[f.normal], 0.0), lo_[f.row] = -hi_[f.row];
 }
 
-/// No positive entry beside a positive diagonal.
+/// No positive entry outside a positive diagonal.
 template <Index N> bool Attempt<N>::z_matrix() const {
   const Index n = size();
   for (Index j = 0; j < n; ++j) {
@@ -110,7 +110,8 @@ template <Index N> bool Attempt<N>::z_matrix() const {
   return problem_->friction.empty();
 }
 
-/// Two Gauss-Seidel sweeps, w = A z + b kept up to date column by column; then each row on the side where that leaves it.
+/// Two Gauss-Seidel sweeps, w = A z + b kept up to date column by column; then each row on the side where that leaves
+/// it.
 template <Index N> void Attempt<N>::guess(double* z) {
   const Index n = size();
   double* const w = w_.data();
@@ -229,7 +230,8 @@ template <Index N> void Attempt<N>::correct(double* z) {
   product(z);
 }
 
-/// Rows whose sign is wrong by more than rounding, put on the side where it would be right: all, or the last of them alone.
+/// Rows whose sign is wrong by more than rounding, put on the side where it would be right: all, or the last of them
+/// alone.
 template <Index N> Index Attempt<N>::mend(const double* z, bool one) {
   const Index n = size();
   double reach = 0;

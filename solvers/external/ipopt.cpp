@@ -240,8 +240,9 @@ Status IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool 
   ip::OptionsList& o = *application.Options();
   o.SetIntegerValue("max_iter", options_.max_iterations);
   o.SetStringValue("warm_start_init_point", warm ? "yes" : "no");
-  // One steep row makes the w of others small, so rounding must decide, not a tolerance. The merit wants one: its centre
-  // may lie at infinity, where the solutions are unbounded. Mehrotra's rule halves the iterations, without a safeguard.
+  // One steep row makes the w of others small, so rounding must decide, not a tolerance. The merit wants one: its
+  // centre may lie at infinity, where the solutions are unbounded. Mehrotra's rule halves the iterations, without a
+  // safeguard.
   o.SetNumericValue("tol", quadratic ? 1e-14 : 1e-10);
   o.SetStringValue("mehrotra_algorithm", quadratic ? "yes" : "no");
   o.SetNumericValue("mu_init", warm ? 1e-6 : 0.1);

@@ -1,13 +1,13 @@
-// solvers/external/ipopt.h — a quadratic program for the problem, solved by Ipopt's primal-dual interior-point method.
+// solvers/external/ipopt.h — Ipopt: the problem as a quadratic program, solved by a primal-dual interior-point method.
 //
 //   Minimized (minimizer.h): the quadratic form, or the merit
 //     Σ (z_i − r_i) w_i + Σ_box (hi_i − lo_i) m_i,   lo ≤ z ≤ hi,   w = A z + b,   m ≥ 0,
-//     w_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], = 0 on free rows, w_i + m_i ≥ 0 on boxes;   r_i the bound (lo_i on boxes, 0 on
-//     free rows): zero exactly at a solution, ≥ 0 elsewhere; convex when xᵀA x ≥ 0.
+//     w_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], = 0 on free rows, w_i + m_i ≥ 0 on boxes;   r_i the bound (lo_i on boxes, 0
+//     on free rows): zero exactly at a solution, ≥ 0 elsewhere; convex when xᵀA x ≥ 0.
 //   Exact sparse derivatives: the Hessian is A, or A + Aᵀ, by its lower triangle. A Delassus operator is formed.
 //   Ipopt ends about 1e-8 off; the polish gives the rest. A local minimum with positive merit is no solution → stalled.
-//   A start value that its polish does not finish starts the iteration, multipliers included (no gain where w spans many
-//   powers of ten). The symbolic work is kept
+//   A start value that its polish does not finish starts the iteration, multipliers included (no gain where w spans
+//   many powers of ten). The symbolic work is kept
 //   between solves of one pattern. Time and cancellation are looked at once an iteration, which costs one sparse LDLᵀ
 //   factorization (MUMPS). No file is read, nothing is printed.
 //   Source: Wächter & Biegler, Math. Programming 106 (2006) 25-57.  Program: Ipopt (COIN-OR).

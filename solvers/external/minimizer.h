@@ -1,9 +1,9 @@
-// solvers/external/minimizer.h — a complementarity problem solved by minimizing something: what the solvers ipopt and nlopt share.
+// solvers/external/minimizer.h — minimization base of the solvers ipopt and nlopt: complementarity as a minimum.
 //
 //   quadratic   min ½ zᵀA z + bᵀz,  lo ≤ z ≤ hi.   A symmetric: its stationary points are the solutions, convex or not.
 //   merit       any other function of z that is least, 0, at the solutions: the method's own.
-//   Attempts: the quadratic form where A is symmetric, the merit, the merit from `restarts` random starts; each until the
-//   judge is content. Friction rows take the pure form (pyramid.h, stewart_trinkle), whose A is not symmetric.
+//   Attempts: the quadratic form where A is symmetric, the merit, the merit from `restarts` random starts; each until
+//   the judge is content. Friction rows take the pure form (pyramid.h, stewart_trinkle), whose A is not symmetric.
 //   Each end point is polished (polish.h). A start value is too: nothing else is done where its active rows are right.
 #pragma once
 

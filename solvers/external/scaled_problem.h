@@ -1,4 +1,4 @@
-// solvers/external/scaled_problem.h — a problem in units of its own, as methods with absolute tolerances like it.
+// solvers/external/scaled_problem.h — scaled problem for methods with absolute tolerances.
 //
 //   A' = R A C,  b' = R b,  z = C z',  w' = R w,  R and C diagonal, chosen so that entries are near 1:
 //     symmetric with A_ii > 0   R_i = C_i = A_ii^(−1/2);     else   scaling.h, where entries are far apart;

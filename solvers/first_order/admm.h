@@ -1,9 +1,9 @@
-// solvers/first_order/admm.h — alternating directions (Douglas–Rachford splitting) between w = A z + b and the bounds.
+// solvers/first_order/admm.h — ADMM: alternating directions (Douglas-Rachford) between w = A z + b and the bounds.
 //
 //   Find z in [lo, hi] with −(A z + b) in the normal cone at z; y stands for −w. With S = ρ D, D the diagonal of A:
 //     x ← (A + S)⁻¹ (S z − y − b),   x ← α x + (1 − α) z,   z ← clamp(x + S⁻¹ y, lo, hi),   y ← y + S (x − z).
-//   Converges for every A with xᵀA x ≥ 0, unsymmetric, singular or with zeros on its diagonal (saddle points), any ρ > 0,
-//   0 < α < 2, wherever there is a solution. Free rows take 10⁻³ ρ (no bound to negotiate with), fixed ones 10³ ρ.
+//   Converges for every A with xᵀA x ≥ 0, unsymmetric, singular or with zeros on its diagonal (saddle points), any ρ >
+//   0, 0 < α < 2, wherever there is a solution. Free rows take 10⁻³ ρ (no bound to negotiate with), fixed ones 10³ ρ.
 //   The rate hangs on ρ: at iterations 10, 15, 22, … ρ is multiplied by √(primal / dual residual), both relative, where
 //   that is more than 5 or less than 1/5; the factors serve until then.
 //     dense, sparse   A + S: Cholesky when A is symmetric, else LU (principal_block.h); two O(n²) or sparse solves
@@ -11,8 +11,8 @@
 //   One solve and one product an iteration. To 1e-3 in tens of iterations, further slowly: linear at best.
 //   Friction rows hold their bounds while boxes are solved (first_order.h): in practice. A_ii < 0 → unsupported.
 //   A + S singular → stalled.  The start value is used, its w as −y.  Ends: first_order.h.
-//   Sources: Stellato, Banjac, Goulart, Bemporad & Boyd, Math. Prog. Comp. 12 (2020) 637-672 (OSQP); Lions & Mercier, SIAM
-//   J. Numer. Anal. 16 (1979) 964-979.
+//   Sources: Stellato, Banjac, Goulart, Bemporad & Boyd, Math. Prog. Comp. 12 (2020) 637-672 (OSQP); Lions & Mercier,
+//   SIAM J. Numer. Anal. 16 (1979) 964-979.
 #pragma once
 
 #include <orthant/solvers/first_order/first_order.h>

@@ -28,7 +28,7 @@ Apgd::Step Apgd::advance(const Lcp& problem, Vector& z) {
     w_next_ += problem.b;
     if (curvature_ >= largest_) break;
     const double met = (next_ - y_).dot(w_next_ - w_y_), length = (d.array() * (next_ - y_).array().square()).sum();
-    if (!(met > (1 + 1e-9) * curvature_ * length)) break;  // once met, a curvature is met again but for rounding
+    if (!(met > (1 + 1e-9) * curvature_ * length)) break;  // once met, a curvature is met again up to rounding
     curvature_ = std::min(std::max(met / length, 1.5 * curvature_), largest_);
   }
   Step step{.violation = bounds_.violation(problem, next_, w_next_), .length = 1 / curvature_};

@@ -1,16 +1,20 @@
-// solvers/first_order/apgd.h — accelerated projected gradient descent (Nesterov), step found by backtracking, restarts by the gradient.
+// solvers/first_order/apgd.h — accelerated projected gradient (Nesterov): step by backtracking, gradient restarts.
 //
 //   For A symmetric positive semidefinite: minimize ½zᵀAz + bᵀz over lo ≤ z ≤ hi. In the metric D of A's diagonal,
 //     x⁺ = clamp(y − D⁻¹(A y + b) / L, lo, hi),   y⁺ = x⁺ + β (x⁺ − x),   β = θ(1 − θ) / (θ² + θ⁺),  θ⁺² = (1 − θ⁺) θ²;
 //   L grows to the curvature of the step, ΔᵀAΔ / ΔᵀDΔ, where it is less, up to the row sums of
-//   D^-½ |A| D^-½, which never are exceeded, and shrinks by a tenth after each step: the curvature met lies mostly far below the largest.
+//   D^-½ |A| D^-½, which never are exceeded, and shrinks by a tenth after each step: the curvature met lies mostly far
+//   below the largest.
 //   Momentum ends (θ = 1) where it leads uphill, ⟨D(y − x⁺), x⁺ − x⟩ > 0.
-//   Error of the objective O(1/k²); linear where A is definite, √κ iterations a digit, by the restarts without knowing κ.
-//   One product with A an iteration and one for each growth of L: A y follows from A x. Any storage, Delassus not formed.
-//   Free rows and boxes belong to it. Friction rows hold their bounds while boxes are solved (first_order.h): in practice.
+//   Error of the objective O(1/k²); linear where A is definite, √κ iterations a digit, by the restarts without knowing
+//   κ.
+//   One product with A an iteration and one for each growth of L: A y follows from A x. Any storage, Delassus not
+//   formed.
+//   Free rows and boxes belong to it. Friction rows hold their bounds while boxes are solved (first_order.h): in
+//   practice.
 //   A that is not symmetric or surely not semidefinite → unsupported.  The start value is used.  Ends: first_order.h.
-//   Sources: Mazhar, Heyn, Negrut & Tasora, ACM Trans. Graph. 34 (2015) 32; O'Donoghue & Candès, Found. Comput. Math. 15
-//   (2015) 715-732; Beck & Teboulle, SIAM J. Imaging Sci. 2 (2009) 183-202.
+//   Sources: Mazhar, Heyn, Negrut & Tasora, ACM Trans. Graph. 34 (2015) 32; O'Donoghue & Candès, Found. Comput. Math.
+//   15 (2015) 715-732; Beck & Teboulle, SIAM J. Imaging Sci. 2 (2009) 183-202.
 #pragma once
 
 #include <orthant/solvers/first_order/first_order.h>

@@ -1,10 +1,13 @@
-// solvers/first_order/first_order.h — the loop that first-order methods share, and what several of them need.
+// solvers/first_order/first_order.h — first-order method base: the common loop and what several methods need.
 //
-//   A method is load() and advance(): one sweep or step on z, and the largest violation it saw, in units of w. The judge is
-//   asked when that falls to the residual it would accept; where it refuses (a small change is not yet a small residual),
-//   the mark is lowered by what was missing. So no method is stopped early, and products for the judge stay rare.
-//   Ends: changes below the rounding of z → stalled;  no new least violation in the last seven eighths of at least 16384
-//   iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;  iterations
+//   A method is load() and advance(): one sweep or step on z, and the largest violation it saw, in units of w. The
+//   judge is run when that falls to the residual it would accept; where it refuses (a small change is not yet a small
+//   residual), the mark is lowered by what was missing. So no method is stopped early, and products for the judge stay
+//   rare.
+//   Ends: changes below the rounding of z → stalled;  no new least violation in the last seven eighths of at least
+//   16384
+//   iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;
+//   iterations
 //   used up → iteration_limit.  The last z is kept.
 #pragma once
 
@@ -50,7 +53,8 @@ std::string diagonal_why_not(const Matrix& A, bool zero_allowed);
 std::string quadratic_why_not(const Matrix& A);
 
 /// sums_i ≥ √d_i Σ_j |A_ij| / √d_j, equal where A is stored by entries (a Delassus operator is bounded by its factors):
-/// λ_max(diag(sums)⁻¹ A) ≤ 1 and λ_max(diag(d)⁻¹ A) ≤ max_i sums_i / d_i for symmetric A, whatever the units of the rows.
+/// λ_max(diag(sums)⁻¹ A) ≤ 1 and λ_max(diag(d)⁻¹ A) ≤ max_i sums_i / d_i for symmetric A, whatever the units of the
+/// rows.
 struct RowSums {
   Vector sums;
   void evaluate(const Matrix& A, const Vector& d);

@@ -1,12 +1,13 @@
-// solvers/first_order/nncg.h — nonsmooth nonlinear conjugate gradients: projected Gauss–Seidel with a memory.
+// solvers/first_order/nncg.h — nonsmooth nonlinear conjugate gradients over projected Gauss-Seidel sweeps.
 //
-//   A sweep of pgs.h is a fixed-point map G; its step r_k = G(z_k) − z_k stands for a negative gradient (for an A symmetric
-//   positive definite it is one, in a metric), to which Fletcher and Reeves' recursion is applied:
+//   A sweep of pgs.h is a fixed-point map G; its step r_k = G(z_k) − z_k stands for a negative gradient (for an A
+//   symmetric positive definite it is one, in a metric), to which Fletcher and Reeves' recursion is applied:
 //     β = ‖r_k‖² / ‖r_{k−1}‖²;   β > 1: p = r_k (restart), else  z_k+1 = G(z_k) + β p,  p ← β p + r_k
-//   and the next sweep brings every row back within its bounds. Norms in the metric of the diagonal of A. An iteration is
-//   a sweep and O(n), since the state of a sweep follows z along p linearly: dense, sparse and Delassus storage alike.
-//   Superlinear in practice until the active set is found, no proof; the violation is not monotone. Bounds, friction and
-//   ends as pgs.h; the z that is judged is one that a sweep has just left.
+//   and the next sweep brings every row back within its bounds. Norms in the metric of the diagonal of A. An iteration
+//   is a sweep and O(n), since the state of a sweep follows z along p linearly: dense, sparse and Delassus storage
+//   alike.
+//   Superlinear in practice until the active set is found, no proof; the violation is not monotone. Bounds, friction
+//   and ends as pgs.h; the z that is judged is one that a sweep has just left.
 //   Source: Silcowitz-Hansen, Niebe & Erleben, The Visual Computer 26 (2010) 893-901.
 #pragma once
 

@@ -1,12 +1,13 @@
-// solvers/first_order/pgs.h — projected Gauss–Seidel.
+// solvers/first_order/pgs.h — projected Gauss-Seidel.
 //
 //   Find z within its bounds, w = A z + b:  z = lo ⇒ w ≥ 0,  z = hi ⇒ w ≤ 0,  otherwise w = 0, row by row.
 //   Sweep i = 1..n:  z_i ← clamp(z_i − ω w_i / A_ii, lo_i, hi_i),  w_i from the newest z (sweeps.h).   O(nnz) a sweep.
-//   A friction row's bounds are ∓μ z_n at the newest z_n; an equality row has none. A Delassus operator is never formed.
-//   A n×n [1/kg], A_ii > 0;  b, w n [m/s];  z n [N s].  Converges for A symmetric positive definite (semidefinite, where
-//   there is a solution) without friction rows, 0 < ω < 2; for H₊-matrices with ω ≤ 1; with friction in practice.
-//   Near a solution the error falls by the spectral radius of the iteration on the rows between their bounds: r / (1 + r)
-//   for a block of mass r m on one of m, cos²(π/2n) in a column of n equal ones. The start value is used.
+//   A friction row's bounds are ∓μ z_n at the newest z_n; an equality row has none. A Delassus operator is never
+//   formed.
+//   A n×n [1/kg], A_ii > 0;  b, w n [m/s];  z n [N s].  Converges for A symmetric positive definite (semidefinite,
+//   where there is a solution) without friction rows, 0 < ω < 2; for H₊-matrices with ω ≤ 1; with friction in practice.
+//   Near a solution the error falls by the spectral radius of the iteration on the rows between their bounds: r / (1 +
+//   r) for a block of mass r m on one of m, cos²(π/2n) in a column of n equal ones. The start value is used.
 //   A_ii ≤ 0 → unsupported (why_not names the row).  Ends: first_order.h.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 5; Jean, CMAME 177 (1999) 235-257.
 #pragma once

@@ -1,12 +1,12 @@
-// solvers/first_order/psor.h — projected successive over-relaxation that finds its ω while it runs.
+// solvers/first_order/psor.h — projected successive over-relaxation that adapts ω.
 //
 //   The sweeps of pgs.h with ω in (0, 2). For A symmetric positive definite every ω converges (Cryer 1971), the best is
 //     ω = 2 / (1 + √(1 − μ²)),   μ the spectral radius of Jacobi's iteration on the rows between their bounds
 //   (exactly so for consistently ordered A: chains, grids): the number of sweeps becomes its square root.
 //   omega = 0: start with ω = 1. After each 10 sweeps in which no row changed sides, λ = the mean rate of the largest
-//   change; where two such rates agree and λ is above the ω − 1 of an ω past the best, (λ + ω − 1)² = λ ω² μ² gives μ, and
-//   μ the next ω. Where changes then, after a first 10 / (2 − ω) sweeps, do not fall to a tenth in as many, or ω is raised
-//   more than six times while they do not, A is none of these: back to ω = 1, for good.
+//   change; where two such rates agree and λ is above the ω − 1 of an ω past the best, (λ + ω − 1)² = λ ω² μ² gives μ,
+//   and μ the next ω. Where changes then, after a first 10 / (2 − ω) sweeps, do not fall to a tenth in as many, or ω is
+//   raised more than six times while they do not, A is none of these: back to ω = 1, permanently.
 //   Bounds, friction, storage, cost, ends: as pgs.h.
 //   Sources: Cryer, SIAM J. Control 9 (1971) 385-392; Hageman & Young, Applied Iterative Methods (1981), ch. 9.
 #pragma once

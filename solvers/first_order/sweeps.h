@@ -1,4 +1,4 @@
-// solvers/first_order/sweeps.h — one projected relaxation sweep, the kernel of pgs, psor, sgs and nncg, for every storage of A.
+// solvers/first_order/sweeps.h — projected relaxation sweep: kernel of pgs, psor, sgs, nncg for every storage of A.
 //
 //   For each row in turn, w_i from the newest z:   z_i ← clamp(z_i − ω w_i / A_ii, lo_i, hi_i);
 //   a friction row's bounds are ∓μ z_n at the newest z_n; a free (equality) row has none.
@@ -6,7 +6,7 @@
 //     dense      w = A z + b                w_i is at hand, a change costs column i: rows at their bounds are free
 //     sparse     none                       w_i = A_i z + b_i
 //     Delassus   u = M⁻¹ Wᵀ z               w_i = W_i u + R_i z_i + b_i: A is never formed
-//   O(nnz) a sweep, Delassus O(nnz(W)). The state is computed anew every 64 sweeps, lest rounding pile up.
+//   O(nnz) a sweep, Delassus O(nnz(W)). The state is recomputed every 64 sweeps, lest rounding pile up.
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 5; Jean, CMAME 177 (1999) 235-257.
 #pragma once
 

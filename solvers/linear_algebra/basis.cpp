@@ -14,7 +14,7 @@ constexpr Index kDiagnosed = 2000;  // columns of a sparse core that a dense fac
 using std::abs, std::ilogb, std::isfinite, std::ldexp;  // those of Wide are found by its namespace
 
 template <class T> const T kZero = 64 * std::numeric_limits<T>::epsilon();     // a pivot of a scaled core
-template <class T> const T kUpdate = 1e5 * std::numeric_limits<T>::epsilon();  // |x_k| beside ‖x‖∞
+template <class T> const T kUpdate = 1e5 * std::numeric_limits<T>::epsilon();  // |x_k| relative to ‖x‖∞
 
 }  // namespace
 
@@ -46,7 +46,7 @@ template <class T> bool Basis<T>::factorize_gathered() {
         if (const Index r = place_[at(row_[e])]; r >= 0) use(r, c, value_[e]);
   };
   // Middle of the exponents of each row, then of each column, twice; at last each column's largest entry to [1, 2), so
-  // that a pivot is small or not beside that.
+  // that a pivot is small or not relative to that.
   row_scale_.assign(at(m), T(1));
   col_scale_.assign(at(m), T(1));
   const auto center = [&](std::vector<T>& scale, bool rows, bool middle) {

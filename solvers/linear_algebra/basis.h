@@ -1,13 +1,13 @@
-// solvers/linear_algebra/basis.h — a regular n × n matrix B of chosen columns, factorized, then updated column by column.
+// solvers/linear_algebra/basis.h — basis factorization: a regular matrix of chosen columns, updated column by column.
 //
 //   What a pivoting method needs of its basis: B x = v, Bᵀ y = v, and one column replaced at a time.
 //     1. Columns with one entry (slack variables: most of a basis) are set aside, each with the row it covers; what is
 //        left is a square core. Its rows and columns are scaled by powers of 2 and factorized:
 //        dense_lu.h, or KLU (sparse_lu.h).   O(m³) for a dense core of m columns.
-//     2. replace(k, x), x = B⁻¹ a: column k becomes a, so B ← B E with E = I but for its column k, x (the product form
+//     2. replace(k, x), x = B⁻¹ a: column k becomes a, so B ← B E with E = I except its column k, x (the product form
 //        of the inverse). A solve then applies one E⁻¹ an update, O(nonzeros of x).
 //     3. After `update_limit` updates, or when x_k is so small that dividing by it would lose the digits, replace()
-//        refuses and the caller factorizes anew, whatever it was about to replace included.
+//        refuses and the caller factorizes again, whatever it was about to replace included.
 //   T = double, long double or 256 bits (scalars.h); a sparse core in the last two is factorized densely.
 //   Sources: Dantzig & Orchard-Hays, Math. Tables Aids Comput. 8 (1954) 64-67 (product form); Chvátal, Linear
 //   Programming (1983), ch. 7, 24.
@@ -15,8 +15,8 @@
 
 #include <orthant/core/support/reusable.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
-#include <orthant/solvers/linear_algebra/sparse_lu.h>
 #include <orthant/solvers/linear_algebra/scalars.h>
+#include <orthant/solvers/linear_algebra/sparse_lu.h>
 
 #include <vector>
 
@@ -37,7 +37,7 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
   /// names no column.
   void reset(Index n, Storage storage, int update_limit = 64, const Budget* budget = nullptr);
 
-  /// B anew. columns(k, add) must call add(row, value) for the entries of column k, 0 ≤ k < n, each row at most once.
+  /// A new B. columns(k, add) must call add(row, value) for the entries of column k, 0 ≤ k < n, each row at most once.
   /// False when B is singular to working precision, or not finite: missing() then says where, and solves are undefined.
   template <class Columns> bool factorize(const Columns& columns) {
     start_.assign(1, 0);
@@ -60,11 +60,11 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
   void solve(View x);             // x ← B⁻¹ x: by row on entry, by position on return
   void solve_transposed(View y);  // y ← B⁻ᵀ y: by position on entry, by row on return
 
-  /// Column k becomes B x. False, nothing changed, when |x_k| is too small beside ‖x‖∞ or the updates are used up.
+  /// Column k becomes B x. False, nothing changed, when |x_k| is too small relative to ‖x‖∞ or the updates are used up.
   bool replace(Index k, ConstView x);
 
   int updates() const { return static_cast<int>(eta_position_.size()); }
-  /// Least share a pivot had of the largest beside it, over the factorization and the updates: about the reciprocal of
+  /// Least share a pivot had of the largest candidate, over the factorization and the updates: about the reciprocal of
   /// what an error may have grown by.
   T pivot_ratio() const { return pivot_ratio_; }
 

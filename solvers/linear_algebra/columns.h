@@ -1,4 +1,4 @@
-// solvers/linear_algebra/columns.h — a matrix by compressed columns, from any storage: what revised pivoting methods read.
+// solvers/linear_algebra/columns.h — compressed columns of a matrix in any storage, for revised pivoting methods.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
@@ -37,7 +37,7 @@ struct Columns {  // reuse it; column j: (row[e], value[e]), start[j] ≤ e < st
     }
   }
 
-  /// Equal to the transpose, but for rounding (64 ε of the larger entry, or of √|A_ii A_jj|), zeros in equal places.
+  /// Equal to the transpose, except for rounding (64 ε of the larger entry, or of √|A_ii A_jj|), zeros in equal places.
   bool symmetric() {
     const auto u = [](Index i) { return static_cast<std::size_t>(i); };
     diagonal_.resize(u(size()));

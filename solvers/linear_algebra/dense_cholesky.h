@@ -1,7 +1,7 @@
-// solvers/linear_algebra/dense_cholesky.h — A = L Lᵀ of a dense symmetric positive definite matrix, in place.
+// solvers/linear_algebra/dense_cholesky.h — dense Cholesky factorization A = L Lᵀ, in place.
 //
-//   m³/6 multiplications (Eigen's); a solve m². Nothing is allocated once the largest size has been seen, up to about 64
-//   rows (beyond, Eigen's products take room for themselves).
+//   m³/6 multiplications (Eigen's); a solve m². Nothing is allocated once the largest size has been seen, up to about
+//   64 rows (beyond, Eigen's products take room for themselves).
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

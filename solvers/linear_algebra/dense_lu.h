@@ -1,9 +1,10 @@
-// solvers/linear_algebra/dense_lu.h — P A Q = L U of a dense matrix in any floating type, in place, with the dependent columns named.
+// solvers/linear_algebra/dense_lu.h — dense LU factorization P A Q = L U, in place; identifies dependent columns.
 //
 //   Columns in the order given, the largest entry left as pivot (partial pivoting). A column whose entries left are all
-//   ≤ `zero` depends on those before it: it moves to the end. With rank r the columns column(r), …, column(m − 1) depend
-//   on the others; were they the unit vectors of the rows row(r), …, row(m − 1), the matrix would be regular.
-//   Left-looking: a column at a time in panels of 128, then in matrix products, cut into tiles small enough for the stack,
+//   ≤ `zero` depends on those before it: it moves to the end. With rank r the columns column(r), …, column(m − 1)
+//   depend on the others; were they the unit vectors of the rows row(r), …, row(m − 1), the matrix would be regular.
+//   Left-looking: a column at a time in panels of 128, then in matrix products, cut into tiles small enough for the
+//   stack,
 //   so that nothing is allocated once the largest size has been seen.   m³/3 multiplications; a solve m².
 //   Entries should be scaled to at most about 1, or `zero` means nothing.
 //   Source: Golub & Van Loan, Matrix Computations (4th ed., 2013), ch. 3.2, 3.4.

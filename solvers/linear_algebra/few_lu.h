@@ -1,4 +1,4 @@
-// solvers/linear_algebra/few_lu.h — DenseLu for at most N rows, a number known when compiled: nothing in the heap, no call worth its loop.
+// solvers/linear_algebra/few_lu.h — dense LU for at most N rows, N known at compile time: no heap.
 //
 //   The same pivots, treatment of dependent columns and bits as DenseLu (dense_lu.h).
 #pragma once

@@ -65,8 +65,8 @@ ORTHANT_EVERY_WIDTH void add_multiples(double* x, const double* f, const double*
   add_multiples_plainly(x, f, 1, p, count, i, size, snap);
 }
 
-// To watch how large a sum is on its way costs as much as to add. So the sums are looked at only where their end is small
-// beside what they can have been at the most.
+// To watch how large a sum is on its way costs as much as to add. So the sums are looked at only where their end is
+// small relative to their largest possible values.
 ORTHANT_EVERY_WIDTH void add_multiples_to_four(double* const* x, const double* f, const double* const* p, int count,
                                                Index size, double snap, const double* reach) {
   const Bits magnitude = Bits{} + 0x7fffffffffffffff;

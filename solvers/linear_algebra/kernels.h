@@ -1,7 +1,8 @@
-// solvers/linear_algebra/kernels.h — the few loops over whole rows or columns that dense elimination spends its time in.
+// solvers/linear_algebra/kernels.h — kernels of dense elimination: loops over whole rows and columns.
 //
-//   Compiled for several instruction sets; the widest that the machine has is chosen when the program starts. Each entry
-//   is computed by itself, in the order written and without fused operations, so that the width never changes a bit.
+//   Compiled for several instruction sets; the widest that the machine has is chosen when the program starts. Each
+//   entry is computed by itself, in the order written and without fused operations, so that the width never changes a
+//   bit.
 //   Beside the portable instruction set alone (2 numbers at a time): see experiments/benchmarks/README.md.
 #pragma once
 
@@ -14,12 +15,12 @@ using Index = Eigen::Index;
 /// x ← x + f p; a sum that cancels to `snap` times what it was becomes 0.
 void add_multiple(double* x, double f, const double* p, Index size, double snap);
 
-/// x ← (x + f₀ p₀) + f₁ p₁ + … of `count` terms; a sum that ends at `snap` times the largest it was on the way, or below,
-/// becomes 0.
+/// x ← (x + f₀ p₀) + f₁ p₁ + … of `count` terms; a sum that ends at `snap` times the largest it was on the way, or
+/// below, becomes 0.
 void add_multiples(double* x, const double* f, const double* const* p, int count, Index size, double snap);
 
-/// The same for four rows at once, which share the p_q, bit for bit: row r has the factors f[4 q + r]. `reach`: of each row
-/// Σ_q |f_q| max_i |p_q,i|.
+/// The same for four rows at once, which share the p_q, bit for bit: row r has the factors f[4 q + r]. `reach`: of each
+/// row Σ_q |f_q| max_i |p_q,i|.
 void add_multiples_to_four(double* const* x, const double* f, const double* const* p, int count, Index size,
                            double snap, const double* reach);
 

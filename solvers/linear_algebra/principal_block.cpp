@@ -1,6 +1,6 @@
+#include <orthant/solvers/effort.h>
 #include <orthant/solvers/linear_algebra/dense_cholesky.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
-#include <orthant/solvers/effort.h>
 #include <orthant/solvers/linear_algebra/principal_block.h>
 #include <orthant/solvers/linear_algebra/scaling.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>

@@ -16,7 +16,7 @@ struct Sum {
   }
 };
 
-// a · b = product + error, exactly (Dekker, Veltkamp's split; no fused multiply-add is asked of the machine).
+// a · b = product + error, exactly (Dekker, Veltkamp's split; no fused multiply-add is needed).
 struct Product {
   double product, error;
   Product(double a, double b) : product(a * b) {

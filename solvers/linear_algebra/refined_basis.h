@@ -1,4 +1,4 @@
-// solvers/linear_algebra/refined_basis.h — z of a basis to full precision, from an approximate inverse.
+// solvers/linear_algebra/refined_basis.h — iterative refinement: z of a basis to full precision, approximate inverse.
 //
 //   Solve A_EU z_U = −(b_E + A_EK z_K), U the unknown and E the equation rows, K the rest, z_K given:
 //     z_U ← z_U − B⁻¹ (A z + b)_E,   the residual and z in twice double precision.
@@ -23,7 +23,8 @@ class RefinedBasis {  // reuse it: the second basis of a size allocates nothing
     return inverse_.data();
   }
 
-  /// z n: given on K, approximate on U on entry. A z_U below 2⁻⁸⁰ of the largest, in units of col, is a degenerate zero.
+  /// z n: given on K, approximate on U on entry. A z_U below 2⁻⁸⁰ of the largest, in units of col, is a degenerate
+  /// zero.
   void refine(const DenseMatrix& A, const Vector& b, const Vector& col, Vector& z);
 
  private:

@@ -1,8 +1,9 @@
-// solvers/linear_algebra/scalars.h — the scalar types of last resort for tableau.h.
+// solvers/linear_algebra/scalars.h — scalar types of higher precision for the tableau (tableau.h).
 //
-//   Friction at mass ratios of 1e10: the Delassus matrix has as many tiny singular values as contacts beyond the freedoms
-//   and a pivot path divides by one after the other, so that quadruple precision loses every digit at n = 80. 256 bits
-//   do not, at some 60 times the cost of double. Rationals round nothing at all: for small problems the path is exact.
+//   Friction at mass ratios of 1e10: the Delassus matrix has as many tiny singular values as contacts beyond the
+//   freedoms and a pivot path divides by one after the other, so that quadruple precision loses every digit at n = 80.
+//   256 bits do not, at some 60 times the cost of double. Rationals round nothing at all: for small problems the path
+//   is exact.
 #pragma once
 
 #include <orthant/core/lcp/judge/exact.h>

@@ -1,4 +1,4 @@
-// solvers/linear_algebra/scaling.h — powers of 2 that bring the entries of diag(row) M diag(col) together.
+// solvers/linear_algebra/scaling.h — equilibration: diag(row) M diag(col) with powers of 2 brings entries together.
 //
 //   Powers of 2, so that scaling costs no rounding. Ones when the rows' and columns' largest entries are within 2²⁴ of
 //   each other already: then scaling would only change the path.
@@ -110,7 +110,7 @@ class Scaling {  // reuse it: the second problem of a size allocates nothing
       col[i] = std::ldexp(1.0, col_exponent_[at(i)]);
     }
   }
-  static int exponent(double value) {  // std::ilogb without a call, but for denormal numbers
+  static int exponent(double value) {  // std::ilogb without a call, except for denormal numbers
     const int biased = static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52 & 0x7ff);
     return biased != 0 ? biased - 1023 : std::ilogb(value);
   }

@@ -1,4 +1,4 @@
-// solvers/linear_algebra/sparse_cholesky.h — Cholesky of a sparse symmetric positive definite matrix by CHOLMOD (SuiteSparse).
+// solvers/linear_algebra/sparse_cholesky.h — sparse Cholesky factorization by CHOLMOD (SuiteSparse).
 //
 //   Approximate minimum degree, then row by row: on a grid of 128 x 128 with the reference BLAS twice as fast as
 //   CHOLMOD's dense blocks, and 2.4 times as fast as UMFPACK (whole runs of block-pivot).

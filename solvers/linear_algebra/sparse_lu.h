@@ -1,4 +1,4 @@
-// solvers/linear_algebra/sparse_lu.h — LU of a sparse matrix by KLU (SuiteSparse), behind an interface that frees what it takes.
+// solvers/linear_algebra/sparse_lu.h — sparse LU factorization by KLU (SuiteSparse).
 //
 //   Block triangular form first, then each diagonal block with partial pivoting (threshold 0.1, approximate minimum
 //   degree): the columns of a basis with one entry each cost nothing.

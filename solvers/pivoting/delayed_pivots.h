@@ -1,13 +1,14 @@
-// solvers/pivoting/delayed_pivots.h — the last pivots of a tableau, kept aside and carried out together.
+// solvers/pivoting/delayed_pivots.h — delayed pivots: the last pivots of a tableau, carried out together.
 //
 //   A pivot adds f pᵀ to the tableau T (rows × columns, by rows): all of T passes through memory for two operations an
 //   entry. Kept aside are (f_q, p_q), q < count(); the method asks for one column and one row of
 //     T + Σ_q f_q p_qᵀ
-//   a pivot, O((rows + columns) count()). After kMost pivots T is brought up to date in one pass, each entry with all of
-//   its terms while it is in a register, in the order of the pivots. Entries that cancel to noise on the way become 0, in
-//   a column, a row and the whole alike, so that all three see the same numbers.
+//   a pivot, O((rows + columns) count()). After kMost pivots T is brought up to date in one pass, each entry with all
+//   of its terms while it is in a register, in the order of the pivots. Entries that cancel to noise on the way become
+//   0, in a column, a row and the whole alike, so that all three see the same numbers.
 //   At n = 1024 a pivot takes a fourth of the time that it takes at once (experiments/time_per_pivot).
-//   Source: the product form of the inverse, as in Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.
+//   Source: the product form of the inverse, as in Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch.
+//   4.
 #pragma once
 
 #include <orthant/solvers/linear_algebra/kernels.h>
@@ -43,7 +44,7 @@ class DelayedPivots {  // reuse it: the second tableau of a size allocates nothi
     add_multiples(out, factor.data(), term.data(), count_, rows_, snap_);
   }
 
-  /// Brings row i of the tableau up to date, for what it is asked afterwards.
+  /// Brings row i of the tableau up to date for later reads.
   void finish_row(int i) {
     std::array<double, kMost> factor;
     std::array<const double*, kMost> term;
@@ -58,7 +59,7 @@ class DelayedPivots {  // reuse it: the second tableau of a size allocates nothi
   }
 
   /// One more pivot: f (`rows` entries) and p (`columns` entries). What was kept aside for column s is forgotten: the
-  /// caller has written that column anew, this pivot included.
+  /// caller has written that column again, this pivot included.
   void keep(const double* factors, const double* row, int s) {
     std::copy_n(factors, rows_, f(count_));
     std::copy_n(row, columns_, p(count_));

@@ -1,4 +1,4 @@
-// solvers/pivoting/enumerate.h — every solution, exactly: the oracle that judges the rest.
+// solvers/pivoting/enumerate.h — enumeration of all solutions, exact: the oracle of the tests.
 //
 //   A solution chooses for each row one of
 //     lower   z_i = lo_i, w_i ≥ 0        inside   w_i = 0, lo_i ≤ z_i ≤ hi_i        upper   z_i = hi_i, w_i ≤ 0
@@ -8,16 +8,19 @@
 //   all bounds and signs to be met; each level adds one equation, which takes one entry away: O(n p) work for p entries
 //   left, so that the leaves, where p ≈ 0, cost almost nothing.  All together about n 2ⁿ operations, less what is cut:
 //     – a form that should be ≥ 0, but has no positive coefficient and a negative constant, ends the branch,
-//     – inside with z_i fixed at its bound is part of lower (upper), and not visited; where w_i = 0 throughout, lower and
+//     – inside with z_i fixed at its bound is part of lower (upper), and not visited; where w_i = 0 throughout, lower
+//     and
 //       upper are parts of inside, and it alone is.
-//   Arithmetic is double with error bounds (exact.h); a sign that it leaves open, and every solution found, is done again
-//   in rationals: what comes out is the exact answer for the numbers given, the Delassus operator being formed exactly.
+//   Arithmetic is double with error bounds (exact.h); a sign that it leaves open, and every solution found, is done
+//   again in rationals: what comes out is the exact answer for the numbers given, the Delassus operator being formed
+//   exactly.
 //   A polyhedron with entries left is described by its vertices and directions (double description, exact.h). One
-//   that lies in another is dropped: exactly when each form that it lets be ≠ 0 somewhere is ≠ 0 somewhere in the other.
+//   that lies in another is dropped: exactly when each form that it lets be ≠ 0 somewhere is ≠ 0 somewhere in the
+//   other.
 //
-//   As a solver: the first vertex of a polyhedron, in binary counting order (bit i = row i, lower first), that the judge
-//   accepts. Nothing accepted → a proof of infeasibility is looked for (farkas.h), else `ray`: there is no solution
-//   (or none that doubles can hold), though no certificate says so.
+//   As a solver: the first vertex of a polyhedron, in binary counting order (bit i = row i, lower first), that the
+//   judge accepts. Nothing accepted → a proof of infeasibility is looked for (farkas.h), else `ray`: there is no
+//   solution (or none that doubles can hold), though no certificate says so.
 //   Rationals allocate: unlike the other solvers, this one does so in every solve.
 //   At most 2²⁰ choices: 20 rows [0, ∞), or 12 boxes or friction rows; at most 100 rows. A start value is not used.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.1, 1.4 (complementary cones).
@@ -48,7 +51,7 @@ struct SolutionSet {
       true;  // false: stopped; these are solutions, but there may be more, and faces may be parts of larger ones
 };
 
-/// `stop` is asked now and then; it ends the search where it says true.
+/// `stop` is polled; it ends the search where it says true.
 /// Throws std::invalid_argument when the problem is malformed, not finite or too large.
 SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>& stop = {});
 

@@ -1,13 +1,13 @@
 #include <orthant/solvers/pivoting/lemke.h>
 
-#include <orthant/solvers/pivoting/enumerate.h>
-#include <orthant/solvers/proof/farkas.h>
-#include <orthant/solvers/pivoting/normal_path.h>
 #include <orthant/solvers/linear_algebra/refined_basis.h>
-#include <orthant/solvers/pivoting/revised_lemke.h>
-#include <orthant/solvers/linear_algebra/scaling.h>
-#include <orthant/solvers/pivoting/tableau.h>
 #include <orthant/solvers/linear_algebra/scalars.h>
+#include <orthant/solvers/linear_algebra/scaling.h>
+#include <orthant/solvers/pivoting/enumerate.h>
+#include <orthant/solvers/pivoting/normal_path.h>
+#include <orthant/solvers/pivoting/revised_lemke.h>
+#include <orthant/solvers/pivoting/tableau.h>
+#include <orthant/solvers/proof/farkas.h>
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,7 @@ constexpr int kFirstAttempts = 5;  // the rest take the other form
 constexpr int kLastAttempt = static_cast<int>(std::size(kAttempts));
 
 // M with a few roundings of its row added to each positive diagonal entry. A Delassus matrix of redundant contacts is
-// positive semidefinite but for the rounding of its entries, which can leave it without a solution; this neighbour has
+// positive semidefinite up to the rounding of its entries, which can leave it without a solution; this neighbour has
 // one, and as its entries differ by less than 4 ε max_j |M_ij|, its solution has a residual below 4 ρ in M.
 struct Nearby {
   const DenseMatrix& M;
@@ -201,8 +201,8 @@ struct Lemke::Work {
     }
   }
 
-  // On factors, refined at every pivot: M z + t q, t from 0 to 1, by normal_path.h, whose random perturbation covers. It
-  // ends where Lemke's ray does not in some ill-conditioned problems. Bounds are native, friction is copositive.
+  // On factors, refined at every pivot: M z + t q, t from 0 to 1, by normal_path.h, whose random perturbation covers.
+  // It ends where Lemke's ray does not in some ill-conditioned problems. Bounds are native, friction is copositive.
   Status attempt_refined(int max_pivots, const Lcp& problem, Solution& s) {
     const bool friction = !problem.friction.empty();
     const Lcp& p = friction ? copositive.pure(problem, Pyramid::Form::stewart_trinkle) : problem;
@@ -334,8 +334,8 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   const Index n = problem.size() + static_cast<Index>(problem.friction.size());
   while (work.stage < kLastAttempt + kRestarts) {
     const int stage = work.stage++;
-    // A residual that would do: more digits may find the right basis, but other forms and paths are not called for. But a
-    // shifted friction force has lost what is small beside its bound.
+    // A residual that would do: more digits may find the right basis, but other forms and paths are not called for. But
+    // a shifted friction force has lost what is small relative to its bound.
     if (stage >= kFirstAttempts && problem.friction.empty() &&
         s.residual <= options_.tolerance * problem.b.lpNorm<Eigen::Infinity>())
       return false;

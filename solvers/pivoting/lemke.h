@@ -1,4 +1,4 @@
-// solvers/pivoting/lemke.h — Lemke's method: complementary pivoting, direct, for small and medium dense problems.
+// solvers/pivoting/lemke.h — Lemke's method: complementary pivoting for small and medium problems.
 //
 //   w = M z + q + e z₀:  z₀ enters, covering the most negative q_i; then whatever left, its complement enters, until z₀
 //   leaves (a solution) or nothing blocks (a ray).
@@ -20,7 +20,8 @@
 //   A start value is not used.   M n × n, any sign structure. The tableau is dense: O(n²) memory, pure form n ≤ 10000;
 //   large sparse problems without friction rows and upper bounds take the revised form (revised_lemke.h) instead, and
 //   up to 2000 rows the tableau and the rescue after it where the judge rejects what it found.
-//   Sources: Lemke, Management Science 11 (1965); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4.
+//   Sources: Lemke, Management Science 11 (1965); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch.
+//   4.4.
 #pragma once
 
 #include <orthant/core/lcp/pyramid.h>

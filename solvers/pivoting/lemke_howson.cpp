@@ -19,7 +19,8 @@ class Polytope {
     for (int j = 0; j < G.cols(); ++j) label_.push_back(first_u + j);
   }
 
-  /// Brings the variable of this label into the basis; the label of the one that leaves, kLost when rounding lets none leave.
+  /// Brings the variable of this label into the basis; the label of the one that leaves, kLost when rounding lets none
+  /// leave.
   int enter(int label) {
     const Eigen::Index s = std::find(label_.begin(), label_.end(), label) - label_.begin();
     Eigen::Index r = -1;
@@ -102,7 +103,7 @@ struct Game {
     const double high = costs.maxCoeff(), span = std::max(high - costs.minCoeff(), std::numeric_limits<double>::min());
     return ((high - costs.array()) / span + 1).matrix();
   }
-  /// Drops a label and goes on until it is there again. `stop` is asked at each pivot. No path comes twice to a pair of
+  /// Drops a label and continues until it returns. `stop` is polled at each pivot. No path comes twice to a pair of
   /// bases; with rounding it may: one that it had is kept, of the pivots 1, 2, 4, 8, … the last (Brent).
   PathOfGame follow(int label, const std::function<bool()>& stop) {
     Polytope* turn = p.rests(label) ? &p : &q;

@@ -1,12 +1,12 @@
-// solvers/pivoting/lemke_howson.h — the Lemke–Howson method: an equilibrium of a bimatrix game for each starting label.
+// solvers/pivoting/lemke_howson.h — Lemke-Howson method: an equilibrium of a bimatrix game for each starting label.
 //
 //   Player 1 has m pure strategies and cost matrix A, player 2 has k and B (both m × k). As an LCP:
 //     M = [ 0   A ],  q = −e,   z = (x, y):   A y ≥ e ⊥ x ≥ 0,   Bᵀx ≥ e ⊥ y ≥ 0,   A, B > 0;
 //         [ Bᵀ  0 ]
 //   strategies x / Σx and y / Σy, expected costs 1 / Σy and 1 / Σx.
-//   Costs become gains c − A, c − B > 0; on the polytopes {x ≥ 0, B̂ᵀx ≤ e} and {y ≥ 0, Ây ≤ e} the path that misses one
-//   label starts at the origin and ends at an equilibrium; ties are broken lexicographically, so it always ends; where costs
-//   span so many orders that rounding leads it in circles, that is seen and the label given up.
+//   Costs become gains c − A, c − B > 0; on the polytopes {x ≥ 0, B̂ᵀx ≤ e} and {y ≥ 0, Ây ≤ e} the path that misses
+//   one label starts at the origin and ends at an equilibrium; ties are broken lexicographically, so it always ends;
+//   where costs span so many orders that rounding leads it in circles, that is seen and the label given up.
 //   Paths from the origin, and on from each equilibrium found, lead to a connected set of them (not always to all).
 //   solve(): the first equilibrium, by label 0, 1, …, that the judge accepts (option label: just that one).
 //   Any other problem → unsupported (why_not says what is missing). The start value is not used.
@@ -23,12 +23,12 @@ namespace orthant {
 struct Equilibrium {
   Eigen::VectorXd x, y;           // mixed strategies: m, k; each sums to 1
   double cost_1 = 0, cost_2 = 0;  // expected: xᵀA y, xᵀB y
-  double regret = 0;  // the most a player gains by another strategy: ≥ 0, but for rounding 0; costs' units
-  int label = 0;      // that led here
+  double regret = 0;              // the most a player gains by another strategy: ≥ 0, up to rounding 0; costs' units
+  int label = 0;                  // that led here
 };
 
 /// One equilibrium of the game with costs A, B (m × k, finite) missing `label` in [0, m + k); any real costs.
-/// `stop` is asked at each pivot; where it says true, x and y come back empty.
+/// `stop` is polled at each pivot; where it says true, x and y come back empty.
 /// Throws std::invalid_argument for bad shapes, numbers or labels, std::runtime_error where rounding leads in circles.
 Equilibrium lemke_howson(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int label,
                          const std::function<bool()>& stop = {});

@@ -11,10 +11,10 @@ using std::abs, std::ilogb, std::ldexp;  // those of Wide are found by its names
 template <class T> const T kEps = std::numeric_limits<T>::epsilon();
 template <class T> const T kPivot = std::is_same_v<T, double>        ? T(0x1p-36)
                                     : std::is_same_v<T, long double> ? T(0x1p-47)
-                                                                     : T(0x1p-192);  // beside its column
+                                                                     : T(0x1p-192);  // relative to its column
 // What refinement changes shows how far rounding reaches, that of the data included: an entry of the entering column no
-// larger than kPivotNoise of it is a zero, as cancellation leaves it in the degenerate problems of contact mechanics; ratios
-// that differ by no more than kTie of it are tied.
+// larger than kPivotNoise of it is a zero, as cancellation leaves it in the degenerate problems of contact mechanics;
+// ratios that differ by no more than kTie of it are tied.
 constexpr int kPivotNoise = 1024, kTie = 256;
 constexpr std::size_t kRoom = 2000000;  // numbers kept of a path
 
@@ -175,7 +175,7 @@ template <class T> void NormalPath<T>::perturb() {
   sign_ = 1;
 }
 
-// The factors and both parts of the basic values anew.
+// The factors and both parts of the basic values again.
 template <class T> bool NormalPath<T>::recompute(bool with_t) {
   if (!factorize()) return false;
   a_.setZero();

@@ -1,23 +1,24 @@
-// solvers/pivoting/normal_path.h — the piecewise linear path from any point to a solution of a linear problem, by pivoting.
+// solvers/pivoting/normal_path.h — piecewise linear path from any point to a solution of a linear problem, by pivoting.
 //
 //   Find lo ≤ z ≤ hi and w, v ≥ 0 with M z + q = w − v, w_i > 0 only where z_i = lo_i, v_i > 0 only where z_i = hi_i.
 //   Robinson's normal map writes the three as one point x: z = π(x), the projection on [lo, hi], w − v = z − x, so that
 //   solutions are the zeros of  M π(x) + q + x − π(x).  At the start its value is r; the path keeps it at (1 − t) r:
 //     M z − w + v + r t = r − q,
 //   of z_i, w_i, v_i one basic, and t. First t enters; what blocks leaves at its bound and its complement enters: w_i
-//   after z_i at lo_i, v_i after z_i at hi_i, z_i after either; z_i may run through its whole range at once. t leaves at
-//   1 (solved), or nothing blocks (ray). Free z_i never leave. t may fall below its start, and come back.
+//   after z_i at lo_i, v_i after z_i at hi_i, z_i after either; z_i may run through its whole range at once. t leaves
+//   at 1 (solved), or nothing blocks (ray). Free z_i never leave. t may fall below its start, and come back.
 //   Two ways to start:
-//     from a point    the basis is what x says; singular: dependent z_i move to their nearest bound (free ones: refused).
+//     from a point    the basis is what x says; singular: dependent z_i move to their nearest bound (free ones:
+//                     refused).
 //     on a ray        z at its bounds, free z solved for, and r = −d z₀ so that w, v ≥ 0: this is Lemke's method.
-//   Degeneracy: every basic value is a + b ε with ε → 0 and b random at the start, so that ties of a are broken by b and
-//   no basis returns (a lexicographic rule in a random direction). Which a tie is told by running error bounds.
+//   Degeneracy: every basic value is a + b ε with ε → 0 and b random at the start, so that ties of a are broken by b
+//   and no basis returns (a lexicographic rule in a random direction). Running error bounds detect a tie.
 //   basis.h holds the factors, refactorized every 64 pivots. At each pivot the entering column and the basic values are
 //   refined with residuals in long double: in the problems of contact mechanics a basis may be so ill conditioned that
 //   the path is lost otherwise.   O(n²) a pivot when dense: four solves, two products with B.
 //   T = double, long double or 256 bits (scalars.h). Rows and columns are scaled by powers of 2.
-//   Sources: Ralph, Math. Oper. Res. 19 (1994) 352-389; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156; Cottle,
-//   Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4, 4.9.
+//   Sources: Ralph, Math. Oper. Res. 19 (1994) 352-389; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156;
+//   Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4, 4.9.
 #pragma once
 
 #include <orthant/solvers/linear_algebra/basis.h>
@@ -55,7 +56,7 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
   /// On the ray of the covering vector d > 0 (empty: ones).
   bool start_on_ray(const Vector& cover);
 
-  /// To the end; stop(t) is asked at each pivot. `points`, unless null, takes the breakpoints.
+  /// To the end; stop(t) is polled at each pivot. `points`, unless null, takes the breakpoints.
   End follow(int max_pivots, const std::function<bool(double)>& stop, PathPoints* points = nullptr);
 
   int pivots() const { return pivots_; }

@@ -2,10 +2,10 @@
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_set/coarse_start.h>
-#include <orthant/solvers/effort.h>
-#include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/active_set/fischer_burmeister.h>
+#include <orthant/solvers/effort.h>
 #include <orthant/solvers/pivoting/normal_path.h>
+#include <orthant/solvers/proof/farkas.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ struct Variation {
   const char* name;
   bool crash, ray;  // crash first; paths start on the ray
   Digits digits;    // to pivot in
-  double proximal;  // ε beside the largest entry of J
+  double proximal;  // ε relative to the largest entry of J
   unsigned seed;    // 0: the given start and e as covering vector; else random ones
 };
 constexpr Variation kVariations[] = {

@@ -1,25 +1,28 @@
-// solvers/pivoting/path.h — Newton's method on the normal map, each step a path found by pivoting (the method known as PATH).
+// solvers/pivoting/path.h — PATH-like Newton method on the normal map: each step is a path found by pivoting.
 //
-//   A zero of F(π(x)) + x − π(x), π the projection on [lo, hi], is a solution z = π(x): complementary rows, free rows and
-//   boxes alike. From a start value:
+//   A zero of F(π(x)) + x − π(x), π the projection on [lo, hi], is a solution z = π(x): complementary rows, free rows
+//   and boxes alike. From a start value:
 //     1. crash     projected Newton steps, z ← π(z + α d), d solving the rows that are not at a bound they press
 //                  against: finds most of the active set in a few factorizations. [Dirkse & Ferris 1995]
 //                  Cold, linear, sparse Z-matrices (obstacle problems) begin on coarse problems (coarse_start.h).
 //     2. step      F replaced by its linearization at z; normal_path.h follows the path from x to a zero of that map.
-//     3. search    the end of the path is taken when the merit ½‖Φ‖² (fischer_burmeister.h) falls below the largest of the
-//                  last few; up to `watchdog` steps may be taken on trust; else back to the last good point, and along
-//                  the breakpoints of its path; else along the gradient of the merit.
+//     3. search    the end of the path is taken when the merit ½‖Φ‖² (fischer_burmeister.h) falls below the largest of
+//                  the last few; up to `watchdog` steps may be taken on trust; else back to the last good point, and
+//                  along the breakpoints of its path; else along the gradient of the merit.
 //     4. proximal  where a basis is singular in free variables, or a path ends on a ray, ε (z − z_k) is added to F.
-//     5. restarts  a table of variations, in path.cpp: other starts, Lemke's ray, long double, 256 bits (scalars.h; up to 600 rows,
-//                  linear), other coverings.
+//     5. restarts  a table of variations, in path.cpp: other starts, Lemke's ray, long double, 256 bits (scalars.h; up
+//                  to 600 rows, linear), other coverings.
 //   A linear problem takes one step, from the crash point or (variation 2) as Lemke's method in revised form.
 //   Friction rows take the copositive pure form (pyramid.h, stewart_trinkle); all else is native. Dense: O(n²) a pivot;
 //   RowSparse: factors by KLU. A linear problem that ends on a ray is searched for a proof (farkas.h).
-//   Finds a solution of a linear problem in exact arithmetic where Lemke's method does: P-matrices, xᵀM x ≥ 0. Nonlinear:
+//   Finds a solution of a linear problem in exact arithmetic where Lemke's method does: P-matrices, xᵀM x ≥ 0.
+//   Nonlinear:
 //   quadratic convergence near a regular solution; no method can promise to get there (status stalled).
 //   Written after the publications, not after the program of that name.
-//   Sources: Ralph, Math. Oper. Res. 19 (1994) 352-389; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156 and 319-345;
-//   Ferris & Munson, Comput. Optim. Appl. 12 (1999) 207-227; Ferris, Kanzow & Munson, Math. Programming 86 (1999) 475-497.
+//   Sources: Ralph, Math. Oper. Res. 19 (1994) 352-389; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156 and
+//   319-345;
+//   Ferris & Munson, Comput. Optim. Appl. 12 (1999) 207-227; Ferris, Kanzow & Munson, Math. Programming 86 (1999)
+//   475-497.
 #pragma once
 
 #include <orthant/core/lcp/mcp.h>

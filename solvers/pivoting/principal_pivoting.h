@@ -1,15 +1,15 @@
-// solvers/pivoting/principal_pivoting.h — what the principal pivoting methods (dantzig, murty) share around their tableau.
+// solvers/pivoting/principal_pivoting.h — principal pivoting base, shared by dantzig and murty.
 //
 //   form      friction rows → pyramid.h; A dense; powers of 2 as scales.
-//   attempt   load the tableau in the precision asked for, let the method pivot, refine z of the basis it ends on.
+//   attempt   load the tableau in the requested precision, let the method pivot, refine z of the basis it ends on.
 #pragma once
 
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/core/lcp/solution.h>
-#include <orthant/solvers/proof/farkas.h>
-#include <orthant/solvers/pivoting/principal_tableau.h>
 #include <orthant/solvers/linear_algebra/refined_basis.h>
 #include <orthant/solvers/linear_algebra/scaling.h>
+#include <orthant/solvers/pivoting/principal_tableau.h>
+#include <orthant/solvers/proof/farkas.h>
 
 #include <string>
 

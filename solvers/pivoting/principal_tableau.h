@@ -1,4 +1,4 @@
-// solvers/pivoting/principal_tableau.h — the condensed tableau of principal pivoting, in any scalar type.
+// solvers/pivoting/principal_tableau.h — condensed tableau of principal pivoting, in any scalar type.
 //
 //   w = A z + b as a dictionary whose row i and column i belong to pair i: one of (z_i, w_i) is basic, the other is
 //   not, Δ basic_i = Σ_j T_ij Δ nonbasic_j. At the start every z_i is nonbasic, on its bound nearest to 0 or at 0.
@@ -55,7 +55,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
   T& at(int i, int j) { return t_[u(i) * u(n_) + u(j)]; }
   const T& at(int i, int j) const { return t_[u(i) * u(n_) + u(j)]; }
   bool free(int i) const { return low[u(i)] == T(-kInf) && high[u(i)] == T(kInf); }
-  /// Nonbasic z_i that is on neither bound (free rows; a driving variable on its way): w_i = 0 is then asked of it.
+  /// Nonbasic z_i that is on neither bound (free rows; a driving variable on its way): w_i = 0 is then required.
   bool loose(int i) const { return low[u(i)] < z[u(i)] && z[u(i)] < high[u(i)]; }
   /// What rounding may have done to w_i.
   T noise(int i) const { return 8 * Roundings<T>::snap * size_[u(i)]; }
@@ -107,7 +107,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
   }
 
   /// w = 0 on all free rows, by principal and exchange pivots, largest first. False when their block is singular, or
-  /// stop(), asked at each pivot, is true.
+  /// stop(), polled at each pivot, is true.
   template <class Stop> bool release_free(const Stop& stop) {
     for (;;) {
       int i = -1, k = -1;
@@ -163,7 +163,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
   std::vector<T> t_, size_, reach_;  // the largest terms that w_i and z_i were sums of
 };
 
-/// The same problem in three precisions, each loaded only when it is asked for.
+/// The same problem in three precisions, each loaded only when it is needed.
 struct PrincipalTableaus {
   PrincipalTableau<double> first;
   PrincipalTableau<long double> second;

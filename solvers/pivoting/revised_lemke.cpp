@@ -99,7 +99,7 @@ bool RevisedLemke::split() {
   return true;
 }
 
-// B anew, and x_B = B⁻¹ q from the data, with one step of refinement in long double.
+// B again, and x_B = B⁻¹ q from the data, with one step of refinement in long double.
 bool RevisedLemke::factorize() {
   if (!basis_.factorize([this](Index k, const auto& add) { column(basic_[at(k)], add); })) return false;
   x_ = q_;

@@ -1,18 +1,19 @@
-// solvers/pivoting/revised_lemke.h — Lemke's method on a factorized, updated basis: for large sparse problems.
+// solvers/pivoting/revised_lemke.h — revised Lemke's method on an updated factorized basis, for large sparse problems.
 //
 //   The columns of w − M z − d z₀ = q are I, −M, −d; a basis B of n of them gives x_B = B⁻¹ q. An iteration costs one
 //   solve for the entering column u = B⁻¹ a and an update (basis.h), not the O(n²) of a tableau, and what is kept is M
-//   itself and the factors. x_B is moved along, and computed anew from the data, refined, at each factorization.
+//   itself and the factors. x_B is moved along, and recomputed from the data, refined, at each factorization.
 //   Free rows (w_i = 0) have z_i basic from the start and take no part in ratio tests; where their block is singular,
 //   each is split, z = z⁺ − z⁻ against ±w ≥ 0.
 //   Ratio test: z₀ first; ties lexicographically by the rows of B⁻¹ (one solve with Bᵀ for each tied row); an entry
 //   below 2⁻³⁶ of its column is no pivot, and a constant below 2⁻⁴⁴ of the largest is 0.
-//   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4; Tomlin, Math. Prog. Study 7 (1978).
+//   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4; Tomlin, Math. Prog. Study 7
+//   (1978).
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
-#include <orthant/solvers/linear_algebra/basis.h>
 #include <orthant/solvers/budget.h>
+#include <orthant/solvers/linear_algebra/basis.h>
 
 #include <vector>
 
@@ -23,7 +24,7 @@ class RevisedLemke {  // reuse it
   enum class End { solved, ray, limit, stopped, lost };  // lost: the basis became singular to working precision
 
   /// Rows [0, ∞) and free ones, dense or sparse storage. cover: d > 0, n entries. False when not finite.
-  /// The budget, which must outlive the run, is asked in every loop whose length grows with n.
+  /// The budget, which must outlive the run, is polled in every loop whose length grows with n.
   bool load(const Lcp& problem, const Vector& cover, const Budget& budget);
 
   /// At most `limit` pivots, log(z₀) after each.

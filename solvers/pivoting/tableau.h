@@ -1,10 +1,10 @@
-// solvers/pivoting/tableau.h — the condensed tableau that Lemke's method pivots, in any scalar type.
+// solvers/pivoting/tableau.h — condensed tableau of Lemke's method, in any scalar type.
 //
 //   w = M z + q + d z₀ (d = e) as a dictionary: each basic variable = constant + Σ coefficient · nonbasic variable.
-//   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only; in
-//   double from kDelayed rows on it is delayed (delayed_pivots.h), and only the constants, the entering column and the
-//   leaving row are kept up to date.
-//   Free rows go first: their z enters for good (complete pivoting), their w leaves for good. What is left when the free
+//   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only;
+//   in double from kDelayed rows on it is delayed (delayed_pivots.h), and only the constants, the entering column and
+//   the leaving row are kept up to date.
+//   Free rows go first: their z enters (complete pivoting) and their w leaves permanently. What is left when the free
 //   block is singular is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
 //   Ratio test: z₀ leaves first on ties; else the lexicographic rule (rows of the basis inverse, read off the tableau),
 //   which cannot cycle. An entry that cancels to a few roundings of what it was is set to 0: in the degenerate problems
@@ -13,8 +13,8 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
-#include <orthant/solvers/pivoting/delayed_pivots.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
+#include <orthant/solvers/pivoting/delayed_pivots.h>
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   /// Another covering vector than e for the loads that follow: d > 0 by row of the problem; empty: e again.
   void cover(const Vector& d) { cover_ = d; }
 
-  /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and z_i of any sign. stop() is asked
+  /// Loads diag(row) M diag(col), diag(row) q; a row i with free[i] ≠ 0 has w_i = 0 and any z_i. stop() is polled
   /// at each pivot on free rows: once true, all that run() says is `stopped`.
   template <class Entries, class Stop> void load(const Entries& M, const Vector& q, const std::vector<char>& free,
                                                  const Vector& row, const Vector& col, const Stop& stop) {
@@ -72,7 +72,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
       if (free_[u(i)]) split(i);
   }
 
-  /// Lemke's method from the loaded tableau, at most `limit` pivots. After each, stop(z₀) is asked: true ends the run.
+  /// Lemke's method from the loaded tableau, at most `limit` pivots. After each, stop(z₀) is polled: true ends the run.
   template <class Stop> End run(int limit, const Stop& stop) {
     if (stopped_) return End::stopped;
     const int r = most_negative();
@@ -205,7 +205,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     }
     swap(r, s);
   }
-  // Delayed pivots: row_at(i) is what it was some pivots ago, until finish_row(i); the constants are in delays_.constant.
+  // Delayed pivots: row_at(i) is what it was some pivots ago, until finish_row(i); the constants are in
+  // delays_.constant.
   static constexpr bool kDelays = std::is_same_v<T, double>;
   struct Delays {
     bool on = false;
@@ -406,7 +407,7 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     return true;
   }
 
-  // Row i of a dependent free row is zero but for rounding, which a pivot would take for data: what lies below the
+  // Row i of a dependent free row is zero except for rounding, which a pivot would take for data: what lies below the
   // roundings of the sums it came from, entry = M_ij + Σ_e k_e M_ej over the eliminated rows e, becomes 0.
   template <class Entries> void clean(int i, const Entries& M, const Vector& q, const Vector& row, const Vector& col) {
     T* const line = row_at(i);

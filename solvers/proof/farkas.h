@@ -1,10 +1,11 @@
-// solvers/proof/farkas.h — looks for a proof that a problem has no solution.
+// solvers/proof/farkas.h — Farkas proofs: search for a proof that a problem has no solution.
 //
 //   No z satisfies M z + q ≥ 0, z ≥ 0 exactly when some u ≥ 0 has Mᵀu ≤ 0, qᵀu < 0 (free rows: = 0, u of any sign).
 //   The linear program  min cᵀz, M z + q ≥ 0, z ≥ 0  and its dual are one LCP,
 //     w_z = c − Mᵀu ⊥ z,   w_u = M z + q ⊥ u,   c = 1 (0 on free rows),
 //   whose matrix is skew, so that Lemke's method ends on a solution (feasible) or on a ray whose u is the proof.
-//   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it sees what is infeasible by a rounding. Beyond,
+//   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it sees what is infeasible by a rounding.
+//   Beyond,
 //   a sparse dual simplex method (farkas_simplex.h).   certify.h judges what is found, as always.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
 #pragma once
@@ -33,8 +34,8 @@ class Farkas {  // reuse it: the second problem of a size allocates nothing, up 
   std::vector<char> free_;
 };
 
-/// u, of largest entry 1, as the least whole numbers in its ratios, where these are at most 4096: of problems in round numbers sums
-/// have no rounding then, and prove what a third in 53 bits does not. False: there are none.
+/// u, of largest entry 1, as the least whole numbers in its ratios, where these are at most 4096: of problems in round
+/// numbers sums have no rounding then, and prove what a third in 53 bits does not. False: there are none.
 bool in_whole_numbers(Vector& u);
 
 /// The direction of a ray made a certificate (no friction rows): largest entry 1, noise and wrong signs cut.

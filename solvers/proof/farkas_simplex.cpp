@@ -15,7 +15,7 @@ namespace orthant {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-class Stop final : public ClpEventHandler {  // asked after each iteration
+class Stop final : public ClpEventHandler {  // polled after each iteration
  public:
   explicit Stop(const Budget& budget) : budget_(&budget) {}
   int event(Event) override { return budget_->exhausted() ? 5 : -1; }
