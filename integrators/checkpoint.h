@@ -1,11 +1,11 @@
-// integrators/checkpoint.h — what is remembered from one step to the next, as bytes: one list serves writing and reading.
+// integrators/checkpoint.h — checkpoint of an integrator: its state between steps, in binary; one list for both ways.
 //
 //   void Scheme::remember(Memory& memory) { memory(last_step_, modes_, formulation_); }
 //   Memory out;  scheme.remember(out);  out.bytes()            the doubles' own bits: what is read back is the same
 //   Memory in(bytes);  other.remember(in);  in.end()           throws std::invalid_argument where they do not fit
 //
-//   Numbers, enumerations, structs of them, strings, vectors of all these, and whatever has a remember() of its own. The bytes
-//   are this machine's: a checkpoint is for going on, not for keeping.
+//   Numbers, enumerations, structs of them, strings, vectors of all these, and whatever has a remember() of its own.
+//   The bytes are this machine's: a checkpoint is for going on, not for keeping.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

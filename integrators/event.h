@@ -1,4 +1,4 @@
-// integrators/event.h — what happens at a contact, and when: for schemes that locate it.
+// integrators/event.h — event: what happens at a contact, and when; for schemes that locate it.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 6> kEventNames = {"impact",  "accu
 struct Event {
   double t = 0;  // [s]
   EventKind kind = EventKind::impact;
-  int contact = 0;                 // index in the scene
+  int contact = 0;                 // index in the system; of dry friction in joints: behind all contacts
   double normal = 0, tangent = 0;  // [N s] impulses of an impact
 };
 

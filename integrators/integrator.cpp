@@ -19,13 +19,6 @@ void Integrator::employ(std::vector<std::unique_ptr<Solver>> helpers) {
   crew_ = std::make_unique<Crew>(std::move(helpers));
 }
 
-void Integrator::refuse_joint_friction(std::string_view scheme) const {
-  if (system_.scene().frictions.empty()) return;
-  throw std::invalid_argument("integrator " + std::string(scheme) + ": has no dry friction in joints (friction \"" +
-                              system_.scene().frictions[0].name +
-                              "\"): must be one that has, such as moreau-jean or stewart-trinkle");
-}
-
 void Integrator::refuse_loaded_friction(std::string_view scheme) const {
   for (const JointFriction& f : system_.scene().frictions)
     if (f.loaded())
@@ -46,13 +39,6 @@ void Integrator::refuse_tangential_restitution(std::string_view scheme) const {
     refuse("contact \"" + std::visit([](const auto& c) { return c.name; }, system_.scene().contacts[at(i)]) + "\"",
            system_.law(i));
   for (const Collision& c : system_.scene().collisions) refuse("collision \"" + c.name + "\"", c.law);
-}
-
-void Integrator::refuse_collisions(std::string_view scheme) const {
-  if (system_.scene().collisions.empty()) return;
-  throw std::invalid_argument("integrator " + std::string(scheme) + ": follows listed contacts only (collision \"" +
-                              system_.scene().collisions[0].name +
-                              "\"): its pairs must be listed (search = \"none\"), or the integrator be a stepper");
 }
 
 bool Integrator::fail(StepReport& report, Status status, std::string why) {

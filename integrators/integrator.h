@@ -1,15 +1,16 @@
-// integrators/integrator.h — the interface that all schemes share: one step, and what it reports.
+// integrators/integrator.h — integrator interface: one step, and its report.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>
-#include <orthant/integrators/solver_pool.h>
-#include <orthant/integrators/event.h>
 #include <orthant/integrators/checkpoint.h>
+#include <orthant/integrators/event.h>
+#include <orthant/integrators/solver_pool.h>
 #include <orthant/integrators/step/tunnelling.h>
 #include <orthant/solvers/solver.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,15 +24,18 @@ struct StepReport {
   double lcp_residual = 0;         // [m/s] the largest of those solved, as certify() measures it
   int lcp_rows = 0;                // rows of the largest problem; 0: none was solved
   int lcp_solves = 0;
-  int lcp_iterations = 0;     // of all of them
-  int accepted = 1;           // inner steps
-  int rejected = 0;           // inner steps done again with a smaller one
-  double joint_residual = 0;  // max |Φ| at the end of the step [m, rad]
-  double joint_rate = 0;      // max |G v| at the end of the step [m/s, rad/s], of schemes that satisfy it
-  double penetration = 0;     // max(0, −gap) at the end of the step [m]
-  int crossings = 0;          // of the inner steps: across crowds of events, to first order whatever the tolerance
-  double energy_rise = 0;     // [J] that impacts added where they should not, see impact.h; 0: they did not
-  Passage passage;            // of bodies through each other, unseen, of schemes of fixed step
+  int lcp_iterations = 0;      // of all of them
+  int accepted = 1;            // inner steps
+  int rejected = 0;            // inner steps done again with a smaller one
+  double joint_residual = 0;   // max |Φ| at the end of the step [m, rad]
+  double joint_rate = 0;       // max |G v| at the end of the step [m/s, rad/s], of schemes that satisfy it
+  double penetration = 0;      // max(0, −gap) at the end of the step [m]
+  int crossings = 0;           // of the inner steps: across crowds of events, to first order whatever the tolerance
+  std::optional<double> work;  // [J] of drives, loads and belts, from schemes that measure it themselves (work_meter.h)
+  double error_estimate =
+      0;  // [m, rad] of q: sum over the inner steps of schemes that estimate it; the motion may magnify it
+  double energy_rise = 0;  // [J] that impacts added where they should not, see impact.h; 0: they did not
+  Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
 
   /// Takes one more problem in; true: it is solved.
   bool note(const Lcp& problem, const Solution& solution) {
@@ -45,7 +49,7 @@ struct Impulse {
 };
 
 /// Bound to one system, which must outlive it. What a scheme remembers from one step to the next (an acceleration, a
-/// step size) counts only when it is given the very q and v that it returned last; any other state starts it anew.
+/// step size) counts only when it is given the very q and v that it returned last; any other state restarts it.
 class Integrator {
  public:
   explicit Integrator(const System& system)
@@ -61,11 +65,12 @@ class Integrator {
   /// that controls its step leaves it at the last time it reached.
   virtual StepReport step(double h, Solver& solver, State& x) = 0;
 
-  /// All that the scheme remembers from one step to the next, to `memory` or from it (checkpoint.h): a scheme that has read it
-  /// goes on bit for bit as this one, which forgets what only saves it work (pivots chosen, matrices factorized).
+  /// All that the scheme remembers from one step to the next, to `memory` or from it (checkpoint.h): a scheme that has
+  /// read it goes on bit for bit as this one, which forgets what only saves it work (pivots chosen, matrices
+  /// factorized).
   virtual void remember(Memory& memory) = 0;
 
-  /// Asked now and then by schemes that divide their step; null: none. It must outlive the steps.
+  /// Polled by schemes that divide their step; null: none. It must outlive the steps.
   void set_budget(const Budget* budget) { budget_ = budget; }
 
   /// The last complementarity problem, to dump and replay; of size 0 when there was none.
@@ -75,10 +80,16 @@ class Integrator {
   /// status says it.
   virtual std::string why() const { return why_; }
 
-  /// From now on large islands of a step (islands.h) are solved at the same time, by the solver that step() is given and
-  /// these, one thread each. They should be solvers like that one: then every result is the same to the last bit, however
-  /// many they are. For the schemes of fixed step; stages of impacts (impact.h) stay with the one solver.
+  /// From now on large islands of a step (islands.h) are solved at the same time, by the solver that step() is given
+  /// and these, one thread each. They should be solvers like that one: then every result is the same to the last bit,
+  /// however many they are. For the schemes of fixed step; stages of impacts (impact.h) stay with the one solver.
   void employ(std::vector<std::unique_ptr<Solver>> helpers);
+
+  /// Whether the scheme divides the step that it is given: then the step bounds no penetration.
+  virtual bool controls_step() const { return false; }
+  /// Of searched collisions, behind the listed contacts: what gaps() and impulses() belong to. Empty: none are
+  /// searched.
+  virtual std::span<const Pair> pairs() const { return {}; }
 
   const System& system() const { return system_; }
   const Eigen::VectorXd& gaps() const { return gaps_; }               // at the end of the last step [m]
@@ -89,20 +100,17 @@ class Integrator {
   std::span<const Event> events() const { return events_; }  // located in the last step, in order of time
 
  protected:
-  /// [m] A gap up to this is the rounding of positions that are `far` out [m]: bodies that touch would else come apart for
-  /// a step now and then.
+  /// [m] A gap up to this is the rounding of positions that are `far` out [m]: bodies that touch would else come apart
+  /// for a step repeatedly.
   static double touching(double far) { return 0x1p-48 * far; }
 
-  /// For schemes that have none: throws std::invalid_argument when the scene has dry friction in joints.
-  void refuse_joint_friction(std::string_view scheme) const;
   /// For schemes that have none: throws std::invalid_argument when a contact has e_t ≠ 0.
   void refuse_tangential_restitution(std::string_view scheme) const;
 
   /// For schemes that do not know the joints' loads: throws std::invalid_argument when dry friction depends on them.
   void refuse_loaded_friction(std::string_view scheme) const;
 
-  /// For schemes that remember what each contact did: throws std::invalid_argument when the scene has collisions.
-  void refuse_collisions(std::string_view scheme) const;
+  const Budget* budget() const { return budget_; }
 
   /// True once the time is over or the caller has cancelled; the report says which.
   bool stopped(StepReport& report) const {

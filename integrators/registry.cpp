@@ -1,13 +1,14 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive/adaptive.h>
-#include <orthant/integrators/fixed_step/anitescu_potra.h>
+#include <orthant/integrators/between_events/substitute.h>
 #include <orthant/integrators/event_driven/event_driven.h>
+#include <orthant/integrators/fixed_step/anitescu_potra.h>
 #include <orthant/integrators/fixed_step/generalized_alpha.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
 #include <orthant/integrators/fixed_step/paoli_schatzman.h>
 #include <orthant/integrators/fixed_step/rattle.h>
-#include <orthant/integrators/registry.h>
 #include <orthant/integrators/fixed_step/stewart_trinkle.h>
+#include <orthant/integrators/registry.h>
 
 namespace orthant {
 namespace {
@@ -17,6 +18,15 @@ template <class Scheme> std::unique_ptr<Integrator> make(const System& system, s
   set_options(options, text);
   return std::make_unique<Scheme>(system, options);
 }
+
+/// Of schemes that follow listed contacts only: through the equivalent scene of such (substitute.h), where it is
+/// needed.
+template <class Scheme, const std::string_view& kName>
+std::unique_ptr<Integrator> make_by_contacts(const System& system, std::string_view text) {
+  if (!Substitute::needed(system.scene())) return make<Scheme>(system, text);
+  return std::make_unique<SubstituteIntegrator>(system, kName, &make<Scheme>, text);
+}
+constexpr std::string_view kAdaptive = "adaptive", kEventDriven = "event-driven";
 
 template <class Scheme> std::string options_of() { return describe(typename Scheme::Options{}); }
 
@@ -33,10 +43,10 @@ constexpr IntegratorEntry kIntegrators[] = {
      &make<GeneralizedAlpha>, &options_of<GeneralizedAlpha>},
     {"rattle", "joints and gaps at both levels, symplectic; order 2 on smooth motion", &make<Rattle>,
      &options_of<Rattle>},
-    {"adaptive", "to a tolerance: extrapolated between events, first order across them", &make<Adaptive>,
-     &options_of<Adaptive>},
-    {"event-driven", "Runge-Kutta of order 8 between located events; for references", &make<EventDriven>,
-     &options_of<EventDriven>},
+    {"adaptive", "to a tolerance: located events, dense output; no answer depends on the output step",
+     &make_by_contacts<Adaptive, kAdaptive>, &options_of<Adaptive>},
+    {"event-driven", "Runge-Kutta of order 8 between located events; for references",
+     &make_by_contacts<EventDriven, kEventDriven>, &options_of<EventDriven>},
 };
 
 }  // namespace

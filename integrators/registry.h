@@ -1,4 +1,4 @@
-// integrators/registry.h — integrators have names, in one table.
+// integrators/registry.h — integrator registry: names in one table.
 #pragma once
 
 #include <orthant/integrators/integrator.h>

@@ -1,7 +1,7 @@
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/core/support/options.h>
+#include <orthant/integrators/run_fields.h>
 #include <orthant/integrators/step/projection.h>
-#include <orthant/integrators/simulate.h>
 
 #include <chrono>
 #include <cmath>
@@ -64,7 +64,7 @@ class Recording {
   std::vector<Event> events_;
 };
 
-/// Time limit and cancellation of a run, handed on to what works in it; free where there is neither.
+/// Time limit and cancellation of a run, handed on to what works in it; free where there is no limit.
 class Watchdog {
  public:
   Watchdog(const Clock& clock, Integrator& integrator, Solver& solver)
@@ -103,30 +103,33 @@ void note(const StepReport& report, Run& run) {
   run.energy_rises += report.energy_rise > 0;
   if (report.energy_rise > run.max_energy_rise) {
     run.max_energy_rise = report.energy_rise;
-    run.max_rise_time = run.final.t;
+    run.max_energy_rise_time = run.final.t;
   }
   if (report.passage.width > 0 && run.passages++ == 0)
     run.first_passage = report.passage, run.first_passage_time = run.final.t;
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
-  run.max_penetration = std::max(run.max_penetration, report.penetration);
+  if (report.penetration > run.max_penetration) {
+    run.max_penetration = report.penetration;
+    run.max_penetration_time = run.final.t;
+  }
   run.max_lcp_residual = std::max(run.max_lcp_residual, report.lcp_residual);
   run.max_joint_rate = std::max(run.max_joint_rate, report.joint_rate);
   run.accepted += report.accepted;
   run.crossings += report.crossings;
+  run.error_estimate += report.error_estimate;
   run.rejected += report.rejected;
   run.lcp_solves += report.lcp_solves;
   run.lcp_iterations += report.lcp_iterations;
 }
 
 void remember(Run& run, Memory& memory) {
-  memory(run.final, run.steps, run.seconds, run.energy_initial, run.max_joint_residual, run.max_penetration,
-         run.max_lcp_residual, run.max_joint_rate, run.accepted, run.rejected, run.lcp_solves, run.lcp_iterations,
-         run.events, run.crossings, run.energy_rises, run.max_energy_rise, run.max_rise_time, run.passages,
-         run.first_passage, run.first_passage_time);
+  memory(run.final, run.first_passage);
+  visit_fields(run, [&](const char*, const char*, const char*, auto& value) { memory(value); });
 }
 
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
-void remember(const Clock& clock, Run& run, Recording& recording, Integrator& integrator, Memory& memory) {
+void remember(const Clock& clock, Run& run, Recording& recording, Integrator& integrator, MotionWatch& watch,
+              Memory& memory) {
   Clock same = clock;
   memory(same.step, same.duration, same.every);
   if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
@@ -134,11 +137,11 @@ void remember(const Clock& clock, Run& run, Recording& recording, Integrator& in
                                 ", duration = " + detail::text_of(same.duration) +
                                 ", every = " + std::to_string(same.every) + ": must be those of this run");
   remember(run, memory);
-  memory(recording, integrator);
+  memory(recording, integrator, watch);
 }
 
-/// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that keeps
-/// them to 1e-9 stays as it is; so does one from which they cannot be closed, for the first step to say so.
+/// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that
+/// keeps them to 1e-9 stays as it is; so does one from which they cannot be closed, for the first step to say so.
 void close_joints(const System& system, Terms& terms, State& x) {
   constexpr double kClosed = 1e-9;
   constexpr int kPasses = 20;
@@ -197,16 +200,18 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   set_poses(system, x.t, x.q, start.at);
   BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
+  MotionWatch watch(integrator, x, start.gap);
   if (restart.from.empty()) {
     recording.write(x, {}, start.gap);
   } else {
     Memory memory(restart.from);
-    remember(clock, run, recording, integrator, memory);
+    remember(clock, run, recording, integrator, watch, memory);
     memory.end();
     if (x.q.size() != system.dof() || x.v.size() != system.dof())
       throw std::invalid_argument("checkpoint: is of another scene");
   }
   const double seconds_before = run.seconds;
+  State before;  // the step, where the watch reads it
 
   // A remainder below a billionth of a step is the rounding of duration / step.
   const auto whole = static_cast<long>(std::floor(clock.duration / clock.step * (1 + 1e-12) + 1e-9));
@@ -219,31 +224,48 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
       recording.end(false, x, {}, integrator);
       break;
     }
-    const double t = x.t;
-    const StepReport report = integrator.step(k < whole ? clock.step : rest, solver, x);
+    const double t = x.t, h = k < whole ? clock.step : rest;
+    if (watch.measures_work()) before = x;
+    const StepReport report = integrator.step(h, solver, x);
     if (report.status != Status::solved) {
       run.status = report.status;
       run.why = integrator.why();
+      if (watch.explains(x, h, report.status))
+        run.status = watch.status(), run.why = watch.why();
+      else if (report.status == Status::infeasible && run.why.starts_with("jammed"))
+        run.why += since(x.t);
       const bool moved = x.t != t;  // a scheme that controls its step came some way
-      if (moved) note(report, run);
+      if (moved) note(report, run), run.events += static_cast<long>(integrator.events().size());
       recording.end(moved, x, report, integrator);
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding
+    if (!watch.admits(before, x, h, report, k + 1 == total)) {
+      run.status = watch.status(), run.why = watch.why();
+      if (watch.jammed()) x = before;
+      note(report, run);
+      recording.end(false, x, report, integrator);
+      break;
+    }
     run.steps = k + 1;
     note(report, run);
     run.events += static_cast<long>(integrator.events().size());
+    if (clock.reached != nullptr) {
+      clock.reached->t.store(x.t, std::memory_order_relaxed);
+      clock.reached->events.store(run.events, std::memory_order_relaxed);
+    }
     recording.add(run.steps, run.steps == total, x, report, integrator);
     if (restart.every > 0 && run.steps % restart.every == 0) {
       const auto saving = WallClock::now();
       Memory memory;
-      remember(clock, run, recording, integrator, memory);
+      remember(clock, run, recording, integrator, watch, memory);
       restart.save(memory.bytes());
       recording.seconds += std::chrono::duration<double>(WallClock::now() - saving).count();
     }
   }
   run.seconds = seconds_before + std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;
   run.energy_final = energy(system, x);
+  run.motion = watch.motion();
   return run;
 }
 

@@ -1,7 +1,8 @@
-// integrators/simulate.h — the loop over steps, and what is kept of it.
+// integrators/simulate.h — simulation loop over the steps, and its record of the run.
 #pragma once
 
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/admissible.h>
 
 #include <atomic>
 #include <functional>
@@ -16,18 +17,20 @@ struct Run {
   double seconds = 0;                           // wall time of the steps alone, recording excluded
   double energy_initial = 0, energy_final = 0;  // [J]
   double max_joint_residual = 0;                // [m, rad] over all ends of steps
-  double max_penetration = 0;                   // [m]
-  double max_lcp_residual = 0;                  // [m/s]
-  double max_joint_rate = 0;                    // [m/s, rad/s], of schemes that satisfy the joints at velocity level
-  long accepted = 0, rejected = 0;              // inner steps
+  double max_penetration = 0, max_penetration_time = 0;  // [m, s]
+  double max_lcp_residual = 0;                           // [m/s]
+  double max_joint_rate = 0;        // [m/s, rad/s], of schemes that satisfy the joints at velocity level
+  long accepted = 0, rejected = 0;  // inner steps
   long lcp_solves = 0, lcp_iterations = 0;
-  long events = 0;                                // located
-  long crossings = 0;                             // of crowds of events, see StepReport
-  long energy_rises = 0;                          // steps in which impacts raised the energy (impact.h)
-  double max_energy_rise = 0, max_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
-  long passages = 0;                              // steps in which bodies passed through each other (tunnelling.h)
+  long events = 0;            // located
+  long crossings = 0;         // of crowds of events, see StepReport
+  double error_estimate = 0;  // [m, rad] of the final q, see StepReport; 0: the scheme has none
+  long energy_rises = 0;      // steps in which impacts raised the energy (impact.h)
+  double max_energy_rise = 0, max_energy_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
+  Admissibility motion;                                  // overlaps and energy balance (step/admissible.h)
+  long passages = 0;  // steps in which bodies passed through each other (tunnelling.h)
   Passage first_passage;
-  double first_passage_time = 0;  // [s] the end of that step
+  double first_passage_time = kInf;  // [s] the end of that step; infinity: there is none
 };
 
 /// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost
@@ -43,26 +46,34 @@ struct Moment {
 
 using Recorder = std::function<void(const Moment&)>;
 
+/// How far a run has come, for another thread to show.
+struct Reached {
+  std::atomic<double> t = 0;  // [s]
+  std::atomic<long> events = 0;
+};
+
 struct Clock {
   double step = 1e-3;        // h > 0 [s]; the last step is shorter when the duration is no multiple of it
   double duration = 1;       // > 0 [s]
   long every = 1;            // record every so many steps, besides the first and the last moment
   double time_limit = kInf;  // [s] of wall time; past it the run ends with Status::time_limit
   const std::atomic<bool>* cancel = nullptr;  // raised by another thread: the run ends with Status::cancelled
+  Reached* reached = nullptr;                 // updated at the ends of steps
 };
 
-/// Going on later, exactly: what a run needs for that, saved now and then. A run that goes on from it takes the bits that
-/// this one takes; beside one that saves nothing, sparse factorizations may differ by rounding, as pivots are chosen anew.
+/// Checkpoints, saved periodically. A run that continues from one repeats the bits of the run that wrote it. Compared
+/// with a run without checkpoints, sparse factorizations may differ by rounding, because pivots are chosen again.
 struct Restart {
   long every = 0;                                      // steps between two savings; 0: none
   std::function<void(const std::string& bytes)> save;  // called with what to keep, at the ends of steps
   std::string from;                                    // such bytes, to go on from; empty: the start
 };
 
-/// Steps from the system's initial state; where that breaks joints, from the nearest state that keeps them, in the metric
-/// of M (projection.h). Throws std::invalid_argument for a bad clock; a step that fails ends the run with its status, and
-/// integrator.problem() is the problem that was not solved. With a time limit or a flag in `clock`, the solver's own are
-/// replaced by them; within a step that looks at them only now and then, the run may end a little late.
+/// Steps from the system's initial state; where that breaks joints, from the nearest state that keeps them, in the
+/// metric of M (projection.h). Throws std::invalid_argument for a bad clock; a step that fails ends the run with its
+/// status, and integrator.problem() is the problem that was not solved. With a time limit or a flag in `clock`, the
+/// solver's own are replaced by them; within a step that looks at them only periodically, the run may end a little
+/// late.
 /// With restart.from the moments before it are not recorded again; bytes that do not fit throw std::invalid_argument.
 Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record = {},
              const Restart& restart = {});

@@ -1,7 +1,7 @@
-// integrators/solver_pool.h — solvers that work at the same time, each in a thread of its own: islands of one step (islands.h).
+// integrators/solver_pool.h — solver pool: solvers that run in parallel, each in its own thread, for islands.
 //
-//   Tasks 0 … count − 1 are taken one by one by whoever is free. A task writes only what is its own, and which solver does
-//   it does not matter (a solver's members never change an answer): results are bit for bit those of one thread.
+//   Tasks 0 … count − 1 are taken one by one by whoever is free. A task writes only what is its own, and which solver
+//   does it does not matter (a solver's members never change an answer): results are bit for bit those of one thread.
 //   A task costs some microseconds to hand over: worth it for islands of a hundred rows, not of ten.
 #pragma once
 
@@ -28,8 +28,8 @@ class Crew {
 
   int size() const { return static_cast<int>(helpers_.size()) + 1; }  // with the caller
 
-  /// work(task, solver, worker) once for each task < count, worker in [0, size()): 0 is the caller with `own`. Returns when
-  /// all are done; then throws what a task threw, the first of them.
+  /// work(task, solver, worker) once for each task < count, worker in [0, size()): 0 is the caller with `own`. Returns
+  /// when all are done; then throws what a task threw, the first of them.
   template <class Work> void run(int count, Solver& own, Work&& work) {
     using Plain = std::remove_reference_t<Work>;
     run(

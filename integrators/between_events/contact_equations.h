@@ -1,12 +1,15 @@
 // integrators/between_events/contact_equations.h — contact rows against contact forces, the joints eliminated.
 //
-//   A_ij = J_i B F_jᵀ,  b_i = J_i x + c_i:   what the rows J of x (accelerations, or a velocity) become when forces z act
-//   along F is A z + b. B is the inverse of the basic system with its joints, so that the joints hold on either side.
-//   F = J for forces along the rows themselves; sliding contacts couple W_T to the normal force, and A is not symmetric.
+//   A_ij = J_i B F_jᵀ,  b_i = J_i x + c_i:   what the rows J of x (accelerations, or a velocity) become when forces z
+//   act along F is A z + b. B is the inverse of the basic system with its joints, so that the joints hold on either
+//   side.
+//   F = J for forces along the rows themselves; sliding contacts couple W_T to the normal force, and A is not
+//   symmetric.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/dynamics/basic_system.h>
+#include <orthant/core/mechanics/planar/contact_law.h>
 
 #include <Eigen/Dense>
 
@@ -20,9 +23,18 @@ class ContactEquations {
     clear();
   }
 
-  void clear() { row_.clear(), force_.clear(), c_.clear(); }
+  void clear() { row_.clear(), force_.clear(), c_.clear(), besides_.clear(); }
   void add(const Row& row, const Row& force, double c) {
     row_.push_back(row), force_.push_back(force), c_.push_back(c);
+  }
+  /// The normal row of a contact that slides, its force W_N − sigma_mu W_T.
+  void add_sliding(const ContactRows& rows, double sigma_mu, double c) {
+    const bool same = rows.normal.a == rows.tangent.a && rows.normal.b == rows.tangent.b;
+    if (!same) besides_.push_back({size(), rows.tangent, -sigma_mu});  // friction acts on other bodies
+    Row force = rows.normal;
+    for (std::size_t k = 0; same && k < 3; ++k)
+      force.ja[k] -= sigma_mu * rows.tangent.ja[k], force.jb[k] -= sigma_mu * rows.tangent.jb[k];
+    add(rows.normal, force, c);
   }
   Index size() const { return static_cast<Index>(row_.size()); }
 
@@ -31,14 +43,20 @@ class ContactEquations {
     A.resize(n, n), b.resize(n), columns_.resize(dof_, n);
     for (Index j = 0; j < n; ++j) {
       basic.solve_row(force_[static_cast<std::size_t>(j)], columns_.col(j).data());
+      for (const Beside& more : besides_)
+        if (more.equation == j) {
+          beside_.resize(dof_);
+          basic.solve_row(more.force, beside_.data());
+          columns_.col(j) += more.factor * beside_;
+        }
       for (Index i = 0; i < n; ++i) A(i, j) = apply(row_[static_cast<std::size_t>(i)], columns_.col(j).data());
     }
     for (Index i = 0; i < n; ++i)
       b[i] = apply(row_[static_cast<std::size_t>(i)], x.data()) + c_[static_cast<std::size_t>(i)];
   }
 
-  /// A z = −b. Where rows depend on each other, the z of least Σ z_i² / share_i: equal forces share a load in proportion
-  /// to their shares. share: n, > 0.
+  /// A z = −b. Where rows depend on each other, the z of least Σ z_i² / share_i: equal forces share a load in
+  /// proportion to their shares. share: n, > 0.
   void solve(const Vector& share) {
     if (size() <= kSmall)
       solve_as<Eigen::Matrix<double, -1, -1, 0, kSmall, kSmall>>(share);
@@ -66,8 +84,16 @@ class ContactEquations {
     z = root.cwiseProduct(decomposition.solve(Few(-b)));
   }
 
+  struct Beside {  // one more part of an equation's force
+    Index equation;
+    Row force;
+    double factor;
+  };
+
   Index dof_;
   std::vector<Row> row_, force_;
+  std::vector<Beside> besides_;
+  Eigen::VectorXd beside_;
   std::vector<double> c_;
   DenseMatrix columns_;
 };

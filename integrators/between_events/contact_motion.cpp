@@ -4,18 +4,17 @@
 #include <cmath>
 
 namespace orthant {
+namespace {
+
+constexpr double kNear = 1e-5;  // of the coordinates: one Newton step closes a gap that small
+constexpr int kMostPasses = 10;
+
+}  // namespace
 
 double slip_rate(const ContactLaw& law, const ContactRows& rows, const Eigen::VectorXd& v) {
   return apply(rows.tangent, v.data()) - law.belt;
 }
 double static_mu(const ContactLaw& law) { return std::max(law.mu, law.mu_static); }
-
-Row sliding_force(const ContactRows& rows, double sigma_mu) {
-  Row force = rows.normal;
-  for (std::size_t k = 0; k < 3; ++k)
-    force.ja[k] -= sigma_mu * rows.tangent.ja[k], force.jb[k] -= sigma_mu * rows.tangent.jb[k];
-  return force;
-}
 
 Watched::Watched(Index n)
     : gap(n),
@@ -84,7 +83,10 @@ void ContactMotion::impose(const Terms& terms, const BasicSystem& basic, std::sp
     const ContactRows& rows = terms.closed[i].rows;
     const double mu = system_.law(lasting_[i]).mu;
     share_[equations_.size()] = mode.share_normal;
-    equations_.add(rows.normal, mode.slip != 0 ? sliding_force(rows, mode.slip * mu) : rows.normal, missing[i].normal);
+    if (mode.slip != 0)
+      equations_.add_sliding(rows, mode.slip * mu, missing[i].normal);
+    else
+      equations_.add(rows.normal, rows.normal, missing[i].normal);
     if (!mode.sticks) continue;
     share_[equations_.size()] = mode.share_tangent;
     equations_.add(rows.tangent, rows.tangent, missing[i].tangent);
@@ -165,10 +167,21 @@ ContactMotion::Residual ContactMotion::residual(double t, const Eigen::VectorXd&
   return left;
 }
 
-/// A lasting point of two polygons that is suddenly far away stands for another corner now.
-bool ContactMotion::changed_places(int contact) const {
-  const auto* pair = std::get_if<PolygonPolygon>(&system_.scene().contacts[static_cast<std::size_t>(contact)]);
-  return pair != nullptr && terms_.gap[contact] > 1e-3 * (pair->corners_a[1] - pair->corners_a[0]).norm();
+bool ContactMotion::changed_places(int contact, double gap) const {
+  if (!(gap > 0)) return false;
+  const Contact& one = system_.scene().contacts[static_cast<std::size_t>(contact)];
+  const auto far = [gap](const Polygon& p) { return gap > kAside / 2 * shortest_face(p); };
+  if (const auto* pair = std::get_if<PolygonPolygon>(&one))
+    return gap > 1e-3 * (pair->corners_a[1] - pair->corners_a[0]).norm() || far(pair->corners_a) ||
+           far(pair->corners_b);
+  const auto* disc = std::get_if<DiscPolygon>(&one);
+  return disc != nullptr && far(disc->corners);
+}
+
+double ContactMotion::largest_gap() const {
+  double most = 0;
+  for (const int c : lasting_) most = std::max(most, std::abs(terms_.gap[c]));
+  return most;
 }
 
 ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
@@ -191,13 +204,28 @@ ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eig
   };
   if (!lasting_.empty()) {
     evaluate_gaps(system_, terms_);
-    for (const int c : lasting_)
-      if (changed_places(c)) return {kInf, kInf};
-    evaluate_joint_rows(system_, terms_);
-    evaluate_closed(system_, lasting_, terms_);
-    if (!basic_.factorize(system_, terms_)) return {kInf, kInf};
-    correct(true, q);
-    left.joint = projection_.position(t, terms_, q);
+    for (std::size_t i = 0; i < lasting_.size(); ++i) {
+      const bool changed = changed_places(lasting_[i], terms_.gap[lasting_[i]]);
+      taken_[i] = changed ? kInf : 0, left.changed = left.changed || changed;
+    }
+    if (left.changed) {
+      left.off = projection_.off(terms_, q);
+      return left;
+    }
+    double off = largest_gap();
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      evaluate_joint_rows(system_, terms_);
+      evaluate_closed(system_, lasting_, terms_);
+      if (!basic_.factorize(system_, terms_)) return {kInf, kInf};
+      correct(true, q);
+      left.joint = projection_.position(t, terms_, q);
+      if (off <= (pass == 0 ? kNear : kSame) * q.lpNorm<Eigen::Infinity>() || !(left.joint < kInf)) break;
+      set_poses(system_, t, q, terms_.at);
+      evaluate_gaps(system_, terms_);
+      const double before = off;
+      off = largest_gap();
+      if (!(off < before)) break;
+    }
   }
   left.off = projection_.off(terms_, q);
   left.rate = projection_.velocity(terms_, v);

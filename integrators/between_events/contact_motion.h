@@ -5,8 +5,10 @@
 //   The joints are eliminated through the basic system (contact_equations.h); redundant contacts share their forces in
 //   the proportion that the decision about the modes found.
 //   project(): q and v back onto joints, lasting contacts (g = 0, W_N v = 0) and sticking ones (γ_T = 0), each in the
-//   metric of M; contacts one Newton step, which is enough for the small errors of a step of high order.
-//   Source: Brogliato & Acary (2008), ch. 5; Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 5.
+//   metric of M; contacts by one Newton step, which is enough for the errors of a step of high order, or by several
+//   where they overlap more.
+//   Source: Brogliato & Acary (2008), ch. 5; Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996),
+//   ch. 5.
 #pragma once
 
 #include <orthant/integrators/between_events/contact_equations.h>
@@ -59,8 +61,8 @@ class ContactMotion {
   /// Gaps, rates and accelerations of all contacts where accelerations() was evaluated last.
   void watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w);
 
-  /// x + B Fᵀ z, such that J x + missing = 0 for the rows J of the modes. terms.closed: the lasting contacts; missing: one
-  /// each; basic: factorized. z: read by normal_force() and tangent_force().
+  /// x + B Fᵀ z, such that J x + missing = 0 for the rows J of the modes. terms.closed: the lasting contacts; missing:
+  /// one each; basic: factorized. z: read by normal_force() and tangent_force().
   void impose(const Terms& terms, const BasicSystem& basic, std::span<const ContactBias> missing, Eigen::VectorXd& x);
   /// The lasting contacts' rows, in the last accelerations(), depend on each other: their forces are not unique.
   bool redundant() const { return equations_.dependent; }
@@ -70,13 +72,20 @@ class ContactMotion {
   struct Residual {
     double joint = 0, rate = 0;
     double off = kInf;  // of joints_off()
+    bool changed =
+        false;  // of project(): a lasting contact has changed places; velocities and contacts are as they were
   };
   Residual residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // of the joints
   /// Infinite residual: no usable matrix.
   Residual project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v);
   /// [m/s] γ_N of lasting contact i, by the order of lasting(), that the last project() took out of v: no more than a
-  /// scheme's error, unless the contact's normal has jumped, at an edge where a polygon's corner or face comes to its end.
+  /// scheme's error, unless the contact's normal has jumped, at an edge where a polygon's corner or face comes to its
+  /// end.
   double rate_taken(std::size_t i) const { return taken_[i]; }
+
+  /// A lasting contact of polygons whose gap is suddenly that large stands for another corner, or lies next to the
+  /// faces.
+  bool changed_places(int contact, double gap) const;
 
   const System& system() const { return system_; }
   const BasicSystem& basic() const { return basic_; }    // as factorized last
@@ -85,7 +94,7 @@ class ContactMotion {
   Terms& terms() { return terms_; }
 
  private:
-  bool changed_places(int contact) const;
+  double largest_gap() const;  // [m] of the lasting contacts
 
   const System& system_;
   Terms terms_;
@@ -98,9 +107,6 @@ class ContactMotion {
   Vector share_;
   Eigen::VectorXd free_, zero_, rate_, lambda_;
 };
-
-/// The friction force's direction goes with the normal force: W_N − σ μ W_T.
-Row sliding_force(const ContactRows& rows, double sigma_mu);
 
 double slip_rate(const ContactLaw& law, const ContactRows& rows, const Eigen::VectorXd& v);  // γ_T [m/s]
 double static_mu(const ContactLaw& law);                                                     // of a contact that sticks

@@ -8,9 +8,20 @@
 namespace orthant {
 
 ContactTransition::ContactTransition(const System& system)
-    : system_(system), equations_(system, 2 * system.scene().contacts.size()) {
+    : system_(system), immobility_(system), equations_(system, 2 * system.scene().contacts.size()) {
   candidates.reserve(system.scene().contacts.size());
   rows_.reserve(system.scene().contacts.size());
+}
+
+/// Contacts that joints immobilise are no candidates: no force moves them, and they go where the joints take them.
+void ContactTransition::leave_out_immobile(ContactMotion& motion) {
+  if (candidates.empty() || !immobility_.stand(motion.terms().at) || system_.joint_rows() == 0) return;
+  std::erase_if(candidates, [&](Candidate& c) {
+    const ContactRows rows = immobility_.rows(c.contact);
+    if (immobility_.look(rows.normal).immobile) return true;
+    c.held = c.slip == 0 && system_.law(c.contact).frictional() && immobility_.look(rows.tangent).immobile;
+    return false;
+  });
 }
 
 /// Rows: the normals of all candidates, then the tangents of those with friction that do not slide.
@@ -24,13 +35,16 @@ void ContactTransition::formulate(ContactMotion& motion) {
           const ContactRows rows = contact.rows(terms.at);
           rows_.push_back(rows);
           const double mu = c.slip * contact.law.mu;
-          equations_.add(rows.normal, mu != 0 ? sliding_force(rows, mu) : rows.normal, contact.bias(terms.at).normal);
+          if (mu != 0)
+            equations_.add_sliding(rows, mu, contact.bias(terms.at).normal);
+          else
+            equations_.add(rows.normal, rows.normal, contact.bias(terms.at).normal);
         },
         system_.scene().contacts[static_cast<std::size_t>(c.contact)]);
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double mu = static_mu(system_.law(candidates[i].contact));
-    if (candidates[i].slip != 0 || mu <= 0) continue;
+    if (candidates[i].slip != 0 || candidates[i].held || mu <= 0) continue;
     lcp_.friction.push_back({equations_.size(), static_cast<Index>(i), mu});
     std::visit(
         [&](const auto& contact) {
@@ -57,37 +71,77 @@ bool ContactTransition::doubtful() const {
   return false;
 }
 
-/// Whether the certificate u stands against rounding of the problem too. Redundant rows, equal in truth, contradict each
-/// other by that. And where a column's share of Aᵀu is neither zero nor clearly below, large forces are the answer and not
-/// none: a light body between heavy ones, whose contacts are out of line by rounding alone.
-bool ContactTransition::proved() const {
-  constexpr double kProof = 1e-8, kZero = 1e-13;
+/// Whether no force moves the combination of normals u.
+bool ContactTransition::immobile(const Vector& u) {
+  immobility_.begin();
+  for (std::size_t i = 0; i < candidates.size(); ++i) immobility_.add(rows_[i].normal, u[static_cast<Index>(i)]);
+  return immobility_.judge().immobile;
+}
+
+/// Whether the certificate u stands against rounding of the problem too. What no force moves contradicts by its own
+/// accelerations alone, more than by rounding. Else every column's share of Aᵀu has to be clearly below zero, or of
+/// nothing:
+/// where it is zero by rounding, large forces may be the answer and not none: blocks whose masses lie far apart, or a
+/// light body between heavy ones, whose contacts are out of line by rounding alone.
+ContactTransition::Proof ContactTransition::proof() {
+  constexpr double kProof = 1e-8;
   const Vector& u = solution_.certificate;
   if (solution_.status != Status::infeasible ||
       lcp_.b.dot(u) >= -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>())
-    return false;
+    return Proof::none;
+  if (immobile(u)) return Proof::immobile;
   for (Index i = 0; i < static_cast<Index>(candidates.size()); ++i) {
     const auto share = [&](Index row) { return equations_.A.col(row).dot(u); };
     const auto size = [&](Index row) { return equations_.A.col(row).cwiseAbs().dot(u.cwiseAbs()); };
     double sum = share(i), all = size(i);
     for (const Friction& f : lcp_.friction)
       if (f.normal == i) sum += f.mu * std::abs(share(f.row)), all += f.mu * size(f.row);
-    if (std::abs(sum) > kZero * all && sum > -kProof * all) return false;
+    if (sum > -kProof * all) return Proof::none;
   }
+  return Proof::paradox;
+}
+
+/// Accelerations of a combination that no force moves are what joints and the turning of normals make them: where they
+/// are inconsistent all the same, and no drive does it, targets give way. True: to be solved once more.
+bool ContactTransition::relax() {
+  constexpr double kSlack = 1e-12;
+  const auto& u = solution_.certificate;
+  if (solution_.status == Status::solved || system_.driven() || u.size() != lcp_.size() || !immobile(u)) return false;
+  const auto own = u.head(static_cast<Index>(candidates.size())).cwiseMax(0);
+  const double missing = kSlack * u.cwiseAbs().dot(lcp_.b.cwiseAbs()) - u.dot(lcp_.b), square = own.squaredNorm();
+  if (!(missing > 0) || !(square > 0) || !std::isfinite(missing)) return false;
+  lcp_.b.head(own.size()) += missing / square * own;
   return true;
+}
+
+std::string ContactTransition::names(const Vector& u) const {
+  constexpr double kPart = 1e-6;
+  std::string names;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (std::abs(u[static_cast<Index>(i)]) > kPart * u.lpNorm<Eigen::Infinity>())
+      names += (names.empty() ? "\"" : ", \"") +
+               std::visit([](const auto& c) { return c.name; },
+                          system_.scene().contacts[static_cast<std::size_t>(candidates[i].contact)]) +
+               "\"";
+  return names;
 }
 
 /// The judge's status, `unsupported` for several solutions; why_ says so in words.
 Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   constexpr Index kMostRows = 12;
+  constexpr int kPasses = 10;
   constexpr double kSameMotion = 1e-9;  // of what the forces add up to
+  constexpr double kLost = 1e12;        // of all accelerations: forces that make so much of them have lost all digits
   why_.clear(), undecided_ = false;
-  solver.solve(lcp_, solution_);
-  if (solution_.status != Status::solved && !proved()) second_.solve(lcp_, solution_);
-  if (proved()) {
+  for (int pass = 0; pass == 0 || (pass < kPasses && relax()); ++pass) solver.solve(lcp_, solution_);
+  Proof proved = proof();
+  if (solution_.status != Status::solved && proved == Proof::none) second_.solve(lcp_, solution_), proved = proof();
+  if (proved == Proof::paradox)
     why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
-    return solution_.status;
-  }
+  if (proved == Proof::immobile)
+    why_ = "no motion satisfies contacts " + names(solution_.certificate) +
+           (system_.joint_rows() > 0 ? " together with the joints" : " together");
+  if (proved != Proof::none) return solution_.status;
   if (solution_.status == Status::solved && !doubtful()) return solution_.status;
   SolutionSet set;
   if (lcp_.size() <= kMostRows && finite(lcp_)) set = enumerate_solutions(lcp_);
@@ -96,6 +150,7 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   std::vector<Vector> different;
   Eigen::VectorXd one = free, other;
   for (const Vector& z : found) {
+    if ((equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff() > kLost * lcp_.b.lpNorm<Eigen::Infinity>()) continue;
     const auto same = [&](const Vector& known) {
       one = free, other = free;
       equations_.act(known, one), equations_.act(z, other);
@@ -115,7 +170,10 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   }
   undecided_ = solution_.status != Status::solved;
   if (undecided_) {
-    why_ = "the problem at acceleration level was not solved, nor is it proved that it cannot be";
+    why_ = solution_.status == Status::infeasible
+               ? "rounding leaves undecided whether accelerations satisfy contacts " + names(solution_.certificate) +
+                     (system_.joint_rows() > 0 ? " together with the joints" : " together")
+               : "the problem at acceleration level was not solved, nor is it proved that it cannot be";
     if (solution_.status == Status::infeasible) return Status::numerical_error;  // by rounding
   }
   return solution_.status;
@@ -142,6 +200,7 @@ bool ContactTransition::slide_off() {
 
 Status ContactTransition::decide(ContactMotion& motion, Solver& solver, StepReport& report) {
   lcp_.b.resize(0);
+  leave_out_immobile(motion);
   if (!candidates.empty()) {
     do {
       formulate(motion);

@@ -1,20 +1,23 @@
-// integrators/between_events/contact_transition.h — which contacts last, stick or slide from now on: the problem at acceleration level.
+// integrators/between_events/contact_transition.h — contact mode transition: contacts that last, stick or slide.
 //
 //   Over the contacts that touch and do not separate (g = 0, γ_N = 0), with λ_T = −σ μ λ_N put in where slip γ_T ≠ 0:
 //     0 ≤ λ_N ⊥ W_N a + Ẇ_N v ≥ 0,     γ_T = 0:  |λ_T| ≤ μ λ_N,  inside: γ̇_T = 0,  at a bound: opposite to γ̇_T.
-//   λ_N > 0: the contact lasts, else it opens. γ_T = 0 with |λ_T| inside its bounds: it sticks, else it slides off in the
-//   sense of γ̇_T; with a greater static coefficient the problem is then solved again with the kinetic one.
-//   With friction there may be no solution or several (Painlevé). "None" is said only where a proof stands (certify.h)
-//   that rounding of the problem could not have made; what is neither solved, by path.h too where the solver given does
-//   not, nor proved is undecided(). "Several" is looked for where a contact's own coupling allows it
-//   (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ that it may take), by enumeration of at most 12 rows; solutions count as one
-//   where the accelerations are the same. What several contacts only allow together is not looked for.
+//   λ_N > 0: the contact lasts, else it opens. γ_T = 0 with |λ_T| inside its bounds: it sticks, else it slides off in
+//   the sense of γ̇_T; with a greater static coefficient the problem is then solved again with the kinetic one.
+//   Contacts that joints immobilise (immobility.h) are no candidates, and such combinations of candidates contradict
+//   each other only where drives make them. With friction there may be no solution or several (Painlevé). "None" is
+//   said only where a proof stands (certify.h) that rounding of the problem could not have made; what is neither
+//   solved, by path.h too where the solver given does not, nor proved is undecided(). "Several" is looked for where a
+//   contact's own coupling allows it (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ that it may take), by enumeration of at
+//   most 12 rows; solutions count as one where the accelerations are the same. What several contacts only allow
+//   together is not looked for.
 //   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 6; Génot & Brogliato,
 //   European Journal of Mechanics A 18 (1999) 653-677.
 #pragma once
 
 #include <orthant/integrators/between_events/contact_motion.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/immobility.h>
 #include <orthant/solvers/pivoting/path.h>
 
 namespace orthant {
@@ -25,7 +28,8 @@ class ContactTransition {
 
   struct Candidate {
     int contact = 0;
-    double slip = 0;  // σ, when it slides; 0: γ_T = 0
+    double slip = 0;    // σ, when it slides; 0: γ_T = 0
+    bool held = false;  // by joints, along the tangent: it has no friction; written by decide()
   };
   std::vector<Candidate> candidates;  // in the order of the scene
 
@@ -38,14 +42,20 @@ class ContactTransition {
   bool undecided() const { return undecided_; }  // not solved, and not known whether it can be
 
  private:
+  void leave_out_immobile(ContactMotion& motion);
   void formulate(ContactMotion& motion);
   bool doubtful() const;
-  bool proved() const;
+  enum class Proof { none, immobile, paradox };  // immobile: of a combination that no force moves
+  Proof proof();
+  bool immobile(const Vector& u);
+  bool relax();
+  std::string names(const Vector& u) const;
   double zero() const;
   Status examine(Solver& solver, const Eigen::VectorXd& free);
   bool slide_off();
 
   const System& system_;
+  Immobility immobility_;
   ContactEquations equations_;
   Lcp lcp_;
   Solution solution_;

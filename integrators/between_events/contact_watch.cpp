@@ -9,8 +9,8 @@ bool observe(ContactMotion& motion, double t, MotionPoint& p) {
 }
 
 void interpolate(const MotionPoint& a, const MotionPoint& b, double s, double x, MotionPoint& inner) {
-  // What the Taylor polynomials from a lack at b, put right by those of degree 5 and 3 that vanish at 0, their rates too,
-  // and have value, rate (and second derivative) 1 at 1. Not the rate of q's: that is rounded by ε |q| / s.
+  // What the Taylor polynomials from a lack at b, put right by those of degree 5 and 3 that vanish at 0, their rates
+  // too, and have value, rate (and second derivative) 1 at 1. Not the rate of q's: that is rounded by ε |q| / s.
   const double y = x * x * x;
   inner.q = a.q + s * x * (a.v + s * x / 2 * a.a) +
             y * (10 + x * (6 * x - 15)) * (b.q - a.q - s * (a.v + s / 2 * a.a)) +
@@ -50,6 +50,8 @@ double ContactWatch::value(const Sign& sign, const Watched& w) const {
       return bound + w.tangent[c];
     case Watch::slip:
       return motion_.modes[static_cast<std::size_t>(c)].slip * w.slip[c];
+    case Watch::approach:
+      return w.gap_rate[c];
   }
   return 0;
 }

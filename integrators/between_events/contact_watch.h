@@ -1,11 +1,12 @@
-// integrators/between_events/contact_watch.h — where within a step a lasting contact's mode comes to its end.
+// integrators/between_events/contact_watch.h — contact watch: where a lasting contact's mode ends within a step.
 //
 //   Watched are λ_N → opening; of a contact that sticks μ λ_N ∓ λ_T → sliding off; of one that slides σ γ_T → stopping.
-//   While no mode changes they are smooth functions of the state (contact_motion.h), whatever scheme it comes from. Known
-//   are q, v, a at both ends of the step; at 1/4, 1/2, 3/4 of it the state is that of Hermite polynomials of degree 5 (q) and 3 (v).
+//   While no mode changes they are smooth functions of the state (contact_motion.h), whatever scheme it comes from.
+//   Known are q, v, a at both ends of the step; at 1/4, 1/2, 3/4 of it the state is that of Hermite polynomials of
+//   degree 5 (q) and 3 (v).
 //   Between these five points a force is the quartic through its values, a slip the cubic through values and rates of
-//   neighbours; the first zero is found by first_crossing.h. The forces' impulses come from the same five values (Boole's
-//   rule, weights > 0: what is in the friction cone at all points adds up to an impulse in the cone).
+//   neighbours; the first zero is found by first_crossing.h. The forces' impulses come from the same five values
+//   (Boole's rule, weights > 0: what is in the friction cone at all points adds up to an impulse in the cone).
 //   Cost: 3 evaluations of the accelerations a step. Limits: errors of the polynomials, (ω s)⁴ / 384 of the velocity's
 //   amplitude at the most; a dip narrower than a quarter of the step may be overlooked.
 //   Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.6; Davis & Rabinowitz,
@@ -32,11 +33,12 @@ bool observe(ContactMotion& motion, double t, MotionPoint& p);
 /// Between two points s [s] apart, at x ∈ (0, 1) of the way: q and v, of the Hermite polynomials of degree 5 and 3.
 void interpolate(const MotionPoint& a, const MotionPoint& b, double s, double x, MotionPoint& inner);
 
-enum class Watch { gap, force, cone_up, cone_down, slip };
-struct Sign {  // of an event: this function turned negative
+enum class Watch { gap, force, cone_up, cone_down, slip, approach };  // approach: of a contact that overlaps
+struct Sign {                                                         // of an event: this function turned negative
   Watch watch = Watch::gap;
   int contact = 0;
-  Crossing crossing;  // x: of the step
+  Crossing crossing;         // x: of the step
+  double low = 0, high = 1;  // likewise: it is between these
 };
 
 class ContactWatch {

@@ -1,8 +1,8 @@
-// integrators/between_events/first_crossing.h — where an event function first turns negative within a step, from its ends' values.
+// integrators/between_events/first_crossing.h — event location: where an event function first turns negative in a step.
 //
-//   A polynomial on [0, 1] in Bernstein form Σ c_i (n choose i) x^i (1−x)^(n−i) lies within the hull of its coefficients:
-//   none below −slack means no crossing, and two of them within the interval are not overlooked. Otherwise the interval is
-//   halved (de Casteljau), the left half first. O(n²) a halving.
+//   A polynomial on [0, 1] in Bernstein form Σ c_i (n choose i) x^i (1−x)^(n−i) lies within the hull of its
+//   coefficients. Without a coefficient below −slack there is no crossing, so no pair of crossings is overlooked.
+//   Otherwise the interval is halved (de Casteljau), and the left half is searched first. O(n²) per halving.
 //   quintic: value, rate and second derivative at both ends; cubic: value and rate; quartic: five values.
 //   Source: Farin, Curves and Surfaces for CAGD (2002), ch. 5.
 #pragma once

@@ -1,7 +1,7 @@
-// integrators/between_events/impact_series.h — a contact's impacts at ever shorter intervals, of which infinitely many may lie ahead.
+// integrators/between_events/impact_series.h — impact accumulation (Zeno): impacts at ever shorter intervals.
 //
-//   Intervals Δ_n, ratio r = Δ_n / Δ_{n−1}. Two of them in a row < 0.999: a series, taken for a geometric one, which ends
-//   Δ_n r / (1 − r) after the last impact.
+//   Intervals Δ_n, ratio r = Δ_n / Δ_{n−1}. Two of them in a row < 0.999 (four impacts): a series, taken for a
+//   geometric one, which ends Δ_n r / (1 − r) after the last impact.
 #pragma once
 
 #include <limits>
@@ -20,7 +20,7 @@ struct ImpactSeries {
   void add(double t) {
     constexpr double kShrinking = 0.999;
     const double now = t - last;
-    ratio = now / interval;
+    ratio = interval < std::numeric_limits<double>::infinity() ? now / interval : 1;
     shrinking = ratio < kShrinking ? shrinking + 1 : 0;
     rest = ratio < 1 ? now * ratio / (1 - ratio) : 0;
     interval = now, last = t;

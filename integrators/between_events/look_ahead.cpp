@@ -35,7 +35,8 @@ double inner_radius(const Polygon& corners) {
 
 }  // namespace
 
-double horizon(const System& system, const Kinematics& poses, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+double horizon(const System& system, std::span<const int> contacts, const Kinematics& poses, const Eigen::VectorXd& v,
+               const Eigen::VectorXd& a) {
   constexpr double kTurn = 0.5;  // [rad]
   double least = std::numeric_limits<double>::infinity();
   const auto of = [](const Eigen::VectorXd& x, BodyId body) -> Eigen::Vector3d {
@@ -47,9 +48,21 @@ double horizon(const System& system, const Kinematics& poses, const Eigen::Vecto
   const auto turning_about = [&](BodyId body, const Vector2d& point) {
     if (point.squaredNorm() > 0) turning(body);
   };
-  const auto moving = [&](BodyId one, BodyId other, double way) {
-    const auto relative = [&](const Eigen::VectorXd& x) { return (of(x, one) - of(x, other)).head<2>().norm(); };
-    least = std::min(least, time_for(way, relative(v), relative(a)));
+  // Of the point r of a body, turned into the world already: its velocity; its acceleration.
+  const auto speed = [&](BodyId body, const Vector2d& r) -> Vector2d {
+    return of(v, body).head<2>() + of(v, body).z() * perp(r);
+  };
+  const auto acceleration = [&](BodyId body, const Vector2d& r) -> Vector2d {
+    if (a.size() == 0) return {0, 0};
+    const double omega = of(v, body).z();
+    return of(a, body).head<2>() + of(a, body).z() * perp(r) - omega * omega * r;
+  };
+  /// Two points; `way`: of their distance, how far they may move.
+  const auto moving = [&](BodyId one, const Vector2d& p, BodyId other, const Vector2d& q, const auto& way) {
+    const Vector2d r_p = poses.at(one).turn(p), r_q = poses.at(other).turn(q);
+    least = std::min(least, time_for(way((poses.at(one).x + r_p - poses.at(other).x - r_q).norm()),
+                                     (speed(one, r_p) - speed(other, r_q)).norm(),
+                                     (acceleration(one, r_p) - acceleration(other, r_q)).norm()));
   };
   const auto centres = [&](BodyId one, const Vector2d& p, BodyId other, const Vector2d& q) {
     return (poses.at(one).x + poses.at(one).turn(p) - poses.at(other).x - poses.at(other).turn(q)).norm();
@@ -62,33 +75,36 @@ double horizon(const System& system, const Kinematics& poses, const Eigen::Vecto
       turning_about(c.a, c.centre), turning(c.b);
     } else if constexpr (std::is_same_v<Kind, DiscDisc> || std::is_same_v<Kind, Journal>) {
       turning_about(c.a, c.centre_a), turning_about(c.b, c.centre_b);
-      if constexpr (std::is_same_v<Kind, DiscDisc>)
-        moving(c.a, c.b, centres(c.a, c.centre_a, c.b, c.centre_b) / 2);
-      else
-        moving(c.a, c.b, (c.radius_b - c.radius_a) / 2);
+      moving(c.a, c.centre_a, c.b, c.centre_b, [&](double far) {
+        return std::is_same_v<Kind, Journal> ? (c.radius_b - c.radius_a) / 2
+                                             : std::max(far / 2, far - c.radius_a - c.radius_b);
+      });
     } else if constexpr (std::is_same_v<Kind, DiscPolygon>) {
       turning_about(c.a, c.centre), turning(c.b);
-      moving(c.a, c.b, centres(c.a, c.centre, c.b, middle(c.corners)) / 2);
+      moving(c.a, c.centre, c.b, middle(c.corners), [](double far) { return far / 2; });
     } else if constexpr (std::is_same_v<Kind, PolygonPolygon>) {
       turning(c.a), turning(c.b);
+      const Vector2d p = middle(c.corners_a), q = middle(c.corners_b);
       const double size_a = outer_radius(c.corners_a), size_b = outer_radius(c.corners_b);
-      const double apart = centres(c.a, middle(c.corners_a), c.b, middle(c.corners_b)) - size_a - size_b;
+      const double apart = centres(c.a, p, c.b, q) - size_a - size_b;
       const double thin = std::min(inner_radius(c.corners_a), inner_radius(c.corners_b)) / 2;
-      const auto fast = [&](const Eigen::VectorXd& x) {
-        const Eigen::Vector3d one = of(x, c.a), other = of(x, c.b);
-        return std::hypot(one.x() - other.x(), one.y() - other.y()) + size_a * std::abs(one.z()) +
-               size_b * std::abs(other.z());
+      const auto fast = [&](const Eigen::VectorXd& x, const auto& at) {
+        return (at(c.a, poses.at(c.a).turn(p)) - at(c.b, poses.at(c.b).turn(q))).norm() +
+               size_a * std::abs(of(x, c.a).z()) + size_b * std::abs(of(x, c.b).z());
       };
-      const double within = time_for(thin, fast(v), fast(a));
-      least = std::min(least, apart > thin ? std::max(within, time_for(apart, fast(v), fast(a))) : within);
+      const double within = time_for(thin, fast(v, speed), fast(a, acceleration));
+      least = std::min(
+          least, apart > thin ? std::max(within, time_for(apart, fast(v, speed), fast(a, acceleration))) : within);
     } else if constexpr (std::is_same_v<Kind, CustomContact>) {
       turning(c.a), turning(c.b);
-      moving(c.a, c.b, c.length() / 2);
+      moving(c.a, {0, 0}, c.b, {0, 0}, [&](double) { return c.length() / 2; });
     } else if (!std::holds_alternative<Angle>(c.of.kind())) {
       std::visit([&](const auto& along) { turning(along.a), turning(along.b); }, c.of.kind());
+      if (const auto* span = std::get_if<Span>(&c.of.kind()))
+        moving(span->a, span->point_a, span->b, span->point_b, [&](double far) { return std::max(far, c.bound) / 2; });
     }
   };
-  for (const Contact& contact : system.scene().contacts) std::visit(look, contact);
+  for (const int c : contacts) std::visit(look, system.scene().contacts[static_cast<std::size_t>(c)]);
   return least;
 }
 

@@ -1,4 +1,4 @@
-// What happens at an event of an EventDriven integrator: impacts, accumulations, crossings of crowds, changes of contacts' modes.
+// Events of an EventDriven integrator: impacts, accumulations, crossings of crowds, changes of contact modes.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/solvers/pivoting/enumerate.h>
@@ -14,10 +14,10 @@ constexpr double kForceZero =
 constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
-constexpr int kShares = 200;               // times that friction is shared anew in a crowd, which count for no event
+constexpr int kShares = 200;               // times that friction is shared again in a crowd, which count for no event
 
-/// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing hangs on
-/// rounding: friction and restitution contradict each other. Impulses that lose all digits solve nothing.
+/// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing
+/// hangs on rounding: friction and restitution contradict each other. Impulses that lose all digits solve nothing.
 bool contradictory(Lcp impact) {
   constexpr Index kFewRows = 12;
   constexpr double kSlack = 1e-8, kLost = 1e12;  // of the fastest rate; likewise, what one impulse does
@@ -52,19 +52,21 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   std::fill(held_.begin(), held_.end(), false);
   for (Bounces& b : bounces_) b.over = false;
   int struck = 0;
-  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and of
-  // the velocities that it left.
-  const double tie = 16 + 64.0 * flight_, since = flight_time_;
+  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and
+  // of the velocities that it left.
+  const double roundings = 16 + 64.0 * flight_, since = flight_time_;
   flight_ = 0, flight_time_ = 0;
   for (int c = 0; c < system_.contacts(); ++c) {
     const ContactMode& mode = motion_.modes[at(c)];
     const bool hit = event && event->watch == Watch::gap && event->contact == c;
-    touching_[at(c)] =
-        hit || mode.lasting ||
-        now_.w.gap[c] <= tie * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
+    tie_[at(c)] = roundings * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
+    touching_[at(c)] = hit || mode.lasting || now_.w.gap[c] <= tie_[at(c)];
+    if (touching_[at(c)] && !mode.lasting && !hit && immobile(c)) touching_[at(c)] = false;
     if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
     ++struck;
     note_bounce(c);
+    const Bounces& b = bounces_[at(c)];
+    if (b.accumulates() && b.interval > kInstant * kRounding * std::abs(t)) crowded_ = 0;  // a series has an end
   }
   if (struck > 1) close_together();
   if (struck > 0 && !impact(solver, accumulates(), report)) return false;
@@ -96,6 +98,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   restrict_to_strikes(wanted_);
   stage_v_ = now_.v;
   problem_ = &impact_.problem();
+  impact_.anchor(start_ + elapsed_, now_.q), formulation_.anchor(start_ + elapsed_, now_.q);
   const bool in_turn = plastic && ends_in_turn();
   if (in_turn)
     no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
@@ -117,6 +120,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   }
   formulation_.advance(now_.v, hit_);
   if (in_turn || !plastic) impact_.add_to(hit_);
+  if (meter_) work_ += meter_->over_impact(terms, stage_v_, now_.v, hit_);
   report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, hit_));
   const double t = start_ + elapsed_;
   for (const ClosedContact& closed : terms.closed) {
@@ -150,18 +154,36 @@ template <class Low> bool EventDriven::waits(const Bounces& ending, const Low& l
   return false;
 }
 
-/// Marks the contacts whose bounces need not be resolved any more, if there are any at this time.
+/// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
+/// intervals. Rounding hides which of them is next. Together they would strike by another law, which may have no
+/// solution.
+bool EventDriven::meets_in_turn(int c) const {
+  const Bounces& one = bounces_[at(c)];
+  for (int k = 0; k < system_.contacts(); ++k) {
+    const Bounces& b = bounces_[at(k)];
+    if (k == c || !touching_[at(k)] || motion_.modes[at(k)].lasting || !b.accumulates()) continue;
+    const bool recent = one.last - b.last <= b.interval;
+    if (recent && std::abs(before_now(b) - before_now(one)) > kInTurn * one.interval) return true;
+  }
+  return false;
+}
+
+/// Marks the contacts whose bounces need not be resolved any more, if there are any at this time. Those are no higher
+/// than what counts as touching: contacts of a series, struck in turn, would else strike at once, with restitution.
 bool EventDriven::accumulates() {
   const double t = start_ + elapsed_;
-  const auto low = [&](int c) { return std::max(options_.accumulation, 32 * gap_zero(c)); };
-  bool any = false;
+  const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), tie_[at(c)]}); };
+  bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];
-    any = any || (b.last == t && (b.rounding || (b.accumulates() && b.height <= low(c) && !waits(b, low))));
+    if (b.last != t) continue;
+    meet = meet || (b.accumulates() && meets_in_turn(c));
+    any = any || meet || b.rounding || (b.accumulates() && b.height <= low(c) && !waits(b, low));
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];
-    b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && now_.w.gap[c] <= low(c);
+    const bool closed = now_.w.gap[c] <= low(c) || (meet && touching_[at(c)]);
+    b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && closed;
     touching_[at(c)] = touching_[at(c)] || b.over;
   }
   return any;
@@ -174,7 +196,8 @@ bool EventDriven::ends_in_turn() {
     const Bounces& b = bounces_[c];
     in_turn_[c] = b.over && !motion_.modes[c].lasting;
     if (!in_turn_[c]) continue;
-    first = std::min(first, b.last), last = std::max(last, b.last), interval = std::min(interval, b.interval);
+    const double before = before_now(b);
+    first = std::min(first, before), last = std::max(last, before), interval = std::min(interval, b.interval);
   }
   return last - first > kInTurn * interval;
 }
@@ -182,17 +205,33 @@ bool EventDriven::ends_in_turn() {
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
 /// leaves no faster than it falls within the step lasts. Where that does not help either the next one is twice as long.
 bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
-  const Status status = report.status;
-  const std::string words = why_;
+  if (!crosses_) crossing_status_ = report.status, crossing_why_ = why_;
+  const auto give_up = [&] { return crosses_ = false, fail(report, crossing_status_, crossing_why_); };
   for (bool calm = false; !calm;) {
+    if (stopped(report)) return false;
     crossing_ = elapsed_ - crossed_ < kSoon * crossing_ ? std::min(2 * crossing_, kLongestCrossing) : options_.crossing;
-    const double s = std::min(crossing_, end - elapsed_);
-    if (!(s > 0)) return fail(report, status, words);
+    const double shortest = kInstant * kRounding * (std::abs(start_) + elapsed_);
+    const double safe = std::max(sweep_.stride(now_.q, now_.v, now_.w.gap), shortest);
+    const double s = std::min({crossing_, safe, end - elapsed_});
+    if (!(s > 0)) {
+      if (!options_.go_on) return give_up();
+      break;  // the modes are decided where the next call begins
+    }
     crossing_state_.t = start_ + elapsed_, crossing_state_.q = now_.q, crossing_state_.v = now_.v;
+    const State before = crossing_state_;
     const StepReport step = stepping_.step(s, solver, crossing_state_);
     report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
     ++report.accepted, ++report.crossings;
-    if (step.status != Status::solved) return fail(report, status, words);
+    if (step.status != Status::solved) return give_up();
+    if (step.passage.width > 0) {
+      report.passage = step.passage;
+      return fail(report, Status::numerical_error,
+                  "a crowd of events cannot be crossed at t = " + detail::text_of(start_ + elapsed_) +
+                      ": bodies would pass through each other in the shortest step");
+    }
+    if (!leaves_room(crossing_state_)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
+    if (meter_) work_ += meter_->over_step(before, crossing_state_, stepping_.impulses(), frictions_, {});
+    report.error_estimate += s * (crossing_state_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossing_state_.q, now_.v = crossing_state_.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
     crossed_ = elapsed_, standstill_ = crowded_ = shared_ = flight_ = 0, flight_time_ = 0;
@@ -213,10 +252,21 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     std::fill(held_.begin(), held_.end(), false);
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
-    if (!calm && !no_answer_) return false;
-    if (calm) why_.clear(), report.status = Status::solved;
+    if (!calm && !no_answer_ && !options_.go_on) return false;
+    crosses_ = striding_ && !calm;
+    if (crosses_) break;  // the next stride crosses on
   }
+  why_.clear(), report.status = Status::solved;
   return true;
+}
+
+/// Whether positions near x keep the gaps open: a step that overlaps goes on through a jam, and so past the end of the
+/// motion.
+bool EventDriven::leaves_room(const State& x) {
+  if (!system_.driven()) return true;
+  if (!jam_search_) jam_search_ = std::make_unique<JamSearch>(system_);
+  stage_q_ = x.q;
+  return jam_search_->fits(x.t, stage_q_);
 }
 
 /// The modes at now_, after an impact or an event of the motion.
@@ -252,8 +302,8 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
   return true;
 }
 
-/// Contacts that share a force do so in the proportion of the normal forces when their modes were decided. One that comes
-/// to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
+/// Contacts that share a force do so in the proportion of the normal forces when their modes were decided. One that
+/// comes to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
 bool EventDriven::shares_anew(const Sign& event) {
   if (event.watch != Watch::cone_up && event.watch != Watch::cone_down) return false;
   motion_.share_anew(now_.w);
@@ -269,7 +319,7 @@ double EventDriven::room(int contact) const {
 
 /// Which contacts open (released_) or slide off (slides_) because their force has come to its end.
 void EventDriven::let_go(const Sign& event) {
-  if (event.watch == Watch::gap || event.watch == Watch::slip) return;
+  if (event.watch == Watch::gap || event.watch == Watch::slip || event.watch == Watch::approach) return;
   const Watched& w = now_.w;
   const double zero = force_zero();
   for (const int c : motion_.lasting()) {

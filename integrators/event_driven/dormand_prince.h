@@ -1,12 +1,13 @@
-// integrators/event_driven/dormand_prince.h — one step of the explicit Runge–Kutta method of order 8 of Dormand and Prince for
-// motion: q' = v, v' = a(t, q, v).
+// integrators/event_driven/dormand_prince.h — Runge–Kutta method of order 8 (Dormand & Prince), explicit, for motion:
+// q' = v, v' = a(t, q, v).
 //
 //   a_i = a(t + c_i h, q_i, v_i), i = 1..12, with differences d_i = a_i − a_1:
 //     v_i = v + h (c_i a_1 + Σ_{j<i} a_ij d_j),   q_i = q + h c_i v + h² (c_i²/2 a_1 + Σ_{j<i} ā_ij d_j),   Ā = A A
-//   and likewise the results with b and b̄ = bᵀ A. This is the method applied to (q, v), written so that only what changes
-//   within the step is multiplied by coefficients (which reach 43): the rounding error is small where h is.
+//   and likewise the results with b and b̄ = bᵀ A. This is the method applied to (q, v), written so that only what
+//   changes within the step is multiplied by coefficients (which reach 43): the rounding error is small where h is.
 //   Error estimate from embedded methods of order 5 and 3:  e_5 = h Σ ê_i k_i,  e_3 = h (Σ b_i k_i − Σ b̂_i k_i),
-//   error = |e_5|² / √(|e_5|² + |e_3|²/100)  in the mean square of the entries, each over its tolerance; it goes with h⁸.
+//   error = |e_5|² / √(|e_5|² + |e_3|²/100)  in the mean square of the entries, each over its tolerance; it goes with
+//   h⁸.
 //   12 evaluations of a step, the first of which the step before has made already.
 //   Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.10; coefficients of
 //   their code DOP853.

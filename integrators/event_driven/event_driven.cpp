@@ -1,6 +1,6 @@
 #include <orthant/core/support/options.h>
-#include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/between_events/look_ahead.h>
+#include <orthant/integrators/event_driven/event_driven.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,23 +13,28 @@ constexpr double kSingular = 1e-2;    // independence of the joint rows below wh
 constexpr double kNearest = 1e-4;     // likewise: a state is better found from both sides
 constexpr double kBlurred = 1e-6;     // likewise: but not from steps with a stage as near as this
 constexpr double kTurned = 1e-7;      // of the speeds that make up a gap's rate: its normal has jumped
-constexpr double kInstant = 8;        // roundings of the time: no shorter step tells when
+constexpr double kShortest = 8;       // roundings of the time: no shorter step tells when
+constexpr double kBehind = 1e4;       // roundings of a gap: how far behind the place where its normal jumps
 constexpr double kMuch = 1e9;         // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;  // of a step: the widest interval without a stage of the method is around it
 constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages are near enough to project them there
 constexpr int kShortSteps = 15;       // steps in a row, each shorter than
 constexpr double kCrowded = 1e-4;     // of a crossing: events are taken to have no end
+constexpr int kLandings = 200;        // tries to find a step's first event
+constexpr double kNowhere = 1e-9;     // of places and sizes: unless bodies move by more in such a step
 
 }  // namespace
 
-EventDriven::EventDriven(const System& system, const Options& options)
+EventDriven::EventDriven(const System& system, const Options& options, std::string_view name)
     : Integrator(system),
       options_(options),
       motion_(system),
       watch_(motion_),
+      sweep_(system),
       transition_(system),
       formulation_(system),
       impact_(system),
+      immobility_(system),
       rk_(system.dof()),
       now_(system),
       trial_(system),
@@ -42,21 +47,25 @@ EventDriven::EventDriven(const System& system, const Options& options)
       bounces_(impulses_.size()),
       touching_(impulses_.size()),
       in_turn_(impulses_.size()),
+      turned_(impulses_.size()),
       released_(impulses_.size()),
       slides_(impulses_.size()),
+      tie_(impulses_.size()),
       held_(impulses_.size()),
       push_(impulses_.size()),
       hit_(impulses_.size()),
       before_(impulses_.size()),
       stepping_(system),
       problem_(&formulation_.problem()) {
-  refuse_joint_friction("event-driven");
-  refuse_collisions("event-driven");
+  refuse_loaded_friction(name);
+  Substitute::refuse(system, name);
   events_.reserve(64 * impulses_.size());
+  for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));
+  if (WorkMeter::needed(system)) meter_.emplace(system);
   std::fill(watch_.slow.begin(), watch_.slow.end(), options.atol);
 }
 
-StepReport EventDriven::step(double h, Solver& solver, State& x) {
+StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   StepReport report;
   report.accepted = 0;
   events_.clear(), why_.clear();
@@ -64,34 +73,55 @@ StepReport EventDriven::step(double h, Solver& solver, State& x) {
   formulation_.clear(), problem_ = &formulation_.problem();
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
   crossed_ = known ? crossed_ - (x.t - start_) : -kInf;
-  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0, standstill_ = crowded_ = shared_ = instants_ = 0;
-  good_ = known || begin(solver, x, report);
-  while (good_ && lead_ == 0 && elapsed_ < h) {
+  work_ = known ? -lead_work_ : 0, lead_work_ = 0;
+  start_ = x.t, elapsed_ = known ? -lead_ : 0, lead_ = 0;
+  if (!known || !one) standstill_ = crowded_ = shared_ = instants_ = 0, crosses_ = false;
+  striding_ = one, arc_.length = 0;
+  good_ = known || begin(solver, x, report) || (options_.go_on && cross(solver, h, report));
+  for (bool more = good_ && elapsed_ < h; more && lead_ == 0 && elapsed_ < h; more = good_ && !one) {
     if (stopped(report)) {
       good_ = false;
       break;
     }
     const double stop = next_stop() - start_;
-    good_ = advance(solver, std::min(h, stop), stop > h, report);
-    if (good_ && elapsed_ == stop) good_ = renew(solver, report);
+    good_ = crosses_ ? cross(solver, std::min(h, stop), report) : advance(solver, std::min(h, stop), stop > h, report);
+    if (good_ && elapsed_ == stop) good_ = renew(solver, report) || (options_.go_on && cross(solver, h, report));
   }
   const Point& end = lead_ > 0 ? trial_ : now_;
+  if (meter_ && lead_ > 0)
+    lead_work_ = meter_->over_motion(start_ + elapsed_, h - elapsed_, now_, trial_, motion_.modes);
+  if (meter_) report.work = work_ + lead_work_;
+  if (one && lead_ > 0) note_lead();
   x.t = start_ + (lead_ > 0 ? h : elapsed_), x.q = end.q, x.v = end.v;
   gaps_ = end.w.gap;
   const ContactMotion::Residual& residual = lead_ > 0 ? trial_residual_ : residual_;
   report.joint_residual = residual.joint, report.joint_rate = residual.rate;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
   sort_events();
-  if (good_ && !(residual.off <= kJointsHold))
+  if (good_ && !(residual.off <= kJointsHold)) {
+    if (one && arc_.length > 0)
+      x.t = arc_.start, x.q = arc_.q0, x.v = arc_.v0, arc_.length = 0;  // no arc fits the joints
     good_ = fail(report, Status::numerical_error,
                  "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
+  }
   last_q_ = x.q, last_v_ = x.v;
   return report;
 }
 
 void EventDriven::remember(Memory& memory) {
   memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, noise_, lead_, rank_, least_independence_, load_, flight_,
-         flight_time_, bounces_, crossing_, crossed_, no_answer_, residual_, motion_, formulation_, impact_, stepping_);
+         flight_time_, bounces_, crossing_, crossed_, crosses_, crossing_status_, crossing_why_, no_answer_, lead_work_,
+         residual_, motion_, formulation_, impact_, stepping_, standstill_, crowded_, shared_, instants_, arc_);
+  if (meter_) meter_->forget();
+}
+
+/// The step that was only looked at, next to a singular pose.
+void EventDriven::note_lead() {
+  std::swap(now_, trial_);
+  elapsed_ += lead_;
+  note_arc(elapsed_ - lead_);
+  elapsed_ -= lead_;
+  std::swap(now_, trial_);
 }
 
 /// Those of accumulations lie a little ahead of their place.
@@ -131,23 +161,24 @@ bool EventDriven::renew(Solver& solver, StepReport& report) {
                                           : fail(report, Status::numerical_error, "no accelerations");
 }
 
-/// One accepted step, to the time `end` after the start at most, and the event at its end if there is one. last: nothing
-/// ends there but the call.
+/// One accepted step, to the time `end` after the start at most, and the event at its end if there is one. last:
+/// nothing ends there but the call.
 bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& report) {
   const double rest = end - elapsed_;
   stop_ = last ? kInf : std::nextafter(start_ + end, -kInf);
   if (!(h_ > 0)) h_ = first_guess(rest);
   double s = std::min(h_, rest);
   const auto rejected = report.rejected;
-  if (system_.contacts() > 0) {
+  if (!motion_.lasting().empty()) {
     set_poses(system_, start_ + elapsed_, now_.q, poses_);
-    s = std::min(s, horizon(system_, poses_, now_.v, now_.a));
+    s = std::min(s, horizon(system_, motion_.lasting(), poses_, now_.v, now_.a));
   }
   for (;;) {
     const double error = error_of_step(s),
                  factor = std::clamp(0.9 * std::pow(error, -1 / DormandPrince::kErrorOrder), 0.2, 6.0);
     if (error <= 1) {
       h_ = s < h_ ? std::max(h_, factor * s) : factor * s;
+      report.error_estimate += error * q_scale_.maxCoeff();
       break;
     }
     if (error < kInf && turns(s) && find_turn(s)) return turn(solver, s, end, report);
@@ -157,28 +188,38 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
     if (s < 1e-3 * kRounding * (std::abs(start_) + elapsed_) + 1e-30)
       return fail(report, Status::stalled,
                   "step size below rounding at t = " + detail::text_of(start_ + elapsed_) +
-                      ": the forces grow without bound, or tolerances are too small");
+                      ": the forces grow without bound, or tolerances are too small") ||
+             (options_.go_on && cross(solver, end, report));
   }
   if (rank_ < system_.joint_rows() && least_independence_ < kUntold)
     return fail(report, Status::numerical_error,
                 "redundant joints next to a singular pose at t = " + detail::text_of(start_ + elapsed_) +
-                    ": which way they go on is not told; adaptive and the schemes of fixed step pass it");
+                    ": the branch cannot be determined; use adaptive or an integrator of fixed step") ||
+           (options_.go_on && cross(solver, end, report));
   const bool early = pass_over(s, rest);
   std::optional<Sign> event;
-  while (std::optional<Sign> next = first_sign(s)) {
+  for (int i = 0;; ++i) {
+    if (i == kLandings)
+      return fail(report, Status::stalled,
+                  "no first event was found in " + std::to_string(kLandings) +
+                      " tries at t = " + detail::text_of(start_ + elapsed_)) ||
+             (options_.go_on && cross(solver, end, report));
+    const std::optional<Sign> next = first_sign(s);
+    if (!next) break;
     const double before = s;
     event.reset();
     if (land(*next, s)) event = next;
     if (!(s < before)) break;  // rounding: found again where the step ends already
   }
   ++report.accepted;
-  if (early && last && !event && motion_.lasting().empty()) return look_ahead(rest);
+  if (early && last && !event && motion_.lasting().empty()) return hand_out(rest);
   ++flight_, flight_time_ += s;
   accept(s, end);
   if (crowded_ > (elapsed_ - crossed_ < kSoon * crossing_ ? kShortSteps / 4 : kShortSteps))
     return fail(report, Status::stalled, "events repeat without end at t = " + detail::text_of(start_ + elapsed_)) ||
            cross(solver, end, report);
-  return !event || change_modes(solver, event, report) || (no_answer_ && cross(solver, end, report));
+  return !event || change_modes(solver, event, report) ||
+         ((no_answer_ || options_.go_on) && cross(solver, end, report));
 }
 
 /// Of a step of s from now_, to trial_, over what is allowed. Next to a singular pose what stages are off the joints by
@@ -191,8 +232,8 @@ double EventDriven::error_of_step(double s) {
   return error / std::max(1.0, 1e-16 * std::pow(least_independence_, -1.5) / options_.rtol);
 }
 
-/// What rounding of the coordinates makes of the accelerations at now_: no step is held to less. Far from the origin that is
-/// much where a contact's normal hangs on a small clearance.
+/// What rounding of the coordinates makes of the accelerations at now_: no step is held to less. Far from the origin
+/// that is much where a contact's normal hangs on a small clearance.
 void EventDriven::measure_noise() {
   if (now_.independence < kSingular) return;
   stage_q_ = now_.q;
@@ -236,7 +277,7 @@ bool EventDriven::pass_over(double& s, double rest) {
 
 /// Hands out the state at the call's end, next to a singular pose, without going on from it: it is known to ε/δ² only.
 /// Very near, it is better known from both sides.
-bool EventDriven::look_ahead(double s) {
+bool EventDriven::hand_out(double s) {
   lead_ = s;
   for (const double part : {8, 7, 9}) {
     if (least_independence_ >= kNearest) return true;
@@ -303,8 +344,8 @@ bool EventDriven::try_step(double s) {
   q_scale_ = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
   v_scale_ = options_.atol + s * noise_.array() + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
   const double end = std::min(t + s, stop_);
-  free_v_ = trial_.v;
   trial_residual_ = motion_.project(end, trial_.q, trial_.v);
+  if (trial_residual_.changed && least_independence_ < kSingular) return false;
   return trial_residual_.joint < kInf && observe(trial_, end);
 }
 
@@ -321,24 +362,40 @@ bool EventDriven::turns(double s) const {
   return false;
 }
 
-/// Shortens the step to where contacts turn. False: what happens sooner has to be looked at first.
+/// Shortens the step to where contacts turn: released_. The last stages of a step across that place see the other
+/// normal, so its velocity and forces are those of the longest step that ends before it. It goes on from somewhat
+/// behind the place, where rounding does not choose the normal. False: what happens sooner has to be looked at first.
 bool EventDriven::find_turn(double& s) {
   double low = 0, high = s;
-  const auto instant = [&] { return kInstant * kRounding * (std::abs(start_) + elapsed_ + high); };
+  const auto instant = [&] { return kShortest * kRounding * (std::abs(start_) + elapsed_ + high); };
   while (high - low > instant()) {
     s = (low + high) / 2;
     if (!try_step(s)) return false;
     (turns(s) ? high : low) = s;
   }
-  return try_step(s = high) && turns(s) && rk_.error(s, q_scale_, v_scale_) <= 1 && !first_sign(low);
+  if (!try_step(s = high) || !turns(s)) return false;
+  for (std::size_t i = 0; i < motion_.lasting().size(); ++i) turned_[at(motion_.lasting()[i])] = turned(i, s);
+  if (low > 0) {
+    if (!(error_of_step(low) <= 1) || first_sign(low)) return false;
+  } else {
+    trial_ = now_, trial_residual_ = residual_;
+    std::fill(push_.begin(), push_.end(), Impulse{});
+  }
+  double behind = high - low;
+  for (const int c : motion_.lasting()) {
+    if (!turned_[at(c)]) continue;
+    const double speed = std::abs(trial_.w.slip[c] + system_.law(c).belt);
+    behind = std::max(behind, std::min(kBehind * gap_zero(c) / speed, kCrowded * options_.crossing));
+  }
+  trial_.q += behind * trial_.v;
+  s = low + behind;
+  return true;
 }
 
-/// Takes the trial step, at the end of which contacts have turned: they are let go, and what follows is decided anew.
+/// Takes the trial step, at the end of which contacts have turned: they are let go, and what follows is decided again.
 bool EventDriven::turn(Solver& solver, double s, double end, StepReport& report) {
-  released_.assign(released_.size(), false);
-  for (std::size_t i = 0; i < motion_.lasting().size(); ++i) released_[at(motion_.lasting()[i])] = turned(i, s);
+  released_.assign(turned_.begin(), turned_.end());
   accept(s, end);
-  now_.v = free_v_;
   ++report.accepted, h_ = 0;
   for (int c = 0; c < system_.contacts(); ++c) {
     if (!released_[at(c)]) continue;
@@ -348,45 +405,72 @@ bool EventDriven::turn(Solver& solver, double s, double end, StepReport& report)
   motion_.modes_changed();
   residual_ = motion_.project(start_ + elapsed_, now_.q, now_.v);
   if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");
-  return change_modes(solver, {}, report) || (no_answer_ && cross(solver, end, report));
+  return change_modes(solver, {}, report) || ((no_answer_ || options_.go_on) && cross(solver, end, report));
 }
 
 double EventDriven::slack(const Sign& sign) const {
+  if (sign.watch == Watch::approach) return 2 * speed_zero(now_.w.gap_rate_scale[sign.contact]);
   return sign.watch == Watch::gap ? 2 * gap_zero(sign.contact) : watch_.slack(sign);
 }
 
-/// The event function; ≥ 0 before the event. A start with overlap is let be.
+/// The event function; ≥ 0 before the event.
 double EventDriven::value(const Sign& sign, const Watched& w) const {
-  return watch_.value(sign, w) - (sign.watch == Watch::gap ? std::min(0.0, now_.w.gap[sign.contact]) : 0);
+  if (sign.watch != Watch::gap) return watch_.value(sign, w);
+  if (overlaps(sign.contact)) return -w.gap[sign.contact];
+  return w.gap[sign.contact] - std::min(0.0, now_.w.gap[sign.contact]);
+}
+
+/// Whether no force at now_ moves the contact, and the joints' drives do not press it shut.
+bool EventDriven::immobile(int contact) {
+  if (system_.joint_rows() == 0 || !immobility_.stand(start_ + elapsed_, now_.q)) return false;
+  const Immobility::Verdict verdict = immobility_.look(immobility_.rows(contact).normal);
+  return verdict.immobile && verdict.rate >= 0;
+}
+
+/// Whether the contact is closed, to rounding, and does not move in the trial step.
+bool EventDriven::stands(int c, double s) const {
+  const auto closed = [&](const Point& p) {
+    return stays(p.w.gap[c], c) && s * std::abs(p.w.gap_rate[c]) <= kStays * gap_zero(c) + options_.touching;
+  };
+  return closed(now_) && closed(trial_);
 }
 
 std::optional<Sign> EventDriven::first_sign(double s) {
   std::optional<Sign> first;
   if (s <= 0) return first;
   if (!motion_.lasting().empty() && watch_.look(start_ + elapsed_, s, now_, trial_, stop_)) first = watch_.first();
-  const Watched &a = now_.w, &b = trial_.w;
+  sweep_.begin(start_ + elapsed_, s, now_, trial_);
+  const auto sample = [](const Watched& w, int c) -> ContinuousCollision::Sample {
+    return {w.gap[c], w.gap_rate[c], w.gap_acceleration[c]};
+  };
   for (int c = 0; c < system_.contacts(); ++c) {
     if (motion_.modes[at(c)].lasting) continue;
-    const double shift = std::min(0.0, a.gap[c]);
-    const auto found = first_crossing(quintic(a.gap[c] - shift, a.gap_rate[c], a.gap_acceleration[c], b.gap[c] - shift,
-                                              b.gap_rate[c], b.gap_acceleration[c], s),
-                                      2 * gap_zero(c));
-    if (found && !(first && first->crossing.x <= found->x)) first = Sign{Watch::gap, c, *found};
+    if (stands(c, s)) continue;
+    const auto found =
+        overlaps(c) ? end_of_overlap(c, s) : sweep_.first(c, sample(now_.w, c), sample(trial_.w, c), 2 * gap_zero(c));
+    if (!found || (first && first->crossing.x <= found->crossing.x)) continue;
+    if (stays(now_.w.gap[c], c) && stays(trial_.w.gap[c], c) && immobile(c))
+      continue;  // rounding of what the joints hold
+    first = found;
   }
   return first;
 }
 
-/// Shortens the step to where the function is zero. False: it is not there, it only came near; s is shortened all the same.
+/// Shortens the step to where the function is zero. False: it is not there, it only came near; s is shortened all the
+/// same.
 bool EventDriven::land(const Sign& sign, double& s) {
   const double tiny = slack(sign) / 2;
-  double low = 0, high = s, x = sign.crossing.x * s, slope = sign.crossing.slope / s, last_x = 0, last = 0;
-  bool bracketed = value(sign, trial_.w) < 0;
+  double low = sign.low * s, high = sign.high * s, last_x = 0, last = 0;
+  double x = sign.crossing.x * s, slope = sign.crossing.slope / s;
+  bool bracketed = sign.high == 1 && value(sign, trial_.w) < 0;
   for (int i = 0; i < 80; ++i) {
     if (!try_step(x)) break;
     s = x;
     const double f = value(sign, trial_.w);
     if (sign.watch == Watch::gap)
-      slope = trial_.w.gap_rate[sign.contact];
+      slope = overlaps(sign.contact) ? -trial_.w.gap_rate[sign.contact] : trial_.w.gap_rate[sign.contact];
+    else if (sign.watch == Watch::approach)
+      slope = trial_.w.gap_acceleration[sign.contact];
     else if (sign.watch == Watch::slip)
       slope = motion_.modes[at(sign.contact)].slip * trial_.w.slip_acceleration[sign.contact];
     else if (i > 0 && x != last_x)
@@ -398,23 +482,40 @@ bool EventDriven::land(const Sign& sign, double& s) {
     last_x = x, last = f;
     double next = x - f / slope;
     if (!(slope < 0) || !(next > low && next < high)) next = (low + high) / 2;
-    if (std::abs(next - x) <= kRounding * x) return true;
+    if (std::abs(next - x) <= kRounding * x) break;
     x = next;
   }
+  // A gap that jumps: it is closed behind the jump.
+  const bool narrow = high - s <= kInstant * kRounding * (std::abs(start_) + elapsed_ + s);
+  if (sign.watch == Watch::gap && bracketed && narrow && value(sign, trial_.w) > slack(sign) && try_step(high))
+    s = high;
   return true;
 }
 
 void EventDriven::accept(double s, double end) {
   const double before = elapsed_;
   load_ = std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
+  if (meter_) work_ += meter_->over_motion(start_ + elapsed_, s, now_, trial_, motion_.modes);
   std::swap(now_, trial_);
   residual_ = trial_residual_;
   elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
   standstill_ = elapsed_ > before ? 0 : standstill_ + 1;
-  const bool crowd = s < kCrowded * options_.crossing;
+  const double moved = s * now_.v.lpNorm<Eigen::Infinity>();
+  const bool crowd =
+      s < kCrowded * options_.crossing && moved <= kNowhere * std::max(size_, now_.q.lpNorm<Eigen::Infinity>());
   crowded_ = crowd ? crowded_ + 1 : 0, shared_ = crowd ? shared_ : 0;
   for (const int c : motion_.lasting())
     impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;
+  if (striding_) note_arc(before);
+}
+
+/// Of the step just accepted, from `before` after the call's start.
+void EventDriven::note_arc(double before) {
+  arc_.start = start_ + before, arc_.length = elapsed_ - before;
+  arc_.q0 = trial_.q, arc_.v0 = trial_.v, arc_.a0 = trial_.a;
+  arc_.q1 = now_.q, arc_.v1 = now_.v, arc_.a1 = now_.a;
+  arc_.modes = motion_.modes;
+  arc_.push = impulses_;
 }
 
 }  // namespace orthant

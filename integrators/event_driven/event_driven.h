@@ -1,37 +1,46 @@
-// integrators/event_driven/event_driven.h — the smooth motion by a Runge–Kutta method of order 8, impacts and changes of contact
-// located and landed on.
+// integrators/event_driven/event_driven.h — the smooth motion by a Runge–Kutta method of order 8, impacts and
+// changes of contact located and landed on.
 //
-//   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with error
-//   control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched are
-//     open contact: g           → closing, quintic Hermite polynomial from g, ġ, g̈ at the ends of a step
+//   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with
+//   error control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched
+//   are
+//     open contact: g           → closing, on the whole way that the step goes, however long (continuous_collision.h)
 //     lasting ones: forces, slip → opening, sliding off, stopping (contact_watch.h).
 //   The first one to turn negative is landed on by steps from the same start, their length by secant steps: nothing is
 //   interpolated, so that the state there has the full order. Then
-//     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at velocity
+//     a gap that closes at a velocity:  impact of all contacts that touch, Newton's e, e_t and Coulomb friction, at
+//     velocity
 //                                       level (formulate.h, reduced form)
 //     after every event:                the modes by the problem at acceleration level (contact_transition.h).
-//   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as touching, so that
-//   what is simultaneous stays so. No step is longer than look_ahead.h allows, so that what meets within it is seen.
-//   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one before)
-//   and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact without
-//   restitution takes the place of all that follow, for all contacts in this state, and they last. The event has the time
-//   extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as zero, and the
-//   impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some 10 times
-//   `accumulation`. Series that several contacts have in turn end together, when all are that low; their remaining impacts,
-//   which may still be large, follow one after the other at that instant (impact.h).
+//   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as
+//   touching, so that what is simultaneous stays so. Where contacts last no step is longer than look_ahead.h allows.
+//   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one
+//   before) and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact
+//   without restitution takes the place of all that follow, for all contacts in this state, and they last. The event
+//   has the time extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as
+//   zero, and the impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some
+//   10 times `accumulation`. Series that several contacts have in turn end together, when all are that low, or where
+//   two of them touch at once;
+//   their remaining impacts, which may still be large, follow one after the other at that instant (impact.h).
 //   Contacts that bear a load together share it in proportion to what each can bear; one at the bound of its friction
 //   stays there while others hold it.
-//   Crowds: where events go on without end (steps in a row that lead nowhere: chatter, hyperstatic friction) or an instant
-//   has no answer that could be computed, a step of Moreau-Jean's method of `crossing` goes across, or of twice the last one
-//   where no calm has come since, up to 1e-4 s. What it leaves no faster than it falls within it lasts. Its error is of
-//   first order: speeds times its length. Runs without crowds have none.
-//   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the accelerations. An event's time is found to rounding of the event function.
-//   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³, δ
-//   the distance: such poses are passed over in one step, no stage of which is very near. A state there that the caller
-//   asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from there).
-//   Where a lasting contact's normal jumps (a corner comes to the end of its face, and lies against an edge from then on) a step
-//   ends, too, as near to it as time can be told; its velocity is no more along the contact then: it strikes, or leaves.
-//   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided anew.
+//   Crowds: where events go on without end (steps in a row that lead nowhere: chatter, hyperstatic friction) or an
+//   instant has no answer that could be computed, a step of Moreau-Jean's method of `crossing` goes across, or of twice
+//   the last one where no calm has come since, up to 1e-4 s, but no longer than bodies need to pass each other. What it
+//   leaves no faster than it falls within it lasts. Its error is of first order: speeds times its length. Runs without
+//   crowds have none.
+//   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the
+//   accelerations. An event's time is found to rounding of the event function.
+//   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³,
+//   δ the distance: such poses are passed over in one step, no stage of which is very near. A state there that the
+//   caller asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from
+//   there).
+//   Where a lasting contact's normal jumps (a corner comes to the end of its face, and lies against an edge from then
+//   on) a step ends, too, as near to it as times can be distinguished; its velocity is no more along the contact then:
+//   it strikes, or leaves.
+//   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided again.
+//   A start with overlap: such a contact acts only while it does not separate. The approach after a separation is an
+//   event, and so is the gap 0 (overlap.cpp).
 //   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
 //   impact or an acceleration-level problem without solution, or one with several, ends the run, see why(). Rounding in
 //   crowds decides: piles come to rest, but not always in the same places. Every contact's row is looked at
@@ -40,12 +49,18 @@
 //   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6.
 #pragma once
 
+#include <orthant/integrators/between_events/arc_interpolant.h>
 #include <orthant/integrators/between_events/contact_transition.h>
 #include <orthant/integrators/between_events/contact_watch.h>
-#include <orthant/integrators/event_driven/dormand_prince.h>
-#include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/between_events/continuous_collision.h>
 #include <orthant/integrators/between_events/impact_series.h>
+#include <orthant/integrators/between_events/substitute.h>
+#include <orthant/integrators/event_driven/dormand_prince.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
+#include <orthant/integrators/step/immobility.h>
+#include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/step/jam.h>
+#include <orthant/integrators/step/work_meter.h>
 
 namespace orthant {
 
@@ -59,6 +74,7 @@ struct EventDrivenOptions {
   double accumulation = 1e-14;  // [m] height of bounces that are not resolved any more
   double crossing = 1e-6;       // [s] first step of Moreau–Jean's method where events have no end or no answer
   int max_events = 1000000;     // instants of one call of step() at which contacts strike or change their modes
+  bool go_on = false;           // not listed: an instant that has no answer, or several, is crossed as a crowd is
   template <class V> void visit(V&& v) {
     v("rtol", rtol, 1e-15, 1e-2), v("atol", atol, 1e-30, 1e-2), v("first_step", first_step, 0.0, 1e6);
     v("touching", touching, 0.0, 1e-3), v("accumulation", accumulation, 0.0, 1e-3);
@@ -69,18 +85,28 @@ struct EventDrivenOptions {
 class EventDriven final : public Integrator {
  public:
   using Options = EventDrivenOptions;
-  explicit EventDriven(const System& system, const Options& options = {});
-  StepReport step(double h, Solver& solver, State& x) override;
+  explicit EventDriven(const System& system, const Options& options = {}, std::string_view name = "event-driven");
+  StepReport step(double h, Solver& solver, State& x) override { return go(h, false, solver, x); }
+
+  /// One inner step, of the length that its error allows and h at the most, with the event at its end: an arc, then
+  /// maybe one step of a crossing. What was counted for crowds in the stride before counts on.
+  StepReport stride(double h, Solver& solver, State& x) { return go(h, true, solver, x); }
+  const Arc& arc() const { return arc_; }  // of the last stride
+
   void remember(Memory& memory) override;
   const Lcp& problem() const override { return *problem_; }
   std::string why() const override { return why_; }
+  bool controls_step() const override { return true; }
 
  private:
-  static constexpr double kSoon = 50;  // crossings: no calm has come since the last one
-  struct Bounces : ImpactSeries {      // a contact's impacts
-    double height = 0;                 // [m] bound of the next bounce
-    bool rounding = false;             // the last bounce was of the size of rounding
-    bool over = false;                 // accumulated, just now
+  static constexpr double kStays = 1e3;    // roundings of a gap that only joints move
+  static constexpr double kOverlap = 1e6;  // roundings of a gap: deeper is no rounding
+  static constexpr double kInstant = 8;    // roundings of the time: the shortest crossing
+  static constexpr double kSoon = 50;      // crossings: no calm has come since the last one
+  struct Bounces : ImpactSeries {          // a contact's impacts
+    double height = 0;                     // [m] bound of the next bounce
+    bool rounding = false;                 // the last bounce was of the size of rounding
+    bool over = false;                     // accumulated, just now
   };
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
@@ -91,6 +117,7 @@ class EventDriven final : public Integrator {
     }
   };
 
+  StepReport go(double h, bool one, Solver& solver, State& x);
   void sort_events();
   bool begin(Solver& solver, const State& x, StepReport& report);
   double next_stop() const;
@@ -100,7 +127,7 @@ class EventDriven final : public Integrator {
   std::optional<double> pose_in(double s) const;
   void measure_noise();
   bool pass_over(double& s, double rest);
-  bool look_ahead(double s);
+  bool hand_out(double s);
   double first_guess(double rest) const;
   double independence() const;
   bool observe(Point& p, double t);
@@ -109,21 +136,31 @@ class EventDriven final : public Integrator {
   bool turns(double s) const;
   bool find_turn(double& s);
   void accept(double s, double end);
+  void note_arc(double before);
+  void note_lead();
   bool turn(Solver& solver, double s, double end, StepReport& report);
 
+  bool immobile(int contact);
+  bool stands(int contact, double s) const;
   double value(const Sign& sign, const Watched& w) const;
   double slack(const Sign& sign) const;
   std::optional<Sign> first_sign(double s);
+  bool overlaps(int contact) const { return now_.w.gap[contact] < -(kOverlap * gap_zero(contact) + options_.touching); }
+  std::optional<Sign> end_of_overlap(int contact, double s);
   bool land(const Sign& sign, double& s);
 
   bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool cross(Solver& solver, double end, StepReport& report);
+  bool leaves_room(const State& x);
   void close_together();
   void note_bounce(int contact);
   template <class Low> bool waits(const Bounces& ending, const Low& low) const;
+  bool meets_in_turn(int contact) const;
   bool accumulates();
   bool ends_in_turn();
+  /// When the contact struck last before now [s].
+  double before_now(const Bounces& b) const { return b.last == start_ + elapsed_ ? b.last - b.interval : b.last; }
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool shares_anew(const Sign& event);
   double force_zero() const;
@@ -133,19 +170,25 @@ class EventDriven final : public Integrator {
   void note_changes(bool touched);
   bool fail(StepReport& report, Status status, std::string why);
   double gap_zero(int contact) const { return kRounding * now_.w.gap_scale[contact]; }  // [m]
+  bool stays(double gap, int contact) const { return std::abs(gap) <= kStays * gap_zero(contact) + options_.touching; }
   double speed_zero(double scale) const { return options_.atol + kSame * scale; }
 
   Options options_;
   ContactMotion motion_;
   ContactWatch watch_;
+  ContinuousCollision sweep_;
   ContactTransition transition_;
   Formulation formulation_;
   Impact impact_;
+  Immobility immobility_;
   DormandPrince rk_;
   Point now_, trial_, middle_, earlier_;
+  Arc arc_;
+  bool striding_ = false;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
   double lead_ = 0;                         // [s] of the state that was handed out before now_
   double stop_ = kInf;                      // [s] forces are not looked at later in this step
+  double size_ = 0;                         // [m] largest radius of gyration
   int rank_ = 0;                            // of the joints' rows, away from singular poses
   double least_independence_ = 1;           // of the joints in the trial step
   double load_ = 0;                         // [N] the largest normal force since the modes were decided
@@ -155,16 +198,16 @@ class EventDriven final : public Integrator {
   int standstill_ = 0;  // steps since time moved
   int crowded_ = 0;     // steps since it moved by more than next to nothing
   int instants_ = 0;    // of this call at which something happened
-  int shared_ = 0;      // times that friction was shared anew meanwhile
-  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, free_v_, last_q_, last_v_;
+  int shared_ = 0;      // times that friction was shared again meanwhile
+  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_;
   Eigen::VectorXd noise_, none_;  // noise_: of the accelerations [m/s², rad/s²]
   bool good_ = false;             // the last call ended at last_q_, last_v_
   ContactMotion::Residual residual_, trial_residual_;
   std::vector<Bounces> bounces_;
   std::vector<char> touching_,
       in_turn_;  // of an impact without restitution: struck one after the other
-  std::vector<char> released_;
-  std::vector<double> slides_;
+  std::vector<char> turned_, released_;
+  std::vector<double> slides_, tie_;  // tie_: [m] gaps that count as touching
   std::vector<char> held_;
   std::vector<int> struck_;
   std::vector<Impulse> push_, hit_;  // mean force of the trial step [N]; of an impact [N s]
@@ -172,7 +215,13 @@ class EventDriven final : public Integrator {
   std::vector<Wanted> wanted_;
   MoreauJean stepping_;
   State crossing_state_;
-  double crossing_ = 0, crossed_ = -kInf;  // [s] the last of its steps, and its end
+  double crossing_ = 0, crossed_ = -kInf;    // [s] the last of its steps, and its end
+  bool crosses_ = false;                     // the stride before ended within a crossing, which goes on
+  Status crossing_status_ = Status::solved;  // why it began
+  std::string crossing_why_;
+  std::optional<WorkMeter> meter_;         // where there is work to measure
+  std::unique_ptr<JamSearch> jam_search_;  // of crossings, where drives may press contacts
+  double work_ = 0, lead_work_ = 0;        // [J] of this call; of the state handed out before now_
   bool no_answer_ = false;                 // an impact or an acceleration-level problem was not solved
   const Lcp* problem_;
   std::string why_;

@@ -3,10 +3,10 @@
 //   The step of stewart_trinkle.h with the friction of Cone::relaxed (formulate.h): the impulse lies in the cone, the
 //   rates in its dual,  g_N/h + γ_N⁺ ≥ μ |γ_T⁺|,  so that the problem is the optimality condition of a convex quadratic
 //   program: a symmetric positive semidefinite matrix, always solvable when some motion is free of penetration.
-//   Its price is an artefact: a contact that slides is held open at g_N = μ h |γ_T| (that vanishes with h, and a contact
-//   that sticks has Coulomb's law). So candidates are the contacts nearer than that at the end of free flight; their
-//   rows are evaluated for all contacts of the scene, O(contacts) a step. With e > 0 an impact with slip rebounds at
-//   e |γ_N⁻| + μ |γ_T|, whatever h: restitution and relaxed friction do not go together, take another scheme. Static
+//   Its price is an artefact: a contact that slides is held open at g_N = μ h |γ_T| (that vanishes with h, and a
+//   contact that sticks has Coulomb's law). So candidates are the contacts nearer than that at the end of free flight;
+//   their rows are evaluated for all contacts of the scene, O(contacts) a step. With e > 0 an impact with slip rebounds
+//   at e |γ_N⁻| + μ |γ_T|, whatever h: restitution and relaxed friction do not go together, take another scheme. Static
 //   friction above kinetic holds what sticks at the step's start, not what comes to rest within it.
 // Order 1 for e = 0, as Stewart–Trinkle.
 // Source: Anitescu & Potra, Nonlinear Dynamics 14 (1997) 231-247; Anitescu & Hart, Math. Program. 101 (2004) 57-91;

@@ -6,14 +6,9 @@
 namespace orthant {
 namespace {
 
-/// Σ |J_k| way_k: how far the contact may close while no coordinate moves farther than its way.
-double farthest(const Row& row, const Eigen::VectorXd& way) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (row.a >= 0) sum += std::abs(row.ja[k]) * way[3 * row.a + static_cast<Index>(k)];
-    if (row.b >= 0) sum += std::abs(row.jb[k]) * way[3 * row.b + static_cast<Index>(k)];
-  }
-  return sum;
+/// |γ_N| + |γ_T| [m/s]: of the two surfaces against each other, whatever the frame.
+double speed(const ContactRows& rows, const Eigen::VectorXd& v, double belt) {
+  return std::abs(apply(rows.normal, v.data())) + std::abs(apply(rows.tangent, v.data()) - belt);
 }
 
 }  // namespace
@@ -39,7 +34,6 @@ void GapStepping::close(double h, const State& x) {
 
 bool GapStepping::missed(double h, const State& x) {
   if (terms_.closed.empty() || v_new_ == flight_) return false;
-  way_ = h * (x.v.cwiseAbs() + flight_.cwiseAbs());
   const std::size_t before = joined_.size(), taking_part = terms_.closed.size();
   for (int i = 0, next = 0; i < system_.contacts(); ++i) {
     if (static_cast<std::size_t>(next) < taking_part && terms_.closed[static_cast<std::size_t>(next)].contact == i) {
@@ -50,9 +44,9 @@ bool GapStepping::missed(double h, const State& x) {
     add_closed(system_, i, terms_);
     const ClosedContact c = terms_.closed.back();
     terms_.closed.pop_back();
-    const double rate = apply(c.rows.normal, v_new_.data());
+    const double rate = apply(c.rows.normal, v_new_.data()), belt = system_.law(i).belt;
     if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
-        terms_.gap[i] <= farthest(c.rows.normal, way_))
+        terms_.gap[i] <= h * (speed(c.rows, x.v, belt) + speed(c.rows, flight_, belt)) + nearly(c.rows))
       joined_.push_back(i);
   }
   if (joined_.size() == before) return false;

@@ -1,12 +1,13 @@
-// integrators/fixed_step/gap_stepping.h — the step of velocity_stepping.h for schemes that hold the gap at the end of the step.
+// integrators/fixed_step/gap_stepping.h — gap stepping: velocity_stepping.h with the gap held at the end of the step.
 //
-//   γ_N⁺ ≥ what the scheme asks of a contact, a function of the gap at the end of free flight, q + h v_free, about which
-//   rows are linearized: g_N = 0 at q + h v⁺ is γ_N⁺ = γ_N,free − g_N/h.
-// All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of the
-// others may drive them shut: what the solution violates then joins the problem, which is solved anew, until nothing is
-// violated. So the answer is that of the whole problem, at the cost of the contacts that take part. What joins is nearer than
-// the two bodies come by themselves, h (|v| + |v_free|): farther away (a row of balls with gaps) a contact that is shut by an
-// impulse is made in the next step, as in the source, so that pairs found by a grid are all there are.
+//   γ_N⁺ ≥ what the scheme asks of a contact, a function of the gap at the end of free flight, q + h v_free, about
+//   which rows are linearized: g_N = 0 at q + h v⁺ is γ_N⁺ = γ_N,free − g_N/h.
+// All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of
+// the others may drive them shut: what the solution violates then joins the problem, which is solved again, until
+// nothing is violated. So the answer is that of the whole problem, at the cost of the contacts that take part. What
+// joins is nearer than the two surfaces go against each other by themselves, at v and at v_free: farther away (a row
+// of balls with gaps) a contact that is shut by an impulse is made in the next step, as in the source, so that pairs
+// found by a grid are all there are.
 #pragma once
 
 #include <orthant/integrators/fixed_step/velocity_stepping.h>
@@ -35,7 +36,6 @@ class GapStepping : public VelocityStepping {
   bool missed(double h, const State& x) final;
 
   Eigen::VectorXd flight_;  // v_free
-  Eigen::VectorXd way_;
 };
 
 }  // namespace orthant

@@ -34,6 +34,7 @@ bool GeneralizedAlpha::start(const State& x, StepReport& report) {
   set_poses(system_, x.t, x.q, start_.at);
   set_twists(system_, x.v, start_.at);
   evaluate_forces(system_, x.t, x.v, start_);
+  stiffened_ = false;
   if (!factorize(start_, 0, 0, report)) return false;
   start_.closed.clear();
   evaluate_biases(system_, start_);
@@ -45,8 +46,9 @@ bool GeneralizedAlpha::start(const State& x, StepReport& report) {
 }
 
 bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport& report) {
-  constexpr int kPasses = 20;
-  constexpr double kEnough = 1e-13;
+  constexpr int kPasses = 100;
+  constexpr double kEnough = 1e-13, kSlow = 0.25;
+  constexpr double kNearly = 1e-10;  // rounding of the joints, where light bodies magnify it: no pass comes nearer
   // a⁺ = known + share s⁺
   const double share = (1 - alpha_f_) / (1 - alpha_m_), by_s = h * gamma_ * share, by_s2 = h * h * beta_ * share;
   const double keep_s = alpha_f_ / (1 - alpha_m_), keep_a = alpha_m_ / (1 - alpha_m_);
@@ -58,6 +60,7 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
   if (!system_.scene().springs.empty()) evaluate_forces(system_, x.t + h, x.v, start_);  // their rows, there
   if (!factorize(start_, by_s2, by_s, report)) return false;
   double before = kInf;
+  bool swings = false;
   for (int pass = 0; pass < kPasses; ++pass) {
     path_ = path_known_ + by_s2 * s_new_;
     v_ = v_known_ + by_s * s_new_;
@@ -67,19 +70,29 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
     force_ = end_.f - system_.mass().cwiseProduct(s_new_);
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = end_.missing_rate(i, v_) / by_s;
     basic_.solve(force_.data(), rate_.data(), change_.data(), lambda_.data());
+    if (geometric_.possible()) {
+      added_.setZero();
+      stiffened_ = geometric_.raise(end_, lambda_.data(), 1, by_s2, kSlow, added_);
+    }
     s_new_ += change_;
     v_ += by_s * change_;
     far_.measure([&](Index i) { return largest_entry(x.q, i) + by_s2 * largest_entry(s_new_, i); });
     double moved = 0;  // over what is known of a coordinate
     for (Index i = 0; i < change_.size(); ++i)
       moved = std::max(moved, by_s2 * std::abs(change_[i]) / (1 + far_.of_entry(i)));
-    if (moved <= kEnough || (moved <= 1e3 * kEnough && moved >= before)) return true;
-    before = moved;
+    if (moved <= kEnough || (moved <= kNearly && moved >= before)) return true;
     std::swap(start_.at, end_.at);  // the next pass freezes its rows where basic_ is factorized
+    swings = swings || moved > before / 2;
+    freeze_poses(swings);
+    before = moved;
   }
+  double turn = 0;
+  for (Index i = 2; i < v_.size(); i += 3) turn = std::max(turn, h * std::abs(v_[i]));
   return fail(report, Status::numerical_error,
-              "the smooth motion does not converge: its last pass moved q by " +
-                  detail::text_of(by_s2 * change_.lpNorm<Eigen::Infinity>()) + " m");
+              "the smooth motion does not converge in " + std::to_string(kPasses) +
+                  " passes: the last one moved q by " + detail::text_of(by_s2 * change_.lpNorm<Eigen::Infinity>()) +
+                  " m or rad, in a step in which bodies turn by up to " + detail::text_of(turn) +
+                  " rad: a shorter step converges faster");
 }
 
 }  // namespace orthant

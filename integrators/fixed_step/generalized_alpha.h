@@ -9,9 +9,10 @@
 //   Stages and smooth acceleration are coupled by fixed-point passes (2 or 3), each a Newton step for s⁺.
 // s and a are kept from step to step, started with the accelerations consistent with joints. Contact forces are not in
 // them: a contact, lasting or not, acts by μ and P alone. Friction in the position stage is added to the source.
-// Energy swings with h² while a mechanism turns: N-four-bar, h = 1e-3, 8.3e-4 J of 36 J within a turn, 6e-6 J after five.
-// Order 2 on smooth motion for every ρ_∞; 1 with impacts and, on curved paths, in contacts that last. Dampers see ṽ, not
-// what P adds to it.
+// Energy swings with h² while a mechanism turns: N-four-bar, h = 1e-3, 8.3e-4 J of 36 J within a turn, 6e-6 J after
+// five.
+// Order 2 on smooth motion for every ρ_∞; 1 with impacts and, on curved paths, in contacts that last. Dampers see ṽ,
+// not what P adds to it.
 // Source: Brüls, Acary & Cardona, CMAME 281 (2014) 131-161; Chung & Hulbert, J. Appl. Mech. 60 (1993) 371-375; Arnold &
 // Brüls, Multibody Syst. Dyn. 18 (2007) 185-202.
 #pragma once
@@ -32,7 +33,7 @@ class GeneralizedAlpha final : public TwoLevel {
   StepReport step(double h, Solver& solver, State& x) override;
   void remember(Memory& memory) override {
     TwoLevel::remember(memory);
-    memory(s_, a_, q_last_, v_last_);
+    memory(s_, a_, q_last_, v_last_, added_, stiffened_);
   }
 
  private:

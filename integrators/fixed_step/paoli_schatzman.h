@@ -1,4 +1,4 @@
-// integrators/fixed_step/paoli_schatzman.h — Paoli–Schatzman stepping: three positions, restitution between the outer two.
+// integrators/fixed_step/paoli_schatzman.h — Paoli–Schatzman stepping: restitution over three positions.
 //
 //   M (q_{n+1} − 2 q_n + q_{n−1}) = h² f + h (Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T),
 //   0 ≤ Λ_N ⊥ g_N((q_{n+1} + e q_{n−1}) / (1+e)) ≥ 0
@@ -7,10 +7,11 @@
 //     γ_N⁺ ≥ e γ_N⁻ − (1+e) g_N/h,   linearized about the end of free flight, as in stewart_trinkle.h.
 //   for the contacts that free flight, or the impulses of others, would let violate this (rows are evaluated for all:
 //   O(contacts) a step).
-//   An impact takes two steps: one ends at g_N = −e g_{N,n−1}, a penetration of O(h), the next has the velocity −e γ_N⁻.
-//   Coulomb friction is added at velocity level; the source has none. It acts in both steps of an impact, each with that
-//   step's normal impulse: where slip stops or turns between them, or couples with the normal, that is another law than
-//   Newton's with friction in one impact. Tangential restitution would act twice: it is refused.
+//   An impact takes two steps: one ends at g_N = −e g_{N,n−1}, a penetration of O(h), the next has the velocity −e
+//   γ_N⁻.
+//   Coulomb friction is added at velocity level; the source has none. It acts in both steps of an impact, each with
+//   that step's normal impulse: where slip stops or turns between them, or couples with the normal, that is another law
+//   than Newton's with friction in one impact. Tangential restitution would act twice: it is refused.
 // Order 1: v is a backward difference, half a step late. g_N/h carries the rounding of gaps into velocities: ties
 // between contacts (a face on two corners) are lost from h = 1e-6 s or so down.
 // Source: Paoli & Schatzman, SIAM J. Numer. Anal. 40 (2002) 702-733 and 734-768.

@@ -27,6 +27,7 @@ bool Rattle::half_kick(double h, const State& x, StepReport& report) {
     set_poses(system_, x.t, x.q, start_.at);
   set_twists(system_, x.v, start_.at);
   evaluate_forces(system_, x.t, x.v, start_);
+  if (last_.size() == 0 || x.q != last_) stiffened_ = false;
   if (!factorized && !factorize(start_, 0, h / 2, report)) return false;
   // A guess at G u that leaves Φ = O(h³): u is tangent half a step ahead. Any other would end at the same q⁺.
   start_.closed.clear();
@@ -34,6 +35,16 @@ bool Rattle::half_kick(double h, const State& x, StepReport& report) {
   rate_ = start_.joint_rate - h / 2 * start_.joint_bias;
   force_ = h / 2 * start_.f;
   basic_.solve_change(start_.G, force_.data(), x.v.data(), rate_.data(), path_.data(), lambda_.data());
+  if (geometric_.possible()) {
+    const bool before = stiffened_;
+    added_.setZero();
+    stiffened_ = geometric_.raise(start_, lambda_.data(), h / 2, h * h, 1, added_) &&
+                 geometric_.swings(basic_, added_, before ? 0.5 : 1);
+    if (stiffened_ || before) {
+      if (!factorize(start_, 0, h / 2, report)) return false;
+      basic_.solve_change(start_.G, force_.data(), x.v.data(), rate_.data(), path_.data(), lambda_.data());
+    }
+  }
   path_ = h * (x.v + path_);
   return true;
 }

@@ -5,14 +5,16 @@
 //   0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0 where R_N > 0, else P = 0
 //   with Coulomb friction of both R (slip u) and P (γ_T⁺ + e_T γ_T⁻): the two stages of two_level.h. P is the whole
 //   impulse of the step, so that Newton's law holds for it as in Moreau–Jean; R only stops the body at the surface.
-// Order 2 on smooth motion and in contacts that last. With impacts 1: each ends on the surface and rebounds at the end of
-// its step, wherever it fell (e = 1 loses m g times the height left, O(h) an impact); inelastic ones, though, get just
-// the impulse that their place within the step asks for: order 2 is observed on the slider-crank for e = 0.
-// Energy swings with h² while a mechanism turns, and comes back: N-four-bar, h = 1e-3, 3.9e-4 J of 36 J within a turn, 5e-6 J
-// after five; not a matter of its singular poses.
-// Explicit: a spring's ω h must stay below 2. Dampers: implicit in the first half, explicit in the second.
+// Order 2 on smooth motion and in contacts that last. With impacts 1: each ends on the surface and rebounds at the end
+// of its step, wherever it fell (e = 1 loses m g times the height left, O(h) an impact); inelastic ones, though, get
+// just the impulse that their place within the step asks for: order 2 is observed on the slider-crank for e = 0.
+// Energy swings with h² while a mechanism turns, and comes back: N-four-bar, h = 1e-3, 3.9e-4 J of 36 J within a turn,
+// 5e-6 J after five; not a matter of its singular poses.
+// Where loaded joints let light bodies swing at ω h > 1 (geometric_stiffness.h), M + h² K is M in both halves: stable.
+// Explicit else: a spring's ω h must stay below 2. Dampers: implicit in the first half, explicit in the second.
 // A step without contact: 1 factorization, 2 evaluations of forces, 3 or 4 of Φ.
-// Source: Breuling, Capobianco, Eugster & Leine, Nonlinear Analysis: Hybrid Systems 52 (2024) 101469; Andersen, J. Comput.
+// Source: Breuling, Capobianco, Eugster & Leine, Nonlinear Analysis: Hybrid Systems 52 (2024) 101469; Andersen, J.
+// Comput.
 // Phys. 52 (1983) 24-34; Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), VII.1.4.
 #pragma once
 
@@ -29,6 +31,7 @@ class Rattle final : public TwoLevel {
   StepReport step(double h, Solver& solver, State& x) override;
   void remember(Memory& memory) override {
     TwoLevel::remember(memory);
+    memory(last_, added_, stiffened_);
     factorized_there_ = false;
   }
 

@@ -1,4 +1,4 @@
-// integrators/fixed_step/stewart_trinkle.h — Stewart–Trinkle stepping: the gap at the end of the step, linearized, is unilateral.
+// integrators/fixed_step/stewart_trinkle.h — Stewart–Trinkle stepping: the linearized gap at the end is unilateral.
 //
 //   The step of velocity_stepping.h with a = ½, θ = 1 (q⁺ = q + h v⁺), polyhedral Coulomb friction, and
 //     0 ≤ Λ_N ⊥ g_N/h + γ_N⁺ ≥ 0,

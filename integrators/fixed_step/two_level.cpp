@@ -1,6 +1,6 @@
 #include <orthant/core/support/options.h>
-#include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/fixed_step/two_level.h>
+#include <orthant/integrators/step/projection.h>
 
 #include <algorithm>
 
@@ -11,6 +11,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       start_(system),
       end_(system),
       basic_(system),
+      geometric_(system),
       far_(system.assembly()),
       path_(system.assembly()),
       force_(system.dof()),
@@ -24,13 +25,14 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       problem_(&velocities_.problem()),
       q_end_(system.dof()),
       free_(system.dof()) {
+  if (geometric_.possible()) added_.setZero(system.dof());
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
   require_plain_impacts(system, name);
   refuse_loaded_friction(name);
 }
 
 void TwoLevel::remember(Memory& memory) {
-  memory(positions_, velocities_);
+  memory(positions_, velocities_, q_frozen_, off_before_, part_);
   basic_.forget();
 }
 
@@ -43,12 +45,13 @@ void TwoLevel::begin() {
 bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report) {
   evaluate_joint_rows(system_, terms);
   stiffness_weight_ = stiffness_weight, damping_weight_ = damping_weight;
-  return basic_.factorize(system_, terms, stiffness_weight, damping_weight) ||
+  return basic_.factorize(system_, terms, stiffness_weight, damping_weight, stiffened_ ? &added_ : nullptr) ||
          fail(report, Status::numerical_error, "the joints' matrix is not finite");
 }
 
 bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
   constexpr int kIterations = 50;
+  constexpr double kRounded = 1e3;  // of rounding: heavy bodies on light ones magnify it, no iterate comes nearer
   q_end_ = x.q + path;
   far_.measure([&](Index i) { return std::max(largest_entry(x.q, i), largest_entry(q_end_, i)); });
   if (broad_phase_
@@ -65,7 +68,9 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
   const bool resists = !system_.scene().frictions.empty();
   bool joins = resists;  // its rows have to be built once
   positions_.resist(h * h / 2), velocities_.resist(h);
-  free_ = path;                        // p without what the contacts add
+  positions_.clear(), positions_.anchor(x.t, x.q);
+  free_ = path;  // p without what the contacts add
+  int stalls = 0;
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
   Mismatch left;
   for (int i = 0; i < kIterations;) {
@@ -79,7 +84,8 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
     left = mismatch(accuracy);
     if (!more && left.none) return true;
     if (!more && left.relative > before / 2) {
-      if (!freeze_here(report)) return false;
+      if (++stalls > 2 && left.relative <= kRounded) return true;
+      if (!freeze_here(stalls > 2, report)) return false;
       more = true;
     }
     before = left.relative;
@@ -110,8 +116,23 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
               "the position stage does not converge: joints and gaps are left at " + detail::text_of(left.size) + " m");
 }
 
-bool TwoLevel::freeze_here(StepReport& report) {
+void TwoLevel::freeze_poses(bool swings) {
+  if (q_frozen_.size() == 0) q_frozen_ = off_before_ = q_end_;
+  off_ = q_end_ - q_frozen_;
+  off_before_ -= off_;
+  const double moved = off_before_.squaredNorm();
+  if (!swings || !(moved > 0))
+    part_ = 1;
+  else
+    part_ = std::clamp(part_ * (off_before_ + off_).dot(off_before_) / moved, 1.0 / 64, 1.0);
+  off_before_ = off_;
+  q_frozen_ += part_ * off_;
+  if (part_ < 1) set_poses(system_, start_.at.t, q_frozen_, start_.at);
+}
+
+bool TwoLevel::freeze_here(bool swings, StepReport& report) {
   start_.at.pose = end_.at.pose, start_.at.t = end_.at.t;
+  freeze_poses(swings);
   start_.closed.swap(end_.closed);
   start_.closed.clear();
   for (const ClosedContact& c : end_.closed) add_closed(system_, c.contact, start_);
@@ -142,7 +163,9 @@ TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
     const double rounding = kOfPlaces * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
     note(std::abs(end_.phi[i]), rounding, rounding);
   }
-  for (const ClosedContact& c : start_.closed) {
+  for (std::size_t k = 0; k < start_.closed.size(); ++k) {
+    if (positions_.immobile(k)) continue;  // its gap is what the joints make it
+    const ClosedContact& c = start_.closed[k];
     const double gap = end_.gap[c.contact], rounding = kOfPlaces * (1 + far_.of(c.rows.normal));
     note(impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap, rounding,
          kOfGaps * rounding + 2 * accuracy);
@@ -185,6 +208,7 @@ void TwoLevel::hand_over(const State& x) {
 
 bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   note_forces(end_, v, wanted_);
+  velocities_.anchor(end_.at.t, q_end_);
   velocities_.formulate(end_, basic_, wanted_, v, rate_);
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);

@@ -1,23 +1,26 @@
-// integrators/fixed_step/two_level.h — what the schemes share that satisfy joints and contacts at position and at velocity level.
+// integrators/fixed_step/two_level.h — two-level schemes: joints and contacts at position and at velocity level.
 //
 //   Position stage: from a predicted displacement p of the step and rows G, W frozen where `start` stands, find
 //     p⁺ = p + M̂⁻¹ (Gᵀ μ_G + W_Nᵀ μ_N + W_Tᵀ μ_T)  with  Φ(q + p⁺) = 0,   0 ≤ μ_N ⊥ g_N(q + p⁺) ≥ 0,
 //     and Coulomb's law between μ_T and the slip W_T p⁺; dry friction in joints up to h²/2 times its bound.
-//   By simplified Newton steps (the matrix stays, Φ and g_N are evaluated anew), each one solve with the joints and, where
-//   a gap would close, one complementarity problem, until Φ is at rounding (each row by its own bodies, magnitudes.h) and g_N
-//   too, or as near as the solver comes. Contacts whose gap is negative at an iterate get rows, the others have none. Where that converges slowly (next to a singular pose; a step much too large) the rows
-//   are frozen anew at the iterate. μ [kg m] is an impulse times a time.
+//   By simplified Newton steps (the matrix stays, Φ and g_N are evaluated again), each one solve with the joints and,
+//   where a gap would close, one complementarity problem, until Φ is at rounding (each row by its own bodies,
+//   magnitudes.h) and g_N too, or as near as the solver comes, or no iterate comes nearer than 1e-11 m. Contacts whose
+//   gap is negative at an iterate get rows, the others have none. Where that converges slowly (next to a singular pose;
+//   a step much too large) the rows are frozen again at the iterate. μ [kg m] is an impulse times a time.
 //   Velocity stage: impulses P at the end of the step, its contacts those of the position stage with μ_N > 0, or which
 //   have come to touch:
 //     0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,   P_T ∈ −μ P_N Sgn(γ_T⁺ + e_T γ_T⁻),   G v⁺ = 0,
-//   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths too.
+//   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths
+//   too.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
-#include <orthant/integrators/step/magnitudes.h>
-#include <orthant/integrators/step/impact.h>
+#include <orthant/core/mechanics/dynamics/geometric_stiffness.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/step/magnitudes.h>
 
 namespace orthant {
 
@@ -25,18 +28,23 @@ class TwoLevel : public Integrator {
  public:
   void remember(Memory& memory) override;
   const Lcp& problem() const final { return *problem_; }
+  std::span<const Pair> pairs() const final { return end_.pairs; }
 
  protected:
   TwoLevel(const System& system, std::string_view name);
 
   void begin();  // nothing solved, nothing said
 
-  /// G at terms.at, factorized with the springs' weights: basic_, which both stages work with.
+  /// G at terms.at, factorized with the springs' weights and what is added_: basic_, which both stages work with.
   bool factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report);
 
   /// Position stage about basic_ and start_.at: `path` from predicted to p⁺. end_.at, phi and gap are then those at
   /// q + p⁺, and impulses_ holds μ. False: the report and why() tell the reason.
   bool reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report);
+
+  /// Poses of start_.at for the next pass: those of the last iterate, or, where passes swing (the normals of a small
+  /// clearance turn by as much as the correction is long), on the way there, as far as Aitken's relaxation goes.
+  void freeze_poses(bool swings);
 
   /// μ of dry friction i of the scene, of the last reach() [kg m] or [kg m²].
   double friction_carried(std::size_t i) const { return positions_.joint_friction(i); }
@@ -52,12 +60,15 @@ class TwoLevel : public Integrator {
 
   Terms start_, end_;  // where rows are frozen; q + path
   BasicSystem basic_;
-  Extents far_, path_;  // [m] of the coordinates at hand; of the step
+  GeometricStiffness geometric_;
+  Eigen::VectorXd added_;   // dof: to M, of the joints' geometric stiffness
+  bool stiffened_ = false;  // that counts
+  Extents far_, path_;      // [m] of the coordinates at hand; of the step
   Eigen::VectorXd force_, rate_, lambda_;
 
  private:
-  bool close_gaps();                     // more contacts than before
-  bool freeze_here(StepReport& report);  // start_ and basic_ move to end_.at
+  bool close_gaps();                                  // more contacts than before
+  bool freeze_here(bool swings, StepReport& report);  // start_ and basic_ move to end_.at
   struct Mismatch {                 // at end_: of joints, of closed contacts that push though open, of negative gaps
     double size = 0, relative = 0;  // [m, rad]; over what rounding makes of it
     bool none = true;               // it is no more than rounding, and accuracy of the gaps
@@ -74,6 +85,8 @@ class TwoLevel : public Integrator {
   std::vector<Wanted> wanted_;
   std::vector<int> carrying_;
   Eigen::VectorXd q_end_, free_;
+  Eigen::VectorXd q_frozen_, off_, off_before_;  // of start_.at; q_end_ from there, now and a pass before
+  double part_ = 1;                              // of off_ that is gone
 };
 
 }  // namespace orthant

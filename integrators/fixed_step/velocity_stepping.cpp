@@ -19,6 +19,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       passing_(system),
       formulation_(system, plan.form, plan.cone),
       problem_(&formulation_.problem()),
+      geometric_(system),
       q_mid_(system.dof()),
       from_(system.dof()),
       force_(system.dof()),
@@ -27,6 +28,10 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
   for (const JointFriction& f : system.scene().frictions)
     if (f.loaded()) joint_loads_.emplace_back(system, f.joint);
   if (!joint_loads_.empty()) loads_.resize(system.scene().frictions.size()), v_free_.resize(system.dof());
+  if (geometric_.possible()) {
+    added_.setZero(system.dof()), carried_.setZero(system.dof());
+    if (plan.form == Form::full) joined_basic_.emplace(system);
+  }
   wanted_.reserve(static_cast<std::size_t>(system.contacts()));
   taken_.reserve(2 * wanted_.capacity());
 }
@@ -37,7 +42,9 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   problem_ = &formulation_.problem();
   why_.clear();
   joined_.clear();
+  formulation_.anchor(x.t, x.q), impact_.anchor(x.t, x.q);
   if (!free_flight(h, x, report)) return report;
+  if (geometric_.possible() && !stiffen(h, x, report)) return report;
   measure(h, x);
   if (!find_pairs(h, x, report)) return report;
   sleep_.begin(x, terms_, v_new_);
@@ -55,6 +62,7 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   } while (missed(h, x));
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
   sleep_.hold(h, impulses_);
+  if (geometric_.possible()) note_stiffness(h, x);
   q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
   if (!settle(x.t + h, report)) return report;
   report.passage = passing_.find(x.q, q_new_, terms_);
@@ -62,12 +70,12 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   x.q.swap(q_new_);
   x.v.swap(v_new_);
   sleep_.end(h, terms_, impulses_, x);
-  if (!loads_.empty()) last_q_ = x.q, last_v_ = x.v;
+  if (!loads_.empty() || geometric_.possible()) last_q_ = x.q, last_v_ = x.v;
   return report;
 }
 
 void VelocityStepping::remember(Memory& memory) {
-  memory(formulation_, impact_, sleep_, taken_, loads_, last_q_, last_v_);
+  memory(formulation_, impact_, sleep_, taken_, loads_, carried_, last_q_, last_v_);
   basic_.forget(), projection_.forget();
 }
 
@@ -77,9 +85,49 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
   set_poses(system_, x.t + at * h, q_mid_, terms_.at);
   evaluate_forces(system_, x.t + at * h, x.v, terms_);
   evaluate_joint_rows(system_, terms_);
-  if (!basic_.factorize(system_, terms_, h * h * at * plan_.theta, h * at))
-    return fail(report, Status::numerical_error, "the basic system is not finite");
+  stiffened_ = false;
+  if (!factorize(h, report)) return false;
+  fly(h, x);
+  return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
+}
 
+bool VelocityStepping::factorize(double h, StepReport& report) {
+  return basic_.factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at,
+                          stiffened_ ? &added_ : nullptr) ||
+         fail(report, Status::numerical_error, "the basic system is not finite");
+}
+
+bool VelocityStepping::stiffen(double h, const State& x, StepReport& report) {
+  const double weight = h * h;
+  const bool known = last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_;
+  added_.setZero();
+  if (known) added_ = weight * carried_;
+  bool counts = known && (added_.array() > system_.mass().array()).any();
+  if (joined_basic_) {  // the reduced form has found them already
+    if (!joined_basic_->factorize(system_, terms_, weight * plan_.at * plan_.theta, h * plan_.at))
+      return fail(report, Status::numerical_error, "the basic system is not finite");
+    force_ = h * terms_.f, from_ = share_ * x.v, change_ = share_ * terms_.joint_rate;
+    joined_basic_->solve_change(terms_.G, force_.data(), from_.data(), change_.data(), q_mid_.data(), lambda_.data());
+  }
+  if (geometric_.raise(terms_, lambda_.data(), h, weight, 1, added_)) counts = true;
+  if (!counts || !geometric_.swings(joined_basic_ ? *joined_basic_ : basic_, added_, 1)) return true;
+  stiffened_ = true;
+  if (!factorize(h, report)) return false;
+  fly(h, x);
+  return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
+}
+
+void VelocityStepping::note_stiffness(double h, const State& x) {
+  carried_.setZero();
+  for (const Wanted& w : wanted_)
+    if (w.approach < -kRestSpeed - std::abs(w.free - w.approach)) return;  // an impact is no load
+  if (plan_.form == Form::full || !wanted_.empty() || !frictions_.empty()) {
+    find_joint_impulses(h, x);
+    geometric_.raise(terms_, lambda_.data(), h, 1, kInf, carried_);
+  }
+}
+
+void VelocityStepping::fly(double h, const State& x) {
   force_ = h * terms_.f;
   change_joined(x.v, v_new_);
   v_new_ += x.v;
@@ -87,7 +135,6 @@ bool VelocityStepping::free_flight(double h, const State& x, StepReport& report)
     for (Index i = 0; i < rate_.size(); ++i)
       rate_[i] =
           share_ * terms_.joint_rate[i] - (share_ - 1) * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
-  return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
 }
 
 void VelocityStepping::change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change) {
@@ -136,7 +183,7 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
   }
 }
 
-double VelocityStepping::note_loads(double h, const State& x) {
+void VelocityStepping::find_joint_impulses(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   if (plan_.form == Form::full) {
     lambda_ = formulation_.solution().z.head(lambda_.size());
@@ -152,6 +199,11 @@ double VelocityStepping::note_loads(double h, const State& x) {
       apply_transposed(frictions[i].of.row(terms_.at), frictions_[i], force_.data());
     change_joined(x.v, q_mid_);
   }
+}
+
+double VelocityStepping::note_loads(double h, const State& x) {
+  const auto& frictions = system_.scene().frictions;
+  find_joint_impulses(h, x);
   double change = 0;
   auto joint = joint_loads_.begin();
   for (std::size_t i = 0; i < frictions.size(); ++i) {
@@ -172,7 +224,7 @@ bool VelocityStepping::settle(double t, StepReport& report) {
       return fail(report, Status::numerical_error,
                   "joints that contradict each other: rates are missed by " + detail::text_of(report.joint_rate));
   }
-  report.joint_residual = projection_.position(t, terms_, q_new_);
+  report.joint_residual = projection_.position(t, terms_, q_new_, stiffened_ ? &added_ : nullptr);
   if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold) &&
       !(projection_.off(terms_, q_new_) <= kJointsHold))
     return fail(report, Status::numerical_error,

@@ -1,29 +1,34 @@
-// integrators/fixed_step/velocity_stepping.h — the story of a step that the schemes with one problem at velocity level share.
+// integrators/fixed_step/velocity_stepping.h — velocity stepping: schemes with one problem at velocity level.
 //
 //   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme names the closed contacts and what it wants of their rates
 //   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²aθ K + h a C
 //   q⁺ = q + h (θ v⁺ + (1−θ) v)
-// Springs and dampers are so, linearly implicit, those at q + a (q⁺ − q) and v + a (v⁺ − v): bounded at any step.
+// Springs and dampers are so, linearly implicit, those at q + a (q⁺ − q) and v + a (v⁺ − v): bounded at any step. So is
+// what loaded joints give light bodies, where it swings faster than the step shows (geometric_stiffness.h).
 // Impacts by another law than Newton's on all contacts at once come first, at v (impact.h); v_free has them then.
 // Joints, by the option `joints`:
-//   none       G v⁺ = ṡ                      positions drift by O(h) over a fixed time; ṡ = 0 but for driven joints
+//   none       G v⁺ = ṡ                      positions drift by O(h) over a fixed time; ṡ = 0 except for driven joints
 //   position   G v⁺ = ṡ, then q⁺ is projected onto Φ = 0 (in the metric of M)
 //   symmetric  G (a v⁺ + (1−a) v) = ṡ, then q⁺ and v⁺ are projected onto Φ = 0, G v⁺ = ṡ. For a = θ = ½ the smooth
-//              motion is of second order; contact impulses act through the constrained inverse and leave G v⁺ as it was.
-// A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too long, and
-// so do rates that joints which contradict each other leave unmet (`none`: by more than 1e-6 of 1 m/s + the bodies').
+//              motion is of second order; contact impulses act through the constrained inverse and leave G v⁺ as it
+//              was.
+// A failed solve leaves the state as it was; so does a projection that does not reach the joints, in steps much too
+// long, and so do rates that joints which contradict each other leave unmet (`none`: by more than 1e-6 of 1 m/s + the
+// bodies').
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/geometric_stiffness.h>
 #include <orthant/core/mechanics/dynamics/joint_load.h>
-#include <orthant/integrators/step/magnitudes.h>
+#include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/formulate.h>
 #include <orthant/integrators/step/impact.h>
-#include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/magnitudes.h>
 #include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/step/sleep.h>
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace orthant {
@@ -47,6 +52,7 @@ class VelocityStepping : public Integrator {
   StepReport step(double h, Solver& solver, State& x) final;
   void remember(Memory& memory) final;
   const Lcp& problem() const final { return *problem_; }
+  std::span<const Pair> pairs() const final { return terms_.pairs; }
 
  protected:
   struct Plan {
@@ -66,7 +72,8 @@ class VelocityStepping : public Integrator {
   /// and v_new_ is v_free again.
   virtual bool missed(double /*h*/, const State& /*x*/) { return false; }
 
-  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls parted.
+  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls
+  /// parted.
   double nearly(const ContactRows& rows) const { return near_.of(rows.normal); }
   double nearly() const { return near_.largest(); }  // of any contact
 
@@ -78,10 +85,19 @@ class VelocityStepping : public Integrator {
 
  private:
   void measure(double h, const State& x);  // near_
+  /// Free flight again, the joints' geometric stiffness in M̂, where the step needs it.
+  bool stiffen(double h, const State& x, StepReport& report);
   /// v_new_ without contact impulses (full form: without any).
   bool free_flight(double h, const State& x, StepReport& report);
-  /// The change of v by force_ in the step, with joints such that G (share v + change) = share ṡ; their impulses in lambda_.
+  /// The change of v by force_ in the step, with joints such that G (share v + change) = share ṡ; their impulses in
+  /// lambda_.
   void change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change);
+  bool factorize(double h, StepReport& report);
+  void fly(double h, const State& x);  // v_new_, by basic_
+  /// All of the step's impulses in joints, those that contacts cause too: lambda_.
+  void find_joint_impulses(double h, const State& x);
+  /// What the joints' impulses make of stiffness, those that contacts cause too: carried_, for the next one.
+  void note_stiffness(double h, const State& x);
   /// The pairs that can be closed in the step, terms_.at being on its way.
   bool find_pairs(double h, const State& x, StepReport& report);
   /// The step's problem and what it does to v_new_. From a new start joints' loads are not known, and are found by
@@ -107,6 +123,11 @@ class VelocityStepping : public Integrator {
   std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
+  GeometricStiffness geometric_;
+  Eigen::VectorXd added_, carried_;          // dof: to M, in this step; by the impulses of the last
+  bool stiffened_ = false;                   // M̂ has added_
+  std::optional<BasicSystem> joined_basic_;  // of the full form, to find the joints' forces
+  Eigen::VectorXd change_;
   Eigen::VectorXd q_mid_, from_, v_free_, force_, rate_, lambda_;
 };
 

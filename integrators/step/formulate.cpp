@@ -1,4 +1,5 @@
 #include <orthant/integrators/step/formulate.h>
+#include <orthant/integrators/step/jam.h>
 
 namespace orthant {
 namespace {
@@ -40,6 +41,12 @@ bool zero(const Row& row) {
   return row.ja == none && row.jb == none;
 }
 
+/// A journal whose centre is the bearing's has no normal and its whole clearance: it cannot touch there.
+bool centred_journal(const Scene& scene, int contact) {
+  const auto c = static_cast<std::size_t>(contact);
+  return c < scene.contacts.size() && std::holds_alternative<Journal>(scene.contacts[c]);
+}
+
 /// n + μ t of a contact.
 Row edge(const ContactRows& rows, double mu) {
   Row row = rows.normal;
@@ -67,7 +74,7 @@ void restrict_to_strikes(std::vector<Wanted>& wanted) {
 }
 
 Formulation::Formulation(const System& system, Form form, Cone cone)
-    : system_(system), form_(form), cone_(cone), islands_(system) {
+    : system_(system), form_(form), cone_(cone), inverse_mass_(system.inverse_mass()), islands_(system) {
   const auto contacts = static_cast<std::size_t>(system.contacts());
   const auto most = 2 * contacts + system.scene().frictions.size() +
                     static_cast<std::size_t>(form == Form::full ? system.joint_rows() : 0);
@@ -79,7 +86,7 @@ Formulation::Formulation(const System& system, Form form, Cone cone)
   const auto size = static_cast<Index>(most);
   lcp_.b.resize(size), lcp_.lo.resize(size), lcp_.hi.resize(size);
   if (diagonal && most > kFormedRows) {
-    lcp_.A.emplace<Delassus>().inverse_mass = system.inverse_mass();
+    lcp_.A.emplace<Delassus>().inverse_mass = inverse_mass_;
   } else if (most <= kFormedRows) {
     std::get<DenseMatrix>(lcp_.A).resize(size, size);
     columns_.resize(system.dof(), size);
@@ -88,7 +95,8 @@ Formulation::Formulation(const System& system, Form form, Cone cone)
   add_bench();
   outcomes_.reserve(most);
   for (Vector* each : {&found_.z, &found_.w}) each->resize(size);
-  place_.resize(most), friction_of_.resize(most);
+  place_.resize(most), friction_of_.resize(most), places_.resize(contacts), held_.reserve(contacts);
+  if (form == Form::full && system.joint_rows() > 0 && contacts > 0) immobility_.emplace(system);
 }
 
 void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
@@ -100,13 +108,22 @@ void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const 
     blank_ = -1;
     return;
   }
+  terms_ = &terms, stands_ = false;
+  held_.clear();
   collect(terms, wanted);
-  islands_.sort(rows_);
+  fill(basic);
+  if (find_immobile(terms)) collect(terms, wanted), fill(basic);
   retarget(wanted, v_free, joint_rate);
-  if (auto* delassus = std::get_if<Delassus>(&lcp_.A))
+}
+
+void Formulation::fill(const BasicSystem& basic) {
+  islands_.sort(rows_);
+  if (auto* delassus = std::get_if<Delassus>(&lcp_.A)) {
+    delassus->inverse_mass = inverse_mass_ = basic.inverse_mass();
     fill_delassus(rows_, system_.dof(), *delassus);
-  else
+  } else {
     fill_dense(basic, std::get<DenseMatrix>(lcp_.A));
+  }
 }
 
 /// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed), then
@@ -115,23 +132,33 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
   rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
   if (form_ == Form::full) rows_.insert(rows_.end(), terms.G.begin(), terms.G.end());
-  blank_ = -1, pairs_ = &terms.pairs;
+  blank_ = -1, pairs_ = &terms.pairs, collected_ = wanted.size();
   const auto joints = static_cast<Index>(rows_.size());
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const ClosedContact& c = terms.closed[k];
-    if (zero(c.rows.normal)) blank_ = c.contact;
-    const double mu = wanted[k].law->mu_at(wanted[k].slip);
-    contacts_.push_back({c.contact, wanted[k].law, mu, wanted[k].slip});
+    places_[k] = {};
+    if (zero(c.rows.normal)) {
+      if (centred_journal(system_.scene(), c.contact)) continue;
+      blank_ = c.contact;
+    }
+    if (held(k) == Held::normal) continue;
+    const bool slips = wanted[k].law->frictional() && held(k) == Held::nowhere;
+    const double mu = slips ? wanted[k].law->mu_at(wanted[k].slip) : 0;
+    contacts_.push_back({c.contact, k, wanted[k].law, mu, wanted[k].slip, slips && cone_ == Cone::coulomb});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
+    places_[k].normal = static_cast<Index>(rows_.size());
     rows_.push_back(edges ? edge(c.rows, mu) : c.rows.normal);
     if (edges) rows_.push_back(edge(c.rows, -mu));
+    if (held(k) == Held::inwards) contacts_.back().jammed = &c.rows.normal, rows_.back().ja = rows_.back().jb = {};
   }
   const auto unilateral = static_cast<Index>(rows_.size()) - joints;
   if (cone_ == Cone::coulomb)
-    for (std::size_t k = 0; k < wanted.size(); ++k) {
-      if (!contacts_[k].law->frictional()) continue;
-      lcp_.friction.push_back({static_cast<Index>(rows_.size()), joints + static_cast<Index>(k), contacts_[k].mu});
-      rows_.push_back(terms.closed[k].rows.tangent);
+    for (const Contact& c : contacts_) {
+      if (!c.frictional) continue;
+      Place& place = places_[c.closed];
+      place.tangent = static_cast<Index>(rows_.size());
+      lcp_.friction.push_back({place.tangent, place.normal, c.mu});
+      rows_.push_back(terms.closed[c.closed].rows.tangent);
     }
   const auto resisted = static_cast<Index>(rows_.size());
   if (duration_ > 0)
@@ -157,14 +184,20 @@ void Formulation::retarget(const std::vector<Wanted>& wanted, const Eigen::Vecto
   };
   if (form_ == Form::full)
     for (const double target : joint_rate) hold_against(target);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const double mu = cone_ == Cone::relaxed ? contacts_[k].mu : 0;
-    hold_against(wanted[k].normal + mu * wanted[k].tangent);
-    if (mu > 0) hold_against(wanted[k].normal - mu * wanted[k].tangent);
+  for (Contact& c : contacts_) {
+    const Wanted& want = wanted[c.closed];
+    c.rebound = std::max(0.0, want.normal) - std::max(0.0, std::min(want.least, want.normal));
+    if (c.jammed != nullptr) {  // where it comes open all the same no impulse is wanted
+      const double rate = apply(*c.jammed, v_free.data()) - want.normal;
+      lcp_.b[i++] = rate < 0 ? rate : 1;
+      continue;
+    }
+    const double mu = cone_ == Cone::relaxed ? c.mu : 0;
+    hold_against(want.normal + mu * want.tangent);
+    if (mu > 0) hold_against(want.normal - mu * want.tangent);
   }
-  if (cone_ == Cone::coulomb)
-    for (std::size_t k = 0; k < contacts_.size(); ++k)
-      if (contacts_[k].law->frictional()) hold_against(wanted[k].tangent);
+  for (const Contact& c : contacts_)
+    if (c.frictional) hold_against(wanted[c.closed].tangent);
   while (i < lcp_.b.size()) hold_against(0);
 }
 
@@ -184,7 +217,16 @@ bool Formulation::solve(Solver& solver, StepReport& report, Crew* crew) {
     report.status = Status::numerical_error;
     return false;
   }
-  return solve_once(solver, report, crew) && (!regrade() || solve_once(solver, report, crew));
+  constexpr int kPasses = 10;
+  undecided_ = relaxed_ = false;
+  for (int pass = 1;; ++pass) {
+    const bool solved = solve_once(solver, report, crew) && (!regrade() || solve_once(solver, report, crew));
+    if (!give_way(solved, report)) return solved;
+    if (pass < kPasses) continue;
+    undecided_ = !solved;
+    if (undecided_) report.status = Status::numerical_error;
+    return solved;
+  }
 }
 
 bool Formulation::solve_once(Solver& solver, StepReport& report, Crew* crew) {
@@ -233,9 +275,7 @@ bool Formulation::worth_sharing(const Crew* crew) const {
   return rows_.size() - largest >= kShared;
 }
 
-void Formulation::add_bench() {
-  benches_.emplace_back().large.A.emplace<Delassus>().inverse_mass = system_.inverse_mass();
-}
+void Formulation::add_bench() { benches_.emplace_back().large.A.emplace<Delassus>().inverse_mass = inverse_mass_; }
 
 /// Writes only what belongs to this island.
 void Formulation::solve_island(int island, Solver& solver, Bench& bench) {
@@ -273,6 +313,7 @@ const Lcp& Formulation::cut_out(std::span<const int> rows, Bench& bench) {
   if (auto* delassus = std::get_if<Delassus>(&block.A)) {
     bench.rows.clear();
     for (Index i = 0; i < n; ++i) bench.rows.push_back(at(i));
+    delassus->inverse_mass = inverse_mass_;
     fill_delassus(bench.rows, system_.dof(), *delassus);
     return block;
   }
@@ -284,42 +325,9 @@ const Lcp& Formulation::cut_out(std::span<const int> rows, Bench& bench) {
         A(i, j) = (*whole)(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
   } else {
     for (Index j = 0; j < n; ++j)
-      for (Index i = j; i < n; ++i) A(i, j) = A(j, i) = coupling(at(i), at(j), system_.inverse_mass());
+      for (Index i = j; i < n; ++i) A(i, j) = A(j, i) = coupling(at(i), at(j), inverse_mass_);
   }
   return block;
-}
-
-std::string Formulation::contradiction() const {
-  constexpr double kPart = 1e-6;  // of the largest entry: takes part
-  if (blank_ >= 0) return "contact " + name_of(blank_) + " has no normal: its centres, or points, are in one place";
-  const auto& u = solution_.certificate;
-  if (solution_.status != Status::infeasible || u.size() != lcp_.size()) return {};
-  const double least = kPart * u.lpNorm<Eigen::Infinity>();
-  std::string names;
-  Index i = form_ == Form::full ? system_.joint_rows() : 0;
-  for (const Contact& c : contacts_) {
-    const bool two = cone_ == Cone::relaxed && c.mu > 0;
-    const bool part = std::abs(u[i]) > least || (two && std::abs(u[i + 1]) > least);
-    i += two ? 2 : 1;
-    if (!part) continue;
-    names += (names.empty() ? "" : ", ") + name_of(c.index);
-  }
-  if (names.empty()) return "no motion satisfies the joints";
-  return "no motion satisfies contacts " + names +
-         (system_.joint_rows() > 0 ? " together with the joints" : " together");
-}
-
-std::string Formulation::name_of(int contact) const {
-  const Scene& scene = system_.scene();
-  const auto i = static_cast<std::size_t>(contact);
-  if (i < scene.contacts.size())
-    return "\"" + std::visit([](const auto& x) { return x.name; }, scene.contacts[i]) + "\"";
-  const Collision& of = scene.collisions[static_cast<std::size_t>((*pairs_)[i - scene.contacts.size()].collision)];
-  const auto body = [&](BodyId b) {
-    return b < 0 ? "the ground" : "\"" + scene.bodies[static_cast<std::size_t>(b)].name + "\"";
-  };
-  const auto [a, b] = bodies_of(system_, *pairs_, contact);
-  return "of collision \"" + of.name + "\" between " + body(a) + " and " + body(b);
 }
 
 bool Formulation::regrade() {
@@ -361,7 +369,7 @@ void Formulation::advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) co
   if (std::holds_alternative<DenseMatrix>(lcp_.A)) {
     v.noalias() += columns_ * z;
   } else {
-    const Eigen::VectorXd& inverse_mass = system_.inverse_mass();
+    const Eigen::VectorXd& inverse_mass = inverse_mass_;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double impulse = z[static_cast<Index>(i)];
       const auto add = [&](BodyId body, const std::array<double, 3>& j) {
@@ -382,7 +390,7 @@ void Formulation::advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) co
   }
   if (cone_ == Cone::coulomb)
     for (const Contact& c : contacts_)
-      if (c.law->frictional()) impulses[static_cast<std::size_t>(c.index)].tangent = z[i++];
+      if (c.frictional) impulses[static_cast<std::size_t>(c.index)].tangent = z[i++];
 }
 
 }  // namespace orthant

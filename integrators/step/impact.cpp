@@ -47,7 +47,8 @@ bool Impact::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
 
 bool Impact::solve(Solver& solver, StepReport& report) {
   if (!formulation_.solve(solver, report)) {
-    why_ = "an impact was not solved";
+    why_ = formulation_.contradiction();
+    why_ = why_.empty() ? "an impact was not solved" : "in an impact " + why_;
     return false;
   }
   formulation_.advance(v_, one_);
@@ -87,7 +88,9 @@ void Impact::begin(const Terms& terms, const Eigen::VectorXd& v) {
   std::fill(sum_.begin(), sum_.end(), Impulse{});
   joint_sum_.setZero();
   v_ = v;
-  if (form_ == Form::full) struck_.G = terms.G;
+  struck_.pairs = terms.pairs;
+  struck_.at.pose = terms.at.pose, struck_.at.t = terms.at.t;
+  struck_.G = terms.G, struck_.joint_rate = terms.joint_rate;
 }
 
 bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,

@@ -1,20 +1,21 @@
-// integrators/step/impact.h — restitution and the order of impacts by name, where Newton's law on all contacts at once (which
-// needs no stage of its own, see formulate.h) is not what the scene asks for.
+// integrators/step/impact.h — impact laws: restitution and the order of impacts by name, where Newton's law on all
+// contacts at once (which needs no stage of its own, see formulate.h) is not what the scene specifies.
 //
 //   The impact takes v⁻ to v^E at one instant, before the step's forces act:
 //   newton   γ_N⁺ ≥ −e γ_N⁻ and γ_T⁺ → −e_T γ_T⁻ for the contacts that strike.
 //   poisson  in two phases, both with Coulomb friction on that phase's own normal impulse:
 //              compression   0 ≤ Λ_C ⊥ γ_N ≥ 0,            Λ_TC ∈ −μ Λ_C Sgn(γ_T)
 //              expansion     0 ≤ Λ_E − e Λ_C ⊥ γ_N ≥ 0,    Λ_TE ∈ −μ Λ_E Sgn(γ_T + e_T γ_T⁻)
-//            so that e relates impulses: no contact releases more than e times what it stored, unless another presses on
-//            it. (Tangential restitution over the whole impact, as in Newton's law; the source stores tangential
+//            so that e relates impulses: no contact releases more than e times what it stored, unless another presses
+//            on it. (Tangential restitution over the whole impact, as in Newton's law; the source stores tangential
 //            impulses instead.)
 //   simultaneous   all closed contacts strike together.
 //   sequential     the one that approaches fastest strikes alone, then the next, until none approaches. Contacts that
 //                  approach equally fast (to 1e-9 of it) strike together: no order of the scene's decides. Infinite
 //                  sequences (e < 1 between several bodies) converge geometrically; below 1e-10 of the first approach
 //                  what is left is stopped at once. More than kMostImpacts end the step as iteration_limit.
-//   Then the step's problem (forces, and impulses that hold what has struck at γ^E): γ_N⁺ ≥ γ_N^E where a contact struck.
+//   Then the step's problem (forces, and impulses that hold what has struck at γ^E): γ_N⁺ ≥ γ_N^E where a contact
+//   struck.
 //   A single contact gives Newton's result by every one of these, to the last force h f.
 // Cost: nothing while no contact approaches faster than kRestSpeed; else poisson two more problems of the step's size,
 // sequential one (poisson: two) of one contact per impact.
@@ -42,10 +43,10 @@ class Impact {
   bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before, std::vector<Wanted>& wanted,
               Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
-  /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely many
-  /// impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a contact of
-  /// the scene, strike one after the other, the fastest first, and all other closed contacts each time with them. v: before,
-  /// and after.
+  /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely
+  /// many impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a
+  /// contact of the scene, strike one after the other, the fastest first, and all other closed contacts each time with
+  /// them. v: before, and after.
   /// What is struck in turn and not at once keeps another share of its friction, the more the slower the series decays.
   bool strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
                       Eigen::VectorXd& v, Solver& solver, StepReport& report);
@@ -55,14 +56,17 @@ class Impact {
   /// Of the full form: those of the joints, one a row.
   void add_joints_to(Eigen::VectorXd& impulses) const;
 
+  /// See Formulation::anchor().
+  void anchor(double t, const Eigen::VectorXd& q) { formulation_.anchor(t, q); }
+
   void remember(Memory& memory) { memory(formulation_); }
 
   const std::string& why() const { return why_; }
   const Lcp& problem() const { return formulation_.problem(); }
 
  private:
-  /// The contacts that may (null: all), strike at v_ one after the other, the fastest first, until none approaches faster
-  /// than kLeft of `first` [m/s]; what is no such contact strikes each time.
+  /// The contacts that may (null: all), strike at v_ one after the other, the fastest first, until none approaches
+  /// faster than kLeft of `first` [m/s]; what is no such contact strikes each time.
   bool one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
                   Solver& solver, StepReport& report);
   /// The contacts struck_.closed strike at v_, by the law of restitution.
@@ -75,7 +79,7 @@ class Impact {
   Impacts impacts_;
   Form form_;
   Formulation formulation_;
-  Terms struck_;  // only G and closed are used
+  Terms struck_;  // poses, joint rows, pairs and closed are used
   std::vector<Wanted> wanted_;
   std::vector<Impulse> sum_, one_;
   std::vector<double> approach_;
@@ -103,9 +107,9 @@ inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ a
 /// struck and that is a rise: by more than Σ |Λ| |γ_free − γ⁻|, which is what the step's forces may have to do with it,
 /// than `small` of Σ ½ (|γ⁺| + |γ_free|) |Λ|, which is exchanged, and than a tenth of that share (1e-9 at the least) of
 /// all kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted.
-/// A scheme that pushes gaps open (wanted.least) is told on as well, from kOtherRows on: bodies that move as far as their
-/// own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step before
-/// it may give back. `taken` remembers that; null: nothing is remembered.
+/// A scheme that pushes gaps open (wanted.least) is reported as well, from kOtherRows on: bodies that move as far as
+/// their own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step
+/// before it may give back. `taken` remembers that; null: nothing is remembered.
 double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
                    const Eigen::VectorXd& v, const std::vector<Impulse>& impulses, double small = kSameRows,
                    std::vector<Taken>* taken = nullptr);

@@ -1,8 +1,8 @@
-// integrators/step/islands.h — bodies that act on one another in a step: connected components by joints, springs and contacts.
+// integrators/step/islands.h — islands: bodies that act on one another; components by joints, springs and contacts.
 //
-//   Rows of different islands do not see each other (J_i B J_jᵀ = 0): the step's problem falls into one block an island,
-//   whose solutions together are the whole one's. Joints and springs connect for good, closed contacts for the step; the
-//   ground connects nothing.
+//   Rows of different islands do not see each other (J_i B J_jᵀ = 0): the step's problem falls into one block an
+//   island, whose solutions together are the whole one's. Joints and springs connect for good, closed contacts for the
+//   step; the ground connects nothing.
 // Cost: O(bodies + rows) a step, by disjoint sets.
 #pragma once
 
@@ -33,7 +33,7 @@ class Islands {
   void join(BodyId a, BodyId b);
 
   std::vector<int> fixed_, parent_;  // by joints and springs; now
-  bool whole_;                       // all bodies are connected for good: one island, whatever closes
+  bool whole_;                       // all bodies are connected permanently: one island, whatever closes
   std::vector<int> block_;           // of each island's root; −1: none yet
   std::vector<int> of_row_, row_;    // block of each row; rows by blocks
   std::vector<std::size_t> start_{0};

@@ -1,9 +1,9 @@
-// integrators/step/magnitudes.h — how large the numbers are that a body's motion is computed from.
+// integrators/step/magnitudes.h — magnitudes of the numbers from which the motion of a body is computed.
 //
 //   Rounding of the largest number among those that are computed from one another reaches all of them; others never see
-//   it. So what counts as zero, and what counts as an error, goes by groups of bodies: a body 10 km away changes nothing
-//   here. Positions: by what joints and springs connect (System::assembly()). Velocities, which impacts hand on: by what
-//   contacts may connect, too (System::cluster()).
+//   it. So what counts as zero, and what counts as an error, goes by groups of bodies: a body 10 km away changes
+//   nothing here. Positions: by what joints and springs connect (System::assembly()). Velocities, which impacts hand
+//   on: by what contacts may connect, too (System::cluster()).
 // Cost: O(bodies).
 #pragma once
 
@@ -23,7 +23,8 @@ inline bool finite(const Eigen::VectorXd& x) { return (x - x).sum() == 0; }
 inline double largest_entry(const Eigen::VectorXd& q, Eigen::Index i) {
   return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), std::abs(q[3 * i + 2]));
 }
-/// The larger of translation and rotation of body i, velocities or accelerations: the same in every frame that is turned.
+/// The larger of translation and rotation of body i, velocities or accelerations: the same in every frame that is
+/// turned.
 inline double largest_motion(const Eigen::VectorXd& v, Eigen::Index i) {
   return std::max(std::sqrt(v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1]), std::abs(v[3 * i + 2]));
 }

@@ -64,14 +64,22 @@ Projection::Projection(const System& system, bool with_joints)
       trial_(system.dof()),
       rate_(system.joint_rows()) {}
 
-double Projection::position(double t, Terms& terms, Eigen::VectorXd& q) {
-  constexpr int kIterations = 20;
+double Projection::position(double t, Terms& terms, Eigen::VectorXd& q, const Eigen::VectorXd* added) {
+  constexpr int kMatrices = 8;
   set_poses(system_, t, q, terms.at);
   evaluate_joints(system_, terms);
   if (terms.phi.size() == 0) return 0;
   if (basic_.joint_rows() == 0) return largest(terms.phi);
-  if (!basic_.factorize(system_, terms)) return std::numeric_limits<double>::infinity();
   double worst = largest(terms.phi);
+  for (int matrices = 0; matrices == 0 || (matrices < kMatrices && !(worst <= kJointsHold)); ++matrices) {
+    if (!basic_.factorize(system_, terms, 0, 0, added)) return std::numeric_limits<double>::infinity();
+    worst = approach(t, terms, q, worst);
+  }
+  return worst;
+}
+
+double Projection::approach(double t, Terms& terms, Eigen::VectorXd& q, double worst) {
+  constexpr int kIterations = 20;
   bool more = misses(worst, terms, q, terms.phi);
   for (int i = 0; i < kIterations && more; ++i) {
     rate_ = -terms.phi;

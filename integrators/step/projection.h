@@ -1,8 +1,8 @@
-// integrators/step/projection.h — coordinates and velocities back onto the joints' manifolds, in the metric of M.
+// integrators/step/projection.h — projection of coordinates and velocities onto the joints' manifold, metric M.
 //
 //   position:  min |Δq|_M with Φ(q + Δq) = 0, by simplified Newton: M Δq = Gᵀ λ, G Δq = −Φ, the matrix of the first
-//              iterate serving all (the step is a small one), until rounding.
-//   velocity:  min |Δv|_M with G(q)(v + Δv) = ṡ (0 but for driven joints), one solve; with driven joints,
+//              iterate serving all (the step is a small one), until rounding; a further one where that ends far off.
+//   velocity:  min |Δv|_M with G(q)(v + Δv) = ṡ (0 except for driven joints), one solve; with driven joints,
 //              whose rates may be far off, as many as rounding asks for.
 // Source: Hairer & Wanner, Solving Ordinary Differential Equations II (1996), VII.2; Eich, SINUM 30 (1993) 1467-1482.
 #pragma once
@@ -15,8 +15,9 @@ namespace orthant {
 /// Of 1 m + the largest coordinate: joints left farther than this contradict each other, or the step was much too long.
 inline constexpr double kJointsHold = 1e-8;
 
-/// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those of its
-/// row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for its room.
+/// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those
+/// of its row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for
+/// its room.
 double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far);
 
 /// The largest |off_i|, of joint rows, over 1 + the largest entry of x of its row's own bodies, or NaN.
@@ -28,7 +29,8 @@ class Projection {
 
   /// Moves q at the time t. Afterwards terms.at, phi and G are those at q. Returns max |Φ| left [m, rad], infinity when
   /// the joint matrix is not usable. Without joints: sets the poses, 0.
-  double position(double t, Terms& terms, Eigen::VectorXd& q);
+  /// added: to M, in velocity() too (dof); null: nothing.
+  double position(double t, Terms& terms, Eigen::VectorXd& q, const Eigen::VectorXd* added = nullptr);
 
   /// Moves v at the coordinates that position() ended at, with the terms it left. Returns max |G v − ṡ| left
   /// [m/s, rad/s].
@@ -40,6 +42,9 @@ class Projection {
   void forget() { basic_.forget(); }  // see there
 
  private:
+  /// With the matrix at hand; worst: max |Φ| at q. Returns it.
+  double approach(double t, Terms& terms, Eigen::VectorXd& q, double worst);
+
   const System& system_;
   BasicSystem basic_;
   Extents far_;

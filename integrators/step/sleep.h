@@ -1,16 +1,16 @@
-// integrators/step/sleep.h — islands at rest are left alone until something happens to them.
+// integrators/step/sleep.h — sleep: islands at rest are not stepped until something happens to them.
 //
 //   An island (islands.h) falls asleep when all its bodies have moved no faster than `speed` for `after` seconds: its
-//   velocities become 0, its rows leave the step's problem, its contact forces stay what they were. It wakes, as a whole
-//   and within the step, when
+//   velocities become 0, its rows leave the step's problem, its contact forces stay what they were. It wakes, as a
+//   whole and within the step, when
 //     an awake body's contact with it closes,
 //     a load, spring or weight on one of its bodies is no longer what it was (to 1e-9),
 //     the state given is not the one returned last.
 //   Contacts with a moving surface and driven joints keep it awake. Off by default (after = 0).
 // Error made: the velocities dropped, at most `speed`, and what they would have moved. So `speed` should be above the
 // solver's residual and `after` longer than a turning point takes: 2 speed / g.
-// Schemes that let stacks tremble by g h (stewart-trinkle and its kin: what lies on a falling body is not yet closed) keep
-// them awake.
+// Schemes that let stacks tremble by g h (stewart-trinkle and its kin: what lies on a falling body is not yet closed)
+// keep them awake.
 // Cost: O(bodies + closed contacts) a step; a sleeping island costs its gaps and forces only.
 #pragma once
 

@@ -1,3 +1,4 @@
+#include <orthant/integrators/step/polygon_points.h>
 #include <orthant/integrators/step/tunnelling.h>
 
 #include <algorithm>
@@ -9,7 +10,8 @@ namespace {
 
 constexpr double kDeep = 0.05;        // of the thinner shape: they met
 constexpr double kStride = 1.0 / 16;  // likewise: a stride along the way
-constexpr double kNear = 0.5;         // likewise: no less has to be moved, to pass
+constexpr double kNear = 0.4;         // likewise: the ends of a shorter way are at most half of it from its middle
+constexpr double kNudge = 1e-6;       // likewise: small against what curves a gap, large against its rounding
 
 double reach_of(const Polygon& corners) {
   double most = 0;
@@ -34,6 +36,7 @@ double width_of(const Polygon& corners) {
 
 Passing::Passing(const System& system)
     : system_(system),
+      pin_(static_cast<std::size_t>(system.bodies())),
       reach_(static_cast<std::size_t>(system.bodies())),
       way_(reach_.size()),
       least_(std::numeric_limits<double>::infinity()) {
@@ -58,7 +61,20 @@ Passing::Passing(const System& system)
       add(i, disc(d->a, d->centre, d->radius), polygon(d->b, d->corners));
     else if (const auto* p = std::get_if<PolygonPolygon>(&contact))
       add(i, polygon(p->a, p->corners_a), polygon(p->b, p->corners_b));
+    else if (const auto* limit = std::get_if<Limit>(&contact); limit && limit->side == Limit::Side::lower)
+      if (const auto* span = std::get_if<Span>(&limit->of.kind()); span && limit->bound > 0) {
+        disc(span->a, span->point_a, 0), disc(span->b, span->point_b, 0);
+        add(i, limit->bound, limit->bound);
+      }
   }
+  const auto pinned = [&](BodyId body, const Vector2d& place, const Vector2d& point) {
+    if (body >= 0) pin_[static_cast<std::size_t>(body)] = {true, place, point};
+  };
+  for (const Joint& joint : system.scene().joints)
+    if (const auto* pin = std::get_if<Revolute>(&joint)) {
+      if (pin->a < 0) pinned(pin->b, pin->point_a, pin->point_b);
+      if (pin->b < 0) pinned(pin->a, pin->point_b, pin->point_a);
+    }
   for (const Shapes& pair : listed_) least_ = std::min(least_, pair.width);
   for (const Collision& c : system.scene().collisions) {
     auto& widths = width_.emplace_back();
@@ -69,11 +85,35 @@ Passing::Passing(const System& system)
   at_.pose.resize(reach_.size() + 1);
 }
 
+/// [m] No point of the body's shapes goes farther.
+double Passing::way_of(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end) const {
+  const Index k = 3 * body;
+  const double turn = std::abs(q_end[k + 2] - q[k + 2]), dx = q_end[k] - q[k], dy = q_end[k + 1] - q[k + 1];
+  const auto i = static_cast<std::size_t>(body);
+  if (!pin_[i].is) return std::hypot(dx, dy) + reach_[i] * turn;
+  return std::min(std::hypot(dx, dy), turn * pin_[i].point.norm()) + turn * (pin_[i].point.norm() + reach_[i]);
+}
+
+/// The body at s ∈ [0, 1] of its way.
+void Passing::place(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, double s) {
+  const Index k = 3 * body;
+  const auto posed = [](double x, double y, double theta) -> Pose {
+    return {{x, y}, theta, std::cos(theta), std::sin(theta)};
+  };
+  const auto i = static_cast<std::size_t>(body);
+  Pose& pose = at_.pose[i];
+  const auto at = [&](Index j) { return q[k + j] + s * (q_end[k + j] - q[k + j]); };
+  pose = posed(at(0), at(1), at(2));
+  if (!pin_[i].is) return;
+  const auto off = [&](const Pose& p) -> Vector2d { return p.x + p.turn(pin_[i].point) - pin_[i].place; };
+  const Vector2d from = off(posed(q[k], q[k + 1], q[k + 2])), to = off(posed(q_end[k], q_end[k + 1], q_end[k + 2]));
+  pose.x = pin_[i].place - pose.turn(pin_[i].point) + from + s * (to - from);
+}
+
 Passage Passing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms) {
   double farthest = 0;
   for (std::size_t i = 0; i < way_.size(); ++i) {
-    const auto d = [&](Index k) { return q_end[3 * static_cast<Index>(i) + k] - q[3 * static_cast<Index>(i) + k]; };
-    way_[i] = std::hypot(d(0), d(1)) + reach_[i] * std::abs(d(2));
+    way_[i] = way_of(static_cast<BodyId>(i), q, q_end);
     farthest = std::max(farthest, way_[i]);
   }
   if (2 * farthest <= kNear * least_) return {};
@@ -97,26 +137,46 @@ Passage Passing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, co
   return {};
 }
 
+/// Of two polygons the smaller one of both points.
+double Passing::gap(const std::vector<Pair>& pairs, int contact) const {
+  const auto both = polygon_points(system_, pairs, contact, at_);
+  if (!both) return gap_of(system_, pairs, contact, at_);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Touch& point : *both)
+    least = std::min(least, std::visit([&](const auto& c) { return c.gap(at_); }, point));
+  return least;
+}
+
 bool Passing::passed(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms, const Shapes& pair,
                      BodyId a, BodyId b, double way) {
-  const double end = terms.gap[pair.contact], deep = -kDeep * pair.width;
-  if (!(way > kNear * pair.width) || !(end > deep && end < way) || !std::isfinite(way)) return false;
-  const auto gap = [&](double s) {
-    for (const BodyId body : {a, b}) {
-      if (body < 0) continue;
-      const Index i = 3 * body;
-      const auto at = [&](Index k) { return q[i + k] + s * (q_end[i + k] - q[i + k]); };
-      at_.pose[static_cast<std::size_t>(body)] = {{at(0), at(1)}, at(2), std::cos(at(2)), std::sin(at(2))};
-    }
-    return gap_of(system_, terms.pairs, pair.contact, at_);
+  if (!(way > kNear * pair.width) || !std::isfinite(way)) return false;
+  const auto along = [&](double s) {
+    for (const BodyId body : {a, b})
+      if (body >= 0) place(body, q, q_end, s);
+    return gap(terms.pairs, pair.contact);
   };
-  double now = gap(0);
-  if (!(now > deep)) return false;
-  for (double s = 0; s < 1; now = gap(s)) {
+  const double end = along(1), start = along(0), met = -kDeep * pair.width, deep = std::min({start, end, 0.0}) + met;
+  if (end > met && (start + end - way) / 2 > deep) return false;
+  const auto normal = [&](double s) -> Vector2d {  // the gap's gradient
+    const BodyId moved = a >= 0 ? a : b;
+    const double by = kNudge * pair.width;
+    const auto slope = [&](Index k) {
+      along(s);
+      double& x = at_.pose[static_cast<std::size_t>(moved)].x[k];
+      x += by;
+      const double ahead = gap(terms.pairs, pair.contact);
+      x -= 2 * by;
+      return ahead - gap(terms.pairs, pair.contact);
+    };
+    return {slope(0), slope(1)};
+  };
+  double meeting = 1;
+  for (double s = 0, now = start; s < 1; now = along(s)) {
     if (now <= deep) return true;
+    if (now <= met) meeting = std::min(meeting, s);
     s += std::max(now, kStride * pair.width) / way;
   }
-  return false;
+  return end <= met && meeting < 1 && normal(meeting).dot(normal(1)) < 0;
 }
 
 }  // namespace orthant

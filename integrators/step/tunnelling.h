@@ -1,10 +1,15 @@
-// integrators/step/tunnelling.h — bodies that pass through each other within one step, and that no scheme of fixed step sees.
+// integrators/step/tunnelling.h — tunnelling detection: bodies that pass through each other within one step.
 //
-//   Gaps are looked at where a step begins and ends. Two shapes that are apart there, but not on the straight way between
-//   (angles likewise), have passed through each other: their gap is followed along the way, no farther at a time than it is
-//   wide or than 1/16 of the thinner one, and is less than −1/20 of that somewhere. Half-planes cannot be passed unseen.
-// Cost: nothing where no shapes meet; O(bodies) a step while all move less than a quarter of the thinnest shape in it.
-// Limit: what passes by at less than that depth, or goes another way than straight, is not told.
+//   Gaps are looked at where a step begins and ends. Two shapes have passed through each other if their gap is
+//   smaller on the way between than at both ends, and than 0, by 1/20 of the thinner one; or if they overlap by that
+//   at the end and the contact's normal has turned round since they met, or since the start where they overlapped
+//   already: it would push them out on the wrong side. The gap is followed along the way, no farther at a time than
+//   it is wide or than 1/16 of the thinner one: what gets deeper than the ends by 1/12 of that is seen. Of two
+//   polygons it is the smaller one of their two points' gaps, which change places on the way. The way: centres of
+//   mass go straight, or about the ground's pin that holds the body; angles grow evenly, also by several turns.
+//   Half-planes, bearings and bounds of angles and slides cannot be passed unseen: the gap stays negative beyond.
+// Cost: nothing where no shapes meet; O(bodies) a step while all move less than a fifth of the thinnest shape in it.
+// Limit: what passes by at less than that depth, or goes another way, is not reported.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/terms.h>
@@ -33,12 +38,21 @@ class Passing {
     int contact;
     double width;  // [m] of the thinner one
   };
+  struct Pin {  // in the ground
+    bool is = false;
+    Vector2d place{0, 0}, point{0, 0};  // [m] in the ground's frame; in the body's
+  };
   bool any() const { return !listed_.empty() || !width_.empty(); }
   Passage look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms);
   bool passed(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms, const Shapes& pair, BodyId a,
               BodyId b, double way);
+  double gap(const std::vector<Pair>& pairs, int contact) const;  // [m] at at_
+
+  double way_of(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end) const;
+  void place(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, double s);
 
   const System& system_;
+  std::vector<Pin> pin_;  // of each body
   std::vector<Shapes> listed_;
   std::vector<std::vector<double>> width_;  // of each shape of each collision [m]
   std::vector<double> reach_;               // of each body: its shapes' farthest point [m]

@@ -1,0 +1,124 @@
+// integrators/step/admissible.h — admissibility of a motion: penetration and energy balance, for every integrator.
+//
+//   Overlap of contact i: o_i = f_i − g_i, with f_i ≤ 0 the gap at the start where bodies overlapped already. Its
+//   length L_i is the clearance of a journal or between opposite walls (on either side), else the thinner body's half
+//   width.
+//   A run is reported from ½ L_i of a clearance or L_i / 10 of a body on. It ends at 10 L_i of a clearance or L_i / 2
+//   of a body, if that is more than 3 h v, too: a scheme of fixed step may overlap by the way h v of a step. v is the
+//   speed of the lighter body at the peak kinetic energy; in a clearance that of the surfaces against each other, with
+//   what impulses took from it, the largest so far. Driven scenes: from L_i / 20 on a jam is searched for (jam.h),
+//   which ends the run at the step before.
+//   Energy: D = E − W must not rise, W the work of work_meter.h. The defect is the largest rise of D above its least
+//   value before; where nothing dissipates (no friction, no dampers, all e = 1) the largest change. Its scale is the
+//   kinetic energy of the start, the potential energy released, Σ |W| and ½ h² f M⁻¹ f, what the forces of a step do.
+//   A run is reported from 5 % of it on; it ends where D rises by all of it. Steps with several complementarity
+//   problems (a position stage) are looked at for rises apart, to be reported: later steps may lose those again.
+// Cost: an energy every 8th step (springs: 16th), and in each that solves several complementarity problems or whose
+// work is measured; gaps only beyond the least limit.
+#pragma once
+
+#include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/jam.h>
+#include <orthant/integrators/step/work_meter.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+/// The length that an overlap is compared with: a body's half width, a clearance, or 1 rad of an angle's limit.
+enum class OverlapScale { body, clearance, angle };
+
+/// Overlaps and energy balance of a run so far.
+struct Admissibility {
+  double smallest_clearance = kInf;  // [m] of the scene; infinity: it has none
+  double max_overlap = 0;            // [m, rad] beyond the start's, where it is largest against its contact's length
+  double overlap_length = kInf;      // [m, rad] that contact's length
+  double overlap_time = 0;           // [s]
+  std::string overlap_contact;       // quoted
+  OverlapScale overlap_scale = OverlapScale::body;
+  double work = 0;                // [J] of drives, loads and moving surfaces
+  double energy_defect = 0;       // [J]
+  double energy_scale = 0;        // [J]
+  double energy_defect_time = 0;  // [s]
+
+  bool deep() const;        // beyond kDeep of the length
+  bool energy_off() const;  // beyond 5 % of the scale
+  void remember(Memory& memory) {
+    memory(smallest_clearance, max_overlap, overlap_length, overlap_time, overlap_contact, overlap_scale, work,
+           energy_defect, energy_scale, energy_defect_time);
+  }
+};
+
+/// In words, each limit that the motion came near to or passed.
+std::vector<std::string> warnings_of(const Admissibility& motion);
+
+class MotionWatch {
+ public:
+  /// Both must outlive this. start: of the run, with its gaps.
+  MotionWatch(const Integrator& integrator, const State& start, const Eigen::VectorXd& gaps);
+
+  /// Whether admits() reads the state before each step.
+  bool measures_work() const { return meter_.has_value(); }
+
+  /// After a step of h [s] to `after`. False: the motion is not admissible from there on; status() and why() say so. A
+  /// jam began before.
+  bool admits(const State& before, const State& after, double h, const StepReport& report, bool last);
+  bool jammed() const { return status_ == Status::infeasible; }
+  Status status() const { return status_; }
+  const std::string& why() const { return why_; }
+
+  /// Of a step of h [s] from x that failed as `status`: the jam that explains it, if there is one, in why().
+  bool explains(const State& x, double h, Status status);
+
+  const Admissibility& motion() const { return motion_; }
+  void remember(Memory& memory);
+
+ private:
+  struct Length {
+    double size = kInf;  // [m, rad]
+    OverlapScale scale = OverlapScale::body;
+
+    bool clearance() const { return scale == OverlapScale::clearance; }
+  };
+  void measure_lengths(const Eigen::VectorXd& gaps);
+  Length length(int contact) const;
+  bool looks_fine(const State& before, const State& after, double h);
+  bool balances(const State& after, double h, bool regular);
+  double potential(const State& x);
+  double surface_speed(const State& x, int contact);
+  double kick(const State& x, double h);
+  bool end(Status status, std::string why);
+  JamSearch& search();
+
+  const Integrator& integrator_;
+  const System& system_;
+  std::optional<WorkMeter> meter_;
+  std::unique_ptr<JamSearch> search_;
+  std::vector<Length> lengths_;  // of listed contacts
+  std::vector<double> widths_;   // of each collision its thinnest shape's half [m]
+  Eigen::VectorXd floor_;        // f of listed contacts
+  Terms terms_;                  // for springs, in kick() and surface_speed()
+  Admissibility motion_;
+  bool conserves_ = false;
+  int every_ = 1;
+  double quick_ = kInf;  // [m, rad] less overlap needs no look
+  double looked_ = 0;    // [m, rad] at the last search for a jam
+  long steps_ = 0, looked_at_ = 0;
+  double start_energy_ = 0, start_kinetic_ = 0, start_potential_ = 0, least_potential_ = 0, peak_kinetic_ = 0;
+  double fastest_ = 0;  // [m/s] of surfaces that overlap in a clearance
+  struct Rise {         // of D [J]
+    double lowest = 0;
+    std::array<double, 2> last{};  // the newest first
+    double add(double D);          // above the least before
+  };
+  double effort_ = 0, kick_ = 0;  // [J] Σ |W|; what a step's forces do
+  Rise rise_, between_;           // of every so many steps; of those with several problems, too
+  Status status_ = Status::solved;
+  std::string why_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,143 @@
+#include <orthant/integrators/step/immobility.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr double kKnown = 256 * 0x1p-52;
+
+}  // namespace
+
+Immobility::Immobility(const System& system)
+    : system_(system),
+      terms_(system),
+      basic_(system),
+      gyration_(system.bodies()),
+      sum_(Eigen::VectorXd::Zero(system.dof())),
+      sizes_(sum_),
+      left_(sum_),
+      change_(sum_),
+      none_(Eigen::VectorXd::Zero(system.joint_rows())),
+      load_(none_),
+      more_(none_) {
+  const Eigen::VectorXd& m = system.inverse_mass();
+  for (Index b = 0; b < gyration_.size(); ++b) gyration_[b] = std::sqrt(m[3 * b] / m[3 * b + 2]);
+}
+
+bool Immobility::stand(double t, const Eigen::VectorXd& q, const std::vector<Pair>& pairs) {
+  set_poses(system_, t, q, terms_.at);
+  terms_.pairs = pairs;
+  evaluate_joint_rows(system_, terms_);
+  return factorize();
+}
+
+bool Immobility::stand(const Kinematics& at) {
+  terms_.at.pose = at.pose, terms_.at.t = at.t;
+  evaluate_joint_rows(system_, terms_);
+  return factorize();
+}
+
+bool Immobility::stand(const Terms& terms) {
+  if (terms.at.pose.size() != terms_.at.pose.size() || terms.G.size() != terms_.G.size() ||
+      terms.joint_rate.size() != terms_.joint_rate.size())
+    return false;
+  terms_.at.pose = terms.at.pose, terms_.at.t = terms.at.t;
+  terms_.G = terms.G, terms_.joint_rate = terms.joint_rate;
+  return factorize();
+}
+
+bool Immobility::factorize() {
+  usable_ = basic_.factorize(system_, terms_);
+  return usable_;
+}
+
+ContactRows Immobility::rows(int contact) {
+  terms_.closed.clear();
+  add_closed(system_, contact, terms_);
+  return terms_.closed.back().rows;
+}
+
+double Immobility::effective(const Row& row) {
+  basic_.solve_row(row, change_.data());
+  return apply(row, change_.data());
+}
+
+bool Immobility::suspicious(const Row& row, double effective, const Eigen::VectorXd& inverse_mass) {
+  constexpr double kSmall = 1e-2;
+  double free = 0;
+  const auto add = [&](BodyId body, const std::array<double, 3>& j) {
+    if (body < 0) return;
+    const double* const m = inverse_mass.data() + 3 * body;
+    free += j[0] * m[0] * j[0] + j[1] * m[1] * j[1] + j[2] * m[2] * j[2];
+  };
+  add(row.a, row.ja), add(row.b, row.jb);
+  return effective <= kSmall * free;
+}
+
+void Immobility::begin() { sum_.setZero(), sizes_.setZero(); }
+
+void Immobility::add(const Row& row, double weight) {
+  apply_transposed(row, weight, sum_.data());
+  measure(row, weight);
+}
+
+void Immobility::measure(const Row& row, double weight) {
+  const auto note = [&](BodyId body, const std::array<double, 3>& j) {
+    for (int k = 0; body >= 0 && k < 3; ++k) sizes_[3 * body + k] += std::abs(weight * j[static_cast<std::size_t>(k)]);
+  };
+  note(row.a, row.ja), note(row.b, row.jb);
+}
+
+Immobility::Verdict Immobility::judge() {
+  constexpr int kPasses = 3;
+  if (!usable_) return {};
+  const auto joints = static_cast<std::size_t>(load_.size());
+  left_ = sum_;
+  load_.setZero();
+  for (int pass = 0; pass < kPasses && joints > 0; ++pass) {
+    basic_.solve(left_.data(), none_.data(), change_.data(), more_.data());
+    load_ += more_;
+    left_ = sum_;
+    for (std::size_t i = 0; i < joints; ++i) apply_transposed(terms_.G[i], load_[static_cast<Index>(i)], left_.data());
+  }
+  change_ = sizes_;
+  for (std::size_t i = 0; i < joints; ++i) measure(terms_.G[i], load_[static_cast<Index>(i)]);
+  double left = 0, rounding = 0;
+  for (Index b = 0; b < gyration_.size(); ++b) {
+    const double rho = gyration_[b], torque = left_[3 * b + 2] / rho;
+    const double size = sizes_[3 * b] + sizes_[3 * b + 1] + sizes_[3 * b + 2] / rho;
+    const double known = kKnown * (1 + far(b) / rho) * size;
+    left += left_[3 * b] * left_[3 * b] + left_[3 * b + 1] * left_[3 * b + 1] + torque * torque;
+    rounding += known * known;
+  }
+  Verdict verdict{.immobile = left <= rounding};  // false of NaN
+  if (!verdict.immobile || !system_.driven()) return verdict;
+  left_.setZero();  // a velocity that the joints allow
+  basic_.add_rates(terms_.joint_rate.data(), left_.data());
+  const double rate = sum_.dot(left_);
+  if (std::abs(rate) > rounding_of_rate(change_, left_)) verdict.rate = rate;
+  return verdict;
+}
+
+/// [m/s] Of a body that the joints hold across J, J v is rounding of speeds along it, and of the fastest one elsewhere.
+double Immobility::rounding_of_rate(const Eigen::VectorXd& sizes, const Eigen::VectorXd& v) const {
+  constexpr double kDriven = 1e-9;  // of a body's speed
+  const auto speed = [&](Index b) {
+    return std::abs(v[3 * b]) + std::abs(v[3 * b + 1]) + gyration_[b] * std::abs(v[3 * b + 2]);
+  };
+  double fastest = 0, rounding = 0;
+  for (Index b = 0; b < gyration_.size(); ++b) fastest = std::max(fastest, speed(b));
+  for (Index b = 0; b < gyration_.size(); ++b) {
+    const double size = sizes[3 * b] + sizes[3 * b + 1] + sizes[3 * b + 2] / gyration_[b];
+    rounding += size * (kDriven * speed(b) + kKnown * (1 + far(b) / gyration_[b]) * fastest);
+  }
+  return rounding;
+}
+
+double Immobility::far(Index body) const {
+  return 1 + terms_.at.pose[static_cast<std::size_t>(body)].x.lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace orthant
