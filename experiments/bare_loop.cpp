@@ -1,9 +1,10 @@
 // How far is a step of Orthant from a loop written by hand for one mechanism?
 //
 // The slider-crank of slider_crank.h in minimal coordinates (θ₁, θ₂, θ₃), Moreau-Jean's midpoint step, a face's corners
-// together and friction by projected sweeps: nothing that could be left out, nothing that is checked, nothing that could
-// be another mechanism. Beside it Orthant, which keeps all nine coordinates, the joints and a verdict on each problem. Both are timed
-// by turns; the least counts. Equations of motion: Flores, Leine & Glocker, Multibody Syst. Dyn. 23 (2010) 165-190.
+// together and friction by projected sweeps: nothing that could be left out, nothing that is checked, nothing that
+// could be another mechanism. Beside it Orthant, which keeps all nine coordinates, the joints and a verdict on each
+// problem. Both are timed by turns; the least counts. Equations of motion: Flores, Leine & Glocker, Multibody Syst.
+// Dyn. 23 (2010) 165-190.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
@@ -130,7 +131,7 @@ class Bare {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("A step of the slider-crank by Orthant, beside a loop written by hand for it alone");
+  CLI::App app("A step of the slider-crank by Orthant, compared with a loop written by hand for this scene");
   double h = 1e-5;
   int repeats = 9;
   std::vector<double> frictions{0, 0.01, 0.1}, restitutions{0, 0.4};

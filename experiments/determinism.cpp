@@ -1,7 +1,8 @@
 // Are the bits of a run the same on any number of threads, and those that were pinned?
 //
-// Every scene by every integrator with every solver, up to 10^4 steps: hashes of all states (support/fingerprint.h) in 1, 2
-// and 8 threads, against each other and, where the build is the same, against the table tests/data/determinism.csv.
+// Every scene by every integrator with every solver, up to 10^4 steps: hashes of all states (support/fingerprint.h) in
+// 1, 2 and 8 threads, against each other and, where the build is the same, against the table
+// tests/data/determinism.csv.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/fingerprint.h"
@@ -39,11 +40,11 @@ int main(int argc, char** argv) {
   CLI::App app("The bits of every scene, integrator and solver in 1, 2 and 8 threads");
   app.add_option("--table", pinned, "hashes to compare with, or to write")->capture_default_str();
   app.add_option("--steps", steps, "of each run")->check(CLI::Range(1L, kMarks.back()))->capture_default_str();
-  app.add_option("--time-limit", seconds, "of each run [s]; what is late has fewer hashes")
+  app.add_option("--time-limit", seconds, "of each run [s]; a late run has fewer hashes")
       ->check(between(1e-3, 1e6))
       ->capture_default_str();
   auto* const some = app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
-  app.add_flag("--pin", pin, "write the table anew, where the threads agree")->excludes(some);
+  app.add_flag("--pin", pin, "write the table again, where the threads agree")->excludes(some);
   if (const auto end = parse(app, argc, argv)) return *end;
   try {
     auto alone = all_fingerprints();

@@ -1,8 +1,8 @@
 // Which solver is fast, and how good is what it calls solved?
 //
 // Every solver of the registry, and whatever rivals there are (experiments/benchmarks), on problem families, known
-// problems, steps of simulations, and files. Writes a row per case (what there is, every minute), a summary per solver, a
-// table of what really answered, a manifest. Times are processor time.
+// problems, steps of simulations, and files. Writes a row per case (what there is, every minute), a summary per solver,
+// a table of what really answered, a manifest. Times are processor time.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/manifest.h"
@@ -68,9 +68,11 @@ int main(int argc, char** argv) {
   app.add_option("--output", plan.output, "folder for tables and manifest")->capture_default_str();
   app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...; default: all of the registry");
   app.add_option("--rivals", plan.rivals, "folder of rivals' drivers; they take part as well");
-  app.add_option("--families", plan.choice.families, "names of core/lcp/problems/families.h, known, steps; default: all");
+  app.add_option("--families", plan.choice.families,
+                 "names of core/lcp/problems/families.h, known, steps; default: all");
   app.add_option("--scenes", plan.choice.scenes, "scenes whose steps are recorded")->capture_default_str();
-  app.add_option("--problems", plan.choice.problems, "problem files as well");
+  app.add_option("--problems", plan.choice.problems,
+                 "files: .json, .hdf5 (FCLIB), M.mtx+q.mtx, or M.mtx next to M_q.mtx");
   const auto* largest = app.add_option("--largest", plan.choice.largest, "no families' problems larger than this")
                             ->check(CLI::Range(1, 1 << 30));
   app.add_option("--seeds", plan.choice.seeds, "of random families")->check(CLI::Range(1, 1000))->capture_default_str();

@@ -1,14 +1,15 @@
-// What does a large obstacle problem cost, beside one factorization and solve of its matrix?
+// What does a large obstacle problem cost, relative to one factorization and solve?
 //
-// The ball obstacle on a grid by every method for such problems, each to the judge's satisfaction, beside the unrestricted
-// Laplacian equation by CHOLMOD: factorizations counted where they are made (those of coarse grids too; "full" adds up
-// their rows over n). Time: the best of `repeats`, the equation measured anew before each method. A Markdown table.
+// The ball obstacle on a grid by every method for such problems, each accepted by the judge, compared with the
+// unrestricted Laplacian equation by CHOLMOD: factorizations counted where they are made (those of coarse grids too;
+// "full" adds up their rows over n). Time: the best of `repeats`, the equation measured again before each method. A
+// Markdown table.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/solvers/registry.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>
+#include <orthant/solvers/registry.h>
 
 #include <CLI/CLI.hpp>
 

@@ -1,9 +1,9 @@
-// What does a pile cost as it grows? Discs dropped into a trough: what a step takes a disc but for its solver, and what
+// What does a pile cost as it grows? Discs dropped into a trough: a step per disc without its solver, and what
 // the step's problem takes each solver, at equal residual.
 //
 // Each pile settles, its steps solved by `--by`. Two Markdown tables: of the last steps, processor time a disc, without
-// the solver (broad phase, rows, the problem, the motion) and of it; of the last step's problem, cold, each solver's time
-// until the judge accepts a residual (relative to the problem's data), or what became of it.
+// the solver (broad phase, rows, the problem, the motion) and of it; of the last step's problem, cold, each solver's
+// time until the judge accepts a residual (relative to the problem's data), or what became of it.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
@@ -73,7 +73,7 @@ int main(int argc, char** argv) try {
   app.add_option("--sizes", sizes, "numbers of discs")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--solvers", specs, "without a tolerance")->capture_default_str();
   app.add_option("--tolerances", tolerances, "relative residuals")->check(between(1e-14, 1.0))->capture_default_str();
-  app.add_option("--by", by, "what solves the steps while the pile settles")->capture_default_str();
+  app.add_option("--by", by, "solver of the steps while the pile settles")->capture_default_str();
   app.add_option("--fall", fall, "time to settle [s]")->check(between(1e-3, 1e3))->capture_default_str();
   app.add_option("--step", h, "[s]")->check(between(1e-6, 1e-1))->capture_default_str();
   app.add_option("--time-limit", time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();

@@ -1,7 +1,7 @@
-// Does a step cost only what the scene holds? The slider-crank with parts of it left out, a step of each beside the whole.
+// Does a step cost only what the scene holds? The slider-crank without some of its parts, relative to the whole.
 //
-// Printed as a Markdown table: the least time of several runs of 0.05 s of motion, h = 1e-5, over its steps; in units of
-// the whole scene's, all measured in turn so that they meet the same disturbances.
+// Printed as a Markdown table: the least time of several runs of 0.05 s of motion, h = 1e-5, over its steps; in units
+// of the whole scene's, all measured in turn so that they meet the same disturbances.
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 

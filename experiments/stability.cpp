@@ -1,9 +1,9 @@
 // How far do the numbers carry? Mass ratios, stiffness, step sizes, clearances, no gravity, places far away, long runs.
 //
-// Each study moves one number of one scene over its decades, by every integrator with Lemke's method and by moreau-jean with
-// every solver: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the largest
-// kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study, and at its end
-// one of all solvers. Long runs are by some solvers only.
+// Each study moves one number of one scene over its decades, by every integrator with Lemke's method and by moreau-jean
+// with every solver: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the
+// largest kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study,
+// and at its end one of all solvers. Long runs are by some solvers only.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/manifest.h"
@@ -142,7 +142,8 @@ std::string line_of(const std::vector<Row>& rows) {
   return line + ' ' + (failed.empty() ? "-" : failed) + " |\n";
 }
 
-/// Of one solver: how many of its runs ended well or were refused, the worst residual of the former, and where others ended:
+/// Of one solver: how many of its runs ended well or were refused, the worst residual of the former, and where others
+/// ended:
 /// by study the values, neighbours as a range.
 std::string line_of_solver(const std::string& solver, const std::vector<Row>& rows) {
   std::string failed;

@@ -1,9 +1,9 @@
 // How much faster is a step than Siconos', and how much sooner is an error reached?
 //
 // The slider-crank with clearance, 0.2 s, by Orthant in all coordinates and by the rivals' drivers in the folder given
-// (Siconos: minimal coordinates, written by hand for this mechanism). A step: both by turns at h = 1e-5, the least of the
-// repeats, as long for the one as for the other. An error: the quickest run of each that ends that near to the exact θ₁, for
-// μ = 0.01, e = 0.4. Processor time.
+// (Siconos: minimal coordinates, written by hand for this mechanism). A step: both by turns at h = 1e-5, the least of
+// the repeats, as long for the one as for the other. An error: the quickest run of each that ends that near to the
+// exact θ₁, for μ = 0.01, e = 0.4. Processor time.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
@@ -146,7 +146,7 @@ void errors(const std::vector<Rival>& others, double finest) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("A step of the slider-crank, and the time to an error, beside Siconos");
+  CLI::App app("A step of the slider-crank, and the time to an error, compared with Siconos");
   std::string folder = "build/peers/slider_crank", only = "siconos";
   double step = 1e-5, finest = 1e-6;
   int repeats = 5;

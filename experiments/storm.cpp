@@ -1,11 +1,12 @@
-// Is any verdict wrong? Random problems of every kind through every solver, each verdict checked again in exact arithmetic.
+// Verdict storm: random problems of every kind by every solver, each verdict checked in exact arithmetic.
 //
-//   build/release/experiments/storm --output results/storm                        10⁶ problems; three hours of a core (--jobs); goes on where it was
-//   build/release/experiments/storm --output results/storm --problems 5000        a share
-//   build/release/experiments/storm --only 123456                                 one problem, by its number
+//   build/release/experiments/storm --output results/storm                 10⁶ problems in 3 h of a core; resumes
+//   build/release/experiments/storm --output results/storm --problems 5000 a share
+//   build/release/experiments/storm --only 123456                          one problem, by its number
 //
-// Writes into the output folder: chunks.jsonl (one line a finished chunk: killed and started again, only what is missing is
-// done), storm.csv (kind × solver: how often which outcome), fault_*.json (each fault's problem, shrunk, for orthant replay).
+// Writes into the output folder: chunks.jsonl (one line a finished chunk; a run that was killed
+// computes only what is missing), storm.csv (kind × solver: how often which outcome), fault_*.json (each fault's
+// problem, shrunk, for orthant replay).
 // Crashes and endless loops end a process of their own. Exit code 3 when there is a fault.
 #include "storm/storm.h"
 #include "storm/shrink.h"
@@ -161,7 +162,7 @@ struct Storm {
         a.output / ("fault_" + std::to_string(fault.k) + "_" + std::string(Spec::parse(fault.solver).name) + ".json");
     write_problem(file, least,
                   fault.kind + " " + std::to_string(fault.k) + ", " + fault.solver + ": " + fault.what + ", " +
-                      fault.why + (alone ? "" : " (only beside or after others)"));
+                      fault.why + (alone ? "" : " (only together with or after others)"));
     std::cerr << "  " << file.string() << ", " << least.size() << " rows\n";
   }
 };

@@ -1,8 +1,8 @@
 // Why time stepping cannot converge on a slider-crank that starts tilted: the restitution of its slider's face.
 //
-// With ω₃ = −0.01 rad/s the slider reaches the wall with one corner first. Its corners then strike in turn: with e = 0.4
-// infinitely often within 1.6 µs, and the face as a whole is stopped, its effective restitution is 0. So it is up to
-// e = 0.65; beyond, the impacts are finitely many and leave a part of e (paper/notes/tilted_start.md).
+// With ω₃ = −0.01 rad/s the slider reaches the wall with one corner first. Its corners then strike in turn: with e =
+// 0.4 infinitely often within 1.6 µs, and the face as a whole is stopped, its effective restitution is 0. So it is up
+// to e = 0.65; beyond, the impacts are finitely many and leave a part of e (paper/notes/tilted_start.md).
 // A step of size h sees but a few of these impacts. Printed: the face's effective restitution
 //   Σ Λ_N of the top corners while the strikes last / the same for e = 0 from the symmetric start − 1
 // against h, by integrator, from a state that event-driven integration has brought to 1 µs before the first touch.
@@ -24,7 +24,7 @@ using namespace orthant;
 
 namespace {
 
-/// The scene anew, starting where a run ended.
+/// The scene again, starting where a run ended.
 Scene from(Scene scene, const State& x) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const auto k = static_cast<Index>(3 * i);
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     std::cout << '\n';
     const Scene start = from(tilted, at(tilted, touch - before)),
                 plain_start = from(plain, at(plain, plain_touch - before));
-    const double stop = impulse(plain_start, "event-driven", 2 * before, 2 * before);  // the impact alone, but for 1 µs
+    const double stop = impulse(plain_start, "event-driven", 2 * before, 2 * before);  // the impact, and 1 µs
     for (double h = 1e-6; h > 0.9 * finest; h /= 10) {
       const double duration = before + std::max(2e-6, 20 * h);
       std::cout << "| " << h << " |";

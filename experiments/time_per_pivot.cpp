@@ -1,7 +1,8 @@
-// What does a pivot cost, beside the least it could cost: one rank-1 update of an n × n matrix?
+// What does a pivot cost, relative to the least possible cost: one rank-1 update of an n × n matrix?
 //
 // Pivoting methods on random positive definite problems, dense: time of a solve over its pivots, so with the share of
-// loading, refining and judging; the best of several repeats, processor time. Printed as a Markdown table, µs and multiples.
+// loading, refining and judging; the best of several repeats, processor time. Printed as a Markdown table, µs and
+// multiples.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
@@ -43,7 +44,7 @@ double rank_one(Index n, double seconds) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app("Time per pivot of the pivoting methods, beside one rank-1 update of the same size");
+  CLI::App app("Time per pivot of the pivoting methods, relative to one rank-1 update of the same size");
   std::vector<Index> sizes{8, 16, 64, 256, 1024};
   std::vector<std::string> specs{"lemke:form=tableau", "lemke:form=revised", "murty:max_pivots=2000",
                                  "dantzig:max_pivots=2000", "path:max_crash=0"};

@@ -1,4 +1,4 @@
-// experiments/benchmarks/clock.h — what all drivers time with, and Orthant too: the processor time of the process.
+// experiments/benchmarks/clock.h — processor clock of all benchmark drivers, and of Orthant: the time of the process.
 #pragma once
 
 #include <algorithm>
@@ -19,9 +19,9 @@ struct Timing {
   int runs = 0;
 };
 
-/// What `call` takes: the median of up to five runs within `most` seconds, after one that fills the caches and counts only if
-/// it took that long by itself. A run is as many calls in a row as take 20 µs, for the clock itself takes a part of one; where
-/// they are more than one, the clock and `prepare` before each call are timed alone and taken off.
+/// What `call` takes: the median of up to five runs within `most` seconds, after one that fills the caches and counts
+/// only if it took that long by itself. A run is as many calls in a row as take 20 µs, for the clock itself takes a
+/// part of one; where they are more than one, the clock and `prepare` before each call are timed alone and taken off.
 template <class Prepare, class Call> Timing time_calls(Prepare&& prepare, Call&& call, double most = 0.1) {
   constexpr double kLong = 2e-5;  // [s]
   constexpr int kMostCalls = 1 << 14;

@@ -1,4 +1,4 @@
-// What our own parts cost, one by one (Google Benchmark): small problems, pivots, the judge, proofs, broad phase, steps.
+// Cost of each part (Google Benchmark): small problems, pivots, the judge, proofs, broad phase, steps.
 //
 //   build/release/experiments/parts --benchmark_filter=step     # --help tells the rest
 // Times drift with the machine: compare within one run, or two builds by turns. What must not get slower is checked by
@@ -53,8 +53,8 @@ BENCHMARK_CAPTURE(small_spd, pgs, "pgs")->Arg(2)->Arg(10);
 void lemke_pivots(benchmark::State& state) { solve(state, spd(state.range(0)), "lemke:form=tableau"); }
 BENCHMARK(lemke_pivots)->RangeMultiplier(2)->Range(32, 1024)->Unit(benchmark::kMicrosecond);
 
-/// A solve, and how many times as long it takes as the factorizations of its blocks alone, by Eigen, by turns: as many of their
-/// mean size, which is the least that blocks of as many rows in all can cost.
+/// A solve, and how many times as long it takes as the factorizations of its blocks alone, by Eigen, by turns: as many
+/// of their mean size, which is the least that blocks of as many rows in all can cost.
 void block_pivot(benchmark::State& state) {
   const Lcp problem = spd(state.range(0));
   const auto solver = make_solver("block-pivot");
@@ -129,7 +129,7 @@ void broad_phase(benchmark::State& state) {
 }
 BENCHMARK(broad_phase)->RangeMultiplier(10)->Range(10, 10000)->Unit(benchmark::kMicrosecond);
 
-/// A step of `scene`, begun anew when its duration is over.
+/// A step of `scene`, begun again when its duration is over.
 void steps(benchmark::State& state, const Scene& scene, const std::string& integrator, double h) {
   const System system(scene);
   const auto scheme = make_integrator(integrator, system);
@@ -147,7 +147,7 @@ void chain_step(benchmark::State& state) {
 }
 BENCHMARK(chain_step)->RangeMultiplier(10)->Range(10, 10000)->Unit(benchmark::kMicrosecond);
 
-/// The slider-crank by every integrator: fixed step 1e-5 s; those that control their own are asked for 1e-3 s.
+/// The slider-crank by every integrator: fixed step 1e-5 s; those that control their own get 1e-3 s.
 const bool registered = [] {
   for (const IntegratorEntry& entry : integrators()) {
     const std::string name(entry.name);

@@ -2,6 +2,8 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
+#include "../support/status_line.h"
+
 #include <orthant/core/lcp/judge/analyse.h>
 #include <orthant/solvers/budget.h>
 
@@ -24,7 +26,7 @@ int run_analyse(const AnalyseArguments& arguments) {
   Budget budget;
   const Matrix A = read_matrix(arguments.problem);
   budget.start(arguments.time_limit.value_or(kInf), nullptr);
-  const Analysis a = analyse(A, [&] { return budget.exhausted(); });
+  const Analysis a = with_elapsed_line("analyse", [&] { return analyse(A, [&] { return budget.exhausted(); }); });
 
   nlohmann::ordered_json rank = a.rank;
   if (a.rank < 0) rank = name(Verdict::not_decided);
@@ -65,7 +67,7 @@ void add_analyse(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("analyse", "What kind of matrix: definite, P, K, copositive, rank, condition");
   command->add_option("problem", arguments->problem.problem, "JSON problem file, FCLIB file, or a matrix (.mtx)");
   command->add_option("--matrix", arguments->problem.matrix, "M, Matrix Market");
-  add_time_limit(*command, arguments->time_limit, "[s]; what is open by then is told as not decided");
+  add_time_limit(*command, arguments->time_limit, "[s]; properties still open are reported as not decided");
   command->add_flag("--json", arguments->json, "answer as one JSON object; rows count from 0");
   command->footer(
       "Exit codes: 0 done, 1 bad input.\n"

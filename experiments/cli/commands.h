@@ -32,7 +32,7 @@ template <class Seconds> CLI::Option* add_time_limit(CLI::App& command, Seconds&
   });
 }
 
-/// What the shell is told of an answer; 1 is bad input.
+/// Exit code of an answer; 1 is bad input.
 inline int exit_code_of(Status status) { return status == Status::solved ? 0 : status == Status::infeasible ? 2 : 3; }
 
 }  // namespace orthant

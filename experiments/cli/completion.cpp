@@ -1,4 +1,4 @@
-// orthant completion — a script for bash that completes subcommands, options, and the names of solvers, integrators, scenes.
+// orthant completion — bash completion of subcommands, options, and names of solvers, integrators and scenes.
 //   source <(orthant completion)
 #include "commands.h"
 

@@ -2,6 +2,8 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
+#include "../support/status_line.h"
+
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <nlohmann/json.hpp>
@@ -37,7 +39,8 @@ int run_enumerate(const EnumerateArguments& a) {
   Budget budget;
   const Lcp problem = read_problem(a.problem);
   budget.start(a.time_limit.value_or(kInf), nullptr);
-  const SolutionSet set = enumerate_solutions(problem, [&] { return budget.exhausted(); });
+  const SolutionSet set =
+      with_elapsed_line("enumerate", [&] { return enumerate_solutions(problem, [&] { return budget.exhausted(); }); });
   nlohmann::ordered_json json = {{"isolated", lists(set.isolated)}, {"faces", nlohmann::ordered_json::array()}};
   for (const SolutionFace& f : set.faces)
     json["faces"].push_back({{"dimension", f.dimension},
@@ -65,7 +68,7 @@ void add_enumerate(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<EnumerateArguments>();
   CLI::App* command = app.add_subcommand("enumerate", "All solutions of a small problem (20 rows, 12 of them boxes)");
   add_problem_options(*command, arguments->problem);
-  add_time_limit(*command, arguments->time_limit, "[s]; what is found by then is told");
+  add_time_limit(*command, arguments->time_limit, "[s]; solutions found by then are reported");
   command->add_flag("--json", arguments->json, "answer as one JSON object");
   command->footer(
       "Exit codes: 0 there are solutions, 1 bad input or too large, 2 there is none, 3 not all was searched in time.\n"

@@ -1,9 +1,11 @@
-// orthant list — what can be named on the command line: solvers, integrators, scenes, each with its options.
-//   --json the same for programs; --markdown prints the solvers as the table of experiments/README.md, which a test compares.
+// orthant list — names for the command line: solvers, integrators and scenes with their options; fields of the summary.
+//   --json the same for programs; --markdown prints the tables of experiments/README.md (solvers) and of
+//   experiments/docs/statuses.md (summary), which tests compare.
 #include "commands.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>
+#include <orthant/integrators/run_fields.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
@@ -53,9 +55,39 @@ template <class Entries> nlohmann::ordered_json as_json(const Entries& entries) 
   return list;
 }
 
-void print_table() {
+template <class Visit> void visit_summary(Visit&& visit) {
+  Run run;
+  visit_fields(run,
+               [&](const char* field, const char* unit, const char* meaning, auto&) { visit(field, unit, meaning); });
+}
+
+void print_summary() {
+  std::cout << "summary\n";
+  visit_summary([](const std::string& field, const std::string& unit, const char* meaning) {
+    std::cout << "  " << field << (unit.empty() ? "" : " [" + unit + "]") << "\n      " << meaning << '\n';
+  });
+}
+
+nlohmann::ordered_json summary_as_json() {
+  auto list = nlohmann::ordered_json::array();
+  visit_summary([&](const char* field, const char* unit, const char* meaning) {
+    list.push_back({{"name", field}, {"unit", unit}, {"meaning", meaning}});
+  });
+  return list;
+}
+
+void print_solver_table() {
   std::cout << "| solver | what it is |\n|---|---|\n";
   for (const SolverEntry& entry : solvers()) std::cout << "| `" << entry.name << "` | " << entry.summary << " |\n";
+}
+
+void print_summary_table() {
+  std::cout << "| field | unit | meaning |\n|---|---|---|\n";
+  visit_summary([](const char* field, const char* unit, std::string meaning) {
+    for (auto bar = meaning.find('|'); bar != std::string::npos; bar = meaning.find('|', bar + 2))
+      meaning.insert(bar, "\\");
+    std::cout << "| `" << field << "` | " << unit << " | " << meaning << " |\n";
+  });
 }
 
 }  // namespace
@@ -63,10 +95,11 @@ void print_table() {
 void add_list(CLI::App& app, int& exit_code) {
   auto what = std::make_shared<std::string>();
   auto markdown = std::make_shared<bool>(false), json = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("list", "Solvers, integrators and scenes, with their options");
-  command->add_option("what", *what, "solvers, integrators or scenes; default: all")
-      ->check(CLI::IsMember({"solvers", "integrators", "scenes"}));
-  command->add_flag("--markdown", *markdown, "the solvers as a Markdown table");
+  CLI::App* command =
+      app.add_subcommand("list", "Solvers, integrators and scenes with their options; fields of a run's summary");
+  command->add_option("what", *what, "solvers, integrators, scenes or summary; default: all")
+      ->check(CLI::IsMember({"solvers", "integrators", "scenes", "summary"}));
+  command->add_flag("--markdown", *markdown, "the solvers, or the fields of the summary, as a Markdown table");
   command->add_flag("--json", *json, "all of it as one JSON object")->excludes("--markdown");
   command->footer(
       "Exit codes: 0 done, 1 bad input.\n"
@@ -75,19 +108,21 @@ void add_list(CLI::App& app, int& exit_code) {
       "  orthant list solvers --json");
   command->callback([what, markdown, json, &exit_code] {
     exit_code = 0;
-    if (*markdown) return print_table();
-    const auto asked = [&](const char* kind) { return what->empty() || *what == kind; };
+    if (*markdown) return *what == "summary" ? print_summary_table() : print_solver_table();
+    const auto wanted = [&](const char* kind) { return what->empty() || *what == kind; };
     if (*json) {
       nlohmann::ordered_json all;
-      if (asked("solvers")) all["solvers"] = as_json(solvers());
-      if (asked("integrators")) all["integrators"] = as_json(integrators());
-      if (asked("scenes")) all["scenes"] = as_json(scenes());
+      if (wanted("solvers")) all["solvers"] = as_json(solvers());
+      if (wanted("integrators")) all["integrators"] = as_json(integrators());
+      if (wanted("scenes")) all["scenes"] = as_json(scenes());
+      if (wanted("summary")) all["summary"] = summary_as_json();
       std::cout << all.dump(2) << '\n';
       return;
     }
-    if (asked("solvers")) print("solvers", solvers());
-    if (asked("integrators")) print("integrators", integrators());
-    if (asked("scenes")) print("scenes", scenes());
+    if (wanted("solvers")) print("solvers", solvers());
+    if (wanted("integrators")) print("integrators", integrators());
+    if (wanted("scenes")) print("scenes", scenes());
+    if (wanted("summary")) print_summary();
   });
 }
 

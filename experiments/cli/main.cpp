@@ -1,12 +1,14 @@
 // orthant — the command line over the libraries. Each subcommand is one file here.
 #include "commands.h"
 
+#include "../support/help_text.h"
 #include "../support/manifest.h"
 #include "../support/printable.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -59,11 +61,23 @@ void add_max_input(CLI::App& app) {
       });
 }
 
-[[noreturn]] void ask_for_a_subcommand(const CLI::App& app, const std::string& given) {
+[[noreturn]] void refuse_subcommand(const CLI::App& app, const std::string& given) {
   std::string known;
   for (const CLI::App* command : app.get_subcommands(nullptr)) known += " " + command->get_name();
-  throw std::invalid_argument((given.empty() ? "a subcommand is needed" : "'" + given + "' is no subcommand") +
-                              ", one of:" + known);
+  throw std::invalid_argument("'" + given + "' is no subcommand, one of:" + known);
+}
+
+/// The help's first lines: what there is, and where to read more.
+int print_subcommands(const CLI::App& app) {
+  std::string text = app.get_description() + "\nUsage: orthant COMMAND [OPTIONS]\n\n";
+  std::size_t longest = 0;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) longest = std::max(longest, command->get_name().size());
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    text += "  " + command->get_name() + std::string(longest + 2 - command->get_name().size(), ' ') +
+            command->get_description() + "\n";
+  text += "\northant --help has examples, orthant COMMAND --help more of each.\n";
+  std::cerr << orthant::wrapped(text, orthant::terminal_width());
+  return 1;
 }
 
 }  // namespace
@@ -84,8 +98,8 @@ int main(int argc, char** argv) {
       "  orthant list solvers\n"
       "orthant COMMAND --help has more of each.");
   bool version = false, json = false;
-  CLI::Option* asked = app.add_flag("--version", version, "What this is, built from what and how");
-  app.add_flag("--json", json, "with --version: as one JSON object")->needs(asked);
+  CLI::Option* shown = app.add_flag("--version", version, "version, revision, compiler and flags");
+  app.add_flag("--json", json, "with --version: as one JSON object")->needs(shown);
   int exit_code = 1;
   orthant::add_solve(app, exit_code);
   orthant::add_analyse(app, exit_code);
@@ -103,15 +117,18 @@ int main(int argc, char** argv) {
     const std::string first = argc > 1 ? argv[1] : "-";
     if (!first.starts_with('-') &&
         app.get_subcommands([&](const CLI::App* c) { return c->get_name() == first; }).empty())
-      ask_for_a_subcommand(app, first);
+      refuse_subcommand(app, first);
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
-      if (!version) ask_for_a_subcommand(app, "");
+      if (!version) return print_subcommands(app);
       print_version(json);
       return finish(0);
     }
-  } catch (const CLI::Success& help) {
-    return finish(app.exit(help));
+  } catch (const CLI::CallForHelp&) {
+    std::cout << orthant::wrapped(app.help(), orthant::terminal_width());
+    return finish(0);
+  } catch (const CLI::Success& other) {
+    return finish(app.exit(other));
   } catch (const std::exception& error) {  // a bad command line or bad input: one line
     std::cerr << "orthant: " << orthant::printable(error.what()) << '\n';
     return 1;

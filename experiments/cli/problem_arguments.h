@@ -1,4 +1,4 @@
-// experiments/cli/problem_arguments.h — how commands are told of a problem: a file, or Matrix Market files for its parts.
+// experiments/cli/problem_arguments.h — problem arguments of commands: a file, or Matrix Market files of its parts.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

@@ -2,6 +2,8 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
+#include "../support/status_line.h"
+
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
@@ -33,7 +35,7 @@ int run_replay(const ReplayArguments& a) {
     solver->set_time_limit(a.time_limit);
     Solution s;
     const auto begin = std::chrono::steady_clock::now();
-    solver->solve(problem, s);
+    with_elapsed_line("replay, " + spec, [&] { solver->solve(problem, s); });
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     solved = solved || s.status == Status::solved, infeasible = infeasible || s.status == Status::infeasible;
     table.push_back({{"solver", spec},

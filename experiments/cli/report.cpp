@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "../report/report.h"
+#include "../support/status_line.h"
 
 #include <orthant/core/support/file.h>
 
@@ -27,7 +28,9 @@ void add_report(CLI::App& app, int& exit_code) {
     check_apart("--output", arguments->output, "the results", arguments->results);
     check_writable(arguments->output);
     try {
-      write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));
+      with_elapsed_line("report", [&] {
+        write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));
+      });
     } catch (const nlohmann::json::exception& error) {
       throw std::runtime_error("cannot read " + arguments->results + ": it is damaged: " + error.what());
     }

@@ -1,27 +1,31 @@
 // orthant simulate SCENE — one run: a trajectory as CSV, a summary for people or as JSON.
 #include "commands.h"
 
+#include "../support/check.h"
 #include "../support/checkpoint.h"
-#include "../support/limits.h"
+#include "../support/event_table.h"
 #include "../support/manifest.h"
+#include "../support/status_line.h"
+#include "../support/stop_signal.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
+#include "../support/warnings.h"
 
 #include <orthant/core/lcp/files/io.h>
-#include <orthant/core/mechanics/dynamics/broad_phase.h>
-#include <orthant/core/mechanics/dynamics/redundancy.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>
 #include <orthant/integrators/registry.h>
-#include <orthant/integrators/simulate.h>
+#include <orthant/integrators/run_fields.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+#include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
+#include <sstream>
 
 namespace orthant {
 namespace {
@@ -29,12 +33,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SimulateArguments {
-  std::string scene, integrator = "moreau-jean", solver = "lemke", output, checkpoint;
+  std::string scene, integrator = "moreau-jean", solver = "lemke", output, checkpoint, failed_steps;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
   int threads = 1;
-  bool json = false, resume = false;
+  bool json = false, resume = false, check = false;
 };
 
 /// All that decides a run, in one text: a checkpoint of another is no place to go on from.
@@ -52,36 +56,52 @@ std::string difference(const std::string& kept, const std::string& wanted) {
                    : "is of another run (" + was + "): must be of this one (" + is + ")";
 }
 
-nlohmann::ordered_json summary(const Run& run, const std::vector<std::string>& columns,
-                               const std::vector<double>& last) {
+/// What a run leaves: its records, the last of them, its events.
+struct Kept {
+  std::vector<std::string> columns;
+  std::vector<double> table, last;
+  std::vector<Event> events;
+};
+
+nlohmann::ordered_json summary(const Run& run, const Kept& kept) {
   nlohmann::ordered_json::object_t final;  // operator[] would compare each name with all before it
-  for (std::size_t i = 0; i < columns.size(); ++i) final.emplace_back(columns[i], last[i]);
-  nlohmann::ordered_json json = {{"status", name(run.status)},
-                                 {"why", run.why},
-                                 {"final", final},
-                                 {"steps", run.steps},
-                                 {"seconds", run.seconds},
-                                 {"energy_initial", run.energy_initial},
-                                 {"energy_final", run.energy_final},
-                                 {"max_joint_residual", run.max_joint_residual},
-                                 {"max_joint_rate", run.max_joint_rate},
-                                 {"max_penetration", run.max_penetration},
-                                 {"max_lcp_residual", run.max_lcp_residual},
-                                 {"accepted", run.accepted},
-                                 {"rejected", run.rejected},
-                                 {"events", run.events},
-                                 {"crossings", run.crossings},
-                                 {"energy_rises", run.energy_rises},
-                                 {"max_energy_rise", run.max_energy_rise},
-                                 {"passages", run.passages},
-                                 {"lcp_solves", run.lcp_solves},
-                                 {"lcp_iterations", run.lcp_iterations}};
+  for (std::size_t i = 0; i < kept.last.size(); ++i) final.emplace_back(kept.columns[i], kept.last[i]);
+  nlohmann::ordered_json json = {{"status", name(run.status)}, {"why", run.why}, {"final", final}};
   if (run.why.empty()) json.erase("why");
+  visit_fields(run, [&](const char* field, const char*, const char*, auto value) {
+    if (static_cast<double>(value) != kInf) json[field] = value;
+  });
   return json;
 }
 
-/// The problem that stopped the run, beside the output file (or here); its name is told.
-void dump_failed_step(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
+/// What repetitions say of the last state, see check.h: null for an error that nothing was compared for.
+void add_check(const CheckedRun& checked, nlohmann::ordered_json& json) {
+  nlohmann::ordered_json::object_t errors, digits;
+  for (const CheckedColumn& c : checked.columns) {
+    errors.emplace_back(c.name, c.error < kInf ? nlohmann::ordered_json(c.error) : nlohmann::ordered_json());
+    digits.emplace_back(c.name, c.digits);
+  }
+  json["check_against"] = checked.against;
+  if (!checked.left_out.empty()) json["check_left_out"] = checked.left_out;
+  json["check_error"] = errors, json["check_digits"] = digits;
+}
+
+constexpr const char* kNowhere = "none";  // --failed-steps
+
+/// Where the problem of a failed step goes: a name that is free, or a file that holds the same already.
+fs::path failed_step_file(const SimulateArguments& arguments, long step, const std::string& content) {
+  const fs::path folder = arguments.failed_steps.empty()
+                              ? (arguments.output == "-" ? fs::path() : fs::path(arguments.output).parent_path())
+                              : fs::path(arguments.failed_steps);
+  const auto name_of = "failed_step_" + std::to_string(step);
+  auto file = folder / (name_of + ".json");
+  for (int k = 2; fs::exists(file) && read_whole(file) != content; ++k)
+    file = folder / (name_of + "_" + std::to_string(k) + ".json");
+  return file;
+}
+
+/// Says which step failed and why, and keeps its problem, where there is one.
+void report_failed_step(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
   std::cerr << "orthant: step " << run.steps + 1 << " at t = " << run.final.t << " s failed: " << name(run.status);
   if (!run.why.empty()) std::cerr << ": " << run.why;
   if (run.status == Status::time_limit) {
@@ -93,77 +113,118 @@ void dump_failed_step(const SimulateArguments& arguments, const Integrator& inte
                                   : "\n");
     return;
   }
-  const auto folder = fs::path(arguments.output).parent_path();
-  const auto name_of = "failed_step_" + std::to_string(run.steps + 1);
-  auto file = folder / (name_of + ".json");
-  for (int k = 2; fs::exists(file); ++k) file = folder / (name_of + "_" + std::to_string(k) + ".json");
+  if (arguments.failed_steps == kNowhere) {
+    std::cerr << '\n';
+    return;
+  }
   try {
-    write_problem(file, integrator.problem(),
-                  "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver);
+    const std::string note =
+        "scene " + arguments.scene + ", integrator " + arguments.integrator + ", solver " + arguments.solver;
+    const std::string content = to_json(integrator.problem(), note);
+    if (!arguments.failed_steps.empty()) fs::create_directories(arguments.failed_steps);
+    const fs::path file = failed_step_file(arguments, run.steps + 1, content);
+    write_whole(file, content);
     std::cerr << "; its problem is in " << file.string() << " (orthant solve replays it)\n";
   } catch (const std::exception& error) {  // the run's own result is not lost with it
     std::cerr << "; its problem could not be kept: " << error.what() << '\n';
   }
 }
 
-bool along_an_angle(const Contact& contact) {
-  const auto* limit = std::get_if<Limit>(&contact);
-  return limit != nullptr && std::holds_alternative<Angle>(limit->of.kind());
+void write_kept(const SimulateArguments& arguments, const Scene& scene, const Kept& kept) {
+  if (arguments.output == "-")
+    std::cout << to_csv(kept.columns, kept.table);
+  else if (!arguments.output.empty())
+    write_trajectory(arguments.output, scene, kept.columns, kept.table, kept.events);
 }
 
-/// A start that breaks the scene's own constraints is run all the same, but not without a word.
-void warn_of_start(const System& system) {
-  constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
-  const State x = system.initial_state();
-  Terms terms(system);
-  set_poses(system, x.t, x.q, terms.at);
-  evaluate_joint_residual(system, terms);
-  evaluate_joint_rows(system, terms);
-  BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), terms);
-  evaluate_gaps(system, terms);
-  double rate = 0;
-  for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
-  const auto warn = [](const char* what, double size, const char* unit, const char* then) {
-    std::cerr << "orthant: warning: at the start " << what << " by " << size << " " << unit << ": " << then << '\n';
-  };
-  if (const double off = terms.phi.size() > 0 ? terms.phi.lpNorm<Eigen::Infinity>() : 0; off > kSmall)
-    warn("joints are off", off, "m or rad", "the bodies are moved onto them, but where joints=none");
-  if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
-    warn("velocities break joints", rate, "m/s or rad/s", "they are changed to keep them");
-  Index deepest = 0;
-  if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff(&deepest) : 0; deep > kSmall) {
-    const bool listed = deepest < system.listed();
-    const bool turns = listed && along_an_angle(system.scene().contacts[static_cast<std::size_t>(deepest)]);
-    warn("contacts penetrate", deep, turns ? "rad" : "m",
-         "moreau-jean leaves it, paoli-schatzman throws them apart, the others differ");
+void check_output(const SimulateArguments& arguments) {
+  if (arguments.output.empty() || arguments.output == "-") return;
+  check_trajectory_file(arguments.output), check_writable(arguments.output);
+  if (!is_built_in(arguments.scene)) check_apart("--output", arguments.output, "the scene", arguments.scene);
+}
+
+/// Checkpoints of the run, and what an earlier one left in `kept`.
+Restart restart_of(const SimulateArguments& arguments, const Scene& scene, Kept& kept) {
+  Restart restart;
+  if (arguments.checkpoint.empty()) {
+    if (arguments.resume) throw std::invalid_argument("--resume: needs --checkpoint FILE to continue from");
+    return restart;
   }
-  constexpr int kMostRows = 600;  // more would take longer than a word is worth
-  if (system.joint_rows() > kMostRows) return;
-  if (const std::string words = describe(find_redundancy(system, x.q), system); !words.empty())
-    std::cerr << "orthant: note: at the start " << words << '\n';
-}
-
-void warn_of_energy(const Scene& scene, const Run& run) {
-  if (run.energy_rises == 0) return;
-  std::cerr << "orthant: warning: impacts raised the energy in " << run.energy_rises
-            << (run.energy_rises == 1 ? " step" : " steps") << ", at most by " << run.max_energy_rise
-            << " J at t = " << run.max_rise_time << " s: "
-            << (scene.restitution == Restitution::newton
-                    ? "Newton's law with friction or several e can; restitution = \"poisson\" is safer there"
-                    : "friction with tangential restitution or several e can")
-            << "; so can steps in which bodies move as far as they are wide\n";
-}
-
-void warn_of_passages(const Scene& scene, const Run& run) {
-  if (run.passages == 0) return;
-  const auto name = [&](BodyId body) {
-    return body < 0 ? "the ground" : "\"" + scene.bodies[static_cast<std::size_t>(body)].name + "\"";
+  check_writable(arguments.checkpoint);
+  if (!arguments.output.empty() && arguments.output != "-")
+    check_apart("--checkpoint", arguments.checkpoint, "--output", arguments.output);
+  check_takes_checkpoint(arguments.checkpoint);
+  for (const fs::path& left : leftovers_beside(fs::weakly_canonical(fs::absolute(arguments.checkpoint))))
+    fs::remove(left);
+  const std::string label = label_of(arguments);
+  restart.every = arguments.checkpoint_every;
+  restart.save = [&, label](const std::string& bytes) {
+    try {
+      write_checkpoint(arguments.checkpoint, {label, kept.table, kept.last, kept.events, bytes});
+    } catch (...) {  // ends the run; what is done is not lost with it
+      write_kept(arguments, scene, kept);
+      throw;
+    }
   };
-  const Passage& first = run.first_passage;
-  std::cerr << "orthant: warning: bodies passed through each other, unseen, in " << run.passages
-            << (run.passages == 1 ? " step" : " steps") << ": first " << name(first.body) << " and "
-            << name(first.other) << " at t = " << run.first_passage_time << " s, where the one moved " << first.moved
-            << " m in a step and the thinner is " << first.width << " m wide: a smaller step sees them\n";
+  if (arguments.resume && fs::exists(arguments.checkpoint)) {
+    Checkpoint earlier = read_checkpoint(arguments.checkpoint);
+    if (earlier.label != label)
+      throw std::invalid_argument(arguments.checkpoint + ": " + difference(earlier.label, label));
+    kept.table = std::move(earlier.table), kept.last = std::move(earlier.last);
+    kept.events = std::move(earlier.events), restart.from = std::move(earlier.run);
+  }
+  return restart;
+}
+
+/// "t = 3.2 of 10 s, 14 s left, 120 events"; the time left by what the run has come since the first look.
+class ProgressWords {
+ public:
+  ProgressWords(const Reached& reached, double duration) : reached_(reached), duration_(duration) {}
+  std::string operator()(double seconds) {
+    const double t = reached_.t.load(std::memory_order_relaxed);
+    const long events = reached_.events.load(std::memory_order_relaxed);
+    if (first_seconds_ < 0) first_seconds_ = seconds, first_t_ = t;
+    std::ostringstream text;
+    text.precision(4);
+    text << "orthant: t = " << t << " of " << duration_ << " s, ";
+    if (t > first_t_) text << std::ceil((seconds - first_seconds_) * (duration_ - t) / (t - first_t_)) << " s left, ";
+    text << events << (events == 1 ? " event" : " events");
+    return text.str();
+  }
+
+ private:
+  const Reached& reached_;
+  double duration_, first_seconds_ = -1, first_t_ = 0;
+};
+
+/// The run's own status, and 128 + N where signal N stopped it, as a shell says.
+int report_end(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
+  if (run.status == Status::cancelled && StopSignal::which() != 0) {
+    std::cerr << "orthant: stopped by " << (StopSignal::which() == SIGINT ? "Ctrl-C" : "a signal")
+              << " at t = " << run.final.t << " s, after " << run.steps << " steps";
+    if (!arguments.output.empty())
+      std::cerr << "; the trajectory up to there is in " << (arguments.output == "-" ? "the output" : arguments.output);
+    if (!arguments.checkpoint.empty()) std::cerr << "; --resume continues from the last checkpoint";
+    std::cerr << '\n';
+    return 128 + StopSignal::which();
+  }
+  if (run.status != Status::solved) report_failed_step(arguments, integrator, run);
+  return exit_code_of(run.status);
+}
+
+void print_summary(const SimulateArguments& arguments, const nlohmann::ordered_json& json) {
+  std::ostream& out = arguments.output == "-" ? std::cerr : std::cout;
+  if (arguments.json) {
+    out << json.dump(2) << '\n';
+    return;
+  }
+  for (const auto& [key, value] : json.items()) {
+    if (!value.is_object()) {
+      out << key << " = " << value << '\n';
+      continue;
+    }
+    for (const auto& [column, number] : value.items()) out << key << "." << column << " = " << number << '\n';
+  }
 }
 
 int run_simulate(const SimulateArguments& arguments) {
@@ -177,69 +238,43 @@ int run_simulate(const SimulateArguments& arguments) {
   for (int i = 1; i < arguments.threads; ++i) helpers.push_back(make_solver(arguments.solver));
   integrator->employ(std::move(helpers));
   const Scene& scene = system.scene();
+  Reached reached;
   const Clock clock{.step = arguments.step.value_or(scene.step),
                     .duration = arguments.duration.value_or(scene.duration),
                     .every = arguments.every,
-                    .time_limit = arguments.time_limit.value_or(kInf)};
-  if (!arguments.output.empty()) {
-    check_trajectory_file(arguments.output), check_writable(arguments.output);
-    if (!is_built_in(arguments.scene)) check_apart("--output", arguments.output, "the scene", arguments.scene);
-  }
+                    .time_limit = arguments.time_limit.value_or(kInf),
+                    .cancel = StopSignal::flag(),
+                    .reached = &reached};
+  check_output(arguments);
+  for (const Remark& remark : remarks_on_start(system))
+    std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
 
-  warn_of_start(system);
-  const auto columns = trajectory_columns(scene);
-  std::vector<double> table, last;
-  Restart restart;
-  if (!arguments.checkpoint.empty()) {
-    check_writable(arguments.checkpoint);
-    if (!arguments.output.empty()) check_apart("--checkpoint", arguments.checkpoint, "--output", arguments.output);
-    check_takes_checkpoint(arguments.checkpoint);
-    for (const fs::path& left : leftovers_beside(fs::weakly_canonical(fs::absolute(arguments.checkpoint))))
-      fs::remove(left);
-    const std::string label = label_of(arguments);
-    restart.every = arguments.checkpoint_every;
-    restart.save = [&, label](const std::string& bytes) {
-      try {
-        write_checkpoint(arguments.checkpoint, {label, table, last, bytes});
-      } catch (...) {  // ends the run; what is done is not lost with it
-        if (!arguments.output.empty()) write_trajectory(arguments.output, scene, columns, table);
-        throw;
-      }
-    };
-    if (arguments.resume && fs::exists(arguments.checkpoint)) {
-      Checkpoint kept = read_checkpoint(arguments.checkpoint);
-      if (kept.label != label) throw std::invalid_argument(arguments.checkpoint + ": " + difference(kept.label, label));
-      table = std::move(kept.table), last = std::move(kept.last), restart.from = std::move(kept.run);
-    }
-  } else if (arguments.resume) {
-    throw std::invalid_argument("--resume: needs --checkpoint FILE, to go on from");
-  }
+  Kept kept{trajectory_columns(scene), {}, {}, {}};
+  const Restart restart = restart_of(arguments, scene, kept);
   const auto record = [&](const Moment& moment) {
-    if (!arguments.output.empty()) append_row(system, moment, table);
-    last.clear();
-    append_row(system, moment, last);
+    if (!arguments.output.empty()) append_row(system, moment, kept.table);
+    if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
+    kept.last.clear();
+    append_row(system, moment, kept.last);
   };
+  const StopSignal stop;
+  StatusLine line(ProgressWords(reached, clock.duration));
   const Run run = simulate(*integrator, *solver, clock, record, restart);
-  if (!arguments.output.empty()) write_trajectory(arguments.output, scene, columns, table);
-  warn_of_energy(scene, run);
-  warn_of_passages(scene, run);
-  for (const std::string& limit : limits_entered(system, run, arguments.integrator, clock.step))
-    std::cerr << "orthant: warning: " << limit << '\n';
-  if (run.status != Status::solved) dump_failed_step(arguments, *integrator, run);
+  line.end();
+  write_kept(arguments, scene, kept);
+  const auto warnings = warnings_of(system, run, arguments.integrator, clock.step);
+  for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
+  const int exit_code = report_end(arguments, *integrator, run);
 
-  const auto json = summary(run, columns, last);
+  auto json = summary(run, kept);
+  if (arguments.check && run.status == Status::solved)
+    add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
   if (arguments.json) {
-    std::cout << json.dump(2) << '\n';
-  } else {
-    for (const auto& [key, value] : json.items()) {
-      if (!value.is_object()) {
-        std::cout << key << " = " << value << '\n';
-        continue;
-      }
-      for (const auto& [column, number] : value.items()) std::cout << key << "." << column << " = " << number << '\n';
-    }
+    json["warnings"] = warnings;
+    json["event_table"] = events_to_json(scene, kept.events);
   }
-  return exit_code_of(run.status);
+  print_summary(arguments, json);
+  return exit_code;
 }
 
 }  // namespace
@@ -256,26 +291,36 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--output", arguments->output, "trajectory: .csv, .h5 (HDF5), or .pvd (VTK, for ParaView)")
+  command
+      ->add_option("--output", arguments->output,
+                   "trajectory: .csv, .h5 (HDF5), .pvd (VTK, for ParaView), or - (CSV to "
+                   "standard output, summary to standard error); events: NAME.events.csv, or in the HDF5 file")
       ->check(given);
   command->add_option("--every", arguments->every, "record every so many steps")
       ->check(CLI::Range(1L, 1'000'000'000'000'000L))
       ->capture_default_str();
-  command->add_option("--checkpoint", arguments->checkpoint, "a file to go on from after a kill, written now and then")
+  command->add_option("--checkpoint", arguments->checkpoint, "file for the state of the run, written periodically")
       ->check(given);
   command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
   command->add_flag("--resume", arguments->resume,
-                    "go on from the checkpoint, if there is one; to the bits of an unbroken run");
-  add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; what is done by then is kept");
+                    "continue from the checkpoint, if it exists, with the bits of an unbroken run");
+  add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; the finished part is kept");
   command
       ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "summary as one JSON object");
+  command->add_flag("--check", arguments->check,
+                    "repeat the run with a tighter tolerance, or smaller steps, and report how many digits agree");
+  command
+      ->add_option("--failed-steps", arguments->failed_steps,
+                   "folder for the problem of a failed step, or none; default: the output's folder")
+      ->check(given);
+  command->add_flag("--json", arguments->json, "summary, warnings and events as one JSON object");
   command->footer(
-      "Exit codes: 0 solved to the end, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved.\n"
+      "Exit codes: 0 solved to the end, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved,\n"
+      "130 stopped by Ctrl-C, 143 by SIGTERM: the finished part is kept.\n"
       "Examples:\n"
       "  orthant simulate slider_crank --set mu=0.1 --step 1e-5 --output run.csv\n"
       "  orthant simulate mine.toml --integrator adaptive:rtol=1e-6 --step 1e-2 --output run.pvd\n"

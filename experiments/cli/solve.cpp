@@ -2,6 +2,8 @@
 #include "commands.h"
 #include "problem_arguments.h"
 
+#include "../support/status_line.h"
+
 #include <orthant/core/lcp/judge/active_set.h>
 #include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/solvers/registry.h>
@@ -30,9 +32,11 @@ int run_solve(const SolveArguments& a) {
   IterationLog log;
   if (a.log) solver->set_log(&log);
   solver->set_time_limit(a.time_limit.value_or(kInf));
-  const auto begin = std::chrono::steady_clock::now();
-  solver->solve(problem, s);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = with_elapsed_line("solve", [&] {
+    const auto begin = std::chrono::steady_clock::now();
+    solver->solve(problem, s);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  });
   const std::string reason = s.status == Status::unsupported ? solver->why_not(problem) : "";
 
   nlohmann::ordered_json json = {{"status", name(s.status)},

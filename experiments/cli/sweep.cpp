@@ -204,7 +204,7 @@ int run_results(ResultsArguments a) {
 
 void add_sweep(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SweepArguments>();
-  CLI::App* command = app.add_subcommand("sweep", "Run a sweep: experiments/sweep/sweep.h is the format of its file");
+  CLI::App* command = app.add_subcommand("sweep", "Run a sweep: many runs of one scene, described by one file");
   command->add_option("file", arguments->file, "TOML file, see experiments/*.sweep.toml")->required();
   command->add_option("--results", arguments->results, "SQLite file; default: results/NAME.sqlite");
   command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")
@@ -214,9 +214,9 @@ void add_sweep(CLI::App& app, int& exit_code) {
   command->add_flag("--list", arguments->list, "print the keys of the cases that are missing, and run none");
   command->add_flag("--json", arguments->json, "how it ended, or the list, as JSON");
   command->add_flag("--retry", arguments->retry,
-                    "run what a time limit or a crash ended once more; more time than it had is reason enough");
+                    "repeat cases that a time limit or a crash ended; a longer limit alone does so, too");
   command->add_option("--case", arguments->keys,
-                      "KEY ...: run these, and what they are compared with; print the rows as JSON, keep nothing");
+                      "KEY ...: run these and their references; print the rows as JSON, store nothing");
   command->footer(
       "Exit codes: 0 done, whatever the cases' statuses, 1 bad input.\n"
       "Examples:\n"
@@ -231,16 +231,16 @@ void add_results(CLI::App& app, int& exit_code) {
   command->add_option("file", arguments->file, "SQLite file of orthant sweep")->required();
   command->add_option("--sweep", arguments->sweep, "this sweep only");
   CLI::Option* csv = command->add_flag("--csv", arguments->csv, "every case as CSV");
-  CLI::Option* json = command->add_flag("--json", arguments->json, "every case, or what is asked besides, as JSON");
+  CLI::Option* json = command->add_flag("--json", arguments->json, "every case, or the selected table, as JSON");
   CLI::Option* orders =
       command->add_flag("--orders", arguments->orders, "fitted orders of convergence as CSV, or with --json");
   CLI::Option* times =
       command->add_flag("--times", arguments->times, "processor time to an error [s] as CSV, or with --json");
-  CLI::Option* failures =
-      command->add_flag("--failures", arguments->failures, "what failed, and its problem to replay, or with --json");
+  CLI::Option* failures = command->add_flag("--failures", arguments->failures,
+                                            "failed cases, with their problems for replay; or with --json");
   CLI::Option* about =
-      command->add_flag("--about", arguments->about, "what was asked, by what build and machine, as JSON");
-  command->add_option("--dumps", arguments->dumps, "folder for those problems; default: beside the file, .failures");
+      command->add_flag("--about", arguments->about, "definition of the sweep, build and machine, as JSON");
+  command->add_option("--dumps", arguments->dumps, "folder for those problems; default: next to the file, .failures");
   command->add_flag("--add", arguments->add, "put the rows on standard input in (of orthant sweep --case)");
   csv->excludes(json)->excludes(orders)->excludes(times)->excludes(failures)->excludes(about);
   json->excludes(about);

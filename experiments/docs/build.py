@@ -6,6 +6,7 @@
 Sphinx and its theme live in an environment of their own, build/docs-env, made from requirements.txt at the first call.
 """
 import argparse
+import json
 import os
 import re
 import shutil
@@ -71,19 +72,25 @@ def page_of(text):
 
 
 def header_page(header):
-    """A header's page: the comment it opens with says what, how, from where; then the declarations."""
+    """A header's page: its opening comment, the declarations with links (cpp_api.py), the text of the header."""
     lines = header.read_text(encoding="utf-8").splitlines()
     count = next((i for i, line in enumerate(lines) if not line.startswith("//")), len(lines))
     name = header.relative_to(ROOT)
     about = [line[2:].removeprefix(" ") for line in lines[:count]]
     title = re.sub(r"^\S+\.h — ", "", about[0]).rstrip(".:") if about else str(name)
-    return (f"# {name.stem}\n\n*{title}.*\n\n```text\n" + "\n".join(about) + "\n```\n\n"
-            f"`#include <orthant/{name}>`\n\n```{{code-block}} c++\n" + "\n".join(lines[count:]).strip() + "\n```\n"), title
+    return (f"# {name.name}\n\n*{title}.*\n\n```text\n" + "\n".join(about) + "\n```\n\n"
+            f"`#include <orthant/{name}>`\n\n## Declarations\n\n```{{cpp-header}} {name}\n```\n\n"
+            f"## Text of the header\n\n```{{code-block}} c++\n" + "\n".join(lines[count:]).strip() + "\n```\n"), title
 
 
-def write_reference(folder):
-    index = ["# C++ reference", "", "Every public header: what it says of itself, then its declarations. A header is meant to be",
-             "read whole; sources are cited there.", ""]
+def write_reference(folder, work):
+    import cpp_api  # needs Sphinx
+
+    entries = {file: found for file, found in cpp_api.collect(ROOT, work).items() if str(Path(file).parent) in FOLDERS}
+    (folder / "api.json").write_text(json.dumps(entries), encoding="utf-8")
+    index = ["# C++ reference", "", "Every public header: its opening comment, its declarations, its text. The opening comment",
+             "explains the algorithm and cites its sources. [All names](names.md).", ""]
+    (folder / "names.md").write_text("# All C++ names\n\n```{cpp-names}\n```\n", encoding="utf-8")
     for part, title in FOLDERS.items():
         target = folder / part.replace("/", "_")
         target.mkdir(parents=True)
@@ -97,19 +104,27 @@ def write_reference(folder):
         (target / "index.md").write_text(f"# {title}\n\n`{part}`\n\n| header | |\n|---|---|\n" + "\n".join(rows) +
                                          f"\n\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n", encoding="utf-8")
         index.append(f"- [{title}]({target.name}/index.md): `{part}`")
-    index += ["", "```{toctree}", ":hidden:", ""] + [f"{part.replace('/', '_')}/index" for part in FOLDERS] + ["```", ""]
+    index += ["", "```{toctree}", ":hidden:", "", "names"] + [f"{part.replace('/', '_')}/index" for part in FOLDERS] + ["```", ""]
     (folder / "index.md").write_text("\n".join(index), encoding="utf-8")
 
 
-def gather(source):
+def gather(source, orthant):
     """All pages in one folder, as Sphinx wants them; nothing is written into the tree."""
     shutil.rmtree(source, ignore_errors=True)
-    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "build.py", "requirements.txt"))
+    shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "*.py", "requirements.txt"))
+    for file in ("conf.py", "cpp_api.py"):
+        shutil.copy(HERE / file, source)
+    import figures
+    import gallery  # needs Matplotlib, which the environment takes from the system
+
+    figures.pages(source / "data")
+    gallery.write(orthant, source)
     for page, file in PAGES.items():
         (source / page).write_text(page_of((ROOT / file).read_text(encoding="utf-8")), encoding="utf-8")
     shutil.copy(ROOT / "paper/notation.csv", source / "theory/notation.csv")
     shutil.copytree(ROOT / "experiments/examples", source / "examples", ignore=shutil.ignore_patterns("*.md"))
-    write_reference(source / "reference/cpp")
+    (source / "reference/cpp").mkdir(parents=True)
+    write_reference(source / "reference/cpp", source.parent / "doxygen")
     static = source / "_static/katex"
     if not KATEX.is_dir():
         sys.exit(f"docs: {KATEX} is missing, which draws the formulas (Debian: libjs-katex)")
@@ -123,7 +138,7 @@ def main():
     a = parser.parse_args()
     in_environment(ROOT / "build/docs-env")
     source = a.output / "source"
-    gather(source)
+    gather(source, (a.package.parent / "orthant").resolve())
     sys.path.insert(0, str(a.package.resolve()))  # autodoc imports the package
     from sphinx.cmd.build import main as sphinx
 

@@ -1,12 +1,15 @@
 """Sphinx' settings; build.py calls it."""
 import re
+import sys
+from pathlib import Path
 
 import orthant  # build.py has put it on the path
 
+sys.path.insert(0, str(Path(__file__).parent))  # cpp_api.py
 project = "Orthant"
 version = release = orthant.__version__
 copyright = "the authors of Orthant, BSD-3-Clause"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx_copybutton", "cpp_api"]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"
@@ -16,6 +19,7 @@ html_show_sphinx = False
 html_copy_source = False
 exclude_patterns = ["README.md", "figures/README.md"]
 highlight_language = "none"
+pygments_style = "default"  # readable on its background: contrast at least 4.5
 default_role = "code"
 
 # Formulas are drawn by KaTeX from this site's own files; the extension only marks them.

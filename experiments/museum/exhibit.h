@@ -15,7 +15,8 @@ struct Exhibit {
   std::string measure;    // what `error` is, with its unit
   Scene scene;
   double duration = 1, h = 1e-2;  // [s]; h: the coarsest step, halved from there
-  /// Against the exact answer, at each recorded moment of one run; may remember what it saw (each run gets a fresh copy).
+  /// Against the exact answer, at each recorded moment of one run; may remember what it saw (each run gets a fresh
+  /// copy).
   std::function<double(const Moment&)> error;
   bool throughout = false;  // the worst of all moments counts, else the last one
 
@@ -25,7 +26,7 @@ struct Exhibit {
       word{};  // a scheme at acceleration level ends with this word and is right to: there is no, or no one, motion
   double exact = 1e-9;  // error at which an answer counts as exact, whatever the order
 
-  /// The same told otherwise: that is run as well, by the same integrator and solver, and `unlike` tells from the two ends
+  /// An equivalent formulation: it runs by the same integrator and solver, and `unlike` tells from the two ends
   /// how far the answers are apart. `error` is not read. With `rival` the original is run by that solver instead.
   std::optional<Scene> original{};
   std::string rival{};

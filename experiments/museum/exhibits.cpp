@@ -345,7 +345,7 @@ void thinnest_arch(std::vector<Exhibit>& all) {
                  .solvers = {"auto", "newton-fb"}});
 }
 
-/// What is told otherwise moves alike: the slider-crank's first 20 ms, crank angle; and more friction holds more.
+/// Equivalent formulations move alike: the slider-crank's first 20 ms, crank angle; and more friction holds more.
 void told_otherwise(std::vector<Exhibit>& all) {
   const auto add = [&all](const char* id, const char* title, const Scene& original, const Scene& told, auto unlike) {
     all.push_back({.id = id,

@@ -1,8 +1,9 @@
-// The museum of hard cases: every exhibit by every integrator with several solvers, beside its exact answer.
+// The museum of hard cases: every exhibit by every integrator with several solvers, compared with its exact answer.
 //
-// Schemes of fixed step run at h, h/2, … (four steps an octave where events make the error a sawtooth); the order is that
-// of the worst error of each octave (fit_order.h). `adaptive` and `event-driven` run over tolerances instead. Each run is
-// a process of its own, under a time limit, so that a crash or an endless loop is a row as well. An answer passes
+// Schemes of fixed step run at h, h/2, … (four steps an octave where events make the error a sawtooth); the order is
+// that of the worst error of each octave (fit_order.h). `adaptive` and `event-driven` run over tolerances instead. Each
+// run is a process of its own, under a time limit, so that a crash or an endless loop is a row as well. An answer
+// passes
 //   when its error is at most the exhibit's `exact`, or
 //   fixed step  when it converges: order ≥ 0.85 with events, ≥ 1.85 or 0.85 (by scheme) without;
 //   tolerances  when the finest error is at most 1e-6.
@@ -149,7 +150,7 @@ Row bisect(const Exhibit& exhibit, const std::string& solver, const Setting& set
   };
   const bool falls = !holds(low);
   if (all.status != "solved" || !falls || !holds(high) || all.status != "solved") {
-    all.error = kInf;  // the two ends are not told apart
+    all.error = kInf;  // the two ends cannot be distinguished
     return all;
   }
   while (high - low > 0.1 * exhibit.exact * exhibit.threshold) {
@@ -377,7 +378,7 @@ int main(int argc, char** argv) {
   std::filesystem::path output = "results/museum";
   Plan plan{.solvers = {"lemke", "path", "pgs", "newton-fb", "auto"}, .only = {}};
   bool quick = false;
-  CLI::App app("The museum of hard cases: every case by every integrator, beside its exact answer");
+  CLI::App app("The museum of hard cases: every case by every integrator, compared with its exact answer");
   app.add_option("--output", output, "folder for tables and manifest")->capture_default_str();
   app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...")->capture_default_str();
   app.add_option("--cases", plan.only, "numbers of cases (B1 B13 ...); all when not given");

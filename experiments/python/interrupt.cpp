@@ -9,7 +9,7 @@
 namespace orthant::python {
 namespace {
 
-std::atomic<bool> interrupted = false;  // one flag: only the main thread's call is ever told of it
+std::atomic<bool> interrupted = false;  // one flag: only the main thread's call is notified
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch such");
 struct sigaction pythons {};
 
@@ -18,7 +18,8 @@ void take_note(int signal) {
   pythons.sa_handler(signal);
 }
 
-/// Linux numbers a process's first thread as the process; Python runs handlers in that one. Kept a thread: no system call.
+/// Linux numbers a process's first thread as the process; Python runs handlers in that one. Kept a thread: no system
+/// call.
 bool is_main_thread() {
   thread_local const bool is_main = syscall(SYS_gettid) == getpid();
   return is_main;
@@ -50,6 +51,15 @@ const std::atomic<bool>* Interruptible::flag() const { return installed_ ? &inte
 
 void Interruptible::raise() const {
   if (installed_ && interrupted && PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
+}
+
+pybind11::object Interruptible::raised() const {
+  try {
+    raise();
+  } catch (pybind11::error_already_set& error) {
+    return error.value();
+  }
+  return pybind11::none();
 }
 
 Watch::Watch(std::optional<double> seconds) {

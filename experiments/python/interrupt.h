@@ -1,7 +1,9 @@
-// experiments/python/interrupt.h — Ctrl-C ends a long solve or run, as it ends Python's own loops.
+// experiments/python/interrupt.h — Ctrl-C in Python: ends a long solve or run, as it ends Python's own loops.
 #pragma once
 
 #include <orthant/solvers/budget.h>
+
+#include <pybind11/pybind11.h>
 
 #include <atomic>
 #include <csignal>
@@ -22,7 +24,10 @@ class Interruptible {
 
   const std::atomic<bool>* flag() const;
 
-  /// With the interpreter's lock, after the work: raises what Python's handler makes of it, KeyboardInterrupt as a rule.
+  /// With the interpreter's lock, after the work: the exception that Python's handler raises, as a rule a
+  /// KeyboardInterrupt; None without an interruption. For callers that keep their result.
+  pybind11::object raised() const;
+  /// As raised(), and throws it.
   void raise() const;
 
  private:

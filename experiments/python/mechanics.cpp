@@ -1,14 +1,19 @@
 // Scenes come as TOML text, the one format; runs go out as one table.
 #include "arrays.h"
+#include "custom_contact.h"
 #include "interrupt.h"
 #include "module.h"
 
+#include "../support/check.h"
+#include "../support/event_table.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
+#include "../support/warnings.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>
+#include <orthant/integrators/run_fields.h>
 #include <orthant/solvers/registry.h>
 
 #include <pybind11/stl.h>
@@ -23,11 +28,16 @@ struct MadeScene {
   std::optional<std::string> text;  // TOML; none: a built-in scene
   std::string name;                 // the built-in one's, or what messages call the text
   std::vector<std::string> sets;
+  std::vector<py::tuple> customs;  // contacts written in Python
   Scene scene;
 };
 
-MadeScene make(const std::optional<std::string>& text, const std::string& name, const std::vector<std::string>& sets) {
-  return {text, name, sets, text ? parse_scene(*text, sets, name) : make_scene(name, sets)};
+MadeScene make(const std::optional<std::string>& text, const std::string& name, const std::vector<std::string>& sets,
+               const std::vector<py::tuple>& customs) {
+  MadeScene made{text, name, sets, customs, text ? parse_scene(*text, sets, name) : make_scene(name, sets)};
+  for (const py::tuple& custom : customs) add_custom_contact(custom_spec(custom), made.scene);
+  if (!customs.empty()) check(made.scene);
+  return made;
 }
 
 py::dict summary(const Run& run) {
@@ -35,29 +45,48 @@ py::dict summary(const Run& run) {
   d["status"] = name(run.status);
   d["why"] = run.why;
   d["t"] = run.final.t;
-  d["steps"] = run.steps;
-  d["seconds"] = run.seconds;
-  d["energy_initial"] = run.energy_initial;
-  d["energy_final"] = run.energy_final;
-  d["max_joint_residual"] = run.max_joint_residual;
-  d["max_joint_rate"] = run.max_joint_rate;
-  d["max_penetration"] = run.max_penetration;
-  d["max_lcp_residual"] = run.max_lcp_residual;
-  d["accepted"] = run.accepted;
-  d["rejected"] = run.rejected;
-  d["lcp_solves"] = run.lcp_solves;
-  d["lcp_iterations"] = run.lcp_iterations;
-  d["events"] = run.events;
-  d["crossings"] = run.crossings;
-  d["energy_rises"] = run.energy_rises;
-  d["max_energy_rise"] = run.max_energy_rise;
-  d["passages"] = run.passages;
+  visit_fields(run, [&](const char* field, const char*, const char*, auto value) {
+    if (static_cast<double>(value) != kInf) d[field] = value;
+  });
   return d;
 }
 
+py::dict check_of(const CheckedRun& checked) {
+  py::dict errors, digits, d;
+  for (const CheckedColumn& c : checked.columns) errors[py::str(c.name)] = c.error, digits[py::str(c.name)] = c.digits;
+  d["against"] = checked.against;
+  d["left_out"] = checked.left_out;
+  d["error"] = errors, d["digits"] = digits;
+  return d;
+}
+
+/// Columns t, kind, contact (both by number), impulse_n, impulse_t.
+py::tuple event_columns(const std::vector<Event>& events) {
+  const auto n = static_cast<py::ssize_t>(events.size());
+  py::array_t<double> t(n), normal(n), tangent(n);
+  py::array_t<int> kind(n), contact(n);
+  for (py::ssize_t i = 0; i < n; ++i) {
+    const Event& event = events[static_cast<std::size_t>(i)];
+    t.mutable_at(i) = event.t, normal.mutable_at(i) = event.normal, tangent.mutable_at(i) = event.tangent;
+    kind.mutable_at(i) = static_cast<int>(event.kind), contact.mutable_at(i) = event.contact;
+  }
+  return py::make_tuple(t, kind, contact, normal, tangent);
+}
+
+std::vector<Event> events_of(const py::tuple& columns) {
+  const auto t = columns[0].cast<py::array_t<double>>(), normal = columns[3].cast<py::array_t<double>>(),
+             tangent = columns[4].cast<py::array_t<double>>();
+  const auto kind = columns[1].cast<py::array_t<int>>(), contact = columns[2].cast<py::array_t<int>>();
+  std::vector<Event> events;
+  for (py::ssize_t i = 0; i < t.size(); ++i)
+    events.push_back({t.at(i), static_cast<EventKind>(kind.at(i)), contact.at(i), normal.at(i), tangent.at(i)});
+  return events;
+}
+
+/// `warn` is called with the words of each warning: before the run of those about its start.
 py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, const std::string& solver_spec,
                     std::optional<double> step, std::optional<double> duration, long every,
-                    std::optional<double> time_limit) {
+                    std::optional<double> time_limit, bool check, const py::function& warn) {
   const Scene& scene = made.scene;
   const System system(scene);
   const auto integrator = make_integrator(integrator_spec, system);
@@ -66,34 +95,46 @@ py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, c
   const Clock clock{step.value_or(scene.step), duration.value_or(scene.duration), every, time_limit.value_or(kInf),
                     interruptible.flag()};
   const auto columns = trajectory_columns(scene);
+  for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
   std::vector<double> table;
+  std::vector<Event> events;
   Run run;
+  std::optional<CheckedRun> checked;
   {
     const py::gil_scoped_release others_may_run;
-    run = simulate(*integrator, *solver, clock, [&](const Moment& moment) { append_row(system, moment, table); });
+    run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+      append_row(system, moment, table);
+      append_events(system, moment.events, events);
+    });
+    if (check && run.status == Status::solved) checked = check_run(system, integrator_spec, solver_spec, clock, run);
   }
-  interruptible.raise();
+  const py::object interruption = interruptible.raised();
+  for (const std::string& warning : warnings_of(system, run, integrator_spec, clock.step)) warn(warning);
   const auto width = static_cast<py::ssize_t>(columns.size());
   const py::array_t<double> array({static_cast<py::ssize_t>(table.size()) / width, width}, table.data());
   py::object unsolved = py::none();
   if (run.status != Status::solved && integrator->problem().size() > 0) unsolved = py::cast(Lcp(integrator->problem()));
-  return py::make_tuple(columns, array, summary(run), unsolved);
+  py::dict d = summary(run);
+  if (checked) d["check"] = check_of(*checked);
+  return py::make_tuple(columns, array, d, unsolved, event_columns(events), interruption);
 }
 
 void write_run(const std::filesystem::path& file, const MadeScene& made, const std::vector<std::string>& columns,
-               const py::array_t<double, py::array::c_style | py::array::forcecast>& table) {
+               const py::array_t<double, py::array::c_style | py::array::forcecast>& table, const py::tuple& events) {
   if (table.ndim() != 2 || columns != trajectory_columns(made.scene) ||
       table.shape(1) != static_cast<py::ssize_t>(columns.size()))
     throw std::invalid_argument("table: must have the columns of the scene's runs");
-  write_trajectory(file, made.scene, columns, {table.data(), table.data() + table.size()});
+  write_trajectory(file, made.scene, columns, {table.data(), table.data() + table.size()}, events_of(events));
 }
 
 }  // namespace
 
 void add_mechanics(py::module_& m) {
   py::class_<MadeScene>(m, "_Scene")
-      .def(py::init(&make))
+      .def(py::init(&make), py::arg("text"), py::arg("name"), py::arg("sets"),
+           py::arg("customs") = std::vector<py::tuple>())
       .def_readonly("text", &MadeScene::text)
+      .def_readonly("name", &MadeScene::name)
       .def_readonly("sets", &MadeScene::sets)
       .def_property_readonly("bodies",
                              [](const MadeScene& s) {
@@ -101,12 +142,14 @@ void add_mechanics(py::module_& m) {
                                for (const Body& b : s.scene.bodies) names.push_back(b.name);
                                return names;
                              })
+      .def_property_readonly("contacts", [](const MadeScene& s) { return event_contacts(s.scene); })
       .def("__reduce__", [](const py::object& self) {
         const auto& s = self.cast<const MadeScene&>();
-        return py::make_tuple(py::type::of(self), py::make_tuple(s.text, s.name, s.sets));
+        return py::make_tuple(py::type::of(self), py::make_tuple(s.text, s.name, s.sets, s.customs));
       });
   m.def("_simulate", &run_scene);
   m.def("_write_trajectory", &write_run);
+  m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
   m.def("_integrators", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
     for (const IntegratorEntry& e : integrators()) table.emplace_back(e.name, e.summary, e.options());

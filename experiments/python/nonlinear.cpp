@@ -5,6 +5,7 @@
 #include "pickle.h"
 
 #include <orthant/core/support/options.h>
+#include <orthant/solvers/pivoting/extreme_equilibria.h>
 #include <orthant/solvers/pivoting/lemke_howson.h>
 #include <orthant/solvers/pivoting/path.h>
 
@@ -103,7 +104,7 @@ void add_nonlinear(py::module_& m) {
   py::class_<Equilibrium>(
       m, "Equilibrium",
       "Mixed strategies x (m,), y (k,), both players' expected costs, and regret: the most that one of them gains by\n"
-      "another strategy, in units of the costs; above 0 by rounding alone, which costs of 1e12 beside 1 make large.")
+      "another strategy, in units of the costs; above 0 by rounding alone, which costs of 1e12 next to 1 make large.")
       .def_readonly("x", &Equilibrium::x)
       .def_readonly("y", &Equilibrium::y)
       .def_readonly("cost_1", &Equilibrium::cost_1)
@@ -124,6 +125,10 @@ void add_nonlinear(py::module_& m) {
   m.def("_equilibria", [](py::handle A, py::handle B, std::optional<double> time_limit) {
     return play(A, B, time_limit,
                 [](const auto& a, const auto& b, const auto& stop) { return lemke_howson_all(a, b, stop); });
+  });
+  m.def("_extreme_equilibria", [](py::handle A, py::handle B, std::optional<double> time_limit) {
+    return play(A, B, time_limit,
+                [](const auto& a, const auto& b, const auto& stop) { return extreme_equilibria(a, b, stop).all; });
   });
 }
 

@@ -6,11 +6,11 @@
 
 #include "../support/problem_file.h"
 
+#include <orthant/core/lcp/files/io.h>
+#include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>
 #include <orthant/core/lcp/judge/analyse.h>
 #include <orthant/core/lcp/judge/error_bound.h>
-#include <orthant/core/lcp/files/io.h>
-#include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/registry.h>
@@ -18,6 +18,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <chrono>
 #include <sstream>
 
@@ -47,6 +48,26 @@ void read_friction(py::handle from, std::vector<Friction>& to) {
   }
 }
 
+/// A bound of all rows, one entry a row or one number for all but friction rows, which have no bounds of their own.
+/// None: `otherwise`.
+void read_bound(py::handle from, std::string_view name, double otherwise, double none, const Lcp& problem, Index n,
+                Vector& to) {
+  const bool one = from.is_none() || py::isinstance<py::float_>(from) || py::isinstance<py::int_>(from) ||
+                   (py::hasattr(from, "ndim") && from.attr("ndim").cast<int>() == 0);
+  if (!one) return read(from, name, n, Entries::numbers, to);
+  double bound = otherwise;
+  if (!from.is_none()) {
+    py::list alone;
+    alone.append(from);
+    Vector value;
+    read(alone, name, 1, Entries::numbers, value);
+    bound = value[0];
+  }
+  to = Eigen::VectorXd::Constant(n, bound);
+  for (const Friction& f : problem.friction)
+    if (f.row >= 0 && f.row < n) to[f.row] = none;
+}
+
 /// M, q, lower, upper, friction of the Python side; None: 0 for lower, ∞ for upper, no friction.
 void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
   read(M, "M", to.A);
@@ -54,18 +75,22 @@ void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py
   if (q.is_none()) throw py::type_error("q is missing: must be (" + std::to_string(n) + ",), or M a Problem");
   read(q, "q", n, Entries::finite, to.b);
   read_friction(friction, to.friction);
-  if (lower.is_none())
-    to.lo = Eigen::VectorXd::Zero(n);
-  else
-    read(lower, "lower", n, Entries::numbers, to.lo);
-  if (upper.is_none())
-    to.hi = Eigen::VectorXd::Constant(n, kInf);
-  else
-    read(upper, "upper", n, Entries::numbers, to.hi);
-  if (lower.is_none())  // friction sets its rows' bounds
-    for (const Friction& f : to.friction)
-      if (f.row >= 0 && f.row < n) to.lo[f.row] = -kInf;
+  read_bound(lower, "lower", 0, -kInf, to, n, to.lo);
+  read_bound(upper, "upper", kInf, kInf, to, n, to.hi);
   check(to);
+}
+
+/// "[1.5, 0, 2.25]", of many entries the first and the last three.
+std::string few(const py::array_t<double>& x) {
+  constexpr py::ssize_t kEnd = 3, kMost = 2 * kEnd + 2;
+  std::ostringstream text;
+  text << '[';
+  for (py::ssize_t i = 0; i < x.size(); ++i) {
+    if (x.size() > kMost && i == kEnd) text << ", ...", i = x.size() - kEnd;
+    text << (i > 0 ? ", " : "") << x.at(i);
+  }
+  text << ']';
+  return text.str();
 }
 
 struct Result {
@@ -82,7 +107,7 @@ struct Result {
   bool solved() const { return status == name(Status::solved); }
   std::string repr() const {
     std::ostringstream text;
-    text << "Result(status='" << status << "', n=" << z.size() << ", residual=" << residual
+    text << "Result(status='" << status << "', z=" << few(z) << ", n=" << z.size() << ", residual=" << residual
          << ", iterations=" << iterations << ")";
     return text.str();
   }
@@ -203,11 +228,30 @@ py::list arrays(const std::vector<Vector>& vectors) {
 struct Face {
   Index dimension;
   py::list vertices, directions, lines;
+
+  std::string repr() const {
+    return "Face(dimension=" + std::to_string(dimension) + ", vertices=" + std::to_string(vertices.size()) +
+           ", directions=" + std::to_string(directions.size()) + ", lines=" + std::to_string(lines.size()) + ")";
+  }
 };
 struct Solutions {
   py::list isolated;
   std::vector<Face> faces;
   bool complete;
+
+  std::string repr() const {
+    constexpr std::size_t kMost = 4;
+    std::ostringstream text;
+    text << "Solutions(isolated=[";
+    for (std::size_t i = 0; i < std::min(kMost, isolated.size()); ++i)
+      text << (i > 0 ? ", " : "") << few(isolated[i].cast<py::array_t<double>>());
+    if (isolated.size() > kMost) text << ", ... " << isolated.size() << " in all";
+    text << "], faces=[";
+    for (std::size_t i = 0; i < std::min(kMost, faces.size()); ++i) text << (i > 0 ? ", " : "") << faces[i].repr();
+    if (faces.size() > kMost) text << ", ... " << faces.size() << " in all";
+    text << "], complete=" << (complete ? "True" : "False") << ")";
+    return text.str();
+  }
 };
 
 Solutions all_solutions(const Lcp& problem, std::optional<double> time_limit) {
@@ -293,7 +337,7 @@ void add_problems(py::module_& m) {
       .def_readonly("factorizations", &Result::factorizations)
       .def_readonly("seconds", &Result::seconds, "wall time of the solver alone [s]")
       .def_readonly("why_not", &Result::why_not, "why the solver cannot take the problem (status 'unsupported')")
-      .def_readonly("log", &Result::log, "list of LogEntry, where it was asked for")
+      .def_readonly("log", &Result::log, "list of LogEntry, if requested")
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
                       &Result::why_not, &Result::log>())
@@ -320,12 +364,14 @@ void add_problems(py::module_& m) {
       .def_readonly("vertices", &Face::vertices)
       .def_readonly("directions", &Face::directions)
       .def_readonly("lines", &Face::lines)
-      .def(by_members<Face, &Face::dimension, &Face::vertices, &Face::directions, &Face::lines>());
+      .def(by_members<Face, &Face::dimension, &Face::vertices, &Face::directions, &Face::lines>())
+      .def("__repr__", &Face::repr);
   py::class_<Solutions>(m, "Solutions", "All solutions: isolated points and maximal faces.")
       .def_readonly("isolated", &Solutions::isolated)
       .def_readonly("faces", &Solutions::faces)
       .def_readonly("complete", &Solutions::complete, "False: the time was over; there may be more")
-      .def(by_members<Solutions, &Solutions::isolated, &Solutions::faces, &Solutions::complete>());
+      .def(by_members<Solutions, &Solutions::isolated, &Solutions::faces, &Solutions::complete>())
+      .def("__repr__", &Solutions::repr);
   m.def("_enumerate", &all_solutions);
   m.def("_error_bound", [](const Lcp& p, py::handle z, std::optional<double> time_limit) {
     Vector x;

@@ -33,6 +33,7 @@ class Film {
     this.strip = document.createElement("canvas");
     this.strip.className = "strip";
     figure.append(this.caption, this.canvas, this.strip);
+    this.events(figure);
     element.append(figure);
     this.bodies = this.scene.bodies.length;
     this.magnified = this.scene.bodies.findIndex((b) => b.name === animation.magnify);
@@ -60,7 +61,13 @@ class Film {
     );
   }
 
+  /** The bodies' outlines; walls are drawn longer than all else. */
+  shapes() {
+    return this.scene.outlines.filter((shape) => !shape.wall);
+  }
+
   pose(frame, body) {
+    if (body < 0) return { x: 0, y: 0, angle: 0 }; // the ground
     const [x, y, angle] = frame.slice(1 + 3 * body, 4 + 3 * body);
     return body === this.magnified ? { x, y: y * this.gain, angle: angle * this.gain } : { x, y, angle };
   }
@@ -85,17 +92,16 @@ class Film {
   /** What all frames need, no taller than 3/4 and no flatter than 1/4 of its width. */
   bounds() {
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
+    const bare = this.scene.bodies.map((_, i) => ({ body: i, points: [[0, 0]] })); // at least the centres of mass
     for (const frame of this.film.frames)
-      this.scene.bodies.forEach((body, i) => {
-        const marks = [...body.points.map((p) => [...p, 0]), ...body.discs];
-        for (const [px, py, radius] of marks.length ? marks : [[0, 0, 0]]) {
-          const [x, y] = this.place(frame, i, [px, py]);
-          left = Math.min(left, x - radius);
-          right = Math.max(right, x + radius);
-          low = Math.min(low, y - radius);
-          high = Math.max(high, y + radius);
+      for (const shape of [...bare, ...this.shapes()])
+        for (const point of shape.points) {
+          const [x, y] = this.place(frame, shape.body, point);
+          left = Math.min(left, x);
+          right = Math.max(right, x);
+          low = Math.min(low, y);
+          high = Math.max(high, y);
         }
-      });
     const size = Math.max(right - left, high - low, 1e-9);
     const width = Math.max(right - left, (high - low) / 0.75) + 0.1 * size;
     const height = Math.max(high - low, (right - left) / 4) + 0.1 * size;
@@ -123,7 +129,9 @@ class Film {
     const at = ([x, y]) => [(x - left) * scale, (high - y) * scale];
     c.lineCap = c.lineJoin = "round";
     this.walls(c, at, width);
-    this.scene.bodies.forEach((body, i) => this.body(c, at, frame, body, i, scale));
+    this.scene.bodies.forEach((_, i) => this.centre(c, at, frame, i));
+    for (const shape of this.scene.outlines)
+      if (!shape.wall || shape.body >= 0) this.shape(c, at, frame, shape);
     for (const pin of this.scene.pins) {
       c.beginPath();
       c.arc(...at(this.place(frame, pin.body, pin.point)), 4.5, 0, 7);
@@ -162,7 +170,30 @@ class Film {
       });
     });
     c.fillStyle = colour("--ink");
+    const last = frames.at(-1)[0];
+    for (const [t, , contact] of this.film.events) // located ones: a tick at their time
+      if (contact < rows) c.fillRect(left + (t / last) * frames.length * scale, 13 * contact + 2, 1, 10);
     c.fillRect(left + k * scale, 0, 1.5, 13 * rows + 4);
+  }
+
+  /** Time, kind, contact and impulse of each located event, in a table that opens. */
+  events(figure) {
+    const { events, event_count: count } = this.film;
+    if (!count) return;
+    const details = document.createElement("details");
+    details.className = "events";
+    details.append(Object.assign(document.createElement("summary"), { textContent: `${count} events` }));
+    const table = document.createElement("table");
+    const row = (cells, tag) => {
+      const tr = table.insertRow();
+      for (const text of cells) tr.append(Object.assign(document.createElement(tag), { textContent: text }));
+    };
+    row(["t [s]", "kind", "contact", "normal impulse [N s]", "tangential [N s]"], "th");
+    for (const [t, kind, contact, normal, tangent] of events)
+      row([t, kind, this.scene.event_contacts[contact], normal, tangent], "td");
+    if (events.length < count) row([`… ${count - events.length} more`], "td");
+    details.append(table);
+    figure.append(details);
   }
 
   walls(c, at, width) {
@@ -184,32 +215,28 @@ class Film {
     }
   }
 
-  body(c, at, frame, body, i, scale) {
-    const corners = this.scene.contacts.filter((contact) => contact.body === i).map((contact) => contact.point);
-    const points = corners.length > 2 ? corners : body.points;
-    c.strokeStyle = lineColour(i);
-    c.fillStyle = lineColour(i) + "2e";
-    c.lineWidth = 2;
-    for (const [px, py, radius] of points.length > 1 || body.discs.length ? body.discs : [[0, 0, 0]]) {
-      const [x, y] = at(this.place(frame, i, [px, py]));
-      c.beginPath();
-      c.arc(x, y, Math.max(3, radius * scale), 0, 7);
-      c.moveTo(x, y); // a radius, to see it turn
-      c.lineTo(...at(this.place(frame, i, [px + radius, py])));
-      c.fill();
-      c.stroke();
-    }
-    if (points.length < 2) return;
-    // Corners in the order of their directions: the outline of a convex body.
-    const middle = [0, 1].map((d) => points.reduce((sum, p) => sum + p[d], 0) / points.length);
-    const outline = [...points].sort(
-      (a, b) => Math.atan2(a[1] - middle[1], a[0] - middle[0]) - Math.atan2(b[1] - middle[1], b[0] - middle[0]),
-    );
+  /** Of a body without an outline. */
+  centre(c, at, frame, i) {
+    if (this.scene.outlines.some((shape) => shape.body === i)) return;
     c.beginPath();
-    outline.forEach((p, j) => c[j ? "lineTo" : "moveTo"](...at(this.place(frame, i, p))));
-    c.closePath();
-    c.lineWidth = points.length > 2 ? 2 : 6;
+    c.arc(...at(this.place(frame, i, [0, 0])), 3, 0, 7);
+    c.fillStyle = lineColour(i);
     c.fill();
+  }
+
+  shape(c, at, frame, shape) {
+    const colourOf = shape.body < 0 ? colour("--faint") : lineColour(shape.body);
+    c.beginPath();
+    shape.points.forEach((p, j) => c[j ? "lineTo" : "moveTo"](...at(this.place(frame, shape.body, p))));
+    c.strokeStyle = colourOf;
+    c.lineWidth = shape.closed || shape.wall ? 2 : 4;
+    if (shape.closed) {
+      c.closePath();
+      c.globalAlpha = 0.18;
+      c.fillStyle = colourOf;
+      c.fill();
+      c.globalAlpha = 1;
+    }
     c.stroke();
   }
 

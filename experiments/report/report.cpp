@@ -1,5 +1,7 @@
 #include "report.h"
 
+#include "experiments/support/event_table.h"
+#include "experiments/support/outlines.h"
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/page.h"
 
@@ -20,28 +22,25 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFrames = 1000;
+constexpr std::size_t kMostEvents = 2000;  // of a film's table: 100 kB
 constexpr double kPatience = 900;  // [s] for all films of a report, which take seconds; past it a film ends early
 
 double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a drawing
 
 Json pair(const Vector2d& p) { return {p.x(), p.y()}; }
 
-/// What there is to draw of a scene: of each body the points where joints and contacts are, and discs; pins; walls.
+/// What there is to draw of a scene: the bodies' outlines, pins, contacts with walls, names of what events are of.
 Json drawing(const Scene& scene) {
-  Json bodies = Json::array(), contacts = Json::array(), pins = Json::array();
-  for (const Body& body : scene.bodies)
-    bodies.push_back({{"name", body.name}, {"points", Json::array()}, {"discs", Json::array()}});
-  const auto put = [&](BodyId id, const Vector2d& p) {
-    if (id != kGround) bodies[static_cast<std::size_t>(id)]["points"].push_back(pair(p));
-  };
-  const auto disc = [&](BodyId id, const Vector2d& p, double radius) {
-    if (id != kGround) bodies[static_cast<std::size_t>(id)]["discs"].push_back({p.x(), p.y(), radius});
-  };
+  Json bodies = Json::array(), shapes = Json::array(), contacts = Json::array(), pins = Json::array();
+  for (const Body& body : scene.bodies) bodies.push_back({{"name", body.name}});
+  for (const Outline& outline : outlines(scene)) {
+    Json points = Json::array();
+    for (const Vector2d& corner : outline.corners) points.push_back({rounded(corner.x()), rounded(corner.y())});
+    shapes.push_back({{"body", outline.body}, {"closed", outline.closed}, {"wall", outline.wall}, {"points", points}});
+  }
   for (const Joint& joint : scene.joints)
-    if (const auto* pin = std::get_if<Revolute>(&joint)) {
-      put(pin->a, pin->point_a), put(pin->b, pin->point_b);
+    if (const auto* pin = std::get_if<Revolute>(&joint))
       pins.push_back({{"a", pin->a}, {"point_a", pair(pin->point_a)}, {"body", pin->b}, {"point", pair(pin->point_b)}});
-    }
   for (const Contact& contact : scene.contacts) {
     Json one = {{"name", std::visit([](const auto& c) { return c.name; }, contact)}};
     const auto wall = [&](const auto& c, const Vector2d& point) {
@@ -52,28 +51,28 @@ Json drawing(const Scene& scene) {
                   {"ground", c.b == kGround}});
     };
     if (const auto* corner = std::get_if<CornerWall>(&contact))
-      put(corner->a, corner->point), wall(*corner, corner->point);
+      wall(*corner, corner->point);
     else if (const auto* round = std::get_if<DiscWall>(&contact))
-      disc(round->a, round->centre, round->radius), wall(*round, round->centre);
-    else if (const auto* two = std::get_if<DiscDisc>(&contact))
-      disc(two->a, two->centre_a, two->radius_a), disc(two->b, two->centre_b, two->radius_b);
+      wall(*round, round->centre);
     contacts.push_back(one);
   }
-  for (const Collision& collision : scene.collisions)
-    for (const Shape& shape : collision.shapes) {
-      for (const Vector2d& corner : shape.corners) put(shape.body, corner);
-      if (shape.corners.empty()) disc(shape.body, shape.centre, shape.radius);
-    }
-  return {{"bodies", bodies}, {"pins", pins}, {"contacts", contacts}};
+  return {{"bodies", bodies},
+          {"outlines", shapes},
+          {"pins", pins},
+          {"contacts", contacts},
+          {"event_contacts", event_contacts(scene)}};
 }
 
-/// One run, by frames: t, then x, y, θ of each body, then gap and normal impulse (since the frame before) of each contact.
+/// One run, by frames: t, then x, y, θ of each body, then gap and normal impulse (since the frame before) of each
+/// contact;
+/// its events: t, kind, contact by number, impulses.
 Json film(const System& system, const Json& run, double duration, double& patience) {
   const double step = run.contains("step") ? run.at("step").get<double>() : duration / kFrames;
   const auto integrator = make_integrator(run.at("integrator").get<std::string>(), system);
   const auto solver = make_solver(run.value("solver", "lemke"));
   const double aim = duration / kFrames;
-  Json frames = Json::array();
+  Json frames = Json::array(), events = Json::array();
+  std::vector<Event> located;
   const Clock clock{.step = step,
                     .duration = duration,
                     .every = std::max(1L, std::lround(aim / step)),
@@ -84,11 +83,19 @@ Json film(const System& system, const Json& run, double duration, double& patien
     for (std::size_t i = 0; i < moment.impulses.size(); ++i)
       frame.push_back(rounded(moment.gaps[static_cast<Index>(i)])), frame.push_back(rounded(moment.impulses[i].normal));
     frames.push_back(frame);
+    append_events(system, moment.events, located);
   });
+  for (const Event& event : located) {
+    if (events.size() == kMostEvents) break;
+    const auto kind = kEventNames[static_cast<std::size_t>(event.kind)];
+    events.push_back({event.t, kind, event.contact, event.normal, event.tangent});
+  }
   patience -= result.seconds;
   return {{"label", run.value("label", run.at("integrator").get<std::string>())},
           {"status", name(result.status)},
-          {"frames", frames}};
+          {"frames", frames},
+          {"events", events},
+          {"event_count", located.size()}};
 }
 
 /// Opens no file: a results file may be a stranger's.

@@ -6,13 +6,13 @@ from matplotlib.patches import Patch
 
 from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, read_table, save, select
 
-# Solvers are told apart by place in the table: colours first, then line styles and marks with each round of colours.
+# Solvers are distinguished by place in the table: colours first, then line styles and marks with each round of colours.
 COLOURS = (BLUE, ORANGE, GREEN, RED, PINK, "#56B4E9", "black", "#8C6D1F")
 LINES, MARKS = ("-", (0, (4, 1.5)), (0, (1, 1.2)), "-."), ("o", "s", "^", "D")
 LEAST, MOST = 1e-17, 1e3  # residuals below are drawn in a band, a line for each solver; those above at the edge
 GROUPS = {"definite": "definite, dense", "semidefinite": "semidefinite", "P-matrix": "P-matrices, not definite",
           "grid": "grids (K-matrices, sparse)", "friction": "contacts with friction",
-          "other": "games, known small problems, files"}
+          "other": "games, known small problems", "own": "your own files"}
 
 
 def read(folder):
@@ -74,11 +74,14 @@ def draw_profile(axes, table, look, title):
 def plot_profiles(folder, about):
     table = read(folder)
     look = looks(table)
-    figure, (smooth, rough) = plt.subplots(1, 2, figsize=(13, 6.2))
-    friction, solvable = table["group"] == "friction", table["group"] != "infeasible"
-    draw_profile(smooth, select(table, solvable & ~friction), look, "Without friction")
-    draw_profile(rough, select(table, friction), look, "With friction")
-    smooth.set_ylabel("share of problems solved, certified")
+    friction, own = table["group"] == "friction", table["group"] == "own"
+    solvable = table["group"] != "infeasible"
+    parts = [(solvable & ~friction & ~own, "Without friction"), (friction, "With friction")]
+    parts += [(own, "Your own files")] if own.any() else []
+    figure, panels = plt.subplots(1, len(parts), figsize=(6.5 * len(parts), 6.2))
+    for axes, (part, title) in zip(panels, parts):
+        draw_profile(axes, select(table, part), look, title)
+    panels[0].set_ylabel("share of problems solved, certified")
     figure.subplots_adjust(left=0.06, right=0.88, top=0.88, bottom=0.13, wspace=0.42)
     figure.text(0.06, 0.02, "A curve's left end: how often that solver is the fastest; its right end: how many it "
                 "solves at all (refused problems count as not solved).", fontsize=8.5, color=GREY)
@@ -91,8 +94,12 @@ def plot_work_precision(folder, about):
     answered = (table["seconds"] > 0) & (table["relative_residual"] >= 0) & (table["result"] != "refused")
     claimed = np.isin(table["status"], ("solved", "infeasible"))
     table = select(table, answered & ((table["status"] == "solved") | ~claimed))
-    figure, grid = plt.subplots(2, 3, sharex=True, sharey=True, figsize=(13, 7.8))
-    for axes, (group, title) in zip(grid.flat, GROUPS.items()):
+    shown = {group: title for group, title in GROUPS.items() if group != "own" or (table["group"] == "own").any()}
+    lines = -(-len(shown) // 3)
+    figure, grid = plt.subplots(lines, 3, sharex=True, sharey=True, figsize=(13, 3.9 * lines))
+    for axes in grid.flat[len(shown):]:
+        axes.set_visible(False)
+    for i, (axes, (group, title)) in enumerate(zip(grid.flat, shown.items())):
         for level, (solver, (colour, _, mark)) in enumerate(look.items()):
             part = select(table, (table["group"] == group) & (table["solver"] == solver))
             zero = LEAST * 10 ** (-4 * (level + 1) / (len(look) + 1))
@@ -112,6 +119,9 @@ def plot_work_precision(folder, about):
         axes.set(xlabel="processor time of a solve [s]", ylabel="residual / (1 + max |q|)")
         axes.axhspan(3e-5 * LEAST, LEAST, color="#f2f2f2", linewidth=0, zorder=0)
         axes.label_outer()
+        if i + 3 >= len(shown):  # the lowest of its column
+            axes.tick_params(labelbottom=True)
+            axes.set_xlabel("processor time of a solve [s]")
     handles = [Line2D([], [], color=colour, marker=mark, linewidth=0, markersize=8, markeredgecolor="white",
                       label=solver) for solver, (colour, _, mark) in look.items()]
     handles += [Line2D([], [], color=GREY, marker=mark, linewidth=0, markersize=size, label=label)

@@ -1,4 +1,4 @@
-"""Orthant beside its rivals: reads results/peers/{lcp,slider_crank}; writes report.md, two pictures as PNG and SVG."""
+"""Orthant and its rivals: reads results/peers/{lcp,slider_crank}; writes report.md, two pictures as PNG and SVG."""
 import numpy as np
 
 import matplotlib.pyplot as plt
@@ -49,7 +49,7 @@ def lcp_report(table):
     for solver in solvers:
         part = select(table, table["solver"] == solver)
         count = {result: int((part["result"] == result).sum())
-                 for result in ("certified", "refused", "wrong", "crashed", "failed", "skipped")}
+                 for result in ("certified", "refused", "wrong", "crashed", "late", "failed", "skipped")}
         taken = len(part["problem"]) - count["refused"]
         own = times(table, solver)
         both = [own[problem] / best[problem] for problem in own if problem in best]
@@ -57,7 +57,8 @@ def lcp_report(table):
             lines.append(f"| {solver} | absent |")
             continue
         lines.append(f"| {solver} | {taken} | {count['certified']} | {100 * count['certified'] / taken:.0f} | {count['wrong']} "
-                     f"| {count['crashed'] + count['skipped']} | {count['failed']} | {text(geometric_mean(both))} |")
+                     f"| {count['crashed'] + count['late'] + count['skipped']} | {count['failed']} "
+                     f"| {text(geometric_mean(both))} |")
     return lines
 
 

@@ -34,7 +34,7 @@ def read_trajectory(folder, mu):
 
 
 def draw_mechanism(axes):
-    """The linkage at a crank angle of 50°, in mm and to scale but for the clearance."""
+    """The linkage at a crank angle of 50°, in mm and to scale except for the clearance."""
     for wall in (-38, 38):
         axes.fill_between([325, 475], wall, 1.3 * wall, color="#bbbbbb", linewidth=0)
     axes.fill([332, 432, 432, 332], [-21, -21, 29, 29], facecolor="#d9ecf8", edgecolor="black", linewidth=1.3)

@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-# Okabe & Ito: told apart by colour-blind readers too.
+# Okabe & Ito: distinct for colour-blind readers, too.
 ORANGE, GREEN, BLUE, RED, PINK, GREY = "#E69F00", "#009E73", "#0072B2", "#D55E00", "#CC79A7", "#666666"
 STYLE = {
     "font.size": 9.5, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.spines.top": False,

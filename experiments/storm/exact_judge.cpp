@@ -303,8 +303,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
         if (std::abs(bound) < kInf) given += abs(a) * Rational(std::abs(bound));
     data = most_of(data, given);
   }
-  // Where friction alone can make g positive, a z that uses that has friction: then its least term counts as well, since
-  // Σ_t |g_t z_t| > −g_n z_n asks for a z_t beside its bound as large as the gain is beside g_n + Σ μ |g_t|.
+  // Where friction alone can make g positive, a z that uses that has friction: then its least term counts as well,
+  // since Σ_t |g_t z_t| > −g_n z_n needs a z_t off its bound, as large as the gain compared with g_n + Σ μ |g_t|.
   std::vector<Rational> least(at(n), Rational(-1)), push(at(n));
   for (const Friction& f : p.friction) {
     const Rational share = Rational(f.mu) * abs(g[at(f.row)]), term = Rational(f.mu) * terms[at(f.row)];
@@ -334,7 +334,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   finding.error = static_cast<double>(kappa);
   if (value >= 0) return refuse("the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0");
   if (rounding > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + detail::text_of(finding.error));
-  // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i. None that is accepted may; certify() asks for more.
+  // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i. None that is accepted may; certify()
+  // asks for more.
   if (kappa > 0 && -value * Rational(kEpsilon) < runaway(data) * kappa * norm)
     return refuse("a z within reach may use the slack of g");
   finding.holds = true;

@@ -19,9 +19,10 @@ constexpr double kTolerance = 1e-10;  // the largest default of all solvers
 constexpr double kBrief = 0.002;        // [s] a solve at most, but in every
 constexpr std::uint64_t kPatient = 41;  // turn of all kinds; odd, as solvers are new in the even ones
 
-/// One problem's verdicts: a z or a proof that several solvers found is looked at once. Where A is singular but for its last
-/// digits both may hold, an exact proof of uᵀw < 0 and a z that misses by less than the tolerance: uᵀw ≥ −tolerance ‖u‖₁. A
-/// proof that holds but for roundings says that z would be too large to be known: beside a z that holds it is wrong.
+/// One problem's verdicts: a z or a proof of several solvers is examined once. Where A is singular except for its last
+/// digits both may hold, an exact proof of uᵀw < 0 and a z that misses by less than the tolerance: uᵀw ≥ −tolerance
+/// ‖u‖₁. A proof that holds up to roundings says that z would be too large to be known: next to a z that holds it is
+/// wrong.
 class Verdicts {
  public:
   explicit Verdicts(const StormProblem& p) : p_(p) {}

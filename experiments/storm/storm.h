@@ -48,8 +48,8 @@ struct StormChoice {
   double grace = 1;       // [s] past it a solve is late
 };
 
-/// Problems first … first + count − 1. Solvers live through all of them, so what one leaves behind is tried, too. A crash or an
-/// endless loop ends this process: the caller isolates (isolated.h).
+/// Problems first … first + count − 1. Solvers live through all of them, so what one leaves behind is tried, too. A
+/// crash or an endless loop ends this process: the caller isolates (isolated.h).
 StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count);
 
 /// "wrong", "late" or "" of one solver on one problem, in words in `why`; `answer` as far as known.

@@ -1,4 +1,4 @@
-// experiments/support/between.h — the range of a program's option in real numbers; CLI::Range would let NaN pass.
+// experiments/support/between.h — range check of a real program option; CLI::Range would let NaN pass.
 #pragma once
 
 #include <CLI/CLI.hpp>

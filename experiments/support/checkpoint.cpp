@@ -9,7 +9,7 @@
 namespace orthant {
 namespace {
 
-constexpr std::string_view kMagic = "orthant checkpoint 1\n", kStart = kMagic.substr(0, 19);  // of any version
+constexpr std::string_view kMagic = "orthant checkpoint 2\n", kStart = kMagic.substr(0, 19);  // of any version
 
 /// FNV-1a, 64 bits (Fowler, Noll & Vo): tells damage, not malice.
 std::uint64_t check_sum(std::string_view bytes) {
@@ -18,7 +18,7 @@ std::uint64_t check_sum(std::string_view bytes) {
   return sum;
 }
 
-void remember(Checkpoint& c, Memory& memory) { memory(c.label, c.table, c.last, c.run); }
+void remember(Checkpoint& c, Memory& memory) { memory(c.label, c.table, c.last, c.events, c.run); }
 
 }  // namespace
 

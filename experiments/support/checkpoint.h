@@ -1,8 +1,11 @@
-// experiments/support/checkpoint.h — a run's state in a file, to go on from after a kill.
+// experiments/support/checkpoint.h — checkpoint file: the state of a run, from which a killed run continues.
 //
-//   File: one line of text, a check sum of what follows, then the bytes of Memory (integrators/checkpoint.h). Written whole or not at
-//   all (core/support/file.h). Throws std::runtime_error naming the file for what is no checkpoint, or a damaged one.
+//   File: one line of text, a check sum of what follows, then the bytes of Memory (integrators/checkpoint.h). Written
+//   whole or not at all (core/support/file.h). Throws std::runtime_error naming the file for what is no checkpoint, or
+//   a damaged one.
 #pragma once
+
+#include <orthant/integrators/event.h>
 
 #include <filesystem>
 #include <string>
@@ -13,6 +16,7 @@ namespace orthant {
 struct Checkpoint {
   std::string label;                // what run this is: another one does not go on from it
   std::vector<double> table, last;  // rows recorded so far; the last moment
+  std::vector<Event> events;        // located so far
   std::string run;                  // simulate.h, Restart
 };
 

@@ -21,8 +21,8 @@ namespace orthant {
 namespace {
 
 struct Late {};
-// Stages of a solver get a share of what is left of its time: beyond this many times the time that a run has here, no bit
-// depends on the clock, and a step that takes for ever ends.
+// Stages of a solver get a share of what is left of its time: beyond this many times the time that a run has here, no
+// bit depends on the clock, and a step that takes for ever ends.
 constexpr double kMuchLonger = 20;
 
 /// FNV-1a.

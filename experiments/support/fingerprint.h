@@ -1,4 +1,4 @@
-// experiments/support/fingerprint.h — the bits that a run takes, as a few numbers: what must not depend on threads or luck.
+// experiments/support/fingerprint.h — fingerprint of a run: its bits as a few numbers, equal on any number of threads.
 #pragma once
 
 #include <array>
@@ -20,10 +20,12 @@ struct Fingerprint {
   std::string row() const;
 };
 
-/// All scenes × integrators × solvers, nothing run yet. `ipopt` is left out: its linear solver keeps state of the process.
+/// All scenes × integrators × solvers, nothing run yet. `ipopt` is left out: its linear solver keeps state of the
+/// process.
 std::vector<Fingerprint> all_fingerprints();
 
-/// Runs up to `steps` steps, or until `seconds` are over at the end of one: what is late has fewer marks. Islands are shared by `threads`.
+/// Runs up to `steps` steps, or until `seconds` are over at the end of one: what is late has fewer marks. Islands are
+/// shared by `threads`.
 void take(Fingerprint& f, long steps, double seconds, int threads);
 /// All of them, `threads` at a time. done() after each, in any thread.
 void take(std::vector<Fingerprint>& all, long steps, double seconds, int threads,

@@ -1,7 +1,7 @@
 // experiments/support/fit_order.h — observed order of convergence of an error that is a sawtooth in h.
 //
-// Impacts fall anywhere in a step, so error(h) jumps up and down and neighbouring halvings tell nothing. The worst error
-// of each octave of h is regular: the order is the slope of its logarithm, by least squares.
+// Impacts fall anywhere in a step, so error(h) jumps up and down and neighbouring halvings tell nothing. The worst
+// error of each octave of h is regular: the order is the slope of its logarithm, by least squares.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,5 @@
-// experiments/support/independent_judge.h — a second judge, written apart from core/lcp/judge/certify.cpp: in long double, entry by entry.
+// experiments/support/independent_judge.h — second judge, independent of core/lcp/judge/certify.cpp:
+// in long double, entry by entry.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
@@ -63,7 +64,7 @@ inline Achieved achieved(const Lcp& problem, const Vector& z) {
   return {static_cast<double>(residual), static_cast<double>(size)};
 }
 
-/// The residual beside that size; ∞ when something is not finite.
+/// The residual relative to that size; ∞ when something is not finite.
 inline double independent_residual(const Lcp& problem, const Vector& z) {
   const auto [residual, size] = achieved(problem, z);
   return size > 0 && residual < kInf ? residual / size : residual;

@@ -1,4 +1,4 @@
-// experiments/support/isolated.h — work in processes of their own: a crash or an endless loop is an outcome, no end.
+// experiments/support/isolated.h — process isolation: a crash or an endless loop is an outcome and ends nothing else.
 //
 //   Each piece of work runs in a fork of this process, so it sees all of its memory, and answers with a text through a
 //   pipe. This process must have no other threads. POSIX; on Linux a child dies with its parent.

@@ -1,5 +1,7 @@
 #include "lcp_cases.h"
 
+#include "problem_file.h"
+
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/options.h>
@@ -80,12 +82,13 @@ std::vector<LcpCase> lcp_cases(const LcpCaseChoice& choice) {
     for (Known& k : known_problems()) add("known", k.name, std::move(k.problem), k.answer, cases);
   if (wanted("steps"))
     for (const std::string& scene : choice.scenes) add_steps(scene, cases);
-  for (const std::string& file : choice.problems) add("file", file, read_problem(file), std::nullopt, cases);
+  for (const std::string& file : choice.problems) add("file", file, read_problem_file(file), std::nullopt, cases);
   std::ranges::stable_sort(cases, {}, &LcpCase::size);
   return cases;
 }
 
 std::string group(const LcpCase& c, const Lcp& problem) {
+  if (c.family == "file") return "own";
   if (c.answer == Answer::infeasible || c.answer == Answer::none) return "infeasible";
   const bool written_out = c.family == "friction" || c.family == "glocker";  // friction as a pure LCP
   if (!problem.friction.empty() || written_out) return "friction";

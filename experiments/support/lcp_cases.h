@@ -1,8 +1,8 @@
-// experiments/support/lcp_cases.h — the problems that solvers are compared on, from four places, made when needed.
+// experiments/support/lcp_cases.h — LCP test cases: problems on which solvers are compared, from four sources.
 //
 //   families       core/lcp/problems/families.h: size × hardness × seed
 //   "known"        core/lcp/problems/collection.h: small ones with exact answers
-//   "file"         problem files (core/lcp/files/io.h)
+//   "file"         problem files (problem_file.h)
 //   "steps"        the problems of a scene's time steps, recorded from a run
 #pragma once
 
@@ -36,7 +36,7 @@ struct LcpCaseChoice {
 std::vector<LcpCase> lcp_cases(const LcpCaseChoice& choice);
 
 /// What kind of problem it is, in one or two words: "friction", "infeasible", "definite", "semidefinite", "grid",
-/// "P-matrix", "other".
+/// "P-matrix", "other"; "own" of files, whatever they hold.
 std::string group(const LcpCase& c, const Lcp& problem);
 
 }  // namespace orthant

@@ -77,7 +77,7 @@ Trial trial_from_text(const std::string& text) {
 }
 
 const char* name(Result result) {
-  constexpr const char* kNames[kResults] = {"certified", "refused", "failed", "wrong", "crashed", "skipped"};
+  constexpr const char* kNames[kResults] = {"certified", "refused", "failed", "wrong", "crashed", "late", "skipped"};
   return kNames[static_cast<int>(result)];
 }
 
@@ -88,7 +88,8 @@ Result judge(const Trial& t, std::optional<Answer> answer) {
     return t.holds && (answer == Answer::infeasible || !answer) ? Result::certified : Result::wrong;
   if (t.status == name(Status::unsupported)) return Result::refused;
   if (t.status == "skipped") return Result::skipped;
-  const bool crashed = t.status == "crashed" || t.status == "killed" || t.status == "exception";
+  if (t.status == "killed") return Result::late;
+  const bool crashed = t.status == "crashed" || t.status == "exception";
   return crashed ? Result::crashed : Result::failed;
 }
 

@@ -1,4 +1,4 @@
-// experiments/support/lcp_trial.h — one solver on one problem: what it claims, what that is worth, what it cost.
+// experiments/support/lcp_trial.h — LCP trial: one solver on one problem; its claim, the check of it, its cost.
 #pragma once
 
 #include <orthant/core/lcp/problems/collection.h>
@@ -19,8 +19,8 @@ struct Trial {
   std::string note;    // why refused, the signal, the exception
 };
 
-/// Solves once with the iteration log on; a solve shorter than 0.1 s is repeated without it, the solver object reused, as
-/// time_calls() of benchmarks/clock.h does for all, never past the time limit [s].
+/// Solves once with the iteration log on; a solve shorter than 0.1 s is repeated without it, the solver object reused,
+/// as time_calls() of benchmarks/clock.h does for all, never past the time limit [s].
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit);
 
 /// Residual, rounding and whether a solution holds, of a z.
@@ -33,10 +33,11 @@ Trial trial_from_text(const std::string& text);
 /// refused     the solver said beforehand that it does not take the problem
 /// failed      no answer, and none claimed
 /// wrong       a claim that does not hold
-/// crashed     ended by a signal, by an exception, or by us, long after its time was over
+/// crashed     ended by a signal or by an exception
+/// late        ended by us, half as long again after its time was over
 /// skipped     out of time on a smaller problem of the kind
-enum class Result { certified, refused, failed, wrong, crashed, skipped };
-inline constexpr int kResults = 6;
+enum class Result { certified, refused, failed, wrong, crashed, late, skipped };
+inline constexpr int kResults = 7;
 const char* name(Result result);
 
 /// `answer`: what is known of the problem; empty: nothing.

@@ -49,36 +49,39 @@ class Sketch {
   explicit Sketch(const Scene& scene) : scene_(scene) {
     for (const Body& b : scene.bodies) reach_ = std::max(reach_, b.position.norm());
   }
-  void add(BodyId body, bool closed, const Corners& corners) {
+  void add(BodyId body, bool closed, const Corners& corners, bool wall = false) {
     for (const Outline& o : all_)
       if (o.body == body && o.closed == closed && o.corners == corners) return;
-    all_.push_back({body, closed, corners});
+    all_.push_back({body, closed, wall, corners});
     for (const Vector2d& c : corners) reach_ = std::max(reach_, c.norm());
+  }
+  void disc(BodyId body, const Vector2d& centre, double radius) {
+    add(body, true, circle(centre, radius));
+    if (body != kGround) add(body, false, {centre, centre + Vector2d(radius, 0)});
+  }
+  /// From the centre of mass to where something holds the body.
+  void link(BodyId body, const Vector2d& point) {
+    if (body != kGround && point != Vector2d(0, 0)) add(body, false, {Vector2d(0, 0), point});
   }
   void wall(BodyId body, const Vector2d& point, const Vector2d& normal) { walls_.push_back({body, point, normal}); }
   void corner(BodyId body, const Vector2d& point) { corners_[body].push_back(point); }
 
   void operator()(const CornerWall& c) { corner(c.a, c.point), wall(c.b, c.wall_point, c.normal); }
-  void operator()(const DiscWall& c) { add(c.a, true, circle(c.centre, c.radius)), wall(c.b, c.wall_point, c.normal); }
-  void operator()(const DiscDisc& c) {
-    add(c.a, true, circle(c.centre_a, c.radius_a)), add(c.b, true, circle(c.centre_b, c.radius_b));
-  }
-  void operator()(const DiscPolygon& c) { add(c.a, true, circle(c.centre, c.radius)), polygon(c.b, c.corners); }
+  void operator()(const DiscWall& c) { disc(c.a, c.centre, c.radius), wall(c.b, c.wall_point, c.normal); }
+  void operator()(const DiscDisc& c) { disc(c.a, c.centre_a, c.radius_a), disc(c.b, c.centre_b, c.radius_b); }
+  void operator()(const DiscPolygon& c) { disc(c.a, c.centre, c.radius), polygon(c.b, c.corners); }
   void operator()(const PolygonPolygon& c) { polygon(c.a, c.corners_a), polygon(c.b, c.corners_b); }
   void operator()(const Journal& c) {
     add(c.a, true, circle(c.centre_a, c.radius_a)), add(c.b, true, circle(c.centre_b, c.radius_b));
+    link(c.a, c.centre_a), link(c.b, c.centre_b);
   }
   void operator()(const Limit&) {}
   void operator()(const Collision& c) {
-    for (const Shape& s : c.shapes)
-      s.corners.empty() ? add(s.body, true, circle(s.centre, s.radius)) : polygon(s.body, s.corners);
+    for (const Shape& s : c.shapes) s.corners.empty() ? disc(s.body, s.centre, s.radius) : polygon(s.body, s.corners);
   }
   template <class Joint>
     requires requires(const Joint& j) { j.point_a; }
-  void operator()(const Joint& j) {
-    if (j.a != kGround && j.point_a != Vector2d(0, 0)) add(j.a, false, {Vector2d(0, 0), j.point_a});
-    if (j.b != kGround && j.point_b != Vector2d(0, 0)) add(j.b, false, {Vector2d(0, 0), j.point_b});
-  }
+  void operator()(const Joint& j) { link(j.a, j.point_a), link(j.b, j.point_b); }
   void operator()(const Drive&) {}
   void operator()(const CustomJoint&) {}
   void operator()(const CustomContact&) {}
@@ -90,7 +93,7 @@ class Sketch {
     const auto walls = std::move(walls_);
     for (const Wall& w : walls) {
       const Vector2d along = length * Vector2d(-w.normal.y(), w.normal.x());
-      add(w.body, false, {w.point - along, w.point + along});
+      add(w.body, false, {w.point - along, w.point + along}, true);
     }
     return std::move(all_);
   }

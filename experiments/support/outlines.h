@@ -1,4 +1,4 @@
-// experiments/support/outlines.h — what a scene's bodies look like: what its joints and contacts say of them, drawn.
+// experiments/support/outlines.h — outlines of a scene's bodies, by joints and contacts: for VTK files and animations.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
@@ -10,11 +10,12 @@ namespace orthant {
 struct Outline {
   BodyId body = kGround;
   bool closed = false;            // an area, else a line
+  bool wall = false;              // a line as long as the scene is wide
   std::vector<Vector2d> corners;  // [m] in the body's frame
 };
 
-/// Discs, polygons and guides' corners as areas, lines from the centre of mass to each joint, walls as lines as long as
-/// the scene is wide. What is told twice is drawn once.
+/// Discs (with a radius, to see them turn), polygons and guides' corners as areas, lines from the centre of mass to
+/// each joint and journal, walls as lines as long as the scene is wide. What is given twice is drawn once.
 std::vector<Outline> outlines(const Scene& scene);
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// experiments/support/printable.h — messages quote input, and input may be anything.
+// experiments/support/printable.h — printable text: input quoted in messages, as one line of UTF-8.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@ namespace orthant {
 class Progress {
  public:
   /// `work` is the total in any unit that is proportional to time (steps, say), so that the estimate holds; `count` how
-  /// often add() will be called (0: not told).
+  /// often add() will be called (0: unknown).
   Progress(std::string title, double work, long count = 0);
   ~Progress();
   void add(double work, bool failed);

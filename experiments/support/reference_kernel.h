@@ -1,5 +1,5 @@
-// experiments/support/reference_kernel.h — a unit of time that drifts with the machine: what is timed beside it, in the
-// same run, is told as a ratio.
+// experiments/support/reference_kernel.h — a unit of time that drifts with the machine: times of the same run are given
+// as ratios to it.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
@@ -31,8 +31,8 @@ inline double reference_kernel() {
   return A[n - 1][n - 1];
 }
 
-/// Units that one call of work() takes: the least of `repeats` times over the least of as many of the kernel's, taken in
-/// turn so that both meet the same disturbances.
+/// Units that one call of work() takes: the least of `repeats` times over the least of as many of the kernel's, taken
+/// in turn so that both meet the same disturbances.
 template <class Work> double units(int repeats, const Work& work) {
   constexpr int kCalls = 30;  // of the kernel a repeat: beyond the clock's resolution
   double least = kInf, unit = kInf;

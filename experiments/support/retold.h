@@ -1,4 +1,4 @@
-// experiments/support/retold.h — the same mechanism told otherwise: another order, place, side, or unit. Of scenes whose
+// experiments/support/retold.h — equivalent mechanism: another order, place, side, or unit. Of scenes whose
 // joints are Revolute and whose contacts are CornerWall.
 #pragma once
 

@@ -132,7 +132,7 @@ std::vector<Rival> rivals(const std::filesystem::path& folder) {
     if (file.empty()) continue;
     if (std::filesystem::path(file).filename() != file)
       throw std::invalid_argument("rivals '" + folder.string() + "': drivers.txt: '" + file +
-                                  "': must be the name of a file beside it");
+                                  "': must be the name of a file in the same folder");
     const auto program = std::filesystem::absolute(folder / file);
     const std::string owner = program.stem().string();
     try {

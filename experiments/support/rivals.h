@@ -1,4 +1,4 @@
-// experiments/support/rivals.h — other people's solvers and simulators, each a program of its own beside Orthant's.
+// experiments/support/rivals.h — rival programs: other people's solvers and simulators, each in its own process.
 //
 //   A rival is an executable that, called without arguments, prints a line for each of its methods: the name, then what
 //   it takes. One that cannot be had is an executable that fails with words: it stays in the tables, as absent.
@@ -29,9 +29,9 @@ std::vector<Rival> rivals(const std::filesystem::path& folder);
 /// not end with 0. It dies with this process; call it where a time limit matters within Isolated.
 std::string output_of(const std::vector<std::string>& command);
 
-/// An LCP by a rival: handed over in a file, solved by its driver, and judged here like try_solver()'s. A solver of pure
-/// problems gets boxes and friction as added rows (pyramid.h, Stewart and Trinkle's form, copositive: Lemke's method has
-/// its guarantee), untimed; free rows it does not take. `tolerance` is what iterative ones are asked for: a decade
+/// An LCP by a rival: handed over in a file, solved by its driver, and judged here like try_solver()'s. A solver of
+/// pure problems gets boxes and friction as added rows (pyramid.h, Stewart and Trinkle's form, copositive: Lemke's
+/// method has its guarantee), untimed; free rows it does not take. `tolerance` is for iterative solvers: a decade
 /// below what is judged, so that another norm in a stopping rule does not make an answer a wrong one.
 Trial try_rival(const Lcp& problem, const Rival& rival, double tolerance = 1e-11);
 

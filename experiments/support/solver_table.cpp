@@ -15,7 +15,7 @@
 namespace orthant {
 namespace {
 
-/// A solver out of time on a problem is not asked for larger ones of that family and hardness.
+/// A solver out of time on a problem skips larger ones of that family and hardness.
 class OutOfTime {
  public:
   bool hopeless(const std::string& solver, const LcpCase& c) const {
@@ -41,7 +41,7 @@ Trial trial_of(const Outcome& outcome) {
   return t;
 }
 
-/// A rival is asked for more digits than the judge wants: an answer that passes is right, though it says it failed.
+/// A rival must reach more digits than the judge requires: an answer that passes is right, though it says it failed.
 void accept_unsaid(Trial& t, const std::optional<Answer>& answer) {
   if (t.status != "failed" || !t.holds || answer == Answer::none || answer == Answer::infeasible) return;
   t.note = "says failed" + (t.note.empty() ? "" : ", " + t.note);
@@ -109,7 +109,8 @@ SolverTable try_all(std::vector<std::string> solvers, const std::vector<Rival>& 
             if (!ours) accept_unsaid(row.trial, c.answer);
             row.result = judge(row.trial, c.answer);
             out_of_time.note(spec, c, row.trial);
-            progress.add(step, row.result == Result::wrong || row.result == Result::crashed);
+            const auto is = [&row](Result result) { return row.result == result; };
+            progress.add(step, is(Result::wrong) || is(Result::crashed) || is(Result::late));
           });
     }
   }

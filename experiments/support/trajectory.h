@@ -8,8 +8,8 @@
 
 namespace orthant {
 
-/// t, then x, y, theta, vx, vy, omega of each body, then gap, impulse_n, impulse_t of each contact (impulses summed since
-/// the row before), then energy, joint_residual, penetration, lcp_residual, lcp_iterations of the step. SI units.
+/// t, then x, y, theta, vx, vy, omega of each body, then gap, impulse_n, impulse_t of each contact (impulses summed
+/// since the row before), then energy, joint_residual, penetration, lcp_residual, lcp_iterations of the step. SI units.
 std::vector<std::string> trajectory_columns(const Scene& scene);
 
 /// Appends one row in that order.

@@ -1,12 +1,13 @@
-// experiments/support/trajectory_files.h — a run's table as a file, by the name's end.
+// experiments/support/trajectory_files.h — trajectory files: the table of a run, in the format of the file name.
 //
 //   .csv        one line a moment, numbers in their shortest exact form
 //   .h5, .hdf5  HDF5: one array of doubles a column, named as the column
-//   .pvd        VTK for ParaView: an index of the moments, and beside it NAME.vtu files in a folder NAME, one a moment, with the
+//   .pvd        VTK for ParaView: an index of the moments, and NAME.vtu files in a folder NAME, one a moment, with the
 //               bodies' outlines in place (cells), their number, velocity [m/s] and angular velocity [rad/s]
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/integrators/event.h>
 
 #include <filesystem>
 #include <string>
@@ -18,7 +19,9 @@ namespace orthant {
 void check_trajectory_file(const std::filesystem::path& file);
 
 /// `columns` and `table` as trajectory.h has them. Whole or not at all; throws std::runtime_error, or as above.
+/// `events` are written next to the trajectory (event_table.h): in the HDF5 file itself, else in NAME.events.csv.
+/// Without events there is no such file, and an earlier run's is emptied to its header.
 void write_trajectory(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
-                      const std::vector<double>& table);
+                      const std::vector<double>& table, const std::vector<Event>& events = {});
 
 }  // namespace orthant

@@ -1,8 +1,8 @@
-// experiments/support/vtk_files.h — a run's moments for ParaView: an index NAME.pvd, and NAME/NAME_i.vtu, one a moment.
+// experiments/support/vtk_files.h — VTK files of a run for ParaView: index NAME.pvd, NAME/NAME_i.vtu a moment.
 //
-//   All of it is written beside its place, then put there by two renames: a failure before them leaves an earlier result as it was
-//   and nothing else, a kill may leave NAME.tmp* and NAME.pvd.tmp*, which the next run onto this name removes. Files of others in
-//   the folder NAME stay.
+//   Files get temporary names, then their own by two renames: a failure before them leaves an earlier result as it was
+//   and nothing else, a kill may leave NAME.tmp* and NAME.pvd.tmp*, which the next run onto this name removes. Files of
+//   others in the folder NAME stay.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

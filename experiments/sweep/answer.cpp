@@ -160,23 +160,87 @@ std::string energy_kept(const std::vector<ResultRow>& rows) {
          " J, each at its finest setting";
 }
 
-/// Where a parameter of many values changes the measure most, if by more than a quarter of all that it does.
-std::string leap(const std::vector<ResultRow>& rows) {
-  std::map<std::string, std::map<double, std::vector<double>>> measured;
+/// Of each parameter that is followed the rows by its value.
+std::map<std::string, std::map<double, std::vector<const ResultRow*>>> followed(const std::vector<ResultRow>& rows) {
+  std::map<std::string, std::map<double, std::vector<const ResultRow*>>> all;
   for (const ResultRow& row : rows) {
-    if (!row_solved(row) || !row.contains("value") || row.at("value").is_null()) continue;
     const Json parameters = Json::parse(row_text(row, "parameters"));
     for (const auto& [name, value] : parameters.items())
-      if (value.is_number()) measured[name][value.get<double>()].push_back(row_number(row, "value"));
+      if (value.is_number()) all[name][value.get<double>()].push_back(&row);
   }
+  std::erase_if(all, [](const auto& one) { return one.second.size() < kManyValues; });
+  return all;
+}
+
+/// The medians of a quantity of solved rows, by the parameter's value; NaN of a row: there is none.
+template <class Quantity>
+std::vector<std::pair<double, double>> medians_of(const std::map<double, std::vector<const ResultRow*>>& by_value,
+                                                  const Quantity& quantity) {
+  std::vector<std::pair<double, double>> medians;
+  for (const auto& [value, list] : by_value) {
+    std::vector<double> numbers;
+    for (const ResultRow* row : list)
+      if (const double x = row_solved(*row) ? quantity(*row) : std::nan(""); std::isfinite(x)) numbers.push_back(x);
+    if (numbers.empty()) continue;
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+    std::nth_element(numbers.begin(), middle, numbers.end());
+    medians.emplace_back(value, *middle);
+  }
+  return medians;
+}
+
+double measured(const ResultRow& row) {
+  return row.contains("value") && !row.at("value").is_null() ? row_number(row, "value") : std::nan("");
+}
+double lost(const ResultRow& row) { return row_number(row, "energy_initial") - row_number(row, "energy_final"); }
+
+/// "the median of crank.theta at the end from 17.4 to 2.1 (least, 1.9, at mu = 5)".
+std::string change_of(const std::string& what, const std::string& parameter,
+                      const std::vector<std::pair<double, double>>& medians) {
+  if (medians.size() < 2) return "";
+  constexpr double kBeyond = 0.1;  // of the change: an extreme between the ends that is worth a word
+  const double first = medians.front().second, last = medians.back().second;
+  const auto by_median = [](auto& a, auto& b) { return a.second < b.second; };
+  const auto [least, most] = std::minmax_element(medians.begin(), medians.end(), by_median);
+  if (least->second == most->second) return "";
+  std::string text = what + " from " + short_number(first) + " to " + short_number(last);
+  const double span = most->second - least->second;
+  if (std::min(first, last) - least->second > kBeyond * span)
+    text += " (least, " + short_number(least->second) + ", at " + parameter + " = " + short_number(least->first) + ")";
+  if (most->second - std::max(first, last) > kBeyond * span)
+    text += " (greatest, " + short_number(most->second) + ", at " + parameter + " = " + short_number(most->first) + ")";
+  return text;
+}
+
+/// What changes with each parameter of many values: the measure, the energy lost, and from where on runs fail.
+std::string effects(const std::vector<ResultRow>& rows) {
   std::string text;
-  for (auto& [name, by_value] : measured) {
-    if (by_value.size() < kManyValues) continue;
-    std::vector<std::pair<double, double>> medians;
-    for (auto& [value, list] : by_value) {
-      std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2), list.end());
-      medians.emplace_back(value, list[list.size() / 2]);
-    }
+  for (const auto& [name, by_value] : followed(rows)) {
+    const double low = by_value.begin()->first, high = by_value.rbegin()->first;
+    std::string part;
+    const auto add = [&](const std::string& words) { part += (part.empty() || words.empty() ? "" : ", ") + words; };
+    const std::string measure = rows.front().contains("measure") ? row_text(rows.front(), "measure") : "the measure";
+    add(change_of("the median of " + measure + " at the end goes", name, medians_of(by_value, measured)));
+    add(change_of("the energy lost [J]", name, medians_of(by_value, lost)));
+    double failing = kInf;
+    for (const auto& [value, list] : by_value)
+      if (std::ranges::any_of(list, [](const ResultRow* row) { return !row_solved(*row); }))
+        failing = std::min(failing, value);
+    if (failing > low && failing < kInf)
+      add("runs that are not solved begin at " + name + " = " + short_number(failing));
+    if (part.empty()) continue;
+    text += (text.empty() ? "" : "; ") + std::string("as ") + name + " goes from " + short_number(low) + " to " +
+            short_number(high) + ", " + part;
+  }
+  return text;
+}
+
+/// Where a parameter of many values changes the measure most, if by more than a quarter of all that it does.
+std::string leap(const std::vector<ResultRow>& rows) {
+  std::string text;
+  for (const auto& [name, by_value] : followed(rows)) {
+    const auto medians = medians_of(by_value, measured);
+    if (medians.size() < kManyValues) continue;
     const auto change = [&](std::size_t i) { return std::abs(medians[i + 1].second - medians[i].second); };
     std::size_t most = 0;
     double low = kInf, high = -kInf;
@@ -190,6 +254,44 @@ std::string leap(const std::vector<ResultRow>& rows) {
             " the median of " + row_text(rows.front(), "measure") + " at the end goes from " +
             short_number(medians[most].second) + " to " + short_number(medians[most + 1].second);
   }
+  return text;
+}
+
+/// How errors fall with h, by the medians of the orders. The integrator whose error is the least is named as the most
+/// accurate: with a tolerance of its own its error does not fall with h, and it is not the slowest to converge.
+std::string orders_in_words(const Json& fits) {
+  struct Method {
+    std::vector<double> orders;
+    double finest = 0;  // the worst error at the finest octave of any setting
+  };
+  std::map<std::string, Method> methods;
+  for (const Json& fit : fits) {
+    Method& method = methods[fit.at("integrator").get<std::string>()];
+    method.orders.push_back(fit.at("order").get<double>());
+    const Json& worst = fit.at("worst");
+    const Json* finest = &worst.front();
+    for (const Json& point : worst)
+      if (point[0].get<double>() < (*finest)[0].get<double>()) finest = &point;
+    method.finest = std::max(method.finest, (*finest)[1].get<double>());
+  }
+  if (methods.empty()) return "";
+  std::vector<std::pair<double, std::string>> medians;
+  for (auto& [name, method] : methods) {
+    auto& list = method.orders;
+    std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2), list.end());
+    medians.emplace_back(list[list.size() / 2], name);
+  }
+  std::sort(medians.begin(), medians.end());
+  const auto best = std::min_element(methods.begin(), methods.end(),
+                                     [](auto& a, auto& b) { return a.second.finest < b.second.finest; });
+  std::string text = "; with the step size h the error falls fastest by " + medians.back().second + ", as h^" +
+                     short_number(medians.back().first) + " (median over the cases)";
+  const auto slowest = std::ranges::find_if(medians, [&](const auto& one) { return one.second != best->first; });
+  if (slowest != medians.end() && slowest->second != medians.back().second)
+    text += ", slowest by " + slowest->second + ", as h^" + short_number(slowest->first);
+  if (methods.size() > 1)
+    text += "; the most accurate is " + best->first + ", at the finest steps off by " +
+            short_number(best->second.finest) + " at the most";
   return text;
 }
 
@@ -226,27 +328,16 @@ std::string answer(const std::vector<ResultRow>& rows) {
   const auto failed = std::count_if(rows.begin(), rows.end(), [](const ResultRow& row) { return !row_solved(row); });
   std::string text = std::to_string(static_cast<long>(rows.size()) - failed) + " of " + std::to_string(rows.size()) +
                      " runs ended solved";
-  std::map<std::string, std::vector<double>> orders;
   const Json fits = fitted_orders(rows);
-  for (const Json& fit : fits) orders[fit.at("integrator").get<std::string>()].push_back(fit.at("order").get<double>());
-  std::vector<std::pair<double, std::string>> medians;
-  for (auto& [name, list] : orders) {
-    std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2), list.end());
-    medians.emplace_back(list[list.size() / 2], name);
-  }
-  std::sort(medians.begin(), medians.end());
-  text += unsolved(rows);
-  if (!medians.empty())
-    text += "; with the step size h the error falls fastest by " + medians.back().second + ", as h^" +
-            short_number(medians.back().first) + " (median over the cases)";
-  if (medians.size() > 1)
-    text += ", slowest by " + medians.front().second + ", as h^" + short_number(medians.front().first);
+  text += unsolved(rows) + orders_in_words(fits);
   std::string second;  // sentence
   const auto say = [&](const std::string& part) {
     if (!part.empty()) second += (second.empty() ? "" : "; ") + part;
   };
-  say(costs_of(time_to_error(rows)));
-  const bool timed = !second.empty();
+  say(effects(rows)), say(leap(rows));  // of a parameter that is followed
+  const std::string costs = costs_of(time_to_error(rows));
+  say(costs);
+  const bool timed = !costs.empty();
   say(without_order(fits));
   say(still_comparable(rows, fits));
   const auto largest = [&](const char* column) {
@@ -262,7 +353,6 @@ std::string answer(const std::vector<ResultRow>& rows) {
         " N m s, joints to " + short_number(largest("max_joint_residual")) + " m, in the worst run");
   } else if (second.empty()) {  // what was lost
     say(energy_lost(rows));
-    if (medians.empty()) say(leap(rows));
   }
   if (!second.empty()) second[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(second[0])));
   return text + "." + (second.empty() ? "" : " " + second + ".");

@@ -1,8 +1,8 @@
-// experiments/sweep/case.h — one run of a sweep: all that determines it, and the row of figures that it gives.
+// experiments/sweep/case.h — sweep case: the inputs of one run, and the row of figures that it gives.
 //
-//   key = FNV-1a (64 bits) of the text of everything that determines the result: the scene (name and parameters, the text
-//   of a file), integrator, solver, step, duration, what is measured and against what, revision, compiler, flags. A tree
-//   with changes that are in no revision counts the program itself in.
+//   key = FNV-1a (64 bits) of the text of everything that determines the result: the scene (name and parameters, the
+//   text of a file), integrator, solver, step, duration, what is measured and against what, revision, compiler, flags.
+//   A tree with changes that are in no revision counts the program itself in.
 // Of two different cases in a million the keys are alike with probability 3e-8.
 #pragma once
 
@@ -27,19 +27,20 @@ struct Case {
   double step = 0, duration = 0;  // [s]
   std::string measure;            // a column of the trajectory (trajectory.h), at the end of the run
   std::string reference;          // "exact" (the slider-crank's table), an integrator's spec, or empty: no error
+  std::optional<double> known;    // where the reference is a number or a table: its value; `reference` says where from
   int repeats = 0;                // 0: among others on all cores; else alone on the machine, the fastest of so many
   double time_limit = 60;         // [s] of the run as a whole; determines no result but that it is missing
 
   std::string integrator_spec() const;
   std::vector<std::string> sets() const;  // KEY=VALUE for make_scene()
   std::string key() const;                // 16 hexadecimal digits
-  /// The run that this one is compared with; nothing for "exact" and none.
+  /// The run that this one is compared with; nothing for "exact", a known value and none.
   std::optional<Case> reference_case() const;
 };
 
-/// What a run gives, in the order of kColumns (results.h): numbers, texts, null for what there is not. Integrators that
-/// refuse the scene, unsolved steps, absent references are rows with words in "why", no exceptions. Deterministic but for
-/// "slowest" and "seconds", and for "time_limit", which is asked.
+/// What a run gives, in the order of columns_of_cases() (results.h): numbers, texts, null for what there is not.
+/// Integrators that refuse the scene, unsolved steps, absent references are rows with a "why", no exceptions.
+/// Deterministic except "slowest" and "seconds", and "time_limit", which is an input.
 using ResultRow = nlohmann::ordered_json;
 
 /// `reference`: the measure of the reference run where that is known, NaN where it failed; else it is run here as well.

@@ -1,7 +1,8 @@
-// experiments/sweep/drift.h — how far a run comes from what physics keeps: the largest deviations from the start so far.
+// experiments/sweep/drift.h — drift of conserved quantities: the largest deviations from the start so far.
 //
 //   energy   |E − E₀| [J]
-//   momentum |Σ m v − P₀| [N s],  spin |Σ m (x × v) + J ω − L₀| [N m s] about the origin; of isolated systems: no gravity,
+//   momentum |Σ m v − P₀| [N s],  spin |Σ m (x × v) + J ω − L₀| [N m s] about the origin; of isolated systems: no
+//                                 gravity,
 //            no load, drive or coordinate law, and nothing that holds or touches the ground. Else NaN.
 // That energy falls where there is friction or e < 1 is no fault: which of the figures must be zero is for the reader.
 #pragma once

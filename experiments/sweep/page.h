@@ -1,5 +1,5 @@
-// experiments/sweep/page.h — what a sweep's file says that its report shows (experiments/report/report.h), checked when the
-// file is read and not when all of it has been computed.
+// experiments/sweep/page.h — report settings in a sweep file (experiments/report/report.h),
+// checked when the file is read, before anything is computed.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
@@ -31,8 +31,8 @@ void check_figures(const nlohmann::ordered_json& figures, const std::set<std::st
 /// The sweep's scene with KEY=VALUE set.
 using SceneWith = std::function<Scene(const std::vector<std::string>& sets)>;
 
-/// [[animation]]: a list of tables, of runs of a scene; each run of a million steps at most. Of a file's own words, and once
-/// more of what a results file holds, which may be anybody's.
+/// [[animation]]: a list of tables, of runs of a scene; each run of a million steps at most. Of a file's own words, and
+/// once more of what a results file holds, which may be anybody's.
 void check_animations(const nlohmann::ordered_json& animations, const SceneWith& scene);
 
 }  // namespace orthant

@@ -2,6 +2,8 @@
 
 #include "experiments/support/manifest.h"
 
+#include <orthant/integrators/run_fields.h>
+
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -16,56 +18,36 @@
 namespace orthant {
 namespace {
 
-constexpr int kOurs = 0x6f727468, kVersion = 3;  // "orth"; both stand in the file's head
+constexpr int kOurs = 0x6f727468, kVersion = 4;  // "orth"; both stand in the file's head
 
-constexpr Column kColumns[] = {
-    {"key", "TEXT PRIMARY KEY"},
-    {"scene", "TEXT"},
-    {"parameters", "TEXT"},
-    {"integrator", "TEXT"},
-    {"solver", "TEXT"},
-    {"step", "REAL"},
-    {"rtol", "REAL"},
-    {"duration", "REAL"},
-    {"measure", "TEXT"},
-    {"compared_with", "TEXT"},
-    {"repeats", "INTEGER"},
-    {"time_limit", "REAL"},
-    {"revision", "TEXT"},
-    {"status", "TEXT"},
-    {"why", "TEXT"},
-    {"value", "REAL"},
-    {"reference", "REAL"},
-    {"error", "REAL"},
-    {"steps", "INTEGER"},
-    {"accepted", "INTEGER"},
-    {"rejected", "INTEGER"},
-    {"lcp_solves", "INTEGER"},
-    {"lcp_iterations", "INTEGER"},
-    {"events", "INTEGER"},
-    {"max_lcp_residual", "REAL"},
-    {"max_joint_residual", "REAL"},
-    {"max_penetration", "REAL"},
-    {"energy_initial", "REAL"},
-    {"energy_final", "REAL"},
-    {"energy_rise", "REAL"},
-    {"energy_drift", "REAL"},
-    {"momentum_drift", "REAL"},
-    {"spin_drift", "REAL"},
-    {"impulse", "REAL"},
-    {"friction_impulse", "REAL"},
-    {"first_touch", "REAL"},
-    {"first_release", "REAL"},
-    {"last_release", "REAL"},
-    {"touching", "REAL"},
-    {"problem", "TEXT"},
-    {"slowest", "REAL"},
-    {"seconds", "REAL"},
+constexpr Column kFirst[] = {
+    {"key", "TEXT PRIMARY KEY"}, {"scene", "TEXT"},         {"parameters", "TEXT"}, {"integrator", "TEXT"},
+    {"solver", "TEXT"},          {"step", "REAL"},          {"rtol", "REAL"},       {"duration", "REAL"},
+    {"measure", "TEXT"},         {"compared_with", "TEXT"}, {"repeats", "INTEGER"}, {"time_limit", "REAL"},
+    {"revision", "TEXT"},        {"status", "TEXT"},        {"why", "TEXT"},        {"value", "REAL"},
+    {"reference", "REAL"},       {"error", "REAL"},
 };
+constexpr Column kLast[] = {
+    {"energy_drift", "REAL"},     {"momentum_drift", "REAL"}, {"spin_drift", "REAL"},    {"impulse", "REAL"},
+    {"friction_impulse", "REAL"}, {"first_touch", "REAL"},    {"first_release", "REAL"}, {"last_release", "REAL"},
+    {"touching", "REAL"},         {"problem", "TEXT"},        {"slowest", "REAL"},       {"seconds", "REAL"},
+};
+
+/// The fields of a run stand between the two; "seconds" is the last column, measured as the case says.
+std::vector<Column> make_columns() {
+  std::vector<Column> columns(std::begin(kFirst), std::end(kFirst));
+  Run run;
+  visit_fields(run, [&](const char* field, const char*, const char*, auto& value) {
+    if (field != std::string_view("seconds"))
+      columns.push_back({field, std::is_same_v<decltype(value), long&> ? "INTEGER" : "REAL"});
+  });
+  columns.insert(columns.end(), std::begin(kLast), std::end(kLast));
+  return columns;
+}
 
 std::string list_of_columns(const char* separator, bool types) {
   std::string text;
-  for (const Column& column : kColumns)
+  for (const Column& column : columns_of_cases())
     text += (text.empty() ? "" : separator) + std::string(column.name) + (types ? std::string(" ") + column.type : "");
   return text;
 }
@@ -74,7 +56,7 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : ".";
 }
 
-/// Reading makes files beside the database, too, which its write-ahead log needs. Where none can be made and there is no
+/// Reading also makes files next to the database, for its write-ahead log. Where none can be made and there is no
 /// log, nobody writes: SQLite may then take the file for what never changes. Source: https://sqlite.org/uri.html
 bool fixed(const std::filesystem::path& file) {
   std::error_code none;
@@ -106,7 +88,7 @@ bool always_there(std::string_view column) {
 
 /// Why it is no row that a sweep writes; empty: it is one.
 std::string fault_of(const ResultRow& row) {
-  for (const Column& column : kColumns) {
+  for (const Column& column : columns_of_cases()) {
     if (!row.contains(column.name)) return std::string("it has no column ") + column.name;
     const auto& value = row.at(column.name);
     const bool text = column.type[0] == 'T';
@@ -127,7 +109,10 @@ std::string fault_of(const ResultRow& row) {
 
 }  // namespace
 
-std::span<const Column> columns_of_cases() { return kColumns; }
+std::span<const Column> columns_of_cases() {
+  static const std::vector<Column> columns = make_columns();
+  return columns;
+}
 
 /// One prepared statement: bind, step, read.
 class Results::Statement {
@@ -327,15 +312,15 @@ bool Results::has(const std::string& key) const {
 
 void Results::add(const ResultRow& row) {
   ResultRow whole = row;
-  for (const Column& column : kColumns)
+  for (const Column& column : columns_of_cases())
     if (!whole.contains(column.name)) whole[column.name] = nullptr;
   if (const std::string fault = fault_of(whole); !fault.empty())
     throw std::invalid_argument("no row of a sweep: " + fault);
   std::string places;
-  for (std::size_t i = 0; i < std::size(kColumns); ++i) places += i == 0 ? "?" : ", ?";
+  for (std::size_t i = 0; i < columns_of_cases().size(); ++i) places += i == 0 ? "?" : ", ?";
   Statement statement(*this,
                       "INSERT OR IGNORE INTO cases(" + list_of_columns(", ", false) + ") VALUES(" + places + ")");
-  for (const Column& column : kColumns) statement.bind(whole.at(column.name));
+  for (const Column& column : columns_of_cases()) statement.bind(whole.at(column.name));
   statement.step();
 }
 

@@ -1,9 +1,9 @@
-// experiments/sweep/results.h — the results of sweeps in one SQLite file: a row a case, by key.
+// experiments/sweep/results.h — results file: the results of sweeps in one SQLite file; a row a case, by key.
 //
-//   cases(key, …)           kColumns; what is asked, what came out; "seconds" alone differs from run to run
-//   sweeps(name, about)     what was asked, by what build on what machine, as JSON
+//   cases(key, …)           columns_of_cases(): the case, then its result; only "seconds" differs from run to run
+//   sweeps(name, about)     the definition, the build and the machine, as JSON
 //   members(sweep, place, key)   which cases a sweep has, in its order; a case may be in several
-// A case that the clock or a crash ended is asked for again by whoever grants it more time, or says so: declare().
+// A case that a time limit or a crash ended runs again with more time, or with `retry`: declare().
 // Write-ahead log, one transaction a case: killed at any time, what is written stays, and several processes may write.
 // Source of the guarantees: https://sqlite.org/wal.html, https://sqlite.org/atomiccommit.html. Not on network drives.
 #pragma once
@@ -27,14 +27,14 @@ std::span<const Column> columns_of_cases();
 class Results {
  public:
   enum Open { read_only, read_write };
-  /// Throws std::runtime_error naming file and reason: no database, not ours, locked for longer than `patience` [s], disk
-  /// full, not to be written, damaged. So does everything below. Read only, it may lie on a read-only disk.
+  /// Throws std::runtime_error naming file and reason: no database, not ours, locked for longer than `patience` [s],
+  /// disk full, not to be written, damaged. So does everything below. Read only, it may lie on a read-only disk.
   explicit Results(const std::filesystem::path& file, Open open = read_write, double patience = 10);
   Results(const Results&) = delete;
   Results& operator=(const Results&) = delete;
   ~Results();
 
-  /// What is asked, and by whom. Forgets the rows of its cases that a shorter time limit than now ended, or with `retry` any
+  /// Definition and build. Forgets the rows of its cases that a shorter time limit than now ended, or with `retry` any
   /// limit or a crash, and those that were compared with such runs: they are missing then.
   void declare(const Sweep& sweep, bool retry = false);
   bool has(const std::string& key) const;
@@ -64,7 +64,7 @@ class Results {
   sqlite3* db_ = nullptr;
 };
 
-/// The case that somebody works at, told to all processes of this machine: a lock on one byte of a file beside the
+/// Claims a case for one of the processes of this machine: a lock on one byte of a file next to the
 /// results, which the system takes away when its owner dies. Source: fcntl(2), open file description locks.
 class Claims {
  public:

@@ -1,8 +1,8 @@
-// experiments/sweep/run.h — the missing cases of a sweep, each in a process of its own, into its results.
+// experiments/sweep/run.h — sweep runner: the missing cases, each in a process of its own, into the results file.
 //
 //   Cases that are compared with other runs wait for those. Timed ones come last, one at a time. A case that crashes or
-//   does not end is a row with that status. Several programs may run the same sweep into the same file: each case is done
-//   by one of them, and they end when all are done.
+//   does not end is a row with that status. Several programs may run the same sweep into the same file: each case is
+//   done by one of them, and they end when all are done.
 #pragma once
 
 #include "results.h"
@@ -18,8 +18,8 @@ struct Tally {
 Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs,
                 bool retry = false);
 
-/// One case in a process of its own, and so the run that it is compared with, which comes first: the rows that a sweep would
-/// have written.
+/// One case in a process of its own, and so the run that it is compared with, which comes first: the rows that a sweep
+/// would have written.
 std::vector<ResultRow> run_apart(const Case& c);
 
 }  // namespace orthant

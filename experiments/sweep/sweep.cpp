@@ -1,6 +1,7 @@
 #include "sweep.h"
 
 #include "page.h"
+#include "reference_table.h"
 
 #include "experiments/support/trajectory.h"
 
@@ -83,8 +84,7 @@ class Reader {
                 .scene = grids_have ? text("scene", "") : text("scene")};
     if (!sweep.scene.empty()) set_scene(common_, "scene", sweep.scene);
     common_.measure = text("measure", "energy");
-    common_.reference = text("reference", "");
-    if (!common_.reference.empty() && common_.reference != "exact") check_integrator("reference", common_.reference);
+    read_reference();
     if (!root_.contains("grid") || !root_["grid"].is_array() || root_["grid"].empty())
       fail("grid", "", "a sweep needs at least one [[grid]]");
     std::set<std::string> known;
@@ -133,6 +133,20 @@ class Reader {
     const double x = number(key, value, low, high);
     if (x != std::floor(x)) fail(key, value.dump(), "must be a whole number");
     return static_cast<int>(x);
+  }
+
+  /// A number, a table's file, "exact" or an integrator.
+  void read_reference() {
+    if (root_.contains("reference") && root_["reference"].is_number()) {
+      common_.known = number("reference", root_["reference"], -1e300, 1e300);
+      common_.reference = detail::text_of(*common_.known);
+      return;
+    }
+    common_.reference = text("reference", "");
+    if (common_.reference.ends_with(".csv"))
+      in_file("reference", [&] { return table_.emplace(file_.parent_path() / common_.reference), 0; });
+    else if (!common_.reference.empty() && common_.reference != "exact")
+      check_integrator("reference", common_.reference);
   }
 
   /// What the report shows.
@@ -190,7 +204,7 @@ class Reader {
   void set_scene(Case& c, const std::string& key, const std::string& name) const {
     c.scene = name, c.scene_text.clear();
     if (is_built_in(name)) return;
-    if (const auto beside = file_.parent_path() / name; std::filesystem::exists(beside)) c.scene = beside.string();
+    if (const auto near = file_.parent_path() / name; std::filesystem::exists(near)) c.scene = near.string();
     const Scene scene = in_file(key, [&] { return make_scene(c.scene); });  // throws, in words
     c.scene_text = read_scene_text(c.scene);
   }
@@ -263,12 +277,14 @@ class Reader {
       c.step = number("grid.step", value, 1e-15, c.duration);
     });
     for (Case& c : all) c.step = c.duration / std::round(c.duration / c.step);
+    if (table_)
+      for (Case& c : all) c.known = in_file("reference", [&] { return table_->value_for(c); });
     check(all);
     return all;
   }
 
   /// The scene's own step and duration, where the file has none; every scene is read once, so that bad parameters are
-  /// told before anything runs.
+  /// reported before anything runs.
   void set_times(std::vector<Case>& all, const Json& grid) const {
     std::map<std::pair<std::string, std::vector<std::string>>, Clock> known;
     for (Case& c : all) {
@@ -300,6 +316,7 @@ class Reader {
   std::filesystem::path file_;
   Json root_;
   Case common_;
+  std::optional<ReferenceTable> table_;  // of reference values
 };
 
 }  // namespace

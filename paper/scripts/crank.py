@@ -14,12 +14,20 @@ NEAR_UNIT = 1e-4  # [rad] of the table of errors there
 WELL = 0.4  # restitution up to which the motion is well conditioned
 FIXED = (CLASSICAL, SYMMETRIC, "stewart-trinkle", "anitescu-potra", "paoli-schatzman", "generalized-alpha", "rattle")
 STUDIES = ("slider_crank", "friction", "clearance", "conservation", "shootout")
-TARGETS = ("0.01", "0.001", "1e-04", "1e-05", "1e-06", "1e-07", "1e-08", "1e-09")
+TARGETS = tuple(f"1e-{k}" for k in range(2, 10))
+FIGURES = PAPER.parent / "experiments/docs/data/figures.toml"
 
 
 def mechanism():
     scene = tomllib.loads((PAPER.parent / "core/scenes/slider_crank.toml").read_text())
     return scene, {body["name"]: body for body in scene["body"]}, {c["name"]: c for c in scene["contact"]}
+
+
+def time_to_error():
+    """Milliseconds of each integrator to an error, from the one data file of performance figures; None: not reached."""
+    table = tomllib.loads(FIGURES.read_text(encoding="utf-8"))["time_to_error"]
+    return {SYMMETRIC if name == "moreau-jean" else name: {"integrator": SYMMETRIC if name == "moreau-jean" else name} |
+            {k: None if x == "–" else x for k, x in zip(table["columns"][1:], cells)} for name, *cells in table["rows"]}
 
 
 def reference():
@@ -93,10 +101,10 @@ def numbers(n):
     n["crank/error_common"], n["crank/as_mu"] = tex(error, 1) + unit("rad"), tex(error / per_mu, 1)
     inelastic = [fit["order"] for fit in fits("rattle", lambda e: e == 0)]
     n["crank/order_rattle_inelastic"] = tex(min(inelastic), 3)
-    times = {row["integrator"]: row for row in rows("slider_crank.times")}
-    for target, name in (("0.001", "e3"), ("1e-06", "e6")):
-        n[f"crank/adaptive_{name}"] = tex(1e3 * times["adaptive"][f"to_{target}"]) + unit("ms")
-    n["crank/event_driven_e9"] = tex(1e3 * times["event-driven"]["to_1e-09"]) + unit("ms")
+    times = time_to_error()
+    for target, name in (("1e-3", "e3"), ("1e-6", "e6")):
+        n[f"crank/adaptive_{name}"] = tex(times["adaptive"][target]) + unit("ms")
+    n["crank/event_driven_e9"] = tex(times["event-driven"]["1e-9"]) + unit("ms")
     cost = {(row["integrator"], row["mu"], row["e"], row["step"]): row["seconds"]
             for row in pick(solved(table), repeats=lambda n: n > 0, rtol=None)}
     pairs = sorted(cost[SYMMETRIC, *case] / seconds for (name, *case), seconds in cost.items()
@@ -106,11 +114,11 @@ def numbers(n):
     scatter = [row["slowest"] / row["seconds"] - 1 for row in solved(table) if row["slowest"]]
     n["crank/scatter_median"], n["crank/scatter_most"] = (rf"{tex(100 * x, 1)}\,\%" for x in (median(scatter), max(scatter)))
     slow, quick = ([row for name, row in times.items() if (name in FIXED) == fixed] for fixed in (True, False))
-    cheapest = {k: [min((row[f"to_{k}"] for row in some if row[f"to_{k}"]), default=math.inf) for some in (slow, quick)] for k in TARGETS}
+    cheapest = {k: [min((row[k] for row in some if row[k]), default=math.inf) for some in (slow, quick)] for k in TARGETS}
     wins = [k for i, k in enumerate(TARGETS) if all(quick <= CLEARLY * slow for slow, quick in (cheapest[j] for j in TARGETS[i:]))]
     n["crank/tolerance_from"] = tex(float(wins[0]), 1) + unit("rad")
-    n["crank/fixed_then"], n["crank/tolerance_then"] = (tex(1e3 * seconds) + unit("ms") for seconds in cheapest[wins[0]])
-    last = max(slow, key=lambda row: sum(row[f"to_{k}"] is not None for k in TARGETS))
+    n["crank/fixed_then"], n["crank/tolerance_then"] = (tex(ms) + unit("ms") for ms in cheapest[wins[0]])
+    last = max(slow, key=lambda row: sum(row[k] is not None for k in TARGETS))
     n["crank/fixed_last"] = last["integrator"].split(":")[0]
     relaxed = [fit["order"] for fit in load("slider_crank.orders")
                if fit["integrator"] == "anitescu-potra" and fit["mu"] > 0 and fit["e"] > 0]
@@ -121,13 +129,12 @@ def numbers(n):
     n["crank/mus"], n["crank/es_well"] = numeral(len({mu for mu, e in final})), numeral(len({e for mu, e in final if e <= WELL}))
     n["crank/near_share"] = rf"{tex(100 * (NEAR[1] - NEAR[0]) / sum(NEAR), 2)}\,\%"
     solver_share(n, table)
-    n["crank/symmetric_e3"] = tex(1e3 * times[SYMMETRIC]["to_0.001"]) + unit("ms")
+    n["crank/symmetric_e3"] = tex(times[SYMMETRIC]["1e-3"]) + unit("ms")
     timed = pick(solved(table), integrator=CLASSICAL, repeats=3)
     n["crank/classical_finest"] = tex(1e6 * min(row["step"] for row in timed), 2) + unit(r"\mu s")
     finest = pick(timed, step=min(row["step"] for row in timed))
     n["crank/classical_finest_error"] = tex(max(row["error"] for row in finest), 1)
-    n["crank/classical_finest_cost"] = tex(1e3 * max(row["seconds"] for row in finest)) + unit("ms")
-    n["crank/symmetric_e2"] = tex(1e3 * times[SYMMETRIC]["to_0.01"]) + unit("ms")
+    n["crank/symmetric_e2"] = tex(times[SYMMETRIC]["1e-2"]) + unit("ms")
     adaptive = max(row["lcp_solves"] for row in pick(solved(table), integrator="adaptive", rtol=1e-6))
     n["crank/adaptive_solves"] = count(int(adaptive))
     step = min(row["step"] for row in pick(table, integrator=SYMMETRIC, repeats=3))
@@ -140,6 +147,9 @@ def numbers(n):
     n["machine/cpu"] = re.sub(r"\((R|TM)\)", "", made["cpu"]).replace("@", "at").strip()
     n["machine/cores"] = count(made["cores"])
     n["machine/compiler"] = made["compiler"]
+    figures = tomllib.loads(FIGURES.read_text(encoding="utf-8"))["time_to_error"]
+    n["machine/times"] = figures["machine"]
+    n["machine/times_date"], n["machine/times_revision"] = figures["date"], code(figures["revision"].removesuffix("+changes"))
 
 
 def solver_share(n, table):
@@ -188,6 +198,6 @@ def tables(t):
     t["orders"] = tabular("lllllll", ["scheme"] + [x for e in es for x in (rf"$e = {e}$", "scatter")], lines)
 
     lines = [[short(row["integrator"])] +
-             ["--" if row[f"to_{k}"] is None else tex(1e3 * row[f"to_{k}"]) for k in TARGETS]
-             for row in rows("slider_crank.times")]
+             ["--" if row[k] is None else tex(row[k]) for k in TARGETS] for row in time_to_error().values()
+             if any(row[k] is not None for k in TARGETS)]
     t["times"] = tabular("l" + 8 * "r", ["error [rad]"] + [tex(float(k), 1) for k in TARGETS], lines)

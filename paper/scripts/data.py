@@ -91,7 +91,7 @@ def tabular(columns, header, lines):
 
 
 def short(integrator):
-    """moreau-jean has its two treatments of the joints told apart."""
+    """A name that distinguishes the two treatments of the joints of moreau-jean."""
     names = {"moreau-jean:joints=position": r"\code{moreau-jean}, classical",
              "moreau-jean:joints=symmetric": r"\code{moreau-jean}, symmetric", "moreau-jean": r"\code{moreau-jean}, symmetric"}
     return names.get(integrator) or code(re.sub(":.*", "", integrator))

@@ -63,10 +63,10 @@ def friction_numbers(n):
         f"{words(len(own))} by {code(name)} (up to {tex(max(row['energy_final'] for row in own), 2)}" + unit("J") + ")"
         for name in dict.fromkeys(row["integrator"] for row in made) if (own := pick(made, integrator=name))) or "none"
     fixed = [row for row in solved(schemes) if row["integrator"] in FIXED]
-    most = max(fixed, key=lambda row: row["energy_rise"])
-    n["friction/rise"], n["friction/rise_at"] = tex(most["energy_rise"], 1) + unit("J"), tex(most["mu"], 3)
+    most = max(fixed, key=lambda row: row["max_energy_rise"])
+    n["friction/rise"], n["friction/rise_at"] = tex(most["max_energy_rise"], 1) + unit("J"), tex(most["mu"], 3)
     n["friction/rise_by"] = code(most["integrator"])
-    n["friction/rise_below"] = tex(max(row["energy_rise"] for row in fixed if row["mu"] < jammed), 1) + unit("J")
+    n["friction/rise_below"] = tex(max(row["max_energy_rise"] for row in fixed if row["mu"] < jammed), 1) + unit("J")
     n["friction/energy"] = tex(schemes[0]["energy_initial"], 2) + unit("J")
     n["friction/single"], n["friction/flush"] = (tex(mu, 3) for mu in least())
     n["friction/leaning"] = tex(leaning(), 3)
@@ -190,7 +190,7 @@ def conservation(t, n):
         spin = None if integrator == "adaptive" else slope([(row["step"], row["spin_drift"]) for row in pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})])
         lines.append([short(integrator), tex(max(row["momentum_drift"] for row in own), 1),
                       tex(max(row["spin_drift"] for row in fine), 1), tex(spin, 2) if spin else "--",
-                      tex(max(row["energy_drift"] for row in smooth), 1), tex(max(row["energy_rise"] for row in fine), 1),
+                      tex(max(row["energy_drift"] for row in smooth), 1), tex(max(row["max_energy_rise"] for row in fine), 1),
                       tex(max(row["max_penetration"] for row in fine), 1)])
     t["box"] = tabular("lrrrrrr", ["scheme", "momentum", "spin", "power", r"energy, $\mu=0$, $e=1$", "energy rise", "penetration"],
                        lines)
@@ -211,11 +211,11 @@ def conservation(t, n):
     n["conservation/symmetric_drift"] = tex(min((r["step"], r["energy_drift"]) for r in symmetric)[1], 1) + unit("J")
     n["conservation/h"] = tex(1e6 * least[0], 3) + unit(r"\mu s")
     n["conservation/energy"] = tex(classical[0]["energy_initial"], 3) + unit("J")
-    rubbing = max(pick(box, **{"collision.all.mu": lambda mu: mu > 0}), key=lambda r: r["energy_rise"])
-    n["conservation/rise"], n["conservation/rise_by"] = tex(rubbing["energy_rise"], 1) + unit("J"), code(rubbing["integrator"])
+    rubbing = max(pick(box, **{"collision.all.mu": lambda mu: mu > 0}), key=lambda r: r["max_energy_rise"])
+    n["conservation/rise"], n["conservation/rise_by"] = tex(rubbing["max_energy_rise"], 1) + unit("J"), code(rubbing["integrator"])
     smooth = pick(box, integrator=rubbing["integrator"], **{"collision.all.mu": 0})
-    n["conservation/rise_smooth"] = tex(max(r["energy_rise"] for r in smooth), 1) + unit("J")
-    n["conservation/rise_event"] = tex(max(r["energy_rise"] for r in pick(box, integrator="event-driven")), 1) + unit("J")
+    n["conservation/rise_smooth"] = tex(max(r["max_energy_rise"] for r in smooth), 1) + unit("J")
+    n["conservation/rise_event"] = tex(max(r["max_energy_rise"] for r in pick(box, integrator="event-driven")), 1) + unit("J")
     for name, integrator in (("event", "event-driven"), ("adaptive", "adaptive")):
         n[f"conservation/spin_{name}"] = tex(max(r["spin_drift"] for r in pick(solved(box), integrator=integrator)), 1)
     ball = pick(table, scene="bouncing_ball", integrator="moreau-jean")

@@ -1,6 +1,6 @@
 """From the results of the studies what the article takes: reduce.py RESULTS DATA.
 
-Columns that are used, numbers to five digits (nine where differences count); beside each study what asked for it (the sweep's text, as a fingerprint),
+Columns that are used, numbers to five digits (nine where differences count); of each study a fingerprint of its sweep,
 which build answered, on what machine.
 """
 import csv
@@ -15,11 +15,11 @@ EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 COLUMNS = {
     "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds slowest "
                     "max_lcp_residual max_joint_residual",
-    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final energy_rise touching impulse seconds",
+    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final max_energy_rise touching impulse seconds",
     "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
                  "first_touch first_release last_release",
     "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
-                    "energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
+                    "max_energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
 }
 EXACT = ("value", "energy_initial", "energy_final", "impulse", "first_touch", "first_release", "last_release")  # differences of these are looked at
 MACHINE = ("revision", "compiler", "flags", "cpu", "cores", "packages")
@@ -54,15 +54,13 @@ def reduce_sweep(results, data, study):
         out.writerow(columns)
         for row in rows:
             if "repeats" in row and row["repeats"] == "0":
-                row["seconds"] = row["slowest"] = ""  # of runs beside others: says nothing
+                row["seconds"] = row["slowest"] = ""  # of runs in parallel: means nothing
             out.writerow([rounded(row.get(column, ""), 9 if column in EXACT else 5) for column in columns])
     orders = [{key: value for key, value in one.items() if key not in ("sweep", "worst")} |
               {"worst": [[float(rounded(x)) for x in pair] for pair in one["worst"]]}
               for one in json.loads((folder / "orders.json").read_text() or "[]")]
     if orders:
         (data / f"{study}.orders.json").write_text("[\n" + ",\n".join(json.dumps(one) for one in orders) + "\n]\n")
-    if (folder / "times.csv").read_text().strip():
-        (data / f"{study}.times.csv").write_text((folder / "times.csv").read_text())
     if (folder / "modes.csv").exists():
         (data / f"{study}.modes.csv").write_text((folder / "modes.csv").read_text())
     made = about(folder, command=f"experiments/run {study}", asked=fingerprint(study))

@@ -11,7 +11,7 @@ ORDERS = {
     "paoli-schatzman": (1, 1, "Order 1: v is a backward difference"),
     "generalized-alpha": (2, 1, "Order 2 on smooth motion for every ρ_∞; 1 with impacts"),
     "rattle": (2, 1, "Order 2 on smooth motion and in contacts that last. With impacts 1"),
-    "adaptive": (None, None, "Moreau–Jean stepping to a tolerance"),
+    "adaptive": (None, None, "event location and dense output to a tolerance"),
     "event-driven": (None, None, "the smooth motion by a Runge–Kutta method of order 8"),
 }
 CLASSICAL = 1  # of moreau-jean with joints on velocity level, on smooth motion: the article's own proposition

@@ -1,6 +1,7 @@
-// experiments/benchmarks/lcp/driver.h — what every rival's driver shares: a problem from a file, a timed solve, an answer.
+// experiments/benchmarks/lcp/driver.h — driver base of all LCP rivals: a problem from a file, a timed solve, an answer.
 //
-//   DRIVER                                     prints a line for each method: name, what it takes (pure, boxes, friction)
+//   DRIVER                                     prints a line for each method: name, what it takes (pure, boxes,
+//   friction)
 //   DRIVER METHOD PROBLEM ANSWER TOLERANCE     solves
 //
 //   PROBLEM, binary, by experiments/support/rivals.cpp: int64 n, entries, frictions; int64 start[n + 1];
@@ -29,7 +30,7 @@
 
 namespace rival {
 
-/// lo ≤ z ≤ hi beside w = A z + b, as Orthant has it; friction rows: |z_row| ≤ μ z_normal.
+/// lo ≤ z ≤ hi, w = A z + b, as in Orthant; friction rows: |z_row| ≤ μ z_normal.
 struct Problem {
   std::int64_t n = 0;
   std::vector<std::int64_t> start;

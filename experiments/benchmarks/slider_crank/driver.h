@@ -1,4 +1,4 @@
-// experiments/benchmarks/slider_crank/driver.h — what every rival's slider-crank shares: parameters, calls, the answer.
+// experiments/benchmarks/slider_crank/driver.h — driver base of all slider-crank rivals: parameters, calls, answer.
 //
 //   DRIVER                     prints a line for each method: name, then what its setting is: step [s] or tolerance
 //   DRIVER METHOD MU E SETTING runs 0.2 s and prints: theta1 [rad], seconds of the run alone, steps, a note

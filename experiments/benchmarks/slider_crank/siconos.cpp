@@ -1,8 +1,8 @@
 // Siconos Kernel: Moreau-Jean time stepping, θ = 1/2, in minimal coordinates θ₁, θ₂, θ₃.
 //
 //   Joints need no constraints then, nothing drifts: its best model of this mechanism, and the one its users know.
-//   Newton's restitution and Coulomb friction as the exact solution has them. Two methods: Newton iterations to the end of
-//   each step's equations, its default, and one iteration only, which here is nearer to the exact motion.
+//   Newton's restitution and Coulomb friction as the exact solution has them. Two methods: Newton iterations to the end
+//   of each step's equations, its default, and one iteration only, which here is nearer to the exact motion.
 //   M(q) v̇ + F_gyr(q, v) + F_int(q) = forces of the corners:  with K = l1 l2 (m2/2 + m3), Δ = θ₁ − θ₂
 //     M₁₁ = J1 + l1² (m1/4 + m2 + m3),  M₂₂ = J2 + l2² (m2/4 + m3),  M₁₂ = K cos Δ,  M₃₃ = J3
 //     F_gyr = K sin Δ (ω₂², −ω₁², 0),   F_int = g ((m1/2 + m2 + m3) l1 cos θ₁, (m2/2 + m3) l2 cos θ₂, 0)

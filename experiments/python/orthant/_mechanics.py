@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
@@ -16,11 +17,12 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import pandas
 
-_KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load", "drive")
+_KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load")
+_CUSTOM_LAW = ("mu", "e_n", "e_t", "mu_static", "belt")
 
 
 def toml_of(name: str, value: Any) -> str:
-    """A value of the format, `name` of which is told where it is none."""
+    """A value of the format. An error names `name`."""
     if hasattr(value, "tolist"):  # NumPy
         value = value.tolist()
     if isinstance(value, bool):
@@ -42,6 +44,10 @@ def toml_lines(keys: dict[str, Any]) -> list[str]:
     return [f"{key} = {toml_of(key, value)}" for key, value in keys.items()]
 
 
+class OrthantWarning(UserWarning):
+    """A run that is finished, but not to be trusted in everything: the words say in what, with figures."""
+
+
 class Scene:
     """A mechanism as plain data, with the keys of the TOML scene format.
 
@@ -55,18 +61,57 @@ class Scene:
     def __init__(self, **keys: Any) -> None:
         self._keys = dict(keys)  # of the scene itself: gravity [m/s^2], duration, step [s], ...
         self._elements: list[tuple[str, dict[str, Any]]] = []
+        self._customs: list[tuple[Any, ...]] = []  # contacts written in Python
         self._read: Optional[_orthant._Scene] = None
 
     def add(self, kind: str, **keys: Any) -> None:
-        """One more element: "body", "joint", "contact", ...; keys as in the scene format. `simulate` checks them."""
+        """One more element: "body", "joint", "contact", ...; keys as in the scene format. `simulate` checks them.
+
+        A contact of type="custom" is written in Python; custom contacts come behind all others. Its keys:
+
+        - bodies=["a", "b"] (one may be "ground");
+        - gap(pose_a, pose_b) -> float [m], > 0: open; a pose is (x, y, angle);
+        - rows(pose_a, pose_b) -> 6 numbers, d gap / d (x, y, angle) of a, then of b. With friction (2, 6) numbers:
+          the second row holds the derivatives of slip;
+        - bias(pose_a, pose_b, twist_a, twist_b) -> d/dt of the rates at zero acceleration, one number, or two.
+          It may be left out: differences of the rows take its place, good for 11 digits or so;
+        - mu, e_n, e_t, mu_static, belt;
+        - length [m]: how far bodies may move before the gap's course changes.
+
+        Rows and bias are compared with differences of gap and rows before a run. Each call costs some microseconds.
+        """
+        if kind == "contact" and keys.get("type") == "custom":
+            self._add_custom(keys)
+            return
         if self._read is not None:
             raise ValueError("this scene was read from a file or by name: change it by keyword overrides there")
         if word("kind", kind) not in _KINDS:
             raise ValueError(f"kind '{kind}': must be one of {', '.join(_KINDS)}")
         self._elements.append((kind, keys))
 
+    def _add_custom(self, keys: dict[str, Any]) -> None:
+        known = {"type", "name", "bodies", "gap", "rows", "bias", "length", *_CUSTOM_LAW}
+        if unknown := [key for key in keys if key not in known]:
+            raise ValueError(f"contact: {unknown[0]}: must be one of {', '.join(sorted(known))}")
+        name = word("name", keys.get("name", f"custom{len(self._customs) + 1}"))
+        bodies = keys.get("bodies")
+        if not isinstance(bodies, (list, tuple)) or len(bodies) != 2:
+            raise TypeError(f"contact \"{name}\": bodies = {shown(bodies)}: must be two names")
+        for key in ("gap", "rows", "bias"):
+            if not callable(keys.get(key)) and not (key == "bias" and keys.get(key) is None):
+                raise TypeError(f"contact \"{name}\": {key} = {shown(keys.get(key))}: must be a function of the poses")
+        law = [float(keys.get(key, 0)) for key in _CUSTOM_LAW]
+        length = None if keys.get("length") is None else float(keys["length"])
+        a, b = (word("bodies", body) for body in bodies)
+        self._customs.append((name, a, b, keys["gap"], keys["rows"], keys.get("bias"), *law, length))
+
     def toml(self) -> str:
         """The scene as a TOML file's text (not of one by name or with overrides)."""
+        if self._customs:
+            raise ValueError(f"contact \"{self._customs[0][0]}\" is written in Python: the scene has no text")
+        return self._text()
+
+    def _text(self) -> str:
         if self._read is not None:
             if self._read.text is None or self._read.sets:
                 raise ValueError("a scene by name or with overrides has no text of its own: must be built here or read as it is")
@@ -100,7 +145,24 @@ class Scene:
         return scene
 
     def _checked(self) -> _orthant._Scene:
-        return self._read if self._read is not None else _orthant._Scene(self.toml(), "scene", [])
+        if self._read is None:
+            return _orthant._Scene(self._text(), "scene", [], self._customs)
+        if not self._customs:
+            return self._read
+        return _orthant._Scene(self._read.text, self._read.name, self._read.sets, self._customs)
+
+    def __repr__(self) -> str:
+        if self._read is not None:
+            kinds = [("body", self._read.bodies), ("contact", self._read.contacts)]
+            counts = [(kind, len(names)) for kind, names in kinds]
+            origin = [repr(self._read.name)] + ([f"set={self._read.sets}"] if self._read.sets else [])
+        else:
+            every = [kind for kind, _ in self._elements] + ["contact"] * len(self._customs)
+            counts = [(kind, every.count(kind)) for kind in _KINDS]
+            origin = [f"{key}={value!r}" for key, value in self._keys.items()]
+        plural = {"body": "bodies"}
+        words = [f"{n} {kind if n == 1 else plural.get(kind, kind + 's')}" for kind, n in counts if n]
+        return f"Scene({', '.join(origin + words)})"
 
     @property
     def bodies(self) -> list[str]:
@@ -123,17 +185,27 @@ def _text_of_file(file: str) -> str:
             raise ValueError(f"{file}: must be UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}") from None
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended a simulation. `run` is the Trajectory up to there, with the status 'cancelled'."""
+
+    def __init__(self, run: Trajectory) -> None:
+        super().__init__(f"the simulation was interrupted at t = {run.summary['t']:g} s; .run keeps it")
+        self.run = run
+
+
 class Trajectory:
     """A run: `columns` name those of `table` (rows, columns), SI units; trajectory["ball.y"] is one of them.
 
-    summary: status, time reached, worst joint residual, penetration, ... ; why: in words, where the status does not say it all;
+    summary: status, time reached, worst joint residual, penetration, ...
     unsolved: the Problem that stopped it, else None.
+    warnings: what the run warned of, a list of texts; why: in words, why it ended, and those warnings.
     """
 
     def __init__(self, scene: _orthant._Scene, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any],
-                 unsolved: Optional[Problem]) -> None:
+                 unsolved: Optional[Problem], events: tuple[Any, ...], warned: list[str]) -> None:
         self.columns, self.table, self.summary, self.unsolved = columns, table, summary, unsolved
-        self._scene = scene
+        self.warnings = warned
+        self._scene, self._events = scene, events
         self._place = {name: i for i, name in enumerate(columns)}
 
     @property
@@ -146,7 +218,28 @@ class Trajectory:
 
     @property
     def why(self) -> str:
-        return str(self.summary["why"])
+        """Why the run ended where it is not solved, then what it warned of; empty: it is solved, without a warning."""
+        ended = str(self.summary["why"])
+        if not ended and not self.solved:
+            ended = f"step {self.summary['steps'] + 1} at t = {self.summary['t']:g} s: {self.status}"
+        return "\n".join(([ended] if ended else []) + self.warnings)
+
+    @property
+    def events(self) -> npt.NDArray[Any]:
+        """The events as a table: a structured array with the columns t [s], kind, contact, impulse_n, impulse_t [N s].
+
+        kind: impact, accumulation, touch, release, stick, slip. "adaptive" and "event-driven" locate events; of
+        other integrators the table is empty. run.events["t"] is a column; pandas.DataFrame(run.events) takes the whole.
+        """
+        import numpy as np
+
+        t, kind, contact, normal, tangent = self._events
+        kinds, contacts = np.array(_orthant._event_kinds), np.array(self._scene.contacts or [""])
+        table = np.empty(len(t), [("t", float), ("kind", kinds.dtype), ("contact", contacts.dtype),
+                                  ("impulse_n", float), ("impulse_t", float)])
+        table["t"], table["kind"], table["contact"] = t, kinds[kind], contacts[contact]
+        table["impulse_n"], table["impulse_t"] = normal, tangent
+        return table
 
     @property
     def t(self) -> npt.NDArray[np.float64]:
@@ -168,8 +261,9 @@ class Trajectory:
         return pandas.DataFrame(self.table, columns=self.columns).set_index("t")
 
     def write(self, file: Union[str, os.PathLike[str]]) -> None:
-        """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the bodies' outlines, for ParaView)."""
-        _orthant._write_trajectory(path("file", file), self._scene, self.columns, self.table)
+        """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the outlines, for ParaView).
+        Events go into NAME.events.csv next to it, or into the HDF5 file's group "events"."""
+        _orthant._write_trajectory(path("file", file), self._scene, self.columns, self.table, self._events)
 
     def __repr__(self) -> str:
         return f"Trajectory(status='{self.status}', rows={len(self)}, t={self.summary['t']:g})"
@@ -177,19 +271,34 @@ class Trajectory:
 
 def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "lemke",
              step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
-             time_limit: Optional[float] = None) -> Trajectory:
+             time_limit: Optional[float] = None, check: bool = False) -> Trajectory:
     """Run a scene: a Scene, a built-in name or a TOML file.
 
     integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
     scene's. every: record every so many steps. time_limit: [s] of wall time; what is done by then is kept, with the status
-    'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C ends a run.
+    'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C raises Interrupted, whose `run` is what is done by then.
+    check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an estimate)
+    and "digits" (significant decimal digits that agree) of the last state.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
+    What `orthant simulate` warns of is an OrthantWarning here, and in the run's `warnings`.
     """
     checked = _scene_of(scene)
-    return Trajectory(checked, *_orthant._simulate(
+    warned: list[str] = []
+
+    def warn(words: str) -> None:
+        warned.append(words)
+        warnings.warn(words, OrthantWarning, stacklevel=3)
+
+    columns, table, summary, unsolved, events, interruption = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
         word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"), seconds("step", step), seconds("duration", duration),
-        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit)))
+        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), bool(check), warn)
+    trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned)
+    if isinstance(interruption, KeyboardInterrupt):
+        raise Interrupted(trajectory)
+    if interruption is not None:
+        raise interruption
+    return trajectory
 
 
 def _scene_of(scene: Any) -> _orthant._Scene:

@@ -32,7 +32,7 @@ def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector],
               time_limit: Optional[float] = None, **options: Any) -> McpResult:
     """Find lower <= z <= upper: F >= 0 where z = lower, F <= 0 where z = upper, else F = 0 (default: 0 and infinity).
 
-    F(z) -> (n,); jacobian(z) -> (n, n) array or scipy.sparse matrix; both asked within the bounds only.
+    F(z) -> (n,); jacobian(z) -> (n, n) array or scipy.sparse matrix; both called within the bounds only.
     start: (n,). options: those of the solver `path`; tolerance (1e-10) is absolute, in units of F, as only you know what F
     is made of: a problem whose F is small everywhere is to be scaled first. What the callbacks raise is passed on.
     Source: Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156.
@@ -55,8 +55,21 @@ def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0, *, time_limi
 
 
 def equilibria(A: npt.ArrayLike, B: npt.ArrayLike, *, time_limit: Optional[float] = None) -> list[Equilibrium]:
-    """The different equilibria that Lemke-Howson paths connect, from all labels; not always all there are.
+    """The different equilibria that Lemke-Howson paths connect, from all labels; not always all there are
+    (`extreme_equilibria` has all, of a small game).
 
     Raises TimeoutError where the paths do not end in time_limit [s]; Ctrl-C ends them.
     """
     return _orthant._equilibria(A, B, seconds("time_limit", time_limit))
+
+
+def extreme_equilibria(A: npt.ArrayLike, B: npt.ArrayLike, *, time_limit: Optional[float] = None) -> list[Equilibrium]:
+    """All extreme equilibria of a small game with costs A, B (m, k), m + k <= 64, by exact vertex enumeration.
+
+    Each is judged by the definition, exactly: `regret` is 0. Every equilibrium is a convex combination of extreme
+    ones with the same `label`, the number of its connected component; a label with one equilibrium is isolated.
+    Time grows with the number of vertices, exponentially in m and k. Raises TimeoutError where it is not done in
+    time_limit [s].
+    Source: Avis, Rosenberg, Savani & von Stengel, Econ. Theory 42 (2010) 9-37.
+    """
+    return _orthant._extreme_equilibria(A, B, seconds("time_limit", time_limit))

@@ -55,7 +55,7 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
     """Find lower <= z <= upper with w = M z + q: w >= 0 where z = lower, w <= 0 where z = upper, else w = 0.
 
     M: (n, n) array, scipy.sparse matrix or Delassus; or a Problem alone. q: (n,).
-    lower, upper: (n,), infinite where there is no bound; default 0 and infinity.
+    lower, upper: (n,) or one number for all rows, infinite where there is no bound; default 0 and infinity.
     friction: (row, normal row, mu) triples, or a (k, 3) array: |z[row]| <= mu z[normal row]; such rows have no bounds of their own.
     solver: a name of `solvers()`; options: that solver's, such as solve(M, q, solver="pgs", omega=1.3).
     start: (n,) a guess. time_limit: [s] of wall time. log: keep what the solver did in `result.log`.

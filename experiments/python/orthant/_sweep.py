@@ -26,8 +26,9 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     """Run every case of a sweep that its results lack; give back all its rows, as a pandas frame where there is pandas.
 
     what: a sweep file, NAME.sweep.toml, or a scene (a Scene, built-in name or TOML file) with that file's keys by keyword: measure (a column
-    of the trajectory), duration [s], reference, grid={"integrator": [...], "step": [...], "set": {"mu": [...]}} or a list
-    of such. Then the file is written beside the results, and `orthant sweep` takes it, too.
+    of the trajectory), duration [s], reference ("exact", an integrator, a number, or a CSV file's path),
+    grid={"integrator": [...], "step": [...], "set": {"mu": [...]}} or a list
+    of such. Then the file is written next to the results, and `orthant sweep` takes it, too.
     results: SQLite file, default results/NAME.sqlite. A row a case, by a key of all that determines it: killed and called
     again, what is missing is done; several programs may work at one file. quick: the file's reduced grid.
     retry: run what a time limit or a crash ended once more; what had less time than it gets now is run anyway.
@@ -66,6 +67,8 @@ def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
     if text is not None:
         scene = kept.with_suffix(".scene.toml").name
         _write(kept.with_suffix(".scene.toml"), text)
+    if str(keys.get("reference", "")).endswith(".csv"):  # the sweep's file may be elsewhere
+        keys["reference"] = str(Path(path("reference", keys["reference"])).absolute())
     file = kept.with_suffix(".sweep.toml")
     _write(file, _sweep_toml({"scene": scene, **keys}))
     return file, kept
@@ -80,7 +83,7 @@ def _text_of(scene: Scene) -> str:
 
 def _write(file: Path, toml: str) -> None:
     """Whole or not at all, and over no file of the user's."""
-    text = f"{_WRITTEN}, which writes it anew when asked for something else.\n{toml}"
+    text = f"{_WRITTEN}, which writes it again for another sweep.\n{toml}"
     if file.exists():
         if (said := file.read_text(encoding="utf-8")) == text:
             return
