@@ -6,7 +6,7 @@ A page's blocks share one empty folder. By language:
   toml, cpp, cmake   a first line `# file: NAME` or `// file: NAME` writes the file for the blocks that follow; a C++ program
             that no console block of its page builds is built and run here
   console   `$ COMMAND` by bash; the lines below it, if any, are its output, where ... stands for anything
-Any other language is an error, but for `text` and `none`, which are no code. SETS_UP lists the commands that are not run,
+Any other language is an error, except `text` and `none`, which are not code. SETS_UP lists commands that are not run,
 since they install or measure for minutes; each must be on some page.
 """
 import os
@@ -22,10 +22,10 @@ SETS_UP = {
     "export PATH=$PWD/build/release:$PATH PYTHONPATH=$PWD/build/release/python": "likewise",
     "./experiments/scripts/setup release": "what the tests were built by",
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
-    "./experiments/run shootout --largest 100 --time-limit 1 --scenes slider_crank n_four_bar tower pile": "four minutes, on a machine that does nothing else",
-    "experiments/docs/tables.py solvers results/lcp_shootout quiet": "needs the run above",
-    "./experiments/run work_precision": "two minutes",
-    "experiments/docs/tables.py integrators results/work_precision quiet": "needs that run",
+    "experiments/docs/figures.py quiet solvers": "seven minutes, on a machine that does nothing else",
+    "experiments/docs/figures.py quiet time_to_error": "two minutes, likewise",
+    "experiments/scripts/plot_run.py four_bar.csv rocker.theta B.gap B.impulse_n --output four_bar.png":
+        "README's commands run the script",
 }
 NOT_CODE = {"text", "none", "{csv-table}", "{toctree}", "{eval-rst}", "{literalinclude}", "{include}"}
 
@@ -175,6 +175,35 @@ class Page:
         return self.done()
 
 
+def undocumented(page, build):
+    """Keys of a sweep's file and columns of its results that the page does not name; the command lists them."""
+    text = page.read_text(encoding="utf-8")
+    named = set(re.findall(r"`(?:\[\[)?([a-z_0-9]+)(?:\]\])?`", text))
+    count = 0
+    with tempfile.TemporaryDirectory() as folder:
+        def run(*words):
+            return subprocess.run([f"{build}/orthant", *words], cwd=folder, capture_output=True, text=True)
+
+        grid = '[[grid]]\nintegrator = "rattle"\nstep = 1e-2\n'
+        head = 'scene = "bouncing_ball"\nduration = 0.02\n'
+        for wrong in ("wrong = 1\n" + head + grid, head + grid + "wrong = 1\n", head + grid + "[[figure]]\nwrong = 1\n",
+                      head + grid + "[[animation]]\nwrong = 1\n",
+                      head + grid + '[[animation]]\ntitle = "x"\nruns = [{wrong = 1}]\n'):
+            Path(folder, "keys.sweep.toml").write_text(wrong, encoding="utf-8")
+            said = run("sweep", "keys.sweep.toml", "--list").stderr
+            keys = re.findall(r"[a-z_]+", said.partition("must be one of ")[2])
+            count += len(keys)
+            yield from (f"{page}: does not name the key '{key}' ({said.strip()})" for key in keys if key not in named)
+            if not keys:
+                yield f"{page}: the command does not list its keys: {said}"
+        Path(folder, "keys.sweep.toml").write_text(head + grid, encoding="utf-8")
+        run("sweep", "keys.sweep.toml", "--results", "keys.sqlite")
+        columns = run("results", "keys.sqlite", "--csv").stdout.split("\n")[0].split(",")
+        yield from (f"{page}: does not name the column '{column}'" for column in columns if column not in named)
+        if count < 40 or len(columns) < 30:
+            yield f"{page}: only {count} keys and {len(columns)} columns were found"
+
+
 def main():
     folder, build, prefix = (Path(x).resolve() for x in sys.argv[1:4])
     failures, not_run, count = 0, set(), 0
@@ -188,6 +217,9 @@ def main():
         readme = Page(folder.parents[1] / name, build, prefix, sys.argv[4])
         failures += readme.check_readme(least)
         print(f"{name}: {readme.run_count} run")
+    for fault in undocumented(folder / "sweeps.md", build):
+        failures += 1
+        print(fault, file=sys.stderr)
     for command in sorted(not_run):
         print(f"not run here ({SETS_UP[command]}): {command}")
     for command in sorted(SETS_UP.keys() - not_run):

@@ -107,7 +107,10 @@ TEST_CASE("trial: claims are held against what is known; a trial survives its wa
     t.status = status;
     CHECK(judge(t, Answer::unique) == Result::failed);
   }
-  for (const char* status : {"crashed", "killed", "exception"}) {
+  t.status = "killed";  // by us, past its time
+  CHECK(judge(t, Answer::unique) == Result::late);
+  CHECK(std::string(name(Result::late)) == "late");
+  for (const char* status : {"crashed", "exception"}) {
     t.status = status;
     CHECK(judge(t, Answer::unique) == Result::crashed);
   }
@@ -177,7 +180,7 @@ TEST_CASE("lcp_shootout: out of time is a row, larger problems of the kind are t
       CHECK(row.at("result") == "skipped");
       CHECK(row.at("seconds").empty());
     } else if (row.at("status") == "killed") {  // a busy machine may let it come to that
-      CHECK(row.at("result") == "crashed");
+      CHECK(row.at("result") == "late");
     } else {
       CHECK(row.at("status") == "time_limit");
       CHECK(row.at("result") == "failed");
@@ -190,4 +193,31 @@ TEST_CASE("lcp_shootout: out of time is a row, larger problems of the kind are t
     CHECK(b.out.empty());
     CHECK(!b.err.empty());
   }
+}
+
+TEST_CASE("lcp_shootout: own files, Matrix Market among them, have a panel of their own") {
+  const Shootout folder;
+  const std::string head = "%%MatrixMarket matrix array real general\n";
+  folder.write("m.mtx", head + "2 2\n2\n1\n1\n2\n"), folder.write("m_q.mtx", head + "2 1\n-5\n-6\n");
+  folder.write("other.mtx", head + "2 1\n-1\n-1\n"), folder.write("q3.mtx", head + "3 1\n-1\n-1\n-1\n");
+  const Reply a = folder.shootout("--quick --families known --solvers lemke pgs --problems m.mtx m.mtx+other.mtx");
+  CAPTURE(a.err);
+  CHECK(a.exit_code == 0);
+  int own = 0;
+  for (const auto& row : folder.table()) {
+    if (row.at("family") != "file") continue;
+    CHECK(row.at("group") == "own");
+    CHECK(row.at("result") == "certified");
+    CHECK(row.at("n") == "2");
+    ++own;
+  }
+  CHECK(own == 4);
+  CHECK(folder.shootout("--problems other.mtx").err.find("a matrix alone is no problem: must be other.mtx+") !=
+        std::string::npos);
+  CHECK(folder.shootout("--problems m.mtx+q3.mtx").err.find("q3.mtx: has 3 entries: must have 2") != std::string::npos);
+  if (folder.run("/usr/bin/python3 -s -E -c 'import matplotlib'").exit_code != 0) return;
+  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_SCRIPTS "/plot_lcp_shootout.py' out");
+  CAPTURE(drawn.err);
+  CHECK(drawn.exit_code == 0);
+  CHECK(slurp(folder.path / "out/work_precision.svg").find("axes_7") != std::string::npos);
 }

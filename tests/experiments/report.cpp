@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/folder.h"
+#include "tests/support/cli.h"
 
 using namespace orthant;
 
@@ -53,10 +53,6 @@ timed = true
 worst = true
 log = "xy"
 )";
-
-struct Report : Folder {
-  Reply orthant(const std::string& arguments) const { return run("'" ORTHANT_CLI "' " + arguments); }
-};
 
 ResultRow row(double step, double error, double seconds, int repeats) {
   return {{"integrator", "a"},  {"solver", "b"},       {"parameters", "{}"}, {"step", step},
@@ -156,7 +152,7 @@ TEST_CASE("the answer says what still converges where the measure does not, and 
 }
 
 TEST_CASE("orthant report: a scene's file is found from any folder, and shown as long as the sweep runs it") {
-  const Report folder;
+  const Cli folder;
   std::filesystem::create_directory(folder / "below");
   std::filesystem::copy_file(ORTHANT_ROOT "/core/scenes/slider_crank.toml", folder / "below/mine.toml");
   folder.write("below/s.sweep.toml",
@@ -174,7 +170,7 @@ TEST_CASE("orthant report: a scene's file is found from any folder, and shown as
 }
 
 TEST_CASE("orthant report: opens no file that a results file names") {
-  const Report folder;
+  const Cli folder;
   std::filesystem::copy_file(ORTHANT_ROOT "/core/scenes/slider_crank.toml", folder / "mine.toml");
   folder.write("s.sweep.toml",
                "scene = 'mine.toml'\nduration = 0.01\n[[grid]]\nintegrator = 'rattle'\nstep = 1e-3\n"
@@ -213,7 +209,7 @@ TEST_CASE("orthant report: opens no file that a results file names") {
 }
 
 TEST_CASE("orthant report: an animation without end in a stranger's results is refused") {
-  const Report folder;
+  const Cli folder;
   folder.write("s.sweep.toml",
                "scene = 'slider_crank'\nduration = 0.01\n[[grid]]\nintegrator = 'rattle'\nstep = 1e-3\n"
                "[[animation]]\ntitle = 'Motion'\nruns = [{integrator = 'rattle', step = 1e-3}]\n");
@@ -237,7 +233,7 @@ TEST_CASE("orthant report: an animation without end in a stranger's results is r
 
 TEST_CASE("orthant report: one file without a link to anything outside; a browser shows, plays and zooms it" *
           doctest::test_suite("slow")) {
-  const Report folder;
+  const Cli folder;
   folder.write("r.sweep.toml", kSweep);
   REQUIRE(folder.orthant("sweep r.sweep.toml --results r.sqlite").exit_code == 0);
   const Reply a = folder.orthant("report r.sqlite --output r.html");

@@ -1,4 +1,4 @@
-// The verdict storm: its judge catches what is wrong, its shrinker leaves what matters, and a share of it finds no fault.
+// The verdict storm: its judge detects faults, its shrinker keeps what matters, a share of it finds no fault.
 #include "experiments/storm/storm.h"
 #include "experiments/storm/exact_judge.h"
 #include "experiments/storm/shrink.h"

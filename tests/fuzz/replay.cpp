@@ -1,4 +1,4 @@
-// Every parser on its seeds and on thousands of mutations of them, the same ones in each run; the long run: preset fuzz.
+// Every parser on its seeds and on thousands of fixed mutations of them; the long run: preset fuzz.
 #include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>

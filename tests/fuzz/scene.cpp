@@ -1,5 +1,5 @@
-#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/mechanics/dynamics/system.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 
 #include "target.h"
 

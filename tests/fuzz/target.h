@@ -1,7 +1,7 @@
-// tests/fuzz/target.h — a parser given bytes: either it takes them, or it says in one line why not; nothing else.
+// tests/fuzz/target.h — fuzz target: a parser accepts the bytes, or refuses them in one line.
 //
-//   Each .cpp here defines one target. The test command replays seeds/NAME/* and mutations of them (replay.cpp); the preset
-//   `fuzz` makes a libFuzzer program of each (libfuzzer.cpp): build/fuzz/tests/fuzz_NAME seeds/NAME.
+//   Each .cpp here defines one target. The test command replays seeds/NAME/* and mutations of them (replay.cpp); the
+//   preset `fuzz` makes a libFuzzer program of each (libfuzzer.cpp): build/fuzz/tests/fuzz_NAME seeds/NAME.
 #pragma once
 
 #include <sys/mman.h>

@@ -71,6 +71,8 @@ TEST_CASE("every integrator goes on from every checkpoint of every scene bit for
         CHECK(rest.run.events == whole.run.events);
         CHECK(rest.run.lcp_iterations == whole.run.lcp_iterations);
         CHECK(rest.run.max_penetration == whole.run.max_penetration);
+        CHECK(rest.run.motion.work == whole.run.motion.work);
+        CHECK(rest.run.motion.energy_defect == whole.run.motion.energy_defect);
         CHECK(kept.size() == first.size() - k - 1);
         restart.from.clear();
       }

@@ -1,4 +1,4 @@
-// Collisions in motion: the answer of all pairs listed, by every stepper; those that follow listed contacts refuse.
+// Collisions in motion: the answer of all pairs listed, by every stepper.
 #include "tests/support/allocations.h"
 #include "tests/support/runs.h"
 
@@ -45,20 +45,12 @@ TEST_CASE("a collision is all its pairs listed, to the bit") {
     CAPTURE(found.why);
     CHECK(found.status == listed.status);
     CHECK(found.steps == listed.steps);
-    CHECK(found.steps >= 10);  // paoli-schatzman stops there, either way
+    CHECK(found.steps >=
+          5);  // paoli-schatzman makes energy here, and is ended for it  // paoli-schatzman stops there, either way
     CHECK(found.final.q == listed.final.q);
     CHECK(found.lcp_iterations == listed.lcp_iterations);
     CHECK(impulse == doctest::Approx(listed_impulse).epsilon(1e-14));
     CHECK(impulse > 0);
-  }
-}
-
-TEST_CASE("event-driven and adaptive take the pairs listed only") {
-  for (const char* integrator : {"event-driven", "adaptive"}) {
-    const System grid(heap()), listed(with_pairs_listed(heap()));
-    CHECK_THROWS_WITH_AS(make_integrator(integrator, grid), doctest::Contains("collision \"discs\""),
-                         std::invalid_argument);
-    CHECK_NOTHROW(make_integrator(integrator, listed));
   }
 }
 
@@ -74,7 +66,7 @@ TEST_CASE("a step with more pairs than there is room for ends in words, the stat
 
 TEST_CASE("collisions allocate nothing once the pile lies, and sleeping keeps each pair's force") {
   Scene scene = pile({.discs = 25});
-  // A disc that comes by later makes the pairs be numbered anew; it meets nobody.
+  // A disc that comes by later makes the pairs be numbered again; it meets nobody.
   scene.collisions[0].shapes.insert(scene.collisions[0].shapes.begin(), {kGround, {-3, 3}, 0.05, {}});
   const auto passer = scene.body({.mass = 1e-3, .inertia = 1e-6, .position = {-6, 3.2}, .velocity = {3, 0}});
   scene.load({.name = "", .body = passer, .force = {0, 9.81e-3}});

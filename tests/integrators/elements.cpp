@@ -1,4 +1,4 @@
-// Driven joints, limits, ropes, clearance joints, dry friction in joints: mechanisms with exact answers, every integrator.
+// Driven joints, limits, ropes, clearance joints, dry friction in joints: exact answers, every integrator.
 #include <doctest/doctest.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/pendulum.h>
@@ -86,9 +86,10 @@ TEST_CASE("a driven slider-crank is where its crank is told to be, at constant a
                         std::abs(m.state.q[6] - slider_at(theta))});
       });
       CHECK(r.status == Status::solved);
-      CHECK(off < 1e-12);
-      CHECK(r.max_joint_residual < 1e-12);
-      CHECK(worst_rate(r) < 1e-11);
+      const bool between = scheme == "adaptive";  // states between inner steps keep joints to the tolerance, 1e-6
+      CHECK(off < (between ? 1e-8 : 1e-12));
+      CHECK(r.max_joint_residual < (between ? 1e-8 : 1e-12));
+      CHECK(worst_rate(r) < (between ? 1e-5 : 1e-11));
     }
 }
 
@@ -114,7 +115,7 @@ TEST_CASE("a spring on a shaken cart: driven slide, forced vibration, second ord
       worst = std::max(worst, std::abs(m.state.q[3] - m.state.q[0] - shaken.u(m.state.t)));
     });
     REQUIRE(r.status == Status::solved);
-    CHECK(r.max_joint_residual < 1e-13);
+    CHECK(r.max_joint_residual < (scheme.starts_with("adaptive") ? 1e-9 : 1e-13));
     return worst;
   };
   for (const std::string& scheme : kSecondOrder) {
@@ -405,22 +406,6 @@ TEST_CASE("friction of a joint's load does not depend on how often the joint is 
   }
 }
 
-TEST_CASE("schemes without dry friction in joints say so when they are made") {
-  Scene s;
-  s.body({.name = "wheel"});
-  s.friction({"brake", Angle{kGround, 0}, 0.5});
-  const System system(s);
-  for (const std::string scheme : {"event-driven", "adaptive"}) {
-    CAPTURE(scheme);
-    try {
-      make_integrator(scheme, system);
-      FAIL_CHECK("not refused");
-    } catch (const std::invalid_argument& error) {
-      CHECK(std::string(error.what()).find("friction \"brake\"") != std::string::npos);
-    }
-  }
-}
-
 TEST_CASE("joints that contradict each other: no integrator calls that solved") {
   Scene s{.gravity = {0, -9.81}};
   const BodyId b = s.body({.name = "b", .position = {0.1, 0}});
@@ -471,13 +456,13 @@ TEST_CASE("a drive that pushes a body through a floor: the contact that cannot b
   s.joint(Drive{"push", Slide{kGround, ram, {0, 0}, {0, 0}, {0, 1}}, {.offset = 0.5, .rate_of_change = -1}});
   s.contact(DiscWall{"side", ram, {0, 0}, 0.4, kGround, {-0.4, 0}, {1, 0}, {}});
   s.contact(DiscWall{"floor", ram, {0, 0}, 0.4, kGround, {0, 0}, {0, 1}, {}});
-  for (const std::string scheme : {"moreau-jean", "stewart-trinkle", "anitescu-potra", "rattle"}) {
-    CAPTURE(scheme);
-    const Run r = run(s, scheme, 1e-2);
+  for (const IntegratorEntry& scheme : integrators()) {
+    CAPTURE(scheme.name);
+    const Run r = run(s, scheme.name, 1e-2);
     CAPTURE(r.why);
     CHECK(r.status == Status::infeasible);
     CHECK(r.final.t < 0.12);
-    CHECK(r.why == "no motion satisfies contacts \"floor\" together with the joints");
+    CHECK(r.why == "jammed: drive \"push\", contact \"floor\" leave no motion; since t = 0.1");
   }
 }
 

@@ -54,8 +54,8 @@ Run run_20ms(Scene s, std::string_view integrator) {
   return r;
 }
 
-/// [rad], [m]: the same arithmetic but for rounding. `adaptive` chooses its step anew where the numbers differ (its norm
-/// knows the scene's size), so that it is asked for much and agrees within what it reaches.
+/// [rad], [m]: the same arithmetic but for rounding. `adaptive` chooses its step anew where the numbers differ (its
+/// norm knows the scene's size), so that it is asked for much and agrees within what it reaches.
 double agreement(std::string_view name) { return name == "adaptive" ? 1e-7 : 1e-10; }
 
 template <class Claim> void for_each_integrator(Claim&& claim) {

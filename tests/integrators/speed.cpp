@@ -1,5 +1,5 @@
-// Speed does not get lost unnoticed: times as ratios to a fixed kernel in the same run, never by the clock alone. What a
-// busy machine hides from these, tests/instructions counts.
+// Speed: times as ratios to a fixed kernel in the same run, never by the clock alone. What a busy machine hides
+// from these, tests/instructions counts.
 #include <doctest/doctest.h>
 
 #include <map>

@@ -115,10 +115,139 @@ def test_a_time_limit_and_ctrl_c_end_a_run(ctrl_c):
     with pytest.raises(ValueError, match="time_limit = -1"):
         orthant.simulate(ball(), time_limit=-1)
     ctrl_c()
-    with pytest.raises(KeyboardInterrupt):
-        orthant.simulate("slider_crank", step=1e-8, every=1000000, time_limit=60)
+    with pytest.raises(KeyboardInterrupt, match="interrupted at t = ") as stop:
+        orthant.simulate("slider_crank", step=1e-8, every=1000, time_limit=60)
+    kept = stop.value.run
+    assert isinstance(stop.value, orthant.Interrupted) and kept.status == "cancelled"
+    assert len(kept) > 2 and kept["t"][-1] == kept.summary["t"] > kept["t"][0]
 
 
 def test_registries():
     assert {"moreau-jean", "adaptive"} <= {e.name for e in orthant.integrators()}
     assert "slider_crank" in {e.name for e in orthant.scenes()}
+
+
+def test_check_claims_no_more_digits_than_are_true():
+    for integrator in ("moreau-jean", "adaptive:rtol=1e-4"):
+        run = orthant.simulate(ball(e_n=0.5), integrator=integrator, step=1e-3, duration=0.6, check=True)
+        t = np.sqrt(2 * 0.9 / 9.81)
+        exact = 0.1 + 0.5 * 9.81 * t * (0.6 - t) - 9.81 / 2 * (0.6 - t) ** 2
+        off = abs(run["ball.y"][-1] - exact)
+        check = run.summary["check"]
+        assert off <= check["error"]["ball.y"] <= 1e-2
+        assert 1 <= check["digits"]["ball.y"] <= -np.log10(off / exact + 1e-16) + 0.5
+        assert integrator.split(":")[0] in check["against"] and check["left_out"] == ""
+    assert "check" not in orthant.simulate(ball(), duration=0.01).summary
+
+
+def test_what_the_command_warns_of_python_warns_of(recwarn):
+    scene = ball()
+    scene._elements[0][1]["position"] = [0, 0.05]  # 5 cm deep
+    with pytest.warns(orthant.OrthantWarning, match="at the start contacts penetrate by 0.05 m"):
+        run = orthant.simulate(scene, duration=0.01)
+    assert run.solved and run.warnings and "penetrate by 0.05 m" in run.why
+    fast = orthant.Scene(duration=0.1, step=1e-2)
+    fast.add("body", name="rotor", mass=1, inertia=1, omega=100)
+    with pytest.warns(orthant.OrthantWarning, match='"rotor" turns by 1 rad in a step') as caught:
+        assert "turns by 1 rad" in orthant.simulate(fast).why
+    assert caught[0].filename == __file__  # where simulate was called
+    recwarn.clear()
+    quiet = orthant.simulate(ball(), duration=0.01)
+    assert quiet.why == "" and quiet.warnings == [] and not recwarn.list
+
+
+def test_why_is_never_empty_where_a_run_is_not_solved():
+    scene = orthant.Scene.named("slider_crank", mu=0.1)
+    run = orthant.simulate(scene, solver="pgs:max_sweeps=1,tolerance=1e-15", step=1e-4)
+    assert run.status in run.why and "t = " in run.why
+
+
+def test_events_are_a_table(tmp_path):
+    impact = np.sqrt(2 * 0.9 / 9.81)
+    for integrator in ("event-driven", "adaptive:rtol=1e-9"):
+        run = orthant.simulate(ball(e_n=0.5), integrator=integrator, duration=0.6, step=0.1)
+        events = run.events
+        assert len(events) == run.summary["events"] == 1
+        assert events["kind"][0] == "impact" and events["contact"][0] == "floor"
+        assert np.isclose(events["t"][0], impact, atol=1e-8)
+        assert np.isclose(events["impulse_n"][0], 1.5 * 9.81 * impact, atol=1e-6)
+    run.write(tmp_path / "run.csv")
+    lines = (tmp_path / "run.events.csv").read_text().splitlines()
+    assert lines[0] == "t,kind,contact,impulse_n,impulse_t" and float(lines[1].split(",")[0]) == events["t"][0]
+    copied = pickle.loads(pickle.dumps(run))
+    assert np.array_equal(copied.events, events)
+    assert len(orthant.simulate(ball(), duration=0.01).events) == 0
+
+
+def wave(**law):
+    """A ball over a wavy floor y = 0.1 sin(2 x), in Python: the vertical distance of its centre of mass is the gap."""
+    scene = orthant.Scene(gravity=[0, -9.81], duration=1.0, step=1e-3)
+    scene.add("body", name="ball", mass=1, inertia=0.01, position=[0, 0.5], velocity=[0.4, 0])
+    scene.add("contact", type="custom", name="wave", bodies=["ball", "ground"],
+              gap=lambda a, b: a[1] - 0.1 * np.sin(2 * a[0]),
+              rows=lambda a, b: [-0.2 * np.cos(2 * a[0]), 1, 0, 0, 0, 0], **law)
+    return scene
+
+
+def test_a_contact_written_in_python():
+    bias = lambda a, b, va, vb: 0.4 * np.sin(2 * a[0]) * va[0] ** 2
+    runs = [orthant.simulate(wave(e_n=0.5, bias=given), integrator="event-driven", step=0.1) for given in (bias, None)]
+    for run in runs:
+        assert run.solved and "wave.gap" in run.columns and run["wave.gap"].min() > -1e-9
+        assert run.events["kind"][0] == "impact" and run.events["contact"][0] == "wave"
+        # Free fall onto the wave: 0.5 - 9.81 t^2 / 2 = 0.1 sin(0.8 t).
+        t = run.events["t"][0]
+        assert abs(0.5 - 9.81 * t * t / 2 - 0.1 * np.sin(0.8 * t)) < 1e-9
+    assert np.abs(runs[0].table[-1][:7] - runs[1].table[-1][:7]).max() < 1e-7
+    assert orthant.simulate(wave(), duration=0.5).solved
+    with_friction = orthant.Scene(gravity=[0, -9.81], duration=0.5, step=1e-3)  # a floor, with slip
+    with_friction.add("body", name="block", mass=1, inertia=1, velocity=[2, 0])
+    with_friction.add("contact", type="custom", name="floor", bodies=["block", "ground"], mu=0.2, gap=lambda a, b: a[1],
+                      rows=lambda a, b: [[0, 1, 0, 0, 0, 0], [1, 0, 0, 0, 0, 0]])
+    run = orthant.simulate(with_friction)
+    assert np.isclose(run["block.vx"][-1], 2 - 0.2 * 9.81 * 0.5, atol=1e-9)
+
+
+def test_a_custom_contact_that_is_wrong_is_refused():
+    def changed(scene, place, value):
+        entries = list(scene._customs[0])
+        entries[place] = value
+        scene._customs[0] = tuple(entries)
+        return scene
+
+    wrong = changed(wave(), 4, lambda a, b: [0.2 * np.cos(2 * a[0]), 1, 0, 0, 0, 0])
+    with pytest.raises(ValueError, match='contact "wave": rows.normal by the x of body 0 is'):
+        orthant.simulate(wrong)
+    with pytest.raises(ValueError, match="bias of rows.normal is"):
+        orthant.simulate(wave(bias=lambda a, b, va, vb: 7.0))
+    with pytest.raises(TypeError, match="gap returned no number"):
+        orthant.simulate(changed(wave(), 3, lambda a, b: "far"))
+    with pytest.raises(ZeroDivisionError):  # what a callback raises is passed on
+        orthant.simulate(changed(wave(), 3, lambda a, b: a[1] - 0.1 * np.sin(2 * a[0]) if a[1] > 0.3 else 1 // 0))
+    with pytest.raises(ValueError, match='bodies: "nobody": must be the name of a body'):
+        orthant.simulate(changed(wave(), 1, "nobody"))
+    with pytest.raises(TypeError, match="gap = 3: must be a function"):
+        orthant.Scene().add("contact", type="custom", bodies=["a", "b"], gap=3, rows=3)
+    with pytest.raises(ValueError, match="nu: must be one of"):
+        orthant.Scene().add("contact", type="custom", bodies=["a", "b"], nu=3)
+    with pytest.raises(ValueError, match='contact "wave" is written in Python'):
+        wave().toml()
+
+
+def test_gears_from_python():
+    scene = orthant.Scene(duration=1.0, step=1e-3)
+    for name, inertia, x in (("a", 0.5, 0), ("b", 2, 3)):
+        scene.add("body", name=name, mass=1, inertia=inertia, position=[x, 0])
+        scene.add("joint", type="revolute", bodies=["ground", name], point_a=[x, 0])
+    scene.add("joint", type="gear", name="teeth", bodies=["a", "b"], ratio=-0.5)
+    scene.add("load", body="a", torque=3)
+    run = orthant.simulate(scene, integrator="event-driven", step=0.1)
+    assert np.isclose(run["a.theta"][-1], 1.5 / (0.5 + 0.25 * 2), atol=1e-9)
+    assert np.allclose(run["b.theta"], -0.5 * run["a.theta"], atol=1e-10)
+
+
+def test_repr():
+    assert repr(ball()) == "Scene(gravity=[0, -9.81], duration=1.0, step=0.001, 1 body, 1 contact)"
+    assert repr(wave()).endswith("1 body, 1 contact)")
+    named = orthant.Scene.named("slider_crank", mu=0.1)
+    assert repr(named) == "Scene('slider_crank', set=['mu=0.1'], 3 bodies, 4 contacts)"

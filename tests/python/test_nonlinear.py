@@ -81,3 +81,16 @@ def test_an_equilibrium_says_what_rounding_left_of_it():
     e = orthant.equilibrium([[K, 0], [K + 1, 1]], [[0, 1], [1, 0]], 1)
     assert e.regret == pytest.approx((e.x @ [[K, 0], [K + 1, 1]] @ e.y) - min([[K, 0], [K + 1, 1]] @ e.y))
     assert orthant.equilibrium([[3, 0], [5, 1]], [[3, 5], [0, 1]]).regret <= 1e-15
+
+
+def test_all_extreme_equilibria_of_a_degenerate_game():
+    A = [[0, 0, 6, 0, 0], [0, 0, 3, 2, 1], [4, 3, 0, 0, 1]]  # after a public bug report, Nashpy#82: players minimize
+    B = [[3, 0, 2, 1, 0], [0, 2, 0, 0, 4], [4, 0, 2, 4, 4]]
+    found = orthant.extreme_equilibria(A, B)
+    assert len(found) == 8 and len({e.label for e in found}) == 4
+    for e in found:
+        assert e.regret == 0 and e.x.sum() == pytest.approx(1) and e.y.sum() == pytest.approx(1)
+        assert e.x @ A @ e.y <= (A @ e.y).min() + 1e-14 and e.x @ B @ e.y <= (e.x @ B).min() + 1e-14
+    assert any(np.allclose(e.x, [1 / 3, 1 / 2, 1 / 6]) and np.allclose(e.y, [0, 4 / 9, 2 / 9, 1 / 3, 0]) for e in found)
+    with pytest.raises(ValueError, match="same shape"):
+        orthant.extreme_equilibria(A, np.ones((2, 2)))

@@ -1,6 +1,7 @@
 """What a user meets first: the import's cost, the docstrings' examples."""
 
 import doctest
+import importlib
 import os
 import pathlib
 import re
@@ -45,6 +46,7 @@ def test_type_hints_hold(tmp_path):
         assert run.returncode == 0, run.stdout
     stub = (package / "_orthant.pyi").read_text(encoding="utf-8")
     promised = set(re.findall(r"^(?:def|class) (\w+)", stub, re.M)) | {"__version__", "revision"}
+    promised |= set(re.findall(r"^(_\w+): ", stub, re.M))
     there = {name for name in dir(orthant._orthant) if not name.startswith("__") or name == "__version__"}
     assert promised == there
     for name in re.findall(r"^class (\w+)", stub, re.M):
@@ -54,10 +56,14 @@ def test_type_hints_hold(tmp_path):
 
 @pytest.mark.skipif(not DOCS.exists(), reason="the tests stand alone here")
 def test_decision_tables_name_what_there_is_and_come_from_a_run(tmp_path):
-    """The tables of the documentation name registered solvers and integrators; tables.py makes such tables."""
-    def names(file):
-        return set(re.findall(r"`([a-z-]+)`", (DOCS / "data" / file).read_text(encoding="utf-8")))
+    """The tables of the documentation name registered solvers and integrators; figures.py reads the results of runs."""
+    sys.path.insert(0, str(DOCS))
+    figures = importlib.import_module("figures")
 
+    def names(file):
+        return set(re.findall(r"`([a-z-]+)`", (tmp_path / file).read_text(encoding="utf-8")))
+
+    figures.pages(tmp_path)
     assert "auto" in names("solvers.csv") <= {entry.name for entry in orthant.solvers()}
     assert names("integrators.csv") <= {entry.name for entry in orthant.integrators()}
     (tmp_path / "shootout.csv").write_text(
@@ -65,14 +71,23 @@ def test_decision_tables_name_what_there_is_and_come_from_a_run(tmp_path):
             f"p{p},friction,{solver},{result},{seconds}\n" for p in range(2)
             for solver, result, seconds in (("lemke", "certified", 2e-6), ("pgs", "certified" if p else "failed", 1e-6),
                                             ("path", "certified", 4e-6), ("murty", "refused", 0))), encoding="utf-8")
-    (tmp_path / "time_to_error.csv").write_text("integrator,to_0.01,to_0.001\nrattle,0.139,inf\nnone,,\n", encoding="utf-8")
+    (tmp_path / "runs.csv").write_text(
+        "integrator,setting,mu,e,status,error,seconds\n"
+        "rattle,2e-4,0,0.4,solved,9e-4,0.01\nrattle,1e-4,0,0.4,solved,5e-3,0.1394\nrattle,5e-5,0,0.4,solved,1e-6,0.4\n"
+        "rattle,1e-4,0,0.9,solved,1e-9,0.001\nnone,1e-4,0,0.4,failed,,0.1\n", encoding="utf-8")
     (tmp_path / "manifest.json").write_text(
         '{"revision": "abc", "cpu": "one", "cores": 2, "written": "2026-01-02T03:04:05Z"}', encoding="utf-8")
 
-    def made(table):
-        subprocess.run([sys.executable, DOCS / "tables.py", table, tmp_path, "quiet", tmp_path], check=True)
-        assert (tmp_path / f"{table}.txt").read_text() == "Measured at revision `abc`, 2026-01-02, on 2 cores of one with no other work.\n"
-        return (tmp_path / f"{table}.csv").read_text(encoding="utf-8").splitlines()
+    def made(table, page):
+        data = tmp_path / "figures.toml"
+        command = [sys.executable, DOCS / "figures.py", "quiet", table, "--from", tmp_path, "--data", data]
+        subprocess.run(command, check=True)
+        figures.pages(tmp_path, figures.load(data))
+        assert (tmp_path / f"{page}.txt").read_text() == \
+            "Measured at revision `abc`, 2026-01-02, on 2 cores of one with no other work.\n"
+        return (tmp_path / f"{page}.csv").read_text(encoding="utf-8").splitlines()
 
-    assert made("integrators") == ["integrator,to 0.01,to 0.001", "`rattle`,140,–"]
-    assert made("solvers")[1] == "contacts with friction,2,`lemke`,2,1.5,`path`,2,3,`pgs`,1,1"
+    # A coarse step that is right by luck does not count: a finer one errs by 5e-3.
+    assert made("time_to_error", "integrators") == \
+        ["integrator,to 1e-2,to 1e-3,to 1e-6,to 1e-9", "`rattle`,10,400,400,–"]
+    assert made("solvers_by_group", "solvers")[1] == "contacts with friction,2,`lemke`,2,1.5,`path`,2,3,`pgs`,1,1"

@@ -19,7 +19,8 @@ using namespace orthant;
 
 namespace {
 
-/// A as W M⁻¹ Wᵀ + R without rounding, where it is symmetric and diagonally dominant: one column of W for each A_ij ≠ 0.
+/// A as W M⁻¹ Wᵀ + R without rounding, where it is symmetric and diagonally dominant: one column of W for each A_ij ≠
+/// 0.
 std::optional<Lcp> as_delassus(const Lcp& problem) {
   DenseMatrix A;
   to_dense(problem.A, A);

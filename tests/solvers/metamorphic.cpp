@@ -1,5 +1,6 @@
 // What must not depend on how a problem is put: the order of its rows, their units, their sign, the storage, a second
-// copy beside it, the start, what was solved before. Every registered solver; the answer in the new words must be the old answer.
+// copy beside it, the start, what was solved before. Every registered solver; the answer in the new words must be the
+// old answer.
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/registry.h>
 
@@ -166,7 +167,8 @@ double distance(const Vector& a, const Vector& b) {
   return (a - b).lpNorm<Eigen::Infinity>() / (size > 0 ? size : 1);
 }
 
-/// How far answers may differ, relative to ‖z‖∞; 0: not a bit. A problem of condition 1e10 may cost the others 1e9 of it.
+/// How far answers may differ, relative to ‖z‖∞; 0: not a bit. A problem of condition 1e10 may cost the others 1e9 of
+/// it.
 struct Promises {
   double permuted = 1e-5, scaled = 1e-2, twice = 1e-5, mirrored = 1e-5, restored = 1e-5, warm = 1e-5;
   bool stays_solved = false;  // what is solved in the first words is so in the second

@@ -1,4 +1,4 @@
-// tests/support/allocations.h — counts allocations of this program's own code, to show that hot loops make none.
+// tests/support/allocations.h — allocation counter of this program, to show that hot loops make none.
 //
 // operator new is replaced, and calls of malloc and its kin (Eigen's containers make them) are wrapped by the linker;
 // what shared libraries allocate for themselves is not seen.

@@ -1,4 +1,4 @@
-// tests/support/sanitized.h — whether this build is slowed down by a sanitizer, for tests that would take too long there.
+// tests/support/sanitized.h — whether a sanitizer slows this build, for tests that would take too long there.
 #pragma once
 
 namespace orthant {

@@ -1,4 +1,4 @@
-// tests/support/work.h — what is watched for its speed: timed by integrators/speed.cpp, counted by tests/instructions.
+// tests/support/work.h — workloads whose speed is tested: by integrators/speed.cpp and tests/instructions.
 #pragma once
 
 #include <orthant/core/lcp/problems/collection.h>

@@ -1,8 +1,8 @@
 // What kind of matrix: against brute force in rationals, and on matrices whose kind is known.
 #include <orthant/core/lcp/judge/analyse.h>
-#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/judge/definite.h>
 #include <orthant/core/lcp/judge/exact.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>

@@ -57,6 +57,16 @@ TEST_CASE("the judge accepts every known solution, in dense and in sparse storag
   }
 }
 
+TEST_CASE("underflow: data of a few smallest numbers count as zero, larger ones do not") {
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  const double A = 5.250037499883902, b = -5.857e-319;  // of a step of a mechanism at rest: w = ±kLeast at the best z
+  CHECK(verdict(scalar(A, b), Vector{-b / A}) == Status::solved);
+  CHECK(verdict(pair({1, 0, 0, A}, Vector{-1, b}), Vector{1 + 1e-12, -b / A}) == Status::solved);
+  CHECK(verdict(scalar(1, -10 * kLeast), Vector{0.0}) == Status::solved);
+  CHECK(verdict(scalar(1, -1e-318), Vector{1e-318}) == Status::solved);
+  for (const double size : {1e-318, 1e-307, 1e-300}) CHECK(verdict(scalar(1, -size), Vector{0.0}) == Status::stalled);
+}
+
 TEST_CASE("the judge rejects a known unique solution with one entry moved by a millionth") {
   for (const Known& k : known_problems()) {
     // Hilbert's matrix: a millionth is within its conditioning. Scaled problems: rows with tiny units hide it.
@@ -301,7 +311,8 @@ TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
       Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0.1, -0.7, 0}, {-0.1, 0.7, 0}, {-1e-7, 0, 1}}), Vector{1, -2, 1e9});
   CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::infeasible);
   CHECK(verdict_on_proof(as_sparse(beside), Vector{1, 1, 0}) == Status::infeasible);
-  // The slack of u'A may be used, but by how much is lost where bounds times entries are less than any number: z = 0 solves.
+  // The slack of u'A may be used, but by how much is lost where bounds times entries are less than any number: z = 0
+  // solves.
   Lcp lost = pair({0x1.5555555555556p-662, 0, 0x1p-660, 0}, Vector{0, 0});
   lost.lo = Vector{-kInf, 0}, lost.hi = Vector{1e-172, kInf};
   CHECK(!Judge().proves_infeasible(lost, Vector{-3, 1}));
@@ -352,7 +363,8 @@ TEST_CASE("proofs with free rows, boxes and friction") {
   CHECK(verdict(slides, Vector{1, 0.5}) == Status::solved);
   CHECK(verdict_on_proof(slides, Vector{0, 1}) == Status::ray);
 
-  // u = (1, 0, 1): the friction column cancels, 1 − 1, which rounding could have moved: slack relative to its own terms.
+  // u = (1, 0, 1): the friction column cancels, 1 − 1, which rounding could have moved: slack relative to its own
+  // terms.
   const Eigen::Matrix3d A{{0, 1, -1}, {0, 0, 0}, {0, -1, -1}};
   Lcp cancels = Lcp::standard(DenseMatrix(A), Vector{-1, 0, 0});
   cancels.lo[1] = -kInf;
@@ -374,8 +386,8 @@ TEST_CASE("a proof cannot stand beside a solution: random u on solvable problems
 }
 
 TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing proves that there is none") {
-  // z_0 − z_1 = −1000 and 1e-12 (z_0 + z_1) = 1000 stop both bodies, w = 0; u = (1, 1, 0) adds the two contacts' velocities,
-  // in which the light body cancels and the heavy one is at the last digits.
+  // z_0 − z_1 = −1000 and 1e-12 (z_0 + z_1) = 1000 stop both bodies, w = 0; u = (1, 1, 0) adds the two contacts'
+  // velocities, in which the light body cancels and the heavy one is at the last digits.
   const Eigen::MatrixXd W{{1, 1e-3}, {-1, 1e-3}, {1, 0}};
   const Eigen::VectorXd v{{1000, -1000}};
   const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1e-9}, {}};
@@ -510,7 +522,8 @@ TEST_CASE("a large b makes no z right that other rows feel: a z beside its bound
     CHECK(verdict_of(box, Vector{0, 0}) == Status::stalled);
   }
 
-  // Three rows that each feel the first: moves of 1e-11 are no matter beside data of 1, and are one beside data of 1e-6.
+  // Three rows that each feel the first: moves of 1e-11 are no matter beside data of 1, and are one beside data of
+  // 1e-6.
   for (const double data : {1.0, 1e-6}) {
     const Lcp shared =
         Lcp::standard(DenseMatrix(Eigen::Matrix3d{{2, 1, 1}, {1, 2, 0}, {1, 0, 2}}), Vector{1e3, -data, -data});

@@ -2,8 +2,8 @@
 #include <orthant/core/lcp/judge/active_set.h>
 #include <orthant/core/lcp/judge/analyse.h>
 #include <orthant/core/lcp/judge/certify.h>
-#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/judge/error_bound.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <doctest/doctest.h>

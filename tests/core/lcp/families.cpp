@@ -1,5 +1,5 @@
-#include <orthant/core/lcp/problems/american_put.h>
 #include <orthant/core/lcp/judge/certify.h>
+#include <orthant/core/lcp/problems/american_put.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/families.h>
 #include <orthant/solvers/registry.h>

@@ -1,6 +1,6 @@
 // Contact problems in the FCLIB format: written and read back, solved, and one clear line for files that lie.
-#include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/files/io_fclib.h>
+#include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 
@@ -70,7 +70,8 @@ TEST_CASE("fclib: piles written and read back are the same problems") {
 }
 
 TEST_CASE("fclib: joints stand behind the contacts as free rows, a full mass matrix is multiplied out") {
-  // One point of mass 2 on the ground, pushed by (3, -4), its x held by a joint: r_n = 4, r_t of no use, the joint bears 3.
+  // One point of mass 2 on the ground, pushed by (3, -4), its x held by a joint: r_n = 4, r_t of no use, the joint
+  // bears 3.
   ContactProblem p{{}, 2, 1, "", ""};
   Eigen::SparseMatrix<double, Eigen::RowMajor> J(3, 2);
   J.insert(0, 1) = 1, J.insert(1, 0) = 1, J.insert(2, 0) = 1;

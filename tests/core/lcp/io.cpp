@@ -1,5 +1,5 @@
-#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/files/io.h>
+#include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
 

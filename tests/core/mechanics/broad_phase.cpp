@@ -150,7 +150,8 @@ inertia = 1
 position = [3, 0]
 [[collision]]
 name = "two"
-shapes = [{body = "a", radius = 1}, {body = "b", corners = [[0, 0], [1, 0], [0, 1]]}, {body = "ground", radius = 0.5, centre = [0, -9]}]
+shapes = [{body = "a", radius = 1}, {body = "b", corners = [[0, 0], [1, 0], [0, 1]]},
+  {body = "ground", radius = 0.5, centre = [0, -9]}]
 walls = [{normal = [0, 2], point = [0, -2]}]
 mu = 0.25
 )";

@@ -20,7 +20,8 @@ const FileMistake kFileMistakes[] = {
     // Top level.
     {"", "s.toml:1: scene: has no bodies: must have at least one"},
     {kBodies + "[gravty]",
-     "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, restitution, impacts, body, joint, "
+     "s.toml:15: unknown key \"gravty\": must be one of gravity, duration, step, assemble, restitution, impacts, body, "
+     "joint, "
      "contact, collision, friction, spring, load"},
     {"restitution = \"strange\"\n" + kBodies, "s.toml:1: restitution = 'strange': must be one of newton, poisson"},
     {"impacts = 2\n" + kBodies, "s.toml:1: impacts = 2: must be a string in quotes"},
@@ -54,7 +55,8 @@ const FileMistake kFileMistakes[] = {
     // Joints.
     {kBodies + "[[joint]]\nbodies = [\"ground\", \"rod\"]", "s.toml:15: joint \"joint1\": missing key \"type\""},
     {kBodies + "[[joint]]\ntype = \"ball\"",
-     "s.toml:16: joint \"joint1\": type = 'ball': must be revolute, prismatic, fixed, distance or drive"},
+     "s.toml:16: joint \"joint1\": type = 'ball': must be revolute, prismatic, fixed, distance, drive, "
+     "relation or gear"},
     {kBodies + "[[joint]]\ntype = \"revolute\"\nname = \"pin\"", "s.toml:15: joint \"pin\": missing key \"bodies\""},
     {kBodies + "[[joint]]\ntype = \"revolute\"\nbodies = [\"rod\"]",
      "joint \"joint1\": bodies = ['rod']: must be two names"},

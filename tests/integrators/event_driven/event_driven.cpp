@@ -12,8 +12,8 @@
 #include <orthant/core/scenes/pendulum.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
 #include <orthant/core/scenes/stick_slip.h>
-#include <orthant/integrators/event_driven/dormand_prince.h>
 #include <orthant/integrators/between_events/first_crossing.h>
+#include <orthant/integrators/event_driven/dormand_prince.h>
 
 #include <doctest/doctest.h>
 

@@ -224,7 +224,7 @@ TEST_CASE("a sleeping island wakes on a contact, on a load, and not before") {
 
   Scene belt = blocks();  // slides under a body that is held: not at rest
   for (Contact& c : belt.contacts) std::get<CornerWall>(c).law.belt = 0.1;
-  belt.joint(Fixed{"held", 0, kGround, {0, 0}, {0, 0.5}});
-  belt.joint(Fixed{"too", 1, kGround, {0, 0}, {0, 1.5}});
+  belt.joint(Prismatic{"held", kGround, 0, {0, 0.5}, {0, 0}, {0, 1}});
+  belt.joint(Prismatic{"too", kGround, 1, {0, 1.5}, {0, 0}, {0, 1}});
   CHECK(nap(belt, ":sleep_after=0.1").solves == 2000);
 }

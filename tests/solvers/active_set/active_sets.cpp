@@ -2,9 +2,9 @@
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/active_set/block_pivot.h>
-#include <orthant/solvers/pivoting/murty.h>
 #include <orthant/solvers/active_set/newton_fb.h>
 #include <orthant/solvers/active_set/newton_min.h>
+#include <orthant/solvers/pivoting/murty.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>

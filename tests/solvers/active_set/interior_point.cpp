@@ -1,9 +1,9 @@
-// interior-point: monotone problems of every kind, exactly; catalogue cases; proofs; warm start; obstacles of 256² nodes.
+// interior-point: monotone problems, exactly; catalogue cases; proofs; warm start; obstacles of 256² nodes.
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/active_set/interior_point.h>
-#include <orthant/solvers/registry.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>
+#include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
 
@@ -19,8 +19,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// BᵀB (+ skew), B rank × n with a third of its entries, rows of all kinds; with a solution, half of it degenerate, or with
-/// any b.
+/// BᵀB (+ skew), B rank × n with a third of its entries, rows of all kinds; with a solution, half of it degenerate, or
+/// with any b.
 Lcp monotone_problem(Index n, Index rank, bool skew, bool solvable, Random& random) {
   MatrixXd B = MatrixXd::Zero(rank, n);
   for (double& value : B.reshaped())

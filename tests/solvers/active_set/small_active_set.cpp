@@ -1,11 +1,11 @@
 // The bold first try of `auto`: what it claims holds, and it claims what it is there for.
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/families.h>
+#include <orthant/solvers/active_set/small_active_set.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/few_lu.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
 #include <orthant/solvers/registry.h>
-#include <orthant/solvers/active_set/small_active_set.h>
 
 #include <doctest/doctest.h>
 

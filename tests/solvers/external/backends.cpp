@@ -1,7 +1,7 @@
 // Libraries under the solvers that fail: without memory a sparse factorization is refused, and the solver says so.
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/solvers/registry.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>
+#include <orthant/solvers/registry.h>
 
 #include <SuiteSparse_config.h>
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // The oracle: complete solution sets, known by hand and by brute force in rationals.
-#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/judge/exact.h>
+#include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <doctest/doctest.h>

@@ -2,6 +2,7 @@
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/families.h>
 #include <orthant/solvers/pivoting/enumerate.h>
+#include <orthant/solvers/pivoting/extreme_equilibria.h>
 #include <orthant/solvers/pivoting/lemke_howson.h>
 #include <orthant/solvers/registry.h>
 
@@ -205,4 +206,69 @@ TEST_CASE("stopped: no equilibrium, those found so far, or solutions that are ma
   const SolutionSet every = enumerate_solutions(corners);
   CHECK((every.complete && every.isolated.size() == 256));
   CHECK(!enumerate_solutions(corners, [] { return true; }).complete);
+}
+
+TEST_CASE("extreme equilibria: a degenerate game has all eight, each exact") {
+  Eigen::MatrixXd A(3, 5), B(3, 5);  // after a public bug report, Nashpy#82: players minimize
+  A << 0, 0, 6, 0, 0, 0, 0, 3, 2, 1, 4, 3, 0, 0, 1;
+  B << 3, 0, 2, 1, 0, 0, 2, 0, 0, 4, 4, 0, 2, 4, 4;
+  const double expected[8][8] = {{1, 0, 0, 0, 1, 0, 0, 0},
+                                 {1, 0, 0, 0, 0, 0, 0, 1},
+                                 {2. / 3, 1. / 3, 0, 0, 1, 0, 0, 0},
+                                 {1. / 3, 1. / 2, 1. / 6, 0, 4. / 9, 2. / 9, 1. / 3, 0},
+                                 {0, 1. / 2, 1. / 2, 0, 1. / 2, 1. / 2, 0, 0},
+                                 {0, 1, 0, 3. / 7, 0, 4. / 7, 0, 0},
+                                 {0, 1, 0, 1, 0, 0, 0, 0},
+                                 {0, 1, 0, 3. / 8, 0, 1. / 4, 3. / 8, 0}};
+  const auto found = extreme_equilibria(A, B);
+  CHECK(found.complete);
+  REQUIRE(found.all.size() == 8);
+  for (const Equilibrium& e : found.all) {
+    Eigen::VectorXd z(8);
+    z << e.x, e.y;
+    const auto is = [&](const double(&row)[8]) {
+      return (z - Eigen::Map<const Eigen::VectorXd>(row, 8)).lpNorm<Eigen::Infinity>() < 1e-15;
+    };
+    CHECK(std::any_of(std::begin(expected), std::end(expected), is));
+    CHECK(e.regret == 0);
+    CHECK(std::abs(regret(A, B, e)) < 1e-15);
+  }
+  CHECK(found.components == 4);  // three share x = (0, 1, 0), three are joined by (1, 0, 0) and the second of y
+  CHECK(extreme_equilibria(A, B, [] { return true; }).complete == false);
+  CHECK_THROWS_AS(extreme_equilibria(A, B.leftCols(4)), std::invalid_argument);
+}
+
+TEST_CASE("extreme equilibria of random games: those that every choice of sides gives") {
+  Random random(11);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Index m = 1 + trial % 3, k = 1 + trial % 4;
+    const auto costs = [&] {
+      Eigen::MatrixXd C(m, k);
+      for (double& c : C.reshaped()) c = random.integer(1, 3);  // few values: many are degenerate
+      return C;
+    };
+    const Eigen::MatrixXd A = costs(), B = costs();
+    const SolutionSet set = enumerate_solutions(as_lcp(A, B));
+    std::vector<Eigen::VectorXd> points = {};
+    const auto add = [&](const Vector& z) {  // scaled to strategies; vertices of faces are extreme
+      const Eigen::VectorXd x = z.head(m), y = z.tail(k);
+      if (x.sum() == 0 || y.sum() == 0) return;
+      Eigen::VectorXd point(m + k);
+      point << x / x.sum(), y / y.sum();
+      for (const auto& other : points)
+        if ((other - point).lpNorm<Eigen::Infinity>() < 1e-12) return;
+      points.push_back(point);
+    };
+    for (const Vector& z : set.isolated) add(z);
+    for (const SolutionFace& face : set.faces)
+      for (const Vector& z : face.vertices) add(z);
+    const auto found = extreme_equilibria(A, B);
+    CHECK(found.all.size() == points.size());
+    for (const Equilibrium& e : found.all) {
+      Eigen::VectorXd z(m + k);
+      z << e.x, e.y;
+      CHECK(std::any_of(points.begin(), points.end(),
+                        [&](const auto& point) { return (point - z).template lpNorm<Eigen::Infinity>() < 1e-12; }));
+    }
+  }
 }

@@ -196,7 +196,8 @@ TEST_CASE("path: free rows, boxes and both bounds of a nonlinear problem") {
   Solution s;
   path.solve(p, s);
   REQUIRE(s.status == Status::solved);
-  // x₁ at its upper bound 2; x₀ + x₂ = −1: x₀ = t, e^t − 1 = e^{−1−t} − 0.01, a quadratic in e^t, t < 1, x₂ = −1 − t > −1?
+  // x₁ at its upper bound 2; x₀ + x₂ = −1: x₀ = t, e^t − 1 = e^{−1−t} − 0.01, a quadratic in e^t, t < 1, x₂ = −1 − t >
+  // −1?
   const double E = (0.99 + std::sqrt(0.99 * 0.99 + 4 * std::exp(-1.0))) / 2, t = std::log(E);
   const double x2 = std::max(-1.0, -1 - t), x0 = -1 - x2;
   CHECK(s.z[1] == 2);

@@ -1,7 +1,7 @@
 // Proofs that there is no solution, on problems too large for a dense tableau.
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/pivoting/lemke.h>
+#include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
@@ -128,7 +128,8 @@ TEST_CASE("a proof search that is switched off, or out of time, is not made") {
 }
 
 TEST_CASE("no solver calls a z solved that only rounding excuses, where a proof says that there is none") {
-  // The second row is three times the first, but for b; bounds of 1e5 and 1e8 make misses of 13 and 2000 small beside the data.
+  // The second row is three times the first, but for b; bounds of 1e5 and 1e8 make misses of 13 and 2000 small beside
+  // the data.
   for (const double bound : {10.0, 1e5, 1e8}) {
     Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{4, -1, -3}, {12, -3, -9}, {-2, 13, -1}}), Vector{-2, 4, 2});
     p.lo = Vector{-kInf, -kInf, 0}, p.hi = Vector{kInf, kInf, bound};

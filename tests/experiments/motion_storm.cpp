@@ -1,0 +1,396 @@
+// Storm of motions: its measures see what is wrong, twins and files are the same motion, a share of it runs.
+#include "experiments/motion_storm/examine.h"
+#include "experiments/motion_storm/judge.h"
+#include "experiments/motion_storm/painleve.h"
+#include "experiments/motion_storm/scenes.h"
+#include "experiments/motion_storm/shared_load.h"
+#include "experiments/motion_storm/shrink.h"
+#include "experiments/motion_storm/tally.h"
+#include "experiments/motion_storm/twin.h"
+
+#include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/mechanics/planar/contact_sets.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "tests/support/sanitized.h"
+
+namespace orthant::motion_storm {
+namespace {
+
+Scene falling_disc(double e) {
+  Scene s{.gravity = {0, -10}};
+  s.body({.mass = 2, .inertia = 0.01, .position = {0, 0.3}});
+  s.contact(DiscWall{{}, 0, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {.e = e}});
+  s.duration = 0.4, s.step = 1e-3;
+  return s;
+}
+
+Trace made_up(std::initializer_list<std::array<double, 5>> rows) {  // t, x, y, vx, vy of one body
+  Trace t;
+  for (const auto& r : rows) {
+    State x;
+    x.t = r[0], x.q = Eigen::Vector3d(r[1], r[2], 0), x.v = Eigen::Vector3d(r[3], r[4], 0);
+    t.rows.push_back(x), t.belt.push_back(0), t.pressed.push_back(0);
+  }
+  return t;
+}
+
+}  // namespace
+
+TEST_CASE("motion storm: penetration, energy, passages and numbers that are none are seen in made-up rows") {
+  const Scene s = falling_disc(1);
+  const Allowance exact{0, 1e-7};
+  CHECK(examine(s, made_up({{0, 0, 0.3, 0, 0}, {0.2, 0, 0.1, 0, -2}}), exact).depth_share.value <= 1);
+  const Figures deep = examine(s, made_up({{0, 0, 0.3, 0, 0}, {0.2, 0, 0.09, 0, -2}}), exact);
+  CHECK(deep.depth.value == doctest::Approx(0.01));
+  CHECK(deep.depth_share.value > 1);
+  CHECK(examine(s, made_up({{0, 0, 0.3, 0, 0}, {0.2, 0, 0.09, 0, -2}}), {1e-2, 0}).depth_share.value < 1);  // h v
+  CHECK(examine(s, made_up({{0, 0, 0.3, 0, 0}, {0.2, 0, 0.1, 0, -2}}), exact).gain.value == 0);
+  CHECK(examine(s, made_up({{0, 0, 0.3, 0, 0}, {0.2, 0, 0.1, 0, -2.1}}), exact).gain.value == doctest::Approx(0.41));
+  CHECK_FALSE(examine(s, made_up({{0, 0, 0.3, 0, NAN}}), exact).finite);
+
+  Scene peg;
+  peg.body({.mass = 1, .inertia = 0.01, .position = {-1, 0}, .velocity = {1, 0}});
+  peg.contact(DiscDisc{{}, 0, {0, 0}, 0.1, kGround, {0, 0}, 0.1, {}});
+  const auto over = made_up({{0, -0.3, 0, 60, 0}, {0.01, 0.3, 0, 60, 0}});
+  CHECK(examine(peg, over, {0.01, 0}).passed.value > 0.9);
+  CHECK(examine(peg, made_up({{0, -0.3, 0.3, 60, 0}, {0.01, 0.3, 0.3, 60, 0}}), {0.01, 0}).passed.value == 0);
+}
+
+TEST_CASE("motion storm: gaps, joints and energy are those of the library, by other code, at random states") {
+  Random random(3);
+  int compared = 0, overlapping = 0;
+  for (std::uint64_t k = 0; k < 4 * kinds().size(); ++k) {
+    const RandomScene it = random_scene(2, k);
+    const System system(it.scene);
+    const Measure measure(it.scene);
+    State x = system.initial_state();
+    for (Eigen::Index i = 0; i < x.q.size(); ++i) x.q[i] += random.uniform(-0.2, 0.2), x.v[i] = random.uniform(-2, 2);
+    Terms terms(system);
+    set_poses(system, 0, x.q, terms.at);
+    evaluate_gaps(system, terms), evaluate_joint_residual(system, terms);
+    INFO(it.kind, " ", k);
+    double loads = 0;
+    for (const Load& l : it.scene.loads)
+      loads +=
+          l.force.dot(terms.at.at(l.body).x + terms.at.at(l.body).turn(l.point)) + l.torque * terms.at.at(l.body).theta;
+    const double E = energy(system, x);
+    CHECK(std::abs(measure.kinetic(x.v) + measure.potential(x.q) + loads - E) < 1e-9 * (1 + std::abs(E)));
+    for (std::size_t j = 0; j < it.scene.joints.size(); ++j) {
+      double most = 0;
+      for (int r = 0; r < row_count(it.scene.joints[j]); ++r)
+        most = std::max(most, std::abs(terms.phi[system.first_row(j) + r]));
+      const double off = measure.residual(it.scene.joints[j], 0, x.q);  // length of a vector, or its largest entry
+      CHECK(off >= most - 1e-12);
+      CHECK(off <= std::numbers::sqrt2 * most + 1e-12);
+    }
+    for (std::size_t c = 0; c < it.scene.contacts.size(); ++c) {
+      if (std::holds_alternative<PolygonPolygon>(it.scene.contacts[c])) continue;  // two points; here one gap
+      if (std::holds_alternative<DiscPolygon>(it.scene.contacts[c]) && it.kind == "seams")
+        continue;  // faces are covered
+      const double gap = measure.gap(it.scene.contacts[c], x.q);
+      CHECK(gap == doctest::Approx(terms.gap[static_cast<Index>(c)]).epsilon(1e-9));
+      ++compared, overlapping += gap < 0;
+    }
+  }
+  CHECK(compared > 200);
+  CHECK(overlapping > 20);
+}
+
+TEST_CASE("motion storm: a twin is the same motion, in other words, and so is the scene's file") {
+  const Twin twins[] = {{.name = "mirrored", .m = -1},
+                        {.name = "turned", .phi = 0.7},
+                        {.name = "moved", .d = {3, -2}},
+                        {.name = "units", .lambda = 4, .kappa = 0.125, .tau = 2},
+                        {.name = "reordered", .reversed = true}};
+  for (std::uint64_t k = 0; k < 2 * kinds().size(); ++k) {
+    const RandomScene it = random_scene(5, k);
+    INFO(it.kind, " ", k);
+    const System system(it.scene);
+    Terms terms(system);
+    const State x = system.initial_state();
+    set_poses(system, 0, x.q, terms.at), evaluate_gaps(system, terms);
+    const System read(parse_scene(to_toml(it.scene, "a comment")));
+    Terms again(read);
+    set_poses(read, 0, x.q, again.at), evaluate_gaps(read, again);
+    CHECK(read.initial_state().q == x.q);
+    CHECK(read.mass() == system.mass());
+    CHECK(read.joint_rows() == system.joint_rows());
+    CHECK((again.gap - terms.gap).lpNorm<Eigen::Infinity>() < 1e-14);  // directions are made units once more
+    for (const Twin& twin : twins) {
+      INFO(std::string(twin.name));
+      const System other(twin_of(it.scene, twin));
+      const State y = other.initial_state();
+      CHECK((back(twin, y.q) - x.q).lpNorm<Eigen::Infinity>() < 1e-12);
+      Terms same(other);
+      set_poses(other, 0, y.q, same.at), evaluate_gaps(other, same), evaluate_joint_residual(other, same);
+      if (same.phi.size() > 0) CHECK(same.phi.lpNorm<Eigen::Infinity>() < 1e-11);
+      const auto n = terms.gap.size();
+      if (twin.m < 0) continue;  // corners in the opposite order: contacts of a pair change places
+      for (Index c = 0; c < n; ++c) {
+        const auto* limit = std::get_if<Limit>(&it.scene.contacts[static_cast<std::size_t>(c)]);
+        const double unit = limit != nullptr && std::holds_alternative<Angle>(limit->of) ? 1 : twin.lambda;
+        CHECK(std::abs(same.gap[twin.reversed ? n - 1 - c : c] / unit - terms.gap[c]) < 1e-11);
+      }
+    }
+  }
+}
+
+TEST_CASE("motion storm: Painleve's paradox is possible for a rod with much friction, not a disc or a held corner") {
+  const auto possible = [](double mu, double angle, double length) {
+    Scene s{.gravity = {0, -10}};
+    const Vector2d tip = length / 2 * Vector2d(std::cos(angle), std::sin(angle));
+    s.body({.mass = 1, .inertia = length * length / 12, .position = -tip, .angle = angle});
+    s.contact(CornerWall{{}, 0, {length / 2, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
+    return painleve_possible(s, System(s).initial_state(), 1e-9);
+  };
+  // A uniform rod: 1 + 3 cos φ (cos φ − μ |sin φ|) < 0, for some φ from μ = 4/3 on.
+  CHECK(possible(1.5, -1.1, 1));
+  CHECK_FALSE(possible(1.3, -1.1, 1));
+  CHECK_FALSE(possible(1.5, -0.1, 1));
+  Scene disc{.gravity = {0, -10}};
+  disc.body({.mass = 1, .inertia = 0.5, .position = {0, 1}});
+  disc.contact(DiscWall{{}, 0, {0, 0}, 1, kGround, {0, 0}, {0, 1}, {.mu = 50}});
+  CHECK_FALSE(painleve_possible(disc, System(disc).initial_state(), 1e-9));
+  Scene held{.gravity = {0, -10}};
+  held.body({.mass = 1, .inertia = 0.1, .position = {0.3, 0.4}});
+  held.joint(Revolute{{}, kGround, 0, {0, 0}, {-0.3, -0.4}});
+  held.contact(CornerWall{{}, 0, {-0.3, -0.4}, kGround, {0, 0}, {0, 1}, {.mu = 50}});
+  CHECK_FALSE(painleve_possible(held, System(held).initial_state(), 1e-9));
+}
+
+TEST_CASE("motion storm: a wedged block's impact has no solution with friction and restitution, and one with less") {
+  const auto block = [](double mu, double e) {  // one corner rests on a wall, the other strikes the wall opposite
+    Scene s{.gravity = {0, -9.81}};
+    s.body({.mass = 0.536, .inertia = 0.00815, .velocity = {0.00686, -0.05847}, .omega = -0.31885});
+    const Vector2d rests{-0.1834, -0.0215}, strikes{0.2459, -0.0246};
+    const double c = std::sqrt(0.5);
+    s.contact(CornerWall{{}, 0, rests, kGround, rests, {c, c}, {.mu = mu}});
+    s.contact(CornerWall{{}, 0, strikes, kGround, strikes, {-c, c}, {.mu = mu, .e = e}});
+    return s;
+  };
+  const auto impossible = [](const Scene& s) { return impact_impossible(s, System(s).initial_state(), 1e-6); };
+  CHECK(impossible(block(1.5, 0.6)));
+  CHECK_FALSE(impossible(block(1.5, 0)));    // both corners stop
+  CHECK_FALSE(impossible(block(0, 0.6)));    // without friction a solution always exists
+  CHECK_FALSE(impossible(block(0.3, 0.6)));  // one slides
+  Scene other = block(1.5, 0.6);
+  other.restitution = Restitution::poisson;
+  CHECK_FALSE(impossible(other));
+  Scene apart = block(1.5, 0.6);
+  std::get<CornerWall>(apart.contacts[0]).wall_point -= 1e-7 * Vector2d(1, 1);  // need not take part
+  CHECK_FALSE(impossible(apart));
+  for (const Verdict& v : judge(random_scene(2, 488).scene, {"event-driven", "adaptive"}, 488, {1, 30})) {
+    INFO(v.integrator, ": ", v.why);
+    CHECK(v.result == Result::stopped);
+  }
+}
+
+TEST_CASE("motion storm: event-driven calls an impact of two corners infeasible just where that is proved") {
+  std::mt19937_64 random(5);
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  int impossible = 0, other = 0;
+  for (int k = 0; k < 400; ++k) {
+    INFO(k);
+    Scene s{.gravity = {0, -9.81}};
+    s.body({.mass = 1, .inertia = draw(0.002, 0.03), .velocity = {draw(-1, 1), draw(-1, 0)}, .omega = draw(-5, 5)});
+    for (const double side : {1, -1}) {
+      const double angle = draw(0.2, 1.4);
+      const Vector2d corner{-side * draw(0.1, 0.3), draw(-0.2, 0.1)}, normal{side * std::sin(angle), std::cos(angle)};
+      s.contact(CornerWall{{}, 0, corner, kGround, corner, normal, {.mu = draw(0, 2), .e = draw(0, 1)}});
+    }
+    const System system(s);
+    State x = system.initial_state();
+    const bool proved = impact_impossible(s, x, 1e-6);
+    const auto integrator = make_integrator("event-driven", system);
+    const auto solver = make_solver("auto");
+    const bool infeasible = integrator->step(1e-9, *solver, x).status == Status::infeasible;
+    const bool later = !integrator->events().empty();  // something struck before the impact that has no solution
+    CHECK((infeasible == proved || (infeasible && later)));
+    other += infeasible && !proved;
+    impossible += proved;
+  }
+  CHECK(impossible > 5);
+  CHECK(other < 30);  // 13 seen
+}
+
+TEST_CASE("motion storm: twins and output steps agree where rounding decided before") {
+  const std::pair<std::uint64_t, const char*> seen[] = {
+      {934, "event-driven"},     // impacts in turn, which a crossing cut off
+      {1055, "event-driven"},    // impacts in turn of two contacts that touch to rounding
+      {971, "event-driven"},     // an overlap at the start, closed by one Newton step
+      {1674, "event-driven"},    // redundant joints of unlike masses
+      {624, "moreau-jean"},      // velocities below the normal numbers
+      {287, "anitescu-potra"}};  // a gap that is zero to rounding, closed on one side only
+  for (const auto& [number, scheme] : seen)
+    for (const Verdict& v : judge(random_scene(2, number).scene, {scheme}, number, {10, 30})) {
+      INFO(number, " ", v.integrator, ": ", v.why);
+      CHECK_FALSE(fault(v.result));
+    }
+}
+
+TEST_CASE("motion storm: a fault is shrunk to what it needs") {
+  const Scene whole = random_scene(1, 20 + 21).scene;
+  REQUIRE(whole.bodies.size() > 1);
+  const auto shows = [](const Scene& s) { return !s.contacts.empty(); };
+  const Scene least = shrink(whole, shows);
+  check(least);
+  CHECK(least.bodies.size() == 1);
+  CHECK(least.joints.empty());
+  CHECK(least.contacts.size() == 1);
+}
+
+TEST_CASE("motion storm: the law of a pair of polygons is shrunk at both of its points, as its file has one") {
+  Scene s;
+  s.body({.mass = 1, .inertia = 0.1, .position = {0, 0.1}});
+  const Polygon box = rectangle(0.4, 0.2), tile{{-1, -0.2}, {1, -0.2}, {1, 0}, {-1, 0}};
+  s.contact_set(polygon_polygon({"tile", 0, box, kGround, tile, 0, {.mu = 0.3, .e = 0.5}}));
+  const auto friction = [](const Scene& x, std::size_t k) { return std::get<PolygonPolygon>(x.contacts.at(k)).law.mu; };
+  const Scene least =
+      shrink(s, [&](const Scene& x) { return x.contacts.size() == 2 && (friction(x, 0) > 0 || friction(x, 1) > 0); });
+  CHECK(friction(least, 0) == 0.3);
+  CHECK(friction(least, 1) == 0.3);
+  CHECK(std::get<PolygonPolygon>(least.contacts[1]).law.e == 0);
+}
+
+TEST_CASE("motion storm: friction of a box on a seam is left open where the tiles differ in it, and by how much") {
+  const auto open = [](double left, double right, double belt, double x, double speed) {
+    Scene s{.gravity = {0, -10}};
+    s.body({.mass = 2, .inertia = 0.1, .position = {x, 0.1}, .velocity = {speed, 0}});
+    const Polygon box = rectangle(0.4, 0.2);
+    s.contact_set(polygon_polygon({"l", 0, box, kGround, {{-1, -0.2}, {0, -0.2}, {0, 0}, {-1, 0}}, 0, {.mu = left}}));
+    s.contact_set(polygon_polygon(
+        {"r", 0, box, kGround, {{0, -0.2}, {1, -0.2}, {1, 0}, {0, 0}}, 0, {.mu = right, .belt = belt}}));
+    Trace t = made_up({{0, x, 0.1, speed, 0}, {0.5, x, 0.1, speed, 0}, {0.75, x, 0.1, speed, 0}});
+    t.pressed = {0, 10, 5};  // [N s]
+    return friction_left_open(s, t, 4);
+  };
+  CHECK(open(0.3, 0.1, 0, 0, 1) == doctest::Approx(0.2 * 10 / 2 * 0.25 / 4).epsilon(1e-12));
+  CHECK(open(0.3, 0.3, 0, 0, 1) == 0);                                                        // one friction
+  CHECK(open(0.3, 0.1, 0, 0.5, 1) == 0);                                                      // one tile
+  CHECK(open(0.3, 0.1, 0, 0, 0) == 0);                                                        // at rest
+  CHECK(open(0.3, 0.3, 2, 0, 1) == doctest::Approx(0.6 * 10 / 2 * 0.25 / 4).epsilon(1e-12));  // a belt that is faster
+}
+
+TEST_CASE("motion storm: a box that slides from a rough tile to a smooth one is judged by what friction leaves open") {
+  const std::uint64_t k = 800;
+  const Scene scene = random_scene(2, k).scene;
+  for (const Verdict& v : judge(scene, {"rattle", "generalized-alpha"}, k / kinds().size(), {1, 30})) {
+    INFO(v.integrator, ": ", v.why);
+    CHECK(v.result == Result::solved);
+  }
+  // Onto one without friction: what friction is left depends on the share of the load.
+  const Scene smooth = random_scene(3, 212).scene;
+  CHECK(judge(smooth, {"paoli-schatzman"}, 212 / kinds().size(), {1, 30})[0].result == Result::solved);
+  Scene same = scene;  // all tiles alike: the motion is determined, and no place changes it
+  for (Contact& c : same.contacts) std::get<PolygonPolygon>(c).law.mu = 0.3;
+  const Twin moved{.name = "moved", .d = {3.1, -1.7}};
+  for (const std::string spec : {"rattle", "generalized-alpha"}) {
+    INFO(spec);
+    const Trace there = trace(twin_of(same, moved), spec, same.step, 1, 30);
+    const Trace here = trace(same, spec, same.step, 1, 30);
+    REQUIRE(here.rows.size() == there.rows.size());
+    CHECK(friction_left_open(same, here, 1) == 0);
+    for (std::size_t r = 0; r < here.rows.size(); ++r)
+      CHECK((back(moved, there.rows[r].q) - here.rows[r].q).lpNorm<Eigen::Infinity>() < 1e-10);
+  }
+}
+
+TEST_CASE(
+    "motion storm: what a scheme of fixed step warns of its energy counts as reported, a precise one's does not") {
+  const Scene s = falling_disc(1);
+  Trace t = made_up({{0, 0, 0.3, 0, 0},  // + 1 J after three rows, which count together
+                     {0.1, 0, 0.3, 0, 0},
+                     {0.2, 0, 0.3, 0, 0},
+                     {0.3, 0, 0.3, 0, -1},
+                     {0.4, 0, 0.3, 0, -1},
+                     {0.5, 0, 0.3, 0, -1}});
+  const Allowance fixed{1e-2, 1e-7}, exact{0, 1e-7};
+  CHECK(examine(s, t, fixed).gain.value == doctest::Approx(1));
+  t.run.motion.energy_defect = 0.9, t.run.motion.energy_scale = 1;
+  CHECK(examine(s, t, fixed).gain.value == doctest::Approx(0.1));
+  CHECK(examine(s, t, exact).gain.value == doctest::Approx(1));
+  t.run.motion.energy_scale = 100;  // then it does not warn
+  CHECK(examine(s, t, fixed).gain.value == doctest::Approx(1));
+}
+
+TEST_CASE("motion storm: scenes in which a scheme of fixed step was at fault, or called so, are judged rightly") {
+  struct Case {
+    std::uint64_t seed, k;
+    const char* scheme;
+    Result result;
+  };
+  for (const Case& c : {Case{2, 321, "moreau-jean", Result::solved},
+                        {2, 613, "moreau-jean", Result::solved},
+                        {2, 2013, "moreau-jean", Result::solved},
+                        {2, 2041, "stewart-trinkle", Result::solved},
+                        {2, 2041, "paoli-schatzman", Result::solved},
+                        {2, 1174, "moreau-jean", Result::stopped},
+                        {2, 796, "rattle", Result::solved},
+                        {1, 426, "paoli-schatzman", Result::solved},
+                        {2, 949, "paoli-schatzman", Result::solved},
+                        {2, 1289, "paoli-schatzman", Result::solved},
+                        {2, 2167, "moreau-jean", Result::solved}}) {
+    const Verdict v =
+        judge(random_scene(c.seed, c.k).scene, {c.scheme}, c.k / kinds().size(), {kSanitized ? 30.0 : 5.0, 30})[0];
+    INFO(c.seed, " ", c.k, " ", c.scheme, ": ", v.why);
+    CHECK(v.result == c.result);
+  }
+}
+
+TEST_CASE("motion storm: a plain motion is found without fault by every integrator, and a run that lies is found out") {
+  for (const Verdict& v : judge(falling_disc(0.5), all_integrators(), 0, {1, 30})) {
+    INFO(v.integrator, ": ", v.why);
+    CHECK(v.result == Result::solved);
+  }
+  // A drive through a wall would be a lie; no run may end solved.
+  Scene wall = falling_disc(0);
+  wall.joint(Drive{{}, Slide{kGround, 0, {0, 0.3}, {0, 0}, {0, 1}}, {.offset = 0, .rate_of_change = -1}});
+  for (const Verdict& v : judge(wall, {"moreau-jean", "stewart-trinkle"}, 0, {1, 30}))
+    CHECK(v.result == Result::stopped);
+}
+
+TEST_CASE("motion storm: a scene is the same each time, all kinds come, and a tally survives its text") {
+  std::set<std::string> seen;
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    const RandomScene a = random_scene(3, k), b = random_scene(3, k);
+    CHECK(to_toml(a.scene, "") == to_toml(b.scene, ""));
+    CHECK(a.scene.bodies.size() <= 8);
+    seen.insert(a.kind);
+  }
+  CHECK(seen.size() == kinds().size());
+  Tally tally;
+  tally.count("stack", "rattle", Result::twin);
+  tally.faults.push_back({7, "stack", "rattle", "twin", "why"});
+  const Tally again = tally_from_text(to_text(tally));
+  CHECK(again.rows == tally.rows);
+  CHECK(again.faults.at(0).why == "why");
+}
+
+TEST_CASE("motion storm: a share of it, without a crash or numbers that are not finite") {
+  const std::uint64_t scenes = kSanitized ? 5 : kinds().size();
+  const Tally tally = storm(20, 0, scenes, all_integrators(), {1, 30});
+  Tally::Counts sum{};
+  for (const auto& [key, counts] : tally.rows)
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += counts[i];
+  for (const Fault& f : tally.faults) {
+    const std::string words = f.kind + " " + std::to_string(f.k) + ", " + f.integrator + ": " + f.what + ": " + f.why;
+    if (f.what == "crashed")
+      FAIL_CHECK(words);
+    else
+      MESSAGE(words);
+  }
+  CHECK(sum[static_cast<std::size_t>(Result::solved)] > 4 * scenes);
+}
+
+}  // namespace orthant::motion_storm

@@ -1,0 +1,155 @@
+// Dense output of the adaptive scheme: the output step changes neither the motion nor its cost, and each state between
+// inner steps is as good as the tolerance.
+#include "tests/support/runs.h"
+
+#include <orthant/core/mechanics/scene/scene_toml.h>
+#include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/coulomb_decay.h>
+#include <orthant/core/scenes/pendulum.h>
+#include <orthant/integrators/adaptive/adaptive.h>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+using namespace orthant;
+
+namespace {
+
+Scene of_file(const char* name) { return read_scene(std::string(ORTHANT_ROOT "/tests/data/") + name); }
+
+struct Looked {  // what a run hands out
+  Run run;
+  std::vector<double> t, q;  // q: all coordinates at t
+  std::vector<Event> events;
+  std::vector<Impulse> sum;
+};
+
+Looked look(const Scene& scene, double duration, std::string_view integrator, double step) {
+  Looked seen;
+  seen.sum.resize(scene.contacts.size());
+  seen.run = run_for(scene, duration, integrator, step, [&](const Moment& m) {
+    seen.t.push_back(m.state.t);
+    seen.q.insert(seen.q.end(), m.state.q.data(), m.state.q.data() + m.state.q.size());
+    for (const Event& event : m.events) {
+      seen.events.push_back(event);
+      if (event.kind != EventKind::accumulation && seen.t.size() > 1) {
+        CHECK(event.t <= m.state.t + 1e-12);
+        CHECK(event.t > seen.t[seen.t.size() - 2] - 1e-12);
+      }
+    }
+    for (std::size_t c = 0; c < seen.sum.size(); ++c)
+      seen.sum[c].normal += m.impulses[c].normal, seen.sum[c].tangent += m.impulses[c].tangent;
+  });
+  REQUIRE_MESSAGE(seen.run.status == Status::solved, seen.run.why);
+  return seen;
+}
+
+/// Largest difference, of the entries' size or 1.
+double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return ((a - b).array() / b.array().abs().max(1)).abs().maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("adaptive: the output step changes no event, no inner step, and the motion by rounding of the time alone") {
+  const std::pair<Scene, double> cases[] = {{slider_crank({.mu = 0.1}), 0.05},
+                                            {of_file("four_bar_clearance.toml"), 0.3},
+                                            {coulomb_decay(), 20},
+                                            {bouncing_ball({.e = 0.9}), 7},
+                                            {of_file("belt_block.toml"), 20}};
+  for (const auto& [scene, duration] : cases) {
+    const Looked once = look(scene, duration, "adaptive:rtol=1e-6", duration);
+    for (const double parts : {7.0, 100.0, 5000.0}) {
+      CAPTURE(duration);
+      CAPTURE(parts);
+      const Looked often = look(scene, duration, "adaptive:rtol=1e-6", duration / parts);
+      CHECK(distance(often.run.final.q, once.run.final.q) <= 1e-13);  // the end's time is a sum of other steps
+      CHECK(distance(often.run.final.v, once.run.final.v) <= 1e-11);
+      CHECK(often.run.accepted == once.run.accepted);
+      CHECK(often.run.rejected == once.run.rejected);
+      REQUIRE(often.events.size() == once.events.size());
+      for (std::size_t k = 0; k < once.events.size(); ++k) {
+        CHECK(often.events[k].t == once.events[k].t);
+        CHECK(often.events[k].normal == once.events[k].normal);
+      }
+      for (std::size_t c = 0; c < once.sum.size(); ++c) {
+        const double size = std::abs(once.sum[c].normal) + 1e-6;
+        CHECK(std::abs(often.sum[c].normal - once.sum[c].normal) <= 1e-9 * size);
+        CHECK(std::abs(often.sum[c].tangent - once.sum[c].tangent) <= 1e-9 * size);
+      }
+      CHECK(often.run.max_joint_residual <= 1e-11);
+      CHECK(often.run.max_penetration <= 1e-7);
+    }
+  }
+}
+
+TEST_CASE("adaptive: states between inner steps keep the tolerance") {
+  for (const auto& [adaptive, tolerance] : {std::pair<std::string, double>{"adaptive:rtol=1e-3", 1e-3},
+                                            {"adaptive:rtol=1e-6", 1e-6},
+                                            {"adaptive:rtol=1e-9", 1e-9}}) {
+    CAPTURE(adaptive);
+    const std::pair<Scene, double> cases[] = {
+        {slider_crank({.mu = 0.1}), 0.05}, {pendulum(), 4}, {coulomb_decay(), 20}};
+    for (const auto& [scene, duration] : cases) {
+      const Looked exact = look(scene, duration, "event-driven", duration / 500);
+      const Looked seen = look(scene, duration, adaptive, duration / 500);
+      REQUIRE(seen.q.size() == exact.q.size());
+      double worst = 0, size = 1;
+      for (std::size_t i = 0; i < seen.q.size(); ++i)
+        worst = std::max(worst, std::abs(seen.q[i] - exact.q[i])), size = std::max(size, std::abs(exact.q[i]));
+      MESSAGE(adaptive << ", " << duration << " s: off by " << worst);
+      CHECK(worst <= tolerance * size);
+    }
+  }
+}
+
+TEST_CASE("four-bar with clearance in a pin: the crank's angle at any output step, better at a tighter tolerance") {
+  const Scene scene = of_file("four_bar_clearance.toml");
+  constexpr double kTheta = 5.9599491;  // event-driven at 1e-13, 1e-14: 5.95994905
+  const auto error = [&](const char* spec, double step) {
+    return std::abs(run_for(scene, 1, spec, step).final.q[2] - kTheta);
+  };
+  CHECK(error("adaptive:rtol=1e-6", 1e-3) <= 2e-4);
+  CHECK(error("adaptive:rtol=1e-9", 1e-2) <= 1e-6);
+  CHECK(error("adaptive:rtol=1e-9", 1e-4) <= 1e-6);
+  CHECK(error("adaptive:rtol=1e-12", 1e-2) <= 1e-6);
+}
+
+TEST_CASE("slider-crank with a tilted start: a tighter tolerance is no worse") {
+  for (const double omega3 : {-0.01, 0.02, -0.3}) {
+    CAPTURE(omega3);
+    const Scene scene = slider_crank({.omega3 = omega3});
+    const double exact = run_for(scene, 0.2, "event-driven", 0.2).final.q[kTheta1];
+    for (const auto& [spec, most] :
+         {std::pair{"adaptive:rtol=1e-6", 1e-5}, {"adaptive:rtol=1e-9", 1e-7}, {"adaptive:rtol=1e-12", 1e-8}})
+      CHECK(std::abs(run_for(scene, 0.2, spec, 1e-3).final.q[kTheta1] - exact) <= most);
+  }
+}
+
+TEST_CASE("a block on a belt, at the tightest tolerance: ends in a few hundred steps") {
+  const Scene scene = of_file("belt_block.toml");
+  for (const double step : {0.1, 1e-3}) {
+    const Run r = run_for(scene, 20, "adaptive:rtol=1e-12", step);
+    CHECK(r.status == Status::solved);
+    CHECK(r.final.q[0] == doctest::Approx(0.300033986584012).epsilon(1e-10));
+    CHECK(r.accepted + r.rejected <= 1000);
+  }
+}
+
+TEST_CASE("adaptive: states within a crossing lie on the joints, and their residual is reported") {
+  const Scene scene = of_file("parallelogram_redundant.toml");
+  const System system(scene);
+  Terms terms(system);
+  double worst = 0;
+  const Run run = run_for(scene, scene.duration, "adaptive", scene.duration / 140, [&](const Moment& m) {
+    set_poses(system, m.state.t, m.state.q, terms.at);
+    evaluate_joint_residual(system, terms);
+    worst = std::max(worst, terms.phi.lpNorm<Eigen::Infinity>());
+  });
+  REQUIRE_MESSAGE(run.status == Status::solved, run.why);
+  REQUIRE(run.crossings > 0);
+  CHECK(worst <= 1e-12);
+  CHECK(run.max_joint_residual <= 1e-12);
+}
