@@ -41,6 +41,18 @@ bool negative_minor(const MatrixXd& B) {
   return false;
 }
 
+/// Likewise one of order 1 or 2, of any signs σ; entry(i, j, σ_j) of k contacts.
+template <class Entry> bool negative_pair(Eigen::Index k, Entry entry) {
+  for (Eigen::Index i = 0; i < k; ++i)
+    for (const int s : {-1, 0, 1}) {
+      if (entry(i, i, s) < -1e-9) return true;
+      for (Eigen::Index j = 0; j < i; ++j)
+        for (const int t : {-1, 0, 1})
+          if (entry(i, i, s) * entry(j, j, t) - entry(i, j, t) * entry(j, i, s) < -1e-9) return true;
+    }
+  return false;
+}
+
 enum Mode { open, sticks, slides_up, slides_down };
 
 /// Newton's law of impact at k contacts: rows 2i (normal) and 2i + 1 (tangent) of contact i, both scaled so that
@@ -150,7 +162,7 @@ bool impact_impossible(const Scene& scene, const State& x, double gap) {
   return true;
 }
 
-bool painleve_possible(const Scene& scene, const State& x, double gap) {
+bool painleve_possible(const Scene& scene, const State& x, double gap, bool many) {
   const System system(scene);
   const Terms terms = closed_terms(system, x, gap);
   const MatrixXd P = admittance(system, terms), free = system.inverse_mass().asDiagonal();
@@ -164,15 +176,15 @@ bool painleve_possible(const Scene& scene, const State& x, double gap) {
     mu.push_back(std::max(system.law(c.contact).mu, system.law(c.contact).mu_static));
   }
   const auto k = static_cast<Eigen::Index>(normal.size());
-  if (k > 6) return true;
+  const auto entry = [&](Eigen::Index i, Eigen::Index j, int sigma) {
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    return normal[a].dot(P * normal[b]) - sigma * mu[b] * normal[a].dot(P * tangent[b]);
+  };
+  if (k > 6) return many || negative_pair(k, entry);
   for (int sign = 0; sign < static_cast<int>(std::pow(3, k)); ++sign) {
     MatrixXd B(k, k);
     for (Eigen::Index i = 0; i < k; ++i)
-      for (Eigen::Index j = 0; j < k; ++j) {
-        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-        const double sigma = sign / static_cast<int>(std::pow(3, j)) % 3 - 1;
-        B(i, j) = normal[a].dot(P * normal[b]) - sigma * mu[b] * normal[a].dot(P * tangent[b]);
-      }
+      for (Eigen::Index j = 0; j < k; ++j) B(i, j) = entry(i, j, sign / static_cast<int>(std::pow(3, j)) % 3 - 1);
     if (negative_minor(B)) return true;
   }
   return false;

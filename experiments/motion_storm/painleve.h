@@ -16,8 +16,9 @@
 
 namespace orthant::motion_storm {
 
-/// Contacts count as closed up to `gap` [m]; of more than six closed ones with friction the answer is true.
-bool painleve_possible(const Scene& scene, const State& state, double gap);
+/// Contacts count as closed up to `gap` [m]. Of more than six closed ones only minors of order 1 and 2 are looked at;
+/// many: the answer is true without a look.
+bool painleve_possible(const Scene& scene, const State& state, double gap, bool many = true);
 
 /// Whether it is proved that Newton's law of impact and Coulomb friction leave no velocities after this state. Contacts
 /// take part up to `gap` [m]; those with more than 1e-9 m need not. Not proved: other laws of impact, more than five

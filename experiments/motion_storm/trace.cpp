@@ -50,6 +50,7 @@ void all_of(Trace& t, Bytes& bytes) {
   bytes(t.refused), bytes(t.threw), bytes(t.seconds), bytes(t.run.status), bytes(t.run.why);
   bytes(t.run.energy_rises), bytes(t.run.max_energy_rise), bytes(t.run.passages), bytes(t.run.crossings);
   bytes(t.run.motion.energy_defect), bytes(t.run.motion.energy_scale);
+  bytes(t.run.motion.max_overlap), bytes(t.run.motion.overlap_length), bytes(t.run.motion.overlap_scale);
   std::size_t rows = t.rows.size();
   bytes(rows), t.rows.resize(rows), t.belt.resize(rows), t.pressed.resize(rows);
   for (std::size_t r = 0; r < rows; ++r)

@@ -16,6 +16,7 @@ constexpr double kDefect = 0.05, kMostDefect = 1;        // of the energy's scal
 constexpr double kGrown = 1.2;                           // of the overlap at the last look: looked at again
 constexpr long kLooks = 256;                             // steps after which it is looked at in any case
 constexpr double kRounded = 1e-12;                       // of the energies that differences are taken of
+constexpr double kOfPlaces = 1e-15;                      // of the coordinates: their rounding
 constexpr double kSoon = 1e-3;                           // of the time: a jam that near explains a failed step
 constexpr double kCrossing = 1e-4;                       // [s] the longest of a scheme that divides its step
 
@@ -171,12 +172,16 @@ double MotionWatch::potential(const State& x) {
   return sum;
 }
 
-/// [J] of the velocities that the applied forces give within h: no scheme knows an energy better.
+/// [J] of the velocities that the applied forces, and rounding of the places, give within h: no scheme knows an energy
+/// better.
 double MotionWatch::kick(const State& x, double h) {
   if (integrator_.controls_step()) h = std::min(h, kCrossing);
+  double mass = 0;
+  for (const Body& body : system_.scene().bodies) mass += body.mass;
+  const double rounding = kOfPlaces * x.q.lpNorm<Eigen::Infinity>() / h;  // [m/s]
   set_poses(system_, x.t, x.q, terms_.at);
   evaluate_forces(system_, x.t, x.v, terms_);
-  return h * h / 2 * terms_.f.dot(system_.inverse_mass().cwiseProduct(terms_.f));
+  return h * h / 2 * terms_.f.dot(system_.inverse_mass().cwiseProduct(terms_.f)) + mass / 2 * rounding * rounding;
 }
 
 /// [m/s, rad/s] Of a contact's surfaces at the end of a step, with what the step's impulses took from it.
