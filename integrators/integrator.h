@@ -48,7 +48,7 @@ struct Impulse {
   double normal = 0, tangent = 0;  // [N s]
 };
 
-/// Bound to one system, which must outlive it. What a scheme remembers from one step to the next (an acceleration, a
+/// Bound to one system, which must outlive it. State that a scheme keeps from one step to the next (an acceleration, a
 /// step size) counts only when it is given the very q and v that it returned last; any other state restarts it.
 class Integrator {
  public:
@@ -122,7 +122,7 @@ class Integrator {
   /// The step ends as `status`, why() has the words. Returns false.
   bool fail(StepReport& report, Status status, std::string why);
 
-  /// Whom to share islands with; null: nobody.
+  /// Worker threads for islands; null: single-threaded.
   Crew* crew() const { return crew_.get(); }
 
   const System& system_;

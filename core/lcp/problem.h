@@ -59,7 +59,7 @@ struct Lcp {
 
 /// Throws std::invalid_argument naming the field, the value and the rule when the parts do not fit together: shapes,
 /// bounds (lo ≤ hi, neither NaN), friction rows (one entry a row, its own bounds infinite, its normal a row with
-/// lo ≥ 0 that has no friction itself). What A and b hold is not looked at: that is finite()'s question.
+/// lo ≥ 0 that has no friction itself). The entries of A and b are not checked here: see finite().
 void check(const Lcp& problem);
 
 /// The same for a square matrix by itself.

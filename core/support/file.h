@@ -29,7 +29,7 @@ void write_whole(const std::filesystem::path& path, std::string_view text);
 
 /// Where this process writes what is to take the place of `path`: NAME.tmp and the process's number.
 std::filesystem::path beside(std::filesystem::path path);
-/// What killed processes left there: names with the number of a process that is no more, or is this one.
+/// Temporary files that killed processes left: their names hold the number of an ended process, or of this one.
 std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& path);
 
 /// Throws std::runtime_error when `path` is no regular file that can be read (a folder or a device, say).

@@ -22,7 +22,7 @@ inline std::string shortened(std::string_view text, std::size_t most = 60) {
   return without_end(text.substr(0, most - end)) + " ... " + without_end(text.substr(text.size() - end));
 }
 
-/// What work() returns; what it says of a bad argument as one line: where at its beginning, the rule at its end.
+/// Returns work()'s result. Shortens its message about a bad argument to one line: place first, rule last.
 template <class Work> decltype(auto) in_a_line(Work&& work) {
   try {
     return std::forward<Work>(work)();

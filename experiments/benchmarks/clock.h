@@ -19,7 +19,7 @@ struct Timing {
   int runs = 0;
 };
 
-/// What `call` takes: the median of up to five runs within `most` seconds, after one that fills the caches and counts
+/// Time of `call`: the median of up to five runs within `most` seconds, after one that fills the caches and counts
 /// only if it took that long by itself. A run is as many calls in a row as take 20 µs, for the clock itself takes a
 /// part of one; where they are more than one, the clock and `prepare` before each call are timed alone and taken off.
 template <class Prepare, class Call> Timing time_calls(Prepare&& prepare, Call&& call, double most = 0.1) {

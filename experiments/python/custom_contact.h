@@ -10,7 +10,7 @@
 
 namespace orthant::python {
 
-/// What Scene.add("contact", type="custom", …) was given. rows: rates of gap and slip as (6,) or (2, 6) numbers, one
+/// Arguments of Scene.add("contact", type="custom", …). rows: rates of gap and slip as (6,) or (2, 6) numbers, one
 /// for each of (ẋ, ẏ, ω) of a, then of b; bias: d/dt of both at zero acceleration, None: by differences of the rows.
 struct CustomSpec {
   std::string name, body_a, body_b;

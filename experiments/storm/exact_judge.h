@@ -1,6 +1,6 @@
 // experiments/storm/exact_judge.h — a third judge, written apart from certify(): every sum exact.
 //
-//   What `solved` promises, as a backward error: z̄ near z solves, without any tolerance, a problem near the one given.
+//   Claim of `solved`, as a backward error: z̄ near z solves, without any tolerance, a problem near the one given.
 //   Row by row z stays where it is when |w_i| ≤ r_i, else z̄_i is the bound that the sign of w_i asks for (friction
 //   rows after their normals, ∓μ z̄_n), and the move may cost no more than r_i: |z̄_i − z_i| d_i ≤ r_i, d_i = max(1,
 //   max_j |A_ji|).
@@ -16,7 +16,7 @@
 //   max s and β are of each part of the problem, rows that A couples. Of an operator, where an entry is a sum over
 //   bodies, the sizes s, t, β are those of its terms; max s is of the entries.
 //
-//   What `infeasible` promises: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
+//   Claim of `infeasible`: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
 //   consequence. Exactly; or up to roundings of Aᵀu, where every z that uses them is so large that w is unknown.
 //
 //   Arithmetic: rationals up to kRational rows and for every proof, else 113 bits, in which products of doubles are

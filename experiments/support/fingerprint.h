@@ -34,7 +34,7 @@ void take(std::vector<Fingerprint>& all, long steps, double seconds, int threads
 /// Whether a mark that both reached differs.
 bool differ(const Fingerprint& a, const Fingerprint& b);
 
-/// What the bits may depend on besides the sources: compiler, flags, C library, processor.
+/// Build settings on which bits may depend besides the sources: compiler, flags, C library, processor.
 std::string build_of_bits();
 
 /// A table: the build in the first line, then a row each. `read` throws std::runtime_error.

@@ -40,7 +40,7 @@ inline Exact exact_w(const Lcp& problem, const Vector& z) {
   return e;
 }
 
-/// What a z achieves; both ∞ when something is not finite, or a friction row's bounds are crossed (z_n < 0).
+/// Residuals of a z; both ∞ when something is not finite, or a friction row's bounds are crossed (z_n < 0).
 struct Achieved {
   double residual = kInf;  // max_i |z_i − clamp(z_i − w_i, lo_i, hi_i)|: textbook, without weights       [units of w]
   double size = kInf;      // max_i (|b_i| + Σ_j |A_ij z_j|): w cannot be known below ε times that        [units of w]

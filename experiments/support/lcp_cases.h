@@ -35,7 +35,7 @@ struct LcpCaseChoice {
 /// Small sizes first. Throws std::invalid_argument for an unknown family, and what reading files and scenes throws.
 std::vector<LcpCase> lcp_cases(const LcpCaseChoice& choice);
 
-/// What kind of problem it is, in one or two words: "friction", "infeasible", "definite", "semidefinite", "grid",
+/// Kind of problem, in one or two words: "friction", "infeasible", "definite", "semidefinite", "grid",
 /// "P-matrix", "other"; "own" of files, whatever they hold.
 std::string group(const LcpCase& c, const Lcp& problem);
 

@@ -15,7 +15,7 @@ struct Outline {
 };
 
 /// Discs (with a radius, to see them turn), polygons and guides' corners as areas, lines from the centre of mass to
-/// each joint and journal, walls as lines as long as the scene is wide. What is given twice is drawn once.
+/// each joint and journal, walls as lines as long as the scene is wide. Duplicates are drawn once.
 std::vector<Outline> outlines(const Scene& scene);
 
 }  // namespace orthant

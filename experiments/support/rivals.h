@@ -25,8 +25,8 @@ struct Rival {
 /// std::invalid_argument when there is no such list.
 std::vector<Rival> rivals(const std::filesystem::path& folder);
 
-/// What a program printed. Throws std::runtime_error with what it said on its error stream, or its signal, when it does
-/// not end with 0. It dies with this process; call it where a time limit matters within Isolated.
+/// Output of a program. Throws std::runtime_error with its error stream, or its signal, when the exit code is not 0. The
+/// program dies with this process; call it within Isolated where a time limit matters.
 std::string output_of(const std::vector<std::string>& command);
 
 /// An LCP by a rival: handed over in a file, solved by its driver, and judged here like try_solver()'s. A solver of

@@ -27,9 +27,8 @@ nlohmann::ordered_json fitted_orders(const std::vector<ResultRow>& rows);
 nlohmann::ordered_json time_to_error(const std::vector<ResultRow>& rows);
 std::span<const double> error_targets();
 
-/// What a run says besides its measure, against the run of the same parameters by the integrator that the sweep
-/// compares with:
-/// does it converge as well? For each set of parameters with such a run and each statistic the greatest order that any
+/// Convergence of a run's statistics against the run of the same parameters by the integrator that the sweep
+/// compares with. For each set of parameters with such a run and each statistic the greatest order that any
 /// method shows over the three finest octaves of h. Keys: parameters, statistic, order, integrator.
 nlohmann::ordered_json orders_of_statistics(const std::vector<ResultRow>& rows);
 

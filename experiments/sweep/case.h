@@ -38,7 +38,7 @@ struct Case {
   std::optional<Case> reference_case() const;
 };
 
-/// What a run gives, in the order of columns_of_cases() (results.h): numbers, texts, null for what there is not.
+/// Results of a run, in the order of columns_of_cases() (results.h): numbers, texts, null where there is no value.
 /// Integrators that refuse the scene, unsolved steps, absent references are rows with a "why", no exceptions.
 /// Deterministic except "slowest" and "seconds", and "time_limit", which is an input.
 using ResultRow = nlohmann::ordered_json;

@@ -3,7 +3,7 @@
 //   An optimization method ends near a solution, with z_i and w_i both small but neither zero. Here each row is given
 //   its side (active_rows.h), the system of that choice is solved, rows that come out wrong change sides, a few times
 //   over.
-//   Where the system is singular the point next to the guess is taken. What is better by the judge's residual is kept.
+//   Where the system is singular the point next to the guess is taken. The point with the smaller residual is kept.
 //   Guesses, until one is exact: the minimum map's choice; only rows clearly inside; all rows not clearly outside
 //   (these two differ on degenerate rows, z_i = w_i = 0); the first one again, the point next to 0 (z may have run away
 //   along a face of solutions).

@@ -2,7 +2,7 @@
 //
 //   For each row in turn, w_i from the newest z:   z_i ← clamp(z_i − ω w_i / A_ii, lo_i, hi_i);
 //   a friction row's bounds are ∓μ z_n at the newest z_n; a free (equality) row has none.
-//   What makes w_i cheap is the `state`, an affine function of z that follows each change of z_i:
+//   The `state`, an affine function of z, makes w_i cheap. It follows each change of z_i:
 //     dense      w = A z + b                w_i is at hand, a change costs column i: rows at their bounds are free
 //     sparse     none                       w_i = A_i z + b_i
 //     Delassus   u = M⁻¹ Wᵀ z               w_i = W_i u + R_i z_i + b_i: A is never formed
@@ -46,7 +46,7 @@ class Sweeps {  // reuse it: the second problem of a size allocates nothing
   int since_refresh_ = 0;
 };
 
-/// What solvers made of sweeps have in common.
+/// Common part of solvers made of sweeps.
 class SweepSolver : public FirstOrder {
  public:
   std::string why_not(const Lcp& problem) const override { return detail::diagonal_why_not(problem.A, false); }

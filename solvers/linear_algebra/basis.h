@@ -1,6 +1,6 @@
 // solvers/linear_algebra/basis.h — basis factorization: a regular matrix of chosen columns, updated column by column.
 //
-//   What a pivoting method needs of its basis: B x = v, Bᵀ y = v, and one column replaced at a time.
+//   Operations of a pivoting method on its basis: B x = v, Bᵀ y = v, and one column replaced at a time.
 //     1. Columns with one entry (slack variables: most of a basis) are set aside, each with the row it covers; what is
 //        left is a square core. Its rows and columns are scaled by powers of 2 and factorized:
 //        dense_lu.h, or KLU (sparse_lu.h).   O(m³) for a dense core of m columns.

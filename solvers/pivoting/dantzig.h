@@ -14,8 +14,8 @@
 //   exists.
 //   Ties: the largest entry; after n steps of length 0 in a drive the least index, which cannot cycle (Chang & Cottle).
 //   Of several solutions (hyperstatic rows) the one found depends on the order of the rows.
-//   O(n²) a pivot, 2ⁿ of them at worst, usually about n; the final z is refined as in lemke.h. What the judge rejects
-//   is tried again in long double and, up to 100 rows, 256 bits.
+//   O(n²) a pivot, 2ⁿ of them at worst, usually about n; the final z is refined as in lemke.h. A rejected z
+//   is computed again in long double and, up to 100 rows, 256 bits.
 //   A start value is not used.   A n × n, stored densely: n ≤ 10000 in pure form.
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.2-4.3; Keller, Math. Programming 4
 //   (1973); Cottle & Chang, SIAM J. Matrix Anal. Appl. 13 (1992) on ties.

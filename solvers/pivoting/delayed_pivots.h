@@ -58,7 +58,7 @@ class DelayedPivots {  // reuse it: the second tableau of a size allocates nothi
     if (some > 0) add_multiples(t_ + i * stride_, factor.data(), term.data(), some, columns_, snap_);
   }
 
-  /// One more pivot: f (`rows` entries) and p (`columns` entries). What was kept aside for column s is forgotten: the
+  /// One more pivot: f (`rows` entries) and p (`columns` entries). Data kept aside for column s is dropped: the
   /// caller has written that column again, this pivot included.
   void keep(const double* factors, const double* row, int s) {
     std::copy_n(factors, rows_, f(count_));

@@ -3,7 +3,7 @@
 //   A solution chooses for each row one of
 //     lower   z_i = lo_i, w_i ≥ 0        inside   w_i = 0, lo_i ≤ z_i ≤ hi_i        upper   z_i = hi_i, w_i ≤ 0
 //   (friction rows: ∓μ z_n for the bounds; free rows: inside only; rows with lo_i = hi_i: z_i = lo_i, w_i of any sign).
-//   What one choice allows is a polyhedron, mostly empty or a point; the solution set is their union. The choices are
+//   Each choice gives a polyhedron, mostly empty or a point; the solution set is their union. The choices are
 //   the leaves of a tree, visited depth first. At a node z is an affine function of some of its entries, and so are
 //   all bounds and signs to be met; each level adds one equation, which takes one entry away: O(n p) work for p entries
 //   left, so that the leaves, where p ≈ 0, cost almost nothing.  All together about n 2ⁿ operations, less what is cut:

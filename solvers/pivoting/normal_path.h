@@ -48,7 +48,7 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
   void load(const Columns& M, const Vector& q, const Vector& lo, const Vector& hi, Storage storage,
             const Budget& budget);
 
-  /// Which random numbers break ties from now on: another path through the same degenerate vertices.
+  /// Sets the random numbers that break ties: another path through the same degenerate vertices.
   void break_ties_by(unsigned seed) { tie_breaker_ = seed; }
 
   /// From the normal map's point x. False: the basis is singular in free variables.

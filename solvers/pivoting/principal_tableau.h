@@ -57,7 +57,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
   bool free(int i) const { return low[u(i)] == T(-kInf) && high[u(i)] == T(kInf); }
   /// Nonbasic z_i that is on neither bound (free rows; a driving variable on its way): w_i = 0 is then required.
   bool loose(int i) const { return low[u(i)] < z[u(i)] && z[u(i)] < high[u(i)]; }
-  /// What rounding may have done to w_i.
+  /// Bound of the rounding error of w_i.
   T noise(int i) const { return 8 * Roundings<T>::snap * size_[u(i)]; }
 
   /// w_i has a sign that z_i does not allow.

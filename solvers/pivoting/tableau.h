@@ -4,8 +4,8 @@
 //   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only;
 //   in double from kDelayed rows on it is delayed (delayed_pivots.h), and only the constants, the entering column and
 //   the leaving row are kept up to date.
-//   Free rows go first: their z enters (complete pivoting) and their w leaves permanently. What is left when the free
-//   block is singular is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
+//   Free rows go first: their z enters (complete pivoting) and their w leaves permanently. The rest of a singular free
+//   block is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
 //   Ratio test: z₀ leaves first on ties; else the lexicographic rule (rows of the basis inverse, read off the tableau),
 //   which cannot cycle. An entry that cancels to a few roundings of what it was is set to 0: in the degenerate problems
 //   of contact mechanics such entries are zeros, and a pivot on one would be noise.
@@ -362,8 +362,8 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
     }
     return list_[0];
   }
-  // What pivoting may have done to the constant of row i: the running bound, which compounds over many pivots and is
-  // then cut at a share of Σ_j |B⁻¹_ij q_j|, the terms that the constant is the sum of.
+  // Bound of the rounding error of row i's constant: the running bound, which compounds over many pivots and is then
+  // cut at a share of Σ_j |B⁻¹_ij q_j|, the terms that the constant is the sum of.
   T error_of_constant(int i) {
     const T bound = error_[u(i)];
     if (bound <= Roundings<T>::tie * abs(constant(i))) return bound;

@@ -27,7 +27,7 @@ inline std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// What reading throws, empty when it does not.
+/// Message of the error that reading throws; empty when it does not.
 inline std::string error_of(std::string_view text, const Strings& overrides = {}) {
   try {
     parse_scene(text, overrides, "s.toml");

@@ -54,10 +54,9 @@ class BasicSystem {
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
   int rank() const;                              // of the joint rows, as the last factorization found it
-  /// What is left of the most dependent of rank() joint rows of the last factorization, squared over its S_ii, in (0,
-  /// 1]:
-  /// near 0 next to a singular pose. 1 where there are no joints. Of the sparse matrix it is computed on request, at
-  /// the cost of another factorization.
+  /// Independence of the most dependent of rank() joint rows in the last factorization: the square of its remainder
+  /// over its S_ii, in (0, 1]. It is near 0 next to a singular pose, and 1 where there are no joints. For the sparse
+  /// matrix it is computed on request, at the cost of another factorization.
   double independence() const;
 
  private:

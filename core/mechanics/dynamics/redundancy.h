@@ -1,8 +1,8 @@
 // core/mechanics/dynamics/redundancy.h — linearly dependent joint rows, permanent or only in this (singular) pose.
 //
 //   Rows of G M^(-1/2), each of length 1, taken in the order of the scene: row i is dependent when what is left of it,
-//   the rows before it taken out (Gram-Schmidt, twice), is shorter than 3e-7, as in basic_system.h. What it repeats are
-//   the rows with which it has a combination of zero.
+//   the rows before it taken out (Gram-Schmidt, twice), is shorter than 3e-7, as in basic_system.h. It repeats the
+//   rows with which it has a combination of zero.
 //   In a singular pose rows are dependent that are not so elsewhere. To tell the two apart the mechanism is moved on by
 //   some 0.1 rad along a motion that its joints allow (a fixed random one) and looked at again: a row that is dependent
 //   in both poses is redundant permanently, one that is so only here makes the pose singular.

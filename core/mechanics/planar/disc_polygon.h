@@ -18,7 +18,7 @@ namespace orthant {
 
 using DiscTouch = std::variant<DiscWall, DiscDisc>;
 
-/// What a disc meets where neighbours cover some of the polygon's faces and corners: c is its centre in b's frame,
+/// Feature that a disc meets where neighbours cover some of the polygon's faces and corners: c is its centre in b's frame,
 /// `most` beyond the face that it is farthest beyond. Off the ends of free faces, where no corner is met, it is open by
 /// kAside.
 /// Nothing: below the free faces; the nearest point of the polygon is right there.
@@ -49,7 +49,7 @@ inline std::optional<DiscTouch> touch_free(BodyId a, const Vector2d& centre, dou
   return DiscWall{{}, a, centre, radius, b, corners[best] - aside * shortest * n, n, {}};
 }
 
-/// What a disc of body a meets of a polygon of body b: a face, or a corner.
+/// Feature of a polygon of body b that a disc of body a meets: a face, or a corner.
 inline DiscTouch touch(const Kinematics& k, BodyId a, const Vector2d& centre, double radius, BodyId b,
                        const Polygon& corners, const Exposure* exposed = nullptr) {
   const Vector2d c = k.at(b).turn_back(k.at(a).x + k.at(a).turn(centre) - k.at(b).x);

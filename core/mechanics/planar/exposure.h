@@ -53,7 +53,7 @@ struct Exposure {
 };
 using Exposed = std::shared_ptr<const Exposure>;  // null: all of the polygon, which stands alone
 
-/// What else is solid in the body: a polygon, or all that lies behind a wall.
+/// Other solid part of the body: a polygon, or the half-plane behind a wall.
 struct Solid {
   const Polygon* polygon = nullptr;  // null: a half-plane
   Vector2d point{0, 0}, normal{0, 1};

@@ -7,7 +7,7 @@
 //   by more than kFlat have no overlap to speak of: the points are then the two corners of the face against the
 //   reference, of which one is far.
 //   Polygons apart, beyond the faces' ends: the distance of two corners.
-//   Which end is point 0 follows from the faces' numbers: a corner keeps its point when its polygon slides on a face,
+//   The faces' numbers decide which end is point 0: a corner keeps its point when its polygon slides on a face,
 //   rocks, or rolls over it, and both gaps are continuous then. Where the contact passes from a corner of one polygon
 //   to a corner of the other (a tilted one slides off an edge), and, for an odd number of corners, once a turn, the
 //   points change places:
@@ -26,7 +26,7 @@
 
 namespace orthant {
 
-/// What point 0 or 1 of two polygons is at the moment: a corner against a face, or two corners.
+/// Current contact at point 0 or 1 of two polygons: a corner against a face, or two corners.
 using Touch = std::variant<CornerWall, DiscDisc>;
 struct Placed {  // a polygon fixed in a body
   BodyId body;

@@ -1,7 +1,7 @@
 // core/mechanics/scene/derivatives.h — derivative check: rows of joints and contacts against finite differences.
 //
 //   rows(q) = ∂Φ/∂q or ∂g/∂q,   rate(t) = −∂Φ/∂t,   bias(q, v, t) = d/dt (rows v − rate) along q̇ = v, v̇ = 0
-// by central differences at the given poses of the bodies and at two others near them. What is wrong at all three is an
+// by central differences at the given poses of the bodies and at two others near them. A difference at all three is an
 // error; at one alone the geometry may have a corner.   Differences of 1e-7, agreement to 1e-4 of the largest entry.
 // check(scene) asks this of every custom element; the tests of Orthant ask it of every built-in one.
 #pragma once

@@ -1,4 +1,4 @@
-// core/mechanics/scene/impact_law.h — impact laws of a scene, by name. What they do: integrators/step/impact.h.
+// core/mechanics/scene/impact_law.h — impact laws of a scene, by name; defined in integrators/step/impact.h.
 #pragma once
 
 #include <array>

@@ -75,7 +75,7 @@ struct Scene {
   Restitution restitution = Restitution::newton;
   Impacts impacts = Impacts::simultaneous;
   bool assemble = false;             // bodies are moved into their joints and journals at the start (assemble.h)
-  double duration = 1, step = 1e-3;  // [s] what `simulate` takes when it is not told
+  double duration = 1, step = 1e-3;  // [s] defaults of `simulate`
 
   /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.
   BodyId body(Body b) {
@@ -91,7 +91,7 @@ struct Scene {
   template <ContactKind T>
     requires(!kAlternative<T, Contact>)
   void contact(T c) { contact(Contact(CustomContact(std::move(c)))); }
-  /// What contact_sets.h makes: contact_set(guide({…})), contact_set(polygon_polygon({…})).
+  /// Adds the contacts of a set (contact_sets.h): contact_set(guide({…})), contact_set(polygon_polygon({…})).
   template <class Set> void contact_set(const Set& contacts_of_it) {
     for (const auto& c : contacts_of_it) contact(c);
   }
@@ -113,7 +113,7 @@ struct Scene {
   }
 };
 
-/// What check() throws. Kind, place and field say what it is about, so that a reader of files can point at the line.
+/// Error of check(). Kind, index and field name the faulty element, so that a reader of files can point at the line.
 struct SceneError : std::invalid_argument {
   SceneError(const std::string& what, std::string kind_, std::size_t index_, std::string field_)
       : std::invalid_argument(what), kind(std::move(kind_)), index(index_), field(std::move(field_)) {}

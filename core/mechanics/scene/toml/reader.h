@@ -62,7 +62,7 @@ class Reader {
   void joint(Fields& f);
   /// False: without an offset.
   static bool time_law(Fields& f, TimeLaw& law);
-  /// What is free at a joint that is named, or what is written: two bodies and what is measured between them.
+  /// Coordinate: the free one of a named joint, or the one written: two bodies and a measure between them.
   Coordinate coordinate(Fields& f) const;
   Coordinate free_at(const Fields& f, const toml::node& joint) const;
 
@@ -113,7 +113,7 @@ class Reader {
       g.done();
     }
   }
-  /// What collisions stand for and no search finds: every shape against each wall, and the pairs that are to be listed.
+  /// Lists the contacts of collisions that no search finds: every shape against each wall, and the pairs to be listed.
   void list_pairs();
 
   void friction(Fields& f);
@@ -122,7 +122,7 @@ class Reader {
   static void set_factor(Fields& f, Load& l);
   static std::pair<std::vector<double>, std::vector<double>> points_in_time(Fields& f);
 
-  /// What check() was unhappy with: the key if it is written, else its element, else the file.
+  /// Node that an error of check() concerns: the key if it is written, else its element, else the file.
   const toml::node& find(const SceneError& error) const;
 
   const toml::table& root_;
