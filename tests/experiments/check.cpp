@@ -107,7 +107,7 @@ TEST_CASE("check: runs that agree by construction claim no more than the floor")
   }
 }
 
-TEST_CASE("check: what cannot be repeated is named, and claims nothing") {
+TEST_CASE("check: a run that cannot be repeated is named, and no digits are claimed") {
   Scene s{.duration = 1};
   s.body({.name = "stone", .velocity = {1, 0}});
   const System system(s);

@@ -45,7 +45,7 @@ TEST_CASE("killed and resumed, a simulation writes the file that it would have w
   CHECK(here.run("ls c.ckpt.tmp* | grep -c .").out == "1\n");  // of a process that lives
 }
 
-TEST_CASE("a checkpoint of another run, a damaged one and none are told in words") {
+TEST_CASE("a checkpoint of another run, a damaged and a missing one each give a clear error") {
   const Runs here;
   const std::string kept = "--duration 0.01 --checkpoint c.ckpt --checkpoint-every 100 ";
   REQUIRE(here.run(here.command(kept)).exit_code == 0);
@@ -81,7 +81,7 @@ constexpr const char* kRunsOn = "'" ORTHANT_CLI "' simulate s.toml --checkpoint 
 
 }  // namespace
 
-TEST_CASE("a scene's file that changed is told as such to a run that would go on") {
+TEST_CASE("continuing a run reports that the scene's file has changed") {
   const Runs here;
   here.write("s.toml", kFalls);
   REQUIRE(here.run(kRunsOn).exit_code == 0);
@@ -104,7 +104,7 @@ TEST_CASE("a checkpoint that finds no room ends the run, whose trajectory is wri
   CHECK(lines(slurp(here.path / "s.csv")) == 1 + 6);  // header, start, 5 records in 50 steps
 }
 
-TEST_CASE("a full disk leaves what was there, and the run says so") {
+TEST_CASE("a full disk leaves the old file, and the run reports it") {
   const Runs here;
   REQUIRE(here.run(here.command("--duration 0.01 --output run.csv")).exit_code == 0);
   const std::string before = slurp(here.path / "run.csv");

@@ -126,7 +126,7 @@ TEST_CASE("a full disk behind standard output is no success") {
   }
 }
 
-TEST_CASE("what is quoted from a file does not reach the terminal as it is") {
+TEST_CASE("control characters quoted from a file do not reach the terminal") {
   const Cli folder;
   folder.write("raw.mtx", "%%MatrixMarket matrix \xff\x1b[2J\xc2\x9b\xc3\xa9 real general\n1 1\n1\n");
   CHECK(folder.orthant("analyse raw.mtx").err.find("'\\xff [2j\\xc2\\x9b\xc3\xa9'") != std::string::npos);

@@ -67,7 +67,7 @@ TEST_CASE("orthant simulate: a failed step stops the run and leaves its problem 
   CHECK(nlohmann::json::parse(replay.out).at("status") == "solved");
 }
 
-TEST_CASE("a drive through the floor: proved infeasible, and the shell is told so") {
+TEST_CASE("a drive through the floor: proved infeasible, with its exit code") {
   const Cli folder;
   folder.write("through.toml",
                "duration = 1\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\nposition = [0, 1]\n"
@@ -107,7 +107,7 @@ TEST_CASE("a start that breaks its own joints is run, with a warning") {
   CHECK(folder.orthant("simulate slider_crank --step 1e-4").err.empty());
 }
 
-TEST_CASE("bodies that pass through each other are told by name, with figures") {
+TEST_CASE("tunnelling bodies are reported by name, with figures") {
   const Cli folder;
   const auto ball = [](const std::string& name, const std::string& x, const std::string& v) {
     return "[[body]]\nname = '" + name + "'\nmass = 1\ninertia = 1\nposition = [" + x + ", 0]\nvelocity = [" + v +
@@ -164,7 +164,7 @@ TEST_CASE("eight times the bodies take eight times the time, from the file to th
   CHECK(seconds(16000) < 20 * few);  // some 50 where each column's name is compared with all before it
 }
 
-TEST_CASE("a run that enters a limit of the numbers is told which, by name, and no other is") {
+TEST_CASE("a run beyond a limit of the numbers is warned of that limit by name, and no other run is") {
   const Cli folder;
   const auto scene = [&](const std::string& mass, const std::string& place, const std::string& spin,
                          const std::string& stiffness, const std::string& angle = "0") {

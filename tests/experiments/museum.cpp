@@ -51,7 +51,7 @@ TEST_CASE(
   CHECK(std::filesystem::file_size(museum.path / "out/museum.png") > 10000);
 }
 
-TEST_CASE("museum: what is told otherwise moves alike, by every integrator") {
+TEST_CASE("exact cases: equivalent mechanisms move alike, by every integrator") {
   const Museum museum;
   const Reply a = museum.visit("--cases C4 C5 --solvers lemke");
   CAPTURE(a.out);

@@ -36,7 +36,7 @@ std::vector<Rival> installed(const char* kind) {
 
 }  // namespace
 
-TEST_CASE("rivals: an answer is judged here; a lie, a crash, a refusal, an absent one are told apart") {
+TEST_CASE("rivals: an answer is judged here; wrong answer, crash, refusal and absence are distinguished") {
   const StandIns folder;
   folder.driver("two", "echo right pure; echo lie pure; echo crash pure; echo refuse pure; echo nan pure", R"(case $1 in
     right) printf 'solved 3 5 1e-6 in words\n1.3333333333333333\n2.3333333333333335\n' > $3 ;;

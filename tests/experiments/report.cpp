@@ -123,7 +123,7 @@ TEST_CASE("the answer tells for which parameters no method converges, and where 
   CHECK(answer(rows).find("from mu = 2 to 3 the median of angle at the end goes from 5 to 1.") != std::string::npos);
 }
 
-TEST_CASE("the answer says what still converges where the measure does not, and who keeps the energy") {
+TEST_CASE("the answer names the statistics that still converge where the measure does not, and the best energy") {
   std::vector<ResultRow> rows{row(1e-6, 1e-15, 1, 0)};
   const auto tell = [](ResultRow& one, const char* name, double touch, double lost) {
     one.update({{"integrator", name}, {"compared_with", "exact:rtol=1e-9"}, {"first_touch", touch}});

@@ -82,7 +82,7 @@ TEST_CASE("a results file with any of its bytes changed or cut off is read, or r
   CHECK(refused > 100);
 }
 
-TEST_CASE("a results file of a stranger: what no orthant wrote is refused by name, and leads nowhere") {
+TEST_CASE("a foreign results file is refused by name") {
   const Folder folder;
   small_results(folder, "r.sqlite");
   const std::string whole = slurp(folder / "r.sqlite");
@@ -106,7 +106,7 @@ TEST_CASE("a results file of a stranger: what no orthant wrote is refused by nam
 
 TEST_SUITE_BEGIN("slow");  // for sanitizers: whole programs, several times
 
-TEST_CASE("what the clock or a crash ended is run again with more time or --retry, and is kept otherwise") {
+TEST_CASE("cases that timed out or crashed run again with more time or --retry, and are kept otherwise") {
   const Sweeps folder;
   const auto ask = [&](double limit, const std::string& more = {}) {
     folder.write("l.sweep.toml",
@@ -135,7 +135,7 @@ TEST_CASE("what the clock or a crash ended is run again with more time or --retr
   CHECK(ask(90, "--retry") == 0);
 }
 
-TEST_CASE("a line that is no row leaves the results file as it was; a folder is none") {
+TEST_CASE("an invalid line leaves the results file unchanged; a folder is not a results file") {
   const Sweeps folder;
   folder.write("r.sweep.toml",
                "scene = 'bouncing_ball'\nduration = 0.1\n[[grid]]\nintegrator = 'rattle'\nstep = 1e-2\n");

@@ -114,7 +114,7 @@ TEST_CASE("a sweep's errors: against the exact motion as against an integrator's
   sqlite3_close(db);
 }
 
-TEST_CASE("what fails is a row: its problem can be replayed; refused, out of time") {
+TEST_CASE("a failed case is a row, and its problem can be replayed; likewise refused and timed-out cases") {
   const Sweeps folder;
   folder.write("f.sweep.toml",
                "scene = 'slider_crank'\n"

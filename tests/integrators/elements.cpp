@@ -72,7 +72,7 @@ double worst_rate(const Run& r) { return r.max_joint_rate; }
 
 }  // namespace
 
-TEST_CASE("a driven slider-crank is where its crank is told to be, at constant and at varying speed") {
+TEST_CASE("a driven slider-crank follows the drive, at constant and at varying speed") {
   const TimeLaw laws[] = {{.rate_of_change = 40},
                           {.rate_of_change = 40, .amplitude = 0.4, .omega = 60},
                           {.table = Spline({0, 0.03, 0.06, 0.1}, {0, 2, 1, 3})}};
@@ -419,7 +419,7 @@ TEST_CASE("joints that contradict each other: no integrator calls that solved") 
   }
 }
 
-TEST_CASE("drives that contradict each other: rates that cannot be met are told where positions are left to drift") {
+TEST_CASE("drives that contradict each other: unattainable rates are reported where positions may drift") {
   Scene s;
   const BodyId wheel = s.body({.name = "wheel"});
   s.joint(Revolute{"axle", kGround, wheel});

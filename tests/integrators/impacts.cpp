@@ -178,7 +178,7 @@ TEST_CASE("column of grains: impulses of all levels, exact for every law") {
     }
 }
 
-TEST_CASE("Newton's law with friction raises the energy, is told on it; Poisson's does not") {
+TEST_CASE("Newton's law with friction raises the energy, and the rise is reported; Poisson's law does not") {
   // By scanning starts: where normal and tangential directions are coupled, slip that turns round makes the difference.
   int rises = 0;
   for (const char* integrator : {"moreau-jean", "event-driven", "rattle", "adaptive"})

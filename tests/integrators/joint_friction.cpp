@@ -120,7 +120,7 @@ TEST_CASE("event-driven and adaptive: a collision is all its pairs listed") {
   }
 }
 
-TEST_CASE("event-driven and adaptive refuse in words what they cannot follow") {
+TEST_CASE("event-driven and adaptive refuse unsupported joint friction with a reason") {
   const System crowd(pile({.discs = 60}));
   Scene loaded = block(0, 1, 0.1, false);
   loaded.frictions[0].mu = 0.1, loaded.frictions[0].joint = 0;

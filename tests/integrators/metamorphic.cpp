@@ -112,7 +112,7 @@ TEST_CASE("metamorphic: far bodies and walls that nothing reaches change nothing
   });
 }
 
-TEST_CASE("metamorphic: what rests, bounces and swings 14 km away changes nothing") {
+TEST_CASE("metamorphic: bodies that rest, bounce and swing 14 km away change nothing") {
   for_each_integrator([](const std::string& name, double same) {
     const Run a = run_20ms(slider_crank(kDrawing), name),
               b = run_20ms(with_distant_company(slider_crank(kDrawing)), name);
@@ -120,7 +120,7 @@ TEST_CASE("metamorphic: what rests, bounces and swings 14 km away changes nothin
   });
 }
 
-TEST_CASE("metamorphic: what flies past at 1e9 m/s changes nothing, driven joints and joints that are corrected too") {
+TEST_CASE("metamorphic: a body that flies past at 1e9 m/s changes nothing, with driven and with corrected joints") {
   const auto ends = [](double speed, const std::string& name) {
     Scene s{.gravity = {0, -9.81}, .duration = 0.5};
     const auto crank = s.body({.name = "crank", .position = {0.5, 0}, .velocity = {0, 1}, .omega = 2});

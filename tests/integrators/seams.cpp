@@ -245,7 +245,7 @@ TEST_CASE("a chain: a box slides off a flat part, down over a convex joint, and 
   }
 }
 
-TEST_CASE("contacts beside covered faces have rows and biases that are the derivatives of their gaps") {
+TEST_CASE("contacts next to covered faces have rows and biases that are the derivatives of their gaps") {
   Draws random(21);
   Scene s;
   s.body({}), s.body({});

@@ -131,7 +131,7 @@ TEST_CASE("energy never rises at an impact") {
   });
 }
 
-TEST_CASE("a tilted start loses the face's restitution: what stays comparable agrees, the rest is not compared") {
+TEST_CASE("a tilted start loses the face's restitution: the comparable results agree") {
   double first_touch = -1;
   int corner = -1;
   const Run r = run(slider_crank({.omega3 = -0.01}), kSymmetric, 1e-6, [&](const Moment& m) {

@@ -282,7 +282,7 @@ TEST_CASE("warm starts: any guess leads to the cold answer, the answer itself ba
   }
 }
 
-TEST_CASE("what a solver did before leaves no trace: a used one gives the bits of a fresh one") {
+TEST_CASE("a used solver gives the bits of a fresh one") {
   const auto all = problems();
   for (const SolverEntry& entry : solvers()) {
     const auto used = entry.make("");

@@ -77,7 +77,7 @@ TEST_CASE("no rows: solved; huge numbers: solved or an error, never NaN called s
   }
 }
 
-TEST_CASE("problems whose sums or scaled entries overflow end no process") {
+TEST_CASE("overflow of sums or scaled entries does not abort the process") {
   // A dependent free row beside a product of 1e300 with its scaling; fixed z whose w is infinite.
   Lcp dependent = Lcp::standard(
       DenseMatrix(Eigen::Matrix4d{

@@ -104,7 +104,7 @@ TEST_CASE("random integer problems: the minimizers' answers and proofs stand") {
     }
 }
 
-TEST_CASE("random integer problems: what projected Gauss-Seidel calls solved is solved") {
+TEST_CASE("random integer problems: projected Gauss-Seidel's claims are right") {
   const Counts tally = storm("pgs:max_sweeps=1000", {.box = true, .friction = true}, 3000, 200);
   MESSAGE("solved ", tally.solved, ", honest ", tally.honest, " of which solvable ", tally.missed);
   CHECK(tally.solved > share_of(100));

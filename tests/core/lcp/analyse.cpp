@@ -209,7 +209,7 @@ TEST_CASE("Cholesky with a margin: proves what holds, never what does not") {
   }
 }
 
-TEST_CASE("what cannot be analysed is refused in words") {
+TEST_CASE("analyse refuses unsuitable matrices with a reason") {
   CHECK_THROWS_WITH_AS(analyse(dense({std::nan("")})), doctest::Contains("finite"), std::invalid_argument);
   CHECK_THROWS_AS(analyse(DenseMatrix(Eigen::MatrixXd(2, 3))), std::invalid_argument);
   CHECK(analyse(DenseMatrix(Eigen::MatrixXd(0, 0))).p == yes);

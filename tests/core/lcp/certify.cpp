@@ -120,7 +120,7 @@ TEST_CASE("a row of small numbers is not met because others have large ones") {
   CHECK(verdict(coupled, Vector{0, 0.49, 1e11}) != Status::solved);
 }
 
-TEST_CASE("a runaway z is no solution beside a row of large numbers either") {
+TEST_CASE("a runaway z is not a solution next to a row of large numbers either") {
   // Rows 1 and 2 sum to −1: no solution, whatever the third says, coupled weakly, one way or both, resting or pushed.
   for (const double back : {0.0, 1e-10})
     for (const double large : {1e3, 1e6, 1e9, 1e12, -1e9}) {
@@ -191,7 +191,7 @@ TEST_CASE("a runaway z is no solution, however small its relative residual") {
   }
 }
 
-TEST_CASE("what is left of nothing brings no data: a z beside it is no runaway") {
+TEST_CASE("a cancelled sum does not enlarge the scale of the data") {
   // Row 2 has no data of its own and 1e-21 of row 1's, by way of z₁; z₂ = 1 is as good as any other.
   const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, 0, 0}, {1, 0, 2}, {0, 0, 0}}), Vector{1, 0, 0});
   const Vector z{1e-21, 0, 1};
@@ -230,7 +230,7 @@ TEST_CASE("a long chain whose rows are in no order is judged as quickly as any")
   CHECK(verdict(p, z) != Status::solved);
 }
 
-TEST_CASE("what is not finite is never a solution") {
+TEST_CASE("a z or w that is not finite is never a solution") {
   CHECK(verdict(scalar(2, -1), Vector{kNaN}) == Status::numerical_error);
   CHECK(verdict(scalar(2, -1), Vector{kInf}) == Status::numerical_error);
   CHECK(verdict(scalar(kNaN, 1), Vector{0}) == Status::numerical_error);  // 0 · NaN
@@ -322,7 +322,7 @@ TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
   CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::ray);
 }
 
-TEST_CASE("what only rounding excuses is no solution beside a proof that there is none") {
+TEST_CASE("a z excused by rounding alone is not a solution where a proof of infeasibility exists") {
   // The second row is three times the first, but for b; a bound of 1e5 makes a miss of 13 small beside the data.
   Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{4, -1, -3}, {12, -3, -9}, {-2, 13, -1}}), Vector{-2, 4, 2});
   p.lo = Vector{-kInf, -kInf, 0}, p.hi = Vector{kInf, kInf, 1e5};
@@ -488,7 +488,7 @@ TEST_CASE("certify: an operator whose factors cancel is judged by its entries, n
   CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);
 }
 
-TEST_CASE("certify: what overflows in its own measures excuses nothing") {
+TEST_CASE("certify: an overflow in its own measures excuses nothing") {
   for (const double least : {1e-280, 1e-300, 1e-307}) {
     CAPTURE(least);
     const Lcp problem =

@@ -131,7 +131,7 @@ TEST_SUITE("slow") {
   }
 }
 
-TEST_CASE("fclib: what cannot be read says which file, which dataset and why") {
+TEST_CASE("fclib: a reading error names file, dataset and reason") {
   const Folder folder;
   must_fail(folder / "none.hdf5", "no such file");
   must_fail(folder.write("text.hdf5", "not HDF5 at all"), "is no HDF5 file");
@@ -190,7 +190,7 @@ TEST_CASE("fclib: a file is as large as largest_input() lets it be") {
   set_largest_input(0);
 }
 
-TEST_CASE("fclib: what is no contact problem is not written") {
+TEST_CASE("fclib: a problem that is not a contact problem is not written") {
   const Folder folder;
   const auto refuse = [&](const ContactProblem& p, const char* words) {
     CHECK_THROWS_WITH_AS(write_fclib(folder / "p.hdf5", p), doctest::Contains(words), std::invalid_argument);

@@ -134,7 +134,7 @@ TEST_CASE("Matrix Market: formats, fields and symmetries mean what the format sa
   CHECK(dense(banner + "coordinate real general\n2 2 1\n2 2 2.5\n") == M);
 }
 
-TEST_CASE("Matrix Market: what is wrong is said in one line, quickly") {
+TEST_CASE("Matrix Market: errors are one line and come quickly") {
   const IoFolder folder;
   const auto why = [&](const std::string& text) {
     return error([&] { read_matrix_market(folder.write("m.mtx", text)); });
@@ -167,7 +167,7 @@ TEST_CASE("Matrix Market: what is wrong is said in one line, quickly") {
   CHECK_FALSE(why(banner + "coordinate real general\n2 2 1\n1 1\n").empty());    // no value
 }
 
-TEST_CASE("problem files: what is wrong is said in one line, quickly") {
+TEST_CASE("problem files: errors are one line and come quickly") {
   const std::string A = R"("A": {"storage": "dense", "n": 1, "rows": [[2]]})";
   const auto why = [](const std::string& fields) {
     return error([&] { parse_problem("{" + fields + "}", "file.json"); });

@@ -55,7 +55,7 @@ TEST_CASE("assemble: a journal outside its bearing touches it, one inside stays 
   CHECK(place(assembled(pin(0.001)), 0).x() == 0.001);
 }
 
-TEST_CASE("assemble = true in a scene file moves bodies; far-off loops close; what cannot close is named") {
+TEST_CASE("assemble = true in a scene file moves bodies; far-off loops close; a loop that cannot close is named") {
   const std::string loop = R"(
     assemble = true
     [[body]]

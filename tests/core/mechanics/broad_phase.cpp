@@ -125,7 +125,7 @@ TEST_CASE("broad phase: a body far away and one that is nowhere cost nothing and
   CHECK(pairs_at(near, q) == expected);
 }
 
-TEST_CASE("broad phase: more pairs than there is room for are told, not dropped") {
+TEST_CASE("broad phase: more pairs than there is room for are reported, not dropped") {
   Scene s = pile({.discs = 30});
   s.collisions[0].neighbours = 0.5;
   const System system(s);

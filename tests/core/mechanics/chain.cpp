@@ -55,7 +55,7 @@ TEST_CASE("of flush tiles the end faces are covered, and the corners on the seam
   CHECK(among(tiles, 2) == nullptr);
 }
 
-TEST_CASE("a step is no seam: what stands out of it is met") {
+TEST_CASE("a step is not a seam: the face that stands out of it collides") {
   const Exposed high = among({tile(-1, 0, -1, 0.2), tile(0, 2, -1, 0)}, 0);
   REQUIRE(high != nullptr);
   CHECK(high->face[1].free);

@@ -143,7 +143,7 @@ TEST_CASE("a built-in element handed over as one from outside moves to the same 
   }
 }
 
-TEST_CASE("wrong derivatives are told with element, row and both values") {
+TEST_CASE("an error about wrong derivatives names element, row and both values") {
   CHECK(words_of(with_pins(Pin::nothing)).empty());
   CHECK(says(words_of(with_pins(Pin::sign)), "rows[1] by the y of body 1 is 1: differences of residual give -1"));
   CHECK(says(words_of(with_pins(Pin::lever)), "rows[0] by the angle of body 0"));

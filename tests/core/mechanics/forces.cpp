@@ -1,4 +1,4 @@
-// Springs, loads and energy; and that a scene is charged only for what it contains.
+// Springs, loads and energy; and that run time grows only with the features that a scene uses.
 #include <doctest/doctest.h>
 #include <orthant/core/scenes/slider_crank.h>
 
@@ -146,7 +146,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a scene is charged only for what it contains") {
+TEST_CASE("run time grows only with the features that a scene uses") {
   Scene ball;
   ball.gravity = {0, -9.81};
   ball.body({.position = {0, 3}});

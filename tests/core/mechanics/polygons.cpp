@@ -251,7 +251,7 @@ TEST_CASE("a square thrown along the floor rolls over its corners as on a half-p
   }
 }
 
-TEST_CASE("stacked boxes stand: each pair of points carries what is above") {
+TEST_CASE("stacked boxes stand: each pair of points carries the weight above it") {
   constexpr int kBoxes = 8;
   Scene s{.gravity = {0, -10}, .duration = 0.2};
   for (int i = 0; i < kBoxes; ++i) s.body({.mass = 1.0 + i, .inertia = 0.1, .position = {0, 0.25 + 0.5 * i}});

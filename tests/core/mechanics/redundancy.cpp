@@ -87,7 +87,7 @@ TEST_CASE("rows that ask for something else than those before them contradict, a
         std::string::npos);
 }
 
-TEST_CASE("a singular pose is told from rows that are redundant for good") {
+TEST_CASE("a singular pose is distinguished from permanently redundant rows") {
   NFourBar p{.loops = 1};
   Scene flat = n_four_bar(p);  // all rods in one line: cranks to the right, the coupler beyond
   for (int i = 0; i < 2; ++i)
@@ -123,7 +123,8 @@ TEST_CASE("the motion does not depend on the order of redundant joints, nor on h
     }
 }
 
-TEST_CASE("friction whose load other joints share is told of, copies of its own joint are not others") {
+TEST_CASE(
+    "joint friction with a load shared by other joints is reported; copies of its own joint do not count as others") {
   const auto words = [](Scene s) {
     const System system(std::move(s));
     return describe(at_start(system), system);

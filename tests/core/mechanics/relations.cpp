@@ -103,7 +103,7 @@ TEST_CASE("rows and biases of relations are derivatives, wherever the bodies are
   }
 }
 
-TEST_CASE("what a relation cannot be is said, with its place") {
+TEST_CASE("an invalid relation is refused with its place") {
   const auto joint = [&](const std::string& keys) { return error_of(kWheels + "[[joint]]\nname = 'r'\n" + keys); };
   CHECK(contains(joint("type = 'relation'"), "joint \"r\": missing key \"terms\""));
   CHECK(contains(joint("type = 'relation'\nterms = [{joint = 'pin', factor = 0}]"), "must be finite and not 0"));

@@ -482,7 +482,7 @@ TEST_CASE("a contact without a name is known by its place in the file, however m
   }
 }
 
-TEST_CASE("overrides change what they name and nothing else") {
+TEST_CASE("overrides change the named values and nothing else") {
   const auto foot = [](const Strings& sets) { return std::get<CornerWall>(parse_scene(kCorner, sets).contacts[0]); };
   CHECK(foot({"contact.foot.mu=0.1"}).law.mu == 0.1);
   CHECK(foot({"contact.foot.wall.normal=[1, 0]"}).normal == Vector2d(1, 0));

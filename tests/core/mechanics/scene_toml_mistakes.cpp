@@ -250,7 +250,7 @@ const Override kBadOverrides[] = {
 
 }  // namespace
 
-TEST_CASE("every mistake in a file is told with file, line, element, key, value and rule") {
+TEST_CASE("the error of every mistake in a file names file, line, element, key, value and rule") {
   REQUIRE(error_of(kCorner).empty());
   for (const FileMistake& mistake : kFileMistakes) {
     CAPTURE(mistake.text);
@@ -262,7 +262,7 @@ TEST_CASE("every mistake in a file is told with file, line, element, key, value 
   }
 }
 
-TEST_CASE("every bad override is told by its own text") {
+TEST_CASE("the error of every bad override quotes its text") {
   for (const Override& bad : kBadOverrides) {
     const std::string error = error_of(kCorner, bad.sets);
     INFO("said: " << error);

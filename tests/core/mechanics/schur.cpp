@@ -73,7 +73,7 @@ TEST_CASE(
       }
 }
 
-TEST_CASE("joint rows eliminated: equal rows are told at any mass, and so is what is not finite") {
+TEST_CASE("joint rows eliminated: equal rows are detected at any mass, and so are numbers that are not finite") {
   Random random(2);
   for (const double unit : {1e-250, 1e-155, 1.0, 1e155, 1e250})
     for (int n = 2; n <= 12; ++n) {

@@ -135,7 +135,7 @@ TEST_CASE("Dormand-Prince: a step of order 8, exact on what order 8 integrates")
   CHECK(error(1.0) < 1e-6);
 }
 
-TEST_CASE("first crossing: the first of two roots is found, a touch is none") {
+TEST_CASE("first crossing: the first of two roots is found, a touch is not a crossing") {
   const auto bow = [](double depth) {  // x² − x + ¼ − depth, its minimum at ½
     return quartic({0.25 - depth, 0.0625 - depth, -depth, 0.0625 - depth, 0.25 - depth});
   };
@@ -572,7 +572,7 @@ TEST_CASE("event-driven steps allocate nothing once everything has been seen") {
   CHECK(AllocationCount::now() == before);
 }
 
-TEST_CASE("event-driven: same bits, a foreign state starts anew, bad options are refused") {
+TEST_CASE("event-driven: same bits, a foreign state restarts, bad options are refused") {
   const auto angle = [] { return tell(slider_crank({.mu = 0.1, .omega3 = -0.01}), 0.02, 1e-3).run.final.q; };
   CHECK(angle() == angle());
 
@@ -593,7 +593,7 @@ TEST_CASE("event-driven: same bits, a foreign state starts anew, bad options are
   CHECK(few.events.size() <= 6);
 }
 
-TEST_CASE("what meets within one long step is seen: discs head-on, a turning box, by event-driven and adaptive") {
+TEST_CASE("collisions within one long step are detected: discs head-on, a turning box, by event-driven and adaptive") {
   Scene discs;
   for (const double x : {-1.0, 1.0}) {
     const auto disc = discs.body({.mass = 1, .inertia = 1, .position = {x, 0}, .velocity = {-20 * x, 0}});
@@ -666,7 +666,7 @@ TEST_CASE("a box thrown up by a driven table stays level, however often the run 
   }
 }
 
-TEST_CASE("friction shared anew at one time again and again: a crowd in the end, not an endless one") {
+TEST_CASE("friction redistributed repeatedly at one time: it ends as a crowd of events") {
   const Polygon plank = {{-0.3, -0.1}, {0.3, -0.1}, {0.3, 0.1}, {-0.3, 0.1}};
   const ContactLaw law{.mu = 1.5, .mu_static = 1.95};
   Scene s{.gravity = {0, -9.81}};

@@ -63,7 +63,7 @@ TEST_CASE("reduced and full form give the same step to rounding") {
   }
 }
 
-TEST_CASE("a scene is charged only for what it contains") {
+TEST_CASE("run time grows only with the features that a scene uses") {
   const auto rows_at_rest = [](double mu, double height, bool joints) {
     Scene s = bouncing_ball({.height = height});
     std::get<CornerWall>(s.contacts[0]).law = {.mu = mu};

@@ -177,7 +177,7 @@ TEST_CASE("stewart-trinkle: a body lands on the surface and stays there, nothing
   }
 }
 
-TEST_CASE("impulses that are told are those that change the momentum, along and across the contact, by every scheme") {
+TEST_CASE("reported impulses equal the change of momentum, along and across the contact, by every scheme") {
   Scene scene;
   scene.gravity = {0, -kGravity};
   scene.duration = 0.05;

@@ -195,7 +195,7 @@ TEST_CASE("work of loads, belts and drives is what the energy changes by, whatev
   }
 }
 
-TEST_CASE("a start deep in the floor: what shoots it off is no admissible motion, what lifts it is reported") {
+TEST_CASE("a start deep in the floor: shooting it off is not admissible, lifting it is reported") {
   Scene s{.gravity = {0, -kGravity}};
   const BodyId ball = s.body({.name = "ball", .inertia = 0.01, .position = {0, 0.02}});
   s.contact(DiscWall{"floor", ball, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {.e = 0.5}});

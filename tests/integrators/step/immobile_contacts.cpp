@@ -258,7 +258,7 @@ TEST_CASE("combinations of contacts that joints immobilise: supports on either s
     }
 }
 
-TEST_CASE("a drive that presses a contact shut is a contradiction, proved, and rest at the stop is none") {
+TEST_CASE("a drive that presses a contact shut is a proved contradiction; rest at the stop is not") {
   for (const std::string& name : kFormsAndIntegrators)
     for (const double angle : {0.0, 0.7}) {
       CAPTURE(name);

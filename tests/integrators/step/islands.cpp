@@ -94,7 +94,7 @@ TEST_CASE("an island moves as it does alone, to the bit") {
   CHECK(many.final.q.head(6) == one.final.q);
 }
 
-TEST_CASE("islands at the same time: to the bit what they are one after the other, however many threads") {
+TEST_CASE("parallel islands give the bits of sequential ones, with any number of threads") {
   const System system(stacks(60, 0.4));  // 240 rows, once all lie
   for (const char* integrator : {"moreau-jean", "rattle"})
     for (const char* solver : {"lemke", "auto", "psor"}) {

@@ -26,7 +26,7 @@ Scene shot(double speed, double aside, const ContactLaw& law = {}) {
 
 }  // namespace
 
-TEST_CASE("bodies that pass through each other within a step are told, with figures; those that pass by are not") {
+TEST_CASE("bodies that pass through each other within a step are reported with figures; those that pass by are not") {
   for (const std::string scheme : kPassing) {
     CAPTURE(scheme);
     for (const bool listed : {false, true}) {
@@ -52,7 +52,7 @@ TEST_CASE("bodies that pass through each other within a step are told, with figu
   }
 }
 
-TEST_CASE("energy that a scheme makes where bodies come deep into each other in one step is told") {
+TEST_CASE("energy that a scheme adds where bodies overlap deeply in one step is reported") {
   const auto made = [](const Run& r) { return r.energy_final - r.energy_initial; };
   int raised = 0;
   for (const std::string scheme : kPassing)

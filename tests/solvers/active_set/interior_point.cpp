@@ -118,7 +118,7 @@ TEST_CASE("interior-point: free rows, bounds, boxes, with and without skew part,
   CHECK(missed <= 6);
 }
 
-TEST_CASE("interior-point proves what is infeasible from its own ray") {
+TEST_CASE("interior-point proves infeasibility from its own ray") {
   InteriorPoint solver;
   solver.set_proof_search(false);
   Solution s, expected;

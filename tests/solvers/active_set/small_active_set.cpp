@@ -42,7 +42,7 @@ Tried attempt(const Lcp& problem) {
 
 }  // namespace
 
-TEST_CASE("small active set: what it claims is solved to the rounding of the problem") {
+TEST_CASE("small active set: its claims are solved to the rounding of the problem") {
   Random random(91);
   int claimed = 0, tried = 0;
   const auto check = [&](const Lcp& problem, const std::string& name) {

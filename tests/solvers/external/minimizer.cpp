@@ -217,7 +217,7 @@ TEST_CASE("minimizers end at a time limit and when cancelled, whatever the algor
   }
 }
 
-TEST_CASE("contacts with friction: what a minimizer calls solved is solved, and most are") {
+TEST_CASE("contacts with friction: a minimizer's claims are right, and most problems are solved") {
   for (const std::string& name : present()) {
     Random random(46);
     const auto solver = make_solver(name + ":restarts=0");

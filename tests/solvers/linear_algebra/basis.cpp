@@ -167,7 +167,7 @@ TEST_CASE("basis: a singular one is refused, and the missing unit columns make i
   }
 }
 
-TEST_CASE("basis: what is not finite is refused, and so is a pivot that is only noise") {
+TEST_CASE("basis: entries that are not finite and pivots of rounding are refused") {
   Basis<double> basis;
   Eigen::MatrixXd B = Eigen::MatrixXd::Identity(3, 3);
   basis.reset(3, Storage<double>::dense);

@@ -131,7 +131,7 @@ TEST_CASE("free rows with a zero diagonal: equations in any order") {
   }
 }
 
-TEST_CASE("dantzig: equations go first, what they leave may be a P-matrix where the whole is none") {
+TEST_CASE("dantzig: equations go first; the rest may be a P-matrix where the whole is not") {
   DenseMatrix A(Eigen::Matrix3d{{0, 0, -2}, {-1, 0, -3}, {3, 1, 1}});  // without its last row and column: (6, 2; 8, 3)
   Lcp p = Lcp::standard(A, Vector{-2, 2, 3});
   p.lo[2] = -kInf;

@@ -152,7 +152,7 @@ TEST_CASE("one row: every sign of A and b has its set") {
   CHECK(all.faces[0].directions == std::vector<Vector>{{1}});
 }
 
-TEST_CASE("isolated points beside faces; free rows, boxes, friction") {
+TEST_CASE("isolated points next to faces; free rows, boxes, friction") {
   // Row 1 has two solutions, 0 and 1; rows 2 and 3 a segment: two faces. With z₁ = 1 moving the segment's w off 0, one.
   auto set = enumerate_solutions(lcp({-1, 0, 0, 1, 1, 1, 1, 1, 1}, {1, -1, -1}));
   REQUIRE(set.faces.size() == 1);
@@ -237,7 +237,7 @@ TEST_CASE("P-matrices have one solution, and twenty rows take seconds") {
   CHECK(large.faces.empty());
 }
 
-TEST_CASE("twenty rows without a structure that helps: what is found solves") {
+TEST_CASE("twenty rows without a helpful structure: every solution found is one") {
   Random random(401);
   Eigen::MatrixXd M(20, 20);
   for (double& entry : M.reshaped()) entry = random.normal();
@@ -269,7 +269,7 @@ TEST_CASE("twenty degenerate rows: the largest set, zeros everywhere, a game wit
   for (const Vector& z : set.isolated) CHECK(independent_residual(p, z) < 1e-14);
 }
 
-TEST_CASE("what is too large or not finite is refused in words") {
+TEST_CASE("problems that are too large or not finite are refused with a reason") {
   CHECK_THROWS_WITH_AS(enumerate_solutions(Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(21, 21)),
                                                          Vector(Eigen::VectorXd::Ones(21)))),
                        doctest::Contains("2^20"), std::invalid_argument);

@@ -127,7 +127,7 @@ TEST_CASE("costs that span 14 orders: a path that rounding leads in circles ends
   CHECK(asked < 100000);
 }
 
-TEST_CASE("where the first label's path ends beside an equilibrium another label's answers") {
+TEST_CASE("where the first label's path ends next to an equilibrium, another label's path answers") {
   const Eigen::MatrixXd A{{2.0417512226993906e-07, 7.143456962073979e-07},
                           {4.358957119623648e-05, 1.352040713379342e-08},
                           {6.751009476282847e-08, 0.0016189547973605768}},
@@ -163,7 +163,7 @@ TEST_CASE("large games: time limit, cancellation and log") {
   CHECK(s.iterations > 0);
 }
 
-TEST_CASE("what is no game is refused in words") {
+TEST_CASE("matrices that are not a game are refused with a reason") {
   const Eigen::Matrix2d one = Eigen::Matrix2d::Ones();
   CHECK_THROWS_WITH_AS(lemke_howson(one, Eigen::MatrixXd::Ones(2, 3), 0), doctest::Contains("same shape"),
                        std::invalid_argument);

@@ -74,7 +74,7 @@ TEST_CASE("Lemke takes 2^n pivots where pivots are delayed, too: Murty's rows am
     }
 }
 
-TEST_CASE("Delayed pivots: a column, a row and the whole are what pivots at once make of them") {
+TEST_CASE("Delayed pivots: a column, a row and the whole equal those of immediate pivots") {
   Random random(29);
   const int rows = 21, columns = 38;
   const auto number = [&] { return static_cast<double>(random.integer(-3, 3)); };  // sums are exact
@@ -117,7 +117,7 @@ TEST_CASE("Lemke ends honestly at its pivot limit; its rescue takes other paths"
   CHECK(s.status == Status::iteration_limit);
 }
 
-TEST_CASE("Lemke: a friction force that is small beside its bound is not lost in the shift by it") {
+TEST_CASE("Lemke: a friction force that is small compared with its bound is not lost in the shift") {
   Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{0.001, 0}, {0, 2}}), Vector{-0.001, -3e-14});
   p.lo[1] = -kInf;
   p.friction = {{.row = 1, .normal = 0, .mu = 0.5}};

@@ -127,7 +127,7 @@ TEST_CASE("a proof search that is switched off, or out of time, is not made") {
   CHECK(newton->solve(p, s).status == Status::stalled);
 }
 
-TEST_CASE("no solver calls a z solved that only rounding excuses, where a proof says that there is none") {
+TEST_CASE("no solver calls a z solved by rounding alone where a proof of infeasibility exists") {
   // The second row is three times the first, but for b; bounds of 1e5 and 1e8 make misses of 13 and 2000 small beside
   // the data.
   for (const double bound : {10.0, 1e5, 1e8}) {
