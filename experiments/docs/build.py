@@ -29,6 +29,7 @@ FOLDERS = {
     "core/lcp/judge": "The judge, error bounds, matrix classes",
     "core/lcp/problems": "Known problems and families",
     "core/lcp/files": "Problem files",
+    "core/mechanics": "Rows of Jacobians, blocks of bodies",
     "core/mechanics/planar": "Planar geometry, joints, contacts, springs, loads",
     "core/mechanics/scene": "Scenes and scene files",
     "core/mechanics/dynamics": "Systems, terms, the basic system",

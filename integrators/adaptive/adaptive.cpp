@@ -162,7 +162,7 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
     return between_.residual();
   }
   if (arc.length > 0) x.q = arc.q1, x.t = arc_end;  // else x is where the inner step began, or a place since
-  x.q += (t - x.t) / (inner_.t - x.t) * (inner_.q - x.q);
+  move(x.q, (t - x.t) / (inner_.t - x.t) * between(x.q, inner_.q));
   x.v = inner_.v;
   if (!joints_) return {};
   on_joints_ = x;

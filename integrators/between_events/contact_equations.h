@@ -29,12 +29,9 @@ class ContactEquations {
   }
   /// The normal row of a contact that slides, its force W_N − sigma_mu W_T.
   void add_sliding(const ContactRows& rows, double sigma_mu, double c) {
-    const bool same = rows.normal.a == rows.tangent.a && rows.normal.b == rows.tangent.b;
+    const bool same = same_bodies(rows.normal, rows.tangent);
     if (!same) besides_.push_back({size(), rows.tangent, -sigma_mu});  // friction acts on other bodies
-    Row force = rows.normal;
-    for (std::size_t k = 0; same && k < 3; ++k)
-      force.ja[k] -= sigma_mu * rows.tangent.ja[k], force.jb[k] -= sigma_mu * rows.tangent.jb[k];
-    add(rows.normal, force, c);
+    add(rows.normal, same ? combined(rows.normal, -sigma_mu, rows.tangent) : rows.normal, c);
   }
   Index size() const { return static_cast<Index>(row_.size()); }
 

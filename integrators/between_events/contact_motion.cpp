@@ -130,18 +130,11 @@ void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
   evaluate_biases(system_, terms_);
   w.gap = terms_.gap;
   // Translations couple: the largest of a group counts. A rotation counts on its own body.
-  const auto translation = [](const Eigen::VectorXd& x) {
-    return [&x](Index i) { return std::max(std::abs(x[3 * i]), std::abs(x[3 * i + 1])); };
-  };
   const auto magnitude = [](const Row& row, const Extents& linear, const Eigen::VectorXd& x) {
-    double sum = 0;
-    const auto add = [&](BodyId body, const std::array<double, 3>& j) {
-      if (body >= 0) sum += (std::abs(j[0]) + std::abs(j[1])) * linear.of(body) + std::abs(j[2] * x[3 * body + 2]);
-    };
-    add(row.a, row.ja), add(row.b, row.jb);
-    return sum;
+    return reach(row, x, [&](BodyId body) { return linear.of(body); });
   };
-  far_.measure(translation(q)), fast_.measure(translation(v));
+  far_.measure([&](Index i) { return largest_translation(q, i); });
+  fast_.measure([&](Index i) { return largest_translation(v, i); });
   for (Index i = 0; i < w.gap.size(); ++i) {
     const auto& [contact, rows] = terms_.closed[static_cast<std::size_t>(i)];
     const ContactBias& bias = terms_.contact_bias[static_cast<std::size_t>(i)];

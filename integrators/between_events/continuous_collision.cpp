@@ -53,8 +53,8 @@ double beyond(const Pose& x, const Polygon& of_x, const Pose& y, const Polygon& 
 /// Of the centres of two bodies, in places or velocities.
 Vector2d apart(const Eigen::VectorXd& x, BodyId a, BodyId b) {
   Vector2d d(0, 0);
-  if (a >= 0) d += x.segment<2>(3 * a);
-  if (b >= 0) d -= x.segment<2>(3 * b);
+  if (a >= 0) d += translation(x, a);
+  if (b >= 0) d -= translation(x, b);
   return d;
 }
 
@@ -143,7 +143,7 @@ std::pair<double, double> ContinuousCollision::pace(const Shape& shape) const {
   using Values = std::pair<double, double>;
   using Vectors = std::pair<Vector2d, Vector2d>;
   const auto turning = [&](BodyId body) {
-    const Index i = 3 * body + 2;
+    const Index i = kBlock * body + 2;
     return fastest(Values{a_->q[i], b_->q[i]}, Values{a_->v[i], b_->v[i]}, Values{a_->a[i], b_->a[i]}, s_);
   };
   const auto between = [&](auto member) {
@@ -187,7 +187,7 @@ double ContinuousCollision::stride(const Eigen::VectorXd& q, const Eigen::Vector
     const Shape& shape = shapes_[c];
     const bool custom = shape.course == Course::custom;
     if (!custom && shape.course != Course::edged && (shape.course != Course::round || shape.side < 0)) continue;
-    const auto turning = [&](BodyId body) { return std::abs(v[3 * body + 2]); };
+    const auto turning = [&](BodyId body) { return std::abs(rotation(v, body)); };
     const double along = apart(v, shape.a, shape.b).norm(), far = apart(q, shape.a, shape.b).norm();
     const auto [fast, turn] = pace(shape, along, far, turning);
     const double near = kPassable * shape.size, way = custom ? near : std::max(gaps[static_cast<Index>(c)], near);
@@ -201,9 +201,9 @@ double ContinuousCollision::stride(const Eigen::VectorXd& q, const Eigen::Vector
 void ContinuousCollision::place(BodyId body, double x) {
   if (body < 0) return;
   const double y = x * x * x, s = s_;
-  std::array<double, 3> at{};
-  for (Index k = 0; k < 3; ++k) {
-    const Index i = 3 * body + k;
+  std::array<double, kBlock> at{};
+  for (Index k = 0; k < kBlock; ++k) {
+    const Index i = kBlock * body + k;
     const double v = a_->v[i], a = a_->a[i];
     // What the Taylor polynomial from a lacks at b, of value, rate and second derivative.
     const double p = b_->q[i] - a_->q[i] - s * (v + s / 2 * a), r = s * (b_->v[i] - v - s * a),
@@ -215,7 +215,7 @@ void ContinuousCollision::place(BodyId body, double x) {
   }
   const auto i = static_cast<std::size_t>(body);
   at_.pose[i] = {{at[0], at[1]}, at[2], std::cos(at[2]), std::sin(at[2])};
-  at_.twist[i] = {{v_[3 * body], v_[3 * body + 1]}, v_[3 * body + 2]};
+  at_.twist[i] = twist_of(v_, body);
 }
 
 ContinuousCollision::Sample ContinuousCollision::sample(int contact, double x) {
@@ -245,8 +245,8 @@ ContinuousCollision::Knot ContinuousCollision::knot(const Shape& shape, int cont
   place(shape.a, x), place(shape.b, x);
   const auto acceleration = [&](BodyId body, const Vector2d& r) -> Vector2d {
     if (body < 0) return {0, 0};
-    const double omega = v_[3 * body + 2];
-    return acceleration_.segment<2>(3 * body) + acceleration_[3 * body + 2] * perp(r) - omega * omega * r;
+    const double omega = rotation(v_, body);
+    return translation(acceleration_, body) + rotation(acceleration_, body) * perp(r) - omega * omega * r;
   };
   const Vector2d r_a = at_.at(shape.a).turn(shape.centre_a), r_b = at_.at(shape.b).turn(shape.centre_b);
   const Vector2d d = at_.at(shape.a).x + r_a - at_.at(shape.b).x - r_b;

@@ -39,23 +39,19 @@ double horizon(const System& system, std::span<const int> contacts, const Kinema
                const Eigen::VectorXd& a) {
   constexpr double kTurn = 0.5;  // [rad]
   double least = std::numeric_limits<double>::infinity();
-  const auto of = [](const Eigen::VectorXd& x, BodyId body) -> Eigen::Vector3d {
-    return body < 0 || x.size() == 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(x.segment<3>(3 * body));
-  };
+  const auto of = [](const Eigen::VectorXd& x, BodyId body) { return x.size() == 0 ? Twist{} : twist_of(x, body); };
   const auto turning = [&](BodyId body) {
-    least = std::min(least, time_for(kTurn, std::abs(of(v, body).z()), std::abs(of(a, body).z())));
+    least = std::min(least, time_for(kTurn, std::abs(of(v, body).omega), std::abs(of(a, body).omega)));
   };
   const auto turning_about = [&](BodyId body, const Vector2d& point) {
     if (point.squaredNorm() > 0) turning(body);
   };
   // Of the point r of a body, turned into the world already: its velocity; its acceleration.
-  const auto speed = [&](BodyId body, const Vector2d& r) -> Vector2d {
-    return of(v, body).head<2>() + of(v, body).z() * perp(r);
-  };
+  const auto speed = [&](BodyId body, const Vector2d& r) -> Vector2d { return of(v, body).at(r); };
   const auto acceleration = [&](BodyId body, const Vector2d& r) -> Vector2d {
     if (a.size() == 0) return {0, 0};
-    const double omega = of(v, body).z();
-    return of(a, body).head<2>() + of(a, body).z() * perp(r) - omega * omega * r;
+    const double omega = of(v, body).omega;
+    return of(a, body).at(r) - omega * omega * r;
   };
   /// Two points; `way`: of their distance, how far they may move.
   const auto moving = [&](BodyId one, const Vector2d& p, BodyId other, const Vector2d& q, const auto& way) {
@@ -90,7 +86,7 @@ double horizon(const System& system, std::span<const int> contacts, const Kinema
       const double thin = std::min(inner_radius(c.corners_a), inner_radius(c.corners_b)) / 2;
       const auto fast = [&](const Eigen::VectorXd& x, const auto& at) {
         return (at(c.a, poses.at(c.a).turn(p)) - at(c.b, poses.at(c.b).turn(q))).norm() +
-               size_a * std::abs(of(x, c.a).z()) + size_b * std::abs(of(x, c.b).z());
+               size_a * std::abs(of(x, c.a).omega) + size_b * std::abs(of(x, c.b).omega);
       };
       const double within = time_for(thin, fast(v, speed), fast(a, acceleration));
       least = std::min(

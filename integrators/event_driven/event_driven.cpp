@@ -286,7 +286,7 @@ bool EventDriven::hand_out(double s) {
     std::swap(earlier_, trial_);
     if (!try_step(s + aside) || least_independence_ < kBlurred) continue;
     interpolate(earlier_, trial_, 2 * aside, 0.5, middle_);
-    middle_.v = 15 / (16 * aside) * (trial_.q - earlier_.q) - 7.0 / 16 * (earlier_.v + trial_.v) +
+    middle_.v = 15 / (16 * aside) * between(earlier_.q, trial_.q) - 7.0 / 16 * (earlier_.v + trial_.v) +
                 aside / 16 * (trial_.a - earlier_.a);  // of the same polynomial as q: near singular poses it is better
     trial_.q = middle_.q, trial_.v = middle_.v;
     trial_residual_ = motion_.residual(start_ + elapsed_ + s, trial_.q, trial_.v);
@@ -319,9 +319,7 @@ bool EventDriven::try_step(double s) {
   for (const int c : motion_.lasting())
     push_[at(c)] = {rk_.first_weight() * now_.w.normal[c], rk_.first_weight() * now_.w.tangent[c]};
   const double t = start_ + elapsed_;
-  double turn = 0;
-  for (Index i = 2; i < now_.v.size(); i += 3) turn = std::max(turn, s * std::abs(now_.v[i]));
-  const bool close = turn < kSmallTurn;
+  const bool close = s * largest_rotation(now_.v) < kSmallTurn;
   const auto acceleration = [&](double time, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
     time = std::min(time, stop_);
     bool possible = motion_.accelerations(time, q, v, a);
@@ -387,7 +385,7 @@ bool EventDriven::find_turn(double& s) {
     const double speed = std::abs(trial_.w.slip[c] + system_.law(c).belt);
     behind = std::max(behind, std::min(kBehind * gap_zero(c) / speed, kCrowded * options_.crossing));
   }
-  trial_.q += behind * trial_.v;
+  move(trial_.q, behind * trial_.v);
   s = low + behind;
   return true;
 }

@@ -15,7 +15,7 @@ double speed(const ContactRows& rows, const Eigen::VectorXd& v, double belt) {
 
 void GapStepping::close(double h, const State& x) {
   flight_ = v_new_;
-  q_new_ = x.q + h * flight_;
+  move(x.q, h * flight_, q_new_);
   set_poses(system_, x.t + h, q_new_, terms_.at);
   evaluate_gaps(system_, terms_);
   terms_.closed.clear();

@@ -55,8 +55,8 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
   v_known_ = x.v + h * (1 - gamma_) * a_ + h * gamma_ * (keep_s * s_ - keep_a * a_);
   path_known_ = h * x.v + h * h * (0.5 - beta_) * a_ + h * h * beta_ * (keep_s * s_ - keep_a * a_);
   s_new_ = s_;
-  path_ = x.q + path_known_ + by_s2 * s_new_;
-  set_poses(system_, x.t + h, path_, start_.at);
+  move(x.q, path_known_, q_end_), move(q_end_, by_s2 * s_new_);
+  set_poses(system_, x.t + h, q_end_, start_.at);
   if (!system_.scene().springs.empty()) evaluate_forces(system_, x.t + h, x.v, start_);  // their rows, there
   if (!factorize(start_, by_s2, by_s, report)) return false;
   double before = kInf;
@@ -86,8 +86,7 @@ bool GeneralizedAlpha::flow(double h, const State& x, Solver& solver, StepReport
     freeze_poses(swings);
     before = moved;
   }
-  double turn = 0;
-  for (Index i = 2; i < v_.size(); i += 3) turn = std::max(turn, h * std::abs(v_[i]));
+  const double turn = h * largest_rotation(v_);
   return fail(report, Status::numerical_error,
               "the smooth motion does not converge in " + std::to_string(kPasses) +
                   " passes: the last one moved q by " + detail::text_of(by_s2 * change_.lpNorm<Eigen::Infinity>()) +

@@ -10,6 +10,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
     : Integrator(system),
       start_(system),
       end_(system),
+      q_end_(system.dof()),
       basic_(system),
       geometric_(system),
       far_(system.assembly()),
@@ -23,7 +24,6 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       positions_(system),
       velocities_(system),
       problem_(&velocities_.problem()),
-      q_end_(system.dof()),
       free_(system.dof()) {
   if (geometric_.possible()) added_.setZero(system.dof());
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
@@ -52,7 +52,7 @@ bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_w
 bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
   constexpr int kIterations = 50;
   constexpr double kRounded = 1e3;  // of rounding: heavy bodies on light ones magnify it, no iterate comes nearer
-  q_end_ = x.q + path;
+  move(x.q, path, q_end_);
   far_.measure([&](Index i) { return std::max(largest_entry(x.q, i), largest_entry(q_end_, i)); });
   if (broad_phase_
           .any()) {  // what contacts add to the path is no longer than the longest: bodies do not overlap deeper
@@ -74,7 +74,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
   Mismatch left;
   for (int i = 0; i < kIterations;) {
-    q_end_ = x.q + path;
+    move(x.q, path, q_end_);
     set_poses(system_, x.t + h, q_end_, end_.at);
     evaluate_joint_residual(system_, end_);
     evaluate_gaps(system_, end_);
@@ -118,7 +118,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
 
 void TwoLevel::freeze_poses(bool swings) {
   if (q_frozen_.size() == 0) q_frozen_ = off_before_ = q_end_;
-  off_ = q_end_ - q_frozen_;
+  off_ = between(q_frozen_, q_end_);
   off_before_ -= off_;
   const double moved = off_before_.squaredNorm();
   if (!swings || !(moved > 0))
@@ -126,7 +126,7 @@ void TwoLevel::freeze_poses(bool swings) {
   else
     part_ = std::clamp(part_ * (off_before_ + off_).dot(off_before_) / moved, 1.0 / 64, 1.0);
   off_before_ = off_;
-  q_frozen_ += part_ * off_;
+  move(q_frozen_, part_ * off_);
   if (part_ < 1) set_poses(system_, start_.at.t, q_frozen_, start_.at);
 }
 
@@ -183,9 +183,7 @@ bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& repor
 void TwoLevel::hand_over(const State& x) {
   constexpr double kOfPath = 1e-8;
   carrying_.clear();
-  path_.measure([&](Index i) {
-    return std::max(std::abs(q_end_[3 * i] - x.q[3 * i]), std::abs(q_end_[3 * i + 1] - x.q[3 * i + 1]));
-  });
+  path_.measure([&](Index i) { return largest_translation(between(x.q, q_end_), i); });
   for (int i = 0; i < system_.contacts(); ++i) {
     bool touches = impulses_[static_cast<std::size_t>(i)].normal > 0;
     if (!touches && end_.gap[i] < kInf) {  // rounding, of what was far out before, too, does not decide who strikes now

@@ -58,7 +58,8 @@ class TwoLevel : public Integrator {
   /// Takes the step: x is at q + p⁺ with v, and the report says how well it fits there.
   void arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report);
 
-  Terms start_, end_;  // where rows are frozen; q + path
+  Terms start_, end_;      // where rows are frozen; at q_end_
+  Eigen::VectorXd q_end_;  // x.q, moved by the path of the last iterate
   BasicSystem basic_;
   GeometricStiffness geometric_;
   Eigen::VectorXd added_;   // dof: to M, of the joints' geometric stiffness
@@ -84,7 +85,7 @@ class TwoLevel : public Integrator {
   double stiffness_weight_ = 0, damping_weight_ = 0;
   std::vector<Wanted> wanted_;
   std::vector<int> carrying_;
-  Eigen::VectorXd q_end_, free_;
+  Eigen::VectorXd free_;
   Eigen::VectorXd q_frozen_, off_, off_before_;  // of start_.at; q_end_ from there, now and a pass before
   double part_ = 1;                              // of off_ that is gone
 };

@@ -63,7 +63,7 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
   sleep_.hold(h, impulses_);
   if (geometric_.possible()) note_stiffness(h, x);
-  q_new_ = x.q + h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v);
+  move(x.q, h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v), q_new_);
   if (!settle(x.t + h, report)) return report;
   report.passage = passing_.find(x.q, q_new_, terms_);
   x.t += h;
@@ -81,7 +81,7 @@ void VelocityStepping::remember(Memory& memory) {
 
 bool VelocityStepping::free_flight(double h, const State& x, StepReport& report) {
   const double at = plan_.at;
-  q_mid_ = x.q + at * h * x.v;
+  move(x.q, at * h * x.v, q_mid_);
   set_poses(system_, x.t + at * h, q_mid_, terms_.at);
   evaluate_forces(system_, x.t + at * h, x.v, terms_);
   evaluate_joint_rows(system_, terms_);

@@ -192,12 +192,7 @@ double MotionWatch::surface_speed(const State& x, int contact) {
   add_closed(system_, contact, terms_);
   const Impulse& impulse = integrator_.impulses()[at(contact)];
   const auto along = [&](const Row& row, double by) {
-    double mobility = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (row.a >= 0) mobility += row.ja[k] * row.ja[k] * system_.inverse_mass()[3 * row.a + static_cast<Index>(k)];
-      if (row.b >= 0) mobility += row.jb[k] * row.jb[k] * system_.inverse_mass()[3 * row.b + static_cast<Index>(k)];
-    }
-    return std::abs(apply(row, x.v.data())) + mobility * std::abs(by);
+    return std::abs(apply(row, x.v.data())) + coupling(row, row, system_.inverse_mass()) * std::abs(by);
   };
   const ContactRows& rows = terms_.closed[0].rows;
   return along(rows.normal, impulse.normal) + along(rows.tangent, impulse.tangent);

@@ -7,51 +7,21 @@ namespace {
 constexpr std::size_t kShared = 100;     // rows beyond the largest island's, from which on threads gain
 constexpr std::size_t kFormedRows = 64;  // up to here a dense A is cheaper than applying the operator again and again
 
-/// J_i M⁻¹ J_jᵀ of two rows.
-double coupling(const Row& i, const Row& j, const Eigen::VectorXd& inverse_mass) {
-  double sum = 0;
-  const auto add = [&](BodyId body, const std::array<double, 3>& u, BodyId other, const std::array<double, 3>& v) {
-    if (body < 0 || body != other) return;
-    for (std::size_t k = 0; k < 3; ++k) sum += u[k] * inverse_mass[3 * body + static_cast<Index>(k)] * v[k];
-  };
-  add(i.a, i.ja, j.a, j.ja), add(i.a, i.ja, j.b, j.jb), add(i.b, i.jb, j.a, j.ja), add(i.b, i.jb, j.b, j.jb);
-  return sum;
-}
-
 /// W from its rows.
 void fill_delassus(const std::vector<Row>& rows, Index dof, Delassus& A) {
   RowSparse& W = A.W;
   W.rows = static_cast<Index>(rows.size()), W.cols = dof;
   W.start.assign(1, 0), W.column.clear(), W.value.clear();
-  const auto push = [&](BodyId body, const std::array<double, 3>& j) {
-    for (int k = 0; body >= 0 && k < 3; ++k)
-      W.column.push_back(3 * body + k), W.value.push_back(j[static_cast<std::size_t>(k)]);
-  };
-  for (const Row& row : rows) {  // columns ascend within a row
-    if (row.a < row.b)
-      push(row.a, row.ja), push(row.b, row.jb);
-    else
-      push(row.b, row.jb), push(row.a, row.ja);
+  for (const Row& row : rows) {
+    append_to(W.column, W.value, row);
     W.start.push_back(static_cast<int>(W.column.size()));
   }
-}
-
-bool zero(const Row& row) {
-  constexpr std::array<double, 3> none{};
-  return row.ja == none && row.jb == none;
 }
 
 /// A journal whose centre is the bearing's has no normal and its whole clearance: it cannot touch there.
 bool centred_journal(const Scene& scene, int contact) {
   const auto c = static_cast<std::size_t>(contact);
   return c < scene.contacts.size() && std::holds_alternative<Journal>(scene.contacts[c]);
-}
-
-/// n + μ t of a contact.
-Row edge(const ContactRows& rows, double mu) {
-  Row row = rows.normal;
-  for (std::size_t k = 0; k < 3; ++k) row.ja[k] += mu * rows.tangent.ja[k], row.jb[k] += mu * rows.tangent.jb[k];
-  return row;
 }
 
 }  // namespace
@@ -147,9 +117,9 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
     contacts_.push_back({c.contact, k, wanted[k].law, mu, wanted[k].slip, slips && cone_ == Cone::coulomb});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
     places_[k].normal = static_cast<Index>(rows_.size());
-    rows_.push_back(edges ? edge(c.rows, mu) : c.rows.normal);
-    if (edges) rows_.push_back(edge(c.rows, -mu));
-    if (held(k) == Held::inwards) contacts_.back().jammed = &c.rows.normal, rows_.back().ja = rows_.back().jb = {};
+    rows_.push_back(edges ? combined(c.rows.normal, mu, c.rows.tangent) : c.rows.normal);
+    if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
+    if (held(k) == Held::inwards) contacts_.back().jammed = &c.rows.normal, rows_.back() = blank(rows_.back());
   }
   const auto unilateral = static_cast<Index>(rows_.size()) - joints;
   if (cone_ == Cone::coulomb)
@@ -372,11 +342,7 @@ void Formulation::advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) co
     const Eigen::VectorXd& inverse_mass = inverse_mass_;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double impulse = z[static_cast<Index>(i)];
-      const auto add = [&](BodyId body, const std::array<double, 3>& j) {
-        for (int k = 0; body >= 0 && k < 3; ++k)
-          v[3 * body + k] += inverse_mass[3 * body + k] * j[static_cast<std::size_t>(k)] * impulse;
-      };
-      add(rows_[i].a, rows_[i].ja), add(rows_[i].b, rows_[i].jb);
+      apply_impulse(rows_[i], impulse, inverse_mass, v);
     }
   }
   Index i = form_ == Form::full ? system_.joint_rows() : 0;

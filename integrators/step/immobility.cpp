@@ -23,7 +23,7 @@ Immobility::Immobility(const System& system)
       load_(none_),
       more_(none_) {
   const Eigen::VectorXd& m = system.inverse_mass();
-  for (Index b = 0; b < gyration_.size(); ++b) gyration_[b] = std::sqrt(m[3 * b] / m[3 * b + 2]);
+  for (Index b = 0; b < gyration_.size(); ++b) gyration_[b] = std::sqrt(m[kBlock * b] / rotation(m, b));
 }
 
 bool Immobility::stand(double t, const Eigen::VectorXd& q, const std::vector<Pair>& pairs) {
@@ -66,14 +66,7 @@ double Immobility::effective(const Row& row) {
 
 bool Immobility::suspicious(const Row& row, double effective, const Eigen::VectorXd& inverse_mass) {
   constexpr double kSmall = 1e-2;
-  double free = 0;
-  const auto add = [&](BodyId body, const std::array<double, 3>& j) {
-    if (body < 0) return;
-    const double* const m = inverse_mass.data() + 3 * body;
-    free += j[0] * m[0] * j[0] + j[1] * m[1] * j[1] + j[2] * m[2] * j[2];
-  };
-  add(row.a, row.ja), add(row.b, row.jb);
-  return effective <= kSmall * free;
+  return effective <= kSmall * coupling(row, row, inverse_mass);
 }
 
 void Immobility::begin() { sum_.setZero(), sizes_.setZero(); }
@@ -84,10 +77,7 @@ void Immobility::add(const Row& row, double weight) {
 }
 
 void Immobility::measure(const Row& row, double weight) {
-  const auto note = [&](BodyId body, const std::array<double, 3>& j) {
-    for (int k = 0; body >= 0 && k < 3; ++k) sizes_[3 * body + k] += std::abs(weight * j[static_cast<std::size_t>(k)]);
-  };
-  note(row.a, row.ja), note(row.b, row.jb);
+  each_entry(row, [&](Index i, double entry) { sizes_[i] += std::abs(weight * entry); });
 }
 
 Immobility::Verdict Immobility::judge() {
@@ -106,10 +96,10 @@ Immobility::Verdict Immobility::judge() {
   for (std::size_t i = 0; i < joints; ++i) measure(terms_.G[i], load_[static_cast<Index>(i)]);
   double left = 0, rounding = 0;
   for (Index b = 0; b < gyration_.size(); ++b) {
-    const double rho = gyration_[b], torque = left_[3 * b + 2] / rho;
-    const double size = sizes_[3 * b] + sizes_[3 * b + 1] + sizes_[3 * b + 2] / rho;
+    const double rho = gyration_[b], torque = rotation(left_, b) / rho;
+    const double size = sizes_[kBlock * b] + sizes_[kBlock * b + 1] + rotation(sizes_, b) / rho;
     const double known = kKnown * (1 + far(b) / rho) * size;
-    left += left_[3 * b] * left_[3 * b] + left_[3 * b + 1] * left_[3 * b + 1] + torque * torque;
+    left += left_[kBlock * b] * left_[kBlock * b] + left_[kBlock * b + 1] * left_[kBlock * b + 1] + torque * torque;
     rounding += known * known;
   }
   Verdict verdict{.immobile = left <= rounding};  // false of NaN
@@ -125,12 +115,12 @@ Immobility::Verdict Immobility::judge() {
 double Immobility::rounding_of_rate(const Eigen::VectorXd& sizes, const Eigen::VectorXd& v) const {
   constexpr double kDriven = 1e-9;  // of a body's speed
   const auto speed = [&](Index b) {
-    return std::abs(v[3 * b]) + std::abs(v[3 * b + 1]) + gyration_[b] * std::abs(v[3 * b + 2]);
+    return std::abs(v[kBlock * b]) + std::abs(v[kBlock * b + 1]) + gyration_[b] * std::abs(rotation(v, b));
   };
   double fastest = 0, rounding = 0;
   for (Index b = 0; b < gyration_.size(); ++b) fastest = std::max(fastest, speed(b));
   for (Index b = 0; b < gyration_.size(); ++b) {
-    const double size = sizes[3 * b] + sizes[3 * b + 1] + sizes[3 * b + 2] / gyration_[b];
+    const double size = sizes[kBlock * b] + sizes[kBlock * b + 1] + rotation(sizes, b) / gyration_[b];
     rounding += size * (kDriven * speed(b) + kKnown * (1 + far(b) / gyration_[b]) * fastest);
   }
   return rounding;

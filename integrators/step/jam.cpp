@@ -130,10 +130,9 @@ bool JamSearch::improve(double t, Eigen::VectorXd& q, double& sum) {
     A.diagonal() = diagonal.array() + compliance_ * diagonal.maxCoeff();
     if (solver_.solve(lcp_, solution_).status != Status::solved) continue;
     force_ = columns_ * solution_.z;
-    double turn = 0;
-    for (Index i = 2; i < force_.size(); i += 3) turn = std::max(turn, std::abs(force_[i]));
+    const double turn = largest_rotation(force_);
     if (turn > kLargestTurn) continue;
-    trial_ = q + force_;
+    move(q, force_, trial_);
     if (!onto_joints(t, trial_)) continue;
     const double next = overlap();
     if (!(next < sum)) continue;

@@ -19,16 +19,6 @@ namespace orthant {
 /// Whether all entries are numbers: x − x is 0 of those alone. Half the time of Eigen's allFinite(), twice a step.
 inline bool finite(const Eigen::VectorXd& x) { return (x - x).sum() == 0; }
 
-/// The largest of |x|, |y|, |θ|, of body i.
-inline double largest_entry(const Eigen::VectorXd& q, Eigen::Index i) {
-  return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), std::abs(q[3 * i + 2]));
-}
-/// The larger of translation and rotation of body i, velocities or accelerations: the same in every frame that is
-/// turned.
-inline double largest_motion(const Eigen::VectorXd& v, Eigen::Index i) {
-  return std::max(std::sqrt(v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1]), std::abs(v[3 * i + 2]));
-}
-
 class Extents {
  public:
   /// groups: System's, which must outlive this.
@@ -52,7 +42,7 @@ class Extents {
   }
   double of(BodyId a, BodyId b) const { return std::max(of(a), of(b)); }
   double of(const Row& row) const { return of(row.a, row.b); }
-  double of_entry(Eigen::Index i) const { return of(static_cast<BodyId>(i / 3)); }  // of a dof
+  double of_entry(Eigen::Index i) const { return of(body_of_entry(i)); }  // of a dof
   double largest() const { return of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()); }
 
  private:

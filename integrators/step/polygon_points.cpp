@@ -24,10 +24,7 @@ bool overlap_ends(const std::array<Touch, 2>& points, const Kinematics& at, cons
   const auto *first = std::get_if<CornerWall>(&points[0]), *second = std::get_if<CornerWall>(&points[1]);
   if (first == nullptr || second == nullptr || first->a == second->a) return false;  // corners of one polygon: ṡ = 0
   const auto arm = [&](const CornerWall& c) { return at.at(c.a).turn(c.point); };
-  const auto rate = [&](const CornerWall& c) -> Vector2d {
-    if (c.a < 0) return {0, 0};
-    return v.segment<2>(3 * c.a) + v[3 * c.a + 2] * perp(arm(c));
-  };
+  const auto rate = [&](const CornerWall& c) -> Vector2d { return twist_of(v, c.a).at(arm(c)); };
   const Vector2d s = at.at(second->a).x + arm(*second) - at.at(first->a).x - arm(*first);
   const double shrinks = s.dot(rate(*second) - rate(*first)) / s.squaredNorm();  // ṡ/s
   return shrinks < 0 && 2 * shrinks < d_rate / d;

@@ -50,9 +50,7 @@ double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far) {
   const Index rows = terms.phi.size();
   const double worst = largest(terms.phi);
   if (worst <= kClosed) return worst;
-  far.measure([&](Index i) {
-    return std::max(std::max(std::abs(q[3 * i]), std::abs(q[3 * i + 1])), kAngle * std::abs(q[3 * i + 2]));
-  });
+  far.measure([&](Index i) { return std::max(largest_translation(q, i), kAngle * std::abs(rotation(q, i))); });
   return largest_off(
       rows, [&](Index i) { return std::abs(terms.phi[i]) / (1 + far.of(terms.G[static_cast<std::size_t>(i)])); });
 }

@@ -46,12 +46,12 @@ void Sleep::begin(const State& x, const Terms& terms, Eigen::VectorXd& v_free) {
   v_free_ = v_free;
   for (BodyId b = 0; b < system_.bodies(); ++b) {
     if (!asleep(b)) continue;
-    const auto was = f_.segment<3>(3 * b);
-    if ((terms.f.segment<3>(3 * b) - was).lpNorm<Eigen::Infinity>() > kSameLoad * was.lpNorm<Eigen::Infinity>())
+    const auto was = block(f_, b);
+    if ((block(terms.f, b) - was).lpNorm<Eigen::Infinity>() > kSameLoad * was.lpNorm<Eigen::Infinity>())
       wake(island_[static_cast<std::size_t>(b)]);
   }
   for (BodyId b = 0; b < system_.bodies(); ++b)
-    if (asleep(b)) v_free.segment<3>(3 * b).setZero();
+    if (asleep(b)) block(v_free, b).setZero();
 }
 
 bool Sleep::disturbed(Terms& terms, std::vector<Wanted>& wanted, Eigen::VectorXd& v_free) {
@@ -66,7 +66,7 @@ bool Sleep::disturbed(Terms& terms, std::vector<Wanted>& wanted, Eigen::VectorXd
     disturb(c.rows.normal.a, c.rows.normal.b), disturb(c.rows.normal.b, c.rows.normal.a);
   if (any) {
     for (BodyId b = 0; b < system_.bodies(); ++b)
-      if (!asleep(b)) v_free.segment<3>(3 * b) = v_free_.segment<3>(3 * b);
+      if (!asleep(b)) block(v_free, b) = block(v_free_, b);
     return true;
   }
   std::size_t kept = 0;
@@ -92,7 +92,7 @@ void Sleep::end(double h, const Terms& terms, const std::vector<Impulse>& impuls
     if (!sleeps(c)) force_[c] = {impulses[c].normal / h, impulses[c].tangent / h};
   rows_.clear();
   for (BodyId b = 0; b < system_.bodies(); ++b) {
-    const bool slow = x.v.segment<3>(3 * b).lpNorm<Eigen::Infinity>() <= options_.speed;
+    const bool slow = block(x.v, b).lpNorm<Eigen::Infinity>() <= options_.speed;
     double& rest = rest_[static_cast<std::size_t>(b)];
     rest = slow ? rest + h : 0;
   }
@@ -119,8 +119,8 @@ void Sleep::end(double h, const Terms& terms, const std::vector<Impulse>& impuls
     const auto root = islands_.root(b);
     if (asleep(b) || least_[static_cast<std::size_t>(root)] < options_.after) continue;
     island_[static_cast<std::size_t>(b)] = islands_so_far_ + 1 + root;
-    f_.segment<3>(3 * b) = terms.f.segment<3>(3 * b);
-    x.v.segment<3>(3 * b).setZero();
+    block(f_, b) = block(terms.f, b);
+    block(x.v, b).setZero();
     any = true;
   }
   if (any) islands_so_far_ += system_.bodies();

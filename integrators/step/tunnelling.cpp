@@ -87,26 +87,26 @@ Passing::Passing(const System& system)
 
 /// [m] No point of the body's shapes goes farther.
 double Passing::way_of(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end) const {
-  const Index k = 3 * body;
-  const double turn = std::abs(q_end[k + 2] - q[k + 2]), dx = q_end[k] - q[k], dy = q_end[k + 1] - q[k + 1];
+  const auto step = between(q, q_end);
+  const double turn = std::abs(rotation(step, body));
+  const double shift = std::hypot(step[kBlock * body], step[kBlock * body + 1]);
   const auto i = static_cast<std::size_t>(body);
-  if (!pin_[i].is) return std::hypot(dx, dy) + reach_[i] * turn;
-  return std::min(std::hypot(dx, dy), turn * pin_[i].point.norm()) + turn * (pin_[i].point.norm() + reach_[i]);
+  if (!pin_[i].is) return shift + reach_[i] * turn;
+  return std::min(shift, turn * pin_[i].point.norm()) + turn * (pin_[i].point.norm() + reach_[i]);
 }
 
 /// The body at s ∈ [0, 1] of its way.
 void Passing::place(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, double s) {
-  const Index k = 3 * body;
-  const auto posed = [](double x, double y, double theta) -> Pose {
-    return {{x, y}, theta, std::cos(theta), std::sin(theta)};
+  const auto posed = [&](const auto& at) -> Pose {
+    const double theta = rotation(at, body);
+    return {translation(at, body), theta, std::cos(theta), std::sin(theta)};
   };
   const auto i = static_cast<std::size_t>(body);
   Pose& pose = at_.pose[i];
-  const auto at = [&](Index j) { return q[k + j] + s * (q_end[k + j] - q[k + j]); };
-  pose = posed(at(0), at(1), at(2));
+  pose = posed(q + s * between(q, q_end));
   if (!pin_[i].is) return;
   const auto off = [&](const Pose& p) -> Vector2d { return p.x + p.turn(pin_[i].point) - pin_[i].place; };
-  const Vector2d from = off(posed(q[k], q[k + 1], q[k + 2])), to = off(posed(q_end[k], q_end[k + 1], q_end[k + 2]));
+  const Vector2d from = off(posed(q)), to = off(posed(q_end));
   pose.x = pin_[i].place - pose.turn(pin_[i].point) + from + s * (to - from);
 }
 

@@ -99,16 +99,14 @@ class Assembly {
     J = J * length.cwiseInverse().asDiagonal();
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> A(J.transpose());
     const Eigen::VectorXd back =
-        near ? Eigen::VectorXd(root_.cwiseProduct(start_.q - q)) : Eigen::VectorXd::Zero(q.size());
+        near ? Eigen::VectorXd(root_.cwiseProduct(between(q, start_.q))) : Eigen::VectorXd::Zero(q.size());
     const Eigen::VectorXd pushed = A.solve(missing.cwiseQuotient(length) - J.transpose() * back);
     const Eigen::VectorXd forces = A.transpose().solve(pushed);
     for (Index i = joints; i < rows; ++i) held_[taking_part[static_cast<std::size_t>(i - joints)]] = forces[i] > 0;
-    Eigen::VectorXd move = root_.cwiseInverse().cwiseProduct(back + pushed);
-    double turn = 0;
-    for (Index i = 2; i < move.size(); i += 3) turn = std::max(turn, std::abs(move[i]));
-    if (turn > kMostTurn) move *= kMostTurn / turn;
-    if (closed && (!near || move.lpNorm<Eigen::Infinity>() <= 1e-9 * (1 + q.lpNorm<Eigen::Infinity>()))) return true;
-    q += move;
+    Eigen::VectorXd step = root_.cwiseInverse().cwiseProduct(back + pushed);
+    if (const double turn = largest_rotation(step); turn > kMostTurn) step *= kMostTurn / turn;
+    if (closed && (!near || step.lpNorm<Eigen::Infinity>() <= 1e-9 * (1 + q.lpNorm<Eigen::Infinity>()))) return true;
+    move(q, step);
     return false;
   }
 
@@ -132,8 +130,8 @@ Scene assembled(const Scene& scene) {
     throw std::invalid_argument("assemble = true: " + assembly.off_most_words() +
                                 " at the best place found: must be reachable from where the scene puts its bodies");
   for (std::size_t i = 0; i < moved.bodies.size(); ++i) {
-    const auto at = static_cast<Index>(3 * i);
-    moved.bodies[i].position = {q[at], q[at + 1]}, moved.bodies[i].angle = q[at + 2];
+    const auto body = static_cast<BodyId>(i);
+    moved.bodies[i].position = translation(q, body), moved.bodies[i].angle = rotation(q, body);
   }
   return moved;
 }

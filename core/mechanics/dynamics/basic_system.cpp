@@ -11,12 +11,14 @@
 namespace orthant {
 namespace {
 
+constexpr int kEntries = 2 * kBlock;  // of a row
+constexpr int kProducts = kEntries * kEntries;
 constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
 constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
 constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
 constexpr double kDoubtful = 1e-9;    // likewise: rounding of S makes that, ε times the ratio of the masses
 
-const std::array<double, 3>& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
+const Row::Entries& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
 int body(const Row& row, int which) { return which == 0 ? row.a : row.b; }
 
 /// The rows' bodies without their numbers: the pattern of G and of the springs.
@@ -36,8 +38,8 @@ struct BasicSystem::Sparse {
   std::vector<int> start, index;  // compressed columns
   std::vector<double> value, rhs;
   std::vector<int> mass_place;    // dof: M's diagonal
-  std::vector<int> spring_place;  // 36 a spring
-  std::vector<int> joint_place;   // 12 a joint row: six entries, then their transposes
+  std::vector<int> spring_place;  // kProducts a spring
+  std::vector<int> joint_place;   // 2 kEntries a joint row: its entries, then their transposes
   klu_common common{};
   klu_symbolic* symbolic = nullptr;
   klu_numeric* numeric = nullptr;
@@ -56,16 +58,16 @@ struct BasicSystem::Sparse {
       entries.push_back({row, column, static_cast<int>(entries.size())});
     };
     const auto coordinate = [](const Row& r, int k) {
-      const int b = body(r, k / 3);
-      return b < 0 ? -1 : 3 * b + k % 3;
+      const int b = body(r, k / kBlock);
+      return b < 0 ? -1 : kBlock * b + k % kBlock;
     };
     for (int i = 0; i < system.dof(); ++i) add(i, i);
     for (const SpringState& s : terms.springs)
-      for (int k = 0; k < 36; ++k) add(coordinate(s.row, k / 6), coordinate(s.row, k % 6));
+      for (int k = 0; k < kProducts; ++k) add(coordinate(s.row, k / kEntries), coordinate(s.row, k % kEntries));
     for (int r = 0; r < rows; ++r) {
       const Row& row = terms.G[static_cast<std::size_t>(r)];
-      for (int k = 0; k < 6; ++k) add(system.dof() + r, coordinate(row, k));
-      for (int k = 0; k < 6; ++k) add(coordinate(row, k), system.dof() + r);
+      for (int k = 0; k < kEntries; ++k) add(system.dof() + r, coordinate(row, k));
+      for (int k = 0; k < kEntries; ++k) add(coordinate(row, k), system.dof() + r);
     }
     std::vector<int> place(entries.size(), -1);
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
@@ -86,7 +88,7 @@ struct BasicSystem::Sparse {
     value.resize(index.size());
     rhs.resize(static_cast<std::size_t>(n));
     const auto dof_end = place.begin() + system.dof();
-    const auto spring_end = dof_end + 36 * static_cast<std::ptrdiff_t>(terms.springs.size());
+    const auto spring_end = dof_end + kProducts * static_cast<std::ptrdiff_t>(terms.springs.size());
     mass_place.assign(place.begin(), dof_end);
     spring_place.assign(dof_end, spring_end);
     joint_place.assign(spring_end, place.end());
@@ -116,14 +118,15 @@ struct BasicSystem::Sparse {
       const double weight =
           std::visit([&](const auto& s) { return stiffness_weight * s.stiffness + damping_weight * s.damping; },
                      system.scene().springs[i]);
-      for (int k = 0; k < 36; ++k)
-        put(spring_place[36 * i + static_cast<std::size_t>(k)], weight * number(row, k / 6) * number(row, k % 6));
+      for (int k = 0; k < kProducts; ++k)
+        put(spring_place[kProducts * i + static_cast<std::size_t>(k)],
+            weight * number(row, k / kEntries) * number(row, k % kEntries));
     }
-    for (std::size_t r = 0; 12 * r < joint_place.size(); ++r)
-      for (int k = 0; k < 6; ++k) {
+    for (std::size_t r = 0; 2 * kEntries * r < joint_place.size(); ++r)
+      for (int k = 0; k < kEntries; ++k) {
         const double entry = number(terms.G[r], k);
-        put(joint_place[12 * r + static_cast<std::size_t>(k)], entry);
-        put(joint_place[12 * r + 6 + static_cast<std::size_t>(k)], -entry);
+        put(joint_place[2 * r * kEntries + static_cast<std::size_t>(k)], entry);
+        put(joint_place[(2 * r + 1) * kEntries + static_cast<std::size_t>(k)], -entry);
       }
     if (numeric != nullptr && klu_refactor(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
         well_conditioned() && pivots_still_fit())
@@ -185,7 +188,7 @@ struct BasicSystem::Sparse {
         if (const int i = index[static_cast<std::size_t>(k)]; i < dof) dense(i, j) = value[static_cast<std::size_t>(k)];
     return dense;
   }
-  static double number(const Row& row, int k) { return side(row, k / 3)[static_cast<std::size_t>(k % 3)]; }
+  static double number(const Row& row, int k) { return side(row, k / kBlock)[static_cast<std::size_t>(k % kBlock)]; }
 };
 
 /// x and the least λ by an orthogonal decomposition of A = L⁻¹ Gᵀ D, M̂ = L Lᵀ, D: each column of length 1.

@@ -54,7 +54,9 @@ void BroadPhase::set_boxes(int collision, const Kinematics& at, const Eigen::Vec
   double farthest = 0;
   const auto travel = [&](std::size_t i) {
     const BodyId body = shapes[i].body;
-    return body < 0 ? 0 : std::hypot(way[3 * body], way[3 * body + 1]) + radius_[c][i] * std::abs(way[3 * body + 2]);
+    return body < 0
+               ? 0
+               : std::hypot(way[kBlock * body], way[kBlock * body + 1]) + radius_[c][i] * std::abs(rotation(way, body));
   };
   for (std::size_t i = 0; reach == Reach::farthest && i < shapes.size(); ++i) farthest = std::max(farthest, travel(i));
   for (std::size_t i = 0; i < shapes.size(); ++i) {

@@ -23,27 +23,21 @@ struct AddStiffness {
     const double length = d.norm(), force = by * lambda[0];
     if (!(length > 0)) return;
     const Vector2d n = d / length;
-    if (j.a >= 0) K[3 * j.a + 2] += force * r_a.dot(n);
-    if (j.b >= 0) K[3 * j.b + 2] -= force * r_b.dot(n);
+    if (j.a >= 0) rotation(K, j.a) += force * r_a.dot(n);
+    if (j.b >= 0) rotation(K, j.b) -= force * r_b.dot(n);
     if (!(force < 0)) return;
     const Row across = pair_row(j.a, j.b, perp(n), r_a, r_b);
     double sum = 0;  // e eᵀ ≤ diag(|e_k| √M_k Σ |e_l| / √M_l)
-    each(across, [&](Index k, double e) { sum += std::abs(e) / std::sqrt(mass[k]); });
-    each(across, [&](Index k, double e) { K[k] -= force / length * std::abs(e) * std::sqrt(mass[k]) * sum; });
+    each_entry(across, [&](Index k, double e) { sum += std::abs(e) / std::sqrt(mass[k]); });
+    each_entry(across, [&](Index k, double e) { K[k] -= force / length * std::abs(e) * std::sqrt(mass[k]) * sum; });
   }
   template <class J> void operator()(const J& /*joint*/) const {}
 
  private:
-  template <class F> static void each(const Row& row, F&& f) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (row.a >= 0) f(3 * row.a + static_cast<Index>(k), row.ja[k]);
-      if (row.b >= 0) f(3 * row.b + static_cast<Index>(k), row.jb[k]);
-    }
-  }
   /// Rows (1, 0, −r_y) and (0, 1, r_x) of a, the negative ones of b: r · F from their last entries.
   void pin(BodyId a, BodyId b) const {
-    if (a >= 0) K[3 * a + 2] += by * (lambda[0] * G[1].ja[2] - lambda[1] * G[0].ja[2]);
-    if (b >= 0) K[3 * b + 2] += by * (lambda[0] * G[1].jb[2] - lambda[1] * G[0].jb[2]);
+    if (a >= 0) rotation(K, a) += by * (lambda[0] * G[1].ja[2] - lambda[1] * G[0].ja[2]);
+    if (b >= 0) rotation(K, b) += by * (lambda[0] * G[1].jb[2] - lambda[1] * G[0].jb[2]);
   }
 };
 

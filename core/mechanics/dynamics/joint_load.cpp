@@ -44,11 +44,7 @@ JointLoad::JointLoad(const System& system, int joint) {
 
 double JointLoad::size(std::span<const Row> G, const double* lambda) const {
   Vector2d sum{0, 0};
-  for (const int i : rows_) {
-    const Row& row = G[static_cast<std::size_t>(i)];
-    const auto& force = row.a == body_ ? row.ja : row.jb;
-    sum += lambda[i] * Vector2d(force[0], force[1]);
-  }
+  for (const int i : rows_) sum += lambda[i] * push_on(G[static_cast<std::size_t>(i)], body_);
   return sum.norm();
 }
 

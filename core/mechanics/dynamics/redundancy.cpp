@@ -76,10 +76,11 @@ bool move_on(const System& system, const Eigen::MatrixXd& basis, Terms& terms, E
   u = system.inverse_mass().cwiseSqrt().cwiseProduct(u);
   double size = 0, turn = 0, shift = 0;
   for (Index i = 0; i < u.size(); ++i) {
-    (i % 3 == 2 ? turn : shift) = std::max(i % 3 == 2 ? turn : shift, std::abs(u[i]));
-    if (i % 3 != 2) size = std::max(size, std::abs(q[i] - q[i % 3]));
+    double& most = is_rotation(i) ? turn : shift;
+    most = std::max(most, std::abs(u[i]));
+    if (!is_rotation(i)) size = std::max(size, std::abs(q[i] - q[i % kBlock]));
   }
-  q += kMove / std::max(turn, shift / std::max(size, 1e-9)) * u;
+  move(q, kMove / std::max(turn, shift / std::max(size, 1e-9)) * u);
   BasicSystem basic(system);
   Eigen::VectorXd step(system.dof()), lambda(system.joint_rows());
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(system.dof());
@@ -89,7 +90,7 @@ bool move_on(const System& system, const Eigen::MatrixXd& basis, Terms& terms, E
     if (!basic.factorize(system, terms)) return false;
     const Eigen::VectorXd back = -terms.phi;
     basic.solve(none.data(), back.data(), step.data(), lambda.data());
-    q += step;
+    move(q, step);
   }
   return false;
 }

@@ -40,7 +40,7 @@ template <class F> void each_down(int n, F&& f) {
 template <int N> std::integral_constant<int, 2 * N> twice(std::integral_constant<int, N>) { return {}; }
 int twice(int n) { return 2 * n; }
 
-constexpr std::array<double, 3> kNothing{};
+constexpr Row::Entries kNothing{};
 constexpr double kLeast = 1e-280, kMost = 1e300;  // of a product of two pivots: its digits are all there
 
 }  // namespace
@@ -67,9 +67,9 @@ Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
   const auto part_on = [&](int i, int first) -> Part {
     if (i >= rows_) return nullptr;
     const Row& row = rows[static_cast<std::size_t>(i)];
-    return 3 * row.a == first ? &Row::ja : 3 * row.b == first ? &Row::jb : nullptr;
+    return kBlock * row.a == first ? &Row::ja : kBlock * row.b == first ? &Row::jb : nullptr;
   };
-  for (int first = 0; first < inverse_mass.size(); first += 3) {
+  for (int first = 0; first < inverse_mass.size(); first += kBlock) {
     const auto begin = static_cast<int>(on_bodies_.size());
     for (int p = 0; p < pairs_; ++p) {
       const int row = order_[static_cast<std::size_t>(p)];
@@ -116,14 +116,14 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
     });
   });
   if (rows_ % 2 == 1) S_.back() = Two(0, 1);  // the row of nothing
-  const auto part = [&](const PairOnBody& u, std::size_t k) -> const std::array<double, 3>& {
+  const auto part = [&](const PairOnBody& u, std::size_t k) -> const Row::Entries& {
     return u.parts[k] == nullptr ? kNothing : G[static_cast<std::size_t>(u.row) + k].*u.parts[k];
   };
   for (const OnBody& body : bodies_) {
     const auto [m, n, j] = body.inverse_mass;
     const PairOnBody* const first = on_bodies_.data() + body.begin;
     for (PairOnBody* u = on_bodies_.data() + body.begin; u != on_bodies_.data() + body.end; ++u) {
-      const std::array<double, 3>&g = part(*u, 0), &h = part(*u, 1);
+      const Row::Entries &g = part(*u, 0), &h = part(*u, 1);
       const Two gx(g[0], h[0]), gy(g[1], h[1]), gz(g[2], h[2]), x = m * gx, y = n * gy, z = j * gz;
       u->gx = gx, u->gy = gy, u->gz = gz, u->x = x, u->y = y, u->z = z;
       Two* to = S_.data() + u->at;
@@ -238,12 +238,14 @@ void Schur::add_rates(const double* c, double* x) const {
 void Schur::solve_row(const Row& row, double* x) const {
   std::fill_n(x, inverse_mass_.size(), 0.0);
   std::fill(lambda_.begin(), lambda_.end(), Two(0));
-  const auto load = [&](BodyId b, const std::array<double, 3>& j) {
+  const auto load = [&](BodyId b, const Row::Entries& j) {
     if (b < 0) return;
-    const double* const m = inverse_mass_.data() + 3 * b;
+    const double* const m = inverse_mass_.data() + kBlock * b;
     const double vx = m[0] * j[0], vy = m[1] * j[1], vz = m[2] * j[2];
-    x[3 * b] += vx, x[3 * b + 1] += vy, x[3 * b + 2] += vz;
-    const auto body = std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == 3 * b; });
+    double* const xb = x + kBlock * b;
+    xb[0] += vx, xb[1] += vy, xb[2] += vz;
+    const auto body =
+        std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == kBlock * b; });
     if (body != bodies_.end()) subtract_rates(*body, vx, vy, vz);
   };
   load(row.a, row.ja), load(row.b, row.jb);

@@ -42,7 +42,7 @@ class Schur {
   bool finite() const;  // the S of the last factorization, where that gave up on it
 
  private:
-  using Part = std::array<double, 3> Row::*;
+  using Part = Row::Entries Row::*;
   struct PairOnBody {
     int pair, at, row;          // where it stands here; where its row begins in S; its first row in G
     std::array<Part, 2> parts;  // of its rows, that are on the body, or none
@@ -50,7 +50,7 @@ class Schur {
   };
   struct OnBody {  // pairs from `begin` up to `end` act on the coordinates from `first` on
     int first, begin, end;
-    std::array<double, 3> inverse_mass;
+    Row::Entries inverse_mass;
   };
   void put_apart_first(std::span<const Row> rows);
   template <class F> decltype(auto) with_pairs(F&& f) const;

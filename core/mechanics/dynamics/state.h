@@ -7,8 +7,8 @@ namespace orthant {
 
 struct State {
   double t = 0;       // [s]
-  Eigen::VectorXd q;  // 3 per body: x, y [m], θ [rad]
-  Eigen::VectorXd v;  // 3 per body: ẋ, ẏ [m/s], ω [rad/s]
+  Eigen::VectorXd q;  // a block per body (blocks.h): x, y [m], θ [rad]
+  Eigen::VectorXd v;  // a block per body (blocks.h): ẋ, ẏ [m/s], ω [rad/s]
 };
 
 }  // namespace orthant

@@ -65,8 +65,8 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   weight_.setZero(dof());
   for (int i = 0; i < bodies(); ++i) {
     const Body& body = scene_.bodies[static_cast<std::size_t>(i)];
-    mass_.segment<3>(3 * i) << body.mass, body.mass, body.inertia;
-    weight_.segment<2>(3 * i) = body.mass * scene_.gravity;
+    block(mass_, i) << body.mass, body.mass, body.inertia;
+    translation(weight_, i) = body.mass * scene_.gravity;
   }
   inverse_mass_ = mass_.cwiseInverse();
   for (const Joint& joint : scene_.joints) {
@@ -105,8 +105,8 @@ State System::initial_state() const {
   State x{.t = 0, .q = Eigen::VectorXd(dof()), .v = Eigen::VectorXd(dof())};
   for (int i = 0; i < bodies(); ++i) {
     const Body& body = scene_.bodies[static_cast<std::size_t>(i)];
-    x.q.segment<3>(3 * i) << body.position, body.angle;
-    x.v.segment<3>(3 * i) << body.velocity, body.omega;
+    block(x.q, i) << body.position, body.angle;
+    block(x.v, i) << body.velocity, body.omega;
   }
   return x;
 }

@@ -6,7 +6,7 @@
 
 namespace orthant {
 
-/// Coordinates 3i, 3i+1, 3i+2 are x, y, θ of body i; joint rows stand in the order of the scene's joints.
+/// Coordinates stand in a block per body (blocks.h); joint rows stand in the order of the scene's joints.
 class System {
  public:
   /// Throws std::invalid_argument where check(scene) does.
@@ -14,7 +14,7 @@ class System {
 
   const Scene& scene() const { return scene_; }
   int bodies() const { return static_cast<int>(scene_.bodies.size()); }
-  int dof() const { return 3 * bodies(); }
+  int dof() const { return kBlock * bodies(); }
   int joint_rows() const { return joint_rows_; }
   int first_row(std::size_t joint) const { return first_row_[joint]; }
   bool driven() const { return driven_; }  // some joint is given in time

@@ -29,7 +29,7 @@ void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinemat
   const auto bodies = static_cast<std::size_t>(system.bodies());
   at.pose.resize(bodies + 1), at.node.resize(bodies);
   for (std::size_t i = 0; i < bodies; ++i) {
-    const double* qi = q.data() + 3 * i;
+    const double* qi = q.data() + kBlock * i;
     Kinematics::Node& node = at.node[i];
     if (!(std::abs(qi[2] - node.theta) < kCell / 2)) {
       node.theta = std::abs(qi[2]) < kGrid ? std::round(qi[2] / kCell) * kCell : qi[2];
@@ -49,10 +49,7 @@ void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinemat
 void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at) {
   const auto bodies = static_cast<std::size_t>(system.bodies());
   at.twist.resize(bodies + 1);
-  for (std::size_t i = 0; i < bodies; ++i) {
-    const double* vi = v.data() + 3 * i;
-    at.twist[i] = {{vi[0], vi[1]}, vi[2]};
-  }
+  for (std::size_t i = 0; i < bodies; ++i) at.twist[i] = twist_of(v, static_cast<BodyId>(i));
 }
 
 void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, Terms& terms) {

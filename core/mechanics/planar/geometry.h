@@ -1,17 +1,12 @@
-// core/mechanics/planar/geometry.h — planar poses, and the one row shape that every joint and contact has.
+// core/mechanics/planar/geometry.h — planar poses and twists, and the row of a direction at two points.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
+#include <orthant/core/mechanics/rows.h>
+
 #include <limits>
 #include <vector>
 
 namespace orthant {
-
-using Vector2d = Eigen::Vector2d;
-
-using BodyId = int;
-inline constexpr BodyId kGround = -1;
 
 /// Left-hand normal: ω × r = ω perp(r).
 inline Vector2d perp(const Vector2d& r) { return {-r.y(), r.x()}; }
@@ -33,38 +28,15 @@ struct Twist {
   Vector2d at(const Vector2d& r) const { return v + omega * perp(r); }
 };
 
-/// One constraint row: its rate is ja · (ẋ, ẏ, ω)_a + jb · (ẋ, ẏ, ω)_b; the ground's part is not read.
-/// Every planar joint and contact acts on two bodies at the most, so a Jacobian is a list of these.
-struct Row {
-  BodyId a = kGround, b = kGround;
-  std::array<double, 3> ja{}, jb{};
-};
+/// Of body b in the stacked velocities v of all bodies; the ground's is zero.
+inline Twist twist_of(const Eigen::VectorXd& v, BodyId b) {
+  if (b < 0) return {};
+  return {translation(v, b), rotation(v, b)};
+}
 
 /// Row of direction `n` at the point r_a from a's centre and r_b from b's: the rate n · (v_A − v_B).
 inline Row pair_row(BodyId a, BodyId b, const Vector2d& n, const Vector2d& r_a, const Vector2d& r_b) {
   return {a, b, {n.x(), n.y(), cross(r_a, n)}, {-n.x(), -n.y(), -cross(r_b, n)}};
-}
-
-/// J v of one row; v is the stacked (ẋ, ẏ, ω) of all bodies.
-inline double apply(const Row& row, const double* v) {
-  double sum = 0;
-  if (row.a >= 0) {
-    const double* va = v + 3 * row.a;
-    sum += row.ja[0] * va[0] + row.ja[1] * va[1] + row.ja[2] * va[2];
-  }
-  if (row.b >= 0) {
-    const double* vb = v + 3 * row.b;
-    sum += row.jb[0] * vb[0] + row.jb[1] * vb[1] + row.jb[2] * vb[2];
-  }
-  return sum;
-}
-
-/// f += Jᵀ λ of one row.
-inline void apply_transposed(const Row& row, double lambda, double* f) {
-  if (row.a >= 0)
-    for (int k = 0; k < 3; ++k) f[3 * row.a + k] += row.ja[static_cast<std::size_t>(k)] * lambda;
-  if (row.b >= 0)
-    for (int k = 0; k < 3; ++k) f[3 * row.b + k] += row.jb[static_cast<std::size_t>(k)] * lambda;
 }
 
 /// Poses and twists of all bodies, with the ground behind index kGround.

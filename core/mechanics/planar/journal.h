@@ -22,12 +22,8 @@ struct Journal {
 
   double gap(const Kinematics& k) const { return -discs().gap(k); }
   ContactRows rows(const Kinematics& k) const {
-    ContactRows r = discs().rows(k);
-    for (std::size_t i = 0; i < 3; ++i) {
-      r.normal.ja[i] *= -1, r.normal.jb[i] *= -1;
-      r.tangent.ja[i] *= -1, r.tangent.jb[i] *= -1;
-    }
-    return r;
+    const ContactRows outside = discs().rows(k);
+    return {scaled(outside.normal, -1), scaled(outside.tangent, -1)};
   }
   ContactBias bias(const Kinematics& k) const {
     const ContactBias outside = discs().bias(k);

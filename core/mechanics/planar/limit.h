@@ -20,9 +20,7 @@ struct Limit {
   double gap(const Kinematics& k) const { return sign() * (of.value(k) - bound); }
   ContactRows rows(const Kinematics& k) const {
     const Row row = of.row(k);
-    ContactRows r{row, {row.a, row.b, {}, {}}};
-    for (std::size_t i = 0; i < 3; ++i) r.normal.ja[i] *= sign(), r.normal.jb[i] *= sign();
-    return r;
+    return {scaled(row, sign()), blank(row)};
   }
   ContactBias bias(const Kinematics& k) const { return {sign() * of.bias(k), 0}; }
 

@@ -24,9 +24,9 @@ struct Load {
 
   void add(const Kinematics& k, double t, double* f) const {
     const double scale = factor ? factor(t) : 1.0;
-    f[3 * body] += scale * force.x();
-    f[3 * body + 1] += scale * force.y();
-    f[3 * body + 2] += scale * (torque + cross(k.at(body).turn(point), force));
+    f[kBlock * body] += scale * force.x();
+    f[kBlock * body + 1] += scale * force.y();
+    f[kBlock * body + 2] += scale * (torque + cross(k.at(body).turn(point), force));
   }
 };
 

@@ -7,7 +7,7 @@
 //   scene.joint(Relation{"gears", {{2, Angle{kGround, pinion}}, {1, Angle{kGround, wheel}}}});          2 θ_p + θ_w = 0
 //   scene.contact(RelationLimit{"rope", {{1, Span{kGround, a, {-1, 3}}}, {1, Span{kGround, b, {1, 3}}}}, …});
 //
-// A row has two bodies (geometry.h): all coordinates together act on two at the most besides the ground. A planetary
+// A row has two bodies (rows.h): all coordinates together act on two at the most besides the ground. A planetary
 // gear whose carrier moves has three, and cannot be written so. Both are custom kinds: other scenes cost nothing more.
 #pragma once
 
@@ -54,10 +54,7 @@ class CoordinateSum {
   }
   Row row(const Kinematics& k) const {
     Row sum{a_, b_, {}, {}};
-    for (const CoordinateTerm& term : terms_) {
-      const Row row = term.of.row(k);
-      put(sum, row.a, row.ja, term.factor), put(sum, row.b, row.jb, term.factor);
-    }
+    for (const CoordinateTerm& term : terms_) add_to(sum, term.factor, term.of.row(k));
     return sum;
   }
   double bias(const Kinematics& k) const {
@@ -72,11 +69,6 @@ class CoordinateSum {
     if (a_ != kGround && b_ != kGround)
       throw std::invalid_argument("terms: act on three bodies: must act on two at the most besides the ground");
     (a_ == kGround ? a_ : b_) = body;
-  }
-  static void put(Row& sum, BodyId body, const std::array<double, 3>& j, double factor) {
-    if (body == kGround) return;
-    auto& to = body == sum.a ? sum.ja : sum.jb;
-    for (std::size_t i = 0; i < 3; ++i) to[i] += factor * j[i];
   }
 
   std::vector<CoordinateTerm> terms_;
@@ -112,9 +104,7 @@ struct RelationLimit {
   double gap(const Kinematics& k) const { return sign() * (sum.value(k) - bound); }
   ContactRows rows(const Kinematics& k) const {
     const Row row = sum.row(k);
-    ContactRows r{row, {row.a, row.b, {}, {}}};
-    for (std::size_t i = 0; i < 3; ++i) r.normal.ja[i] *= sign(), r.normal.jb[i] *= sign();
-    return r;
+    return {scaled(row, sign()), blank(row)};
   }
   ContactBias bias(const Kinematics& k) const { return {sign() * sum.bias(k), 0}; }
   /// A rope's direction changes over its length.

@@ -40,7 +40,7 @@ std::string compare(const Subject& s, const Kinematics& k) {
   std::vector<Row> rows(size), ahead(size), behind(size);
   std::vector<double> plus(size), minus(size);
   s.row(k, rows.data());
-  std::vector<double> unit(3 * (k.pose.size() - 1), 0.0), v = unit;
+  std::vector<double> unit(kBlock * (k.pose.size() - 1), 0.0), v = unit;
 
   for (int i = 0; i < s.rows; ++i)  // whom a row acts on
     for (const BodyId body : {rows[static_cast<std::size_t>(i)].a, rows[static_cast<std::size_t>(i)].b})
@@ -48,8 +48,8 @@ std::string compare(const Subject& s, const Kinematics& k) {
         return s.row_name(i) + " acts on body " + std::to_string(body) + ": must act on the two bodies of its own";
 
   for (const BodyId body : {s.a, s.b})
-    for (std::size_t c = 0; body != kGround && c < 3; ++c) {
-      const std::size_t place = 3 * static_cast<std::size_t>(body) + c;
+    for (std::size_t c = 0; body != kGround && c < kBlock; ++c) {
+      const std::size_t place = kBlock * static_cast<std::size_t>(body) + c;
       const auto moved = [&](double by, std::vector<double>& value) {
         Kinematics there = k;
         turn(there, body, c == 0 ? Vector2d(by, 0) : c == 1 ? Vector2d(0, by) : Vector2d(0, 0), c == 2 ? by : 0);
@@ -75,7 +75,8 @@ std::string compare(const Subject& s, const Kinematics& k) {
   for (std::size_t i = 0; i + 1 < k.pose.size(); ++i) {
     const auto x = static_cast<double>(i);
     moving.twist[i] = {{std::cos(1 + x), std::sin(2 + x)}, 1.3 + 0.4 * std::cos(3 * x)};
-    v[3 * i] = moving.twist[i].v.x(), v[3 * i + 1] = moving.twist[i].v.y(), v[3 * i + 2] = moving.twist[i].omega;
+    double* const vi = v.data() + kBlock * i;
+    vi[0] = moving.twist[i].v.x(), vi[1] = moving.twist[i].v.y(), vi[2] = moving.twist[i].omega;
   }
   const auto after = [&](double time, std::vector<Row>& row, std::vector<double>& value, std::vector<double>& rate) {
     Kinematics there = moving;
