@@ -97,7 +97,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   newtons_law(system_.laws(), terms, now_.v, wanted_);
   restrict_to_strikes(wanted_);
   stage_v_ = now_.v;
-  problem_ = &impact_.problem();
+  shown_ = &impact_.formulation();
   impact_.anchor(start_ + elapsed_, now_.q), formulation_.anchor(start_ + elapsed_, now_.q);
   const bool in_turn = plastic && ends_in_turn();
   if (in_turn)
@@ -109,7 +109,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   if (plastic)
     for (Wanted& wanted : wanted_) wanted.normal = 0;
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
-  problem_ = &formulation_.problem();
+  shown_ = &formulation_;
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) {
     const bool none = contradictory(formulation_.problem());
@@ -283,7 +283,7 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
     gather_candidates();
     const Status status = transition_.decide(motion_, solver, report);
     if (status != Status::solved) {
-      problem_ = &transition_.problem();
+      shown_ = nullptr;
       no_answer_ = transition_.undecided();
       return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
     }

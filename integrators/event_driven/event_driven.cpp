@@ -56,7 +56,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       hit_(impulses_.size()),
       before_(impulses_.size()),
       stepping_(system),
-      problem_(&formulation_.problem()) {
+      shown_(&formulation_) {
   refuse_loaded_friction(name);
   Substitute::refuse(system, name);
   events_.reserve(64 * impulses_.size());
@@ -70,7 +70,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   report.accepted = 0;
   events_.clear(), why_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
-  formulation_.clear(), problem_ = &formulation_.problem();
+  formulation_.clear(), shown_ = &formulation_;
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
   crossed_ = known ? crossed_ - (x.t - start_) : -kInf;
   work_ = known ? -lead_work_ : 0, lead_work_ = 0;

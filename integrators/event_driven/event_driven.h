@@ -94,7 +94,7 @@ class EventDriven final : public Integrator {
   const Arc& arc() const { return arc_; }  // of the last stride
 
   void remember(Memory& memory) override;
-  const Lcp& problem() const override { return *problem_; }
+  const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
   std::string why() const override { return why_; }
   bool controls_step() const override { return true; }
 
@@ -223,7 +223,7 @@ class EventDriven final : public Integrator {
   std::unique_ptr<JamSearch> jam_search_;  // of crossings, where drives may press contacts
   double work_ = 0, lead_work_ = 0;        // [J] of this call; of the state handed out before now_
   bool no_answer_ = false;                 // an impact or an acceleration-level problem was not solved
-  const Lcp* problem_;
+  const Formulation* shown_;               // by problem(); null: the transition
   std::string why_;
 };
 

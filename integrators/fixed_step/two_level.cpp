@@ -23,7 +23,7 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       passing_(system),
       positions_(system),
       velocities_(system),
-      problem_(&velocities_.problem()),
+      shown_(&velocities_),
       free_(system.dof()) {
   if (geometric_.possible()) added_.setZero(system.dof());
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
@@ -38,7 +38,7 @@ void TwoLevel::remember(Memory& memory) {
 
 void TwoLevel::begin() {
   velocities_.clear();
-  problem_ = &velocities_.problem();
+  shown_ = &velocities_;
   why_.clear();
 }
 
@@ -174,7 +174,7 @@ TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
 }
 
 bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
-  if (formulation.problem().size() > 0) problem_ = &formulation.problem();
+  if (formulation.size() > 0) shown_ = &formulation;
   if (formulation.solve(solver, report, crew())) return true;
   why_ = formulation.contradiction();
   return false;

@@ -27,7 +27,7 @@ namespace orthant {
 class TwoLevel : public Integrator {
  public:
   void remember(Memory& memory) override;
-  const Lcp& problem() const final { return *problem_; }
+  const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return end_.pairs; }
 
  protected:
@@ -81,7 +81,7 @@ class TwoLevel : public Integrator {
   BroadPhase broad_phase_;
   Passing passing_;
   Formulation positions_, velocities_;
-  const Lcp* problem_ = nullptr;
+  const Formulation* shown_;  // by problem()
   double stiffness_weight_ = 0, damping_weight_ = 0;
   std::vector<Wanted> wanted_;
   std::vector<int> carrying_;

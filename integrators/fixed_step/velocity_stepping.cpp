@@ -18,7 +18,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
       sleep_(system, plan.sleep),
       passing_(system),
       formulation_(system, plan.form, plan.cone),
-      problem_(&formulation_.problem()),
+      shown_(&formulation_),
       geometric_(system),
       q_mid_(system.dof()),
       from_(system.dof()),
@@ -39,7 +39,7 @@ VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
 StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   StepReport report;
   formulation_.clear();
-  problem_ = &formulation_.problem();
+  shown_ = &formulation_;
   why_.clear();
   joined_.clear();
   formulation_.anchor(x.t, x.q), impact_.anchor(x.t, x.q);
@@ -54,7 +54,7 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
     note_forces(terms_, v_new_, wanted_);
     restrict_to_strikes(wanted_);
     if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
-      problem_ = &impact_.problem();
+      shown_ = &impact_.formulation();
       why_ = impact_.why();
       return report;
     }

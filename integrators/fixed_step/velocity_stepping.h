@@ -51,7 +51,7 @@ class VelocityStepping : public Integrator {
  public:
   StepReport step(double h, Solver& solver, State& x) final;
   void remember(Memory& memory) final;
-  const Lcp& problem() const final { return *problem_; }
+  const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return terms_.pairs; }
 
  protected:
@@ -118,7 +118,7 @@ class VelocityStepping : public Integrator {
   Sleep sleep_;
   Passing passing_;
   Formulation formulation_;
-  const Lcp* problem_;
+  const Formulation* shown_;            // by problem()
   std::vector<Taken> taken_;            // by contacts that the scheme pushed
   std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load

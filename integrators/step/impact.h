@@ -62,7 +62,7 @@ class Impact {
   void remember(Memory& memory) { memory(formulation_); }
 
   const std::string& why() const { return why_; }
-  const Lcp& problem() const { return formulation_.problem(); }
+  const Formulation& formulation() const { return formulation_; }
 
  private:
   /// The contacts that may (null: all), strike at v_ one after the other, the fastest first, until none approaches

@@ -1,0 +1,46 @@
+#include <orthant/integrators/step/formulate.h>
+#include <orthant/integrators/step/unsolved.h>
+
+namespace orthant {
+
+Formulation::Formulation(const System& system, Form form, Cone cone)
+    : system_(system), problem_(system, form, cone), islands_(system, problem_), deficiency_(system, form) {}
+
+void Formulation::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
+                            const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
+  if (problem_.empty(wanted.size())) return problem_.clear_rows();  // most steps of most scenes
+  terms_ = &terms;
+  deficiency_.begin(terms);
+  const auto collect = [&] {
+    problem_.collect(terms, wanted, deficiency_.held());
+    islands_.sort(problem_);
+    problem_.respond(basic);
+  };
+  collect();
+  if (deficiency_.find(problem_)) collect();
+  retarget(wanted, v_free, joint_rate);
+}
+
+bool Formulation::solve(Solver& solver, StepReport& report, Crew* crew) {
+  if (problem_.size() == 0) return true;
+  if (problem_.no_normal() >= 0) {
+    report.status = Status::numerical_error;
+    return false;
+  }
+  constexpr int kPasses = 10;
+  deficiency_.start_solving();
+  for (int pass = 1;; ++pass) {
+    const bool solved = solve_once(solver, report, crew) &&
+                        (!problem_.regrade(solution_.z, solution_.w) || solve_once(solver, report, crew));
+    if (!deficiency_.give_way(problem_, solution_, solved, report)) return solved;
+    if (pass < kPasses) continue;
+    if (!solved) deficiency_.note_undecided(), report.status = Status::numerical_error;
+    return solved;
+  }
+}
+
+std::string Formulation::contradiction() const {
+  return why_unsolved(system_, terms_->pairs, problem_, solution_, deficiency_);
+}
+
+}  // namespace orthant

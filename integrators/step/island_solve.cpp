@@ -1,0 +1,87 @@
+#include <orthant/integrators/step/island_solve.h>
+
+#include <algorithm>
+
+namespace orthant {
+namespace {
+
+constexpr Index kShared = 100;  // rows beyond the largest island's, from which on threads gain
+
+}  // namespace
+
+IslandSolve::IslandSolve(const System& system, const StepProblem& problem) : islands_(system) {
+  const Index most = problem.most_rows();
+  add_bench(problem);
+  outcomes_.reserve(static_cast<std::size_t>(most));
+  for (Vector* each : {&found_.z, &found_.w}) each->resize(most);
+}
+
+bool IslandSolve::solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s) {
+  const int count = islands_.count();
+  if (count == 1) {
+    solver.solve(problem.whole(), s, Start::warm);
+    return report.note(problem.whole(), s);
+  }
+  const Index n = problem.size();
+  if (s.z.size() != n) s.z.resize(n), s.z.setZero();
+  s.w.resize(n), found_.z.resize(n), found_.w.resize(n);
+  s.residual = 0;
+  if (outcomes_.size() < static_cast<std::size_t>(count)) outcomes_.resize(static_cast<std::size_t>(count));
+  const bool together = worth_sharing(problem, crew);
+  if (together) {
+    while (benches_.size() < static_cast<std::size_t>(crew->size())) add_bench(problem);
+    crew->run(count, solver, [&](int island, Solver& by, int worker) {
+      solve_island(problem, island, by, s.z, benches_[static_cast<std::size_t>(worker)]);
+    });
+  }
+  for (int island = 0; island < count; ++island) {  // as if one after the other
+    if (!together) solve_island(problem, island, solver, s.z, benches_[0]);
+    if (!take(island, report, s)) return false;
+  }
+  return true;
+}
+
+/// One more island into s. Its status is that of the solver: the last one's, where all are solved.
+bool IslandSolve::take(int island, StepReport& report, Solution& s) {
+  const auto rows = islands_.rows(island);
+  const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
+  s.status = outcome.status;
+  if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations)) {
+    s.certificate.resize(outcome.certificate.size() > 0 ? s.z.size() : 0);
+    s.certificate.setZero();
+    for (Index i = 0; i < outcome.certificate.size(); ++i)
+      s.certificate[rows[static_cast<std::size_t>(i)]] = outcome.certificate[i];
+    return false;
+  }
+  s.residual = std::max(s.residual, outcome.residual);
+  for (const int row : rows) s.z[row] = found_.z[row], s.w[row] = found_.w[row];
+  return true;
+}
+
+bool IslandSolve::worth_sharing(const StepProblem& problem, const Crew* crew) const {
+  if (crew == nullptr || crew->size() == 1) return false;
+  Index largest = 0;
+  for (int island = 0; island < islands_.count(); ++island)
+    largest = std::max(largest, std::ssize(islands_.rows(island)));
+  return problem.size() - largest >= kShared;
+}
+
+/// Writes only what belongs to this island.
+void IslandSolve::solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess,
+                               Bench& bench) {
+  const auto rows = islands_.rows(island);
+  const Lcp& block = problem.cut(rows, bench.block);
+  bench.part.z.resize(block.size());
+  for (Index i = 0; i < block.size(); ++i) bench.part.z[i] = guess[rows[static_cast<std::size_t>(i)]];
+  const Solution& part = solver.solve(block, bench.part, Start::warm);
+  Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
+  outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
+  outcome.certificate.resize(part.certificate.size());
+  outcome.certificate = part.certificate;
+  for (Index i = 0; i < block.size(); ++i) {
+    const int row = rows[static_cast<std::size_t>(i)];
+    found_.z[row] = part.z[i], found_.w[row] = part.w[i];
+  }
+}
+
+}  // namespace orthant

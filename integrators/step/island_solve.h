@@ -1,0 +1,45 @@
+// integrators/step/island_solve.h — solve of a step's problem, island by island, in parallel where there is a crew.
+//
+// Rows of different islands do not couple (islands.h). Each island's problem is cut out and solved by itself. The
+// answer is that of the whole problem to rounding, and the same to the last bit for any number of threads.
+#pragma once
+
+#include <orthant/integrators/step/islands.h>
+#include <orthant/integrators/step/step_problem.h>
+
+namespace orthant {
+
+class IslandSolve {
+ public:
+  IslandSolve(const System& system, const StepProblem& problem);
+
+  /// From the rows of the problem, each time they change.
+  void sort(const StepProblem& problem) { islands_.sort(problem.rows()); }
+
+  /// Solves from s.z as the first guess. True: every island is solved. Else s has the status, and the certificate if
+  /// there is one, of the first island that is not, and z and w up to there.
+  bool solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s);
+
+ private:
+  struct Bench {  // of one worker
+    StepProblem::Block block;
+    Solution part;
+  };
+  struct Outcome {  // of an island's solve; its z and w are in found_
+    Status status = Status::not_run;
+    double residual = 0;
+    int iterations = 0;
+    Vector certificate;
+  };
+  bool worth_sharing(const StepProblem& problem, const Crew* crew) const;
+  void add_bench(const StepProblem& problem) { problem.prepare(benches_.emplace_back().block); }
+  void solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess, Bench& bench);
+  bool take(int island, StepReport& report, Solution& s);
+
+  Islands islands_;
+  std::vector<Bench> benches_;
+  std::vector<Outcome> outcomes_;
+  Solution found_;  // z and w by islands, so far
+};
+
+}  // namespace orthant

@@ -1,0 +1,131 @@
+// integrators/step/step_problem.h — complementarity problem of one step: rows, bounds, targets, matrix, impulses.
+//
+//   J = [G (full form); normals, or each contact's edges (relaxed); tangents (coulomb); dry friction in joints]
+//   A = J B Jᵀ,  b = J v_free − target,  lo ≤ z ≤ hi, with friction's bounds          (formulate.h has the laws)
+// A is formed where it is read: whole by whole(), or of some rows by cut(). Where B is diagonal and a scene has many
+// contacts, A is a Delassus operator, W = J.
+#pragma once
+
+#include <orthant/core/lcp/problem.h>
+#include <orthant/core/mechanics/dynamics/basic_system.h>
+#include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/wanted.h>
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace orthant {
+
+enum class Form { reduced, full };
+inline constexpr std::array<std::string_view, 2> kFormNames = {"reduced", "full"};
+enum class Cone { coulomb, relaxed };
+
+/// Of a closed contact, what joints immobilise; inwards: the normal, which their drives move inwards.
+enum class Held : char { nowhere, tangent, normal, inwards };
+
+class StepProblem {
+ public:
+  static constexpr std::size_t kFormedRows = 64;  // up to here a dense A costs less than the operator, applied often
+
+  struct Contact {           // a closed one, in the order of its normal row
+    int index = 0;           // in the scene
+    std::size_t closed = 0;  // among the closed ones
+    const ContactLaw* law = nullptr;
+    double mu = 0, slip = 0;
+    bool frictional = false;      // has a tangent row (coulomb)
+    const Row* jammed = nullptr;  // its normal, where the joints drive it inwards: its own row is zero then
+    double rebound = 0;           // of its target, what restitution asks for
+  };
+  /// Matrix and vectors of some of the rows; one worker's.
+  struct Block {
+    Lcp small, large;  // dense; an operator, where the whole problem has one
+    std::vector<Row> rows;
+    std::vector<int> place;  // of a row of the whole problem
+  };
+
+  StepProblem(const System& system, Form form, Cone cone);
+
+  /// See Formulation::resist().
+  void resist(double duration, const std::vector<double>* loads) { duration_ = duration, loads_ = loads; }
+
+  /// Rows with their bounds, of terms.closed with one `wanted` each; `held`: one each, or empty where none is held.
+  void collect(const Terms& terms, const std::vector<Wanted>& wanted, std::span<const Held> held);
+  void respond(const BasicSystem& basic);  // B Jᵀ
+  void retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
+  void release(const std::vector<Impulse>& stored);
+  void bind();
+  void clear() { lcp_.b.resize(0), collected_ = 0; }
+  void clear_rows() { rows_.clear(), contacts_.clear(), clear(), no_normal_ = -1; }
+  /// b of row i grows by `by`.
+  void give(Index i, double by) { lcp_.b[i] += by; }
+  /// Where static friction exceeds kinetic: kinetic for contacts that static friction did not hold, static for those
+  /// that turned their slip round. True: there were some, solve once more.
+  bool regrade(const Vector& z, const Vector& w);
+
+  /// Whether no rows come of so many closed contacts.
+  bool empty(std::size_t closed) const;
+  Index size() const { return lcp_.size(); }
+  Index most_rows() const { return most_; }  // of any step
+  Form form() const { return form_; }
+  Cone cone() const { return cone_; }
+  Index joint_rows() const { return form_ == Form::full ? system_.joint_rows() : 0; }  // that come first
+  Index friction_row(std::size_t friction) const { return resisted_ + static_cast<Index>(friction); }
+  const std::vector<Row>& rows() const { return rows_; }
+  std::vector<Contact>& contacts() { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  const Vector& b() const { return lcp_.b; }
+  bool dense() const { return std::holds_alternative<DenseMatrix>(lcp_.A); }
+  double entry(Index i, Index j) const;         // A_ij
+  int no_normal() const { return no_normal_; }  // a closed contact without a normal; −1: none
+  /// The place of closed contact k's normal and tangent row; −1: it has none.
+  Index normal_row(std::size_t k) const { return places_[k].normal; }
+  Index tangent_row(std::size_t k) const { return places_[k].tangent; }
+  bool immobile(std::size_t k) const { return k < collected_ && places_[k].normal < 0; }
+
+  /// f(place of the normal's row, of the second edge or −1, of the tangent or −1, contact).
+  template <class F> void each_contact(F&& f) const {
+    Index i = joint_rows();
+    for (const Contact& c : contacts_) {
+      const bool two = has_edges(c);
+      f(i, two ? i + 1 : -1, places_[c.closed].tangent, c);
+      i += two ? 2 : 1;
+    }
+  }
+  bool has_edges(const Contact& c) const { return cone_ == Cone::relaxed && c.mu > 0; }
+
+  const Lcp& whole() const;
+  void prepare(Block& block) const { block.large.A.emplace<Delassus>().inverse_mass = inverse_mass_; }
+  /// The problem of these rows, ascending.
+  const Lcp& cut(std::span<const int> rows, Block& block) const;
+
+  /// v += B Jᵀ z, and the contacts' impulses; those of open contacts are zero.
+  void advance(const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;
+
+ private:
+  struct Place {
+    Index normal = -1, tangent = -1;
+  };
+  void fill_dense(DenseMatrix& A) const;
+  const Friction* friction_of(int row) const;  // null: none
+
+  const System& system_;
+  Form form_;
+  Cone cone_;
+  Index most_;
+  double duration_ = 0;
+  const std::vector<double>* loads_ = nullptr;
+  std::vector<Row> rows_;  // J
+  std::vector<Contact> contacts_;
+  std::vector<Place> places_;  // of the first collected_ closed contacts
+  std::size_t collected_ = 0;
+  Index resisted_ = 0;  // the first row of dry friction in joints
+  int no_normal_ = -1;
+  DenseMatrix columns_;           // dof × n: B Jᵀ, dense storage only
+  Eigen::VectorXd inverse_mass_;  // of the Delassus operator
+  mutable Lcp lcp_;               // its A only where formed_
+  mutable bool formed_ = false;
+};
+
+}  // namespace orthant

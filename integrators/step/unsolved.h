@@ -1,0 +1,15 @@
+// integrators/step/unsolved.h — message of a step's problem without a solution.
+#pragma once
+
+#include <orthant/integrators/step/rank_deficiency.h>
+
+#include <string>
+
+namespace orthant {
+
+/// Why there is no solution: of which rows the proof is made (jam.h), what rounding leaves undecided, or which contact
+/// has no normal. Empty: the solver ran out of time or was cancelled.
+std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, const StepProblem& problem,
+                         const Solution& solution, const RankDeficiency& deficiency);
+
+}  // namespace orthant
