@@ -79,7 +79,8 @@ int main(int argc, char** argv) {
   try {
     const double before = 1e-6;  // [s]
     const Scene tilted = slider_crank({.e = e, .omega3 = omega3}), plain = slider_crank({.e = 0});
-    for (const std::string& spec : specs) make_integrator(spec, System(tilted));  // unknown: said at once
+    const System checked(tilted);
+    for (const std::string& spec : specs) make_integrator(spec, checked);  // throws if unknown
     const double touch = first_touch(tilted), plain_touch = first_touch(plain);
     std::cout << "first touch at " << std::setprecision(15) << touch << " s\n" << std::setprecision(3) << "| h [s] |";
     for (const std::string& spec : specs) std::cout << " `" << spec << "` |";

@@ -150,7 +150,8 @@ void study(const std::string& name, const Rival* rival, const Plan& plan, std::s
 }
 
 void run(const Plan& plan, const std::string& command_line) {
-  for (const std::string& name : plan.names) make_integrator(name, System(slider_crank({})));  // unknown: said at once
+  const System system(slider_crank({}));
+  for (const std::string& name : plan.names) make_integrator(name, system);  // throws if unknown
   make_solver(plan.solver);
   const std::vector<Rival> others = plan.rivals.empty() ? std::vector<Rival>{} : rivals(plan.rivals);
   std::filesystem::create_directories(plan.output);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>
+#include <orthant/integrators/capabilities.h>
 #include <orthant/integrators/checkpoint.h>
 #include <orthant/integrators/event.h>
 #include <orthant/integrators/solver_pool.h>
@@ -52,11 +53,14 @@ struct Impulse {
 /// step size) counts only when it is given the very q and v that it returned last; any other state restarts it.
 class Integrator {
  public:
-  explicit Integrator(const System& system)
+  /// Checks the system against what the scheme takes (capabilities.h).
+  Integrator(const System& system, std::string_view name, const Capabilities& can)
       : system_(system),
         gaps_(Eigen::VectorXd::Zero(system.contacts())),
         impulses_(static_cast<std::size_t>(system.contacts())),
-        frictions_(system.scene().frictions.size()) {}
+        frictions_(system.scene().frictions.size()) {
+    check(system, name, can);
+  }
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
   virtual ~Integrator() = default;
@@ -103,12 +107,6 @@ class Integrator {
   /// [m] A gap up to this is the rounding of positions that are `far` out [m]: bodies that touch would else come apart
   /// for a step repeatedly.
   static double touching(double far) { return 0x1p-48 * far; }
-
-  /// For schemes that have none: throws std::invalid_argument when a contact has e_t ≠ 0.
-  void refuse_tangential_restitution(std::string_view scheme) const;
-
-  /// For schemes that do not know the joints' loads: throws std::invalid_argument when dry friction depends on them.
-  void refuse_loaded_friction(std::string_view scheme) const;
 
   const Budget* budget() const { return budget_; }
 

@@ -21,32 +21,26 @@ template <class Scheme> std::unique_ptr<Integrator> make(const System& system, s
 
 /// Of schemes that follow listed contacts only: through the equivalent scene of such (substitute.h), where it is
 /// needed.
-template <class Scheme, const std::string_view& kName>
-std::unique_ptr<Integrator> make_by_contacts(const System& system, std::string_view text) {
+template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const System& system, std::string_view text) {
   if (!Substitute::needed(system.scene())) return make<Scheme>(system, text);
-  return std::make_unique<SubstituteIntegrator>(system, kName, &make<Scheme>, text);
+  return std::make_unique<SubstituteIntegrator>(system, Scheme::kName, Scheme::kCan, &make<Scheme>, text);
 }
-constexpr std::string_view kAdaptive = "adaptive", kEventDriven = "event-driven";
 
-template <class Scheme> std::string options_of() { return describe(typename Scheme::Options{}); }
+template <class Scheme>
+constexpr IntegratorEntry entry(std::string_view summary, IntegratorEntry::Make make_it = &make<Scheme>) {
+  return {Scheme::kName, summary, make_it, &list_options<typename Scheme::Options>, Scheme::kCan};
+}
 
 constexpr IntegratorEntry kIntegrators[] = {
-    {"moreau-jean", "theta stepping at velocity level; order 1 with impacts, 2 on smooth motion", &make<MoreauJean>,
-     &options_of<MoreauJean>},
-    {"stewart-trinkle", "the linearized gap at the end of the step is unilateral; order 1", &make<StewartTrinkle>,
-     &options_of<StewartTrinkle>},
-    {"anitescu-potra", "as stewart-trinkle, with convex relaxed friction; order 1", &make<AnitescuPotra>,
-     &options_of<AnitescuPotra>},
-    {"paoli-schatzman", "three positions, restitution between the outer two; order 1", &make<PaoliSchatzman>,
-     &options_of<PaoliSchatzman>},
-    {"generalized-alpha", "joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs",
-     &make<GeneralizedAlpha>, &options_of<GeneralizedAlpha>},
-    {"rattle", "joints and gaps at both levels, symplectic; order 2 on smooth motion", &make<Rattle>,
-     &options_of<Rattle>},
-    {"adaptive", "to a tolerance: located events, dense output; no answer depends on the output step",
-     &make_by_contacts<Adaptive, kAdaptive>, &options_of<Adaptive>},
-    {"event-driven", "Runge-Kutta of order 8 between located events; for references",
-     &make_by_contacts<EventDriven, kEventDriven>, &options_of<EventDriven>},
+    entry<MoreauJean>("theta stepping at velocity level; order 1 with impacts, 2 on smooth motion"),
+    entry<StewartTrinkle>("the linearized gap at the end of the step is unilateral; order 1"),
+    entry<AnitescuPotra>("as stewart-trinkle, with convex relaxed friction; order 1"),
+    entry<PaoliSchatzman>("three positions, restitution between the outer two; order 1"),
+    entry<GeneralizedAlpha>("joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs"),
+    entry<Rattle>("joints and gaps at both levels, symplectic; order 2 on smooth motion"),
+    entry<Adaptive>("to a tolerance: located events, dense output; no answer depends on the output step",
+                    &make_by_contacts<Adaptive>),
+    entry<EventDriven>("Runge-Kutta of order 8 between located events; for references", &make_by_contacts<EventDriven>),
 };
 
 }  // namespace

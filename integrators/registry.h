@@ -1,24 +1,30 @@
 // integrators/registry.h — integrator registry: names in one table.
 #pragma once
 
+#include <orthant/core/support/option_list.h>
 #include <orthant/integrators/integrator.h>
 
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace orthant {
 
 struct IntegratorEntry {
   std::string_view name, summary;
-  std::unique_ptr<Integrator> (*make)(const System& system, std::string_view options);
-  std::string (*options)();  // every option with its default and range, one line
+  using Make = std::unique_ptr<Integrator> (*)(const System& system, std::string_view options);
+  Make make;
+  std::vector<OptionEntry> (*options)();  // with defaults and ranges
+  Capabilities can;
 };
 
 std::span<const IntegratorEntry> integrators();
 
 /// "moreau-jean:joints=position,theta=0.5". Unknown name or option: std::invalid_argument that lists the known ones.
+/// The system must outlive the integrator: a temporary one does not compile.
 std::unique_ptr<Integrator> make_integrator(std::string_view spec, const System& system);
+std::unique_ptr<Integrator> make_integrator(std::string_view spec, System&& system) = delete;
 
 }  // namespace orthant

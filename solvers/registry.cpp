@@ -35,7 +35,7 @@ template <class S> std::unique_ptr<Solver> make(std::string_view text) {
   return std::make_unique<S>(options);
 }
 
-template <class S> std::string options() { return describe(typename S::Options{}); }
+template <class S> std::vector<OptionEntry> options() { return list_options<typename S::Options>(); }
 
 constexpr SolverEntry kSolvers[] = {
     {"auto", "looks at the problem, picks solvers in turn, seeks proofs; its log says which and why", &make<Automatic>,

@@ -5,17 +5,19 @@
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/support/option_list.h>
 
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace orthant {
 
 struct SceneEntry {
   std::string_view name, summary;
   Scene (*make)(std::span<const std::string> sets);
-  std::string (*options)();  // every option with its default and range, one line
+  std::vector<OptionEntry> (*options)();  // with defaults and ranges
 };
 
 std::span<const SceneEntry> scenes();

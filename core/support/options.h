@@ -2,14 +2,13 @@
 //
 //   struct Options { double omega = 1; template <class V> void visit(V&& v) { v("omega", omega, 0.0, 2.0); } };
 //   set_options(options, "omega=1.3,max_sweeps=50")  // unknown key, bad number or out of range: throws, in words
-//   describe(options)                                // "omega=1.3 in [0, 2], …"
+//   list_options<Options>()                          // names, defaults and ranges (option_list.h)
 #pragma once
 
 #include <orthant/core/support/shortened.h>
 
 #include <array>
 #include <charconv>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -95,31 +94,6 @@ class OptionSetter {
   bool found_ = false;
 };
 
-class OptionPrinter {
- public:
-  template <class Number>
-    requires(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>)
-  void operator()(std::string_view name, Number& field, Number low, Number high) {
-    begin(name) << text_of(field) << " in [" << text_of(low) << ", " << text_of(high) << "]";
-  }
-  void operator()(std::string_view name, bool& field) { begin(name) << (field ? "true" : "false"); }
-  template <class Enum, std::size_t N>
-    requires std::is_enum_v<Enum>
-  void operator()(std::string_view name, Enum& field, const std::array<std::string_view, N>& choices) {
-    begin(name) << choices[static_cast<std::size_t>(field)] << " of {";
-    for (std::size_t i = 0; i < N; ++i) out_ << (i ? "|" : "") << choices[i];
-    out_ << "}";
-  }
-  std::string str() const { return out_.str(); }
-
- private:
-  std::ostream& begin(std::string_view name) {
-    if (out_.tellp() > 0) out_ << ", ";
-    return out_ << name << "=";
-  }
-  std::ostringstream out_;
-};
-
 }  // namespace detail
 
 /// Applies "key=value,key=value" to `options`. Throws std::invalid_argument naming key, value and rule.
@@ -142,13 +116,6 @@ template <class Options> void set_options(Options& options, std::string_view tex
       throw std::invalid_argument("unknown option '" + shortened(item.substr(0, equals)) + "': must be one of " +
                                   (setter.known().empty() ? "(this one has no options)" : setter.known()));
   }
-}
-
-/// Every option with its value and range, one line.
-template <class Options> std::string describe(Options options) {
-  detail::OptionPrinter printer;
-  options.visit(printer);
-  return printer.str();
 }
 
 }  // namespace orthant

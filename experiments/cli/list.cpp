@@ -1,6 +1,7 @@
 // orthant list — names for the command line: solvers, integrators and scenes with their options; fields of the summary.
-//   --json the same for programs; --markdown prints the tables of experiments/README.md (solvers) and of
-//   experiments/docs/statuses.md (summary), which tests compare.
+//   --json the same for programs; --markdown prints the tables of experiments/README.md (solvers), of
+//   experiments/docs/choose_integrator.md (integrators) and of experiments/docs/statuses.md (summary), which tests
+//   compare.
 #include "commands.h"
 
 #include <orthant/core/scenes/registry.h>
@@ -11,8 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include <iostream>
-#include <regex>
-#include <sstream>
 
 namespace orthant {
 namespace {
@@ -21,8 +20,15 @@ template <class Entries> void print(const char* title, const Entries& entries) {
   std::cout << title << '\n';
   for (const auto& entry : entries) {
     std::cout << "  " << entry.name << "\n      " << entry.summary << '\n';
-    if (const std::string options = entry.options(); !options.empty())
+    if (const std::string options = text_of(entry.options()); !options.empty())
       std::cout << "      options: " << options << '\n';
+    if constexpr (requires { entry.can; }) {
+      std::string names;
+      entry.can.visit([&](const char* name, bool can, const char*) {
+        if (can) names += (names.empty() ? "" : ", ") + std::string(name);
+      });
+      std::cout << "      takes: " << names << '\n';
+    }
   }
 }
 
@@ -31,18 +37,12 @@ nlohmann::ordered_json value_of(const std::string& text) {  // a number or a wor
   return value.is_discarded() ? nlohmann::ordered_json(text) : value;
 }
 
-/// What describe() writes of them, "omega=1 in [0, 2], form=auto of {auto|dense}, rescue=true", taken apart.
-nlohmann::ordered_json options_as_json(std::string text) {
+nlohmann::ordered_json options_as_json(const std::vector<OptionEntry>& options) {
   auto list = nlohmann::ordered_json::array();
-  static const std::regex option(R"((\w+)=([^, ]+)(?: in \[([^,]+), ([^\]]+)\]| of \{([^}]*)\})?)");
-  for (std::sregex_iterator o(text.begin(), text.end(), option); o != std::sregex_iterator(); ++o) {
-    const std::smatch& part = *o;
-    nlohmann::ordered_json entry = {{"name", part.str(1)}, {"default", value_of(part.str(2))}};
-    if (part[3].matched) entry["range"] = {value_of(part.str(3)), value_of(part.str(4))};
-    if (part[5].matched) {
-      std::istringstream choices(part.str(5));
-      for (std::string choice; std::getline(choices, choice, '|');) entry["choices"].push_back(choice);
-    }
+  for (const OptionEntry& option : options) {
+    nlohmann::ordered_json entry = {{"name", option.name}, {"default", value_of(option.value)}};
+    if (!option.low.empty()) entry["range"] = {value_of(option.low), value_of(option.high)};
+    if (!option.choices.empty()) entry["choices"] = option.choices;
     list.push_back(entry);
   }
   return list;
@@ -50,8 +50,11 @@ nlohmann::ordered_json options_as_json(std::string text) {
 
 template <class Entries> nlohmann::ordered_json as_json(const Entries& entries) {
   auto list = nlohmann::ordered_json::array();
-  for (const auto& entry : entries)
+  for (const auto& entry : entries) {
     list.push_back({{"name", entry.name}, {"summary", entry.summary}, {"options", options_as_json(entry.options())}});
+    if constexpr (requires { entry.can; })
+      entry.can.visit([&](const char* name, bool can, const char*) { list.back()["can"][name] = can; });
+  }
   return list;
 }
 
@@ -81,6 +84,18 @@ void print_solver_table() {
   for (const SolverEntry& entry : solvers()) std::cout << "| `" << entry.name << "` | " << entry.summary << " |\n";
 }
 
+void print_integrator_table() {
+  std::string head = "| integrator |", line = "|---|";
+  Capabilities{}.visit(
+      [&](const char*, bool, const char* words) { head += ' ' + std::string(words) + " |", line += "---|"; });
+  std::cout << head << '\n' << line << '\n';
+  for (const IntegratorEntry& entry : integrators()) {
+    std::cout << "| `" << entry.name << "` |";
+    entry.can.visit([](const char*, bool can, const char*) { std::cout << (can ? " yes |" : " no |"); });
+    std::cout << '\n';
+  }
+}
+
 void print_summary_table() {
   std::cout << "| field | unit | meaning |\n|---|---|---|\n";
   visit_summary([](const char* field, const char* unit, std::string meaning) {
@@ -99,7 +114,8 @@ void add_list(CLI::App& app, int& exit_code) {
       app.add_subcommand("list", "Solvers, integrators and scenes with their options; fields of a run's summary");
   command->add_option("what", *what, "solvers, integrators, scenes or summary; default: all")
       ->check(CLI::IsMember({"solvers", "integrators", "scenes", "summary"}));
-  command->add_flag("--markdown", *markdown, "the solvers, or the fields of the summary, as a Markdown table");
+  command->add_flag("--markdown", *markdown,
+                    "the solvers, the integrators' capabilities, or the fields of the summary, as a Markdown table");
   command->add_flag("--json", *json, "all of it as one JSON object")->excludes("--markdown");
   command->footer(
       "Exit codes: 0 done, 1 bad input.\n"
@@ -108,7 +124,10 @@ void add_list(CLI::App& app, int& exit_code) {
       "  orthant list solvers --json");
   command->callback([what, markdown, json, &exit_code] {
     exit_code = 0;
-    if (*markdown) return *what == "summary" ? print_summary_table() : print_solver_table();
+    if (*markdown)
+      return *what == "summary"       ? print_summary_table()
+             : *what == "integrators" ? print_integrator_table()
+                                      : print_solver_table();
     const auto wanted = [&](const char* kind) { return what->empty() || *what == kind; };
     if (*json) {
       nlohmann::ordered_json all;

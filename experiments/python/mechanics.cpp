@@ -152,12 +152,12 @@ void add_mechanics(py::module_& m) {
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
   m.def("_integrators", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
-    for (const IntegratorEntry& e : integrators()) table.emplace_back(e.name, e.summary, e.options());
+    for (const IntegratorEntry& e : integrators()) table.emplace_back(e.name, e.summary, text_of(e.options()));
     return table;
   });
   m.def("_scenes", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
-    for (const SceneEntry& e : scenes()) table.emplace_back(e.name, e.summary, e.options());
+    for (const SceneEntry& e : scenes()) table.emplace_back(e.name, e.summary, text_of(e.options()));
     return table;
   });
 }

@@ -354,7 +354,7 @@ void add_problems(py::module_& m) {
 
   m.def("_solvers", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
-    for (const SolverEntry& e : solvers()) table.emplace_back(e.name, e.summary, e.options());
+    for (const SolverEntry& e : solvers()) table.emplace_back(e.name, e.summary, text_of(e.options()));
     return table;
   });
   m.def("_analyse", &analysis_of);

@@ -1,6 +1,7 @@
 #include "checkpoint.h"
 
 #include <orthant/core/support/file.h>
+#include <orthant/core/support/hash.h>
 #include <orthant/integrators/checkpoint.h>
 
 #include <cstdint>
@@ -11,13 +12,6 @@ namespace {
 
 constexpr std::string_view kMagic = "orthant checkpoint 2\n", kStart = kMagic.substr(0, 19);  // of any version
 
-/// FNV-1a, 64 bits (Fowler, Noll & Vo): tells damage, not malice.
-std::uint64_t check_sum(std::string_view bytes) {
-  std::uint64_t sum = 0xcbf29ce484222325u;
-  for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  return sum;
-}
-
 void remember(Checkpoint& c, Memory& memory) { memory(c.label, c.table, c.last, c.events, c.run); }
 
 }  // namespace
@@ -25,7 +19,7 @@ void remember(Checkpoint& c, Memory& memory) { memory(c.label, c.table, c.last, 
 void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint) {
   Memory body, sum;
   remember(checkpoint, body);
-  std::uint64_t check = check_sum(body.bytes());
+  std::uint64_t check = fnv1a(body.bytes());
   sum(check);
   write_whole(file, std::string(kMagic) + sum.bytes() + body.bytes());
 }
@@ -48,7 +42,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   left.remove_prefix(kMagic.size());
   Memory(left.substr(0, sizeof check))(check);
   left.remove_prefix(sizeof check);
-  if (check_sum(left) != check)
+  if (fnv1a(left) != check)
     throw std::runtime_error(file.string() + ": is a damaged checkpoint: its check sum differs");
   Checkpoint checkpoint;
   Memory memory(left);

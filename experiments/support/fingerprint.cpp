@@ -3,6 +3,7 @@
 #include "experiments/support/manifest.h"
 
 #include <orthant/core/scenes/registry.h>
+#include <orthant/core/support/hash.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/simulate.h>
 #include <orthant/solvers/registry.h>
@@ -25,11 +26,8 @@ struct Late {};
 // bit depends on the clock, and a step that takes for ever ends.
 constexpr double kMuchLonger = 20;
 
-/// FNV-1a.
 void add(std::uint64_t& hash, const Eigen::VectorXd& x) {
-  const auto* bytes = reinterpret_cast<const unsigned char*>(x.data());
-  for (std::size_t i = 0; i < static_cast<std::size_t>(x.size()) * sizeof(double); ++i)
-    hash = (hash ^ bytes[i]) * 0x100000001b3U;
+  hash = fnv1a({reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)}, hash);
 }
 
 }  // namespace
@@ -59,7 +57,7 @@ void take(Fingerprint& f, long steps, double seconds, int threads) {
     for (int i = 1; i < threads; ++i) helpers.push_back(make_solver(f.solver));
     integrator->employ(std::move(helpers));
     const double step = std::min(system.scene().step, 1e-3);
-    std::uint64_t hash = 0xcbf29ce484222325U;
+    std::uint64_t hash = kHashOfNothing;
     long done = -1;  // the start is a moment, too
     const Clock clock{.step = step, .duration = static_cast<double>(steps) * step, .time_limit = kMuchLonger * seconds};
     const auto begin = std::chrono::steady_clock::now();

@@ -9,6 +9,7 @@
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
+#include <orthant/core/support/hash.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/run_fields.h>
@@ -23,10 +24,8 @@ namespace orthant {
 namespace {
 
 std::string fingerprint(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a: http://www.isthe.com/chongo/tech/comp/fnv
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(text)));
   return digits;
 }
 

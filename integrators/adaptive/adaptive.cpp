@@ -28,9 +28,9 @@ double rounding_of(double t, double h) { return 8 * kRounding * (std::abs(t) + s
 }  // namespace
 
 Adaptive::Adaptive(const System& system, const Options& options)
-    : Integrator(system),
+    : Integrator(system, kName, kCan),
       options_(options),
-      engine_(system, inner_options(options), "adaptive"),
+      engine_(system, inner_options(options), kName),
       between_(system),
       terms_(system),
       left_(impulses_.size()),

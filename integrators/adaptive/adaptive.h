@@ -39,12 +39,14 @@ struct AdaptiveOptions {
 
 class Adaptive final : public Integrator {
  public:
+  static constexpr std::string_view kName = "adaptive";
+  static constexpr Capabilities kCan{.loaded_friction = false, .error_control = true, .threads = false};
   using Options = AdaptiveOptions;
   explicit Adaptive(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
   void remember(Memory& memory) override;
   const Lcp& problem() const override { return engine_.problem(); }
-  bool controls_step() const override { return true; }
+  bool controls_step() const override { return kCan.error_control; }
 
  private:
   bool goes_on(const State& x) const;

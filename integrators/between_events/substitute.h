@@ -57,10 +57,9 @@ class Substitute {
 class SubstituteIntegrator final : public Integrator {
  public:
   using Make = std::unique_ptr<Integrator> (*)(const System& system, std::string_view options);
-  SubstituteIntegrator(const System& system, std::string_view scheme, Make make, std::string_view options)
-      : Integrator(system), substitute_(system, scheme), scheme_(make(substitute_.system(), options)) {
-    refuse_loaded_friction(scheme);
-  }
+  SubstituteIntegrator(const System& system, std::string_view scheme, const Capabilities& can, Make make,
+                       std::string_view options)
+      : Integrator(system, scheme, can), substitute_(system, scheme), scheme_(make(substitute_.system(), options)) {}
 
   StepReport step(double h, Solver& solver, State& x) override;
   void remember(Memory& memory) override { memory(substitute_, *scheme_); }

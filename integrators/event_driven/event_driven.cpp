@@ -26,7 +26,7 @@ constexpr double kNowhere = 1e-9;     // of places and sizes: unless bodies move
 }  // namespace
 
 EventDriven::EventDriven(const System& system, const Options& options, std::string_view name)
-    : Integrator(system),
+    : Integrator(system, name, kCan),
       options_(options),
       motion_(system),
       watch_(motion_),
@@ -57,7 +57,6 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       before_(impulses_.size()),
       stepping_(system),
       shown_(&formulation_) {
-  refuse_loaded_friction(name);
   Substitute::refuse(system, name);
   events_.reserve(64 * impulses_.size());
   for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));

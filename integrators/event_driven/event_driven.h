@@ -84,8 +84,10 @@ struct EventDrivenOptions {
 
 class EventDriven final : public Integrator {
  public:
+  static constexpr std::string_view kName = "event-driven";
+  static constexpr Capabilities kCan{.loaded_friction = false, .error_control = true, .threads = false};
   using Options = EventDrivenOptions;
-  explicit EventDriven(const System& system, const Options& options = {}, std::string_view name = "event-driven");
+  explicit EventDriven(const System& system, const Options& options = {}, std::string_view name = kName);
   StepReport step(double h, Solver& solver, State& x) override { return go(h, false, solver, x); }
 
   /// One inner step, of the length that its error allows and h at the most, with the event at its end: an arc, then
@@ -96,7 +98,7 @@ class EventDriven final : public Integrator {
   void remember(Memory& memory) override;
   const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
   std::string why() const override { return why_; }
-  bool controls_step() const override { return true; }
+  bool controls_step() const override { return kCan.error_control; }
 
  private:
   static constexpr double kStays = 1e3;    // roundings of a gap that only joints move

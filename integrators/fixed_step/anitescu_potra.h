@@ -19,10 +19,10 @@ namespace orthant {
 
 class AnitescuPotra final : public StewartTrinkle {
  public:
+  static constexpr std::string_view kName = "anitescu-potra";
+  static constexpr Capabilities kCan{.impact_laws = false};
   explicit AnitescuPotra(const System& system, const Options& options = {})
-      : StewartTrinkle(system, options, Cone::relaxed) {
-    require_plain_impacts(system, "anitescu-potra");
-  }
+      : StewartTrinkle(system, options, Cone::relaxed, kName, kCan) {}
 };
 
 }  // namespace orthant

@@ -6,7 +6,7 @@
 namespace orthant {
 
 GeneralizedAlpha::GeneralizedAlpha(const System& system, const Options& options)
-    : TwoLevel(system, "generalized-alpha"),
+    : TwoLevel(system, kName, kCan),
       alpha_m_((2 * options.rho_inf - 1) / (options.rho_inf + 1)),
       alpha_f_(options.rho_inf / (options.rho_inf + 1)),
       gamma_(0.5 + alpha_f_ - alpha_m_),

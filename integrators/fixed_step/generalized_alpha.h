@@ -28,6 +28,8 @@ struct GeneralizedAlphaOptions {
 
 class GeneralizedAlpha final : public TwoLevel {
  public:
+  static constexpr std::string_view kName = "generalized-alpha";
+  static constexpr Capabilities kCan{.impact_laws = false, .loaded_friction = false};
   using Options = GeneralizedAlphaOptions;
   explicit GeneralizedAlpha(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;

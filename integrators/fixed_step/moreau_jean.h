@@ -33,10 +33,13 @@ struct MoreauJeanOptions {
 
 class MoreauJean final : public VelocityStepping {
  public:
+  static constexpr std::string_view kName = "moreau-jean";
+  static constexpr Capabilities kCan{};
   using Options = MoreauJeanOptions;
   explicit MoreauJean(const System& system, const Options& options = {})
-      : VelocityStepping(system, {options.theta, options.theta, options.joints, options.form, Cone::coulomb,
-                                  options.sleep, kParted}),
+      : VelocityStepping(
+            system, kName, kCan,
+            {options.theta, options.theta, options.joints, options.form, Cone::coulomb, options.sleep, kParted}),
         polygons_(may_slide_off(system.scene())) {}
 
  private:

@@ -23,12 +23,11 @@ namespace orthant {
 
 class PaoliSchatzman final : public GapStepping {
  public:
+  static constexpr std::string_view kName = "paoli-schatzman";
+  static constexpr Capabilities kCan{.impact_laws = false, .tangential_restitution = false};
   using Options = VelocitySteppingOptions;
   explicit PaoliSchatzman(const System& system, const Options& options = {})
-      : GapStepping(system, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {
-    require_plain_impacts(system, "paoli-schatzman");
-    refuse_tangential_restitution("paoli-schatzman");
-  }
+      : GapStepping(system, kName, kCan, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {}
 
  private:
   double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const override;

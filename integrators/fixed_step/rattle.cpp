@@ -3,7 +3,7 @@
 namespace orthant {
 
 Rattle::Rattle(const System& system, const Options& /*options*/)
-    : TwoLevel(system, "rattle"), path_(system.dof()), v_(system.dof()) {}
+    : TwoLevel(system, kName, kCan), path_(system.dof()), v_(system.dof()) {}
 
 StepReport Rattle::step(double h, Solver& solver, State& x) {
   StepReport report;

@@ -24,6 +24,8 @@ namespace orthant {
 
 class Rattle final : public TwoLevel {
  public:
+  static constexpr std::string_view kName = "rattle";
+  static constexpr Capabilities kCan{.impact_laws = false, .loaded_friction = false};
   struct Options {
     template <class V> void visit(V&&) {}
   };

@@ -18,13 +18,16 @@ namespace orthant {
 
 class StewartTrinkle : public GapStepping {
  public:
+  static constexpr std::string_view kName = "stewart-trinkle";
+  static constexpr Capabilities kCan{};
   using Options = VelocitySteppingOptions;
   explicit StewartTrinkle(const System& system, const Options& options = {})
-      : StewartTrinkle(system, options, Cone::coulomb) {}
+      : StewartTrinkle(system, options, Cone::coulomb, kName, kCan) {}
 
  protected:
-  StewartTrinkle(const System& system, const Options& options, Cone cone)
-      : GapStepping(system, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
+  StewartTrinkle(const System& system, const Options& options, Cone cone, std::string_view name,
+                 const Capabilities& can)
+      : GapStepping(system, name, can, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
 
  private:
   double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const final;

@@ -6,8 +6,8 @@
 
 namespace orthant {
 
-TwoLevel::TwoLevel(const System& system, std::string_view name)
-    : Integrator(system),
+TwoLevel::TwoLevel(const System& system, std::string_view name, const Capabilities& can)
+    : Integrator(system, name, can),
       start_(system),
       end_(system),
       q_end_(system.dof()),
@@ -27,8 +27,6 @@ TwoLevel::TwoLevel(const System& system, std::string_view name)
       free_(system.dof()) {
   if (geometric_.possible()) added_.setZero(system.dof());
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
-  require_plain_impacts(system, name);
-  refuse_loaded_friction(name);
 }
 
 void TwoLevel::remember(Memory& memory) {

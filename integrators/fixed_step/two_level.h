@@ -31,7 +31,7 @@ class TwoLevel : public Integrator {
   std::span<const Pair> pairs() const final { return end_.pairs; }
 
  protected:
-  TwoLevel(const System& system, std::string_view name);
+  TwoLevel(const System& system, std::string_view name, const Capabilities& can);
 
   void begin();  // nothing solved, nothing said
 

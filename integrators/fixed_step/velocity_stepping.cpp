@@ -3,8 +3,9 @@
 
 namespace orthant {
 
-VelocityStepping::VelocityStepping(const System& system, const Plan& plan)
-    : Integrator(system),
+VelocityStepping::VelocityStepping(const System& system, std::string_view name, const Capabilities& can,
+                                   const Plan& plan)
+    : Integrator(system, name, can),
       terms_(system),
       v_new_(system.dof()),
       q_new_(system.dof()),

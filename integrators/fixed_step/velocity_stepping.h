@@ -63,7 +63,7 @@ class VelocityStepping : public Integrator {
     SleepOptions sleep = {};
     double parted = 0;  // of the way that the applied forces move a body, how far open counts as closed
   };
-  VelocityStepping(const System& system, const Plan& plan);
+  VelocityStepping(const System& system, std::string_view name, const Capabilities& can, const Plan& plan);
 
   /// terms_ is at q_a, v_new_ is v_free: sets terms_.closed and wanted_.
   virtual void close(double h, const State& x) = 0;

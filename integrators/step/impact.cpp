@@ -143,18 +143,6 @@ void Impact::add_joints_to(Eigen::VectorXd& impulses) const {
   if (any_) impulses += joint_sum_;
 }
 
-void require_plain_impacts(const System& system, std::string_view integrator) {
-  const auto refuse = [&](const char* field, std::string_view value, const char* rule) {
-    throw std::invalid_argument(std::string(integrator) + " cannot take " + field + " = \"" + std::string(value) +
-                                "\": must be \"" + rule +
-                                "\" (moreau-jean, stewart-trinkle and event-driven take both)");
-  };
-  if (const auto r = system.scene().restitution; r != Restitution::newton)
-    refuse("restitution", kRestitutionNames[static_cast<std::size_t>(r)], "newton");
-  if (const auto i = system.scene().impacts; i != Impacts::simultaneous)
-    refuse("impacts", kImpactsNames[static_cast<std::size_t>(i)], "simultaneous");
-}
-
 void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted) {
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const ContactRows& rows = terms.closed[k].rows;

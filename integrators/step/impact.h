@@ -88,10 +88,6 @@ class Impact {
   std::string why_;
 };
 
-/// Throws std::invalid_argument naming field, value and rule when the scene asks for another law than Newton's on all
-/// contacts at once, which `integrator` cannot take.
-void require_plain_impacts(const System& system, std::string_view integrator);
-
 /// Sets wanted.free and free_slip, from the velocities before contacts act.
 void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted);
 

@@ -5,25 +5,12 @@
 
 namespace orthant {
 
-Islands::Islands(const System& system) : fixed_(system.assembly()), block_(fixed_.size()) {
-  parent_ = fixed_;
+Islands::Islands(const System& system) : fixed_(system.assembly()), sets_(fixed_.size()), block_(fixed_.size()) {
+  sets_.assign(fixed_);
   whole_ = std::ranges::count(fixed_, fixed_.empty() ? 0 : fixed_[0]) == std::ssize(fixed_);
   const auto most =
       static_cast<std::size_t>(2 * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
-}
-
-int Islands::find(int body) {
-  auto i = static_cast<std::size_t>(body);
-  while (parent_[i] != static_cast<int>(i)) {
-    parent_[i] = parent_[static_cast<std::size_t>(parent_[i])];  // halves the way for the next one
-    i = static_cast<std::size_t>(parent_[i]);
-  }
-  return static_cast<int>(i);
-}
-
-void Islands::join(BodyId a, BodyId b) {
-  if (a >= 0 && b >= 0) parent_[static_cast<std::size_t>(find(a))] = find(b);
 }
 
 void Islands::sort(std::span<const Row> rows) {
@@ -32,12 +19,13 @@ void Islands::sort(std::span<const Row> rows) {
     std::iota(row_.begin(), row_.end(), 0);
     return;
   }
-  parent_ = fixed_;
-  for (const Row& row : rows) join(row.a, row.b);
+  sets_.assign(fixed_);
+  for (const Row& row : rows)
+    if (row.a >= 0 && row.b >= 0) sets_.join(row.a, row.b);
   std::fill(block_.begin(), block_.end(), -1);
   of_row_.clear(), row_.resize(rows.size()), start_.assign(1, 0);
   for (const Row& row : rows) {
-    int& block = block_[static_cast<std::size_t>(find(row.a >= 0 ? row.a : row.b))];
+    int& block = block_[static_cast<std::size_t>(sets_.find(row.a >= 0 ? row.a : row.b))];
     if (block < 0) block = count(), start_.push_back(0);
     of_row_.push_back(block);
     ++start_[static_cast<std::size_t>(block) + 1];

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>
+#include <orthant/core/support/disjoint_sets.h>
 
 #include <span>
 
@@ -26,16 +27,14 @@ class Islands {
     return {row_.data() + start_[b], row_.data() + start_[b + 1]};
   }
   /// A body of the island that this body is in; the same one for all of them.
-  int root(BodyId body) { return find(body); }
+  int root(BodyId body) { return sets_.find(body); }
 
  private:
-  int find(int body);
-  void join(BodyId a, BodyId b);
-
-  std::vector<int> fixed_, parent_;  // by joints and springs; now
-  bool whole_;                       // all bodies are connected permanently: one island, whatever closes
-  std::vector<int> block_;           // of each island's root; −1: none yet
-  std::vector<int> of_row_, row_;    // block of each row; rows by blocks
+  std::vector<int> fixed_;         // by joints and springs
+  DisjointSets sets_;              // now
+  bool whole_;                     // all bodies are connected permanently: one island, whatever closes
+  std::vector<int> block_;         // of each island's root; −1: none yet
+  std::vector<int> of_row_, row_;  // block of each row; rows by blocks
   std::vector<std::size_t> start_{0};
 };
 

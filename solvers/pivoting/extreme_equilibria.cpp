@@ -1,4 +1,5 @@
 #include <orthant/core/lcp/judge/exact.h>
+#include <orthant/core/support/disjoint_sets.h>
 #include <orthant/solvers/pivoting/extreme_equilibria.h>
 
 #include <algorithm>
@@ -98,20 +99,6 @@ Equilibrium judged(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Row
           exact::nearest(cost_2), exact::nearest(regret), 0};
 }
 
-/// Sets of vertices that equilibria connect: united as pairs come.
-class Components {
- public:
-  explicit Components(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::size_t root(std::size_t i) const {
-    while (parent_[i] != i) i = parent_[i];
-    return i;
-  }
-  void unite(std::size_t a, std::size_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 }  // namespace
 
 ExtremeEquilibria extreme_equilibria(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
@@ -123,15 +110,16 @@ ExtremeEquilibria extreme_equilibria(const Eigen::MatrixXd& A, const Eigen::Matr
   ExtremeEquilibria found;
   const Labels every = m + k == kMostLabels ? ~Labels{0} : (Labels{1} << (m + k)) - 1;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  Components components(X.size() + Y.size());
+  DisjointSets components(X.size() + Y.size());  // vertices that equilibria connect
+  const auto row = [](std::size_t i) { return static_cast<int>(i); };
   for (std::size_t i = 0; i < X.size(); ++i)
     for (std::size_t j = 0; j < Y.size(); ++j)
-      if ((X[i].labels | Y[j].labels) == every) pairs.emplace_back(i, j), components.unite(i, X.size() + j);
+      if ((X[i].labels | Y[j].labels) == every) pairs.emplace_back(i, j), components.join(row(i), row(X.size() + j));
   if (stop && stop()) return {{}, 0, false};
-  std::vector<std::size_t> roots;
+  std::vector<int> roots;
   for (const auto& [i, j] : pairs) {
     Equilibrium e = judged(A, B, X[i].strategy, Y[j].strategy);
-    const std::size_t root = components.root(i);
+    const int root = components.find(row(i));
     const auto at = std::find(roots.begin(), roots.end(), root);
     e.label = static_cast<int>(at - roots.begin());
     if (at == roots.end()) roots.push_back(root);

@@ -70,6 +70,19 @@ TEST_CASE("experiments/README.md has the table of solvers that orthant list --ma
   CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../experiments/README.md").find(a.out) != std::string::npos);
 }
 
+TEST_CASE("choose_integrator.md has the table of capabilities that orthant list integrators --markdown prints") {
+  const Cli folder;
+  const Reply table = folder.orthant("list integrators --markdown");
+  CHECK(lines(table.out) == 10);
+  CHECK(slurp(fs::path(ORTHANT_TEST_DATA) / "../../experiments/docs/choose_integrator.md").find(table.out) !=
+        std::string::npos);
+  const auto json = nlohmann::json::parse(folder.orthant("list integrators --json").out);
+  for (const auto& entry : json.at("integrators"))
+    CHECK(entry.at("can").at("error_control") ==
+          (entry.at("name") == "adaptive" || entry.at("name") == "event-driven"));
+  CHECK(folder.orthant("list integrators").out.find("takes: impact_laws, tangential_restitution") != std::string::npos);
+}
+
 TEST_CASE("orthant list summary names the fields of every run's summary, as statuses.md has them") {
   const Cli folder;
   const std::string page = slurp(fs::path(ORTHANT_TEST_DATA) / "../../experiments/docs/statuses.md");

@@ -5,8 +5,12 @@
 #include <orthant/core/scenes/cradle.h>
 #include <orthant/core/scenes/grain_column.h>
 #include <orthant/core/scenes/rod_drop.h>
+#include <orthant/core/scenes/slider_crank.h>
 #include <orthant/core/scenes/sphere_bounce.h>
 #include <orthant/core/scenes/superball.h>
+#include <orthant/integrators/fixed_step/moreau_jean.h>
+#include <orthant/integrators/fixed_step/paoli_schatzman.h>
+#include <orthant/integrators/fixed_step/rattle.h>
 
 #include <doctest/doctest.h>
 
@@ -230,10 +234,11 @@ TEST_CASE("tangential restitution is for impacts: what slides on is under fricti
     REQUIRE(bounced.status == Status::solved);
     CHECK(std::abs(bounced.final.v[0] - (ball.vx - grip * 1.5 * ball.vx)) <= 1e-9);
   }
+  const System system(block);
   CHECK_THROWS_WITH_AS(
-      make_integrator("paoli-schatzman", System(block)),
-      "integrator paoli-schatzman: contact \"floor\" has e_t = -1: must be 0, or the integrator one that "
-      "knows it, such as moreau-jean or stewart-trinkle",
+      make_integrator("paoli-schatzman", system),
+      "integrator paoli-schatzman: contact \"floor\" has e_t = -1: must be 0, or the integrator one of "
+      "moreau-jean, stewart-trinkle, anitescu-potra, generalized-alpha, rattle, adaptive, event-driven",
       std::invalid_argument);
 }
 
@@ -253,8 +258,50 @@ TEST_CASE("an integrator that cannot take a law says so when it is made") {
                          entry.name == "event-driven" || entry.name == "adaptive";
       CHECK(said.empty() == takes);
       if (takes) continue;
-      CHECK(said.starts_with(entry.name));
+      CHECK(said.starts_with("integrator " + std::string(entry.name) + ": "));
+      CHECK(said.ends_with("one of moreau-jean, stewart-trinkle, adaptive, event-driven"));
       CHECK(said.find(restitution == Restitution::poisson ? "restitution = \"poisson\"" : "impacts = \"sequential\"") !=
             std::string::npos);
     }
 }
+
+TEST_CASE("each integrator takes or refuses each feature as its capabilities say, made by name or directly") {
+  Scene laws = cradle({.impacts = Impacts::sequential, .restitution = Restitution::newton});
+  Scene grip = sphere_bounce({});
+  for (Contact& c : grip.contacts) std::visit([](auto& contact) { contact.law.e_t = 0.5; }, c);
+  Scene brake;
+  brake.body({.name = "wheel", .mass = 1, .inertia = 1});
+  brake.joint(Revolute{"axle", kGround, 0, {0, 0}, {0, 0}});
+  brake.friction({"brake", Angle{kGround, 0}, 0, 0.1, 0.05, 0});  // by the load of the axle
+  const auto throws = [](const auto& make) {
+    try {
+      make();
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+    return false;
+  };
+  for (const IntegratorEntry& entry : integrators()) {
+    CAPTURE(entry.name);
+    const auto refuses = [&](const Scene& scene) {
+      const System system(scene);
+      return throws([&] { make_integrator(entry.name, system); });
+    };
+    CHECK(refuses(laws) == !entry.can.impact_laws);
+    CHECK(refuses(grip) == !entry.can.tangential_restitution);
+    CHECK(refuses(brake) == !entry.can.loaded_friction);
+    const System plain(slider_crank({}));
+    CHECK(make_integrator(entry.name, plain)->controls_step() == entry.can.error_control);
+  }
+  const System struck(grip), turning(brake);
+  CHECK(throws([&] { PaoliSchatzman direct(struck); }));
+  CHECK(throws([&] { Rattle direct(turning); }));
+  CHECK_FALSE(throws([&] { MoreauJean direct(turning); }));
+}
+
+// A system that ends before its integrator would leave it dangling.
+template <class Given>
+concept makes_integrator = requires(Given&& system) {
+  make_integrator("rattle", std::forward<Given>(system));
+};
+static_assert(makes_integrator<const System&> && makes_integrator<System&> && !makes_integrator<System>);

@@ -2,51 +2,24 @@
 #include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/mechanics/scene/expose.h>
+#include <orthant/core/support/disjoint_sets.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace orthant {
-namespace {
-
-/// Connected components of bodies; the ground connects nothing.
-class Groups {
- public:
-  explicit Groups(std::size_t bodies) : first_(bodies) { std::iota(first_.begin(), first_.end(), 0); }
-
-  void connect(BodyId a, BodyId b) {
-    if (a < 0 || b < 0) return;
-    const auto [low, high] = std::minmax({find(a), find(b)});
-    first_[static_cast<std::size_t>(high)] = low;
-  }
-  /// Of each body the first one of its group.
-  std::vector<int> first() {
-    for (int& body : first_) body = find(body);
-    return first_;
-  }
-
- private:
-  int find(int body) {
-    for (int next = 0; (next = first_[static_cast<std::size_t>(body)]) != body; body = next)
-      first_[static_cast<std::size_t>(body)] = first_[static_cast<std::size_t>(next)];  // halves the way
-    return body;
-  }
-
-  std::vector<int> first_;
-};
-
-}  // namespace
-
 System::System(Scene scene) : scene_(std::move(scene)) {
   check(scene_);
   if (scene_.assemble) scene_ = assembled(scene_);
   expose(scene_);
-  Groups groups(scene_.bodies.size());
+  DisjointSets groups(scene_.bodies.size());
+  const auto join = [&](BodyId a, BodyId b) {  // the ground connects nothing
+    if (a >= 0 && b >= 0) groups.join(a, b);
+  };
   const auto connect = [&](const auto& element) {
     const auto [a, b] = bodies_of(element);
-    groups.connect(a, b);
+    join(a, b);
   };
   for (const Joint& joint : scene_.joints) std::visit(connect, joint);
   for (const Spring& spring : scene_.springs) std::visit(connect, spring);
@@ -56,7 +29,7 @@ System::System(Scene scene) : scene_(std::move(scene)) {
   for (const Collision& collision : scene_.collisions) {
     BodyId last = kGround;
     for (const Shape& shape : collision.shapes) {
-      groups.connect(last, shape.body);
+      join(last, shape.body);
       if (shape.body >= 0) last = shape.body;
     }
   }
