@@ -39,34 +39,36 @@ bool contradictory(Lcp impact) {
 /// At now_: impacts, then the modes; their events.
 bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
   const double t = start_ + elapsed_;
-  if (++instants_ > options_.max_events)
+  if (++crowd_.instants > options_.max_events)
     return fail(report, Status::iteration_limit, "max_events are used up at t = " + detail::text_of(t));
-  if (event && standstill_ == 0 && shares_anew(*event)) {
-    if (++shared_ < kShares) crowded_ = std::max(0, crowded_ - 1);  // no event of a crowd, unless it goes on so
+  if (event && crowd_.standstill == 0 && shares_anew(*event)) {
+    if (++crowd_.shared < kShares)
+      crowd_.steps = std::max(0, crowd_.steps - 1);  // no event of a crowd, unless it goes on so
     return true;
   }
   no_answer_ = false;
   before_ = motion_.modes;
-  std::fill(released_.begin(), released_.end(), false);
-  std::fill(slides_.begin(), slides_.end(), 0.0);
-  std::fill(held_.begin(), held_.end(), false);
+  std::fill(freed_.released.begin(), freed_.released.end(), false);
+  std::fill(freed_.slides.begin(), freed_.slides.end(), 0.0);
+  std::fill(freed_.held.begin(), freed_.held.end(), false);
   for (Bounces& b : bounces_) b.over = false;
   int struck = 0;
   // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and
   // of the velocities that it left.
-  const double roundings = 16 + 64.0 * flight_, since = flight_time_;
-  flight_ = 0, flight_time_ = 0;
+  const double roundings = 16 + 64.0 * flight_.steps, since = flight_.time;
+  flight_.steps = 0, flight_.time = 0;
   for (int c = 0; c < system_.contacts(); ++c) {
     const ContactMode& mode = motion_.modes[at(c)];
     const bool hit = event && event->watch == Watch::gap && event->contact == c;
-    tie_[at(c)] = roundings * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
-    touching_[at(c)] = hit || mode.lasting || now_.w.gap[c] <= tie_[at(c)];
-    if (touching_[at(c)] && !mode.lasting && !hit && immobile(c)) touching_[at(c)] = false;
-    if (!touching_[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c])) continue;
+    strike_.tie[at(c)] = roundings * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
+    strike_.touching[at(c)] = hit || mode.lasting || now_.w.gap[c] <= strike_.tie[at(c)];
+    if (strike_.touching[at(c)] && !mode.lasting && !hit && immobile(c)) strike_.touching[at(c)] = false;
+    if (!strike_.touching[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c]))
+      continue;
     ++struck;
     note_bounce(c);
     const Bounces& b = bounces_[at(c)];
-    if (b.accumulates() && b.interval > kInstant * kRounding * std::abs(t)) crowded_ = 0;  // a series has an end
+    if (b.accumulates() && b.interval > kInstant * kRounding * std::abs(t)) crowd_.steps = 0;  // a series has an end
   }
   if (struck > 1) close_together();
   if (struck > 0 && !impact(solver, accumulates(), report)) return false;
@@ -75,11 +77,11 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
 
 /// Contacts that strike together get the gap 0: a tilt that rounding made would grow from impact to impact.
 void EventDriven::close_together() {
-  for (std::size_t c = 0; c < touching_.size(); ++c)
-    motion_.modes[c].lasting = touching_[c] && now_.w.gap[static_cast<Index>(c)] > -kTilt;
+  for (std::size_t c = 0; c < strike_.touching.size(); ++c)
+    motion_.modes[c].lasting = strike_.touching[c] && now_.w.gap[static_cast<Index>(c)] > -kTilt;
   motion_.modes_changed();
-  stage_q_ = now_.q, stage_v_ = now_.v;
-  if (motion_.project(start_ + elapsed_, stage_q_, stage_v_).joint < kInf) now_.q = stage_q_;
+  stage_.q = now_.q, stage_.v = now_.v;
+  if (motion_.project(start_ + elapsed_, stage_.q, stage_.v).joint < kInf) now_.q = stage_.q;
   motion_.modes = before_;
   motion_.modes_changed();
 }
@@ -88,22 +90,23 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   Terms& terms = motion_.terms();
   if (!motion_.accelerations(start_ + elapsed_, now_.q, now_.v, now_.a))
     return fail(report, Status::numerical_error, "no accelerations at an impact");
-  struck_.clear();
+  strike_.contacts.clear();
   for (int c = 0; c < system_.contacts(); ++c)
-    if (plastic ? bounces_[at(c)].over || motion_.modes[at(c)].lasting : touching_[at(c)]) struck_.push_back(c);
-  evaluate_closed(system_, struck_, terms);
+    if (plastic ? bounces_[at(c)].over || motion_.modes[at(c)].lasting : strike_.touching[at(c)])
+      strike_.contacts.push_back(c);
+  evaluate_closed(system_, strike_.contacts, terms);
   // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
   now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
   newtons_law(system_.laws(), terms, now_.v, wanted_);
   restrict_to_strikes(wanted_);
-  stage_v_ = now_.v;
+  strike_.v_before = now_.v;
   shown_ = &impact_.formulation();
   impact_.anchor(start_ + elapsed_, now_.q), formulation_.anchor(start_ + elapsed_, now_.q);
   const bool in_turn = plastic && ends_in_turn();
   if (in_turn)
-    no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
+    no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), strike_.in_turn, now_.v, solver, report);
   else if (!plastic)
-    no_answer_ = !impact_.strike(terms, motion_.basic(), stage_v_, wanted_, now_.v, solver, report);
+    no_answer_ = !impact_.strike(terms, motion_.basic(), strike_.v_before, wanted_, now_.v, solver, report);
   if (no_answer_) return fail(report, report.status, impact_.why());
   if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
   if (plastic)
@@ -118,14 +121,14 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
         none ? "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)"
              : "the impact was not solved");
   }
-  formulation_.advance(now_.v, hit_);
-  if (in_turn || !plastic) impact_.add_to(hit_);
-  if (meter_) work_ += meter_->over_impact(terms, stage_v_, now_.v, hit_);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, hit_));
+  formulation_.advance(now_.v, strike_.impulses);
+  if (in_turn || !plastic) impact_.add_to(strike_.impulses);
+  if (meter_) work_ += meter_->over_impact(terms, strike_.v_before, now_.v, strike_.impulses);
+  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, strike_.impulses));
   const double t = start_ + elapsed_;
   for (const ClosedContact& closed : terms.closed) {
     const int c = closed.contact;
-    const Impulse& hit = hit_[at(c)];
+    const Impulse& hit = strike_.impulses[at(c)];
     impulses_[at(c)].normal += hit.normal, impulses_[at(c)].tangent += hit.tangent;
     if (plastic && bounces_[at(c)].over)
       events_.push_back({t + bounces_[at(c)].rest, EventKind::accumulation, c, hit.normal, hit.tangent});
@@ -161,7 +164,7 @@ bool EventDriven::meets_in_turn(int c) const {
   const Bounces& one = bounces_[at(c)];
   for (int k = 0; k < system_.contacts(); ++k) {
     const Bounces& b = bounces_[at(k)];
-    if (k == c || !touching_[at(k)] || motion_.modes[at(k)].lasting || !b.accumulates()) continue;
+    if (k == c || !strike_.touching[at(k)] || motion_.modes[at(k)].lasting || !b.accumulates()) continue;
     const bool recent = one.last - b.last <= b.interval;
     if (recent && std::abs(before_now(b) - before_now(one)) > kInTurn * one.interval) return true;
   }
@@ -172,7 +175,7 @@ bool EventDriven::meets_in_turn(int c) const {
 /// than what counts as touching: contacts of a series, struck in turn, would else strike at once, with restitution.
 bool EventDriven::accumulates() {
   const double t = start_ + elapsed_;
-  const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), tie_[at(c)]}); };
+  const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), strike_.tie[at(c)]}); };
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];
@@ -182,20 +185,20 @@ bool EventDriven::accumulates() {
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];
-    const bool closed = now_.w.gap[c] <= low(c) || (meet && touching_[at(c)]);
+    const bool closed = now_.w.gap[c] <= low(c) || (meet && strike_.touching[at(c)]);
     b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && closed;
-    touching_[at(c)] = touching_[at(c)] || b.over;
+    strike_.touching[at(c)] = strike_.touching[at(c)] || b.over;
   }
   return any;
 }
 
-/// Whether several of the series that are over had their impacts in turn: in_turn_.
+/// Whether several of the series that are over had their impacts in turn: strike_.in_turn.
 bool EventDriven::ends_in_turn() {
   double first = kInf, last = -kInf, interval = kInf;
-  for (std::size_t c = 0; c < in_turn_.size(); ++c) {
+  for (std::size_t c = 0; c < strike_.in_turn.size(); ++c) {
     const Bounces& b = bounces_[c];
-    in_turn_[c] = b.over && !motion_.modes[c].lasting;
-    if (!in_turn_[c]) continue;
+    strike_.in_turn[c] = b.over && !motion_.modes[c].lasting;
+    if (!strike_.in_turn[c]) continue;
     const double before = before_now(b);
     first = std::min(first, before), last = std::max(last, before), interval = std::min(interval, b.interval);
   }
@@ -205,21 +208,22 @@ bool EventDriven::ends_in_turn() {
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
 /// leaves no faster than it falls within the step lasts. Where that does not help either the next one is twice as long.
 bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
-  if (!crosses_) crossing_status_ = report.status, crossing_why_ = why_;
-  const auto give_up = [&] { return crosses_ = false, fail(report, crossing_status_, crossing_why_); };
+  if (!crossing_.goes_on) crossing_.status = report.status, crossing_.why = why_;
+  const auto give_up = [&] { return crossing_.goes_on = false, fail(report, crossing_.status, crossing_.why); };
   for (bool calm = false; !calm;) {
     if (stopped(report)) return false;
-    crossing_ = elapsed_ - crossed_ < kSoon * crossing_ ? std::min(2 * crossing_, kLongestCrossing) : options_.crossing;
+    crossing_.step = elapsed_ - crossing_.end < kSoon * crossing_.step ? std::min(2 * crossing_.step, kLongestCrossing)
+                                                                       : options_.crossing;
     const double shortest = kInstant * kRounding * (std::abs(start_) + elapsed_);
     const double safe = std::max(sweep_.stride(now_.q, now_.v, now_.w.gap), shortest);
-    const double s = std::min({crossing_, safe, end - elapsed_});
+    const double s = std::min({crossing_.step, safe, end - elapsed_});
     if (!(s > 0)) {
       if (!options_.go_on) return give_up();
       break;  // the modes are decided where the next call begins
     }
-    crossing_state_.t = start_ + elapsed_, crossing_state_.q = now_.q, crossing_state_.v = now_.v;
-    const State before = crossing_state_;
-    const StepReport step = stepping_.step(s, solver, crossing_state_);
+    crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
+    const State before = crossing_.state;
+    const StepReport step = stepping_.step(s, solver, crossing_.state);
     report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
     ++report.accepted, ++report.crossings;
     if (step.status != Status::solved) return give_up();
@@ -229,12 +233,12 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
                   "a crowd of events cannot be crossed at t = " + detail::text_of(start_ + elapsed_) +
                       ": bodies would pass through each other in the shortest step");
     }
-    if (!leaves_room(crossing_state_)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
-    if (meter_) work_ += meter_->over_step(before, crossing_state_, stepping_.impulses(), frictions_, {});
-    report.error_estimate += s * (crossing_state_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
-    now_.q = crossing_state_.q, now_.v = crossing_state_.v;
+    if (!leaves_room(crossing_.state)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
+    if (meter_) work_ += meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {});
+    report.error_estimate += s * (crossing_.state.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
+    now_.q = crossing_.state.q, now_.v = crossing_.state.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
-    crossed_ = elapsed_, standstill_ = crowded_ = shared_ = flight_ = 0, flight_time_ = 0;
+    crossing_.end = elapsed_, crowd_.standstill = crowd_.steps = crowd_.shared = flight_.steps = 0, flight_.time = 0;
     std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
     motion_.modes_changed();
     if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");
@@ -244,17 +248,17 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
       const Impulse& push = stepping_.impulses()[at(c)];
       impulses_[at(c)].normal += push.normal, impulses_[at(c)].tangent += push.tangent;
       bounces_[at(c)] = {};
-      touching_[at(c)] = bounces_[at(c)].over = push.normal > 0 && now_.w.gap_rate[c] <= slow;
+      strike_.touching[at(c)] = bounces_[at(c)].over = push.normal > 0 && now_.w.gap_rate[c] <= slow;
       any = any || bounces_[at(c)].over;
     }
-    std::fill(released_.begin(), released_.end(), false);
-    std::fill(slides_.begin(), slides_.end(), 0.0);
-    std::fill(held_.begin(), held_.end(), false);
+    std::fill(freed_.released.begin(), freed_.released.end(), false);
+    std::fill(freed_.slides.begin(), freed_.slides.end(), 0.0);
+    std::fill(freed_.held.begin(), freed_.held.end(), false);
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
     if (!calm && !no_answer_ && !options_.go_on) return false;
-    crosses_ = striding_ && !calm;
-    if (crosses_) break;  // the next stride crosses on
+    crossing_.goes_on = striding_ && !calm;
+    if (crossing_.goes_on) break;  // the next stride crosses on
   }
   why_.clear(), report.status = Status::solved;
   return true;
@@ -265,8 +269,8 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
 bool EventDriven::leaves_room(const State& x) {
   if (!system_.driven()) return true;
   if (!jam_search_) jam_search_ = std::make_unique<JamSearch>(system_);
-  stage_q_ = x.q;
-  return jam_search_->fits(x.t, stage_q_);
+  stage_.q = x.q;
+  return jam_search_->fits(x.t, stage_.q);
 }
 
 /// The modes at now_, after an impact or an event of the motion.
@@ -291,13 +295,13 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
     if (!observe(now_, t)) return fail(report, Status::numerical_error, "no accelerations after an event");
     again = false;
     for (int c = 0; c < system_.contacts(); ++c)
-      if (released_[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
-        released_[at(c)] = false, again = true;  // pressed back by what else changes here
-      else if (held_[at(c)] &&
-               slides_[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
-        held_[at(c)] = false, slides_[at(c)] = 0, again = true;
+      if (freed_.released[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+        freed_.released[at(c)] = false, again = true;  // pressed back by what else changes here
+      else if (freed_.held[at(c)] &&
+               freed_.slides[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+        freed_.held[at(c)] = false, freed_.slides[at(c)] = 0, again = true;
   }
-  load_ = 0, noise_.setZero();
+  load_ = 0, scale_.noise.setZero();
   note_changes(event.has_value() && !struck);
   return true;
 }
@@ -311,24 +315,25 @@ bool EventDriven::shares_anew(const Sign& event) {
 }
 
 /// What is "at the same time" in forces [N]. When events repeat at one time it is no better known than that.
-double EventDriven::force_zero() const { return kForceZero * (1 + 1e3 * standstill_) * load_; }
+double EventDriven::force_zero() const { return kForceZero * (1 + 1e3 * crowd_.standstill) * load_; }
 
 double EventDriven::room(int contact) const {
   return static_mu(system_.law(contact)) * now_.w.normal[contact] - std::abs(now_.w.tangent[contact]);
 }
 
-/// Which contacts open (released_) or slide off (slides_) because their force has come to its end.
+/// Which contacts open (freed_.released) or slide off (freed_.slides) because their force has come to its end.
 void EventDriven::let_go(const Sign& event) {
   if (event.watch == Watch::gap || event.watch == Watch::slip || event.watch == Watch::approach) return;
   const Watched& w = now_.w;
   const double zero = force_zero();
   for (const int c : motion_.lasting()) {
     if (event.watch == Watch::force) {
-      released_[at(c)] = c == event.contact || w.normal[c] <= zero;
+      freed_.released[at(c)] = c == event.contact || w.normal[c] <= zero;
     } else if (before_[at(c)].slip != 0 && std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c])) {
-      held_[at(c)] = true, slides_[at(c)] = before_[at(c)].slip;  // at its bound while others hold it: let it be
+      freed_.held[at(c)] = true,
+      freed_.slides[at(c)] = before_[at(c)].slip;  // at its bound while others hold it: let it be
     } else if (before_[at(c)].sticks) {
-      if (c == event.contact || room(c) <= zero) slides_[at(c)] = w.tangent[c] > 0 ? -1 : 1;
+      if (c == event.contact || room(c) <= zero) freed_.slides[at(c)] = w.tangent[c] > 0 ? -1 : 1;
     }
   }
 }
@@ -338,11 +343,11 @@ void EventDriven::gather_candidates() {
   transition_.candidates.clear();
   const Watched& w = now_.w;
   for (int c = 0; c < system_.contacts(); ++c) {
-    if (!touching_[at(c)] || released_[at(c)]) continue;
+    if (!strike_.touching[at(c)] || freed_.released[at(c)]) continue;
     if (w.gap_rate[c] > speed_zero(w.gap_rate_scale[c]) && !bounces_[at(c)].over) continue;
     double slip = 0;
     if (system_.law(c).frictional())
-      slip = std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c]) ? slides_[at(c)] : w.slip[c] > 0 ? 1 : -1;
+      slip = std::abs(w.slip[c]) <= speed_zero(w.slip_scale[c]) ? freed_.slides[at(c)] : w.slip[c] > 0 ? 1 : -1;
     transition_.candidates.push_back({c, slip});
   }
 }

@@ -97,18 +97,18 @@ class EventDriven final : public Integrator {
 
   void remember(Memory& memory) override;
   const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
-  std::string why() const override { return why_; }
   bool controls_step() const override { return kCan.error_control; }
 
  private:
-  static constexpr double kStays = 1e3;    // roundings of a gap that only joints move
-  static constexpr double kOverlap = 1e6;  // roundings of a gap: deeper is no rounding
-  static constexpr double kInstant = 8;    // roundings of the time: the shortest crossing
-  static constexpr double kSoon = 50;      // crossings: no calm has come since the last one
-  struct Bounces : ImpactSeries {          // a contact's impacts
-    double height = 0;                     // [m] bound of the next bounce
-    bool rounding = false;                 // the last bounce was of the size of rounding
-    bool over = false;                     // accumulated, just now
+  static constexpr double kStays = 1e3;     // roundings of a gap that only joints move
+  static constexpr double kOverlap = 1e6;   // roundings of a gap: deeper is no rounding
+  static constexpr double kInstant = 8;     // roundings of the time: the shortest crossing
+  static constexpr double kCrowded = 1e-4;  // of a crossing: events are taken to have no end
+  static constexpr double kSoon = 50;       // crossings: no calm has come since the last one
+  struct Bounces : ImpactSeries {           // a contact's impacts
+    double height = 0;                      // [m] bound of the next bounce
+    bool rounding = false;                  // the last bounce was of the size of rounding
+    bool over = false;                      // accumulated, just now
   };
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
@@ -117,6 +117,57 @@ class EventDriven final : public Integrator {
       MotionPoint::remember(memory);
       memory(independence);
     }
+  };
+
+  struct Lead {       // the state that was handed out before now_, which goes on from behind it
+    double time = 0;  // [s]
+    double work = 0;  // [J]
+  };
+  struct JointRank {                // rank of the joints' rows
+    int rank = 0;                   // away from singular poses
+    double least_independence = 1;  // in the trial step
+  };
+  struct Flight {  // since the last event
+    int steps = 0;
+    double time = 0;  // [s]
+  };
+  struct Crowd {         // of events
+    int standstill = 0;  // steps since time moved
+    int steps = 0;       // since it moved by more than next to nothing
+    int shared = 0;      // times that friction was shared again meanwhile
+    int instants = 0;    // of this call at which something happened
+  };
+  struct CrowdCrossing {             // of a crowd, by steps of Moreau–Jean's method
+    State state;                     // of its step
+    double step = 0, end = -kInf;    // [s] the last of its steps, and its end
+    bool goes_on = false;            // the stride before ended within a crossing, which goes on
+    Status status = Status::solved;  // why it began
+    std::string why;
+    void remember(Memory& memory) { memory(step, end, goes_on, status, why); }
+  };
+  struct Scale {            // of the error of a step
+    Eigen::VectorXd q, v;   // allowed
+    Eigen::VectorXd noise;  // of the accelerations [m/s², rad/s²]
+  };
+  struct Strike {                   // an impact
+    std::vector<char> touching;     // contacts that take part
+    std::vector<char> in_turn;      // struck one after the other, without restitution
+    std::vector<double> tie;        // [m] gaps that count as touching
+    std::vector<int> contacts;      // that are closed
+    std::vector<Impulse> impulses;  // [N s]
+    Eigen::VectorXd v_before;
+    explicit Strike(std::size_t contacts_of_scene)
+        : touching(contacts_of_scene), in_turn(touching), tie(contacts_of_scene), impulses(contacts_of_scene) {}
+  };
+  struct Freed {                 // contacts that end what they did
+    std::vector<char> turned;    // stand for another normal
+    std::vector<char> released;  // open
+    std::vector<double> slides;  // ±1: slide off
+    std::vector<char> held;      // slide at the bound while others hold them
+    explicit Freed(std::size_t contacts) : turned(contacts), released(turned), slides(contacts), held(turned) {}
+  };
+  struct Stage {  // coordinates and velocities to be projected, for a look
+    Eigen::VectorXd q, v;
   };
 
   StepReport go(double h, bool one, Solver& solver, State& x);
@@ -170,7 +221,6 @@ class EventDriven final : public Integrator {
   void let_go(const Sign& event);
   void gather_candidates();
   void note_changes(bool touched);
-  bool fail(StepReport& report, Status status, std::string why);
   double gap_zero(int contact) const { return kRounding * now_.w.gap_scale[contact]; }  // [m]
   bool stays(double gap, int contact) const { return std::abs(gap) <= kStays * gap_zero(contact) + options_.touching; }
   double speed_zero(double scale) const { return options_.atol + kSame * scale; }
@@ -184,49 +234,38 @@ class EventDriven final : public Integrator {
   Impact impact_;
   Immobility immobility_;
   DormandPrince rk_;
+  MoreauJean stepping_;                    // of crossings
+  std::optional<WorkMeter> meter_;         // where there is work to measure
+  std::unique_ptr<JamSearch> jam_search_;  // of crossings, where drives may press contacts
+
   Point now_, trial_, middle_, earlier_;
+  ContactMotion::Residual residual_, trial_residual_;
   Arc arc_;
   bool striding_ = false;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
-  double lead_ = 0;                         // [s] of the state that was handed out before now_
   double stop_ = kInf;                      // [s] forces are not looked at later in this step
+  double work_ = 0;                         // [J] of this call
   double size_ = 0;                         // [m] largest radius of gyration
-  int rank_ = 0;                            // of the joints' rows, away from singular poses
-  double least_independence_ = 1;           // of the joints in the trial step
   double load_ = 0;                         // [N] the largest normal force since the modes were decided
-  int flight_ = 0;                          // steps since the last event
-  double flight_time_ = 0;                  // [s]
+  bool no_answer_ = false;                  // an impact or an acceleration-level problem was not solved
+  bool good_ = false;                       // the last call ended at last_q_, last_v_
+  Eigen::VectorXd last_q_, last_v_;
+  Lead lead_;
+  JointRank joints_;
+  Flight flight_;
+  Crowd crowd_;
+  CrowdCrossing crossing_;
+  Scale scale_;
+  Strike strike_;
+  Freed freed_;
+  Stage stage_;
+  Eigen::VectorXd none_;  // zero
   Kinematics poses_;
-  int standstill_ = 0;  // steps since time moved
-  int crowded_ = 0;     // steps since it moved by more than next to nothing
-  int instants_ = 0;    // of this call at which something happened
-  int shared_ = 0;      // times that friction was shared again meanwhile
-  Eigen::VectorXd q_scale_, v_scale_, stage_q_, stage_v_, last_q_, last_v_;
-  Eigen::VectorXd noise_, none_;  // noise_: of the accelerations [m/s², rad/s²]
-  bool good_ = false;             // the last call ended at last_q_, last_v_
-  ContactMotion::Residual residual_, trial_residual_;
   std::vector<Bounces> bounces_;
-  std::vector<char> touching_,
-      in_turn_;  // of an impact without restitution: struck one after the other
-  std::vector<char> turned_, released_;
-  std::vector<double> slides_, tie_;  // tie_: [m] gaps that count as touching
-  std::vector<char> held_;
-  std::vector<int> struck_;
-  std::vector<Impulse> push_, hit_;  // mean force of the trial step [N]; of an impact [N s]
+  std::vector<Impulse> push_;  // [N] mean force of the trial step
   std::vector<ContactMode> before_;
   std::vector<Wanted> wanted_;
-  MoreauJean stepping_;
-  State crossing_state_;
-  double crossing_ = 0, crossed_ = -kInf;    // [s] the last of its steps, and its end
-  bool crosses_ = false;                     // the stride before ended within a crossing, which goes on
-  Status crossing_status_ = Status::solved;  // why it began
-  std::string crossing_why_;
-  std::optional<WorkMeter> meter_;         // where there is work to measure
-  std::unique_ptr<JamSearch> jam_search_;  // of crossings, where drives may press contacts
-  double work_ = 0, lead_work_ = 0;        // [J] of this call; of the state handed out before now_
-  bool no_answer_ = false;                 // an impact or an acceleration-level problem was not solved
-  const Formulation* shown_;               // by problem(); null: the transition
-  std::string why_;
+  const Formulation* shown_;  // by problem(); null: the transition
 };
 
 }  // namespace orthant

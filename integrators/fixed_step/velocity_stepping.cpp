@@ -22,6 +22,8 @@ VelocityStepping::VelocityStepping(const System& system, std::string_view name, 
       shown_(&formulation_),
       geometric_(system),
       q_mid_(system.dof()),
+      reach_(system.dof()),
+      change_of_v_(system.dof()),
       from_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
@@ -107,8 +109,9 @@ bool VelocityStepping::stiffen(double h, const State& x, StepReport& report) {
   if (joined_basic_) {  // the reduced form has found them already
     if (!joined_basic_->factorize(system_, terms_, weight * plan_.at * plan_.theta, h * plan_.at))
       return fail(report, Status::numerical_error, "the basic system is not finite");
-    force_ = h * terms_.f, from_ = share_ * x.v, change_ = share_ * terms_.joint_rate;
-    joined_basic_->solve_change(terms_.G, force_.data(), from_.data(), change_.data(), q_mid_.data(), lambda_.data());
+    force_ = h * terms_.f, from_ = share_ * x.v, rates_ = share_ * terms_.joint_rate;
+    joined_basic_->solve_change(terms_.G, force_.data(), from_.data(), rates_.data(), change_of_v_.data(),
+                                lambda_.data());
   }
   if (geometric_.raise(terms_, lambda_.data(), h, weight, 1, added_)) counts = true;
   if (!counts || !geometric_.swings(joined_basic_ ? *joined_basic_ : basic_, added_, 1)) return true;
@@ -157,9 +160,9 @@ bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) 
   if (!broad_phase_.any()) return true;
   double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
   for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
-  q_mid_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
-  q_mid_.array() += 10 * nearly();  // what a scheme takes for closed may be open
-  return broad_phase_.find(q_mid_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
+  reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
+  reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
+  return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
 
 bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, StepReport& report) {
@@ -198,7 +201,7 @@ void VelocityStepping::find_joint_impulses(double h, const State& x) {
     }
     for (std::size_t i = 0; i < frictions.size(); ++i)
       apply_transposed(frictions[i].of.row(terms_.at), frictions_[i], force_.data());
-    change_joined(x.v, q_mid_);
+    change_joined(x.v, change_of_v_);
   }
 }
 

@@ -127,8 +127,11 @@ class VelocityStepping : public Integrator {
   Eigen::VectorXd added_, carried_;          // dof: to M, in this step; by the impulses of the last
   bool stiffened_ = false;                   // M̂ has added_
   std::optional<BasicSystem> joined_basic_;  // of the full form, to find the joints' forces
-  Eigen::VectorXd change_;
-  Eigen::VectorXd q_mid_, from_, v_free_, force_, rate_, lambda_;
+  Eigen::VectorXd q_mid_;                    // q_a
+  Eigen::VectorXd reach_;                    // how far bodies may move in the step, for searched pairs
+  Eigen::VectorXd change_of_v_;              // by known impulses
+  Eigen::VectorXd rates_;                    // of the joints, for joined_basic_
+  Eigen::VectorXd from_, v_free_, force_, rate_, lambda_;
 };
 
 }  // namespace orthant
