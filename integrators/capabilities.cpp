@@ -18,14 +18,14 @@ std::string able(bool Capabilities::*feature) {
 
 [[noreturn]] void refuse(std::string_view integrator, const std::string& what, const std::string& rule,
                          bool Capabilities::*feature) {
-  throw std::invalid_argument("integrator " + std::string(integrator) + ": " + what + ": must be " + rule +
+  throw std::invalid_argument("integrator " + std::string(integrator) + ": " + what + " must be " + rule +
                               ", or the integrator one of " + able(feature));
 }
 
 void check_impact_laws(const Scene& scene, std::string_view integrator) {
   const auto must_be = [&](const char* field, std::string_view value, const char* rule) {
     if (value != rule)
-      refuse(integrator, std::string(field) + " = \"" + std::string(value) + '"', '"' + std::string(rule) + '"',
+      refuse(integrator, std::string(field) + " = \"" + std::string(value) + "\":", '"' + std::string(rule) + '"',
              &Capabilities::impact_laws);
   };
   must_be("restitution", kRestitutionNames[static_cast<std::size_t>(scene.restitution)], "newton");
@@ -35,7 +35,8 @@ void check_impact_laws(const Scene& scene, std::string_view integrator) {
 void check_tangential_restitution(const Scene& scene, std::string_view integrator) {
   const auto must_have_none = [&](const std::string& what, const ContactLaw& law) {
     if (law.e_t != 0)
-      refuse(integrator, what + " has e_t = " + detail::text_of(law.e_t), "0", &Capabilities::tangential_restitution);
+      refuse(integrator, what + " has e_t = " + detail::text_of(law.e_t) + ":", "0",
+             &Capabilities::tangential_restitution);
   };
   for (const Contact& contact : scene.contacts)
     std::visit([&](const auto& c) { must_have_none("contact \"" + c.name + '"', c.law); }, contact);

@@ -1,0 +1,97 @@
+// Instants without an answer, or with several: Painlevé, jamming, solvers that give up.
+#include "tests/support/event_story.h"
+
+#include <orthant/core/scenes/motion.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace orthant;
+
+namespace {
+
+/// A rod's lower tip slides on the floor, in the sense in which friction presses it down.
+Scene sliding_rod(double mu, double omega, double phi = std::atan(2.0)) {
+  Scene s;
+  s.gravity = {0, -kGravity};
+  const auto rod = s.body({.name = "rod",
+                           .mass = 1,
+                           .inertia = 1.0 / 3,
+                           .position = {std::cos(phi), std::sin(phi)},
+                           .angle = phi,
+                           .velocity = {-1 - omega * std::sin(phi), omega * std::cos(phi)},
+                           .omega = omega});
+  s.contact(CornerWall{"tip", rod, {-1, 0}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("Painlevé: a rod's tip has one solution, none, or several, and the run says which") {
+  for (const std::string_view solver : {"lemke", "pgs", "enumerate"}) {
+    CAPTURE(solver);
+    const double h = 1e-6;
+    const Story pressed = tell(sliding_rod(1, 0), h, h, solver);
+    CHECK(pressed.sum[0].normal / h == doctest::Approx(24.525).epsilon(1e-5));
+    const Story lifted = tell(sliding_rod(1, 4), h, h, solver);
+    CHECK(lifted.run.status == Status::solved);
+    CHECK(lifted.sum[0].normal == 0);
+    const Story none = tell(sliding_rod(1.5, 0), h, h, solver);
+    CHECK(none.run.status != Status::solved);
+    CHECK(none.run.why.find("none") != std::string::npos);
+    const Story several = tell(sliding_rod(1.5, 4), h, h, solver);
+    CHECK(several.run.status == Status::unsupported);
+    CHECK(several.run.why.find("several") != std::string::npos);
+    CHECK(several.run.why.find("22.50417527999") != std::string::npos);
+    CHECK(several.run.final.t == 0);
+  }
+}
+
+TEST_CASE(
+    "a disc falls into a groove: friction that jams it and restitution that throws it out contradict each other") {
+  const auto fall = [](double mu, double e) {
+    Scene s{.gravity = {0, -kGravity}};
+    const auto disc = s.body({.name = "disc", .mass = 1, .inertia = 0.005, .position = {0, 0.5}});
+    const double steep = 0.35;  // [rad] from the vertical: friction holds what lies there from its tangent on
+    for (const double side : {-1.0, 1.0}) {
+      const Vector2d normal(side * std::cos(steep), std::sin(steep));
+      s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, {0, 0}, normal, {.mu = mu, .e = e}});
+    }
+    return tell(s, 0.5, 0.01);
+  };
+  const double jams = std::tan(0.35);
+  CHECK(fall(0.99 * jams, 0.5).run.status == Status::solved);
+  CHECK(fall(1.01 * jams, 0).run.status == Status::solved);
+  const Story none = fall(1.01 * jams, 0.5);
+  CHECK(none.run.status == Status::infeasible);
+  CHECK(none.run.why.find("jamming") != std::string::npos);
+  CHECK(none.run.final.t == doctest::Approx(std::sqrt(2 * (0.5 - 0.1 / std::sin(0.35)) / kGravity)).epsilon(1e-9));
+}
+
+TEST_CASE("a solver that gives up at an impact proves nothing, where walls without play contradict by rounding alone") {
+  class GivesUp final : public Solver {
+    Status run(const Lcp&, Solution& s, Start) override {
+      s.z.setZero();
+      return Status::stalled;
+    }
+    double tolerance() const override { return 1e-10; }
+  } solver;
+  int impacts = 0;
+  for (int k = 1; k <= 40; ++k) {
+    Scene s;
+    const double angle = 0.1 * k;
+    const Vector2d along(std::cos(angle), std::sin(angle)), across(-std::sin(angle), std::cos(angle));
+    const auto disc = s.body({.name = "disc", .mass = 1, .inertia = 0.005, .velocity = 5 * along});
+    const ContactLaw law{.mu = 0.1, .e = 0.5};
+    s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, -0.1 * across, across, law});
+    s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, 0.1 * across, (-(1 + 0.1 * k) * across).normalized(), law});
+    s.contact(DiscWall{"", disc, {0, 0}, 0.1, kGround, 1.1 * along, -along, law});
+    const System system(s);
+    const Run run = simulate(*make_integrator(kScheme, system), solver, {.step = 0.01, .duration = 0.5});
+    CAPTURE(k);
+    CHECK(run.status != Status::infeasible);
+    impacts += run.why == "the impact was not solved";
+  }
+  CHECK(impacts > 20);
+}
