@@ -17,6 +17,7 @@ EventDrivenOptions inner_options(const AdaptiveOptions& options) {
   inner.rtol = std::clamp(kInnerPart * options.rtol, kLeastRelative, 1e-4);
   inner.atol = std::clamp(kInnerPart * std::min(options.atol, options.rtol), kLeastAbsolute, 1e-4);
   inner.accumulation = 10 * inner.atol;
+  inner.touching = inner.atol;
   inner.max_events = 1000000000;
   inner.go_on = true;
   return inner;
