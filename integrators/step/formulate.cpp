@@ -157,7 +157,7 @@ void Formulation::collect(const Terms& terms, const std::vector<Wanted>& wanted)
       if (!c.frictional) continue;
       Place& place = places_[c.closed];
       place.tangent = static_cast<Index>(rows_.size());
-      lcp_.friction.push_back({place.tangent, place.normal, c.mu});
+      lcp_.friction.push_back({.normal = place.normal, .first = place.tangent, .mu = c.mu});
       rows_.push_back(terms.closed[c.closed].rows.tangent);
     }
   const auto resisted = static_cast<Index>(rows_.size());
@@ -239,7 +239,7 @@ bool Formulation::solve_once(Solver& solver, StepReport& report, Crew* crew) {
   solution_.w.resize(n), found_.z.resize(n), found_.w.resize(n);
   solution_.residual = 0;
   std::fill(friction_of_.begin(), friction_of_.end(), nullptr);
-  for (const Friction& f : lcp_.friction) friction_of_[static_cast<std::size_t>(f.row)] = &f;
+  for (const Friction& f : lcp_.friction) friction_of_[static_cast<std::size_t>(f.first)] = &f;
   const int count = islands_.count();
   if (outcomes_.size() < static_cast<std::size_t>(count)) outcomes_.resize(static_cast<std::size_t>(count));
   const bool together = worth_sharing(crew);
@@ -305,7 +305,7 @@ const Lcp& Formulation::cut_out(std::span<const int> rows, Bench& bench) {
     place_[static_cast<std::size_t>(row)] = static_cast<int>(i);
     block.b[i] = lcp_.b[row], block.lo[i] = lcp_.lo[row], block.hi[i] = lcp_.hi[row], guess[i] = solution_.z[row];
     if (const Friction* f = friction_of_[static_cast<std::size_t>(row)])  // its normal came before
-      block.friction.push_back({i, place_[static_cast<std::size_t>(f->normal)], f->mu});
+      block.friction.push_back({.normal = place_[static_cast<std::size_t>(f->normal)], .first = i, .mu = f->mu});
   }
   const auto at = [&](Index i) -> const Row& {
     return rows_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])];
@@ -341,9 +341,9 @@ bool Formulation::regrade() {
     const double pressure = solution_.z[friction.normal];
     const bool sticks = friction.mu > c.law->mu;
     // At the bound alone is no slip: of contacts that share a load one may be there by the split that the solver took.
-    const bool changes = sticks ? std::abs(solution_.w[friction.row]) > none && pressure > 0 &&
-                                      std::abs(solution_.z[friction.row]) >= kBound * friction.mu * pressure
-                                : solution_.w[friction.row] * c.slip < 0;
+    const bool changes = sticks ? std::abs(solution_.w[friction.first]) > none && pressure > 0 &&
+                                      std::abs(solution_.z[friction.first]) >= kBound * friction.mu * pressure
+                                : solution_.w[friction.first] * c.slip < 0;
     if (!changes) continue;
     friction.mu = sticks ? c.law->mu : c.law->mu_static;
     any = true;
