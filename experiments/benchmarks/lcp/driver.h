@@ -97,7 +97,8 @@ inline Problem read(const char* path) {
   p.n = sizes[0];
   fill(p.start, p.n + 1), fill(p.column, sizes[1]), fill(p.value, sizes[1]);
   fill(p.b, p.n), fill(p.lo, p.n), fill(p.hi, p.n);
-  fill(p.friction_row, sizes[2]), fill(p.friction_normal, sizes[2]), fill(p.mu, sizes[2]), fill(p.friction_rows, sizes[2]);
+  fill(p.friction_row, sizes[2]), fill(p.friction_normal, sizes[2]), fill(p.mu, sizes[2]),
+      fill(p.friction_rows, sizes[2]);
   return p;
 }
 
