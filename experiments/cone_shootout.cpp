@@ -55,7 +55,7 @@ std::string one_run(const Lcp& problem, const std::string& solver, const Rival* 
     said << trial.status << ' ' << trial.seconds << ' ' << (z.allFinite() ? independent_scale_free(problem, z) : kInf);
   } else {
     const auto method =
-        make_solver(solver + (solver.find(':') == std::string::npos ? ":" : ",") + "tolerance=" + text_of(own));
+        make_solver(solver + (solver.find(':') == std::string::npos ? ":" : ",") + "tolerance=" + detail::text_of(own));
     method->set_time_limit(time), method->set_proof_search(false);
     Solution s;
     const auto timing = rival::time_calls([] {}, [&] { method->solve(problem, s); });
@@ -84,7 +84,9 @@ Case try_to(const Lcp& problem, const std::string& solver, const Rival* rival, d
                    });
     isolated.wait_for_all();
     if (!(now.residual >= best.residual)) best = now;
-    if (best.reached() || now.status == "late" || now.status == "unsupported" || now.seconds > time) break;
+    if (best.reached() || now.status == "late" || now.status == "unsupported" || now.status == "failed" ||
+        now.seconds > time)
+      break;
   }
   return best;
 }

@@ -36,10 +36,19 @@ bool Solver::passes(const Lcp& problem, Solution& s) {
   return s.status == Status::solved;
 }
 
-const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start) {
+Solver& Solver::with_discs() {
   constexpr int kTurns = 20;
   if (!discs_) discs_ = for_discs();
   if (!discs_) discs_ = std::make_unique<Facets>(*this, facets_, kTurns);
+  return *discs_;
+}
+
+std::string Solver::refusal(const Lcp& problem) {
+  return problem.discs() && !takes_discs() ? with_discs().why_not(problem) : why_not(problem);
+}
+
+const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start) {
+  with_discs();
   discs_->set_time_limit(time_limit_), discs_->set_cancel(cancel_), discs_->set_log(log_);
   discs_->set_proof_search(proof_search_);
   const double limit = time_limit_;

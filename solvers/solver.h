@@ -27,10 +27,12 @@ class Solver {
 
   /// Empty when the method can take the problem; else the reason in words (solve() then answers unsupported).
   virtual std::string why_not(const Lcp&) const { return {}; }
+  /// The same of what really answers: with friction discs for_discs() or a pyramid.
+  std::string refusal(const Lcp& problem);
 
   /// On problems with friction discs (Friction::rows > 1) for_discs() answers, or the method itself with the discs as
   /// pyramids (cones/facets.h): where it has neither, this is of how many sides.
-  void set_facets(int sides) { facets_ = sides; }
+  void set_facets(int sides) { facets_ = sides, discs_.reset(); }
 
   /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
   void set_time_limit(double seconds) { time_limit_ = seconds; }
@@ -75,6 +77,7 @@ class Solver {
   virtual bool seeks_proof() const { return true; }
   void seek_proof(const Lcp& problem, Solution& s);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
+  Solver& with_discs();
   /// Residual below which no further attempt is made. A method that must reach more than is required says so here:
   /// an answer between the two is taken only when its further attempts do no better.
   virtual double goal() const { return tolerance(); }

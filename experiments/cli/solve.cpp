@@ -77,7 +77,7 @@ int run_solve(const SolveArguments& a) {
     solver->solve(problem, s);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   });
-  const std::string reason = s.status == Status::unsupported ? solver->why_not(problem) : "";
+  const std::string reason = s.status == Status::unsupported ? solver->refusal(problem) : "";
 
   nlohmann::ordered_json json = {{"status", name(s.status)},
                                  {"residual", s.residual},

@@ -168,7 +168,7 @@ class PythonSolver {
             s.iterations,
             s.factorizations,
             seconds,
-            s.status == Status::unsupported ? solver_->why_not(*problem) : "",
+            s.status == Status::unsupported ? solver_->refusal(*problem) : "",
             std::move(entries)};
   }
 

@@ -94,7 +94,10 @@ std::string Facets::why_not(const Lcp& problem) const {
 }
 
 Status Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
+  constexpr double kSlides = 1e-10;  // relative to the largest w
   std::vector<double> angle;
+  for (const Friction& f : problem.friction)
+    if (f.rows > 1) angle.push_back(0);
   Status claim = Status::not_run;
   Vector best = s.z;
   double least = kInf;
@@ -109,9 +112,14 @@ Status Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
     log(turn, s.residual, 0, turn == 0 ? "pyramid" : "turned");
     if (s.residual < least) least = s.residual, best = s.z;
     if (accepted || budget().exhausted()) break;
-    angle.clear();
-    for (const Friction& f : problem.friction)
-      if (f.rows > 1) angle.push_back(std::atan2(-s.w[f.first + 1], -s.w[f.first]));
+    std::size_t k = 0;
+    for (const Friction& f : problem.friction) {
+      if (f.rows == 1) continue;
+      // A contact that sticks now keeps its corner: turned back it might slide again.
+      const double slip = std::hypot(s.w[f.first], s.w[f.first + 1]);
+      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>()) angle[k] = std::atan2(-s.w[f.first + 1], -s.w[f.first]);
+      ++k;
+    }
   }
   if (least < kInf) s.z = best;
   return claim;
