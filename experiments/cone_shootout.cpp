@@ -76,7 +76,7 @@ Case try_to(const Lcp& problem, const std::string& solver, const Rival* rival, d
                    [&](const Outcome& outcome) {
                      std::istringstream words(outcome.text);
                      std::string seconds, residual;
-                     if (words >> now.status >> seconds >> residual)
+                     if (outcome.kind == Outcome::finished && words >> now.status >> seconds >> residual)
                        now.seconds = std::strtod(seconds.c_str(), nullptr),
                        now.residual = std::strtod(residual.c_str(), nullptr);
                      else

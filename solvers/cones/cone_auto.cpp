@@ -20,7 +20,7 @@ Status ConeAuto::iterate(Vector& z, int& iterations) {
       if (ended(z)) break;
       if (moved == 0) break;
       if (early && k % 10 == 0) {
-        if (residual() > mark / 3) break;
+        if (residual() > 0.7 * mark) break;
         mark = residual();
       }
     }

@@ -1,7 +1,7 @@
 // solvers/cones/cone_auto.h — auto on friction discs: sweeps, then proximal point, then from other starts.
 //
 //   In this order, each from the best z so far, the log names each:
-//     sweeps      block Gauss-Seidel while ten sweeps lower the residual to a third, at most 100
+//     sweeps      block Gauss-Seidel while ten sweeps lower the residual by 30 %, at most 100
 //     prox        proximal point (proximal.h), 60 outer iterations
 //     path        Tikhonov's path from 0, then proximal point, 120 outer iterations
 //     restart     proximal point from 100, 300, 900 sweeps, 250 outer iterations, and from other steps along the path:

@@ -43,7 +43,7 @@ Status ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
   form_.to_scaled(s.z, z_);
   if (start == Start::cold) z_.setZero();
   best_ = z_;
-  target_ = 0.1 * tolerance();
+  target_ = 0.5 * tolerance();
   Status status = finished(z_) && solved_ ? Status::solved : iterate(z_, s.iterations);
   if (!solved_) form_.from_scaled(best_, s.z);
   if (solved_) status = Status::solved;
