@@ -28,7 +28,8 @@ def read_problem(file: Path) -> Problem:
     """A problem file, by its name's end: .npz, .hdf5 or .h5 (FCLIB contact problems), else JSON.
 
     NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3), or (k, 4)
-    with the number of rows, 2 a disc, may be absent; arrays of numbers. A file has at most 4 GiB, an array of a packed one 1 GiB: `set_largest_input` sets another limit.
+    with the number of rows, 2 a disc, may be absent; arrays of numbers. A file has at most 4 GiB, an array of a packed one
+    1 GiB: `set_largest_input` sets another limit.
     Raises ValueError or RuntimeError naming file, field and rule.
     """
     file = path("file", file)
