@@ -38,6 +38,7 @@ class Automatic final : public Solver {
   Status run(const Lcp& problem, Solution& s, Start start) override;
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
 
   Options options_;
   struct Work;

@@ -6,6 +6,8 @@
 #include <orthant/solvers/active_set/newton_fb.h>
 #include <orthant/solvers/active_set/newton_min.h>
 #include <orthant/solvers/automatic.h>
+#include <orthant/solvers/cones/newton_ac.h>
+#include <orthant/solvers/cones/proximal.h>
 #include <orthant/solvers/external/ipopt.h>
 #include <orthant/solvers/external/nlopt.h>
 #include <orthant/solvers/first_order/admm.h>
@@ -69,6 +71,11 @@ constexpr SolverEntry kSolvers[] = {
      &make<NewtonMin>, &options<NewtonMin>},
     {"newton-fb", "semismooth Newton on Fischer-Burmeister, dense and sparse; line search, Levenberg-Marquardt",
      &make<NewtonFb>, &options<NewtonFb>},
+    {"newton-ac",
+     "semismooth Newton on contacts: Alart-Curnier, Jean-Moreau, natural map, Fischer-Burmeister; friction discs",
+     &make<NewtonAc>, &options<NewtonAc>},
+    {"prox", "proximal point with Newton on contacts inside; friction discs, redundant contacts, unsymmetric too",
+     &make<Proximal>, &options<Proximal>},
     {"interior-point",
      "predictor-corrector, then the exact active set; dense and sparse, monotone; boxes and free rows",
      &make<InteriorPoint>, &options<InteriorPoint>},

@@ -1,7 +1,9 @@
+#include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/effort.h>
 #include <orthant/solvers/solver.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace orthant {
 
@@ -15,7 +17,13 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   if (!proof_search_ || !(seeks_proof() || contested) || budget_.exhausted()) return;
   Budget share;  // a quarter of what is left
   share.start(budget_.remaining() / 4, budget_.cancel());
-  if (!farkas_.propose(problem, proof_, share)) return;
+  if (problem.discs()) {
+    FacetForm form;
+    if (!farkas_.propose(form.linear(problem, 32, {}, true), scratch_, share)) return;
+    form.restore_certificate(problem, scratch_, proof_);
+  } else if (!farkas_.propose(problem, proof_, share)) {
+    return;
+  }
   if (!judge_.proves_infeasible(problem, proof_) &&
       !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_)))
     return;  // a ray's direction stays what it was
@@ -28,8 +36,31 @@ bool Solver::passes(const Lcp& problem, Solution& s) {
   return s.status == Status::solved;
 }
 
+Solver& Solver::with_discs() {
+  constexpr int kTurns = 20;
+  if (!discs_) discs_ = for_discs();
+  if (!discs_) discs_ = std::make_unique<Facets>(*this, facets_, kTurns);
+  return *discs_;
+}
+
+std::string Solver::refusal(const Lcp& problem) {
+  return problem.discs() && !takes_discs() ? with_discs().why_not(problem) : why_not(problem);
+}
+
+const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start) {
+  with_discs();
+  discs_->set_time_limit(time_limit_), discs_->set_cancel(cancel_), discs_->set_log(log_);
+  discs_->set_proof_search(proof_search_);
+  const double limit = time_limit_;
+  IterationLog* const log = std::exchange(log_, nullptr);  // a pyramid's own iterations are another matter
+  discs_->solve(problem, s, start);
+  time_limit_ = limit, log_ = log;
+  return s;
+}
+
 const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   check(problem);
+  if (problem.discs() && !takes_discs()) return solve_discs(problem, s, start);
   const Index n = problem.size();
   s.status = Status::not_run;
   s.residual = kInf;

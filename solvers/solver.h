@@ -7,6 +7,7 @@
 #include <orthant/solvers/iteration_log.h>
 #include <orthant/solvers/proof/farkas.h>
 
+#include <memory>
 #include <string>
 
 namespace orthant {
@@ -26,6 +27,12 @@ class Solver {
 
   /// Empty when the method can take the problem; else the reason in words (solve() then answers unsupported).
   virtual std::string why_not(const Lcp&) const { return {}; }
+  /// The same of what really answers: with friction discs for_discs() or a pyramid.
+  std::string refusal(const Lcp& problem);
+
+  /// On problems with friction discs (Friction::rows > 1) for_discs() answers, or the method itself with the discs as
+  /// pyramids (cones/facets.h): where it has neither, this is of how many sides.
+  void set_facets(int sides) { facets_ = sides, discs_.reset(); }
 
   /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
   void set_time_limit(double seconds) { time_limit_ = seconds; }
@@ -40,6 +47,11 @@ class Solver {
   void set_log(IterationLog* log) { log_ = log; }
 
  protected:
+  /// The method takes friction discs as they are.
+  virtual bool takes_discs() const { return false; }
+  /// The method's own form for friction discs; null: there is none.
+  virtual std::unique_ptr<Solver> for_discs() const { return nullptr; }
+  virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
   /// The clock starts and the log is emptied. solve() has done so before run().
   void begin() {
     budget_.start(time_limit_, cancel_);
@@ -64,7 +76,8 @@ class Solver {
   /// Not where a proof would answer another question than the caller's: the plain form of a method, say.
   virtual bool seeks_proof() const { return true; }
   void seek_proof(const Lcp& problem, Solution& s);
-  virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
+  const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
+  Solver& with_discs();
   /// Residual below which no further attempt is made. A method that must reach more than is required says so here:
   /// an answer between the two is taken only when its further attempts do no better.
   virtual double goal() const { return tolerance(); }
@@ -78,6 +91,8 @@ class Solver {
   double time_limit_ = kInf;
   const std::atomic<bool>* cancel_ = nullptr;
   IterationLog* log_ = nullptr;
+  std::unique_ptr<Solver> discs_;  // what answers for friction discs
+  int facets_ = 16;
 };
 
 }  // namespace orthant

@@ -70,24 +70,32 @@ void check_friction(const Lcp& p) {
   bool ascending = true;
   for (std::size_t k = 0; k < p.friction.size(); ++k) {
     const Friction& f = p.friction[k];
-    if (f.row < 0 || f.row >= n) refuse("problem: friction[", k, "].row = ", f.row, ": must be in [0, ", n, ")");
-    if (f.normal < 0 || f.normal >= n || f.normal == f.row)
+    if (f.rows != 1 && f.rows != 2)
+      refuse("problem: friction[", k, "].rows = ", f.rows, ": must be 1 (interval) or 2 (disc)");
+    if (f.first < 0 || f.first > n - f.rows)
+      refuse("problem: friction[", k, "].", f.rows == 1 ? "row" : "first", " = ", f.first, ": must be in [0, ",
+             n - f.rows + 1, ")");
+    if (f.normal < 0 || f.normal >= n || (f.normal >= f.first && f.normal < f.first + f.rows))
       refuse("problem: friction[", k, "].normal = ", f.normal, ": must be another row in [0, ", n, ")");
     if (!(f.mu >= 0 && f.mu < kInf)) refuse("problem: friction[", k, "].mu = ", f.mu, ": must be finite and >= 0");
-    if (p.lo[f.row] != -kInf || p.hi[f.row] != kInf)
-      refuse("problem: friction row ", f.row, " has bounds [", p.lo[f.row], ", ", p.hi[f.row],
-             "]: must be -inf and inf, friction sets them");
+    for (Index row = f.first; row < f.first + f.rows; ++row)
+      if (p.lo[row] != -kInf || p.hi[row] != kInf)
+        refuse("problem: friction row ", row, " has bounds [", p.lo[row], ", ", p.hi[row],
+               "]: must be -inf and inf, friction sets them");
     if (!(p.lo[f.normal] >= 0))
-      refuse("problem: row ", f.normal, ", normal of friction row ", f.row, ", has the lower bound ", p.lo[f.normal],
+      refuse("problem: row ", f.normal, ", normal of friction row ", f.first, ", has the lower bound ", p.lo[f.normal],
              ": must be >= 0");
-    if (k > 0) ascending = ascending && p.friction[k - 1].row < f.row;
+    if (k > 0) ascending = ascending && p.friction[k - 1].first + p.friction[k - 1].rows <= f.first;
   }
   if (ascending) return;  // no row twice; and no normal is a friction row, because that has lo = −∞
+  std::vector<std::size_t> of(static_cast<std::size_t>(n), p.friction.size());
   for (std::size_t k = 0; k < p.friction.size(); ++k)
-    for (std::size_t l = 0; l < k; ++l)
-      if (p.friction[k].row == p.friction[l].row)
-        refuse("problem: friction[", k, "].row = ", p.friction[k].row, ": must not occur twice (also friction[", l,
-               "])");
+    for (Index row = p.friction[k].first; row < p.friction[k].first + p.friction[k].rows; ++row) {
+      std::size_t& before = of[static_cast<std::size_t>(row)];
+      if (before != p.friction.size())
+        refuse("problem: friction[", k, "] has row ", row, ": must not occur twice (also friction[", before, "])");
+      before = k;
+    }
 }
 
 // x · 0 is 0 for a finite x and NaN for any other: sums without branches, four of them so that none waits for the last.

@@ -3,8 +3,12 @@
 //   Find z with lo ≤ z ≤ hi and w = A z + b such that, row by row,
 //     z_i = lo_i ⇒ w_i ≥ 0,   z_i = hi_i ⇒ w_i ≤ 0,   otherwise w_i = 0.
 //   LCP row: [0, ∞).  Free (equality) row: (−∞, ∞).  Box row: [lo, hi].
-//   Friction row i with normal row n: the bounds are ∓μ z_n, so |z_i| ≤ μ z_n (Coulomb, one tangent direction).
-//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.
+//   Friction of normal row n, one row i: the bounds are ∓μ z_n, so |z_i| ≤ μ z_n (Coulomb in the plane).
+//   Friction of normal row n, two rows T: a disc (Coulomb in space; rolling resistance):
+//     |z_T|₂ ≤ μ z_n,   w_T = 0 where |z_T| < μ z_n,   else w_T = −κ z_T with κ ≥ 0.
+//   One normal may bear several intervals and discs: sliding, rolling, spinning (cones/contact.h).
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1; Acary & Brogliato, Numerical Methods
+//   for Nonsmooth Dynamical Systems (2008), ch. 3.
 #pragma once
 
 #include <orthant/core/support/reusable.h>
@@ -42,8 +46,9 @@ struct Delassus {
 using Matrix = std::variant<DenseMatrix, RowSparse, Delassus>;
 
 struct Friction {
-  Index row = 0, normal = 0;
-  double mu = 0;  // ≥ 0
+  Index normal = 0, first = 0;  // rows: z_n, and the first of the friction rows, which are contiguous
+  Index rows = 1;               // 1: interval |z_first| ≤ μ z_n; 2: disc
+  double mu = 0;                // ≥ 0
 };
 
 struct Lcp {
@@ -53,13 +58,20 @@ struct Lcp {
 
   Index size() const { return b.size(); }
 
+  /// Some friction is a disc.
+  bool discs() const {
+    for (const Friction& f : friction)
+      if (f.rows > 1) return true;
+    return false;
+  }
+
   /// The pure problem 0 ≤ z ⊥ M z + q ≥ 0.
   static Lcp standard(Matrix M, const Vector& q);
 };
 
 /// Throws std::invalid_argument naming the field, the value and the rule when the parts do not fit together: shapes,
-/// bounds (lo ≤ hi, neither NaN), friction rows (one entry a row, its own bounds infinite, its normal a row with
-/// lo ≥ 0 that has no friction itself). The entries of A and b are not checked here: see finite().
+/// bounds (lo ≤ hi, neither NaN), friction rows (one or two an entry, one entry a row, their own bounds infinite, the
+/// normal a row with lo ≥ 0 that is no friction row itself). The entries of A and b are not checked here: see finite().
 void check(const Lcp& problem);
 
 /// The same for a square matrix by itself.

@@ -28,7 +28,7 @@ const Lcp& Pyramid::pure(const Lcp& p, Form form) {
     kind_[at(i)] = below && above ? box : below ? lower : above ? upper : free_row;
     shift_[i] = below ? p.lo[i] : above ? p.hi[i] : 0.0;
   }
-  for (const Friction& f : p.friction) kind_[at(f.row)] = friction;
+  for (const Friction& f : p.friction) kind_[at(f.first)] = friction;
   Index size = n;
   for (Index i = 0; i < n; ++i) {
     if (kind_[at(i)] != box && kind_[at(i)] != friction) continue;
@@ -62,14 +62,14 @@ const Lcp& Pyramid::pure(const Lcp& p, Form form) {
   turned_.assign(at(n), 0);
   if (form == Form::shifted)
     for (const Friction& f : p.friction) {
-      if (!(q[f.row] < 0)) continue;
-      turned_[at(f.row)] = 1;
-      M.row(f.row) = -M.row(f.row);
-      M.col(f.row) = -M.col(f.row);
-      q[f.row] = -q[f.row];
+      if (!(q[f.first] < 0)) continue;
+      turned_[at(f.first)] = 1;
+      M.row(f.first) = -M.row(f.first);
+      M.col(f.first) = -M.col(f.first);
+      q[f.first] = -q[f.first];
     }
   for (const Friction& f : p.friction) {
-    const Index t = f.row, a = added_[at(t)];
+    const Index t = f.first, a = added_[at(t)];
     if (form == Form::shifted) {
       M.col(f.normal).head(n) -= f.mu * M.col(t).head(n);  // z_t = y − μ z_n, z_n = y_n + shift_n
       q.head(n) -= (f.mu * shift_[f.normal]) * M.col(t).head(n);
@@ -86,12 +86,12 @@ const Lcp& Pyramid::pure(const Lcp& p, Form form) {
     }
   }
   if (form == Form::stewart_trinkle) {  // y⁻: column and row of y⁺ with the sign turned, row last so that both count
-    for (const Friction& f : p.friction) M.col(added_[at(f.row)]).head(n) = -A.col(f.row);
+    for (const Friction& f : p.friction) M.col(added_[at(f.first)]).head(n) = -A.col(f.first);
     for (const Friction& f : p.friction) {
-      const Index t = f.row, a = added_[at(t)];
+      const Index t = f.first, a = added_[at(t)];
       M.row(a).head(n) = -M.row(t).head(n);
       q[a] = -q[t];
-      for (const Friction& other : p.friction) M(a, added_[at(other.row)]) = A(t, other.row);
+      for (const Friction& other : p.friction) M(a, added_[at(other.first)]) = A(t, other.first);
     }
   }
   for (Index i = 0; i < n; ++i) {
@@ -138,15 +138,15 @@ void Pyramid::restore(const Lcp& p, const Vector& y, Vector& z) const {
   }
   for (const Friction& f : p.friction) {  // bound = hi as the judge computes it: sliding z_t meets it to the bit
     const double bound = f.mu * std::max(z[f.normal], 0.0);
-    const double yt = y[f.row], extra = y[added_[at(f.row)]];
+    const double yt = y[f.first], extra = y[added_[at(f.first)]];
     if (form_ == Form::shifted) {
       const double forward = yt == 0 ? -bound : extra > 0 ? bound : std::clamp(yt - bound, -bound, bound);
-      z[f.row] = turned_[at(f.row)] ? -forward : forward;
+      z[f.first] = turned_[at(f.first)] ? -forward : forward;
     } else {
-      const double lambda = y[added_[at(f.row)] + 1];
-      z[f.row] = lambda > 0 && extra == 0 ? bound
-                 : lambda > 0 && yt == 0  ? -bound
-                                          : std::clamp(yt - extra, -bound, bound);
+      const double lambda = y[added_[at(f.first)] + 1];
+      z[f.first] = lambda > 0 && extra == 0 ? bound
+                   : lambda > 0 && yt == 0  ? -bound
+                                            : std::clamp(yt - extra, -bound, bound);
     }
   }
 }
@@ -170,15 +170,15 @@ void Pyramid::guess(const Lcp& p, const Vector& z, Vector& y) const {
   }
   for (const Friction& f : p.friction) {
     const double bound = f.mu * std::max(z[f.normal], 0.0);
-    const Index a = added_[at(f.row)];
+    const Index a = added_[at(f.first)];
     if (form_ == Form::shifted) {
-      const double forward = turned_[at(f.row)] ? -z[f.row] : z[f.row];
-      y[f.row] = forward + bound;
+      const double forward = turned_[at(f.first)] ? -z[f.first] : z[f.first];
+      y[f.first] = forward + bound;
       y[a] = bound > 0 && forward >= bound ? some : 0;  // without a bound its turned row says 0
     } else {
-      y[f.row] = std::max(z[f.row], 0.0);
-      y[a] = std::max(-z[f.row], 0.0);
-      y[a + 1] = std::abs(z[f.row]) >= bound ? some : 0;
+      y[f.first] = std::max(z[f.first], 0.0);
+      y[a] = std::max(-z[f.first], 0.0);
+      y[a + 1] = std::abs(z[f.first]) >= bound ? some : 0;
     }
   }
 }

@@ -43,7 +43,7 @@ int run_replay(const ReplayArguments& a) {
                      {"residual", s.residual},
                      {"iterations", s.iterations},
                      {"seconds", seconds},
-                     {"why_not", s.status == Status::unsupported ? solver->why_not(problem) : ""}});
+                     {"why_not", s.status == Status::unsupported ? solver->refusal(problem) : ""}});
   }
   if (a.json) {
     std::cout << table.dump(2) << '\n';

@@ -4,8 +4,11 @@
 
 #include "../support/status_line.h"
 
+#include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/judge/error_bound.h>
+#include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
@@ -19,15 +22,52 @@ namespace {
 struct SolveArguments {
   ProblemArguments problem;
   std::string solver = "auto";
+  std::string output;
   std::optional<double> time_limit;
+  int facets = 0;  // 0: the discs themselves
+  bool velocity = false;
   bool json = false, error_bound = false, log = false;
 };
 
 std::vector<double> list(const Vector& x) { return {x.data(), x.data() + x.size()}; }
 
+bool is_fclib(const std::string& file) { return file.ends_with(".hdf5") || file.ends_with(".h5"); }
+
+/// ‖x − y‖ / ‖y‖ with the entries multiplied by `unit`.
+double distance(const Vector& x, const Vector& y, const Eigen::VectorXd& unit) {
+  const double size = y.cwiseProduct(unit).norm(), apart = (x - y).cwiseProduct(unit).norm();
+  return apart == 0 ? 0 : apart / size;
+}
+
+/// How far a pyramid's answer is from the disc's, in units of each contact (cones/contact.h).
+nlohmann::ordered_json facet_error(const Lcp& problem, const Solution& s, const Facets& facets, int sides) {
+  nlohmann::ordered_json json = {{"sides", sides}, {"pyramid_status", name(facets.pyramid_status())}};
+  Solution disc;
+  make_solver("auto")->solve(problem, disc);
+  json["disc_status"] = name(disc.status);
+  if (disc.status != Status::solved || !s.z.allFinite()) return json;
+  cones::Blocks blocks;
+  Vector d;
+  blocks.load(problem), blocks.scale(problem.A, d);
+  json["distance_z"] = distance(s.z, disc.z, d.cwiseInverse());
+  json["distance_w"] = distance(s.w, disc.w, d);
+  return json;
+}
+
 int run_solve(const SolveArguments& a) {
-  const auto solver = make_solver(a.solver);
-  const Lcp problem = read_problem(a.problem);
+  const auto method = make_solver(a.solver);
+  ContactProblem contacts;
+  const bool fclib = a.problem.matrix.empty() && is_fclib(a.problem.problem);
+  if (!fclib && (a.velocity || !a.output.empty()))
+    throw std::invalid_argument(std::string(a.velocity ? "--velocity" : "--output") + ": needs an FCLIB file");
+  if (fclib)
+    contacts = read_fclib(a.problem.problem);
+  else
+    contacts.problem = read_problem(a.problem);
+  const Lcp& problem = contacts.problem;
+  if (a.facets != 0 && !problem.discs()) throw std::invalid_argument("--facets: the problem has no friction discs");
+  Facets facets(*method, std::max(a.facets, 3), 0);
+  Solver* const solver = a.facets != 0 ? &facets : method.get();
   Solution s;
   IterationLog log;
   if (a.log) solver->set_log(&log);
@@ -37,10 +77,12 @@ int run_solve(const SolveArguments& a) {
     solver->solve(problem, s);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   });
-  const std::string reason = s.status == Status::unsupported ? solver->why_not(problem) : "";
+  const std::string reason = s.status == Status::unsupported ? solver->refusal(problem) : "";
 
   nlohmann::ordered_json json = {{"status", name(s.status)},
                                  {"residual", s.residual},
+                                 {"residual_scale_free", nullptr},
+                                 {"residual_natural", nullptr},
                                  {"rounding", s.rounding},
                                  {"iterations", s.iterations},
                                  {"factorizations", s.factorizations},
@@ -49,6 +91,14 @@ int run_solve(const SolveArguments& a) {
                                  {"z", list(s.z)},
                                  {"w", list(s.w)},
                                  {"certificate", nullptr}};
+  if (problem.discs() && s.z.allFinite()) {
+    const ConeResiduals residuals = cone_residuals(problem, s.z);
+    json["residual_scale_free"] = residuals.scale_free, json["residual_natural"] = residuals.natural;
+  } else {
+    json.erase("residual_scale_free"), json.erase("residual_natural");
+  }
+  if (a.velocity) json["velocity"] = list(contacts.velocity(s.z));
+  if (a.facets != 0) json["facets"] = facet_error(problem, s, facets, a.facets);
   if (s.certificate.size() > 0) json["certificate"] = list(s.certificate);
   if (s.status == Status::solved) {  // rows count from 0
     const ActiveSet active = active_set(problem, s);
@@ -63,6 +113,7 @@ int run_solve(const SolveArguments& a) {
     json["error_bound"] = bound < kInf ? nlohmann::ordered_json(bound) : nullptr;  // null: none is known
   }
   if (!reason.empty()) json["why_not"] = reason;
+  if (!a.output.empty()) write_fclib(a.output, contacts, &s);
   if (a.log) {
     json["log"] = nlohmann::ordered_json::array();
     for (const auto& [iteration, merit, step, event] : log)
@@ -90,6 +141,12 @@ void add_solve(CLI::App& app, int& exit_code) {
   add_problem_options(*command, arguments->problem);
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
   add_time_limit(*command, arguments->time_limit, "of the solve, and of its error bound [s]");
+  command
+      ->add_option("--facets", arguments->facets,
+                   "friction discs as pyramids with so many sides; says how far that is off")
+      ->check(CLI::Range(3, 1024));
+  command->add_flag("--velocity", arguments->velocity, "velocities of the bodies, of a global FCLIB problem");
+  command->add_option("--output", arguments->output, "FCLIB file of the problem with its solution");
   command->add_flag("--log", arguments->log, "its iterations, too");
   command->add_flag("--error-bound", arguments->error_bound, "a bound on |z - solution|, where theory gives one");
   command->add_flag("--json", arguments->json, "answer as one JSON object");

@@ -30,18 +30,28 @@ void read_friction(py::handle from, std::vector<Friction>& to) {
   to.clear();
   if (from.is_none()) return;
   const auto wrong = [&](const std::string& place) {
-    throw py::type_error(place + ": must be (row, normal row, mu) triples, such as [(1, 0, 0.3)], or a (k, 3) array");
+    throw py::type_error(place +
+                         ": must be (row, normal row, mu) triples, such as [(1, 0, 0.3)], or a (k, 3) array; a disc " +
+                         "of two rows is (first row, normal row, mu, 2)");
   };
   if (!py::isinstance<py::iterable>(from)) wrong("friction");
   for (const py::handle entry : from) {
     const std::string place = "friction[" + std::to_string(to.size()) + "]";
     try {
-      const auto f = entry.cast<std::array<double, 3>>();  // of an array the rows' numbers are no integers
+      const auto f = entry.cast<std::vector<double>>();  // of an array the rows' numbers are no integers
+      if (f.size() != 3 && f.size() != 4) wrong(place);
       for (const double row : {f[0], f[1]})
         if (!(std::abs(row) < 1e9 && row == std::floor(row)))
           throw std::invalid_argument(place + " = " + py::str(entry).cast<std::string>() +
                                       ": must begin with the numbers of two rows");
-      to.push_back({static_cast<Index>(f[0]), static_cast<Index>(f[1]), f[2]});
+      const double rows = f.size() == 4 ? f[3] : 1;
+      if (rows != 1 && rows != 2)
+        throw std::invalid_argument(place + " = " + py::str(entry).cast<std::string>() +
+                                    ": must end with 1 (interval) or 2 (disc)");
+      to.push_back({.normal = static_cast<Index>(f[1]),
+                    .first = static_cast<Index>(f[0]),
+                    .rows = static_cast<Index>(rows),
+                    .mu = f[2]});
     } catch (const py::cast_error&) {
       wrong(place);
     }
@@ -65,7 +75,8 @@ void read_bound(py::handle from, std::string_view name, double otherwise, double
   }
   to = Eigen::VectorXd::Constant(n, bound);
   for (const Friction& f : problem.friction)
-    if (f.row >= 0 && f.row < n) to[f.row] = none;
+    for (Index row = f.first; row < f.first + f.rows; ++row)
+      if (row >= 0 && row < n) to[row] = none;
 }
 
 /// M, q, lower, upper, friction of the Python side; None: 0 for lower, ∞ for upper, no friction.
@@ -157,7 +168,7 @@ class PythonSolver {
             s.iterations,
             s.factorizations,
             seconds,
-            s.status == Status::unsupported ? solver_->why_not(*problem) : "",
+            s.status == Status::unsupported ? solver_->refusal(*problem) : "",
             std::move(entries)};
   }
 
@@ -268,9 +279,13 @@ Solutions all_solutions(const Lcp& problem, std::optional<double> time_limit) {
   return all;
 }
 
-std::vector<std::tuple<Index, Index, double>> friction_of(const Lcp& p) {
-  std::vector<std::tuple<Index, Index, double>> list;
-  for (const Friction& f : p.friction) list.emplace_back(f.row, f.normal, f.mu);
+/// (row, normal row, mu), with discs all with the number of rows behind.
+py::list friction_of(const Lcp& p) {
+  py::list list;
+  const bool discs = p.discs();
+  for (const Friction& f : p.friction)
+    discs ? list.append(py::make_tuple(f.first, f.normal, f.mu, f.rows))
+          : list.append(py::make_tuple(f.first, f.normal, f.mu));
   return list;
 }
 
@@ -295,7 +310,8 @@ std::unique_ptr<Lcp> problem_of(const py::tuple& state) {
 void add_problems(py::module_& m) {
   py::class_<Lcp>(m, "Problem",
                   "A problem kept: z in [lower, upper] with w = M z + q, row by row complementary.\n\n"
-                  "friction: list of (row, normal row, mu): |z[row]| <= mu z[normal].")
+                  "friction: list of (row, normal row, mu): |z[row]| <= mu z[normal]; (first row, normal row, mu, 2): "
+                  "a disc of two rows.")
       .def(py::init([](py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
              auto lcp = std::make_unique<Lcp>();
              read_problem_into(*lcp, M, q, lower, upper, friction);
@@ -393,7 +409,7 @@ void add_problems(py::module_& m) {
   m.def("_write_fclib", [](const std::filesystem::path& file, const Lcp& p, int dimension, const std::string& title,
                            const std::string& description) {
     const Index friction = static_cast<Index>(p.friction.size());
-    write_fclib(file, {p, dimension, dimension > 1 ? friction / (dimension - 1) : 0, title, description});
+    write_fclib(file, {p, dimension, dimension == 5 ? friction / 2 : friction, title, description});
   });
   m.def("_write_problem",
         [](const std::filesystem::path& file, const Lcp& p, const std::string& note) { write_problem(file, p, note); });

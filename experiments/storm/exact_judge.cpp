@@ -72,7 +72,7 @@ template <class T> struct Copy {
       };
       for (Index i = 0; i < p.size(); ++i)
         for (const Entry& entry : rows[at(i)]) join(i, entry.column);
-      for (const Friction& f : p.friction) join(f.row, f.normal);
+      for (const Friction& f : p.friction) join(f.first, f.normal);
     }
   }
 };
@@ -114,7 +114,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   std::vector<char> held_at_bound(at(n));
   for (Index j = 0; j < n; ++j) held_at_bound[at(j)] = z[j] == p.lo[j] || z[j] == p.hi[j];
   for (const Friction& f : p.friction)
-    held_at_bound[at(f.row)] = held_at_bound[at(f.normal)] != 0 && std::abs(z[f.row]) == f.mu * z[f.normal];
+    held_at_bound[at(f.first)] = held_at_bound[at(f.normal)] != 0 && std::abs(z[f.first]) == f.mu * z[f.normal];
   const auto at_bound = [&](Index j) { return held_at_bound[at(j)] != 0; };
   std::vector<T> far(at(n)), push(at(n));  // the largest |z_k|, and a_k |z_k|, that z_j may have been computed from
   for (Index j = 0; j < n; ++j) far[at(j)] = abs(x[at(j)]), push[at(j)] = most[at(j)] * abs(x[at(j)]);
@@ -127,7 +127,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     for (Index i = 0; i < n; ++i)
       for (const auto& entry : copy.rows[at(i)])
         if (!at_bound(entry.column)) raise(i, entry.column);
-    for (const Friction& f : p.friction) raise(f.row, f.normal);
+    for (const Friction& f : p.friction) raise(f.first, f.normal);
   }
 
   const T lost = T(n + 1) * T(std::numeric_limits<double>::denorm_min());  // products too small for any double
@@ -163,7 +163,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
     };
     for (Index i = 0; i < n; ++i)
       each(i, [&](Index j, const T& a) { raise(i, least_of<T>(abs(a * x[at(j)]), reach[at(j)])); });
-    for (const Friction& f : p.friction) raise(f.row, reach[at(f.normal)]);
+    for (const Friction& f : p.friction) raise(f.first, reach[at(f.normal)]);
   }
 
   // z̄, normals before their frictions.
@@ -171,7 +171,7 @@ template <class T> Finding solution(const Lcp& p, const Vector& z, double tolera
   std::vector<Side> side(at(n), Side::stays);
   std::vector<T> moved(x);
   std::vector<const Friction*> friction(at(n), nullptr);
-  for (const Friction& f : p.friction) friction[at(f.row)] = &f;
+  for (const Friction& f : p.friction) friction[at(f.first)] = &f;
   std::vector<T> r(at(n)), allowed(at(n));
   Finding finding;
   for (const bool second : {false, true})
@@ -273,7 +273,7 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   };
   if (u.size() != n || !u.allFinite()) return refuse("u is not finite, or of another size");
   std::vector<char> friction(at(n));
-  for (const Friction& f : p.friction) friction[at(f.row)] = 1;
+  for (const Friction& f : p.friction) friction[at(f.first)] = 1;
   const Copy<Rational> copy(p);
   std::vector<Rational> g(at(n)), terms(at(n)),
       sizes(at(n));  // sizes: of an operator's terms, at least those of its sums
@@ -307,7 +307,7 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   // since Σ_t |g_t z_t| > −g_n z_n needs a z_t off its bound, as large as the gain compared with g_n + Σ μ |g_t|.
   std::vector<Rational> least(at(n), Rational(-1)), push(at(n));
   for (const Friction& f : p.friction) {
-    const Rational share = Rational(f.mu) * abs(g[at(f.row)]), term = Rational(f.mu) * terms[at(f.row)];
+    const Rational share = Rational(f.mu) * abs(g[at(f.first)]), term = Rational(f.mu) * terms[at(f.first)];
     if (share == 0) continue;
     push[at(f.normal)] += share;
     if (least[at(f.normal)] < 0 || term < least[at(f.normal)]) least[at(f.normal)] = term;

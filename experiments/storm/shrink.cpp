@@ -20,13 +20,13 @@ Lcp without(const Lcp& p, Index gone) {
   }
   q.A = std::move(smaller);
   for (Friction f : p.friction) {
-    if (f.row == gone) continue;
+    if (f.first == gone) continue;
     if (f.normal == gone) {  // friction without its normal: none at all
-      const Index row = f.row < gone ? f.row : f.row - 1;
+      const Index row = f.first < gone ? f.first : f.first - 1;
       q.lo[row] = q.hi[row] = 0;
       continue;
     }
-    f.row -= f.row > gone, f.normal -= f.normal > gone;
+    f.first -= f.first > gone, f.normal -= f.normal > gone;
     q.friction.push_back(f);
   }
   return q;
@@ -77,7 +77,7 @@ Lcp shrink(Lcp problem, const std::function<bool(const Lcp&)>& shows) {
     for (Index i = 0; i < problem.size(); ++i) {
       if (problem.lo[i] == 0 && problem.hi[i] == kInf) continue;
       Lcp candidate = problem;
-      std::erase_if(candidate.friction, [i](const Friction& f) { return f.row == i; });
+      std::erase_if(candidate.friction, [i](const Friction& f) { return f.first == i; });
       candidate.lo[i] = 0, candidate.hi[i] = kInf;
       smaller = take(std::move(candidate)) || smaller;
     }

@@ -50,7 +50,7 @@ Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit)
   const double first = rival::processor_time() - begin;
   solver->set_log(nullptr);
   t.stages = stages_of(log);
-  if (s.status == Status::unsupported) t.note = solver->why_not(problem);
+  if (s.status == Status::unsupported) t.note = solver->refusal(problem);
   // The logged run counts only when it is the only one.
   const double left = std::min(kEnough, time_limit - first);
   rival::Timing timing{first, 1};

@@ -44,7 +44,7 @@ template <class T, class Values> void put(std::ofstream& out, const Values& valu
 /// The format that benchmarks/lcp/driver.h tells.
 void write_for_driver(const std::filesystem::path& file, const Lcp& p) {
   std::vector<std::int64_t> start(static_cast<std::size_t>(p.size()) + 1);
-  std::vector<Index> column, row, normal;
+  std::vector<Index> column, row, normal, rows;
   std::vector<double> value, mu;
   each_entry(p.A, [&](Index i, Index j, double a) {
     if (a == 0) return;
@@ -52,19 +52,21 @@ void write_for_driver(const std::filesystem::path& file, const Lcp& p) {
     start[static_cast<std::size_t>(i) + 1] = static_cast<std::int64_t>(value.size());
   });
   for (std::size_t i = 1; i < start.size(); ++i) start[i] = std::max(start[i], start[i - 1]);  // empty rows
-  for (const Friction& f : p.friction) row.push_back(f.row), normal.push_back(f.normal), mu.push_back(f.mu);
+  for (const Friction& f : p.friction)
+    row.push_back(f.first), normal.push_back(f.normal), rows.push_back(f.rows), mu.push_back(f.mu);
   std::ofstream out(file, std::ios::binary);
   out.exceptions(std::ios::failbit | std::ios::badbit);
   put<std::int64_t>(out, std::array{static_cast<std::size_t>(p.size()), value.size(), mu.size()});
   put<std::int64_t>(out, start), put<std::int32_t>(out, column), put<double>(out, value);
   put<double>(out, p.b), put<double>(out, p.lo), put<double>(out, p.hi);
   put<std::int32_t>(out, row), put<std::int32_t>(out, normal), put<double>(out, mu);
+  put<std::int32_t>(out, rows);
 }
 
 bool boxes(const Lcp& p) { return (p.lo.array() != 0).any() || (p.hi.array() != kInf).any(); }
 bool free_rows(const Lcp& p) {
   std::vector<char> friction(static_cast<std::size_t>(p.size()));
-  for (const Friction& f : p.friction) friction[static_cast<std::size_t>(f.row)] = 1;
+  for (const Friction& f : p.friction) friction[static_cast<std::size_t>(f.first)] = 1;
   for (Index i = 0; i < p.size(); ++i)
     if (friction[static_cast<std::size_t>(i)] == 0 && p.lo[i] == -kInf && p.hi[i] == kInf) return true;
   return false;
@@ -148,6 +150,22 @@ std::vector<Rival> rivals(const std::filesystem::path& folder) {
   return all;
 }
 
+Vector answer_of_rival(const Lcp& problem, const Rival& rival, double tolerance, Trial& trial) {
+  const MemoryFile file, answer;
+  write_for_driver(file.path, problem);
+  std::ostringstream asked;
+  asked << tolerance;
+  output_of({rival.program.string(), rival.method, file.path, answer.path, asked.str()});
+  std::ifstream in(answer.path);
+  in >> trial.status >> trial.iterations >> trial.runs >> trial.seconds;
+  std::getline(in >> std::ws, trial.note);
+  Vector y;
+  y.resize(problem.size());
+  std::string number;  // strtod and not >>, which knows no nan
+  for (Index i = 0; i < y.size(); ++i) y[i] = in >> number ? std::strtod(number.c_str(), nullptr) : std::nan("");
+  return y;
+}
+
 Trial try_rival(const Lcp& problem, const Rival& rival, double tolerance) {
   if (!rival.absent.empty()) return unsupported(rival.absent.c_str());
   const bool pure = rival.takes == "pure", plain = rival.takes != "friction" && !problem.friction.empty();
@@ -155,20 +173,9 @@ Trial try_rival(const Lcp& problem, const Rival& rival, double tolerance) {
   const bool rewritten = plain || (pure && boxes(problem));
   Pyramid pyramid;
   const Lcp& given = rewritten ? pyramid.pure(problem, Pyramid::Form::stewart_trinkle) : problem;
-  const MemoryFile file, answer;
-  write_for_driver(file.path, given);
-  std::ostringstream asked;
-  asked << tolerance;
-  output_of({rival.program.string(), rival.method, file.path, answer.path, asked.str()});
-
   Trial t;
-  std::ifstream in(answer.path);
-  in >> t.status >> t.iterations >> t.runs >> t.seconds;
-  std::getline(in >> std::ws, t.note);
-  Vector y, z;
-  y.resize(given.size());
-  std::string number;  // strtod and not >>, which knows no nan
-  for (Index i = 0; i < y.size(); ++i) y[i] = in >> number ? std::strtod(number.c_str(), nullptr) : std::nan("");
+  Vector z;
+  const Vector y = answer_of_rival(given, rival, tolerance, t);
   if (rewritten)
     pyramid.restore(problem, y, z);
   else

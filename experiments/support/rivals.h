@@ -29,6 +29,10 @@ std::vector<Rival> rivals(const std::filesystem::path& folder);
 /// program dies with this process; call it within Isolated where a time limit matters.
 std::string output_of(const std::vector<std::string>& command);
 
+/// What a rival answers to a problem as it stands, handed over in a file; claim, iterations, time and note go into
+/// `trial`, unjudged. No answer: NaN.
+Vector answer_of_rival(const Lcp& problem, const Rival& rival, double tolerance, Trial& trial);
+
 /// An LCP by a rival: handed over in a file, solved by its driver, and judged here like try_solver()'s. A solver of
 /// pure problems gets boxes and friction as added rows (pyramid.h, Stewart and Trinkle's form, copositive: Lemke's
 /// method has its guarantee), untimed; free rows it does not take. `tolerance` is for iterative solvers: a decade

@@ -45,7 +45,7 @@ void ContactTransition::formulate(ContactMotion& motion) {
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double mu = static_mu(system_.law(candidates[i].contact));
     if (candidates[i].slip != 0 || candidates[i].held || mu <= 0) continue;
-    lcp_.friction.push_back({equations_.size(), static_cast<Index>(i), mu});
+    lcp_.friction.push_back({.normal = static_cast<Index>(i), .first = equations_.size(), .mu = mu});
     std::visit(
         [&](const auto& contact) {
           equations_.add(rows_[i].tangent, rows_[i].tangent, contact.bias(terms.at).tangent);
@@ -67,7 +67,7 @@ bool ContactTransition::doubtful() const {
   for (Index i = 0; i < normals; ++i)
     if (equations_.A(i, i) <= 0) return true;
   for (const Friction& f : lcp_.friction)
-    if (equations_.A(f.normal, f.normal) <= f.mu * std::abs(equations_.A(f.normal, f.row))) return true;
+    if (equations_.A(f.normal, f.normal) <= f.mu * std::abs(equations_.A(f.normal, f.first))) return true;
   return false;
 }
 
@@ -95,7 +95,7 @@ ContactTransition::Proof ContactTransition::proof() {
     const auto size = [&](Index row) { return equations_.A.col(row).cwiseAbs().dot(u.cwiseAbs()); };
     double sum = share(i), all = size(i);
     for (const Friction& f : lcp_.friction)
-      if (f.normal == i) sum += f.mu * std::abs(share(f.row)), all += f.mu * size(f.row);
+      if (f.normal == i) sum += f.mu * std::abs(share(f.first)), all += f.mu * size(f.first);
     if (sum > -kProof * all) return Proof::none;
   }
   return Proof::paradox;
@@ -189,8 +189,8 @@ bool ContactTransition::slide_off() {
   bool again = false;
   const double zero = this->zero();
   for (const Friction& f : lcp_.friction) {
-    const double slack = f.mu * solution_.z[f.normal] - std::abs(solution_.z[f.row]), slip = solution_.w[f.row];
-    if (std::abs(slip) <= equations_.A(f.row, f.row) * slack + zero) continue;
+    const double slack = f.mu * solution_.z[f.normal] - std::abs(solution_.z[f.first]), slip = solution_.w[f.first];
+    if (std::abs(slip) <= equations_.A(f.first, f.first) * slack + zero) continue;
     Candidate& c = candidates[static_cast<std::size_t>(f.normal)];
     c.slip = slip > 0 ? 1 : -1;
     again = again || system_.law(c.contact).mu != f.mu;

@@ -121,7 +121,7 @@ void StepProblem::collect(const Terms& terms, const std::vector<Wanted>& wanted,
       if (!c.frictional) continue;
       Place& place = places_[c.closed];
       place.tangent = static_cast<Index>(rows_.size());
-      lcp_.friction.push_back({place.tangent, place.normal, c.mu});
+      lcp_.friction.push_back({.normal = place.normal, .first = place.tangent, .mu = c.mu});
       rows_.push_back(terms.closed[c.closed].rows.tangent);
     }
   resisted_ = static_cast<Index>(rows_.size());
@@ -178,7 +178,7 @@ void StepProblem::bind() {
 /// Tangent rows stand one after the other.
 const Friction* StepProblem::friction_of(int row) const {
   if (lcp_.friction.empty()) return nullptr;
-  const Index k = row - lcp_.friction.front().row;
+  const Index k = row - lcp_.friction.front().first;
   return k >= 0 && k < std::ssize(lcp_.friction) ? &lcp_.friction[static_cast<std::size_t>(k)] : nullptr;
 }
 
@@ -194,7 +194,7 @@ const Lcp& StepProblem::cut(std::span<const int> rows, Block& block) const {
     block.place[static_cast<std::size_t>(row)] = static_cast<int>(i);
     part.b[i] = lcp_.b[row], part.lo[i] = lcp_.lo[row], part.hi[i] = lcp_.hi[row];
     if (const Friction* f = friction_of(row))  // its normal came before
-      part.friction.push_back({i, block.place[static_cast<std::size_t>(f->normal)], f->mu});
+      part.friction.push_back({.normal = block.place[static_cast<std::size_t>(f->normal)], .first = i, .mu = f->mu});
   }
   if (auto* delassus = std::get_if<Delassus>(&part.A)) {
     block.rows.clear();
@@ -222,9 +222,9 @@ bool StepProblem::regrade(const Vector& z, const Vector& w) {
     const double pressure = z[friction.normal];
     const bool sticks = friction.mu > c.law->mu;
     // At the bound alone is no slip: of contacts that share a load one may be there by the split that the solver took.
-    const bool changes = sticks ? std::abs(w[friction.row]) > none && pressure > 0 &&
-                                      std::abs(z[friction.row]) >= kBound * friction.mu * pressure
-                                : w[friction.row] * c.slip < 0;
+    const bool changes = sticks ? std::abs(w[friction.first]) > none && pressure > 0 &&
+                                      std::abs(z[friction.first]) >= kBound * friction.mu * pressure
+                                : w[friction.first] * c.slip < 0;
     if (!changes) continue;
     friction.mu = sticks ? c.law->mu : c.law->mu_static;
     any = true;

@@ -42,8 +42,8 @@ class FrozenFriction {  // reuse it
     for (int round = 0; round < kRounds && !budget.exhausted(); ++round) {
       for (Index k = 0; k < assumed_.size(); ++k) {
         const Friction& f = problem.friction[at(k)];
-        box_.hi[f.row] = f.mu * assumed_[k];
-        box_.lo[f.row] = -box_.hi[f.row];
+        box_.hi[f.first] = f.mu * assumed_[k];
+        box_.lo[f.first] = -box_.hi[f.first];
       }
       before_ = z;
       claim = solve_box(box_, z);
@@ -66,7 +66,7 @@ class FrozenFriction {  // reuse it
   static void clamp(const Lcp& problem, Vector& z) {
     for (const Friction& f : problem.friction) {
       const double bound = f.mu * std::max(0.0, z[f.normal]);
-      z[f.row] = std::clamp(z[f.row], -bound, bound);
+      z[f.first] = std::clamp(z[f.first], -bound, bound);
     }
   }
 

@@ -43,7 +43,7 @@ void InteriorPoint::load(const Lcp& p) {
   block_.load(p.A, &budget());
   row_sizes(p.A, scale_);
   lo_ = p.lo, hi_ = p.hi;
-  for (const Friction& f : p.friction) lo_[f.row] = hi_[f.row] = 0;  // μ = 0
+  for (const Friction& f : p.friction) lo_[f.first] = hi_[f.first] = 0;  // μ = 0
   bounds_.clear(), open_.clear();
   for (Index i = 0; i < p.size(); ++i) {
     if (lo_[i] == hi_[i]) continue;

@@ -62,6 +62,7 @@ class InteriorPoint final : public Solver {
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
 
   const Lcp& prepared(const Lcp& problem);
   Status method(const Lcp& problem, Solution& s, Start start);

@@ -49,6 +49,7 @@ class NewtonFb final : public Solver {
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   Status attempt(const Lcp& problem, Solution& s);
   void light_rows(const Lcp& problem, Solution& s);

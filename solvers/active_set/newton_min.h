@@ -45,6 +45,7 @@ class NewtonMin final : public Solver {
  private:
   Status run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
   bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
   const Lcp* by_rows(const Lcp& problem);
   Status rounds(const Lcp& problem, const Lcp& given, Solution& s);

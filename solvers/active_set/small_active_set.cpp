@@ -91,11 +91,12 @@ template <Index N> void Attempt<N>::load(const Lcp& problem) {
   side_.fit(n), sliding_.fit(n);
   for (Index i = 0; i < n; ++i) lo_[i] = problem.lo[i], hi_[i] = problem.hi[i], normal_[i] = -1;
   friction_ = !problem.friction.empty();
-  for (const Friction& f : problem.friction) normal_[f.row] = f.normal, mu_[f.row] = f.mu;
+  for (const Friction& f : problem.friction) normal_[f.first] = f.normal, mu_[f.first] = f.mu;
 }
 
 template <Index N> void Attempt<N>::bounds(const double* z) {
-  for (const Friction& f : problem_->friction) hi_[f.row] = f.mu * std::max(z[f.normal], 0.0), lo_[f.row] = -hi_[f.row];
+  for (const Friction& f : problem_->friction)
+    hi_[f.first] = f.mu * std::max(z[f.normal], 0.0), lo_[f.first] = -hi_[f.first];
 }
 
 /// No positive entry outside a positive diagonal.
@@ -183,12 +184,12 @@ template <Index N> bool Attempt<N>::newton(double* z) {
   inside_count_ = rank_ = m;
   sliding_count_ = 0;
   for (const Friction& f : problem_->friction) {  // those of an open contact stay at ±μ z_n too
-    if (side_[f.row] == Side::inside) continue;
-    const double slope = side_[f.row] == Side::lower ? -f.mu : f.mu;
+    if (side_[f.first] == Side::inside) continue;
+    const double slope = side_[f.first] == Side::lower ? -f.mu : f.mu;
     if (place_[f.normal] < 0)
-      z[f.row] = slope * z[f.normal];
+      z[f.first] = slope * z[f.normal];
     else
-      sliding_[sliding_count_++] = {f.row, f.normal, slope};
+      sliding_[sliding_count_++] = {f.normal, f.first, 1, slope};
   }
   product(z);
   if (m == 0) return true;
@@ -203,7 +204,7 @@ template <Index N> bool Attempt<N>::newton(double* z) {
   }
   for (Index k = 0; k < sliding_count_; ++k) {
     const Friction& f = sliding_[k];
-    for (Index r = 0; r < m; ++r) block[r + m * place_[f.normal]] += f.mu * A_[inside_[r] + n * f.row];
+    for (Index r = 0; r < m; ++r) block[r + m * place_[f.normal]] += f.mu * A_[inside_[r] + n * f.first];
   }
   if constexpr (N == kAny)
     largest = detail::largest(block, m * m);
@@ -226,7 +227,7 @@ template <Index N> void Attempt<N>::correct(double* z) {
   for (Index r = 0; r < m; ++r) rhs_[r] = w_[inside_[r]];
   if (m > 0) lu_.solve(rhs_.data(), rank_);
   for (Index r = 0; r < m; ++r) z[inside_[r]] -= rhs_[r];
-  for (Index k = 0; k < sliding_count_; ++k) z[sliding_[k].row] = sliding_[k].mu * z[sliding_[k].normal];
+  for (Index k = 0; k < sliding_count_; ++k) z[sliding_[k].first] = sliding_[k].mu * z[sliding_[k].normal];
   product(z);
 }
 
@@ -261,7 +262,7 @@ template <Index N> Index Attempt<N>::mend(const double* z, bool one) {
     last = i, last_before = before;
   }
   for (const Friction& f : problem_->friction)  // a contact that closes sticks at first
-    if (side_[f.normal] == Side::inside && place_[f.normal] < 0) side_[f.row] = Side::inside;
+    if (side_[f.normal] == Side::inside && place_[f.normal] < 0) side_[f.first] = Side::inside;
   return wrong;
 }
 
@@ -303,7 +304,7 @@ bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Bud
         if (normal_[i] < 0) z[i] = std::clamp(z[i], lo_[i], hi_[i]);
       }
       bounds(z);
-      for (const Friction& f : problem.friction) z[f.row] = std::clamp(z[f.row], lo_[f.row], hi_[f.row]);
+      for (const Friction& f : problem.friction) z[f.first] = std::clamp(z[f.first], lo_[f.first], hi_[f.first]);
       double sum = 0;
       for (Index i = 0; i < n; ++i) sum += 0 * z[i];
       return sum == 0;

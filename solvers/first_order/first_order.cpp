@@ -157,8 +157,8 @@ void HeldBounds::load(const Lcp& problem, Vector& z) {
 void HeldBounds::hold(const Lcp& problem, Vector& z) {
   z = z.cwiseMax(problem.lo).cwiseMin(problem.hi);
   for (const Friction& f : problem.friction) {
-    hi[f.row] = f.mu * z[f.normal], lo[f.row] = -hi[f.row];
-    z[f.row] = std::clamp(z[f.row], lo[f.row], hi[f.row]);
+    hi[f.first] = f.mu * z[f.normal], lo[f.first] = -hi[f.first];
+    z[f.first] = std::clamp(z[f.first], lo[f.first], hi[f.first]);
   }
 }
 
@@ -168,7 +168,7 @@ double HeldBounds::violation(const Lcp& problem, const Vector& z, const Vector& 
   true_ = held_;
   for (const Friction& f : problem.friction) {
     const double bound = f.mu * z[f.normal];
-    raise(true_, row(f.row, z[f.row], w[f.row], -bound, bound));
+    raise(true_, row(f.first, z[f.first], w[f.first], -bound, bound));
   }
   return true_;
 }

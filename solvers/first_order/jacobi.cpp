@@ -22,7 +22,7 @@ Jacobi::Step Jacobi::advance(const Lcp& problem, Vector& z) {
   for (Index i = 0; i < z.size(); ++i) w_[i] = std::clamp(z[i] + w_[i], problem.lo[i], problem.hi[i]);
   for (const Friction& f : problem.friction) {
     const double bound = f.mu * std::max(w_[f.normal], 0.0);
-    w_[f.row] = std::clamp(w_[f.row], -bound, bound);
+    w_[f.first] = std::clamp(w_[f.first], -bound, bound);
   }
   Step step{.moved = false};
   for (Index i = 0; i < z.size(); ++i) {

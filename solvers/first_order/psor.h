@@ -35,6 +35,7 @@ class Psor final : public SweepSolver {
   void adapt(const Sweeps::Change& change);
   int max_iterations() const override { return options_.max_sweeps; }
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
 
   Options options_;
   bool adaptive_ = true;

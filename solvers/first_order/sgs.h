@@ -24,6 +24,7 @@ class Sgs final : public SweepSolver {
   }
   int max_iterations() const override { return options_.max_sweeps; }
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
   Options options_;
 };
 

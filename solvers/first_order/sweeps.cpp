@@ -47,7 +47,7 @@ void Sweeps::load(const Lcp& problem, const Vector& z) {
   orthant::diagonal(problem.A, diagonal_);
   friction_of_.assign(at(problem.size()), -1);
   for (std::size_t k = 0; k < problem.friction.size(); ++k)
-    friction_of_[at(problem.friction[k].row)] = static_cast<Index>(k);
+    friction_of_[at(problem.friction[k].first)] = static_cast<Index>(k);
   side_.assign(at(problem.size()), 0);
   refresh(z);
 }

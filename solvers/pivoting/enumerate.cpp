@@ -109,7 +109,7 @@ void Walk::form(const Lcp& problem) {
   friction_ = problem.friction;
   columns_ = static_cast<int>(n) + 1;
   std::vector<const Friction*> coupled(at(n));
-  for (const Friction& f : friction_) coupled[at(f.row)] = &f;
+  for (const Friction& f : friction_) coupled[at(f.first)] = &f;
 
   // z in the entries x: z − lo, hi − z, z itself on free rows, z + μ z_n on friction rows.
   Table z(at(n), exact::Row(at(columns_)));
@@ -124,7 +124,7 @@ void Walk::form(const Lcp& problem) {
     root.any_sign[at(i) + 1] = !below && !above && coupled[at(i)] == nullptr;
   }
   for (const Friction& f : friction_)
-    for (std::size_t k = 0; k < at(columns_); ++k) z[at(f.row)][k] -= Rational(f.mu) * z[at(f.normal)][k];
+    for (std::size_t k = 0; k < at(columns_); ++k) z[at(f.first)][k] -= Rational(f.mu) * z[at(f.normal)][k];
 
   Table forms;
   const auto add = [&](exact::Row form, int wanted) {
@@ -431,6 +431,7 @@ SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>&
 }
 
 std::string Enumerate::why_not(const Lcp& problem) const {
+  if (problem.discs()) return "friction discs: enumeration takes linear problems";
   if (problem.size() > kMostRows)
     return "n = " + std::to_string(problem.size()) + ": enumeration takes at most " + std::to_string(kMostRows);
   double choices = 1;

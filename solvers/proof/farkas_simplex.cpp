@@ -36,7 +36,7 @@ Program program(const Lcp& problem) {
   const Index n = problem.size();
   const Sparse A = formed(problem.A).value;
   std::vector<char> friction(at(n), 0);
-  for (const Friction& f : problem.friction) friction[at(f.row)] = 1;
+  for (const Friction& f : problem.friction) friction[at(f.first)] = 1;
   Program p;
   if (const double b = problem.b.lpNorm<Eigen::Infinity>(); b > 0) p.scale = std::exp2(-std::ilogb(b));
   std::vector<Index> place(at(n), -1);
@@ -57,7 +57,7 @@ Program program(const Lcp& problem) {
     for (const double sign : {-1.0, 1.0}) {  // μ z_n ± z_t ≥ 0
       const auto row = static_cast<int>(p.lower.size());
       entries.emplace_back(row, static_cast<int>(f.normal), f.mu);
-      entries.emplace_back(row, static_cast<int>(f.row), sign);
+      entries.emplace_back(row, static_cast<int>(f.first), sign);
       p.lower.push_back(0);
       p.upper.push_back(COIN_DBL_MAX);
       p.row_of_problem.push_back(-1);

@@ -83,7 +83,7 @@ TEST_CASE("rivals: friction and boxes are rows of their own for solvers of pure 
   CHECK(sizes(pair()) == "boxes 2 4 0; friction 2 4 0; pure 2 4 0; ");
   Lcp contact = pair();
   contact.lo[1] = -kInf;
-  contact.friction = {{1, 0, 0.3}};                                        // row 1 rubs on row 0
+  contact.friction = {{0, 1, 1, 0.3}};                                     // row 1 rubs on row 0
   CHECK(sizes(contact) == "boxes 4 14 0; friction 2 4 1; pure 4 14 0; ");  // normal, z+, bound, z-: 3 + 4 + 3 + 4
   Lcp box = pair();
   box.hi[1] = 2;

@@ -57,7 +57,7 @@ TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound
   CHECK(!examine_solution(one, Vector{-1e-3}, 1e-10).holds);
   Lcp contact = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 0}, {0, 1}}), Vector{-1, -0.75});
   contact.lo[1] = -kInf;
-  contact.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  contact.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
   CHECK(examine_solution(contact, Vector{1, 0.5}, 1e-10).holds);
   CHECK(!examine_solution(contact, Vector{1, 0.75}, 1e-10).holds);
   const Lcp apart = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(2, 2)), Vector{-1e12, -1});
@@ -96,7 +96,7 @@ TEST_CASE(
                     {-0.8036162073904574, -0.02468976628376224, -1.1786697458468798, 0}};
   Lcp p = Lcp::standard(DenseMatrix(A), Vector{0, -1, -1, 0});
   p.lo[2] = -kInf;
-  p.friction = {{.row = 2, .normal = 1, .mu = 1.8522721359487426}};
+  p.friction = {{.normal = 1, .first = 2, .mu = 1.8522721359487426}};
   Solution s;
   REQUIRE(make_solver("lemke")->solve(p, s).status == Status::infeasible);
   const Finding finding = examine_proof(p, s.certificate);

@@ -277,3 +277,20 @@ def test_devices_and_pipes_are_no_files(tmp_path):
     (tmp_path / "link.npz").symlink_to(tmp_path / "there.npz")
     orthant.write_npz(tmp_path / "link.npz", problem)  # a link is followed
     assert (tmp_path / "link.npz").is_symlink() and (tmp_path / "there.npz").is_file()
+
+
+def test_friction_discs_survive_every_file(tmp_path):
+    # A puck pushed along (3, 4): mu z_n = 2.5 against it.
+    puck = orthant.Problem(np.eye(3), [-10.0, 3.0, 4.0], friction=[(1, 0, 0.25, 2)])
+    assert puck.friction == [(1, 0, 0.25, 2)]
+    orthant.write_problem(tmp_path / "p.json", puck)
+    orthant.write_npz(tmp_path / "p.npz", puck)
+    orthant.write_fclib(tmp_path / "p.hdf5", puck, dimension=3)
+    for file in ("p.json", "p.npz", "p.hdf5"):
+        back = orthant.read_problem(tmp_path / file)
+        assert back.friction == puck.friction
+        result = orthant.solve(back)
+        assert result.status == "solved"
+        assert np.allclose(result.z, [10, -1.5, -2], rtol=0, atol=1e-9)
+    with pytest.raises(ValueError, match=r"must end with 1 \(interval\) or 2 \(disc\)"):
+        orthant.Problem(np.eye(3), [-10.0, 3.0, 4.0], friction=[(1, 0, 0.25, 3)])

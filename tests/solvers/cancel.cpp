@@ -95,6 +95,8 @@ std::vector<Long> long_work() {
       {"nlopt:max_evaluations=1000000000", large},
       {"lemke-howson", family_problem("bimatrix", 1000, 0)},
       {"enumerate", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
+      {"prox:max_outer=1000000", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
+      {"newton-ac:max_steps=1000000", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
       {"enumerate", polyhedron}};
 }
 

@@ -62,7 +62,7 @@ TEST_CASE(
                               {464.2642915134531, -461.661634412473, 236.3730545533902, 236.3730545533902}};
   problem.lo = Eigen::VectorXd{{0, 0, -kInf, -kInf}};
   problem.hi = Vector::Constant(4, kInf);
-  problem.friction = {{2, 0, 0.01}, {3, 1, 0.01}};
+  problem.friction = {{.normal = 0, .first = 2, .mu = 0.01}, {.normal = 1, .first = 3, .mu = 0.01}};
   for (const char* spec : {"newton-fb", "newton-min"})
     for (const double slip : {1e-3, 1.0, 1e3, -1e3})
       for (const double unit : {1.0, 0x1p-40, 0x1p40}) {

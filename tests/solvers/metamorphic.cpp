@@ -49,7 +49,7 @@ Retold permuted(const Lcp& given, Random& random) {
   Lcp q = p;
   q.A = DenseMatrix(Eigen::MatrixXd(std::get<DenseMatrix>(p.A)(order, order)));
   q.b = p.b(order), q.lo = p.lo(order), q.hi = p.hi(order);
-  for (Friction& f : q.friction) f.row = place[at(f.row)], f.normal = place[at(f.normal)];
+  for (Friction& f : q.friction) f.first = place[at(f.first)], f.normal = place[at(f.normal)];
   return {q, [place](const Vector& z) { return Vector(z(place)); }};
 }
 
@@ -61,7 +61,7 @@ Retold scaled(const Lcp& given, Random& random) {
   Vector row(Eigen::VectorXd::Zero(n)), col = row;
   for (double& d : row) d = std::ldexp(1.0, random.integer(-40, 40));
   for (double& d : col) d = std::ldexp(1.0, random.integer(-40, 40));
-  for (const Friction& f : p.friction) row[f.row] = row[f.normal], col[f.row] = col[f.normal];
+  for (const Friction& f : p.friction) row[f.first] = row[f.normal], col[f.first] = col[f.normal];
   A = Eigen::MatrixXd(row.asDiagonal() * A * col.asDiagonal());
   p.b.array() *= row.array(), p.lo.array() /= col.array(), p.hi.array() /= col.array();
   return {p, [col](const Vector& z) { return Vector(z.cwiseProduct(col)); }};
@@ -76,7 +76,7 @@ Retold twice(const Lcp& given, Random&) {
   q.A = DenseMatrix(A);
   q.b = Eigen::VectorXd(p.b.replicate(2, 1)), q.lo = Eigen::VectorXd(p.lo.replicate(2, 1));
   q.hi = Eigen::VectorXd(p.hi.replicate(2, 1));
-  for (const Friction& f : p.friction) q.friction.push_back({f.row + n, f.normal + n, f.mu});
+  for (const Friction& f : p.friction) q.friction.push_back({f.normal + n, f.first + n, f.rows, f.mu});
   return {q, [n](const Vector& z) { return Vector(2 * z.tail(n) - z.head(n)); }};  // what both say, where both agree
 }
 

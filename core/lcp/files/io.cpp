@@ -226,10 +226,14 @@ Lcp parse_problem(std::string_view text, const std::string& name) {
     const Json& list = r.list("friction");
     for (std::size_t i = 0; i < list.size(); ++i) {
       const Reader f(name, Reader::indexed("friction", i) + ".", list[i]);
-      f.only({"row", "normal", "mu"});
+      f.only({"row", "first", "rows", "normal", "mu"});
+      if (f.has("row") == f.has("first")) f.refuse("first", "must be there (or row, of one row), not both");
       const Index last = std::max<Index>(0, problem.size() - 1);
-      problem.friction.push_back({f.whole(f.at("row"), "row", 0, last), f.whole(f.at("normal"), "normal", 0, last),
-                                  f.number(f.at("mu"), "mu")});
+      const char* const first = f.has("row") ? "row" : "first";
+      problem.friction.push_back({.normal = f.whole(f.at("normal"), "normal", 0, last),
+                                  .first = f.whole(f.at(first), first, 0, last),
+                                  .rows = f.has("rows") ? f.whole(f.at("rows"), "rows", 1, 2) : 1,
+                                  .mu = f.number(f.at("mu"), "mu")});
     }
   }
   try {
@@ -253,8 +257,12 @@ std::string to_json(const Lcp& problem, std::string_view note) {
   json["hi"] = numbers(problem.hi);
   if (!problem.friction.empty()) {
     json["friction"] = Json::array();
-    for (const Friction& f : problem.friction)
-      json["friction"].push_back({{"row", f.row}, {"normal", f.normal}, {"mu", f.mu}});
+    for (const Friction& f : problem.friction) {
+      if (f.rows == 1)
+        json["friction"].push_back({{"row", f.first}, {"normal", f.normal}, {"mu", f.mu}});
+      else
+        json["friction"].push_back({{"first", f.first}, {"rows", f.rows}, {"normal", f.normal}, {"mu", f.mu}});
+    }
   }
   return json.dump(1) + "\n";
 }

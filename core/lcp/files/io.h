@@ -8,6 +8,7 @@
 //                "inverse_mass": […], "regularization": […]}                                A = W M⁻¹ Wᵀ + R
 //     b         n numbers              lo, hi    n numbers, "inf" or "-inf"; absent: 0 and ∞
 //     friction  [{"row": 1, "normal": 0, "mu": 0.3}]; may be absent         note   any text; may be absent
+//               a disc of two rows: {"first": 1, "rows": 2, "normal": 0, "mu": 0.3}
 //   Numbers are written so that they read back bit for bit.
 // Everything wrong throws std::runtime_error, one line: file, field, value, rule.
 #pragma once

@@ -2,6 +2,7 @@
 #include <orthant/core/lcp/files/io_fclib.h>
 
 #include <orthant/core/lcp/files/hdf5_image.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/support/file.h>
 
 #include <Eigen/SparseCholesky>
@@ -10,6 +11,7 @@
 #include <H5Cpp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orthant {
@@ -131,47 +133,87 @@ bool is_diagonal(const Sparse& A) {
   return true;
 }
 
-void read_local(const Reader& in, Lcp& problem) {
-  for (const char* unknown : {"fclib_local/V", "fclib_local/R"})
-    if (in.has(unknown)) in.refuse(unknown, "brings further unknowns: must be absent");
-  const Sparse W = in.matrix("fclib_local/W");
-  if (W.rows() != W.cols()) in.refuse("fclib_local/W", "must be square");
-  problem.A = RowSparse::from(W);
-  problem.b = in.numbers("fclib_local/vectors/q", W.rows());
+/// Returns the rows of the contacts; those of λ stand behind them.
+Index read_local(const Reader& in, const std::string& group, Lcp& problem) {
+  const Sparse W = in.matrix(group + "/W");
+  const Index n = W.rows();
+  if (W.cols() != n) in.refuse(group + "/W", "must be square");
+  const Vector q = in.numbers(group + "/vectors/q", n);
+  if (!in.has(group + "/V")) {
+    if (in.has(group + "/R")) in.refuse(group + "/R", "stands without V: must have it");
+    problem.A = RowSparse::from(W), problem.b = q;
+    return n;
+  }
+  const Sparse V = in.matrix(group + "/V");
+  const Index m = V.cols();
+  if (V.rows() != n) in.refuse(group + "/V", "must have as many rows as W");
+  Sparse R(m, m);
+  if (in.has(group + "/R")) R = in.matrix(group + "/R");
+  if (R.rows() != m || R.cols() != m) in.refuse(group + "/R", "must be square, with as many columns as V");
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&entries](const Sparse& M, Index row, Index column, bool transposed) {
+    for (Index i = 0; i < M.outerSize(); ++i)
+      for (Sparse::InnerIterator it(M, i); it; ++it)
+        entries.emplace_back(static_cast<int>(row + (transposed ? it.col() : it.row())),
+                             static_cast<int>(column + (transposed ? it.row() : it.col())), it.value());
+  };
+  add(W, 0, 0, false), add(V, 0, n, false), add(V, n, 0, true), add(R, n, n, false);
+  Sparse A(n + m, n + m);
+  A.setFromTriplets(entries.begin(), entries.end());
+  problem.A = RowSparse::from(A);
+  problem.b.resize(n + m);
+  problem.b.head(n) = q;
+  problem.b.tail(m) =
+      in.has(group + "/vectors/s") ? in.numbers(group + "/vectors/s", m) : Vector(Eigen::VectorXd::Zero(m));
+  return n;
 }
 
-/// Returns the rows of the contacts; those of G stand behind them.
-Index read_global(const Reader& in, Lcp& problem) {
-  const Sparse M = in.matrix("fclib_global/M"), H = in.matrix("fclib_global/H");
+Index read_global(const Reader& in, const std::string& group, ContactProblem& p) {
+  const Sparse M = in.matrix(group + "/M"), H = in.matrix(group + "/H");
   const Index m = M.rows();
-  if (M.cols() != m || H.rows() != m) in.refuse("fclib_global/M", "must be square, with as many rows as H");
-  const Vector f = in.numbers("fclib_global/vectors/f", m), w = in.numbers("fclib_global/vectors/w", H.cols());
+  if (M.cols() != m || H.rows() != m) in.refuse(group + "/M", "must be square, with as many rows as H");
+  const Vector f = in.numbers(group + "/vectors/f", m), w = in.numbers(group + "/vectors/w", H.cols());
   Sparse J = H.transpose();
   Eigen::VectorXd b = w;
-  if (in.has("fclib_global/G")) {
-    const Sparse G = in.matrix("fclib_global/G");
-    if (G.rows() != m) in.refuse("fclib_global/G", "must have as many rows as M");
+  if (in.has(group + "/G")) {
+    const Sparse G = in.matrix(group + "/G");
+    if (G.rows() != m) in.refuse(group + "/G", "must have as many rows as M");
     Sparse both(H.cols() + G.cols(), m);
     both.topRows(H.cols()) = J, both.bottomRows(G.cols()) = Sparse(G.transpose());
     J = both;
     b.conservativeResize(J.rows());
-    b.tail(G.cols()) = in.numbers("fclib_global/vectors/b", G.cols());
+    b.tail(G.cols()) = in.numbers(group + "/vectors/b", G.cols());
   }
   if (is_diagonal(M)) {
     Delassus A{RowSparse::from(J), Eigen::VectorXd(M.diagonal().cwiseInverse()), {}};
     for (Index i = 0; i < m; ++i)
       if (!(A.inverse_mass[i] > 0 && A.inverse_mass[i] < kInf))
-        in.refuse("fclib_global/M", "has " + std::to_string(M.coeff(i, i)) + " on its diagonal: must be > 0");
-    problem.b = b + J * Eigen::VectorXd(A.inverse_mass.cwiseProduct(f));
-    problem.A = std::move(A);
+        in.refuse(group + "/M", "has " + std::to_string(M.coeff(i, i)) + " on its diagonal: must be > 0");
+    p.free_velocity = A.inverse_mass.cwiseProduct(f);
+    p.problem.b = b + J * Eigen::VectorXd(p.free_velocity);
+    p.response = RowSparse::from(Sparse(A.inverse_mass.asDiagonal() * Sparse(J.transpose())));
+    p.problem.A = std::move(A);
     return H.cols();
   }
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{Eigen::SparseMatrix<double>(M)};
-  if (lu.info() != Eigen::Success) in.refuse("fclib_global/M", "is singular: must have an inverse");
+  if (lu.info() != Eigen::Success) in.refuse(group + "/M", "is singular: must have an inverse");
   const Eigen::SparseMatrix<double> X = lu.solve(Eigen::SparseMatrix<double>(J.transpose()));
-  problem.A = RowSparse::from(Sparse(J * X));
-  problem.b = b + J * Eigen::VectorXd(lu.solve(Eigen::VectorXd(f)));
+  p.free_velocity = lu.solve(Eigen::VectorXd(f));
+  p.response = RowSparse::from(Sparse(X));
+  p.problem.A = RowSparse::from(Sparse(J * X));
+  p.problem.b = b + J * Eigen::VectorXd(p.free_velocity);
   return H.cols();
+}
+
+/// z of the group `solution`, where the file has one of this size.
+void read_solution(const Reader& in, Index contact_rows, ContactProblem& p) {
+  if (!in.has("solution/r")) return;
+  const Index n = p.problem.size();
+  const Vector r = in.numbers("solution/r", contact_rows);
+  if (n > contact_rows && !in.has("solution/l")) return;
+  p.solution.resize(n);
+  p.solution.head(contact_rows) = r;
+  if (n > contact_rows) p.solution.tail(n - contact_rows) = in.numbers("solution/l", n - contact_rows);
 }
 
 void write_matrix(Hdf5Image& out, const std::string& path, const RowSparse& A) {
@@ -185,99 +227,147 @@ void write_matrix(Hdf5Image& out, const std::string& path, const RowSparse& A) {
   throw std::invalid_argument("row " + std::to_string(row) + ": must be " + rule);
 }
 
-/// μ of each contact; throws unless the rows are those of contacts in order (free ones behind, where they may be).
-std::vector<double> coefficients(const ContactProblem& p, bool free_rows_behind) {
+/// μ of each contact, then its μ_r; throws unless the rows are those of contacts in order, free ones behind.
+std::array<std::vector<double>, 2> coefficients(const ContactProblem& p) {
   const Index d = p.dimension, n = p.problem.size();
-  if (d != 2 && d != 3) throw std::invalid_argument("dimension = " + std::to_string(d) + ": must be 2 or 3");
-  if (p.contacts < 0 || p.contacts * d > n || (!free_rows_behind && p.contacts * d != n))
-    throw std::invalid_argument("contacts = " + std::to_string(p.contacts) + ": must give " + std::to_string(n) +
-                                " rows, " + std::to_string(d) + " each");
+  if (d != 2 && d != 3 && d != 5)
+    throw std::invalid_argument("dimension = " + std::to_string(d) + ": must be 2, 3 or 5");
+  if (p.contacts < 0 || p.contacts * d > n)
+    throw std::invalid_argument("contacts = " + std::to_string(p.contacts) + ": must give at most " +
+                                std::to_string(n) + " rows, " + std::to_string(d) + " each");
   std::vector<const Friction*> of(static_cast<std::size_t>(n), nullptr);
-  for (const Friction& f : p.problem.friction) of[static_cast<std::size_t>(f.row)] = &f;
-  std::vector<double> mu;
+  for (const Friction& f : p.problem.friction)
+    for (Index r = 0; r < f.rows; ++r) of[static_cast<std::size_t>(f.first + r)] = &f;
+  std::array<std::vector<double>, 2> mu;
   for (Index row = 0; row < n; ++row) {
     const Friction* f = of[static_cast<std::size_t>(row)];
     const bool contact = row < d * p.contacts, normal = contact && row % d == 0;
     const double lo = p.problem.lo[row], hi = p.problem.hi[row];
     if (normal && (f != nullptr || lo != 0 || hi != kInf)) refuse_to_write(row, "a normal row, [0, inf)");
-    if (contact && !normal && (f == nullptr || f->normal != row - row % d || (row % d == 2 && f->mu != mu.back())))
-      refuse_to_write(row, "friction of the normal row before it, one coefficient a contact");
+    if (contact && row % d == 1 && (f == nullptr || f->normal != row - 1 || f->rows != (d == 2 ? 1 : 2)))
+      refuse_to_write(row,
+                      d == 2 ? "friction of the normal row before it" : "a disc of the normal row before it, two rows");
+    if (contact && row % d == 3 && (f == nullptr || f->normal != row - 3 || f->rows != 2))
+      refuse_to_write(row, "a disc of rolling moments of the contact's normal row, two rows");
     if (!contact && (f != nullptr || lo != -kInf || hi != kInf)) refuse_to_write(row, "free, behind the contacts");
-    if (contact && row % d == 1) mu.push_back(f->mu);
+    if (contact && row % d == 1) mu[0].push_back(f->mu);
+    if (contact && row % d == 3) mu[1].push_back(f->mu);
   }
   return mu;
 }
 
 }  // namespace
 
+Vector ContactProblem::velocity(const Vector& z) const {
+  if (free_velocity.size() == 0) return {};
+  return Eigen::VectorXd(free_velocity + response.view() * z);
+}
+
 ContactProblem read_fclib(const std::filesystem::path& file) {
   const detail::Hdf5Quiet quiet;
   const Reader in(file);
   ContactProblem p;
-  const bool local = in.has("fclib_local"), global = in.has("fclib_global");
-  if (local == global) in.refuse("the file", "must have one group, fclib_local or fclib_global");
-  const std::string group = local ? "fclib_local" : "fclib_global";
+  std::string group;
+  for (const char* known : {"fclib_local", "fclib_global", "fclib_local_rolling", "fclib_global_rolling"}) {
+    if (!in.has(known)) continue;
+    if (!group.empty()) in.refuse("the file", "must have one problem: has " + group + " and " + known);
+    group = known;
+  }
+  if (group.empty())
+    in.refuse("the file", "must have one group, fclib_local or fclib_global, each perhaps with _rolling behind it");
+  const bool local = group.starts_with("fclib_local"), rolling = group.ends_with("_rolling");
   p.dimension = in.whole(group + "/spacedim");
-  if (p.dimension != 2 && p.dimension != 3)
-    in.refuse(group + "/spacedim", "= " + std::to_string(p.dimension) + ": must be 2 or 3");
+  if (rolling ? p.dimension != 5 : p.dimension != 2 && p.dimension != 3)
+    in.refuse(group + "/spacedim", "= " + std::to_string(p.dimension) + ": must be " + (rolling ? "5" : "2 or 3"));
   p.title = in.text(group + "/info/title"), p.description = in.text(group + "/info/description");
-  Index rows = 0;
-  if (local)
-    read_local(in, p.problem), rows = p.problem.size();
-  else
-    rows = read_global(in, p.problem);
+  const Index rows = local ? read_local(in, group, p.problem) : read_global(in, group, p);
   if (rows % p.dimension != 0)
     in.refuse(group, "has " + std::to_string(rows) + " contact rows: must be a multiple of spacedim");
   p.contacts = rows / p.dimension;
-  const Vector mu = in.numbers(group + "/vectors/mu", p.contacts);
   const Index n = p.problem.size();
   p.problem.lo = Eigen::VectorXd::Constant(n, -kInf), p.problem.hi = Eigen::VectorXd::Constant(n, kInf);
+  const auto coefficient = [&](const char* name) {
+    const Vector mu = in.numbers(group + "/vectors/" + name, p.contacts);
+    for (Index k = 0; k < p.contacts; ++k)
+      if (mu[k] < 0) in.refuse(group + "/vectors/" + name + "[" + std::to_string(k) + "]", "must be >= 0");
+    return mu;
+  };
+  const Vector mu = coefficient("mu"), mu_r = rolling ? coefficient("mu_r") : Vector();
   for (Index k = 0; k < p.contacts; ++k) {
-    if (mu[k] < 0) in.refuse(group + "/vectors/mu[" + std::to_string(k) + "]", "must be >= 0");
-    p.problem.lo[p.dimension * k] = 0;
-    for (Index t = 1; t < p.dimension; ++t) p.problem.friction.push_back({p.dimension * k + t, p.dimension * k, mu[k]});
+    const Index normal = p.dimension * k;
+    p.problem.lo[normal] = 0;
+    p.problem.friction.push_back({normal, normal + 1, p.dimension == 2 ? 1 : 2, mu[k]});
+    if (rolling) p.problem.friction.push_back({normal, normal + 3, 2, mu_r[k]});
   }
   check(p.problem);
+  read_solution(in, rows, p);
   return p;
 }
 
-void write_fclib(const std::filesystem::path& file, const ContactProblem& p) {
+void write_fclib(const std::filesystem::path& file, const ContactProblem& p, const Solution* solution) {
   check(p.problem);
   const auto* delassus = std::get_if<Delassus>(&p.problem.A);
   const bool global = delassus != nullptr && delassus->regularization.size() == 0 &&
                       (delassus->inverse_mass.size() == 0 || delassus->inverse_mass.minCoeff() > 0);
-  const std::vector<double> mu = coefficients(p, global);
+  const auto [mu, mu_r] = coefficients(p);
+  const Index n = p.problem.size(), rows = p.dimension * p.contacts;
   Hdf5Image out;
-  const std::string group = global ? "fclib_global" : "fclib_local";
+  const std::string group = std::string(global ? "fclib_global" : "fclib_local") + (p.dimension == 5 ? "_rolling" : "");
   out.group(group), out.group(group + "/vectors"), out.group(group + "/info");
   out.whole(group + "/spacedim", p.dimension);
   out.numbers(group + "/vectors/mu", mu);
+  if (p.dimension == 5) out.numbers(group + "/vectors/mu_r", mu_r);
   out.text(group + "/info/title", p.title), out.text(group + "/info/description", p.description);
   out.text(group + "/info/math_info", "");
-  const auto vector = [&](const char* name, const Eigen::VectorXd& x) {
-    out.numbers(group + "/vectors/" + name, std::span(x.data(), static_cast<std::size_t>(x.size())));
+  const auto vector = [&](const std::string& path, const Eigen::VectorXd& x) {
+    out.numbers(path, std::span(x.data(), static_cast<std::size_t>(x.size())));
   };
   if (global) {
-    const Index m = delassus->W.cols, rows = p.dimension * p.contacts;
+    const Index m = delassus->W.cols;
     const Sparse J = delassus->W.view();
     Sparse M(m, m);
     for (Index i = 0; i < m; ++i) M.insert(i, i) = 1 / delassus->inverse_mass[i];
     write_matrix(out, group + "/M", RowSparse::from(M));
     write_matrix(out, group + "/H", RowSparse::from(Sparse(Sparse(J.topRows(rows)).transpose())));
-    vector("f", Eigen::VectorXd::Zero(m)), vector("w", p.problem.b.head(rows));
-    if (rows < J.rows()) {
-      write_matrix(out, group + "/G", RowSparse::from(Sparse(Sparse(J.bottomRows(J.rows() - rows)).transpose())));
-      vector("b", p.problem.b.tail(J.rows() - rows));
+    vector(group + "/vectors/f", Eigen::VectorXd::Zero(m)), vector(group + "/vectors/w", p.problem.b.head(rows));
+    if (rows < n) {
+      write_matrix(out, group + "/G", RowSparse::from(Sparse(Sparse(J.bottomRows(n - rows)).transpose())));
+      vector(group + "/vectors/b", p.problem.b.tail(n - rows));
     }
   } else {
+    Sparse A;
     if (const auto* sparse = std::get_if<RowSparse>(&p.problem.A)) {
-      write_matrix(out, group + "/W", *sparse);
+      A = sparse->view();
     } else {
       DenseMatrix dense;
       to_dense(p.problem.A, dense);
-      write_matrix(out, group + "/W", RowSparse::from(Sparse(dense.sparseView(0, 0))));
+      A = dense.sparseView(0, 0);
     }
-    vector("q", p.problem.b);
+    if (rows == n) {
+      write_matrix(out, group + "/W", RowSparse::from(A));
+    } else {
+      const Index m = n - rows;
+      const Sparse contacts = A.topRows(rows), others = A.bottomRows(m);
+      const Sparse V = contacts.rightCols(m);
+      if (!Sparse(Sparse(V.transpose()) - Sparse(others.leftCols(rows))).coeffs().isZero(0))
+        refuse_to_write(rows, "coupled with the contacts symmetrically, as FCLIB's V and its transpose");
+      write_matrix(out, group + "/W", RowSparse::from(Sparse(contacts.leftCols(rows))));
+      write_matrix(out, group + "/V", RowSparse::from(V));
+      write_matrix(out, group + "/R", RowSparse::from(Sparse(others.rightCols(m))));
+      vector(group + "/vectors/s", p.problem.b.tail(m));
+    }
+    vector(group + "/vectors/q", p.problem.b.head(rows));
+  }
+  if (solution != nullptr) {
+    const ConeResiduals residuals = cone_residuals(p.problem, solution->z);
+    out.group("solution");
+    vector("solution/r", solution->z.head(rows)), vector("solution/u", solution->w.head(rows));
+    if (rows < n) vector("solution/l", solution->z.tail(n - rows));
+    if (const Vector v = p.velocity(solution->z); v.size() > 0) vector("solution/v", v);
+    const auto number = [&](const char* name, double value) {
+      out.numbers(std::string("solution/") + name, std::span<const double>(&value, 1));
+    };
+    number("residual_scale_free", residuals.scale_free), number("residual_natural", residuals.natural);
   }
   write_whole(file, out.bytes());
 }

@@ -72,14 +72,31 @@ ActiveSet active_set(const Lcp& problem, const Solution& s) {
     }
   };
   std::vector<const Friction*> coupled(static_cast<std::size_t>(n));
-  for (const Friction& f : problem.friction) coupled[static_cast<std::size_t>(f.row)] = &f;
+  for (const Friction& f : problem.friction) coupled[static_cast<std::size_t>(f.first)] = &f;
   std::size_t combinations = 1;
+  std::vector<char> disc(static_cast<std::size_t>(n), 0);
+  for (const Friction& f : problem.friction) {
+    if (f.rows == 1) continue;
+    const double radius = f.mu * s.z[f.normal], room = radius - std::hypot(s.z[f.first], s.z[f.first + 1]);
+    const double slip = std::hypot(s.w[f.first], s.w[f.first + 1]);
+    const bool at_edge = std::max(weight[f.first], weight[f.first + 1]) * room <= threshold;
+    for (Index i = f.first; i < f.first + f.rows; ++i) {
+      disc[static_cast<std::size_t>(i)] = 1;
+      (!at_edge ? result.inside : slip > threshold ? result.upper : result.degenerate).push_back(i);
+    }
+  }
   for (Index i = 0; i < n; ++i) {
+    if (disc[static_cast<std::size_t>(i)]) continue;
     if (const Friction* f = coupled[static_cast<std::size_t>(i)]; f != nullptr)
       stand(i, -f->mu * s.z[f->normal], f->mu * s.z[f->normal], f->mu == 0);
     else
       stand(i, problem.lo[i], problem.hi[i], problem.lo[i] == problem.hi[i]);
     combinations = std::min(combinations * choices[static_cast<std::size_t>(i)].size(), kMostChoices + 1);
+  }
+  if (problem.discs()) {
+    for (auto* rows : {&result.lower, &result.inside, &result.upper, &result.degenerate})
+      std::sort(rows->begin(), rows->end());
+    return result;
   }
   if (n > kMostRows || combinations > kMostChoices) return result;
 

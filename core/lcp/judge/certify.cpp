@@ -1,4 +1,5 @@
 #include <orthant/core/lcp/judge/certify.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
 
 #include <algorithm>
@@ -44,8 +45,8 @@ void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
     lo_.resize(n), hi_.resize(n);
     for (Index i = 0; i < n; ++i) lo_[i] = lo[i], hi_[i] = hi[i];
     for (const Friction& f : problem.friction) {
-      hi_[f.row] = f.mu * std::max(s.z[f.normal], 0.0);
-      lo_[f.row] = -hi_[f.row];
+      hi_[f.first] = f.mu * std::max(s.z[f.normal], 0.0);
+      lo_[f.first] = -hi_[f.first];
     }
     lo = lo_.data();
     hi = hi_.data();
@@ -126,6 +127,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
     s.z.resize(problem.size());
     s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
+  if (problem.discs()) return certify_cones(problem, tolerance, claim, s);
   bool known = false;
   const auto passes = [&] {
     known = scale_ < kInf && size_ < kInf && size_ <= detail::runaway(scale_);
@@ -156,6 +158,23 @@ void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution
   } else {
     s.status = claim;
   }
+}
+
+// Discs: certify_cones.h has the rule.
+void Judge::certify_cones(const Lcp& problem, double tolerance, Status claim, Solution& s) {
+  ConeJudge judge;
+  s.w.resize(problem.size());
+  const bool accepted = judge.passes(problem, tolerance, s);
+  scale_ = kInf;  // nothing is doubtful()
+  accepted_ = accepted ? s.residual : 0;
+  if (accepted)
+    s.status = Status::solved;
+  else if (claim == Status::ray && s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate))
+    s.status = Status::infeasible;
+  else if (claim == Status::solved || claim == Status::infeasible)
+    s.status = judge.unknown() ? Status::numerical_error : Status::stalled;
+  else
+    s.status = claim;
 }
 
 }  // namespace orthant

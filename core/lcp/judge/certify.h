@@ -90,6 +90,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
   void prepare(const Lcp& problem);
   void evaluate(const Lcp& problem, Solution& solution, bool extended);
+  void certify_cones(const Lcp& problem, double tolerance, Status claim, Solution& solution);
   static double allowed(double tolerance, double rounding, double beta);
   void label_parts(const Lcp& problem);
   bool rows_pass(const Lcp& problem, double tolerance, const Solution& solution);

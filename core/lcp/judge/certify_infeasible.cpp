@@ -92,26 +92,32 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
     norm1 += std::abs(u[i]);
   }
   for (const Friction& f : problem.friction)
-    if (u[f.row] != 0) return false;
+    for (Index t = f.first; t < f.first + f.rows; ++t)
+      if (u[t] != 0) return false;
 
   product(problem.A, u, true);
   const auto error = [&](Index j) { return 1.01L * g_error_[at(j)]; };  // 1.01: its own sum was rounded, too
 
-  // Friction rows take part through their normal: sup over |z_t| ≤ μ z_n of g_n z_n + g_t z_t = (g_n + μ |g_t|) z_n.
+  // Friction rows take part through their normal: sup over ‖z_t‖ ≤ μ z_n of g_n z_n + g_tᵀz_t = (g_n + μ ‖g_t‖) z_n.
   // A z that uses the slack of the sum has at least one of its terms: the least of them is what κ is relative to.
   least_ = g_abs_;
   for (const Friction& f : problem.friction)
     if (g_[at(f.normal)] + error(f.normal) <= 0) least_[at(f.normal)] = std::numeric_limits<long double>::infinity();
   for (const Friction& f : problem.friction) {
-    if (f.mu == 0 || g_abs_[at(f.row)] == 0) continue;
-    least_[at(f.normal)] = std::min(least_[at(f.normal)], f.mu * g_abs_[at(f.row)]);
-    const long double push = f.mu * (std::abs(g_[at(f.row)]) + error(f.row));
+    const Index last = f.first + f.rows - 1;  // of an interval the same row
+    if (f.mu == 0 || (g_abs_[at(f.first)] == 0 && g_abs_[at(last)] == 0)) continue;
+    for (const Index t : {f.first, last})
+      if (g_abs_[at(t)] > 0) least_[at(f.normal)] = std::min(least_[at(f.normal)], f.mu * g_abs_[at(t)]);
+    long double length = std::abs(g_[at(f.first)]) + error(f.first);
+    if (last > f.first) length = std::hypot(length, std::abs(g_[at(last)]) + error(last)) * (1 + 4 * kRounding);
+    const long double push = f.mu * length;
     g_[at(f.normal)] += push;
     g_abs_[at(f.normal)] += push;
     g_error_[at(f.normal)] += 4 * kRounding * std::max(std::abs(g_[at(f.normal)]), push);
-    g_[at(f.row)] = g_abs_[at(f.row)] = 0;
+    g_[at(f.first)] = g_abs_[at(f.first)] = 0;
   }
-  for (const Friction& f : problem.friction) g_[at(f.row)] = g_abs_[at(f.row)] = 0;
+  for (const Friction& f : problem.friction)
+    for (Index t = f.first; t < f.first + f.rows; ++t) g_[at(t)] = g_abs_[at(t)] = 0;
 
   long double sum = 0, sum_abs = 0, kappa = 0;
   int terms = 0;

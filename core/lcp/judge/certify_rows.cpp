@@ -49,7 +49,8 @@ void Judge::label_parts(const Lcp& problem) {
         join(i, first);
       }
   }
-  for (const Friction& f : problem.friction) join(f.row, f.normal);
+  for (const Friction& f : problem.friction)
+    for (Index t = f.first; t < f.first + f.rows; ++t) join(t, f.normal);
   for (Index i = 0; i < n; ++i) part_[at(i)] = root(i);
 }
 
@@ -70,7 +71,7 @@ template <class Width> void Judge::spread(const Lcp& problem, const Width& width
     for (Index i = 0; i < n; ++i)
       for (std::size_t k = at(rows->start[at(i)]); k < at(rows->start[at(i) + 1]); ++k)
         place(rows->column[k], i, width(rows->value[k], rows->column[k]));
-    for (const Friction& f : problem.friction) place(f.normal, f.row, kInf);
+    for (const Friction& f : problem.friction) place(f.normal, f.first, kInf);
   }
   heap_.clear();
   for (Index i = 0; i < n; ++i)
@@ -96,7 +97,7 @@ template <class Width> void Judge::spread(const Lcp& problem, const Width& width
     if (dense != nullptr) {
       for (Index i = 0; i < n; ++i) raise(i, std::min(width((*dense)(i, j), j), much));
       for (const Friction& f : problem.friction)
-        if (f.normal == j) raise(f.row, much);
+        if (f.normal == j) raise(f.first, much);
     } else {
       for (std::size_t k = at(first_[at(j)]); k < at(first_[at(j + 1)]); ++k)
         raise(ways_[k].second, std::min(ways_[k].first, much));
@@ -111,7 +112,7 @@ void Judge::find_unknown(const Lcp& problem, const Solution& s, bool formed) {
   at_bound_.assign(at(n), 0);
   for (Index i = 0; i < n; ++i) at_bound_[at(i)] = detail::on_bound(s.z[i], problem.lo[i], problem.hi[i]);
   for (const Friction& f : problem.friction)
-    at_bound_[at(f.row)] = at_bound_[at(f.normal)] != 0 && std::abs(s.z[f.row]) == f.mu * s.z[f.normal];
+    at_bound_[at(f.first)] = at_bound_[at(f.normal)] != 0 && std::abs(s.z[f.first]) == f.mu * s.z[f.normal];
   const auto at_bound = [this](Index i) { return at_bound_[at(i)] != 0; };
   const auto computed_from = [&](Vector& x) {
     if (formed)
@@ -196,7 +197,7 @@ bool Judge::others_bear_moves(const Lcp& problem) {
   const Index n = problem.size();
   for (Index k = 0; k < n; ++k) rows_[at(k)].charge = 0;
   for (const Friction& f : problem.friction)
-    rows_[at(f.row)].move += f.mu * rows_[at(f.normal)].move;  // its bounds move
+    rows_[at(f.first)].move += f.mu * rows_[at(f.normal)].move;  // its bounds move
   const auto charge = [this](Index k, Index i, double a) {
     if (k == i || a == 0 || rows_[at(i)].move == 0) return;
     rows_[at(k)].charge += std::abs(a) * rows_[at(i)].move;

@@ -68,7 +68,7 @@ class Collector {
   Known& add_contact(std::string name, const MatrixXd& A, const VectorXd& b, double mu, const VectorXd& z,
                      Answer answer = Answer::unique) {
     Known& known = add(std::move(name), A, b, list({0, -kInf}), list({kInf, kInf}), z, answer);
-    known.problem.friction = {{.row = 1, .normal = 0, .mu = mu}};
+    known.problem.friction = {{.normal = 0, .first = 1, .mu = mu}};
     return known;
   }
 };
@@ -209,7 +209,7 @@ void add_friction(Collector& c) {
   W << 1, 0, 0, 1, 1, 0, 0, 1;
   Known& twin = c.add("contact_twice", W * W.transpose(), list({-2, -4, -2, -4}), list({0, -kInf, 0, -kInf}),
                       VectorXd::Constant(4, kInf), list({1, 0.5, 1, 0.5}), Answer::one_of);
-  twin.problem.friction = {{.row = 1, .normal = 0, .mu = 0.5}, {.row = 3, .normal = 2, .mu = 0.5}};
+  twin.problem.friction = {{.normal = 0, .first = 1, .mu = 0.5}, {.normal = 2, .first = 3, .mu = 0.5}};
   twin.unique_w = true;
 }
 
@@ -257,7 +257,7 @@ Lcp random_integer_problem(Index n, Kinds kinds, Random& random) {
       if (random.integer(0, 4) == 0) p.lo[i] = -kInf;
     } else if (draw == 3 && kinds.friction && i > 0 && p.lo[i - 1] >= 0) {
       p.lo[i] = -kInf;
-      p.friction.push_back({.row = i, .normal = i - 1, .mu = random.integer(0, 4) * 0.25});
+      p.friction.push_back({.normal = i - 1, .first = i, .mu = random.integer(0, 4) * 0.25});
     }
   }
   return p;
@@ -304,7 +304,7 @@ Lcp random_contact_problem(Index contacts, Index dof, double mu, Random& random)
   p.hi.setConstant(kInf);
   for (Index i = 0; i < contacts; ++i) {
     p.lo[2 * i + 1] = -kInf;
-    p.friction.push_back({.row = 2 * i + 1, .normal = 2 * i, .mu = mu});
+    p.friction.push_back({.normal = 2 * i, .first = 2 * i + 1, .mu = mu});
   }
   return p;
 }

@@ -39,8 +39,11 @@ class Builder {
   void contact(int above, int below, const Point& point) {
     const int normal = direction(above, below, point, Point::UnitZ());
     if (pile_.mu == 0) return;
-    for (int k = 0; k < (pile_.spatial ? 2 : 1); ++k)
-      friction_.push_back({direction(above, below, point, Point::Unit(k)), normal, pile_.mu});
+    const bool disc = pile_.spatial && pile_.discs;
+    for (int k = 0; k < (pile_.spatial ? 2 : 1); ++k) {
+      const int row = direction(above, below, point, Point::Unit(k));
+      if (k == 0 || !disc) friction_.push_back({.normal = normal, .first = row, .rows = disc ? 2 : 1, .mu = pile_.mu});
+    }
   }
   /// At the corners of a horizontal rectangle, or its two ends in the plane.
   void face(int above, int below, const Point& centre, double x, double y) {
@@ -61,7 +64,7 @@ class Builder {
     }
     Lcp p = Lcp::standard(std::move(A), Vector(W * v));
     p.friction = std::move(friction_);
-    for (const Friction& f : p.friction) p.lo[f.row] = -kInf;
+    for (const Friction& f : p.friction) p.lo.segment(f.first, f.rows).setConstant(-kInf);
     return p;
   }
 

@@ -18,6 +18,7 @@ namespace orthant {
 struct ContactPile {
   double mu = 0.5, mass_ratio = 1, slope = 0;
   bool spatial = false;
+  bool discs = false;  // spatial: Coulomb's cone instead of a square pyramid
 };
 
 /// One column of cubes of side 1 m; n = boxes × 2 (planar) or 4 (spatial) contacts × rows a contact.

@@ -5,7 +5,8 @@
 //   DRIVER METHOD PROBLEM ANSWER TOLERANCE     solves
 //
 //   PROBLEM, binary, by experiments/support/rivals.cpp: int64 n, entries, frictions; int64 start[n + 1];
-//   int32 column[entries]; double value[entries], b[n], lo[n], hi[n]; int32 row[f], normal[f]; double mu[f].
+//   int32 column[entries]; double value[entries], b[n], lo[n], hi[n]; int32 row[f], normal[f]; double mu[f];
+//   int32 rows[f], 2 of a disc.
 //   ANSWER, text: status, iterations, runs, seconds of a solve, a note to the end of the line; then z, a number a line.
 //   Timed is the call of the solver alone, processor time, the median of up to 5 runs within 0.1 s; what takes
 //   less than 20 µs, as often in a row as fills them, less what its preparation takes then. As Orthant's own.
@@ -34,7 +35,7 @@ namespace rival {
 struct Problem {
   std::int64_t n = 0;
   std::vector<std::int64_t> start;
-  std::vector<std::int32_t> column, friction_row, friction_normal;
+  std::vector<std::int32_t> column, friction_row, friction_normal, friction_rows;
   std::vector<double> value, b, lo, hi, mu;
 
   /// n × n, rows `stride` ≥ n numbers apart; the same by columns where `by_rows` is false.
@@ -96,7 +97,8 @@ inline Problem read(const char* path) {
   p.n = sizes[0];
   fill(p.start, p.n + 1), fill(p.column, sizes[1]), fill(p.value, sizes[1]);
   fill(p.b, p.n), fill(p.lo, p.n), fill(p.hi, p.n);
-  fill(p.friction_row, sizes[2]), fill(p.friction_normal, sizes[2]), fill(p.mu, sizes[2]);
+  fill(p.friction_row, sizes[2]), fill(p.friction_normal, sizes[2]), fill(p.mu, sizes[2]),
+      fill(p.friction_rows, sizes[2]);
   return p;
 }
 

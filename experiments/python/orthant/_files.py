@@ -27,8 +27,9 @@ _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed:
 def read_problem(file: Path) -> Problem:
     """A problem file, by its name's end: .npz, .hdf5 or .h5 (FCLIB contact problems), else JSON.
 
-    NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3) may be
-    absent; arrays of numbers. A file has at most 4 GiB, an array of a packed one 1 GiB: `set_largest_input` sets another limit.
+    NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3), or (k, 4)
+    with the number of rows, 2 a disc, may be absent; arrays of numbers. A file has at most 4 GiB, an array of a packed one
+    1 GiB: `set_largest_input` sets another limit.
     Raises ValueError or RuntimeError naming file, field and rule.
     """
     file = path("file", file)
@@ -148,8 +149,8 @@ def _by_rows(fields: dict[str, Any], n: int) -> Any:
 
 
 def _friction(table: Any) -> Any:
-    if table is not None and (table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf"):
-        raise ValueError(f"friction has shape {table.shape} and type {table.dtype}: must be (k, 3), real")
+    if table is not None and (table.ndim != 2 or table.shape[1] not in (3, 4) or table.dtype.kind not in "iuf"):
+        raise ValueError(f"friction has shape {table.shape} and type {table.dtype}: must be (k, 3) or (k, 4), real")
     return table
 
 
@@ -168,8 +169,9 @@ def write_problem(file: Path, problem: Problem, note: str = "") -> None:
 
 
 def write_fclib(file: Path, problem: Problem, dimension: int, title: str = "", description: str = "") -> None:
-    """A contact problem for the FCLIB collection, HDF5: dimension 2 or 3 rows a contact, the normal one first."""
-    file, dimension = path("file", file), whole("dimension", dimension, 1, 3)
+    """A contact problem for the FCLIB collection, HDF5: dimension 2, 3 or 5 (with rolling) rows a contact, the normal one
+    first, then an interval, a disc or two discs."""
+    file, dimension = path("file", file), whole("dimension", dimension, 1, 5)
     if not file.endswith((".hdf5", ".h5")):
         raise ValueError(f"{file}: must end in .hdf5 or .h5, by which read_problem knows it")
     _orthant._write_fclib(file, _problem(problem), dimension, word("title", title), word("description", description))

@@ -248,7 +248,7 @@ TEST_CASE("bounds far from zero set the scale where b = 0") {
 TEST_CASE("friction rows are judged against the bounds of the given z") {
   Lcp p = pair({2, 0, 0, 1}, Vector{-2, -2});
   p.lo[1] = -kInf;
-  p.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  p.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
   CHECK(verdict(p, Vector{1, 0.5}) == Status::solved);
   CHECK(verdict(p, Vector{1, 2}) == Status::stalled);     // w_t = 0 but outside the cone
   CHECK(verdict(p, Vector{1, -0.5}) == Status::stalled);  // pushes with the motion
@@ -351,7 +351,7 @@ TEST_CASE("proofs with free rows, boxes and friction") {
 
   Lcp contact = pair({-1, 1, 1, 1}, Vector{-1, 0});  // w_N = −z_N + z_T − 1 ≥ 0 needs z_T > z_N
   contact.lo[1] = -kInf;
-  contact.friction = {{.row = 1, .normal = 0, .mu = 0.9}};
+  contact.friction = {{.normal = 0, .first = 1, .mu = 0.9}};
   CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::infeasible);
   contact.friction[0].mu = 1.1;
   CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::ray);
@@ -359,7 +359,7 @@ TEST_CASE("proofs with free rows, boxes and friction") {
   // u = 0 on friction rows, whose w has either sign: (1, ½) slides and solves this, w_T < 0, whatever (0, 1) "proves".
   Lcp slides = pair({1, 0, -1, 1}, Vector{-1, -5});
   slides.lo[1] = -kInf;
-  slides.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  slides.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
   CHECK(verdict(slides, Vector{1, 0.5}) == Status::solved);
   CHECK(verdict_on_proof(slides, Vector{0, 1}) == Status::ray);
 
@@ -368,7 +368,7 @@ TEST_CASE("proofs with free rows, boxes and friction") {
   const Eigen::Matrix3d A{{0, 1, -1}, {0, 0, 0}, {0, -1, -1}};
   Lcp cancels = Lcp::standard(DenseMatrix(A), Vector{-1, 0, 0});
   cancels.lo[1] = -kInf;
-  cancels.friction = {{.row = 1, .normal = 0, .mu = 1}};
+  cancels.friction = {{.normal = 0, .first = 1, .mu = 1}};
   CHECK(verdict_on_proof(cancels, Vector{1, 0, 1}) == Status::infeasible);
   CHECK(verdict_on_proof(cancels, Vector{1, 0, 0.5}) == Status::ray);
 }
@@ -440,15 +440,15 @@ TEST_CASE("check() names field, value and rule") {
   CHECK(broken([](Lcp& q) { q.lo[1] = kInf; }).find("lower < inf") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.A = DenseMatrix(Eigen::MatrixXd(2, 3)); }).find("2 x 3: must be square") !=
         std::string::npos);
-  CHECK(broken([](Lcp& q) { q.friction = {{1, 0, 0.5}}; }).find("must be -inf and inf") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 0, -0.5}}; }).find("mu = -0.5") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 1, 0.5}}; }).find("normal = 1") != std::string::npos);
-  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 2, 0.5}}; }).find("normal = 2") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.friction = {{0, 1, 1, 0.5}}; }).find("must be -inf and inf") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{0, 1, 1, -0.5}}; }).find("mu = -0.5") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{1, 1, 1, 0.5}}; }).find("normal = 1") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.lo[1] = -kInf, q.friction = {{2, 1, 1, 0.5}}; }).find("normal = 2") != std::string::npos);
   CHECK(broken([](Lcp& q) {
-          q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}, {1, 0, 0.5}};
+          q.lo[1] = -kInf, q.friction = {{0, 1, 1, 0.5}, {0, 1, 1, 0.5}};
         }).find("twice") != std::string::npos);
   CHECK(broken([](Lcp& q) {
-          q.lo[0] = -kInf, q.lo[1] = -kInf, q.friction = {{1, 0, 0.5}};
+          q.lo[0] = -kInf, q.lo[1] = -kInf, q.friction = {{0, 1, 1, 0.5}};
         }).find("lower bound -inf") != std::string::npos);
   Lcp sparse = as_sparse(p);
   std::get<RowSparse>(sparse.A).column[0] = 5;
@@ -509,7 +509,7 @@ TEST_CASE("a large b makes no z right that other rows feel: a z beside its bound
   // A body slides at 1e10 times the speed with which its contact closes: z_t = −µ z_n, not 0.
   Lcp slides = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 0.1}, {0.1, 1}}), Vector{-1e-9, 100});
   slides.lo[1] = -kInf;
-  slides.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  slides.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
   const double normal = 1e-9 / 0.95;
   CHECK(verdict_of(slides, Vector{normal, -0.5 * normal}) == Status::solved);
   CHECK(verdict_of(slides, Vector{1e-9, 0}) == Status::stalled);

@@ -1,10 +1,13 @@
 // Contact problems in the FCLIB format: written and read back, solved, and one clear line for files that lie.
 #include <orthant/core/lcp/files/io_fclib.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
+#include <orthant/core/lcp/problems/disc_contacts.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 
 #include "tests/support/folder.h"
+#include "tests/support/judge.h"
 
 #include <H5Cpp.h>
 #include <doctest/doctest.h>
@@ -39,8 +42,8 @@ TEST_CASE("fclib: piles written and read back are the same problems") {
   const Folder folder;
   for (const bool spatial : {false, true}) {
     CAPTURE(spatial);
-    ContactProblem p{box_column(3, {.mu = 0.4, .mass_ratio = 3, .spatial = spatial}), spatial ? 3 : 2, 0, "column",
-                     "3 boxes"};
+    ContactProblem p{box_column(3, {.mu = 0.4, .mass_ratio = 3, .spatial = spatial, .discs = spatial}), spatial ? 3 : 2,
+                     0, "column", "3 boxes"};
     p.contacts = p.problem.size() / p.dimension;
     write_fclib(folder / "p.hdf5", p);
     const ContactProblem q = read_fclib(folder / "p.hdf5");
@@ -55,7 +58,10 @@ TEST_CASE("fclib: piles written and read back are the same problems") {
     CHECK(p.problem.b == q.problem.b);
     CHECK(p.problem.lo == q.problem.lo);
     REQUIRE(p.problem.friction.size() == q.problem.friction.size());
-    for (std::size_t k = 0; k < p.problem.friction.size(); ++k) CHECK(q.problem.friction[k].mu == 0.4);
+    for (std::size_t k = 0; k < p.problem.friction.size(); ++k) {
+      CHECK(q.problem.friction[k].mu == 0.4);
+      CHECK(q.problem.friction[k].rows == (spatial ? 2 : 1));
+    }
 
     DenseMatrix entries;
     to_dense(p.problem.A, entries);
@@ -77,7 +83,7 @@ TEST_CASE("fclib: joints stand behind the contacts as free rows, a full mass mat
   J.insert(0, 1) = 1, J.insert(1, 0) = 1, J.insert(2, 0) = 1;
   p.problem.A = Delassus{RowSparse::from(J), {0.5, 0.5}, {}};
   p.problem.b = {-2, 1.5, 1.5}, p.problem.lo = {0, -kInf, -kInf}, p.problem.hi = {kInf, kInf, kInf};
-  p.problem.friction = {{1, 0, 0.0}};
+  p.problem.friction = {{0, 1, 1, 0.0}};
   const Folder folder;
   write_fclib(folder / "p.hdf5", p);
   const auto check_it = [&] {
@@ -112,23 +118,103 @@ TEST_CASE("fclib: real files are read and solved") {
   CHECK(boxes.contacts == 82);
   const ContactProblem capsules = read_fclib(real_file("Capsules-i125-1213.hdf5"));
   CHECK(capsules.contacts == 286);
-  CHECK(capsules.problem.friction.size() == 572);
+  CHECK(capsules.problem.friction.size() == 286);
+  CHECK(capsules.problem.friction.front().rows == 2);
   CHECK(capsules.problem.friction.front().mu == 0.7);
   const Solution s = solution_by(boxes.problem);
   CHECK(s.status == Status::solved);
 }
 
-TEST_SUITE("slow") {
-  TEST_CASE("fclib: what path's first try leaves, auto gives to sweeps, in seconds") {
-    const Lcp capsules = read_fclib(real_file("Capsules-i125-1213.hdf5")).problem;
-    const auto solver = make_solver("auto");
-    solver->set_time_limit(60);
-    IterationLog log;
-    solver->set_log(&log);
-    Solution s;
-    CHECK(solver->solve(capsules, s).status == Status::solved);
-    CHECK(log.back().event.find("nncg") != std::string::npos);
-  }
+TEST_CASE("fclib: redundant capsules with unsymmetric W are solved to 1e-12, the answer written next to the problem") {
+  const Folder folder;
+  ContactProblem capsules = read_fclib(real_file("Capsules-i125-1213.hdf5"));
+  const Solution s = solution_by(capsules.problem, "auto:tolerance=1e-11");
+  CHECK(s.status == Status::solved);
+  CHECK(independent_scale_free(capsules.problem, s.z) <= 1e-12);
+  write_fclib(folder / "p.hdf5", capsules, &s);
+  const ContactProblem back = read_fclib(folder / "p.hdf5");
+  CHECK(back.solution == s.z);
+  const H5::H5File file(folder / "p.hdf5", H5F_ACC_RDONLY);
+  double written = 1;
+  file.openDataSet("solution/residual_scale_free").read(&written, H5::PredType::NATIVE_DOUBLE);
+  CHECK(written == cone_residuals(capsules.problem, s.z).scale_free);
+}
+
+TEST_CASE("fclib: rolling resistance and further unknowns, local and global, in every storage") {
+  const Folder folder;
+  Random random(5);
+  const Known known = disc_contacts({.contacts = 4, .rolling = true}, random);
+  ContactProblem p{known.problem, 5, 4, "rolling", ""};
+  write_fclib(folder / "rolling.hdf5", p);
+  const ContactProblem rolling = read_fclib(folder / "rolling.hdf5");
+  CHECK(rolling.dimension == 5);
+  REQUIRE(rolling.problem.friction.size() == 8);
+  CHECK(rolling.problem.friction[1].first == 3);
+  CHECK(rolling.problem.friction[1].mu == doctest::Approx(0.05));
+  CHECK(cone_residuals(rolling.problem, known.z).scale_free <= 1e-12);
+
+  // Two more unknowns, coupled as FCLIB's V and R are: free rows behind the contacts.
+  ContactProblem coupled = p;
+  const Index n = known.problem.size();
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n + 2, n + 2);
+  A.topLeftCorner(n, n) = std::get<DenseMatrix>(known.problem.A);
+  A.block(0, n, n, 2).setConstant(0.5), A.block(n, 0, 2, n).setConstant(0.5);
+  Lcp& q = coupled.problem;
+  q.A = DenseMatrix(A), q.b.resize(n + 2), q.lo.resize(n + 2), q.hi.resize(n + 2);
+  q.b.head(n) = known.problem.b, q.lo.head(n) = known.problem.lo, q.hi.head(n) = known.problem.hi;
+  q.b.tail(2) << 3, 4;
+  q.lo.tail(2).setConstant(-kInf), q.hi.tail(2).setConstant(kInf);
+  write_fclib(folder / "coupled.hdf5", coupled);
+  const ContactProblem back = read_fclib(folder / "coupled.hdf5");
+  DenseMatrix B;
+  to_dense(back.problem.A, B);
+  CHECK(B == A);
+  CHECK(back.problem.b == q.b);
+  CHECK(back.problem.lo == q.lo);
+  A(n, 0) += 1;
+  q.A = DenseMatrix(A);
+  CHECK_THROWS_WITH_AS(write_fclib(folder / "no.hdf5", coupled), doctest::Contains("symmetrically"),
+                       std::invalid_argument);
+
+  // Triplets, two of which meet, and compressed columns say the same as rows.
+  const auto stored = [&](int nz, std::vector<int> rows, std::vector<int> columns, std::vector<double> values) {
+    folder.write("stored.hdf5", slurp(folder / "one.hdf5"));
+    H5::H5File file(folder / "stored.hdf5", H5F_ACC_RDWR);
+    const auto put = [&](const std::string& name, const void* data, std::size_t size, const H5::PredType& type) {
+      const hsize_t count = size;
+      file.unlink("fclib_local/W/" + name);
+      file.createDataSet("fclib_local/W/" + name, type, H5::DataSpace(1, &count)).write(data, type);
+    };
+    put("nz", &nz, 1, H5::PredType::NATIVE_INT);
+    put("i", rows.data(), rows.size(), H5::PredType::NATIVE_INT);
+    put("p", columns.data(), columns.size(), H5::PredType::NATIVE_INT);
+    put("x", values.data(), values.size(), H5::PredType::NATIVE_DOUBLE);
+    file.close();
+    DenseMatrix W;
+    to_dense(read_fclib(folder / "stored.hdf5").problem.A, W);
+    return W;
+  };
+  ContactProblem one{{}, 3, 1, "", ""};
+  const Eigen::Matrix3d W = (Eigen::Matrix3d() << 2, 0.5, 0, 0.25, 3, 0, 0, 0, 4).finished();  // not symmetric
+  one.problem.A = DenseMatrix(W), one.problem.b = {-1, 0, 0};
+  one.problem.lo = {0, -kInf, -kInf}, one.problem.hi = {kInf, kInf, kInf};
+  one.problem.friction = {{.normal = 0, .first = 1, .rows = 2, .mu = 0.5}};
+  write_fclib(folder / "one.hdf5", one);
+  CHECK(stored(6, {0, 0, 1, 1, 2, 2}, {0, 1, 0, 1, 2, 2}, {2, 0.5, 0.25, 3, 1, 3}) == W);
+  CHECK(stored(-1, {0, 1, 0, 1, 2}, {0, 2, 4, 5}, {2, 0.25, 0.5, 3, 4}) == W);
+}
+
+TEST_CASE("fclib: bodies with full mass blocks: the velocity of the solution") {
+  const Folder folder;
+  ContactProblem boxes = read_fclib(real_file("Box_Stacks-i0122-82-5.hdf5"));
+  const Solution s = solution_by(boxes.problem);
+  CHECK(s.status == Status::solved);
+  const Vector v = boxes.velocity(s.z);
+  REQUIRE(v.size() == std::get<Delassus>(boxes.problem.A).W.cols);
+  const Vector free = boxes.free_velocity;  // u = Hᵀv + w: the contacts' part of w = A z + b
+  const Eigen::VectorXd w0 = boxes.problem.b - std::get<Delassus>(boxes.problem.A).W.view() * free;
+  const Eigen::VectorXd u = std::get<Delassus>(boxes.problem.A).W.view() * v + w0;
+  CHECK((u - s.w).cwiseAbs().maxCoeff() <= 1e-12 * s.w.cwiseAbs().maxCoeff());
 }
 
 TEST_CASE("fclib: a reading error names file, dataset and reason") {

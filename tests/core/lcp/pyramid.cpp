@@ -18,7 +18,7 @@ Lcp two_contacts(const Eigen::MatrixXd& G, const Eigen::VectorXd& b, double mu) 
   Lcp p = Lcp::standard(DenseMatrix(G), Vector(b));
   for (Index i = 0; i < 2; ++i) {
     p.lo[2 + i] = -kInf;
-    p.friction.push_back({.row = 2 + i, .normal = i, .mu = mu});
+    p.friction.push_back({.normal = i, .first = 2 + i, .mu = mu});
   }
   return p;
 }
@@ -117,7 +117,7 @@ TEST_CASE("at a bound, z is that bound to the bit") {
   Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Identity(3, 3)), Vector{-7, -1, 9});
   p.lo = Vector{0.1, 0, -kInf};
   p.hi = Vector{0.7, kInf, kInf};
-  p.friction = {{.row = 2, .normal = 1, .mu = 0.3}};
+  p.friction = {{.normal = 1, .first = 2, .mu = 0.3}};
   pyramid.pure(p);
   Vector z;
   pyramid.restore(p, Vector{0.6, 0.1, 0.0, 1.5, 0}, z);  // box row at hi (ξ > 0), z_T at −μ z_n (y = 0)

@@ -179,7 +179,7 @@ TEST_CASE("isolated points next to faces; free rows, boxes, friction") {
 
   Lcp friction = lcp({1, 0, 0, 0}, {-1, 0});  // z_n = 1, any |z_t| ≤ ½
   friction.lo[1] = -kInf;
-  friction.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  friction.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
   set = enumerate_solutions(friction);
   REQUIRE(set.faces.size() == 1);
   CHECK(set.faces[0].vertices.size() == 2);

@@ -120,7 +120,7 @@ TEST_CASE("Lemke ends honestly at its pivot limit; its rescue takes other paths"
 TEST_CASE("Lemke: a friction force that is small compared with its bound is not lost in the shift") {
   Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{0.001, 0}, {0, 2}}), Vector{-0.001, -3e-14});
   p.lo[1] = -kInf;
-  p.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  p.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
   Lemke lemke;
   Solution s;
   CHECK(lemke.solve(p, s).status == Status::solved);
@@ -298,7 +298,7 @@ TEST_CASE("Lemke never fails on two planar contacts with friction, tied, doubled
     p.lo = Vector{0, -kInf, 0, -kInf};
     p.hi = Vector(Eigen::VectorXd::Constant(4, kInf));
     const double mu = 0.25 * random.integer(0, 6);
-    p.friction = {{.row = 1, .normal = 0, .mu = mu}, {.row = 3, .normal = 2, .mu = mu}};
+    p.friction = {{.normal = 0, .first = 1, .mu = mu}, {.normal = 2, .first = 3, .mu = mu}};
     lemke.solve(p, s);
     INFO("trial ", trial, ", mu ", mu, ", status ", name(s.status), ", residual ", s.residual);
     REQUIRE(s.status == Status::solved);

@@ -84,7 +84,7 @@ TEST_CASE(
   for (Index i = 0; i < n; i += 7) p.hi[i] = 1;
   for (Index i = 1; i < n; i += 7) p.lo[i] = -kInf;
   for (Index i = 2; i < n; i += 7) p.lo[i] = -kInf, p.hi[i] = 0;
-  for (Index i = 3; i < n; i += 7) p.lo[i] = -kInf, p.friction.push_back({.row = i, .normal = i + 1, .mu = 0.5});
+  for (Index i = 3; i < n; i += 7) p.lo[i] = -kInf, p.friction.push_back({.normal = i + 1, .first = i, .mu = 0.5});
   CHECK_FALSE(proved(p));
   Lcp q = p;
   for (Index j = 0; j < n; ++j) A.coeffRef(204, j) = 0;  // row 204, complementary: w = −1 whatever z

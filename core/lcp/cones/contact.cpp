@@ -1,0 +1,164 @@
+#include <orthant/core/lcp/cones/contact.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant::cones {
+namespace {
+
+double slip_length(const double* t, int rows) { return rows == 1 ? std::abs(t[0]) : std::hypot(t[0], t[1]); }
+
+}  // namespace
+
+void Blocks::load(const Lcp& p) {
+  const Index n = p.size();
+  std::vector<int> head(at(n) + 1, 0), entry(p.friction.size());  // friction entries by normal
+  std::vector<char> taken(at(n), 0);
+  for (const Friction& f : p.friction) {
+    ++head[at(f.normal) + 1];
+    for (Index r = 0; r < f.rows; ++r) taken[at(f.first + r)] = 1;
+  }
+  for (std::size_t i = 1; i < head.size(); ++i) head[i] += head[i - 1];
+  std::vector<int> place(head.begin(), head.end() - 1);
+  for (std::size_t k = 0; k < p.friction.size(); ++k)
+    entry[at(place[at(p.friction[k].normal)]++)] = static_cast<int>(k);
+  blocks_.clear(), parts_.clear(), row_.clear();
+  most_rows_ = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (taken[at(i)]) continue;
+    Block b{.start = static_cast<int>(row_.size()), .parts_start = static_cast<int>(parts_.size())};
+    b.lo = p.lo[i], b.hi = p.hi[i];
+    row_.push_back(static_cast<int>(i));
+    for (int e = head[at(i)]; e < head[at(i) + 1]; ++e) {
+      const Friction& f = p.friction[at(entry[at(e)])];
+      parts_.push_back({.place = b.rows, .rows = static_cast<int>(f.rows), .mu = f.mu});
+      for (Index r = 0; r < f.rows; ++r) row_.push_back(static_cast<int>(f.first + r));
+      b.rows += static_cast<int>(f.rows), ++b.parts;
+    }
+    most_rows_ = std::max(most_rows_, b.rows);
+    blocks_.push_back(b);
+  }
+}
+
+void Blocks::scale(const Matrix& A, Vector& d) const {
+  diagonal(A, d);
+  double largest = 0;
+  for (const double a : d)
+    if (a < kInf) largest = std::max(largest, std::abs(a));
+  if (!(largest > 0)) largest = 1;
+  for (const Block& b : blocks_) {
+    const auto row = rows(b);
+    const auto set = [&](int first, int count) {
+      double sum = 0;
+      for (int r = first; r < first + count; ++r) sum += d[row[at(r)]];
+      const double mean = sum / count;
+      const double value = 1 / std::sqrt(mean > 0 && mean < kInf ? mean : largest);
+      for (int r = first; r < first + count; ++r) d[row[at(r)]] = value;
+    };
+    const auto part = parts(b);
+    set(0, 1 + (b.parts > 0 ? part[0].rows : 0));
+    for (std::size_t j = 1; j < part.size(); ++j) set(part[j].place, part[j].rows);
+  }
+}
+
+void Blocks::apply(const Vector& d) {
+  for (Block& b : blocks_) {
+    const auto row = rows(b);
+    const double normal = d[row[0]];
+    b.lo /= normal, b.hi /= normal;
+    for (int j = 0; j < b.parts; ++j) {
+      Part& part = parts_[at(b.parts_start + j)];
+      part.mu *= normal / d[row[at(part.place)]];
+    }
+  }
+}
+
+/// a; whether it sits at lo or hi, and Σ_A μ_j² where it does not.
+double Blocks::normal(const Block& b, const double* x, bool* clamped, double* squares) const {
+  // φ'(a) = a − x_n − Σ_A μ_j (s_j − μ_j a) rises with a: parts join A from the largest s_j / μ_j downward.
+  double sum = x[0], square = 0, a = sum;
+  const auto part = parts(b);
+  // Few parts: repeat until none joins. Each pass has at least one more in A, or ends.
+  for (std::size_t pass = 0; pass <= part.size() + 1; ++pass) {
+    double next_sum = x[0], next_square = 0;
+    const double at_least = std::max(a, 0.0);
+    for (const Part& p : part) {
+      const double s = slip_length(x + p.place, p.rows);
+      if (s > p.mu * at_least) next_sum += p.mu * s, next_square += p.mu * p.mu;
+    }
+    const double next = next_sum / (1 + next_square);
+    if (pass > 0 && next_square == square) break;
+    sum = next_sum, square = next_square, a = next;
+  }
+  const double bounded = std::clamp(a, b.lo, b.hi);
+  if (clamped != nullptr) *clamped = a <= b.lo || a >= b.hi;
+  if (squares != nullptr) *squares = square;
+  return bounded;
+}
+
+void Blocks::project(const Block& b, const double* x, double* z) const {
+  const double a = normal(b, x, nullptr, nullptr);
+  z[0] = a;
+  for (const Part& p : parts(b)) {
+    const double s = slip_length(x + p.place, p.rows), radius = p.mu * std::max(a, 0.0);
+    const double share = s <= radius ? 1.0 : radius / s;
+    for (int r = p.place; r < p.place + p.rows; ++r) z[r] = share == 1.0 ? x[r] : x[r] * share;
+  }
+}
+
+void Blocks::project(const Block& b, const double* x, double* z, double* D) const {
+  bool clamped = false;
+  double squares = 0;
+  const double a = normal(b, x, &clamped, &squares), radius_of = std::max(a, 0.0);
+  const auto part = parts(b);
+  const int m = b.rows;
+  std::fill(D, D + m * m, 0.0);
+  if (!clamped) {
+    D[0] = 1 / (1 + squares);
+    for (const Part& p : part) {
+      const double s = slip_length(x + p.place, p.rows);
+      if (s > p.mu * radius_of)
+        for (int r = p.place; r < p.place + p.rows; ++r) D[m * r] = p.mu * x[r] / s / (1 + squares);
+    }
+  }
+  for (const Part& p : part) {
+    const double s = slip_length(x + p.place, p.rows), radius = p.mu * radius_of;
+    for (int r = p.place; r < p.place + p.rows; ++r) {
+      if (s <= radius) {
+        D[r + m * r] = 1;
+        continue;
+      }
+      for (int c = 0; c < m; ++c) D[r + m * c] = p.mu * x[r] / s * D[m * c];  // t̂ d(μ a)
+    }
+    if (s > radius)
+      for (int r = p.place; r < p.place + p.rows; ++r)
+        for (int c = p.place; c < p.place + p.rows; ++c)
+          D[r + m * c] += radius / s * ((r == c ? 1.0 : 0.0) - x[r] / s * (x[c] / s));
+  }
+  z[0] = a;
+  for (const Part& p : part) {
+    const double s = slip_length(x + p.place, p.rows), radius = p.mu * radius_of;
+    const double share = s <= radius ? 1.0 : radius / s;
+    for (int r = p.place; r < p.place + p.rows; ++r) z[r] = share == 1.0 ? x[r] : x[r] * share;
+  }
+}
+
+void Blocks::correct(const Block& b, const double* w, double* corrected) const {
+  double sum = w[0];
+  for (const Part& p : parts(b)) sum += p.mu * slip_length(w + p.place, p.rows);
+  std::copy(w + 1, w + b.rows, corrected + 1);
+  corrected[0] = sum;
+}
+
+double Blocks::residual(const Block& b, const double* z, const double* w) const {
+  static thread_local std::vector<double> x, y;
+  x.resize(at(b.rows)), y.resize(at(b.rows));
+  correct(b, w, x.data());
+  for (int r = 0; r < b.rows; ++r) x[at(r)] = z[r] - x[at(r)];
+  project(b, x.data(), y.data());
+  double sum = 0;
+  for (int r = 0; r < b.rows; ++r) sum += (z[r] - y[at(r)]) * (z[r] - y[at(r)]);
+  return std::sqrt(sum);
+}
+
+}  // namespace orthant::cones

@@ -1,0 +1,46 @@
+// core/lcp/judge/certify_cones.h — verdicts on problems with friction discs: one inequality a contact, free of units.
+//
+//   Blocks, û and D: cones/contact.h. The rest of a block in scaled numbers z' = D⁻¹z, w' = D w, w' = A'z' + q':
+//     e_c = ‖z'_c − P_K(z'_c − û'_c)‖,  zero exactly at a solution.                                              (1)
+//   e_c changes neither with the units of z, w or lengths, nor with the numbers that one contact is measured in.
+//   Solved when for every block
+//     e_c ≤ max(tolerance · min(β, s_c), 20 ε t_c),   ε t_c ≤ 1e-6 β,                                            (2)
+//     β    largest data of the blocks that A couples with this one: ‖q'‖, or at a finite bound what it brings into w',
+//     s_c  = ‖ |q'_c| + Σ_j |A'_cj z'_j| ‖, the terms that w'_c is the sum of,
+//     t_c  = ‖ |q'_c| + Σ_j |A'_cj| max |z'| ‖, the largest z' of the coupled blocks: what the last digits of z leave
+//   unknown in w'_c. So large data excuse nothing elsewhere, and a runaway z (ε t_c > 1e-6 β) is no answer.
+//   Sums run in long double.
+//   Proof of infeasibility: certify.h, with the disc's support function, sup gᵀz over ‖z_T‖ ≤ μ z_n = (g_n + μ‖g_T‖) z_n.
+//   Residuals for comparison, of a z alone, no verdict:
+//     scale-free  ‖(e_c)‖ / ‖q'‖,    natural  ‖z − P_K(z − û)‖ / ‖q‖  (Acary, Brémond & Huber 2018; ρ = 1, units matter).
+#pragma once
+
+#include <orthant/core/lcp/cones/contact.h>
+#include <orthant/core/lcp/solution.h>
+
+namespace orthant {
+
+struct ConeResiduals {
+  double scale_free = kInf, natural = kInf;
+};
+
+/// 0 / 0 counts as 0. Problems without discs have these, too.
+ConeResiduals cone_residuals(const Lcp& problem, const Vector& z);
+
+class ConeJudge {
+ public:
+  /// Fills w, residual (max e_c / d_c, units of w) and rounding of s from its z. True when (2) holds.
+  bool passes(const Lcp& problem, double tolerance, Solution& s);
+  /// Of the last z: no w can be known (not finite, or a runaway).
+  bool unknown() const { return unknown_; }
+  /// The least tolerance with which the last z would have passed; 0 where rounding excuses all.
+  double reached() const { return reached_; }
+
+ private:
+  cones::Blocks blocks_;
+  Vector d_;
+  bool unknown_ = false;
+  double reached_ = 0;
+};
+
+}  // namespace orthant

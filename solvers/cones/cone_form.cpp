@@ -1,0 +1,77 @@
+#include <orthant/solvers/cones/cone_form.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+
+bool ConeForm::load(const Lcp& p) {
+  const Index n = p.size();
+  all_.load(p);
+  all_.scale(p.A, d_);
+  all_.apply(d_);
+  row_.clear(), of_.clear();
+  std::vector<int> place(at(n));
+  for (int c = 0; c < all_.size(); ++c)
+    for (const int row : all_.rows(all_[c]))
+      place[at(row)] = static_cast<int>(row_.size()), row_.push_back(row), of_.push_back(c);
+  RowSparse formed;
+  const RowSparse* rows = std::get_if<RowSparse>(&p.A);
+  if (const auto* dense = std::get_if<DenseMatrix>(&p.A)) {
+    formed.rows = formed.cols = n;
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j < n; ++j)
+        if ((*dense)(i, j) != 0) formed.column.push_back(static_cast<int>(j)), formed.value.push_back((*dense)(i, j));
+      formed.start.push_back(static_cast<int>(formed.value.size()));
+    }
+    rows = &formed;
+  } else if (const auto* delassus = std::get_if<Delassus>(&p.A)) {
+    if (!to_rows(*delassus, formed, kFormed)) return false;
+    rows = &formed;
+  }
+  A.rows = A.cols = n;
+  A.start.assign(1, 0), A.column.clear(), A.value.clear();
+  q.resize(n);
+  std::vector<std::pair<int, double>> line;
+  for (Index i = 0; i < n; ++i) {
+    const auto row = at(row_[at(i)]);
+    const double d = d_[row_[at(i)]];
+    line.clear();
+    for (std::size_t k = at(rows->start[row]); k < at(rows->start[row + 1]); ++k)
+      line.emplace_back(place[at(rows->column[k])], d * rows->value[k] * d_[rows->column[k]]);
+    std::sort(line.begin(), line.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [column, value] : line) A.column.push_back(column), A.value.push_back(value);
+    A.start.push_back(static_cast<int>(A.value.size()));
+    q[i] = d * p.b[row_[at(i)]];
+  }
+  orthant::diagonal(Matrix(A), diagonal);
+  norm_q = q.norm();
+  return true;
+}
+
+double ConeForm::residual(const Vector& z, const Vector& w) const {
+  double sum = 0;
+  for (int c = 0; c < blocks(); ++c) {
+    const double e = all_.residual(all_[c], z.data() + begin(c), w.data() + begin(c));
+    sum += e * e;
+  }
+  return sum == 0 ? 0 : std::sqrt(sum) / norm_q;
+}
+
+void ConeForm::apply(const Vector& z, Vector& w) const {
+  w.resize(size());
+  w.noalias() = A.view() * z;
+  w += q;
+}
+
+void ConeForm::to_scaled(const Vector& z, Vector& scaled) const {
+  scaled.resize(size());
+  for (Index i = 0; i < size(); ++i) scaled[i] = z[row_[at(i)]] / d_[row_[at(i)]];
+}
+
+void ConeForm::from_scaled(const Vector& scaled, Vector& z) const {
+  z.resize(size());
+  for (Index i = 0; i < size(); ++i) z[row_[at(i)]] = scaled[i] * d_[row_[at(i)]];
+}
+
+}  // namespace orthant

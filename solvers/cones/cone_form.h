@@ -1,0 +1,48 @@
+// solvers/cones/cone_form.h — scaled form of a problem with friction discs: contacts one after another, units removed.
+//
+//   Rows are put in the order of the blocks (core/lcp/cones/contact.h), so that block c holds begin(c) ≤ i < begin(c + 1),
+//   normal first, and scaled by D:
+//     z' = D⁻¹z,  w' = D w,  A' = D A D,  q' = D q,  μ'_j = μ_j d_n / d_{T_j}.
+//   Then A' has diagonal blocks of mean 1, and ρ = 1 is a step that suits every contact.
+#pragma once
+
+#include <orthant/core/lcp/cones/contact.h>
+
+#include <vector>
+
+namespace orthant {
+
+class ConeForm {
+ public:
+  /// Products up to which an operator's entries are formed; beyond it load() says false.
+  static constexpr double kFormed = 2e8;
+
+  bool load(const Lcp& problem);
+
+  Index size() const { return q.size(); }
+  int blocks() const { return all_.size(); }
+  const cones::Block& block(int c) const { return all_[c]; }
+  int begin(int c) const { return all_[c].start; }
+  const cones::Blocks& all() const { return all_; }
+  /// The block of a row.
+  int block_of(int row) const { return of_[at(row)]; }
+
+  /// ‖(e_c)‖ / ‖q'‖ for w = A z + q: the scale-free residual.
+  double residual(const Vector& z, const Vector& w) const;
+  /// w ← A z + q.
+  void apply(const Vector& z, Vector& w) const;
+
+  void to_scaled(const Vector& z, Vector& scaled) const;
+  void from_scaled(const Vector& scaled, Vector& z) const;
+
+  RowSparse A;
+  Vector q, diagonal;
+  double norm_q = 0;
+
+ private:
+  cones::Blocks all_;
+  std::vector<int> row_, of_;  // of the problem, per row here; the block
+  Vector d_;                   // per row here
+};
+
+}  // namespace orthant

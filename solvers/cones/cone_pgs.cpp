@@ -1,0 +1,24 @@
+#include <orthant/solvers/cones/cone_pgs.h>
+
+namespace orthant {
+
+Status ConePgs::iterate(Vector& z, int& iterations) {
+  sweeps_.load(form());
+  double omega = options_.omega, mark = kInf;
+  while (iterations < options_.max_sweeps) {
+    ++iterations;
+    const double moved = sweeps_.sweep(z, omega, options_.symmetric && iterations % 2 == 0);
+    const bool end = finished(z);
+    log(iterations, residual(), moved);
+    if (end) return Status::time_limit;
+    if (!z.allFinite()) return Status::numerical_error;
+    if (moved == 0) return Status::stalled;
+    if (iterations % 10 == 0) {
+      if (omega > 1 && residual() > mark) omega = 1;
+      mark = residual();
+    }
+  }
+  return Status::iteration_limit;
+}
+
+}  // namespace orthant

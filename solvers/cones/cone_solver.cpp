@@ -1,0 +1,53 @@
+#include <orthant/solvers/cones/cone_solver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace orthant {
+
+std::string ConeSolver::why_not(const Lcp& p) const {
+  std::vector<int> rows(at(p.size()), 1);
+  for (const Friction& f : p.friction)
+    if ((rows[at(f.normal)] += static_cast<int>(f.rows)) > cones::kMostRows)
+      return "row " + std::to_string(f.normal) + " bears more than " + std::to_string(cones::kMostRows - 1) +
+             " friction rows";
+  if (const auto* delassus = std::get_if<Delassus>(&p.A)) {
+    std::vector<double> uses(at(delassus->W.cols), 0);
+    for (const int column : delassus->W.column) ++uses[at(column)];
+    double products = 0;
+    for (const double count : uses) products += count * count;
+    if (products > ConeForm::kFormed) return "the operator has too many entries to be formed";
+  }
+  return {};
+}
+
+bool ConeSolver::finished(const Vector& z) {
+  form_.apply(z, w_);
+  sf_ = form_.residual(z, w_);
+  if (sf_ < least_) least_ = sf_, best_ = z;
+  while (sf_ <= target_) {
+    form_.from_scaled(z, solution_->z);
+    if (passes(*problem_, *solution_)) return solved_ = true;
+    if (target_ < std::numeric_limits<double>::epsilon() / 16) break;
+    target_ /= 10;
+  }
+  return budget().exhausted();
+}
+
+Status ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
+  problem_ = &problem, solution_ = &s;
+  solved_ = false, least_ = kInf;
+  if (problem.size() == 0) return Status::solved;
+  if (!form_.load(problem)) return Status::unsupported;
+  form_.to_scaled(s.z, z_);
+  if (start == Start::cold) z_.setZero();
+  best_ = z_;
+  target_ = 0.5 * tolerance();
+  Status status = finished(z_) && solved_ ? Status::solved : iterate(z_, s.iterations);
+  if (!solved_) form_.from_scaled(best_, s.z);
+  if (solved_) status = Status::solved;
+  return status;
+}
+
+}  // namespace orthant

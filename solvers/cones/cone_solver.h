@@ -1,0 +1,41 @@
+// solvers/cones/cone_solver.h — what the solvers of problems with friction discs share.
+//
+//   They work on the scaled form (cone_form.h) and stop by its scale-free residual
+//     sf = ‖z' − P_K(z' − û')‖ / ‖q'‖
+//   at half the tolerance; the judge (certify_cones.h) then decides contact by contact, and where it does not accept z the
+//   target is lowered tenfold, down to rounding. They take intervals, boxes and free rows as well, so planar contact
+//   problems and LCPs are special cases.
+#pragma once
+
+#include <orthant/solvers/cones/cone_form.h>
+#include <orthant/solvers/solver.h>
+
+namespace orthant {
+
+class ConeSolver : public Solver {
+ public:
+  std::string why_not(const Lcp& problem) const override;
+
+ protected:
+  bool takes_discs() const final { return true; }
+  const ConeForm& form() const { return form_; }
+  /// The method itself, in scaled numbers; z is the start on entry. It ends when finished() says so or its own limits
+  /// are reached.
+  virtual Status iterate(Vector& z, int& iterations) = 0;
+  /// The end: z solves the problem, or time is over. Fills residual().
+  bool finished(const Vector& z);
+  bool solved() const { return solved_; }
+  double residual() const { return sf_; }  // of the z last given to finished()
+  double target() const { return target_; }
+
+ private:
+  Status run(const Lcp& problem, Solution& s, Start start) final;
+  ConeForm form_;
+  Vector z_, w_, best_;
+  const Lcp* problem_ = nullptr;
+  Solution* solution_ = nullptr;
+  double sf_ = kInf, least_ = kInf, target_ = 0;
+  bool solved_ = false;
+};
+
+}  // namespace orthant

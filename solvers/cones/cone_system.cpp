@@ -1,0 +1,156 @@
+#include <orthant/solvers/cones/cone_system.h>
+#include <orthant/solvers/effort.h>
+#include <orthant/solvers/linear_algebra/dense_lu.h>
+
+#include <umfpack.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr int kDenseSystem = 240;    // rows up to which the system is factorized as a dense matrix
+constexpr double kFullSystem = 0.4;  // share of nonzeros from which it always is, up to kDenseFullSystem rows
+constexpr int kDenseFullSystem = 1500;
+
+}  // namespace
+
+/// The matrix by rows, which is its transpose by columns, and its factors.
+struct ConeSystem::Work {
+  std::vector<int> start, column;
+  std::vector<double> value;
+  std::vector<int> place, row;  // of each row of the form, or −1; the form's rows that are in it
+  std::vector<double> sums, rhs, x;
+  std::vector<char> met;
+  std::vector<int> columns;
+  DenseLu<double> dense;
+  void *symbolic = nullptr, *numeric = nullptr;
+  std::vector<int> analysed_start, analysed_column;
+  double control[UMFPACK_CONTROL] = {}, info[UMFPACK_INFO] = {};
+  bool is_dense = false;
+
+  Work() { umfpack_di_defaults(control); }
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+  ~Work() { release(true); }
+  void release(bool all) {
+    umfpack_di_free_numeric(&numeric);
+    if (all) umfpack_di_free_symbolic(&symbolic);
+  }
+
+  bool factorize() {
+    const auto n = static_cast<int>(row.size());
+    count_factorization(n);
+    is_dense = n <= kDenseSystem || (n <= kDenseFullSystem && static_cast<double>(value.size()) > kFullSystem * n * n);
+    if (is_dense) {
+      double* const M = dense.reset(n);
+      std::fill(M, M + at(n) * at(n), 0.0);
+      for (int i = 0; i < n; ++i)
+        for (int k = start[at(i)]; k < start[at(i) + 1]; ++k) M[at(i) + at(n) * at(column[at(k)])] = value[at(k)];
+      return dense.factorize(0.0) == n;
+    }
+    if (symbolic == nullptr || analysed_start != start || analysed_column != column) {
+      release(true);
+      if (umfpack_di_symbolic(n, n, start.data(), column.data(), value.data(), &symbolic, control, info) != UMFPACK_OK)
+        return false;
+      analysed_start = start, analysed_column = column;
+    }
+    release(false);
+    return umfpack_di_numeric(start.data(), column.data(), value.data(), symbolic, &numeric, control, info) ==
+           UMFPACK_OK;
+  }
+  bool solve() {
+    x = rhs;
+    if (is_dense) {
+      dense.solve(x.data());
+    } else if (umfpack_di_solve(UMFPACK_At, start.data(), column.data(), value.data(), x.data(), rhs.data(), numeric,
+                                control, info) != UMFPACK_OK) {
+      return false;
+    }
+    return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
+  }
+};
+
+ConeSystem::ConeSystem() : work_(std::make_unique<Work>()) {}
+ConeSystem::~ConeSystem() = default;
+
+void ConeSystem::load(const ConeForm& form) {
+  form_ = &form;
+  std::size_t total = 0;
+  place_.clear();
+  for (int c = 0; c < form.blocks(); ++c) {
+    place_.push_back(total);
+    total += at(form.block(c).rows * form.block(c).rows);
+  }
+  E_.resize(total), H_.resize(total);
+  open.assign(at(form.blocks()), 0);
+  F.resize(form.size()), dz.resize(form.size());
+}
+
+bool ConeSystem::solve(double alpha) {
+  Work& s = *work_;
+  if (keep_) {
+    for (std::size_t k = 0; k < s.row.size(); ++k) s.rhs[k] = -F[s.row[k]];
+    if (!s.solve()) return false;
+    for (std::size_t k = 0; k < s.row.size(); ++k) dz[s.row[k]] = s.x[k];
+    return true;
+  }
+  const Index n = form_->size();
+  s.place.assign(at(n), -1), s.row.clear();
+  for (int c = 0; c < form_->blocks(); ++c) {
+    if (open[at(c)]) continue;
+    const cones::Block& b = form_->block(c);
+    for (int r = b.start; r < b.start + b.rows; ++r)
+      s.place[at(r)] = static_cast<int>(s.row.size()), s.row.push_back(r);
+  }
+  dz = -F;
+  if (s.row.empty()) return true;
+  s.start.assign(1, 0), s.column.clear(), s.value.clear(), s.rhs.clear();
+  s.met.assign(at(n), 0), s.sums.resize(at(n) * at(form_->all().most_rows()));
+  const RowSparse& A = form_->A;
+  for (int c = 0; c < form_->blocks(); ++c) {
+    if (open[at(c)]) continue;
+    const cones::Block& b = form_->block(c);
+    const int m = b.rows;
+    const double* const own_E = E_of(c);
+    const double* const own_H = H_of(c);
+    s.columns.clear();
+    const auto touch = [&](int j) {
+      if (s.met[at(j)]) return;
+      s.met[at(j)] = 1, s.columns.push_back(j);
+      std::fill_n(s.sums.begin() + static_cast<std::ptrdiff_t>(m) * j, m, 0.0);
+    };
+    for (int r = 0; r < m; ++r) touch(b.start + r);
+    for (int k = 0; k < m; ++k) {
+      const auto row = at(b.start + k);
+      for (std::size_t e = at(A.start[row]); e < at(A.start[row + 1]); ++e) {
+        const int j = A.column[e];
+        touch(j);
+        double* const sum = s.sums.data() + at(m) * at(j);
+        for (int r = 0; r < m; ++r) sum[r] += own_H[r + m * k] * A.value[e];
+      }
+      double* const own = s.sums.data() + at(m) * row;
+      for (int r = 0; r < m; ++r) own[r] += alpha * own_H[r + m * k] + own_E[r + m * k];
+    }
+    std::sort(s.columns.begin(), s.columns.end());
+    for (int r = 0; r < m; ++r) {
+      double rhs = -F[b.start + r];
+      for (const int j : s.columns) {
+        const double value = s.sums[at(m) * at(j) + at(r)];
+        if (s.place[at(j)] < 0)
+          rhs -= value * dz[j];
+        else
+          s.column.push_back(s.place[at(j)]), s.value.push_back(value);
+      }
+      s.rhs.push_back(rhs);
+      s.start.push_back(static_cast<int>(s.value.size()));
+    }
+    for (const int j : s.columns) s.met[at(j)] = 0;
+  }
+  if (!s.factorize() || !s.solve()) return false;
+  for (std::size_t k = 0; k < s.row.size(); ++k) dz[s.row[k]] = s.x[k];
+  return true;
+}
+
+}  // namespace orthant

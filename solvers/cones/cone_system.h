@@ -1,0 +1,46 @@
+// solvers/cones/cone_system.h — the linear system of one Newton step over contacts.
+//
+//   Each block gives equations with dF = E dz + H dw, and dw = (A + α I) dz; the step solves
+//     (E + H (A + α I)) dz = −F.                                                                                 (1)
+//   Blocks that are `open` have dF = dz: dz = −F at once, and only the others are factorized, as a dense matrix where
+//   they are few or nearly all coupled, else by UMFPACK (its analysis kept while the pattern stays).
+#pragma once
+
+#include <orthant/solvers/cones/cone_form.h>
+
+#include <memory>
+
+namespace orthant {
+
+class ConeSystem {
+ public:
+  ConeSystem();
+  ~ConeSystem();
+  ConeSystem(const ConeSystem&) = delete;
+  ConeSystem& operator=(const ConeSystem&) = delete;
+
+  /// Sizes what follows; the form must outlive the solves.
+  void load(const ConeForm& form);
+
+  /// rows × rows of a block, by columns.
+  double* E_of(int block) { return E_.data() + place_[at(block)]; }
+  double* H_of(int block) { return H_.data() + place_[at(block)]; }
+
+  /// Fills dz; false when (1) is singular.
+  bool solve(double alpha);
+  /// True: the next solves have the matrix of the last, only F is another; no block is open.
+  void keep_factors(bool on) { keep_ = on; }
+
+  Vector F, dz;            // per row of the form
+  std::vector<char> open;  // per block
+
+ private:
+  const ConeForm* form_ = nullptr;
+  bool keep_ = false;
+  std::vector<double> E_, H_;
+  std::vector<std::size_t> place_;
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace orthant

@@ -1,0 +1,159 @@
+#include <orthant/solvers/cones/contact_map.h>
+#include <orthant/solvers/cones/contact_solve.h>
+
+#include <Eigen/Dense>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace orthant {
+namespace {
+
+using cones::Block, cones::Blocks;
+constexpr double kContactRounding = 4 * std::numeric_limits<double>::epsilon();
+using ContactMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, cones::kMostRows, cones::kMostRows>;
+using ContactVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, cones::kMostRows, 1>;
+using ContactMatrixMap = Eigen::Map<const Eigen::MatrixXd>;
+
+/// One contact's data and the best z so far.
+struct ContactSearch {
+  const Blocks& blocks;
+  const Block& block;
+  ContactMatrixMap A;
+  ContactVector q, best = {};
+  double residual = kInf;
+  double enough = 0;  // the residual that rounding leaves
+
+  /// ‖z − P_K(z − û)‖; z is kept where it is the best.
+  double judge(const ContactVector& z) {
+    const ContactVector w = A * z + q;
+    const double e = blocks.residual(block, z.data(), w.data());
+    if (e < residual) residual = e, best = z;
+    return e;
+  }
+  bool done() const { return residual <= enough; }
+};
+
+void contact_newton(ContactSearch& s, double rho_n, double rho_t) {
+  const int m = s.block.rows;
+  ContactVector z = s.best;
+  ContactMatrix E(m, m), H(m, m);
+  ContactVector F(m);
+  double last = s.residual;
+  for (int step = 0; step < 12 && !s.done(); ++step) {
+    const ContactVector w = s.A * z + s.q;
+    evaluate_map(ContactMap::alart_curnier, s.blocks, s.block, z.data(), w.data(), rho_n, rho_t, F.data(), E.data(),
+                 H.data());
+    const ContactMatrix J = E + H * s.A;
+    const ContactVector dz = J.partialPivLu().solve(F);
+    if (!dz.allFinite()) return;
+    z -= dz;
+    const double e = s.judge(z);
+    if (step >= 4 && e > 0.5 * last) return;  // few steps are all it needs where it works
+    last = e;
+  }
+}
+
+/// Roots on the circle of (1); calls use(cos θ, sin θ).
+template <class Use> void each_direction(double P, double Q, double U, double V, double X, const Use& use) {
+  const auto h = [&](double c, double s) { return P * c + Q * s + U * c * c + V * s * s + X * s * c; };
+  // Turn the plane so that tan(θ/2) is not infinite at a root: h(π) becomes the largest of eight.
+  double turn = 0, largest = -1;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * M_PI / 4, value = std::abs(h(std::cos(angle), std::sin(angle)));
+    if (value > largest) largest = value, turn = angle - M_PI;
+  }
+  if (!(largest > 0)) return use(1.0, 0.0);  // every direction is one
+  const double ct = std::cos(turn), st = std::sin(turn);
+  // θ = φ + turn: cos θ = ct c − st s, sin θ = st c + ct s
+  const double p = P * ct + Q * st, q = Q * ct - P * st;
+  const double u = U * ct * ct + V * st * st + X * st * ct, v = U * st * st + V * ct * ct - X * st * ct;
+  const double x = 2 * (V - U) * st * ct + X * (ct * ct - st * st);
+  const double c4 = u - p, c3 = 2 * (q - x), c2 = 4 * v - 2 * u, c1 = 2 * (q + x), c0 = u + p;
+  Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
+  companion(0, 3) = -c0 / c4, companion(1, 3) = -c1 / c4, companion(2, 3) = -c2 / c4, companion(3, 3) = -c3 / c4;
+  companion(1, 0) = companion(2, 1) = companion(3, 2) = 1;
+  if (!companion.allFinite()) return;
+  const Eigen::EigenSolver<Eigen::Matrix4d> roots(companion, false);
+  for (const auto& root : roots.eigenvalues()) {
+    if (std::abs(root.imag()) > 1e-5 * (1 + std::abs(root.real()))) continue;  // double roots leave the real line
+    double angle = 2 * std::atan(root.real()) + turn;
+    for (int k = 0; k < 3; ++k) {  // polished on the circle
+      const double c = std::cos(angle), s = std::sin(angle);
+      const double slope = -P * s + Q * c + 2 * (V - U) * s * c + X * (c * c - s * s);
+      const double change = slope != 0 ? h(c, s) / slope : 0;
+      if (std::abs(change) > 0.1) break;
+      angle -= change;
+    }
+    use(std::cos(angle), std::sin(angle));
+  }
+}
+
+void contact_cases(ContactSearch& s, double mu) {
+  const auto& A = s.A;
+  const ContactVector& q = s.q;
+  ContactVector z = ContactVector::Zero(3);
+  s.judge(z);
+  if (s.done()) return;
+  z = A.partialPivLu().solve(-q);
+  if (z.allFinite()) s.judge(z);
+  if (s.done()) return;
+  const double N = A(0, 0), a1 = A(0, 1), a2 = A(0, 2), c1 = A(1, 0), c2 = A(2, 0);
+  each_direction(N * q[2] - q[0] * c2, q[0] * c1 - N * q[1], mu * (q[2] * a1 - q[0] * A(2, 1)),
+                 mu * (q[0] * A(1, 2) - q[1] * a2), mu * (q[2] * a2 - q[1] * a1 - q[0] * (A(2, 2) - A(1, 1))),
+                 [&](double c, double sine) {
+                   const double normal = -q[0] / (N + mu * (a1 * c + a2 * sine));
+                   if (!(normal >= 0 && normal < kInf)) return;
+                   z[0] = normal, z[1] = mu * normal * c, z[2] = mu * normal * sine;
+                   s.judge(z);
+                 });
+}
+
+void contact_fixed_point(ContactSearch& s, double rho) {
+  ContactVector z = s.best, x(s.block.rows);
+  double last = s.residual;
+  for (int step = 0; step < 200 && !s.done(); ++step) {
+    const ContactVector w = s.A * z + s.q;
+    s.blocks.correct(s.block, w.data(), x.data());
+    x = z - rho * x;
+    ContactVector next(s.block.rows);
+    s.blocks.project(s.block, x.data(), next.data());
+    const double e = s.judge(next);
+    if (!(e < last)) rho *= 0.7;
+    z = next, last = e;
+  }
+}
+
+}  // namespace
+
+double solve_contact(const Blocks& blocks, const Block& b, const double* A, const double* q, double* z) {
+  const int m = b.rows;
+  if (m == 1) {  // a row by itself
+    const double w = A[0] * z[0] + q[0];
+    z[0] = A[0] > 0 ? std::clamp(-q[0] / A[0], b.lo, b.hi) : std::clamp(z[0] - w, b.lo, b.hi);
+    const double now = A[0] * z[0] + q[0];
+    return blocks.residual(b, z, &now);
+  }
+  ContactSearch s{
+      .blocks = blocks, .block = b, .A = ContactMatrixMap(A, m, m), .q = Eigen::Map<const Eigen::VectorXd>(q, m)};
+  s.enough = kContactRounding * s.q.norm();
+  s.best = Eigen::Map<const Eigen::VectorXd>(z, m);
+  s.judge(s.best);
+  double trace = 0;
+  for (int r = 1; r < m; ++r) trace += A[r + m * r];
+  const double rho_n = A[0] > 0 ? 1 / A[0] : 1, rho_t = trace > 0 ? (m - 1) / trace : 1;
+  if (!s.done()) contact_newton(s, rho_n, rho_t);
+  if (!s.done() && m == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf && s.residual > 1e-10 * s.q.norm()) {
+    contact_cases(s, blocks.parts(b)[0].mu);
+    if (!s.done()) contact_newton(s, rho_n, rho_t);
+  }
+  if (s.residual > 1e-10 * s.q.norm()) contact_fixed_point(s, std::min(rho_n, rho_t) / 2);
+  if (s.residual > 1e-10 * s.q.norm()) contact_newton(s, rho_n, rho_t);
+  Eigen::Map<Eigen::VectorXd>(z, m) = s.best;
+  return s.residual;
+}
+
+}  // namespace orthant

@@ -1,0 +1,128 @@
+#include <orthant/solvers/cones/facets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace orthant {
+
+const Lcp& FacetForm::linear(const Lcp& p, int sides, const std::vector<double>& angle, bool circumscribed) {
+  if (sides < 3) throw std::invalid_argument("facets = " + std::to_string(sides) + ": must be at least 3");
+  const Index n = p.size();
+  sides_ = sides;
+  const double strength = circumscribed ? 1 / std::cos(M_PI / sides) : 1;
+  row_.assign(at(n), 0);
+  discs_.clear();
+  for (std::size_t k = 0; k < p.friction.size(); ++k) {
+    const Friction& f = p.friction[k];
+    if (f.rows == 1) continue;
+    const double first = discs_.size() < angle.size() ? angle[discs_.size()] : 0.0;
+    discs_.push_back({.friction = static_cast<Index>(k), .angle = first});
+    for (Index r = f.first; r < f.first + f.rows; ++r) row_[at(r)] = -1;
+  }
+  Index kept = 0;
+  for (Index& row : row_)
+    if (row == 0) row = kept++;
+  const Index size = kept + static_cast<Index>(discs_.size()) * (sides + 1);
+  linear_.lo = Eigen::VectorXd::Zero(size), linear_.hi = Eigen::VectorXd::Constant(size, kInf);
+  // z = B y: one entry a kept row, two a β.
+  using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  std::vector<Eigen::Triplet<double>> B, own;
+  for (Index i = 0; i < n; ++i)
+    if (row_[at(i)] >= 0) {
+      B.emplace_back(static_cast<int>(i), static_cast<int>(row_[at(i)]), 1.0);
+      linear_.lo[row_[at(i)]] = p.lo[i], linear_.hi[row_[at(i)]] = p.hi[i];
+    }
+  Index next = kept;
+  for (Disc& disc : discs_) {
+    const Friction& f = p.friction[at(disc.friction)];
+    disc.first = next;
+    const auto lambda = static_cast<int>(next + sides);
+    for (int k = 0; k < sides; ++k) {
+      const double theta = disc.angle + 2 * M_PI * k / sides;
+      const auto beta = static_cast<int>(next + k);
+      B.emplace_back(static_cast<int>(f.first), beta, std::cos(theta));
+      B.emplace_back(static_cast<int>(f.first) + 1, beta, std::sin(theta));
+      own.emplace_back(beta, lambda, 1.0), own.emplace_back(lambda, beta, -1.0);
+    }
+    own.emplace_back(lambda, static_cast<int>(row_[at(f.normal)]), strength * f.mu);
+    next += sides + 1;
+  }
+  linear_.friction.clear();
+  for (const Friction& f : p.friction)
+    if (f.rows == 1)
+      linear_.friction.push_back({.normal = row_[at(f.normal)], .first = row_[at(f.first)], .rows = 1, .mu = f.mu});
+  Sparse map(n, size), rest(size, size);
+  map.setFromTriplets(B.begin(), B.end()), rest.setFromTriplets(own.begin(), own.end());
+  Sparse A;
+  RowSparse formed;
+  if (const auto* dense = std::get_if<DenseMatrix>(&p.A))
+    A = dense->sparseView(0, 0);
+  else if (const auto* delassus = std::get_if<Delassus>(&p.A))
+    to_rows(*delassus, formed), A = formed.view();
+  else
+    A = std::get<RowSparse>(p.A).view();
+  const Sparse whole = Sparse(Sparse(map.transpose()) * Sparse(A * map)) + rest;
+  if (std::holds_alternative<DenseMatrix>(p.A))
+    linear_.A = DenseMatrix(Eigen::MatrixXd(whole));
+  else
+    linear_.A = RowSparse::from(whole);
+  linear_.b = Eigen::VectorXd(map.transpose() * p.b);
+  return linear_;
+}
+
+void FacetForm::restore(const Lcp& p, const Vector& y, Vector& z) const {
+  z.resize(p.size());
+  for (Index i = 0; i < p.size(); ++i) z[i] = row_[at(i)] >= 0 ? y[row_[at(i)]] : 0;
+  for (const Disc& disc : discs_) {
+    const Friction& f = p.friction[at(disc.friction)];
+    for (int k = 0; k < sides_; ++k) {
+      const double theta = disc.angle + 2 * M_PI * k / sides_;
+      z[f.first] += y[disc.first + k] * std::cos(theta), z[f.first + 1] += y[disc.first + k] * std::sin(theta);
+    }
+  }
+}
+
+void FacetForm::restore_certificate(const Lcp& p, const Vector& linear_u, Vector& u) const {
+  u.resize(p.size());
+  for (Index i = 0; i < p.size(); ++i) u[i] = row_[at(i)] >= 0 ? linear_u[row_[at(i)]] : 0;
+}
+
+std::string Facets::why_not(const Lcp& problem) const {
+  FacetForm form;
+  return method_.why_not(form.linear(problem, sides_));
+}
+
+Status Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
+  constexpr double kSlides = 1e-10;  // relative to the largest w
+  std::vector<double> angle;
+  for (const Friction& f : problem.friction)
+    if (f.rows > 1) angle.push_back(0);
+  Status claim = Status::not_run;
+  Vector best = s.z;
+  double least = kInf;
+  for (int turn = 0; turn <= turns_; ++turn) {
+    const Lcp& linear = form_.linear(problem, sides_, angle);
+    method_.set_time_limit(budget().remaining());
+    claim = method_.solve(linear, linear_).status;
+    s.iterations += linear_.iterations;
+    if (claim != Status::solved) break;
+    form_.restore(problem, linear_.z, s.z);
+    const bool accepted = passes(problem, s);
+    log(turn, s.residual, 0, turn == 0 ? "pyramid" : "turned");
+    if (s.residual < least) least = s.residual, best = s.z;
+    if (accepted || budget().exhausted()) break;
+    std::size_t k = 0;
+    for (const Friction& f : problem.friction) {
+      if (f.rows == 1) continue;
+      // A contact that sticks now keeps its corner: turned back it might slide again.
+      const double slip = std::hypot(s.w[f.first], s.w[f.first + 1]);
+      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>()) angle[k] = std::atan2(-s.w[f.first + 1], -s.w[f.first]);
+      ++k;
+    }
+  }
+  if (least < kInf) s.z = best;
+  return claim;
+}
+
+}  // namespace orthant

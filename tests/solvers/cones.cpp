@@ -1,0 +1,237 @@
+// Coulomb's cone solved: single contacts in closed form, planted problems, metamorphic relations, a storm of claims that
+// independent code checks in long double, facets.
+#include <orthant/core/lcp/judge/certify_cones.h>
+#include <orthant/core/lcp/problems/contact_piles.h>
+#include <orthant/core/lcp/problems/disc_contacts.h>
+#include <orthant/solvers/cones/contact_solve.h>
+#include <orthant/solvers/cones/facets.h>
+#include <orthant/solvers/registry.h>
+
+#include "tests/support/judge.h"
+
+#include <doctest/doctest.h>
+#include <Eigen/Dense>
+
+using namespace orthant;
+
+namespace {
+
+const char* const kConeSolvers[] = {"auto",
+                                    "prox",
+                                    "newton-ac",
+                                    "newton-min",
+                                    "newton-fb",
+                                    "admm",
+                                    "apgd",
+                                    "pgs",
+                                    "psor",
+                                    "sgs",
+                                    "prox:path=true",
+                                    "interior-point",
+                                    "newton-ac:map=jean-moreau"};
+
+/// A point mass m on a plane, pushed by (q_t1, q_t2) and pressed by q_n: A = I/m.
+Lcp point_mass(double m, double mu, const Eigen::Vector3d& q) {
+  Lcp p;
+  p.A = DenseMatrix(Eigen::Matrix3d::Identity() / m), p.b = Eigen::VectorXd(q);
+  p.lo = {0, -kInf, -kInf}, p.hi = {kInf, kInf, kInf};
+  p.friction = {{.normal = 0, .first = 1, .rows = 2, .mu = mu}};
+  return p;
+}
+
+Solution disc_solution(const Lcp& p, const std::string& solver) {
+  Solution s;
+  make_solver(solver)->solve(p, s);
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("cones: a point mass opens, sticks or slides as in closed form, by every solver") {
+  struct Single {
+    Eigen::Vector3d q, z;
+  };
+  // mass 2: z = −m q_n normally; friction takes all of q_T up to μ z_n, else μ z_n against it.
+  const Single cases[] = {{{1, 3, 4}, {0, 0, 0}},        {{0, 1, 0}, {0, 0, 0}},
+                          {{-1, 0, 0}, {2, 0, 0}},       {{-1, 0.3, -0.4}, {2, -0.6, 0.8}},
+                          {{-1, 3, 4}, {2, -0.6, -0.8}}, {{-1, 0, -7}, {2, 0, 1}}};
+  for (const char* solver : kConeSolvers)
+    for (const auto& [q, z] : cases) {
+      CAPTURE(solver);
+      CAPTURE(q.transpose());
+      const Solution s = disc_solution(point_mass(2, 0.5, q), solver);
+      CHECK(s.status == Status::solved);
+      CHECK((s.z - z).norm() <= 1e-8);
+    }
+}
+
+TEST_CASE(
+    "cones: the methods of linear problems answer for the disc by facets that turn, or say that it is not solved") {
+  const Lcp sliding = point_mass(2, 0.5, {-1, 3, 1.7}), sticking = point_mass(2, 0.5, {-1, 0.1, 0.02});
+  const double speed = std::hypot(3.0, 1.7);
+  for (const char* solver : {"lemke", "path", "dantzig"}) {
+    CAPTURE(solver);
+    const Solution slides = disc_solution(sliding, solver), sticks = disc_solution(sticking, solver);
+    if (slides.status != Status::unsupported) {
+      CHECK(slides.status == Status::solved);
+      CHECK(std::hypot(slides.z[1] + 3 / speed, slides.z[2] + 1.7 / speed) <= 1e-7);
+    }
+    if (sticks.status != Status::unsupported) CHECK(sticks.status == Status::solved);
+  }
+  const auto lemke = make_solver("lemke");
+  Facets pyramid(*lemke, 4, 0);  // without turning: between two corners of four, friction is weak
+  Solution s;
+  pyramid.solve(sliding, s);
+  CHECK(pyramid.pyramid_status() == Status::solved);
+  CHECK(s.status != Status::solved);
+  CHECK(cone_residuals(sliding, s.z).scale_free > 0.01);
+}
+
+TEST_CASE("cones: one contact with any matrix: the exact solve finds a solution where the cases have one") {
+  Random random(11);
+  for (int trial = 0; trial < 2000; ++trial) {
+    Eigen::Matrix3d B, skew = Eigen::Matrix3d::Zero();
+    for (double& value : B.reshaped()) value = random.normal();
+    Eigen::Matrix3d A = B * B.transpose() + 0.05 * Eigen::Matrix3d::Identity();
+    if (trial % 3 == 0)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < i; ++j) skew(i, j) = 0.1 * random.normal(), skew(j, i) = -skew(i, j);
+    A += skew;
+    Lcp p = point_mass(1, random.uniform(0, 1.5), Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
+    p.A = DenseMatrix(A);
+    cones::Blocks blocks;
+    blocks.load(p);
+    Eigen::Vector3d z = Eigen::Vector3d::Zero();
+    const double e = solve_contact(blocks, blocks[0], A.data(), p.b.data(), z.data());
+    CHECK(e <= 1e-10 * p.b.norm());
+  }
+}
+
+TEST_CASE("cones: auto solves planted problems of every kind") {
+  Random random(21);
+  for (int trial = 0; trial < 60; ++trial) {
+    const DiscContacts kind{.contacts = 3 + trial % 8,
+                            .freedoms = trial % 3 == 0 ? 10 : 40,
+                            .mu = trial % 7 == 0 ? 1.2 : 0.4,
+                            .rolling = trial % 4 == 1,
+                            .unsymmetric = trial % 5 == 2,
+                            .degenerate = trial % 6 == 3,
+                            .jammed = trial % 10 == 9,
+                            .spread = trial % 9 == 4 ? 1e8 : 10};
+    const Known known = disc_contacts(kind, random);
+    CAPTURE(trial);
+    const Solution s = disc_solution(known.problem, "auto");
+    CHECK(s.status == Status::solved);
+    CHECK(independent_scale_free(known.problem, s.z) <= 1e-9);
+  }
+}
+
+TEST_CASE("cones: a storm: no claim of any solver is false") {
+  Random random(31);
+  int solved = 0, asked = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    Known known = disc_contacts({.contacts = 1 + trial % 5,
+                                 .freedoms = 2 + trial % 12,
+                                 .mu = 0.3 * (trial % 5),
+                                 .unsymmetric = trial % 3 == 0,
+                                 .degenerate = trial % 2 == 0,
+                                 .spread = trial % 4 == 0 ? 1e6 : 1},
+                                random);
+    if (trial % 4 == 1)  // no solution planted
+      for (double& value : known.problem.b) value = random.normal();
+    for (const SolverEntry& entry : solvers()) {
+      if (entry.name == "enumerate" || entry.name == "lemke-howson") continue;
+      CAPTURE(entry.name);
+      CAPTURE(trial);
+      const auto solver = entry.make("");
+      solver->set_time_limit(1);
+      Solution s;
+      solver->solve(known.problem, s);
+      ++asked;
+      solved += s.status == Status::solved;
+      if (s.status == Status::solved) CHECK(independent_scale_free(known.problem, s.z) <= 1e-7);
+      if (s.status == Status::infeasible) CHECK(independent_proof(known.problem, s.certificate));
+    }
+  }
+  CHECK(solved > asked / 2);
+}
+
+TEST_CASE("cones: planar friction as discs of one row, and LCPs, are the same problems to prox and newton-ac") {
+  Random random(41);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Lcp p = random_contact_problem(4, 12, 0.4, random), q = random_spd_problem(9, random);
+    for (const char* solver : {"prox", "newton-ac"}) {
+      CAPTURE(solver);
+      CHECK((disc_solution(q, solver).z - disc_solution(q, "lemke").z).norm() <= 1e-7);
+      const Solution s = disc_solution(p, solver);
+      CHECK(s.status == Status::solved);
+    }
+  }
+}
+
+TEST_CASE("cones: the answer turns with the tangent plane, and moves with units, order and a twin") {
+  Random random(51);
+  for (int trial = 0; trial < 12; ++trial) {
+    const Known known = disc_contacts({.contacts = 5, .freedoms = 40}, random);
+    const Lcp& p = known.problem;
+    const Index n = p.size();
+    const Vector w = disc_solution(p, "auto").w;
+    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n, n);  // w_q = T w; contact k becomes contact (k + 2) mod 5
+    for (Index k = 0; k < 5; ++k) {
+      const Index to = 3 * ((k + 2) % 5);
+      Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+      turn.bottomRightCorner(2, 2) = Eigen::Rotation2Dd(random.uniform(0, 7)).toRotationMatrix();
+      T.block(to, 3 * k, 3, 3) = std::exp2(random.integer(-12, 12)) * turn;
+    }
+    Lcp q = p;
+    q.A = DenseMatrix(T * std::get<DenseMatrix>(p.A) * T.transpose()), q.b = T * p.b;
+    for (Friction& f : q.friction) f.normal = 3 * ((f.normal / 3 + 2) % 5), f.first = f.normal + 1;
+    std::sort(q.friction.begin(), q.friction.end(), [](auto& a, auto& b) { return a.first < b.first; });
+    const Solution turned = disc_solution(q, "auto");
+    CHECK(turned.status == Status::solved);
+    const Vector expected = Eigen::VectorXd(T * w);
+    for (Index i = 0; i < n; ++i) CHECK(std::abs(turned.w[i] - expected[i]) <= 1e-7 * T.row(i).norm());
+    // The same contact twice: the two share the impulse, the motion stays.
+    Eigen::MatrixXd twice = Eigen::MatrixXd::Zero(n + 3, n);
+    twice.topRows(n).setIdentity(), twice.bottomRows(3) = twice.topRows(3);
+    Lcp r = p;
+    r.A = DenseMatrix(twice * std::get<DenseMatrix>(p.A) * twice.transpose()), r.b = twice * p.b;
+    r.lo = twice.cwiseAbs() * Eigen::VectorXd::Zero(n), r.hi = Eigen::VectorXd::Constant(n + 3, kInf);
+    for (Index i = 0; i < n + 3; ++i) r.lo[i] = i % 3 == 0 ? 0 : -kInf;
+    r.friction.push_back({.normal = n, .first = n + 1, .rows = 2, .mu = p.friction[0].mu});
+    const Solution doubled = disc_solution(r, "auto");
+    CHECK(doubled.status == Status::solved);
+    CHECK((doubled.w.head(n) - w).norm() <= 1e-7 * (1 + w.norm()));
+  }
+}
+
+TEST_CASE("cones: piles with discs, whose forces are not unique, are solved as operators") {
+  for (const int boxes : {2, 5, 10}) {
+    const Lcp p = box_column(boxes, {.mu = 0.4, .slope = 0.1, .spatial = true, .discs = true});
+    CHECK(p.discs());
+    const Solution s = disc_solution(p, "auto");
+    CHECK(s.status == Status::solved);
+    CHECK(independent_scale_free(p, s.z) <= 1e-9);
+  }
+}
+
+TEST_CASE("cones: what cannot be solved is proved: a body pushed into a wedge of its own friction") {
+  // w_n = −2 z_n + z_t − 1 with |z_T| ≤ z_n: never ≥ 0.
+  Lcp p = point_mass(1, 1, {-1, 0, 0});
+  p.A = DenseMatrix((Eigen::Matrix3d() << -2, 1, 0, 0, 1, 0, 0, 0, 1).finished());
+  const Solution s = disc_solution(p, "auto");
+  CHECK(s.status == Status::infeasible);
+  CHECK(independent_proof(p, s.certificate));
+}
+
+TEST_CASE("cones: a time limit and a flag end a run") {
+  const Lcp p = box_column(40, {.mu = 0.4, .spatial = true, .discs = true});
+  const auto solver = make_solver("admm");
+  solver->set_time_limit(0.01);
+  Solution s;
+  CHECK(solver->solve(p, s).status == Status::time_limit);
+  const std::atomic<bool> flag = true;
+  const auto prox = make_solver("auto");
+  prox->set_cancel(&flag);
+  CHECK(prox->solve(p, s).status == Status::cancelled);
+}
