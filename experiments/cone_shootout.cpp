@@ -4,8 +4,8 @@
 // One measure for all: the scale-free residual (core/lcp/judge/certify_cones.h), recomputed by the second judge
 // (support/independent_judge.h). For each tolerance a method is run with its own stopping tolerance at that value, then
 // tenfold lower, until the measure is reached or its time is over: the time counted is that of the loosest run that
-// reaches it. Processor time. Writes a row per case, and performance profiles (Dolan & Moré 2002): the share of problems
-// solved within a factor of the best time, failures kept.
+// reaches it. Processor time. Writes a row per case, and performance profiles (Dolan & Moré 2002): the share of
+// problems solved within a factor of the best time, failures kept.
 #include "experiments/benchmarks/clock.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"

@@ -7,8 +7,8 @@
 //   Friction of normal row n, two rows T: a disc (Coulomb in space; rolling resistance):
 //     |z_T|₂ ≤ μ z_n,   w_T = 0 where |z_T| < μ z_n,   else w_T = −κ z_T with κ ≥ 0.
 //   One normal may bear several intervals and discs: sliding, rolling, spinning (cones/contact.h).
-//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1; Acary & Brogliato, Numerical Methods
-//   for Nonsmooth Dynamical Systems (2008), ch. 3.
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1; Acary & Brogliato, Numerical
+//   Methods for Nonsmooth Dynamical Systems (2008), ch. 3.
 #pragma once
 
 #include <orthant/core/support/reusable.h>

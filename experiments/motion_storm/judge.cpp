@@ -258,8 +258,8 @@ class Court {
                                [&](const State& x) { return painleve_possible(scene_, x, kClosed, false); });
   }
 
-  /// Whether the twin of a scheme of fixed step differs with a quarter of the step, too, by more than half as much: else
-  /// a single step decided by rounding between open and closed, or stick and slip, and errs by as much in both.
+  /// Whether the twin of a scheme of fixed step differs with a quarter of the step, too, by more than half as much.
+  /// Else a single step decided by rounding between open and closed, or stick and slip, and errs by as much in both.
   bool differs_still(const std::string& spec, const Seen& s, const Seen& twin) {
     const Seen &q = quarter(spec), &other = run(spec, "twin h/4", own_step(spec) / 4, twin_);
     if (twin.trace.run.status == Status::infeasible) return other.trace.run.status == Status::infeasible;

@@ -25,7 +25,7 @@ struct Rival {
 /// std::invalid_argument when there is no such list.
 std::vector<Rival> rivals(const std::filesystem::path& folder);
 
-/// Output of a program. Throws std::runtime_error with its error stream, or its signal, when the exit code is not 0. The
+/// Output of a program. Throws std::runtime_error with its error stream, or its signal, if the exit code is not 0. The
 /// program dies with this process; call it within Isolated where a time limit matters.
 std::string output_of(const std::vector<std::string>& command);
 

@@ -2,8 +2,8 @@
 //
 //   Inner problem, convex for A symmetric semidefinite: minimize ½ zᵀA z + (q + s)ᵀz over K, by
 //     x⁺ = P_K(y − (A y + q + s)/L),   y⁺ = x⁺ + β (x⁺ − x),   L by backtracking, restart where momentum leads uphill;
-//   with s = 0 alone it is the convex relaxation, which lifts a sliding body off by μ |u_T|. Outer: s ← e_n Σ μ_j ‖w_{T_j}‖
-//   each time the inner residual is a tenth of the change of s. First order: to moderate accuracy.
+//   with s = 0 alone it is the convex relaxation, which lifts a sliding body off by μ |u_T|. Outer: s ← e_n Σ μ_j
+//   ‖w_{T_j}‖ each time the inner residual is a tenth of the change of s. First order: to moderate accuracy.
 //   Sources: Mazhar, Heyn, Negrut & Tasora, ACM Trans. Graph. 34 (2015); Cadoux, Optimization methods for Coulomb
 //   friction (2009): the outer loop.
 #pragma once

@@ -1,7 +1,7 @@
 // solvers/cones/cone_form.h — scaled form of a problem with friction discs: contacts one after another, units removed.
 //
-//   Rows are put in the order of the blocks (core/lcp/cones/contact.h), so that block c holds begin(c) ≤ i < begin(c + 1),
-//   normal first, and scaled by D:
+//   Rows are put in the order of the blocks (core/lcp/cones/contact.h), so that block c holds begin(c) ≤ i < begin(c +
+//   1), normal first, and scaled by D:
 //     z' = D⁻¹z,  w' = D w,  A' = D A D,  q' = D q,  μ'_j = μ_j d_n / d_{T_j}.
 //   Then A' has diagonal blocks of mean 1, and ρ = 1 is a step that suits every contact.
 #pragma once

@@ -8,8 +8,8 @@
 //   stays in the place that Newton must leave, and of rank-deficient piles many are then not solved (measured:
 //   12 halvings leave 6 of 109 problems above 1e-8, 2 halvings none).
 //   The best z met is what counts.
-//   Sources: Alart & Curnier, Comput. Methods Appl. Mech. Engrg. 92 (1991); Grippo, Lampariello & Lucidi, SIAM J. Numer.
-//   Anal. 23 (1986).
+//   Sources: Alart & Curnier, Comput. Methods Appl. Mech. Engrg. 92 (1991); Grippo, Lampariello & Lucidi, SIAM J.
+//   Numer. Anal. 23 (1986).
 #pragma once
 
 #include <orthant/solvers/budget.h>

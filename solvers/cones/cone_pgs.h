@@ -1,7 +1,7 @@
 // solvers/cones/cone_pgs.h — pgs, psor, sgs on friction discs: block Gauss-Seidel with an exact solve of each contact.
 //
-//   Sweeps as in cone_sweeps.h, relaxed by ω, forward or forward and backward in turn. Safeguard: where ten sweeps of ω > 1
-//   leave the residual larger, ω falls to 1.
+//   Sweeps as in cone_sweeps.h, relaxed by ω, forward or forward and backward in turn. Safeguard: where ten sweeps of ω
+//   > 1 leave the residual larger, ω falls to 1.
 //   No convergence proof for Coulomb's law; with redundant contacts (walls, towers) thousands of sweeps for 1e-4 are
 //   common.
 #pragma once

@@ -1,5 +1,5 @@
-// Coulomb's cone solved: single contacts in closed form, planted problems, metamorphic relations, a storm of claims that
-// independent code checks in long double, facets.
+// Coulomb's cone solved: single contacts in closed form, planted problems, metamorphic relations, a storm of claims
+// that independent code checks in long double, facets.
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/disc_contacts.h>

@@ -10,8 +10,8 @@
 //   rows as free rows: A = (W V; Vᵀ R), b = (q, s), or
 //     A = J M⁻¹Jᵀ, b = (w, b) + J M⁻¹f, J = (H G)ᵀ: a Delassus operator where M is diagonal, else multiplied out.
 //   W and M need not be symmetric (implicit gyroscopic terms).
-//   Matrices: nz ≥ 0 triplets (row i, column p), −1 compressed columns, −2 compressed rows; entries that occur twice add.
-//   Group solution, written and read where it is there: r, u, of global problems l (λ), v; residual_scale_free,
+//   Matrices: nz ≥ 0 triplets (row i, column p), −1 compressed columns, −2 compressed rows; entries that occur twice
+//   add. Group solution, written and read where it is there: r, u, of global problems l (λ), v; residual_scale_free,
 //   residual_natural (judge/certify_cones.h).
 //   Source: Acary & Brémond & Huber et al., FCLIB: a collection of discrete 3D frictional contact problems (2014).
 // Everything wrong throws std::runtime_error, one line: file, dataset, value, rule.

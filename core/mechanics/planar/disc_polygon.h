@@ -18,9 +18,9 @@ namespace orthant {
 
 using DiscTouch = std::variant<DiscWall, DiscDisc>;
 
-/// Feature that a disc meets where neighbours cover some of the polygon's faces and corners: c is its centre in b's frame,
-/// `most` beyond the face that it is farthest beyond. Off the ends of free faces, where no corner is met, it is open by
-/// kAside.
+/// Feature that a disc meets where neighbours cover some of the polygon's faces and corners: c is its centre in b's
+/// frame, `most` beyond the face that it is farthest beyond. Off the ends of free faces, where no corner is met, it is
+/// open by kAside.
 /// Nothing: below the free faces; the nearest point of the polygon is right there.
 inline std::optional<DiscTouch> touch_free(BodyId a, const Vector2d& centre, double radius, BodyId b,
                                            const Polygon& corners, const Exposure& exposed, const Vector2d& c,

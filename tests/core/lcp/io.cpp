@@ -54,8 +54,8 @@ bool same_to_the_bit(const Matrix& a, const Matrix& b) {
 bool same_to_the_bit(const Lcp& a, const Lcp& b) {
   if (a.friction.size() != b.friction.size()) return false;
   for (std::size_t k = 0; k < a.friction.size(); ++k)
-    if (a.friction[k].first != b.friction[k].first || a.friction[k].rows != b.friction[k].rows || a.friction[k].normal != b.friction[k].normal ||
-        a.friction[k].mu != b.friction[k].mu)
+    if (a.friction[k].first != b.friction[k].first || a.friction[k].rows != b.friction[k].rows ||
+        a.friction[k].normal != b.friction[k].normal || a.friction[k].mu != b.friction[k].mu)
       return false;
   return same_to_the_bit(a.A, b.A) && same_to_the_bit(a.b, b.b) && same_to_the_bit(a.lo, b.lo) &&
          same_to_the_bit(a.hi, b.hi);
