@@ -164,7 +164,7 @@ TEST_CASE("orthant enumerate, replay, --version, completion") {
   CHECK(folder.orthant("replay none.json --solver lemke").exit_code == 2);
   CHECK(folder.orthant("replay p.json --solver lemk").exit_code == 1);
   CHECK(folder.orthant("replay p.json --time-limit -1").exit_code == 1);
-  CHECK(folder.orthant("replay '" ORTHANT_TEST_DATA "/fclib/Box_Stacks-i0122-82-5.hdf5' --solver path").exit_code == 0);
+  CHECK(folder.orthant("replay '" ORTHANT_TEST_DATA "/fclib/Box_Stacks-i0122-82-5.hdf5' --solver auto").exit_code == 0);
 
   const Reply version = folder.orthant("--version");
   CHECK(version.exit_code == 0);

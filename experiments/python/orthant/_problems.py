@@ -56,8 +56,9 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
 
     M: (n, n) array, scipy.sparse matrix or Delassus; or a Problem alone. q: (n,).
     lower, upper: (n,) or one number for all rows, infinite where there is no bound; default 0 and infinity.
-    friction: (row, normal row, mu) triples, or a (k, 3) array: |z[row]| <= mu z[normal row]; such rows have no bounds of their own.
-        (first row, normal row, mu, 2) is a disc, Coulomb's cone in space: norm(z[first row : first row + 2]) <= mu z[normal row].
+    friction: (row, normal row, mu) triples, or a (k, 3) array: |z[row]| <= mu z[normal row]; such rows have no bounds of
+    their own. (first row, normal row, mu, 2) is a disc, Coulomb's cone in space, of the rows first row and first row + 1:
+    norm(z[both]) <= mu z[normal row].
     solver: a name of `solvers()`; options: that solver's, such as solve(M, q, solver="pgs", omega=1.3).
     start: (n,) a guess. time_limit: [s] of wall time. log: keep what the solver did in `result.log`.
     Returns a Result; a hard problem has a status, never a wrong answer called solved. The interpreter's lock is released
