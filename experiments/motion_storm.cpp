@@ -13,10 +13,8 @@
 #include "motion_storm/shrink.h"
 #include "motion_storm/tally.h"
 #include "support/between.h"
+#include "support/chunks.h"
 #include "support/command_line.h"
-#include "support/isolated.h"
-#include "support/manifest.h"
-#include "support/progress.h"
 
 #include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/support/file.h>
@@ -45,33 +43,9 @@ struct Arguments {
   long shrunk = 40;
 };
 
-/// Lines that are whole and of the same header; a last line that was cut off by a kill is dropped from the file.
-std::map<std::uint64_t, Tally> finished(const std::filesystem::path& file, const std::string& header) {
-  std::map<std::uint64_t, Tally> done;
-  std::ifstream in(file);
-  std::string line, kept;
-  while (std::getline(in, line)) {
-    if (in.eof()) break;  // no line end: not whole
-    if (!line.starts_with(header + ' '))
-      throw std::runtime_error(file.string() + ": was made with other choices or another build: take another --output");
-    std::istringstream words(line.substr(header.size()));
-    std::uint64_t first = 0;
-    words >> first >> std::ws;
-    std::string text;
-    std::getline(words, text);
-    done[first] = tally_from_text(text);
-    kept += line + '\n';
-  }
-  in.close();
-  if (std::filesystem::exists(file) && std::filesystem::file_size(file) != kept.size()) write_whole(file, kept);
-  return done;
-}
-
 struct MotionStorm {
   const Arguments& a;
   Isolated processes;
-  std::map<std::uint64_t, Tally> done;
-  std::string header;
 
   double most_seconds(std::uint64_t count, std::size_t integrators) const {  // of wall time: others may be at work
     return 60 + 10 * (a.limits.time + a.limits.grace) * static_cast<double>(count * integrators);
@@ -99,37 +73,18 @@ struct MotionStorm {
     return tally;
   }
 
-  void run() {
-    Progress progress("motion storm", static_cast<double>(a.scenes),
-                      static_cast<long>((a.scenes + a.chunk - 1) / a.chunk));
-    std::ofstream lines(a.output / "chunks.jsonl", std::ios::app | std::ios::binary);
-    std::vector<std::uint64_t> again;
-    const auto keep = [&](std::uint64_t first, const Tally& tally) {
-      lines << header << ' ' << first << ' ' << to_text(tally) << '\n' << std::flush;
-      if (!lines)
-        throw std::runtime_error("cannot write " + (a.output / "chunks.jsonl").string() + ": the disk may be full");
-      done[first] = tally;
-    };
-    for (std::uint64_t first = 0; first < a.scenes; first += a.chunk) {
-      const std::uint64_t count = std::min(a.chunk, a.scenes - first);
-      if (done.contains(first)) {
-        progress.add(static_cast<double>(count), !done[first].faults.empty());
-        continue;
-      }
-      processes.start([this, first, count] { return to_text(storm(a.seed, first, count, a.integrators, a.limits)); },
-                      most_seconds(count, a.integrators.size()),
-                      [&, first, count](const Outcome& o) {
-                        const bool back = o.kind == Outcome::finished;
-                        if (back)
-                          keep(first, tally_from_text(o.text));
-                        else
-                          again.push_back(first);
-                        progress.add(static_cast<double>(count), !back || !done[first].faults.empty());
-                      });
-    }
-    processes.wait_for_all();
-    for (const std::uint64_t first : again)
-      keep(first, corner(first, std::min(a.chunk, a.scenes - first), a.integrators));
+  Tally run() {
+    const ChunkWork work{
+        .work = [this](auto first,
+                       auto count) { return to_text(storm(a.seed, first, count, a.integrators, a.limits)); },
+        .limit = [this](auto count) { return most_seconds(count, a.integrators.size()); },
+        .again = [this](auto first, auto count) { return to_text(corner(first, count, a.integrators)); },
+        .faulty = [](const std::string& text) { return !tally_from_text(text).faults.empty(); }};
+    const Chunks chunks{"motion storm", a.output / "chunks.jsonl", chunk_header(a.seed, a.chunk, a.integrators),
+                        a.scenes, a.chunk};
+    Tally all;
+    for (const auto& [first, text] : run_chunks(chunks, work, processes)) all.add(tally_from_text(text));
+    return all;
   }
 
   /// The fault's scene, as small as it gets, each try in a process of its own.
@@ -183,22 +138,15 @@ std::vector<Fault> chosen(const std::vector<Fault>& faults, long most) {
 int run(const Arguments& a) {
   const System any(random_scene(a.seed, 0).scene);
   for (const std::string& spec : a.integrators) make_integrator(spec, any);  // known ones only
-  std::string header =
-      std::to_string(a.seed) + '/' + std::to_string(a.chunk) + '/' + manifest()["revision"].get<std::string>();
-  for (const std::string& spec : a.integrators) header += '/' + spec;
-  std::ranges::replace(header, ' ', '_');
   if (!a.only || a.keep) std::filesystem::create_directories(a.output);
-  MotionStorm it{a, Isolated(a.jobs, a.memory << 20), {}, header};
+  MotionStorm it{a, Isolated(a.jobs, a.memory << 20)};
   Tally all;
   if (a.only) {
     if (a.toml) std::cout << to_toml(random_scene(a.seed, *a.only).scene, "scene " + std::to_string(*a.only));
     all = it.corner(*a.only, 1, a.integrators);
     for (const Fault& f : all.faults) std::cerr << f.integrator << ": " << f.what << ": " << f.why << '\n';
   } else {
-    it.done = finished(a.output / "chunks.jsonl", header);
-    it.run();
-    for (const auto& [first, tally] : it.done)
-      if (first < a.scenes) all.add(tally);
+    all = it.run();
     write_whole(a.output / "motion_storm.csv", csv(all));
     write_whole(a.output / "motion_storm.json", json(all, a.scenes, a.seed));
     write_whole(a.output / "motion_storm.md", tables(all, a.scenes));

@@ -11,10 +11,8 @@
 #include "storm/storm.h"
 #include "storm/shrink.h"
 #include "support/between.h"
+#include "support/chunks.h"
 #include "support/command_line.h"
-#include "support/isolated.h"
-#include "support/manifest.h"
-#include "support/progress.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/support/file.h>
@@ -43,37 +41,9 @@ struct Arguments {
   long shrunk = 20;
 };
 
-std::string line_of(const std::string& header, std::uint64_t first, const StormTally& tally) {
-  return header + ' ' + std::to_string(first) + ' ' + to_text(tally) + '\n';
-}
-
-/// Lines that are whole and of the same header; a last line that was cut off by a kill is dropped from the file.
-std::map<std::uint64_t, StormTally> finished(const std::filesystem::path& file, const std::string& header) {
-  std::map<std::uint64_t, StormTally> done;
-  std::ifstream in(file);
-  std::string line, kept;
-  while (std::getline(in, line)) {
-    if (in.eof()) break;  // no line end: not whole
-    if (!line.starts_with(header + ' '))
-      throw std::runtime_error(file.string() + ": was made with other choices or another build: take another --output");
-    std::istringstream words(line.substr(header.size()));
-    std::uint64_t first = 0;
-    words >> first >> std::ws;
-    std::string text;
-    std::getline(words, text);
-    done[first] = storm_tally_from_text(text);
-    kept += line + '\n';
-  }
-  in.close();
-  if (std::filesystem::exists(file) && std::filesystem::file_size(file) != kept.size()) write_whole(file, kept);
-  return done;
-}
-
 struct Storm {
   const Arguments& a;
   Isolated processes;
-  std::map<std::uint64_t, StormTally> done;
-  std::string header;
 
   double most_seconds(std::uint64_t count, std::size_t solvers) const {
     return 60 + 0.2 * static_cast<double>(count * solvers) + 2 * (a.choice.time_limit + a.choice.grace);
@@ -105,36 +75,16 @@ struct Storm {
     return tally;
   }
 
-  void run() {
-    Progress progress("storm", static_cast<double>(a.problems),
-                      static_cast<long>((a.problems + a.chunk - 1) / a.chunk));
-    std::ofstream lines(a.output / "chunks.jsonl", std::ios::app | std::ios::binary);
-    std::vector<std::uint64_t> again;
-    const auto keep = [&](std::uint64_t first, const StormTally& tally) {
-      lines << line_of(header, first, tally) << std::flush;
-      if (!lines)
-        throw std::runtime_error("cannot write " + (a.output / "chunks.jsonl").string() + ": the disk may be full");
-      done[first] = tally;
-    };
-    for (std::uint64_t first = 0; first < a.problems; first += a.chunk) {
-      const std::uint64_t count = std::min(a.chunk, a.problems - first);
-      if (done.contains(first)) {
-        progress.add(static_cast<double>(count), !done[first].faults.empty());
-        continue;
-      }
-      processes.start([this, first, count] { return to_text(storm(a.choice, first, count)); },
-                      most_seconds(count, a.choice.solvers.size()),
-                      [&, first, count](const Outcome& o) {
-                        const bool back = o.kind == Outcome::finished;
-                        if (back)
-                          keep(first, storm_tally_from_text(o.text));
-                        else
-                          again.push_back(first);
-                        progress.add(static_cast<double>(count), !back || !done[first].faults.empty());
-                      });
-    }
-    processes.wait_for_all();
-    for (const std::uint64_t first : again) keep(first, corner(first, std::min(a.chunk, a.problems - first), a.choice));
+  StormTally run(const std::string& header) {
+    const ChunkWork work{.work = [this](auto first, auto count) { return to_text(storm(a.choice, first, count)); },
+                         .limit = [this](auto count) { return most_seconds(count, a.choice.solvers.size()); },
+                         .again = [this](auto first, auto count) { return to_text(corner(first, count, a.choice)); },
+                         .faulty = [](const std::string& text) { return !storm_tally_from_text(text).faults.empty(); }};
+    StormTally all;
+    for (const auto& [first, text] :
+         run_chunks({"storm", a.output / "chunks.jsonl", header, a.problems, a.chunk}, work, processes))
+      all.add(storm_tally_from_text(text));
+    return all;
   }
 
   /// The fault's problem, as small as it gets, in a process of its own at every try.
@@ -208,19 +158,14 @@ int run(Arguments a) {
     for (const std::string& spec : a.specs) make_solver(spec), a.choice.solvers.push_back({spec});  // known ones only
   }
   std::filesystem::create_directories(a.output);
-  std::string header =
-      std::to_string(a.choice.seed) + '/' + std::to_string(a.chunk) + '/' + manifest()["revision"].get<std::string>();
-  for (const StormSolver& solver : a.choice.solvers) header += '/' + solver.spec;
-  std::ranges::replace(header, ' ', '_');
-  Storm storm_of{a, Isolated(a.jobs, a.memory << 20), {}, header};
+  std::vector<std::string> names;
+  for (const StormSolver& solver : a.choice.solvers) names.push_back(solver.spec);
+  Storm storm_of{a, Isolated(a.jobs, a.memory << 20)};
   StormTally all;
   if (a.only) {
     all = storm_of.corner(*a.only, 1, a.choice);
   } else {
-    storm_of.done = finished(a.output / "chunks.jsonl", header);
-    storm_of.run();
-    for (const auto& [first, tally] : storm_of.done)
-      if (first < a.problems) all.add(tally);
+    all = storm_of.run(chunk_header(a.choice.seed, a.chunk, names));
     write_table(a.output / "storm.csv", all);
   }
   const int exit_code = report(all, a.only ? 1 : a.problems);

@@ -109,8 +109,8 @@ class Court {
     const double h = precise(spec) ? 0 : own_step(spec);
     if (!f.finite) return why = "numbers that are none", Result::nan;
     if (f.joint.value > 1e-6 * f.size + h * f.speed) return why = f.joint.where, Result::joints;
-    const Admissibility& told = s.trace.run.motion;
-    const bool warned = h > 0 && told.deep() && f.depth.value <= 1.1 * told.max_overlap;
+    const Admissibility& reported = s.trace.run.motion;
+    const bool warned = h > 0 && reported.deep() && f.depth.value <= 1.1 * reported.max_overlap;
     if (f.depth_share.value > 1 && !warned) return why = f.depth.where, Result::penetration;
     if (f.passed.value > 0.2 && s.trace.run.passages == 0) return why = f.passed.where, Result::passage;
     const bool exact = event_driven(spec) && s.trace.run.crossings == 0;

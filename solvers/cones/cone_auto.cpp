@@ -16,6 +16,7 @@ Status ConeAuto::iterate(Vector& z, int& iterations) {
   const auto sweep = [&](int most, bool early) {
     double mark = residual();
     for (int k = 1; k <= most; ++k) {
+      ++iterations;
       const double moved = point_.sweeps().sweep(z);
       if (ended(z)) break;
       if (moved == 0) break;

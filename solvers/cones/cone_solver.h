@@ -1,4 +1,4 @@
-// solvers/cones/cone_solver.h — what the solvers of problems with friction discs share.
+// solvers/cones/cone_solver.h — base of the solvers of problems with friction discs.
 //
 //   They work on the scaled form (cone_form.h) and stop by its scale-free residual
 //     sf = ‖z' − P_K(z' − û')‖ / ‖q'‖

@@ -1,8 +1,7 @@
 // solvers/cones/contact_map.h — equations F(z, w) = 0 of one contact, and their generalized derivatives.
 //
 //   Each map vanishes exactly where the block's law holds, and gives matrices with  dF = E dz + H dw.  Numbers are
-//   those
-//   of the scaled form (cone_form.h), so that ρ = 1 suits; ρ_n, ρ_T differ where the block's own numbers say so.
+//   those of the scaled form (cone_form.h), so that ρ = 1 suits; ρ_n, ρ_T differ where the block's own numbers say so.
 //   natural          F = z − P_K(z − ρ û)
 //                      DP the derivative of P_K, G that of û:  E = I − DP,  H = ρ DP G
 //   alart-curnier    p = clamp(z_n − ρ_n w_n, lo, hi),  F_n = z_n − p,  F_T = z_T − P_disc(μ p)(z_T − ρ_T w_T)

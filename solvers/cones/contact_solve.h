@@ -2,7 +2,7 @@
 //
 //   Given w = A z + q of one block (its rows alone), find z with −û(w) in the normal cone of K at z (cones/contact.h).
 //   1. From the z given: Newton on the Alart-Curnier equations, a few steps; accepted where the residual is at
-//   rounding.
+//      rounding.
 //   2. A normal row with one disc: the cases one by one.
 //        open   z = 0                       where q_n ≥ 0
 //        stick  z = −A⁻¹q                   where that lies in K

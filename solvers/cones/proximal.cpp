@@ -10,7 +10,7 @@ Status Proximal::iterate(Vector& z, int& iterations) {
     iterations += steps;
     log(iterations, merit, alpha, event);
   };
-  for (int k = 0; k < options_.sweeps && !end; ++k) point_.sweeps().sweep(z), ended(z);
+  for (int k = 0; k < options_.sweeps && !end; ++k) ++iterations, point_.sweeps().sweep(z), ended(z);
   if (!end && options_.path) point_.follow_path(z, 0.5, ended, note);
   if (!end) point_.iterate(z, options_.max_outer, ended, note);
   return end ? Status::time_limit : Status::iteration_limit;

@@ -7,8 +7,8 @@
 //   that is: z_n and w_n complementary, and each friction opposes its slip. It is the same as
 //     z = P_K(z − ρ û)  for any ρ > 0.                                                                           (2)
 //   Projection P_K(x), with s_j = ‖x_{T_j}‖: a = z_n minimizes (a − x_n)² + Σ_j max(0, s_j − μ_j a)² on [lo, hi]:
-//     a = (x_n + Σ_A μ_j s_j) / (1 + Σ_A μ_j²),  A = {j: s_j > μ_j a},  then clamped;  z_{T_j} = P_disc(μ_j
-//     a)(x_{T_j}).
+//     a = (x_n + Σ_A μ_j s_j) / (1 + Σ_A μ_j²),  A = {j: s_j > μ_j a},  then clamped;
+//     z_{T_j} = P_disc(μ_j a)(x_{T_j}).
 //   With one disc on [0, ∞) that is P(x) = x in K, 0 in its polar cone, else a = (x_n + μ s)/(1 + μ²).
 //   Units: z' = D⁻¹ z, w' = D w with one positive number a row; the numbers of a disc are equal, and so K stays a cone
 //   of the same kind, μ'_j = μ_j d_n / d_{T_j}.  scale(): d = (mean A_ii of the normal and its first friction)^−½ for

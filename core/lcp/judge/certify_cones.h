@@ -10,10 +10,11 @@
 //     t_c  = ‖ |q'_c| + Σ_j |A'_cj| max |z'| ‖, the largest z' of the coupled blocks: what the last digits of z leave
 //   unknown in w'_c. So large data excuse nothing elsewhere, and a runaway z (ε t_c > 1e-6 β) is no answer.
 //   Sums run in long double.
-//   Proof of infeasibility: certify.h, with the disc's support function, sup gᵀz over ‖z_T‖ ≤ μ z_n = (g_n + μ‖g_T‖)
-//   z_n. Residuals for comparison, of a z alone, no verdict:
-//     scale-free  ‖(e_c)‖ / ‖q'‖,    natural  ‖z − P_K(z − û)‖ / ‖q‖  (Acary, Brémond & Huber 2018; ρ = 1, units
-//     matter).
+//   Proof of infeasibility: certify.h, with the disc's support function,
+//     sup gᵀz over ‖z_T‖ ≤ μ z_n = (g_n + μ‖g_T‖) z_n.
+//   Residuals for comparison, of a z alone, no verdict:
+//     scale-free  ‖(e_c)‖ / ‖q'‖,    natural  ‖z − P_K(z − û)‖ / ‖q‖  (Acary, Brémond & Huber 2018; ρ = 1).
+//   The natural one depends on units.
 #pragma once
 
 #include <orthant/core/lcp/cones/contact.h>

@@ -62,7 +62,7 @@ bool near_face(double separation, const Side& x, const Side& y) {
 }
 
 struct End {  // of a face, at a corner, with the neighbouring face there
-  std::size_t face, corner, beside;
+  std::size_t face, corner, adjacent;
 };
 End end_of(const Side& s, std::size_t face, bool last) {
   const std::size_t n = s.corners.size();
@@ -80,12 +80,13 @@ Touch end_to_end(const Side& x, const End& ex, const Side& y, const End& ey, dou
   const auto beyond = [](const Side& f, std::size_t face, const Vector2d& p) {
     return f.pose.turn(outward(f.corners, face)).dot(p - f.corner(face));
   };
-  const bool these = free(x, ex.face) && free(y, ey.face), others = free(x, ex.beside) && free(y, ey.beside);
-  const bool longer = length(x, ex.face) + length(y, ey.face) > length(x, ex.beside) + length(y, ey.beside);
+  const bool these = free(x, ex.face) && free(y, ey.face), others = free(x, ex.adjacent) && free(y, ey.adjacent);
+  const bool longer = length(x, ex.face) + length(y, ey.face) > length(x, ex.adjacent) + length(y, ey.adjacent);
   if (these != others ? these : separation <= graze && longer) return off_face(y, ey.corner, x, ex.face);
-  const double over_x = beyond(x, ex.beside, y.corner(ey.corner)), over_y = beyond(y, ey.beside, x.corner(ex.corner));
+  const double over_x = beyond(x, ex.adjacent, y.corner(ey.corner)),
+               over_y = beyond(y, ey.adjacent, x.corner(ex.corner));
   if (!near_face(std::max(over_x, over_y), x, y)) return off_face(y, ey.corner, x, ex.face);
-  return over_x > over_y ? off_face(y, ey.corner, x, ex.beside) : off_face(x, ex.corner, y, ey.beside);
+  return over_x > over_y ? off_face(y, ey.corner, x, ex.adjacent) : off_face(x, ex.corner, y, ey.adjacent);
 }
 
 /// Corner i of x and corner j of y, which lie apart. Where the neighbours leave no such corner: off x's face.
