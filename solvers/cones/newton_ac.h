@@ -1,8 +1,8 @@
 // solvers/cones/newton_ac.h — semismooth Newton on friction discs: Alart-Curnier, Jean-Moreau, natural map or
 // Fischer-Burmeister.
 //
-//   Newton steps on the problem itself (cone_newton.h) from block sweeps' z. Ten steps at a time with A + α I around the
-//   z that they begin at, α = 1e-10: with redundant contacts A and Newton's matrix are singular. α grows a
+//   Newton steps on the problem itself (cone_newton.h) from block sweeps' z. Ten steps at a time with A + α I around
+//   the z that they begin at, α = 1e-10: with redundant contacts A and Newton's matrix are singular. α grows a
 //   hundredfold where ten steps do not halve the residual, up to 0.1, and falls to a tenth where they do.
 //   Quadratic where it converges; `prox` is the safer one.
 //   Source: Alart & Curnier (1991); Hüeber, Stadler & Wohlmuth, SIAM J. Sci. Comput. 30 (2008).
