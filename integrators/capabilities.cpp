@@ -22,7 +22,7 @@ std::string able(bool Capabilities::*feature) {
                               ", or the integrator one of " + able(feature));
 }
 
-void check_impact_laws(const Scene& scene, std::string_view integrator) {
+template <class Scene> void check_impact_laws(const Scene& scene, std::string_view integrator) {
   const auto must_be = [&](const char* field, std::string_view value, const char* rule) {
     if (value != rule)
       refuse(integrator, std::string(field) + " = \"" + std::string(value) + "\":", '"' + std::string(rule) + '"',
@@ -32,19 +32,20 @@ void check_impact_laws(const Scene& scene, std::string_view integrator) {
   must_be("impacts", kImpactsNames[static_cast<std::size_t>(scene.impacts)], "simultaneous");
 }
 
-void check_tangential_restitution(const Scene& scene, std::string_view integrator) {
+template <class Scene> void check_tangential_restitution(const Scene& scene, std::string_view integrator) {
   const auto must_have_none = [&](const std::string& what, const ContactLaw& law) {
     if (law.e_t != 0)
       refuse(integrator, what + " has e_t = " + detail::text_of(law.e_t) + ":", "0",
              &Capabilities::tangential_restitution);
   };
-  for (const Contact& contact : scene.contacts)
+  for (const auto& contact : scene.contacts)
     std::visit([&](const auto& c) { must_have_none("contact \"" + c.name + '"', c.law); }, contact);
-  for (const Collision& c : scene.collisions) must_have_none("collision \"" + c.name + '"', c.law);
+  if constexpr (requires { scene.collisions; })
+    for (const Collision& c : scene.collisions) must_have_none("collision \"" + c.name + '"', c.law);
 }
 
-void check_loaded_friction(const Scene& scene, std::string_view integrator) {
-  for (const JointFriction& f : scene.frictions)
+template <class Scene> void check_loaded_friction(const Scene& scene, std::string_view integrator) {
+  for (const auto& f : scene.frictions)
     if (f.loaded())
       refuse(integrator, "friction \"" + f.name + "\" depends on the joint's load: mu", "0",
              &Capabilities::loaded_friction);
@@ -52,10 +53,14 @@ void check_loaded_friction(const Scene& scene, std::string_view integrator) {
 
 }  // namespace
 
-void check(const System& system, std::string_view integrator, const Capabilities& can) {
+template <class Space>
+void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can) {
   if (!can.impact_laws) check_impact_laws(system.scene(), integrator);
   if (!can.tangential_restitution) check_tangential_restitution(system.scene(), integrator);
   if (!can.loaded_friction) check_loaded_friction(system.scene(), integrator);
 }
+
+template void check(const SystemOf<Planar>&, std::string_view, const Capabilities&);
+template void check(const SystemOf<Spatial>&, std::string_view, const Capabilities&);
 
 }  // namespace orthant

@@ -26,6 +26,7 @@ struct Capabilities {
 
 /// Throws std::invalid_argument with field, value, rule and the integrators that do, where the scene has a feature that
 /// `integrator` does not take.
-void check(const System& system, std::string_view integrator, const Capabilities& can);
+template <class Space>
+void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can);
 
 }  // namespace orthant

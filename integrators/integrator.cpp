@@ -15,14 +15,17 @@ bool StepReport::note(int rows, Status status_of_it, double residual, int iterat
   return status == Status::solved;
 }
 
-void Integrator::employ(std::vector<std::unique_ptr<Solver>> helpers) {
+template <class Space> void IntegratorOf<Space>::employ(std::vector<std::unique_ptr<Solver>> helpers) {
   crew_ = std::make_unique<Crew>(std::move(helpers));
 }
 
-bool Integrator::fail(StepReport& report, Status status, std::string why) {
+template <class Space> bool IntegratorOf<Space>::fail(StepReport& report, Status status, std::string why) {
   report.status = status;
   why_ = std::move(why);
   return false;
 }
+
+template class IntegratorOf<Planar>;
+template class IntegratorOf<Spatial>;
 
 }  // namespace orthant

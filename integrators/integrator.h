@@ -45,25 +45,30 @@ struct StepReport {
   bool note(int rows, Status status_of_it, double residual, int iterations);
 };
 
-struct Impulse {
-  double normal = 0, tangent = 0;  // [N s]
+template <class Space> struct ImpulseOf {
+  double normal = 0;
+  Tangent<Space> tangent{};  // [N s]
 };
+using Impulse = ImpulseOf<Planar>;
 
 /// Bound to one system, which must outlive it. State that a scheme keeps from one step to the next (an acceleration, a
 /// step size) counts only when it is given the very q and v that it returned last; any other state restarts it.
-class Integrator {
+template <class Space> class IntegratorOf {
  public:
+  using System = SystemOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+
   /// Checks the system against what the scheme takes (capabilities.h).
-  Integrator(const System& system, std::string_view name, const Capabilities& can)
+  IntegratorOf(const System& system, std::string_view name, const Capabilities& can)
       : system_(system),
         gaps_(Eigen::VectorXd::Zero(system.contacts())),
         impulses_(static_cast<std::size_t>(system.contacts())),
         frictions_(system.scene().frictions.size()) {
     check(system, name, can);
   }
-  Integrator(const Integrator&) = delete;
-  Integrator& operator=(const Integrator&) = delete;
-  virtual ~Integrator() = default;
+  IntegratorOf(const IntegratorOf&) = delete;
+  IntegratorOf& operator=(const IntegratorOf&) = delete;
+  virtual ~IntegratorOf() = default;
 
   /// Advances `x` by h > 0 [s]. Unless the report says `solved`, a scheme of fixed step leaves x exactly as it was, one
   /// that controls its step leaves it at the last time it reached.
@@ -134,5 +139,8 @@ class Integrator {
   const Budget* budget_ = nullptr;
   std::unique_ptr<Crew> crew_;
 };
+extern template class IntegratorOf<Planar>;
+extern template class IntegratorOf<Spatial>;
+using Integrator = IntegratorOf<Planar>;
 
 }  // namespace orthant

@@ -19,6 +19,13 @@ template <class Scheme> std::unique_ptr<Integrator> make(const System& system, s
   return std::make_unique<Scheme>(system, options);
 }
 
+template <class Scheme>
+std::unique_ptr<IntegratorOf<Spatial>> make_in_space(const SystemOf<Spatial>& system, std::string_view text) {
+  typename Scheme::Options options;
+  set_options(options, text);
+  return std::make_unique<Scheme>(system, options);
+}
+
 /// Of schemes that follow listed contacts only: through the equivalent scene of such (substitute.h), where it is
 /// needed.
 template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const System& system, std::string_view text) {
@@ -27,13 +34,16 @@ template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const Syste
 }
 
 template <class Scheme>
-constexpr IntegratorEntry entry(std::string_view summary, IntegratorEntry::Make make_it = &make<Scheme>) {
-  return {Scheme::kName, summary, make_it, &list_options<typename Scheme::Options>, Scheme::kCan};
+constexpr IntegratorEntry entry(std::string_view summary, IntegratorEntry::Make make_it = &make<Scheme>,
+                                IntegratorEntry::MakeSpatial make_spatial = nullptr) {
+  return {Scheme::kName, summary, make_it, make_spatial, &list_options<typename Scheme::Options>, Scheme::kCan};
 }
 
 constexpr IntegratorEntry kIntegrators[] = {
-    entry<MoreauJean>("theta stepping at velocity level; order 1 with impacts, 2 on smooth motion"),
-    entry<StewartTrinkle>("the linearized gap at the end of the step is unilateral; order 1"),
+    entry<MoreauJean>("theta stepping at velocity level; order 1 with impacts, 2 on smooth motion", &make<MoreauJean>,
+                      &make_in_space<MoreauJeanOf<Spatial>>),
+    entry<StewartTrinkle>("the linearized gap at the end of the step is unilateral; order 1", &make<StewartTrinkle>,
+                          &make_in_space<StewartTrinkleOf<Spatial>>),
     entry<AnitescuPotra>("as stewart-trinkle, with convex relaxed friction; order 1"),
     entry<PaoliSchatzman>("three positions, restitution between the outer two; order 1"),
     entry<GeneralizedAlpha>("joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs"),
@@ -54,6 +64,22 @@ std::unique_ptr<Integrator> make_integrator(std::string_view spec, const System&
     if (entry.name == name) return entry.make(system, options);
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
+  throw std::invalid_argument("unknown integrator '" + shortened(name) + "': must be one of " + known);
+}
+
+std::unique_ptr<IntegratorOf<Spatial>> make_integrator(std::string_view spec, const SystemOf<Spatial>& system) {
+  const auto [name, options] = Spec::parse(spec);
+  std::string known;
+  bool planar = false;
+  for (const IntegratorEntry& entry : kIntegrators) {
+    planar = planar || entry.name == name;
+    if (entry.make_spatial == nullptr) continue;
+    if (entry.name == name) return entry.make_spatial(system, options);
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  if (planar)
+    throw std::invalid_argument("integrator " + std::string(name) + ": takes planar scenes only: must be one of " +
+                                known + " for dimension = 3");
   throw std::invalid_argument("unknown integrator '" + shortened(name) + "': must be one of " + known);
 }
 

@@ -16,6 +16,9 @@ struct IntegratorEntry {
   std::string_view name, summary;
   using Make = std::unique_ptr<Integrator> (*)(const System& system, std::string_view options);
   Make make;
+  using MakeSpatial = std::unique_ptr<IntegratorOf<Spatial>> (*)(const SystemOf<Spatial>& system,
+                                                                 std::string_view options);
+  MakeSpatial make_spatial;               // null: takes planar scenes only
   std::vector<OptionEntry> (*options)();  // with defaults and ranges
   Capabilities can;
 };
@@ -26,5 +29,7 @@ std::span<const IntegratorEntry> integrators();
 /// The system must outlive the integrator: a temporary one does not compile.
 std::unique_ptr<Integrator> make_integrator(std::string_view spec, const System& system);
 std::unique_ptr<Integrator> make_integrator(std::string_view spec, System&& system) = delete;
+std::unique_ptr<IntegratorOf<Spatial>> make_integrator(std::string_view spec, const SystemOf<Spatial>& system);
+std::unique_ptr<IntegratorOf<Spatial>> make_integrator(std::string_view spec, SystemOf<Spatial>&& system) = delete;
 
 }  // namespace orthant

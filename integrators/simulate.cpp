@@ -12,9 +12,12 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 
 /// Sums impulses between records, and times the recorder so that it can be taken off.
-class Recording {
+template <class Space> class Recording {
  public:
-  Recording(const Recorder& record, long every, const System& system)
+  using Integrator = IntegratorOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+
+  Recording(const RecorderOf<Space>& record, long every, const SystemOf<Space>& system)
       : record_(record),
         every_(every),
         sum_(static_cast<std::size_t>(system.contacts())),
@@ -56,7 +59,7 @@ class Recording {
     events_.insert(events_.end(), integrator.events().begin(), integrator.events().end());
   }
 
-  const Recorder& record_;
+  const RecorderOf<Space>& record_;
   long every_;
   double written_ = -kInf;  // [s] time of the last record
   std::vector<Impulse> sum_;
@@ -65,8 +68,10 @@ class Recording {
 };
 
 /// Time limit and cancellation of a run, handed on to what works in it; free where there is no limit.
-class Watchdog {
+template <class Space> class Watchdog {
  public:
+  using Integrator = IntegratorOf<Space>;
+
   Watchdog(const Clock& clock, Integrator& integrator, Solver& solver)
       : on_(clock.time_limit < kInf || clock.cancel != nullptr), integrator_(integrator), solver_(solver) {
     if (!on_) return;
@@ -128,8 +133,9 @@ void remember(Run& run, Memory& memory) {
 }
 
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
-void remember(const Clock& clock, Run& run, Recording& recording, Integrator& integrator, MotionWatch& watch,
-              Memory& memory) {
+template <class Space, class Watch>
+void remember(const Clock& clock, Run& run, Recording<Space>& recording, IntegratorOf<Space>& integrator,
+              Watch& watch, Memory& memory) {
   Clock same = clock;
   memory(same.step, same.duration, same.every);
   if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
@@ -140,9 +146,23 @@ void remember(const Clock& clock, Run& run, Recording& recording, Integrator& in
   memory(recording, integrator, watch);
 }
 
+/// In space: nothing is watched.
+struct NoWatch {
+  NoWatch(const IntegratorOf<Spatial>& /*integrator*/, const State& /*start*/, const Eigen::VectorXd& /*gaps*/) {}
+  static bool measures_work() { return false; }
+  static bool admits(const State&, const State&, double, const StepReport&, bool) { return true; }
+  static bool explains(const State&, double, Status) { return false; }
+  static bool jammed() { return false; }
+  static Status status() { return Status::solved; }
+  static std::string why() { return {}; }
+  static Admissibility motion() { return {}; }
+  void remember(Memory& /*memory*/) {}
+};
+template <class Space> using WatchOf = std::conditional_t<kPlanar<Space>, MotionWatch, NoWatch>;
+
 /// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that
 /// keeps them to 1e-9 stays as it is; so does one from which they cannot be closed, for the first step to say so.
-void close_joints(const System& system, Terms& terms, State& x) {
+template <class Space> void close_joints(const SystemOf<Space>& system, TermsOf<Space>& terms, State& x) {
   constexpr double kClosed = 1e-9;
   constexpr int kPasses = 20;
   if (system.joint_rows() == 0) return;
@@ -153,7 +173,7 @@ void close_joints(const System& system, Terms& terms, State& x) {
   for (Index i = 0; i < rate.size(); ++i) rate[i] = terms.missing_rate(i, x.v);
   Extents far(system.assembly());
   if (joints_off(terms, x.q, far) <= kClosed && off_by(terms, x.v, rate) <= kClosed) return;
-  Projection projection(system);
+  ProjectionOf<Space> projection(system);
   State closed = x;
   double left = kInf;
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -182,32 +202,33 @@ void check(const Clock& clock) {
     refuse("step", detail::text_of(clock.step), "must be at least duration / 1e15");
 }
 
-Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record,
-             const Restart& restart) {
+template <class Space>
+Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
+             const std::type_identity_t<RecorderOf<Space>>& record, const Restart& restart) {
   check(clock);
   if (restart.every < 0 || (restart.every > 0 && !restart.save))
     throw std::invalid_argument("restart.every = " + std::to_string(restart.every) +
                                 ": must be >= 0, and with it something that saves");
-  const System& system = integrator.system();
+  const SystemOf<Space>& system = integrator.system();
   Run run;
   run.final = system.initial_state();
   State& x = run.final;
-  Terms start(system);
+  TermsOf<Space> start(system);
   close_joints(system, start, x);
   run.energy_initial = energy(system, x);
 
-  Recording recording(record, clock.every, system);
+  Recording<Space> recording(record, clock.every, system);
   set_poses(system, x.t, x.q, start.at);
-  BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), start);
+  if constexpr (kPlanar<Space>) BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
-  MotionWatch watch(integrator, x, start.gap);
+  WatchOf<Space> watch(integrator, x, start.gap);
   if (restart.from.empty()) {
     recording.write(x, {}, start.gap);
   } else {
     Memory memory(restart.from);
     remember(clock, run, recording, integrator, watch, memory);
     memory.end();
-    if (x.q.size() != system.dof() || x.v.size() != system.dof())
+    if (x.q.size() != system.coordinates() || x.v.size() != system.dof())
       throw std::invalid_argument("checkpoint: is of another scene");
   }
   const double seconds_before = run.seconds;
@@ -218,7 +239,7 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   const double rest = clock.duration - static_cast<double>(whole) * clock.step;
   const long total = whole + (whole == 0 || rest > 1e-9 * clock.step ? 1 : 0);
   const auto begin = WallClock::now();
-  Watchdog watchdog(clock, integrator, solver);
+  Watchdog<Space> watchdog(clock, integrator, solver);
   for (long k = run.steps; k < total; ++k) {
     if (watchdog.barks(run.status)) {
       recording.end(false, x, {}, integrator);
@@ -268,5 +289,8 @@ Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const R
   run.motion = watch.motion();
   return run;
 }
+
+template Run simulate(IntegratorOf<Planar>&, Solver&, const Clock&, const RecorderOf<Planar>&, const Restart&);
+template Run simulate(IntegratorOf<Spatial>&, Solver&, const Clock&, const RecorderOf<Spatial>&, const Restart&);
 
 }  // namespace orthant

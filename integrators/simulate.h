@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <functional>
+#include <type_traits>
 
 namespace orthant {
 
@@ -35,16 +36,18 @@ struct Run {
 
 /// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost
 /// between records.
-struct Moment {
+template <class Space> struct MomentOf {
   const State& state;
   const StepReport& report;
   const Eigen::VectorXd& gaps;           // one per contact [m]
-  const std::vector<Impulse>& impulses;  // one per contact [N s]
+  const std::vector<ImpulseOf<Space>>& impulses;  // one per contact [N s]
   const std::vector<double>& frictions;  // one per dry friction in joints [N m s, N s]
   std::span<const Event> events;         // located, in order of time
 };
+using Moment = MomentOf<Planar>;
 
-using Recorder = std::function<void(const Moment&)>;
+template <class Space> using RecorderOf = std::function<void(const MomentOf<Space>&)>;
+using Recorder = RecorderOf<Planar>;
 
 /// How far a run has come, for another thread to show.
 struct Reached {
@@ -75,8 +78,10 @@ struct Restart {
 /// solver's own are replaced by them; within a step that looks at them only periodically, the run may end a little
 /// late.
 /// With restart.from the moments before it are not recorded again; bytes that do not fit throw std::invalid_argument.
-Run simulate(Integrator& integrator, Solver& solver, const Clock& clock, const Recorder& record = {},
-             const Restart& restart = {});
+/// In space overlaps and the energy balance are not watched (Run::motion stays empty).
+template <class Space>
+Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
+             const std::type_identity_t<RecorderOf<Space>>& record = {}, const Restart& restart = {});
 
 /// Throws std::invalid_argument naming field, value and rule.
 void check(const Clock& clock);

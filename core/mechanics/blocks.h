@@ -1,45 +1,103 @@
 // core/mechanics/blocks.h — blocks of bodies in stacked vectors, and steps between poses.
 //
-//   q: x, y [m], θ [rad] of each body;  v, and all that acts like it (forces, masses, accelerations): ẋ, ẏ, ω
-// Coordinates change by a velocity times a time only through move(), and their difference is taken only by between():
-// here q + step and q₁ − q₀.
+//   Planar    q: x, y [m], θ [rad] of each body;  v, and all that acts like it (forces, masses, accelerations): ẋ, ẏ, ω
+//   Spatial   q: x [m] in the world, unit quaternion (w, x, y, z) that turns the body's frame into the world's;
+//             v: ẋ in the world, ω in the body's principal axes
+// Coordinates change by a velocity times a time only through move(), and their difference is taken only by between().
+// In the plane: q + step and q₁ − q₀. In space: x + step, and the quaternion times that of the rotation vector of the
+// step (spatial/rotation.h).
+// What depends on the dimension is a template on one of the two tags; the names without it are those of the plane.
 #pragma once
+
+#include <orthant/core/mechanics/spatial/rotation.h>
 
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace orthant {
 
 using Vector2d = Eigen::Vector2d;
+using Vector3d = Eigen::Vector3d;
 
 using BodyId = int;
 inline constexpr BodyId kGround = -1;
 
-inline constexpr int kBlock = 3;  // numbers of a body in q and in v
+struct Planar {
+  static constexpr int kVelocities = 3, kCoordinates = 3;  // numbers of a body in v and in q
+  static constexpr int kTranslations = 2, kTangents = 1;   // of v; of a contact
+  using Vector = Vector2d;
+};
+struct Spatial {
+  static constexpr int kVelocities = 6, kCoordinates = 7;
+  static constexpr int kTranslations = 3, kTangents = 2;
+  using Vector = Vector3d;
+};
+template <class Space> inline constexpr bool kPlanar = std::is_same_v<Space, Planar>;
 
-/// All numbers of a body; those of its translation; that of its rotation. Of a vector that may be written to, too.
-template <class X> auto block(X& x, Eigen::Index body) { return x.template segment<kBlock>(kBlock * body); }
-template <class X> auto translation(X& x, Eigen::Index body) { return x.template segment<2>(kBlock * body); }
-template <class X> decltype(auto) rotation(X& x, Eigen::Index body) { return x[kBlock * body + 2]; }
+inline constexpr int kBlock = Planar::kVelocities;  // numbers of a body in q and in v, in the plane
 
-/// Of a place in a stacked vector: its body, and whether it belongs to a rotation.
-inline BodyId body_of_entry(Eigen::Index i) { return static_cast<BodyId>(i / kBlock); }
-inline bool is_rotation(Eigen::Index i) { return i % kBlock == 2; }
+/// All numbers of a body in v; those of its translation; that (those) of its rotation. Of a vector that may be written
+/// to, too.
+template <class Space = Planar, class X> auto block(X& x, Eigen::Index body) {
+  return x.template segment<Space::kVelocities>(Space::kVelocities * body);
+}
+template <class Space = Planar, class X> auto translation(X& x, Eigen::Index body) {
+  return x.template segment<Space::kTranslations>(Space::kVelocities * body);
+}
+template <class Space = Planar, class X> decltype(auto) rotation(X& x, Eigen::Index body) {
+  if constexpr (kPlanar<Space>)
+    return x[kBlock * body + 2];
+  else
+    return x.template segment<3>(Space::kVelocities * body + 3);
+}
+/// Likewise of q: all numbers of a body; its place; in space its quaternion (w, x, y, z).
+template <class Space = Planar, class X> auto coordinates(X& q, Eigen::Index body) {
+  return q.template segment<Space::kCoordinates>(Space::kCoordinates * body);
+}
+template <class Space = Planar, class X> auto place_of(X& q, Eigen::Index body) {
+  return q.template segment<Space::kTranslations>(Space::kCoordinates * body);
+}
+template <class X> auto quaternion(X& q, Eigen::Index body) {
+  return q.template segment<4>(Spatial::kCoordinates * body + 3);
+}
+
+/// Of a place in a stacked vector v: its body, and whether it belongs to a rotation.
+template <class Space = Planar> BodyId body_of_entry(Eigen::Index i) {
+  return static_cast<BodyId>(i / Space::kVelocities);
+}
+template <class Space = Planar> bool is_rotation(Eigen::Index i) {
+  return i % Space::kVelocities >= Space::kTranslations;
+}
 
 /// The larger |entry| of body i's translation; of all of its entries.
 template <class X> double largest_translation(const X& x, Eigen::Index i) {
   return std::max(std::abs(x[kBlock * i]), std::abs(x[kBlock * i + 1]));
 }
-template <class X> double largest_entry(const X& x, Eigen::Index i) {
-  return std::max(largest_translation(x, i), std::abs(rotation(x, i)));
+template <class Space = Planar, class X> double largest_entry(const X& x, Eigen::Index i) {
+  if constexpr (kPlanar<Space>)
+    return std::max(largest_translation(x, i), std::abs(rotation(x, i)));
+  else
+    return block<Space>(x, i).cwiseAbs().maxCoeff();
+}
+/// The largest |entry| of body i's coordinates, in space of its place alone: a quaternion has the length 1.
+template <class Space = Planar> double largest_coordinate(const Eigen::VectorXd& q, Eigen::Index i) {
+  if constexpr (kPlanar<Space>)
+    return largest_entry(q, i);
+  else
+    return place_of<Space>(q, i).cwiseAbs().maxCoeff();
 }
 /// The larger of translation and rotation of body i, velocities or accelerations: the same in every frame that is
 /// turned.
-inline double largest_motion(const Eigen::VectorXd& v, Eigen::Index i) {
-  const double* const x = v.data() + kBlock * i;
-  return std::max(std::sqrt(x[0] * x[0] + x[1] * x[1]), std::abs(x[2]));
+template <class Space = Planar> double largest_motion(const Eigen::VectorXd& v, Eigen::Index i) {
+  if constexpr (kPlanar<Space>) {
+    const double* const x = v.data() + kBlock * i;
+    return std::max(std::sqrt(x[0] * x[0] + x[1] * x[1]), std::abs(x[2]));
+  } else {
+    return std::max(translation<Space>(v, i).norm(), rotation<Space>(v, i).norm());
+  }
 }
 /// The largest |rotation| of all bodies.
 inline double largest_rotation(const Eigen::VectorXd& x) {
@@ -49,12 +107,38 @@ inline double largest_rotation(const Eigen::VectorXd& x) {
 }
 
 /// to = q, moved by `step`, a velocity times a time. `to` may be q.
-template <class Step> void move(const Eigen::VectorXd& q, const Eigen::MatrixBase<Step>& step, Eigen::VectorXd& to) {
-  to = q + step.derived();
+template <class Space = Planar, class Step>
+void move(const Eigen::VectorXd& q, const Eigen::MatrixBase<Step>& step, Eigen::VectorXd& to) {
+  if constexpr (kPlanar<Space>) {
+    to = q + step.derived();
+  } else {
+    to.resize(q.size());
+    for (Eigen::Index i = 0; i < q.size() / Space::kCoordinates; ++i) {
+      place_of<Space>(to, i) = place_of<Space>(q, i) + step.template segment<3>(Space::kVelocities * i);
+      quaternion(to, i) = quaternions::turned(quaternion(q, i), step.template segment<3>(Space::kVelocities * i + 3));
+    }
+  }
 }
 /// Moves q by `step`.
-template <class Step> void move(Eigen::VectorXd& q, const Eigen::MatrixBase<Step>& step) { q += step.derived(); }
+template <class Space = Planar, class Step> void move(Eigen::VectorXd& q, const Eigen::MatrixBase<Step>& step) {
+  if constexpr (kPlanar<Space>)
+    q += step.derived();
+  else
+    move<Space>(q, step, q);
+}
 /// The step from q0 to q1.
-inline auto between(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) { return q1 - q0; }
+template <class Space = Planar> auto between(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) {
+  if constexpr (kPlanar<Space>) {
+    return q1 - q0;
+  } else {
+    const Eigen::Index bodies = q0.size() / Space::kCoordinates;
+    Eigen::VectorXd step(Space::kVelocities * bodies);
+    for (Eigen::Index i = 0; i < bodies; ++i) {
+      translation<Space>(step, i) = place_of<Space>(q1, i) - place_of<Space>(q0, i);
+      rotation<Space>(step, i) = quaternions::turn_between(quaternion(q0, i), quaternion(q1, i));
+    }
+    return step;
+  }
+}
 
 }  // namespace orthant

@@ -20,7 +20,8 @@
 
 namespace orthant {
 
-class System;
+template <class Space> class SystemOf;
+using System = SystemOf<Planar>;
 
 /// Appends the events, each with the place of its contact among event_contacts().
 void append_events(const System& system, std::span<const Event> from, std::vector<Event>& to);

@@ -7,16 +7,18 @@ namespace orthant {
 namespace {
 
 /// |γ_N| + |γ_T| [m/s]: of the two surfaces against each other, whatever the frame.
-double speed(const ContactRows& rows, const Eigen::VectorXd& v, double belt) {
-  return std::abs(apply(rows.normal, v.data())) + std::abs(apply(rows.tangent, v.data()) - belt);
+template <class Space>
+double speed(const ContactRowsOf<Space>& rows, const Eigen::VectorXd& v, const Tangent<Space>& belt) {
+  return std::abs(apply(rows.normal, v.data())) + size_of(slip_rate(rows, v.data()) - belt);
 }
 
 }  // namespace
 
-void GapStepping::close(double h, const State& x) {
+template <class Space> void GapSteppingOf<Space>::close(double h, const State& x) {
   flight_ = v_new_;
-  move(x.q, h * flight_, q_new_);
+  move<Space>(x.q, h * flight_, q_new_);
   set_poses(system_, x.t + h, q_new_, terms_.at);
+  this->set_frames();
   evaluate_gaps(system_, terms_);
   terms_.closed.clear();
   const double near = reach();
@@ -32,7 +34,7 @@ void GapStepping::close(double h, const State& x) {
   want(h, x);
 }
 
-bool GapStepping::missed(double h, const State& x) {
+template <class Space> bool GapSteppingOf<Space>::missed(double h, const State& x) {
   if (terms_.closed.empty() || v_new_ == flight_) return false;
   const std::size_t before = joined_.size(), taking_part = terms_.closed.size();
   for (int i = 0, next = 0; i < system_.contacts(); ++i) {
@@ -44,14 +46,18 @@ bool GapStepping::missed(double h, const State& x) {
     add_closed(system_, i, terms_);
     const ClosedContact c = terms_.closed.back();
     terms_.closed.pop_back();
-    const double rate = apply(c.rows.normal, v_new_.data()), belt = system_.law(i).belt;
+    const double rate = apply(c.rows.normal, v_new_.data());
+    const auto belt = belt_of<Space>(system_.law(i));
     if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
-        terms_.gap[i] <= h * (speed(c.rows, x.v, belt) + speed(c.rows, flight_, belt)) + nearly(c.rows))
+        terms_.gap[i] <= h * (speed<Space>(c.rows, x.v, belt) + speed<Space>(c.rows, flight_, belt)) + nearly(c.rows))
       joined_.push_back(i);
   }
   if (joined_.size() == before) return false;
   v_new_ = flight_;
   return true;
 }
+
+template class GapSteppingOf<Planar>;
+template class GapSteppingOf<Spatial>;
 
 }  // namespace orthant

@@ -14,9 +14,19 @@
 
 namespace orthant {
 
-class GapStepping : public VelocityStepping {
+template <class Space> class GapSteppingOf : public VelocitySteppingOf<Space> {
+ public:
+  using ClosedContact = ClosedContactOf<Space>;
+
  protected:
-  using VelocityStepping::VelocityStepping;
+  using VelocitySteppingOf<Space>::VelocitySteppingOf;
+  using VelocitySteppingOf<Space>::system_;
+  using VelocitySteppingOf<Space>::terms_;
+  using VelocitySteppingOf<Space>::wanted_;
+  using VelocitySteppingOf<Space>::nearly;
+  using VelocitySteppingOf<Space>::v_new_;
+  using VelocitySteppingOf<Space>::q_new_;
+  using VelocitySteppingOf<Space>::joined_;
 
   /// The least γ_N that the scheme lets the contact have where the velocities after the step are v. [m/s]
   virtual double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const = 0;
@@ -37,5 +47,8 @@ class GapStepping : public VelocityStepping {
 
   Eigen::VectorXd flight_;  // v_free
 };
+extern template class GapSteppingOf<Planar>;
+extern template class GapSteppingOf<Spatial>;
+using GapStepping = GapSteppingOf<Planar>;
 
 }  // namespace orthant

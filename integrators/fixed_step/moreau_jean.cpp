@@ -5,17 +5,22 @@
 
 namespace orthant {
 
-bool MoreauJean::may_slide_off(const Scene& scene) {
-  const auto pair = [](const Contact& c) { return std::holds_alternative<PolygonPolygon>(c); };
-  return !scene.collisions.empty() || std::ranges::any_of(scene.contacts, pair);
+template <class Space> bool MoreauJeanOf<Space>::may_slide_off(const typename System::Scene& scene) {
+  if constexpr (kPlanar<Space>) {
+    const auto pair = [](const Contact& c) { return std::holds_alternative<PolygonPolygon>(c); };
+    return !scene.collisions.empty() || std::ranges::any_of(scene.contacts, pair);
+  } else {
+    static_cast<void>(scene);
+    return false;
+  }
 }
 
-void MoreauJean::close(double h, const State& x) {
+template <class Space> void MoreauJeanOf<Space>::close(double h, const State& x) {
   evaluate_gaps(system_, terms_);
   evaluate_closed(system_, nearly(), terms_);
   auto& closed = terms_.closed;
   std::erase_if(closed, [&](const ClosedContact& c) { return terms_.gap[c.contact] > nearly(c.rows); });
-  for (std::size_t k = 0; polygons_ && k + 1 < closed.size(); ++k)
+  if constexpr (kPlanar<Space>) for (std::size_t k = 0; polygons_ && k + 1 < closed.size(); ++k)
     if (closed[k].contact + 1 == closed[k + 1].contact) {
       const std::size_t off = slides_off(h, x, k);
       if (off < closed.size()) closed.erase(closed.begin() + static_cast<std::ptrdiff_t>(off));
@@ -23,7 +28,10 @@ void MoreauJean::close(double h, const State& x) {
   newtons_law(system_.laws(), terms_, x.v, wanted_);
 }
 
-std::size_t MoreauJean::slides_off(double h, const State& x, std::size_t k) const {
+template <class Space>
+std::size_t MoreauJeanOf<Space>::slides_off([[maybe_unused]] double h, [[maybe_unused]] const State& x,
+                                          [[maybe_unused]] std::size_t k) const {
+  if constexpr (!kPlanar<Space>) return terms_.closed.size(); else {
   const auto& closed = terms_.closed;
   const bool first = terms_.gap[closed[k].contact] > terms_.gap[closed[k + 1].contact];  // is the shallower one
   const ClosedContact &deep = closed[first ? k + 1 : k], &shallow = closed[first ? k : k + 1];
@@ -37,5 +45,9 @@ std::size_t MoreauJean::slides_off(double h, const State& x, std::size_t k) cons
   const bool ends = overlap_ends(*points, terms_.at, x.v, d, rate - apply(deep.rows.normal, x.v.data()));
   return ends ? (first ? k : k + 1) : closed.size();
 }
+}
+
+template class MoreauJeanOf<Planar>;
+template class MoreauJeanOf<Spatial>;
 
 }  // namespace orthant

@@ -31,21 +31,28 @@ struct MoreauJeanOptions {
   }
 };
 
-class MoreauJean final : public VelocityStepping {
+template <class Space> class MoreauJeanOf final : public VelocitySteppingOf<Space> {
  public:
+  using System = SystemOf<Space>;
+  using ClosedContact = ClosedContactOf<Space>;
   static constexpr std::string_view kName = "moreau-jean";
   static constexpr Capabilities kCan{};
   using Options = MoreauJeanOptions;
-  explicit MoreauJean(const System& system, const Options& options = {})
-      : VelocityStepping(
+  explicit MoreauJeanOf(const System& system, const Options& options = {})
+      : VelocitySteppingOf<Space>(
             system, kName, kCan,
             {options.theta, options.theta, options.joints, options.form, Cone::coulomb, options.sleep, kParted}),
         polygons_(may_slide_off(system.scene())) {}
 
  private:
+  using VelocitySteppingOf<Space>::system_;
+  using VelocitySteppingOf<Space>::terms_;
+  using VelocitySteppingOf<Space>::wanted_;
+  using VelocitySteppingOf<Space>::nearly;
+
   static constexpr double kParted = 1e-3;
 
-  static bool may_slide_off(const Scene& scene);  // two polygons may meet
+  static bool may_slide_off(const typename System::Scene& scene);  // two polygons may meet
 
   void close(double h, const State& x) override;
   /// Which of the closed contacts k and k + 1 is a point that only slides off an edge; none: the number of all.
@@ -53,5 +60,8 @@ class MoreauJean final : public VelocityStepping {
 
   bool polygons_;
 };
+extern template class MoreauJeanOf<Planar>;
+extern template class MoreauJeanOf<Spatial>;
+using MoreauJean = MoreauJeanOf<Planar>;
 
 }  // namespace orthant

@@ -7,25 +7,28 @@ namespace orthant {
 namespace {
 
 /// |γ_N| + |γ_T| [m/s]: of the two surfaces against each other, whatever the frame.
-double speed(const ContactRows& rows, const Eigen::VectorXd& v) {
-  return std::abs(apply(rows.normal, v.data())) + std::abs(apply(rows.tangent, v.data()));
+template <class Rows> double speed(const Rows& rows, const Eigen::VectorXd& v) {
+  return std::abs(apply(rows.normal, v.data())) + size_of(slip_rate(rows, v.data()));
 }
 
 }  // namespace
 
-double StewartTrinkle::reach() const { return cone_ == Cone::coulomb ? nearly() : kInf; }
+template <class Space>
+double StewartTrinkleOf<Space>::reach() const { return cone_ == Cone::coulomb ? nearly() : kInf; }
 
-double StewartTrinkle::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
+template <class Space>
+double StewartTrinkleOf<Space>::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
   if (cone_ == Cone::coulomb) return closing(c, h);
   const ContactLaw& law = system_.law(c.contact);
-  const double slip = apply(c.rows.tangent, v.data()) - law.belt;
-  return closing(c, h) + law.mu_at(slip) * std::abs(slip);
+  const auto slip = slip_rate(c.rows, v.data()) - belt_of<Space>(law);
+  return closing(c, h) + mu_at(law, slip) * size_of(slip);
 }
 
-void StewartTrinkle::want(double h, const State& x) {
+template <class Space>
+void StewartTrinkleOf<Space>::want(double h, const State& x) {
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
-    const ContactRows& rows = terms_.closed[k].rows;
+    const auto& rows = terms_.closed[k].rows;
     const double pace = kPace * (speed(rows, x.v) + speed(rows, v_new_));
     const double approach = std::min(closing(terms_.closed[k], h), pace);
     const bool rebounds = system_.law(terms_.closed[k].contact).e > 0;
@@ -33,5 +36,8 @@ void StewartTrinkle::want(double h, const State& x) {
     wanted_[k].least = approach;
   }
 }
+
+template class StewartTrinkleOf<Planar>;
+template class StewartTrinkleOf<Spatial>;
 
 }  // namespace orthant

@@ -16,25 +16,37 @@
 
 namespace orthant {
 
-class StewartTrinkle : public GapStepping {
+template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
  public:
+  using System = SystemOf<Space>;
+  using ClosedContact = ClosedContactOf<Space>;
   static constexpr std::string_view kName = "stewart-trinkle";
   static constexpr Capabilities kCan{};
   using Options = VelocitySteppingOptions;
-  explicit StewartTrinkle(const System& system, const Options& options = {})
-      : StewartTrinkle(system, options, Cone::coulomb, kName, kCan) {}
+  explicit StewartTrinkleOf(const System& system, const Options& options = {})
+      : StewartTrinkleOf(system, options, Cone::coulomb, kName, kCan) {}
 
  protected:
-  StewartTrinkle(const System& system, const Options& options, Cone cone, std::string_view name,
+  StewartTrinkleOf(const System& system, const Options& options, Cone cone, std::string_view name,
                  const Capabilities& can)
-      : GapStepping(system, name, can, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
+      : GapSteppingOf<Space>(system, name, can, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
 
  private:
+  using GapSteppingOf<Space>::system_;
+  using GapSteppingOf<Space>::terms_;
+  using GapSteppingOf<Space>::wanted_;
+  using GapSteppingOf<Space>::nearly;
+  using GapSteppingOf<Space>::v_new_;
+  using GapSteppingOf<Space>::closing;
+
   double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const final;
   void want(double h, const State& x) final;
   double reach() const final;
 
   Cone cone_;
 };
+extern template class StewartTrinkleOf<Planar>;
+extern template class StewartTrinkleOf<Spatial>;
+using StewartTrinkle = StewartTrinkleOf<Planar>;
 
 }  // namespace orthant

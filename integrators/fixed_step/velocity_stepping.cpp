@@ -3,12 +3,13 @@
 
 namespace orthant {
 
-VelocityStepping::VelocityStepping(const System& system, std::string_view name, const Capabilities& can,
-                                   const Plan& plan)
-    : Integrator(system, name, can),
+template <class Space>
+VelocitySteppingOf<Space>::VelocitySteppingOf(const System& system, std::string_view name, const Capabilities& can,
+                                              const Plan& plan)
+    : IntegratorOf<Space>(system, name, can),
       terms_(system),
       v_new_(system.dof()),
-      q_new_(system.dof()),
+      q_new_(system.coordinates()),
       plan_(plan),
       share_(plan.joints == Joints::symmetric ? 1 / plan.at : 1),
       basic_(system, plan.form == Form::reduced),
@@ -21,25 +22,32 @@ VelocityStepping::VelocityStepping(const System& system, std::string_view name, 
       formulation_(system, plan.form, plan.cone),
       shown_(&formulation_),
       geometric_(system),
-      q_mid_(system.dof()),
+      q_mid_(system.coordinates()),
       reach_(system.dof()),
       change_of_v_(system.dof()),
       from_(system.dof()),
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
-  for (const JointFriction& f : system.scene().frictions)
-    if (f.loaded()) joint_loads_.emplace_back(system, f.joint);
+  if constexpr (kPlanar<Space>)
+    for (const auto& f : system.scene().frictions)
+      if (f.loaded()) joint_loads_.emplace_back(system, f.joint);
   if (!joint_loads_.empty()) loads_.resize(system.scene().frictions.size()), v_free_.resize(system.dof());
   if (geometric_.possible()) {
     added_.setZero(system.dof()), carried_.setZero(system.dof());
     if (plan.form == Form::full) joined_basic_.emplace(system);
   }
+  if constexpr (!kPlanar<Space>) {
+    gyroscopic_.setZero(system.dof());
+    frames_.reserve(static_cast<std::size_t>(system.bodies()) + 1);
+    if (plan.form == Form::full && system.joint_rows() > 0) joined_basic_.emplace(system);
+  }
   wanted_.reserve(static_cast<std::size_t>(system.contacts()));
   taken_.reserve(2 * wanted_.capacity());
 }
 
-StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
+template <class Space>
+StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
   StepReport report;
   formulation_.clear();
   shown_ = &formulation_;
@@ -50,10 +58,13 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
   if (geometric_.possible() && !stiffen(h, x, report)) return report;
   measure(h, x);
   if (!find_pairs(h, x, report)) return report;
-  sleep_.begin(x, terms_, v_new_);
+  if constexpr (kPlanar<Space>) sleep_.begin(x, terms_, v_new_);
   do {
-    do close(h, x);
-    while (sleep_.disturbed(terms_, wanted_, v_new_));
+    if constexpr (kPlanar<Space>)
+      do close(h, x);
+      while (sleep_.disturbed(terms_, wanted_, v_new_));
+    else
+      close(h, x);
     note_forces(terms_, v_new_, wanted_);
     restrict_to_strikes(wanted_);
     if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
@@ -64,43 +75,109 @@ StepReport VelocityStepping::step(double h, Solver& solver, State& x) {
     if (!solve_contacts(h, x, solver, report)) return report;
   } while (missed(h, x));
   report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
-  sleep_.hold(h, impulses_);
+  if constexpr (kPlanar<Space>) sleep_.hold(h, impulses_);
   if (geometric_.possible()) note_stiffness(h, x);
-  move(x.q, h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v), q_new_);
+  if constexpr (!kPlanar<Space>) to_end_axes(system_, frames(h), x.v, v_new_);
+  move<Space>(x.q, h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v), q_new_);
   if (!settle(x.t + h, report)) return report;
-  report.passage = passing_.find(x.q, q_new_, terms_);
+  if constexpr (kPlanar<Space>) report.passage = passing_.find(x.q, q_new_, terms_);
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
-  sleep_.end(h, terms_, impulses_, x);
+  if constexpr (kPlanar<Space>) sleep_.end(h, terms_, impulses_, x);
   if (!loads_.empty() || geometric_.possible()) last_q_ = x.q, last_v_ = x.v;
   return report;
 }
 
-void VelocityStepping::remember(Memory& memory) {
+template <class Space>
+void VelocitySteppingOf<Space>::remember(Memory& memory) {
   memory(formulation_, impact_, sleep_, taken_, loads_, carried_, last_q_, last_v_);
   basic_.forget(), projection_.forget();
 }
 
-bool VelocityStepping::free_flight(double h, const State& x, StepReport& report) {
+template <class Space>
+bool VelocitySteppingOf<Space>::free_flight(double h, const State& x, StepReport& report) {
   const double at = plan_.at;
-  move(x.q, at * h * x.v, q_mid_);
+  move<Space>(x.q, at * h * x.v, q_mid_);
   set_poses(system_, x.t + at * h, q_mid_, terms_.at);
   evaluate_forces(system_, x.t + at * h, x.v, terms_);
   evaluate_joint_rows(system_, terms_);
   stiffened_ = false;
   if (!factorize(h, report)) return false;
-  fly(h, x);
+  if constexpr (kPlanar<Space>)
+    fly(h, x);
+  else if (!fly_gyroscopic(h, x, report))
+    return false;
   return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
 }
 
-bool VelocityStepping::factorize(double h, StepReport& report) {
+template <class Space> StepFrames VelocitySteppingOf<Space>::frames(double h) const {
+  return {h, plan_.at, plan_.theta};
+}
+
+template <class Space>
+bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_unused]] double h, [[maybe_unused]] const State& x,
+                                               [[maybe_unused]] StepReport& report) {
+  if constexpr (!kPlanar<Space>) {
+    constexpr int kPasses = 100;
+    constexpr double kSame = 1e-16;  // of the largest velocity
+    if (joined_basic_ && !joined_basic_->factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at))
+      return fail(report, Status::numerical_error, "the basic system is not finite");
+    const BasicSystem& joined = joined_basic_ ? *joined_basic_ : basic_;
+    frames_.clear();
+    for (const auto& pose : terms_.at.pose) frames_.push_back(pose.axes);
+    applied_ = h * terms_.f, from_ = share_ * x.v, rates_ = share_ * terms_.joint_rate;
+    v_new_ = x.v;
+    double before = kInf;
+    for (int pass = 0;; ++pass) {
+      gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
+      force_ = applied_ + gyroscopic_;
+      joined.solve_change(terms_.G, force_.data(), from_.data(), rates_.data(), change_of_v_.data(), lambda_.data());
+      const double change = (x.v + change_of_v_ - v_new_).template lpNorm<Eigen::Infinity>();
+      v_new_ = x.v + change_of_v_;
+      const double enough = kSame * v_new_.template lpNorm<Eigen::Infinity>();
+      if (change <= enough || (pass > 8 && change >= before)) break;
+      if (pass == kPasses)
+        return fail(report, Status::numerical_error,
+                    "bodies turn too far in a step for their gyroscopic moments: a shorter step converges");
+      before = change;
+    }
+    terms_.f = force_ / h;
+    if (joined_basic_) fly(h, x);
+  }
+  return true;
+}
+
+/// The gyroscopic impulses once more, with what contacts make of the velocities. True: another v_free, in v_new_.
+template <class Space>
+bool VelocitySteppingOf<Space>::turn_more([[maybe_unused]] double h, [[maybe_unused]] const State& x) {
+  if constexpr (!kPlanar<Space>) {
+    constexpr double kSame = 1e-14;  // of the impulses
+    change_of_v_ = gyroscopic_;
+    gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
+    const double change = (gyroscopic_ - change_of_v_).template lpNorm<Eigen::Infinity>();
+    const double all = std::max(applied_.template lpNorm<Eigen::Infinity>(),
+                                system_.mass().cwiseProduct(v_new_).template lpNorm<Eigen::Infinity>());
+    if (!(change > kSame * all)) return false;
+    terms_.f = (applied_ + gyroscopic_) / h;
+    fly(h, x);
+    return true;
+  } else {
+    return false;
+  }
+}
+
+template <class Space>
+bool VelocitySteppingOf<Space>::factorize(double h, StepReport& report) {
   return basic_.factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at,
                           stiffened_ ? &added_ : nullptr) ||
          fail(report, Status::numerical_error, "the basic system is not finite");
 }
 
-bool VelocityStepping::stiffen(double h, const State& x, StepReport& report) {
+template <class Space>
+bool VelocitySteppingOf<Space>::stiffen([[maybe_unused]] double h, [[maybe_unused]] const State& x,
+                                        [[maybe_unused]] StepReport& report) {
+  if constexpr (!kPlanar<Space>) return true; else {
   const double weight = h * h;
   const bool known = last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_;
   added_.setZero();
@@ -120,8 +197,11 @@ bool VelocityStepping::stiffen(double h, const State& x, StepReport& report) {
   fly(h, x);
   return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
 }
+}
 
-void VelocityStepping::note_stiffness(double h, const State& x) {
+template <class Space>
+void VelocitySteppingOf<Space>::note_stiffness([[maybe_unused]] double h, [[maybe_unused]] const State& x) {
+  if constexpr (kPlanar<Space>) {
   carried_.setZero();
   for (const Wanted& w : wanted_)
     if (w.approach < -kRestSpeed - std::abs(w.free - w.approach)) return;  // an impact is no load
@@ -130,8 +210,10 @@ void VelocityStepping::note_stiffness(double h, const State& x) {
     geometric_.raise(terms_, lambda_.data(), h, 1, kInf, carried_);
   }
 }
+}
 
-void VelocityStepping::fly(double h, const State& x) {
+template <class Space>
+void VelocitySteppingOf<Space>::fly(double h, const State& x) {
   force_ = h * terms_.f;
   change_joined(x.v, v_new_);
   v_new_ += x.v;
@@ -141,22 +223,27 @@ void VelocityStepping::fly(double h, const State& x) {
           share_ * terms_.joint_rate[i] - (share_ - 1) * apply(terms_.G[static_cast<std::size_t>(i)], x.v.data());
 }
 
-void VelocityStepping::change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change) {
+template <class Space>
+void VelocitySteppingOf<Space>::change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change) {
   from_ = share_ * v;
   rate_ = share_ * terms_.joint_rate;
   basic_.solve_change(terms_.G, force_.data(), from_.data(), rate_.data(), change.data(), lambda_.data());
 }
 
-void VelocityStepping::measure(double h, const State& x) {
+template <class Space>
+void VelocitySteppingOf<Space>::measure(double h, const State& x) {
   constexpr double kImpulses = 1e-8;  // of velocities
   if (plan_.parted > 0) force_ = system_.inverse_mass().cwiseProduct(terms_.f);
   near_.measure([&](Index i) {
-    const double forces = plan_.parted > 0 ? plan_.parted * h * h * largest_motion(force_, i) : 0;
-    return touching(largest_entry(x.q, i)) + kImpulses * h * largest_motion(v_new_, i) + forces;
+    const double forces = plan_.parted > 0 ? plan_.parted * h * h * largest_motion<Space>(force_, i) : 0;
+    return touching(largest_coordinate<Space>(x.q, i)) + kImpulses * h * largest_motion<Space>(v_new_, i) + forces;
   });
 }
 
-bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) {
+template <class Space>
+bool VelocitySteppingOf<Space>::find_pairs([[maybe_unused]] double h, [[maybe_unused]] const State& x,
+                                           [[maybe_unused]] StepReport& report) {
+  if constexpr (!kPlanar<Space>) return true; else {
   if (!broad_phase_.any()) return true;
   double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
   for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
@@ -164,8 +251,10 @@ bool VelocityStepping::find_pairs(double h, const State& x, StepReport& report) 
   reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
   return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
+}
 
-bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, StepReport& report) {
+template <class Space>
+bool VelocitySteppingOf<Space>::solve_contacts(double h, const State& x, Solver& solver, StepReport& report) {
   constexpr int kPasses = 50;
   constexpr double kSameLoads = 1e-12;  // of the largest load
   const bool known = loads_.empty() || (last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_);
@@ -178,6 +267,15 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
       return false;
     }
     formulation_.advance(v_new_, impulses_);
+    if constexpr (!kPlanar<Space>)
+      for (int turn = 0; turn < kPasses && formulation_.size() > 0 && turn_more(h, x); ++turn) {
+        formulation_.retarget(wanted_, v_new_, rate_);
+        if (!formulation_.solve(solver, report, crew())) {
+          why_ = formulation_.contradiction();
+          return false;
+        }
+        formulation_.advance(v_new_, impulses_);
+      }
     impact_.add_to(impulses_);
     for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = formulation_.joint_friction(i);
     if (loads_.empty()) return true;
@@ -187,17 +285,19 @@ bool VelocityStepping::solve_contacts(double h, const State& x, Solver& solver, 
   }
 }
 
-void VelocityStepping::find_joint_impulses(double h, const State& x) {
+template <class Space>
+void VelocitySteppingOf<Space>::find_joint_impulses(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   if (plan_.form == Form::full) {
     lambda_ = formulation_.solution().z.head(lambda_.size());
     impact_.add_joints_to(lambda_);
   } else {  // M̂ Δv = h f + Jᵀ z + Gᵀ Λ once more, with z known
     force_ = h * terms_.f;
-    for (const ClosedContact& c : terms_.closed) {
+    for (const auto& c : terms_.closed) {
       const Impulse& impulse = impulses_[static_cast<std::size_t>(c.contact)];
       apply_transposed(c.rows.normal, impulse.normal, force_.data());
-      apply_transposed(c.rows.tangent, impulse.tangent, force_.data());
+      for (std::size_t i = 0; i < Space::kTangents; ++i)
+        apply_transposed(row_of_tangent(c.rows, i), tangent_part(impulse.tangent, i), force_.data());
     }
     for (std::size_t i = 0; i < frictions.size(); ++i)
       apply_transposed(frictions[i].of.row(terms_.at), frictions_[i], force_.data());
@@ -205,7 +305,8 @@ void VelocityStepping::find_joint_impulses(double h, const State& x) {
   }
 }
 
-double VelocityStepping::note_loads(double h, const State& x) {
+template <class Space>
+double VelocitySteppingOf<Space>::note_loads(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   find_joint_impulses(h, x);
   double change = 0;
@@ -219,7 +320,8 @@ double VelocityStepping::note_loads(double h, const State& x) {
   return change;
 }
 
-bool VelocityStepping::settle(double t, StepReport& report) {
+template <class Space>
+bool VelocitySteppingOf<Space>::settle(double t, StepReport& report) {
   if (plan_.joints == Joints::none && rate_.size() > 0) {  // all that this asks of joints
     constexpr double kHold = 1e-6;                         // of 1 m/s + the velocities of a row's bodies
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms_.missing_rate(i, v_new_);
@@ -239,5 +341,8 @@ bool VelocityStepping::settle(double t, StepReport& report) {
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
   return (finite(q_new_) && finite(v_new_)) || fail(report, Status::numerical_error, "the motion is not finite");
 }
+
+template class VelocitySteppingOf<Planar>;
+template class VelocitySteppingOf<Spatial>;
 
 }  // namespace orthant

@@ -22,6 +22,7 @@
 #include <orthant/core/mechanics/dynamics/joint_load.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/formulate.h>
+#include <orthant/integrators/step/gyroscopic.h>
 #include <orthant/integrators/step/impact.h>
 #include <orthant/integrators/step/magnitudes.h>
 #include <orthant/integrators/step/projection.h>
@@ -47,14 +48,38 @@ struct VelocitySteppingOptions {
   }
 };
 
-class VelocityStepping : public Integrator {
+/// In space: no search for pairs, no sleep, no detection of tunnelling, no geometric stiffness.
+template <class Space> struct NotInSpace {
+  template <class... T> explicit NotInSpace(const SystemOf<Space>& /*system*/, const T&... /*more*/) {}
+  static constexpr bool possible() { return false; }
+  static constexpr bool any() { return false; }
+  void remember(Memory& /*memory*/) {}
+};
+
+template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
  public:
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Wanted = WantedOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+  using BasicSystem = BasicSystemOf<Space>;
+  using ClosedContact = ClosedContactOf<Space>;
+
   StepReport step(double h, Solver& solver, State& x) final;
   void remember(Memory& memory) final;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return terms_.pairs; }
 
  protected:
+  using IntegratorOf<Space>::system_;
+  using IntegratorOf<Space>::gaps_;
+  using IntegratorOf<Space>::impulses_;
+  using IntegratorOf<Space>::frictions_;
+  using IntegratorOf<Space>::why_;
+  using IntegratorOf<Space>::touching;
+  using IntegratorOf<Space>::fail;
+  using IntegratorOf<Space>::crew;
+
   struct Plan {
     double at, theta;  // a, θ
     Joints joints;
@@ -63,7 +88,7 @@ class VelocityStepping : public Integrator {
     SleepOptions sleep = {};
     double parted = 0;  // of the way that the applied forces move a body, how far open counts as closed
   };
-  VelocityStepping(const System& system, std::string_view name, const Capabilities& can, const Plan& plan);
+  VelocitySteppingOf(const System& system, std::string_view name, const Capabilities& can, const Plan& plan);
 
   /// terms_ is at q_a, v_new_ is v_free: sets terms_.closed and wanted_.
   virtual void close(double h, const State& x) = 0;
@@ -74,8 +99,14 @@ class VelocityStepping : public Integrator {
 
   /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls
   /// parted.
-  double nearly(const ContactRows& rows) const { return near_.of(rows.normal); }
+  double nearly(const ContactRowsOf<Space>& rows) const { return near_.of(rows.normal); }
   double nearly() const { return near_.largest(); }  // of any contact
+
+  /// In space rows that are evaluated elsewhere than at q_a are to stand in the frames of the step all the same.
+  void set_frames() {
+    if constexpr (!kPlanar<Space>)
+      for (std::size_t i = 0; i < frames_.size(); ++i) terms_.at.pose[i].axes = frames_[i];
+  }
 
   Terms terms_;
   std::vector<Wanted> wanted_;  // one per closed contact
@@ -94,6 +125,10 @@ class VelocityStepping : public Integrator {
   void change_joined(const Eigen::VectorXd& v, Eigen::VectorXd& change);
   bool factorize(double h, StepReport& report);
   void fly(double h, const State& x);  // v_new_, by basic_
+  /// Space: fly(), repeated until the gyroscopic impulses are those of the step without contacts (gyroscopic.h).
+  bool fly_gyroscopic(double h, const State& x, StepReport& report);
+  bool turn_more(double h, const State& x);
+  StepFrames frames(double h) const;
   /// All of the step's impulses in joints, those that contacts cause too: lambda_.
   void find_joint_impulses(double h, const State& x);
   /// What the joints' impulses make of stiffness, those that contacts cause too: carried_, for the next one.
@@ -110,20 +145,23 @@ class VelocityStepping : public Integrator {
 
   Plan plan_;
   double share_;       // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
+  /// Parts that scenes in space have not.
+  template <class Part> using InPlane = std::conditional_t<kPlanar<Space>, Part, NotInSpace<Space>>;
+
   BasicSystem basic_;  // of the step: with joints in the reduced form
-  Projection projection_;
-  Impact impact_;
+  ProjectionOf<Space> projection_;
+  ImpactOf<Space> impact_;
   Extents near_;  // [m]
-  BroadPhase broad_phase_;
-  Sleep sleep_;
-  Passing passing_;
-  Formulation formulation_;
-  const Formulation* shown_;            // by problem()
+  InPlane<BroadPhase> broad_phase_;
+  InPlane<Sleep> sleep_;
+  InPlane<Passing> passing_;
+  FormulationOf<Space> formulation_;
+  const FormulationOf<Space>* shown_;     // by problem()
   std::vector<Taken> taken_;            // by contacts that the scheme pushed
-  std::vector<JointLoad> joint_loads_;  // one a friction that depends on a load
+  std::vector<JointLoadOf<Space>> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
-  GeometricStiffness geometric_;
+  InPlane<GeometricStiffness> geometric_;
   Eigen::VectorXd added_, carried_;          // dof: to M, in this step; by the impulses of the last
   bool stiffened_ = false;                   // M̂ has added_
   std::optional<BasicSystem> joined_basic_;  // of the full form, to find the joints' forces
@@ -132,6 +170,11 @@ class VelocityStepping : public Integrator {
   Eigen::VectorXd change_of_v_;              // by known impulses
   Eigen::VectorXd rates_;                    // of the joints, for joined_basic_
   Eigen::VectorXd from_, v_free_, force_, rate_, lambda_;
+  Eigen::VectorXd applied_, gyroscopic_;  // space: impulses of the applied forces, and of the axes' turning
+  std::vector<Eigen::Matrix3d> frames_;   // space: F of each body and the ground
 };
+extern template class VelocitySteppingOf<Planar>;
+extern template class VelocitySteppingOf<Spatial>;
+using VelocityStepping = VelocitySteppingOf<Planar>;
 
 }  // namespace orthant

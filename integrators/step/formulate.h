@@ -32,9 +32,16 @@
 
 namespace orthant {
 
-class Formulation {
+template <class Space> class FormulationOf {
  public:
-  explicit Formulation(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Row = RowOf<Space>;
+  using Wanted = WantedOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+  using BasicSystem = BasicSystemOf<Space>;
+
+  explicit FormulationOf(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);
 
   /// From now on dry friction in joints acts for `duration` [s] (of displacements: [s²]); 0, as at first: it has no
   /// rows.
@@ -94,11 +101,14 @@ class Formulation {
   }
 
   const System& system_;
-  StepProblem problem_;
-  IslandSolve islands_;
-  RankDeficiency deficiency_;
+  StepProblemOf<Space> problem_;
+  IslandSolveOf<Space> islands_;
+  RankDeficiencyOf<Space> deficiency_;
   Solution solution_;
   const Terms* terms_ = nullptr;  // last formulated, for names
 };
+extern template class FormulationOf<Planar>;
+extern template class FormulationOf<Spatial>;
+using Formulation = FormulationOf<Planar>;
 
 }  // namespace orthant

@@ -13,7 +13,8 @@ constexpr double kLeft = 1e-10;  // of the first approach: the rest of an infini
 
 }  // namespace
 
-Impact::Impact(const System& system, Form form)
+template <class Space>
+ImpactOf<Space>::ImpactOf(const System& system, Form form)
     : system_(system),
       restitution_(system.scene().restitution),
       impacts_(system.scene().impacts),
@@ -29,23 +30,25 @@ Impact::Impact(const System& system, Form form)
   approach_.reserve(sum_.size());
 }
 
-bool Impact::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
+template <class Space>
+bool ImpactOf<Space>::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
   newtons_law(system_.laws(), struck_, v_, wanted_);
   if (form_ == Form::full)  // impulses of contacts leave the joints' rates as they are
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = apply(struck_.G[static_cast<std::size_t>(i)], v_.data());
   const bool phases = restitution_ == Restitution::poisson;
   if (phases)
-    for (Wanted& w : wanted_) w.normal = 0, w.tangent = w.law->belt;
+    for (Wanted& w : wanted_) w.normal = 0, w.tangent = belt_of<Space>(*w.law);
   formulation_.formulate(struck_, basic, wanted_, v_, rate_);
   if (!solve(solver, report)) return false;
   if (!phases) return true;
-  for (Wanted& w : wanted_) w.tangent = w.law->belt - w.law->e_t * w.slip;
+  for (Wanted& w : wanted_) w.tangent = belt_of<Space>(*w.law) - w.law->e_t * w.slip;
   formulation_.retarget(wanted_, v_, rate_);
   formulation_.release(one_);
   return solve(solver, report);
 }
 
-bool Impact::solve(Solver& solver, StepReport& report) {
+template <class Space>
+bool ImpactOf<Space>::solve(Solver& solver, StepReport& report) {
   if (!formulation_.solve(solver, report)) {
     why_ = formulation_.contradiction();
     why_ = why_.empty() ? "an impact was not solved" : "in an impact " + why_;
@@ -53,18 +56,19 @@ bool Impact::solve(Solver& solver, StepReport& report) {
   }
   formulation_.advance(v_, one_);
   if (form_ == Form::full) joint_sum_ += formulation_.solution().z.head(joint_sum_.size());
-  for (const ClosedContact& c : struck_.closed) {
+  for (const auto& c : struck_.closed) {
     const auto i = static_cast<std::size_t>(c.contact);
     sum_[i].normal += one_[i].normal, sum_[i].tangent += one_[i].tangent;
   }
   return true;
 }
 
-bool Impact::one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
+template <class Space>
+bool ImpactOf<Space>::one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
                         Solver& solver, StepReport& report) {
   for (int impacts = 0;; ++impacts) {
     approach_.clear();
-    for (const ClosedContact& c : terms.closed)
+    for (const auto& c : terms.closed)
       approach_.push_back(may == nullptr || (*may)[at(c.contact)] ? -apply(c.rows.normal, v_.data()) : kInf);
     double fastest = 0;
     for (const double approach : approach_)
@@ -84,7 +88,8 @@ bool Impact::one_by_one(const Terms& terms, const BasicSystem& basic, const std:
   }
 }
 
-void Impact::begin(const Terms& terms, const Eigen::VectorXd& v) {
+template <class Space>
+void ImpactOf<Space>::begin(const Terms& terms, const Eigen::VectorXd& v) {
   std::fill(sum_.begin(), sum_.end(), Impulse{});
   joint_sum_.setZero();
   v_ = v;
@@ -93,11 +98,12 @@ void Impact::begin(const Terms& terms, const Eigen::VectorXd& v) {
   struck_.G = terms.G, struck_.joint_rate = terms.joint_rate;
 }
 
-bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
+template <class Space>
+bool ImpactOf<Space>::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
                             Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   why_.clear();
   double first = 0;
-  for (const ClosedContact& c : terms.closed)
+  for (const auto& c : terms.closed)
     if (in_turn[at(c.contact)]) first = std::max(first, -apply(c.rows.normal, v.data()));
   any_ = first > kRestSpeed;
   if (!any_) return true;
@@ -107,7 +113,8 @@ bool Impact::strike_in_turn(const Terms& terms, const BasicSystem& basic, const 
   return true;
 }
 
-bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
+template <class Space>
+bool ImpactOf<Space>::strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
                     std::vector<Wanted>& wanted, Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   any_ = false;
   why_.clear();
@@ -133,41 +140,45 @@ bool Impact::strike(const Terms& terms, const BasicSystem& basic, const Eigen::V
   return true;
 }
 
-void Impact::add_to(std::vector<Impulse>& impulses) const {
+template <class Space>
+void ImpactOf<Space>::add_to(std::vector<Impulse>& impulses) const {
   if (!any_) return;
   for (std::size_t i = 0; i < sum_.size(); ++i)
     impulses[i].normal += sum_[i].normal, impulses[i].tangent += sum_[i].tangent;
 }
 
-void Impact::add_joints_to(Eigen::VectorXd& impulses) const {
+template <class Space>
+void ImpactOf<Space>::add_joints_to(Eigen::VectorXd& impulses) const {
   if (any_) impulses += joint_sum_;
 }
 
-void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted) {
+template <class Space>
+void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<WantedOf<Space>>& wanted) {
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    const ContactRows& rows = terms.closed[k].rows;
-    Wanted& w = wanted[k];
+    const auto& rows = terms.closed[k].rows;
+    auto& w = wanted[k];
     w.free = apply(rows.normal, v_free.data());
-    if (w.law->frictional()) w.free_slip = apply(rows.tangent, v_free.data()) - w.law->belt;
+    if (w.law->frictional()) w.free_slip = slip_rate(rows, v_free.data()) - belt_of<Space>(*w.law);
   }
 }
 
-double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
-                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses, double small,
-                   std::vector<Taken>* taken) {
+template <class Space>
+double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
+                   const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                   const std::vector<ImpulseOf<Space>>& impulses, double small, std::vector<Taken>* taken) {
   double sum = 0, exchanged = 0, forced = 0;
   bool counts = false;
   const std::size_t before = taken != nullptr ? taken->size() : 0;
   std::size_t next = 0;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    const Wanted& w = wanted[k];
+    const auto& w = wanted[k];
     const int contact = terms.closed[k].contact;
-    const Impulse& impulse = impulses[static_cast<std::size_t>(contact)];
+    const auto& impulse = impulses[static_cast<std::size_t>(contact)];
     if (impulse.normal == 0) continue;
     const bool pushed = w.least >= w.normal;
     if (pushed) small = std::max(small, kOtherRows);
     counts = counts || small > kSameRows || w.approach < -kRestSpeed;
-    const ContactRows& rows = terms.closed[k].rows;
+    const auto& rows = terms.closed[k].rows;
     double work = 0;
     const auto add = [&](double by, double after, double free, double was) {
       work += by * (after + free) / 2;
@@ -175,8 +186,12 @@ double energy_rise(const System& system, const Terms& terms, const std::vector<W
       forced += std::abs(by) * std::abs(free - was);
     };
     add(impulse.normal, apply(rows.normal, v.data()), w.free, w.approach);
-    if (impulse.tangent != 0)
-      add(impulse.tangent, apply(rows.tangent, v.data()) - w.law->belt, w.free_slip, w.slip_before);
+    if (impulse.tangent != Tangent<Space>{}) {
+      const auto slip = slip_rate(rows, v.data()) - belt_of<Space>(*w.law);
+      for (std::size_t i = 0; i < Space::kTangents; ++i)
+        add(tangent_part(impulse.tangent, i), tangent_part(slip, i), tangent_part(w.free_slip, i),
+            tangent_part(w.slip_before, i));
+    }
     sum += work;
     if (!pushed || taken == nullptr) continue;
     const Pair key = contact < system.listed() ? Pair{-1, contact, 0, 0}
@@ -190,5 +205,15 @@ double energy_rise(const System& system, const Terms& terms, const std::vector<W
                      sum > std::max(kSameRows, small / 10) / 2 * v.dot(system.mass().cwiseProduct(v));
   return rises ? sum : 0;
 }
+
+#define ORTHANT_IMPACT(Space)                                                                              \
+  template class ImpactOf<Space>;                                                                           \
+  template void note_forces(const TermsOf<Space>&, const Eigen::VectorXd&, std::vector<WantedOf<Space>>&);  \
+  template double energy_rise(const SystemOf<Space>&, const TermsOf<Space>&,                                \
+                              const std::vector<WantedOf<Space>>&, const Eigen::VectorXd&,                  \
+                              const std::vector<ImpulseOf<Space>>&, double, std::vector<Taken>*);
+ORTHANT_IMPACT(Planar)
+ORTHANT_IMPACT(Spatial)
+#undef ORTHANT_IMPACT
 
 }  // namespace orthant

@@ -28,11 +28,18 @@
 
 namespace orthant {
 
-class Impact {
+template <class Space> class ImpactOf {
  public:
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Row = RowOf<Space>;
+  using Wanted = WantedOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+  using BasicSystem = BasicSystemOf<Space>;
+
   static constexpr int kMostImpacts = 100000;
 
-  explicit Impact(const System& system, Form form = Form::reduced);
+  explicit ImpactOf(const System& system, Form form = Form::reduced);
 
   /// Whether the scene asks for more than Newton's law on all contacts at once.
   bool has_law() const { return restitution_ == Restitution::poisson || impacts_ == Impacts::sequential; }
@@ -62,7 +69,7 @@ class Impact {
   void remember(Memory& memory) { memory(formulation_); }
 
   const std::string& why() const { return why_; }
-  const Formulation& formulation() const { return formulation_; }
+  const FormulationOf<Space>& formulation() const { return formulation_; }
 
  private:
   /// The contacts that may (null: all), strike at v_ one after the other, the fastest first, until none approaches
@@ -78,7 +85,7 @@ class Impact {
   Restitution restitution_;
   Impacts impacts_;
   Form form_;
-  Formulation formulation_;
+  FormulationOf<Space> formulation_;
   Terms struck_;  // poses, joint rows, pairs and closed are used
   std::vector<Wanted> wanted_;
   std::vector<Impulse> sum_, one_;
@@ -87,9 +94,13 @@ class Impact {
   bool any_ = false;
   std::string why_;
 };
+extern template class ImpactOf<Planar>;
+extern template class ImpactOf<Spatial>;
+using Impact = ImpactOf<Planar>;
 
 /// Sets wanted.free and free_slip, from the velocities before contacts act.
-void note_forces(const Terms& terms, const Eigen::VectorXd& v_free, std::vector<Wanted>& wanted);
+template <class Space>
+void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<WantedOf<Space>>& wanted);
 
 /// Work [J] of a contact in the last step, less than none; by its pair, or {-1, its number} when it is listed.
 struct Taken {
@@ -106,8 +117,10 @@ inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ a
 /// A scheme that pushes gaps open (wanted.least) is reported as well, from kOtherRows on: bodies that move as far as
 /// their own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step
 /// before it may give back. `taken` remembers that; null: nothing is remembered.
-double energy_rise(const System& system, const Terms& terms, const std::vector<Wanted>& wanted,
-                   const Eigen::VectorXd& v, const std::vector<Impulse>& impulses, double small = kSameRows,
+template <class Space>
+double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
+                   const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                   const std::vector<ImpulseOf<Space>>& impulses, double small = kSameRows,
                    std::vector<Taken>* taken = nullptr);
 
 }  // namespace orthant

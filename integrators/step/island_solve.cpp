@@ -9,14 +9,16 @@ constexpr Index kShared = 100;  // rows beyond the largest island's, from which 
 
 }  // namespace
 
-IslandSolve::IslandSolve(const System& system, const StepProblem& problem) : islands_(system) {
+template <class Space>
+IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem) : islands_(system) {
   const Index most = problem.most_rows();
   add_bench(problem);
   outcomes_.reserve(static_cast<std::size_t>(most));
   for (Vector* each : {&found_.z, &found_.w}) each->resize(most);
 }
 
-bool IslandSolve::solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s) {
+template <class Space>
+bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s) {
   const int count = islands_.count();
   if (count == 1) {
     solver.solve(problem.whole(), s, Start::warm);
@@ -42,7 +44,8 @@ bool IslandSolve::solve(const StepProblem& problem, Solver& solver, StepReport& 
 }
 
 /// One more island into s. Its status is that of the solver: the last one's, where all are solved.
-bool IslandSolve::take(int island, StepReport& report, Solution& s) {
+template <class Space>
+bool IslandSolveOf<Space>::take(int island, StepReport& report, Solution& s) {
   const auto rows = islands_.rows(island);
   const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   s.status = outcome.status;
@@ -58,7 +61,8 @@ bool IslandSolve::take(int island, StepReport& report, Solution& s) {
   return true;
 }
 
-bool IslandSolve::worth_sharing(const StepProblem& problem, const Crew* crew) const {
+template <class Space>
+bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const Crew* crew) const {
   if (crew == nullptr || crew->size() == 1) return false;
   Index largest = 0;
   for (int island = 0; island < islands_.count(); ++island)
@@ -67,7 +71,8 @@ bool IslandSolve::worth_sharing(const StepProblem& problem, const Crew* crew) co
 }
 
 /// Writes only what belongs to this island.
-void IslandSolve::solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess,
+template <class Space>
+void IslandSolveOf<Space>::solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess,
                                Bench& bench) {
   const auto rows = islands_.rows(island);
   const Lcp& block = problem.cut(rows, bench.block);
@@ -83,5 +88,8 @@ void IslandSolve::solve_island(const StepProblem& problem, int island, Solver& s
     found_.z[row] = part.z[i], found_.w[row] = part.w[i];
   }
 }
+
+template class IslandSolveOf<Planar>;
+template class IslandSolveOf<Spatial>;
 
 }  // namespace orthant

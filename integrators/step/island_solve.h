@@ -9,9 +9,11 @@
 
 namespace orthant {
 
-class IslandSolve {
+template <class Space> class IslandSolveOf {
  public:
-  IslandSolve(const System& system, const StepProblem& problem);
+  using StepProblem = StepProblemOf<Space>;
+
+  IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem);
 
   /// From the rows of the problem, each time they change.
   void sort(const StepProblem& problem) { islands_.sort(problem.rows()); }
@@ -22,7 +24,7 @@ class IslandSolve {
 
  private:
   struct Bench {  // of one worker
-    StepProblem::Block block;
+    typename StepProblem::Block block;
     Solution part;
   };
   struct Outcome {  // of an island's solve; its z and w are in found_
@@ -41,5 +43,8 @@ class IslandSolve {
   std::vector<Outcome> outcomes_;
   Solution found_;  // z and w by islands, so far
 };
+extern template class IslandSolveOf<Planar>;
+extern template class IslandSolveOf<Spatial>;
+using IslandSolve = IslandSolveOf<Planar>;
 
 }  // namespace orthant

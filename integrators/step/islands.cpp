@@ -5,15 +5,17 @@
 
 namespace orthant {
 
-Islands::Islands(const System& system) : fixed_(system.assembly()), sets_(fixed_.size()), block_(fixed_.size()) {
+template <class Space>
+Islands::Islands(const SystemOf<Space>& system)
+    : fixed_(system.assembly()), sets_(fixed_.size()), block_(fixed_.size()) {
   sets_.assign(fixed_);
   whole_ = std::ranges::count(fixed_, fixed_.empty() ? 0 : fixed_[0]) == std::ssize(fixed_);
   const auto most =
-      static_cast<std::size_t>(2 * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
+      static_cast<std::size_t>((1 + Space::kTangents) * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
 }
 
-void Islands::sort(std::span<const Row> rows) {
+template <class Row> void Islands::sort(const std::vector<Row>& rows) {
   if (whole_ && !rows.empty()) {
     row_.resize(rows.size()), start_.assign({0, rows.size()});
     std::iota(row_.begin(), row_.end(), 0);
@@ -36,5 +38,10 @@ void Islands::sort(std::span<const Row> rows) {
   for (std::size_t b = start_.size(); b-- > 1;) start_[b] = start_[b - 1];
   start_[0] = 0;
 }
+
+template Islands::Islands(const SystemOf<Planar>&);
+template Islands::Islands(const SystemOf<Spatial>&);
+template void Islands::sort(const std::vector<RowOf<Planar>>&);
+template void Islands::sort(const std::vector<RowOf<Spatial>>&);
 
 }  // namespace orthant

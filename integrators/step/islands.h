@@ -15,10 +15,10 @@ namespace orthant {
 
 class Islands {
  public:
-  explicit Islands(const System& system);
+  template <class Space> explicit Islands(const SystemOf<Space>& system);
 
   /// Sorts the rows of a problem into blocks, in the order of their first rows.
-  void sort(std::span<const Row> rows);
+  template <class Row> void sort(const std::vector<Row>& rows);
 
   int count() const { return static_cast<int>(start_.size()) - 1; }  // blocks of the last sort()
   /// Its rows, ascending.

@@ -41,7 +41,7 @@ class Extents {
     return body < 0 ? 0 : of_[static_cast<std::size_t>(first_[static_cast<std::size_t>(body)])];
   }
   double of(BodyId a, BodyId b) const { return std::max(of(a), of(b)); }
-  double of(const Row& row) const { return of(row.a, row.b); }
+  template <class Space> double of(const RowOf<Space>& row) const { return of(row.a, row.b); }
   double of_entry(Eigen::Index i) const { return of(body_of_entry(i)); }  // of a dof
   double largest() const { return of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()); }
 

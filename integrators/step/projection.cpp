@@ -20,49 +20,72 @@ double largest(const Eigen::VectorXd& off) {
   return largest_off(off.size(), [&](Index i) { return std::abs(off[i]); });
 }
 
-/// The largest entry of x of row i's bodies.
-double far(const Terms& terms, const Eigen::VectorXd& x, Index i) {
-  const Row& row = terms.G[static_cast<std::size_t>(i)];
+/// The largest entry of the velocities v, or of the coordinates q, of row i's bodies.
+struct OfVelocities {
+  template <class Space> static double entry(const Eigen::VectorXd& v, BodyId body) {
+    return largest_entry<Space>(v, body);
+  }
+};
+struct OfCoordinates {
+  template <class Space> static double entry(const Eigen::VectorXd& q, BodyId body) {
+    return largest_coordinate<Space>(q, body);
+  }
+};
+template <class Of, class Space> double far(const TermsOf<Space>& terms, const Eigen::VectorXd& x, Index i) {
+  const auto& row = terms.G[static_cast<std::size_t>(i)];
   double most = 0;
   for (const BodyId body : {row.a, row.b})
-    if (body >= 0) most = std::max(most, largest_entry(x, body));
+    if (body >= 0) most = std::max(most, Of::template entry<Space>(x, body));
   return most;
 }
 
 /// Some |off_i| is more than rounding of x, or NaN. worst: the largest of them.
-bool misses(double worst, const Terms& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off) {
+template <class Of, class Space>
+bool misses(double worst, const TermsOf<Space>& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off) {
   constexpr double kTolerance = 1e-15;
   if (worst <= kTolerance) return false;
   for (Index i = 0; i < off.size(); ++i)
-    if (!(std::abs(off[i]) <= kTolerance * (1 + far(terms, x, i)))) return true;
+    if (!(std::abs(off[i]) <= kTolerance * (1 + far<Of>(terms, x, i)))) return true;
   return false;
 }
 
 }  // namespace
 
-double off_by(const Terms& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off) {
-  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far(terms, x, i)); });
+template <class Space>
+double off_by(const TermsOf<Space>& terms, const Eigen::VectorXd& v, const Eigen::VectorXd& off) {
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far<OfVelocities>(terms, v, i)); });
 }
 
-double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far) {
+template <class Space>
+double off_at(const TermsOf<Space>& terms, const Eigen::VectorXd& q, const Eigen::VectorXd& off) {
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far<OfCoordinates>(terms, q, i)); });
+}
+
+template <class Space> double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Extents& far) {
   constexpr double kClosed = 1e-9;
   constexpr double kAngle = 1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, far less than is asked of places
   const Index rows = terms.phi.size();
   const double worst = largest(terms.phi);
   if (worst <= kClosed) return worst;
-  far.measure([&](Index i) { return std::max(largest_translation(q, i), kAngle * std::abs(rotation(q, i))); });
+  far.measure([&](Index i) {
+    if constexpr (kPlanar<Space>)
+      return std::max(largest_translation(q, i), kAngle * std::abs(rotation(q, i)));
+    else
+      return largest_coordinate<Space>(q, i);
+  });
   return largest_off(
       rows, [&](Index i) { return std::abs(terms.phi[i]) / (1 + far.of(terms.G[static_cast<std::size_t>(i)])); });
 }
 
-Projection::Projection(const System& system, bool with_joints)
+template <class Space>
+ProjectionOf<Space>::ProjectionOf(const System& system, bool with_joints)
     : system_(system),
       basic_(system, with_joints),
       far_(system.assembly()),
-      trial_(system.dof()),
+      trial_(system.coordinates()),
       rate_(system.joint_rows()) {}
 
-double Projection::position(double t, Terms& terms, Eigen::VectorXd& q, const Eigen::VectorXd* added) {
+template <class Space> double ProjectionOf<Space>::position(double t, Terms& terms, Eigen::VectorXd& q, const Eigen::VectorXd* added) {
   constexpr int kMatrices = 8;
   set_poses(system_, t, q, terms.at);
   evaluate_joints(system_, terms);
@@ -76,18 +99,24 @@ double Projection::position(double t, Terms& terms, Eigen::VectorXd& q, const Ei
   return worst;
 }
 
-double Projection::approach(double t, Terms& terms, Eigen::VectorXd& q, double worst) {
+template <class Space> double ProjectionOf<Space>::approach(double t, Terms& terms, Eigen::VectorXd& q, double worst) {
   constexpr int kIterations = 20;
-  bool more = misses(worst, terms, q, terms.phi);
+  bool more = misses<OfCoordinates>(worst, terms, q, terms.phi);
   for (int i = 0; i < kIterations && more; ++i) {
     rate_ = -terms.phi;
-    trial_ = q;
-    basic_.add_rates(rate_.data(), trial_.data());
+    if constexpr (kPlanar<Space>) {
+      trial_ = q;
+      basic_.add_rates(rate_.data(), trial_.data());
+    } else {
+      step_.setZero(system_.dof());
+      basic_.add_rates(rate_.data(), step_.data());
+      move<Space>(q, step_, trial_);
+    }
     set_poses(system_, t, trial_, terms.at);
     evaluate_joints(system_, terms);
     const double next = largest(terms.phi);
-    more = misses(next, terms, trial_, terms.phi);
-    if (more && !(off_by(terms, q, terms.phi) < off_by(terms, q, rate_))) {  // rounding, or it diverges: q is better
+    more = misses<OfCoordinates>(next, terms, trial_, terms.phi);
+    if (more && !(off_at(terms, q, terms.phi) < off_at(terms, q, rate_))) {  // rounding, or it diverges: q is better
       set_poses(system_, t, q, terms.at);
       evaluate_joints(system_, terms);
       break;
@@ -98,7 +127,7 @@ double Projection::approach(double t, Terms& terms, Eigen::VectorXd& q, double w
   return worst;
 }
 
-double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
+template <class Space> double ProjectionOf<Space>::velocity(Terms& terms, Eigen::VectorXd& v) {
   if (basic_.joint_rows() == 0) return 0;
   const auto missing = [&] {
     double most = 0;
@@ -116,12 +145,21 @@ double Projection::velocity(Terms& terms, Eigen::VectorXd& v) {
   constexpr double kOnce = 1e-12;  // [m/s, rad/s] one solve leaves less, unless rows nearly repeat others
   double left = (missing(), correct());
   if (left <= kOnce && !system_.driven()) return left;
-  for (int i = 1; i < kIterations && misses(left, terms, v, rate_); ++i) {
+  for (int i = 1; i < kIterations && misses<OfVelocities>(left, terms, v, rate_); ++i) {
     const double next = correct();
     if (!(next < left)) return next;  // rounding level reached
     left = next;
   }
   return left;
 }
+
+template class ProjectionOf<Planar>;
+template class ProjectionOf<Spatial>;
+template double joints_off(const TermsOf<Planar>&, const Eigen::VectorXd&, Extents&);
+template double joints_off(const TermsOf<Spatial>&, const Eigen::VectorXd&, Extents&);
+template double off_by(const TermsOf<Planar>&, const Eigen::VectorXd&, const Eigen::VectorXd&);
+template double off_by(const TermsOf<Spatial>&, const Eigen::VectorXd&, const Eigen::VectorXd&);
+template double off_at(const TermsOf<Planar>&, const Eigen::VectorXd&, const Eigen::VectorXd&);
+template double off_at(const TermsOf<Spatial>&, const Eigen::VectorXd&, const Eigen::VectorXd&);
 
 }  // namespace orthant

@@ -18,14 +18,23 @@ inline constexpr double kJointsHold = 1e-8;
 /// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those
 /// of its row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for
 /// its room.
-double joints_off(const Terms& terms, const Eigen::VectorXd& q, Extents& far);
+template <class Space>
+double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Extents& far);
 
-/// The largest |off_i|, of joint rows, over 1 + the largest entry of x of its row's own bodies, or NaN.
-double off_by(const Terms& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off);
+/// The largest |off_i|, of joint rows, over 1 + the largest entry of v of its row's own bodies, or NaN.
+template <class Space>
+double off_by(const TermsOf<Space>& terms, const Eigen::VectorXd& v, const Eigen::VectorXd& off);
+/// Likewise over 1 + the largest coordinate.
+template <class Space>
+double off_at(const TermsOf<Space>& terms, const Eigen::VectorXd& q, const Eigen::VectorXd& off);
 
-class Projection {
+template <class Space> class ProjectionOf {
  public:
-  explicit Projection(const System& system, bool with_joints = true);
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Row = RowOf<Space>;
+
+  explicit ProjectionOf(const System& system, bool with_joints = true);
 
   /// Moves q at the time t. Afterwards terms.at, phi and G are those at q. Returns max |Φ| left [m, rad], infinity when
   /// the joint matrix is not usable. Without joints: sets the poses, 0.
@@ -46,9 +55,12 @@ class Projection {
   double approach(double t, Terms& terms, Eigen::VectorXd& q, double worst);
 
   const System& system_;
-  BasicSystem basic_;
+  BasicSystemOf<Space> basic_;
   Extents far_;
-  Eigen::VectorXd trial_, rate_;
+  Eigen::VectorXd trial_, rate_, step_;
 };
+extern template class ProjectionOf<Planar>;
+extern template class ProjectionOf<Spatial>;
+using Projection = ProjectionOf<Planar>;
 
 }  // namespace orthant

@@ -7,7 +7,7 @@ namespace orthant {
 namespace {
 
 /// W from its rows.
-void fill_delassus(const std::vector<Row>& rows, Index dof, Delassus& A) {
+template <class Row> void fill_delassus(const std::vector<Row>& rows, Index dof, Delassus& A) {
   RowSparse& W = A.W;
   W.rows = static_cast<Index>(rows.size()), W.cols = dof;
   W.start.assign(1, 0), W.column.clear(), W.value.clear();
@@ -22,14 +22,26 @@ bool centred_journal(const Scene& scene, int contact) {
   const auto c = static_cast<std::size_t>(contact);
   return c < scene.contacts.size() && std::holds_alternative<Journal>(scene.contacts[c]);
 }
+bool centred_journal(const spatial::Scene& scene, int contact) {
+  return std::holds_alternative<spatial::Socket>(scene.contacts[static_cast<std::size_t>(contact)]);
+}
+
+/// z or w at the tangent rows from `first` on.
+template <class Space> Tangent<Space> tangent_at(const Vector& x, Index first) {
+  if constexpr (kPlanar<Space>)
+    return x[first];
+  else
+    return {x[first], x[first + 1]};
+}
 
 }  // namespace
 
-StepProblem::StepProblem(const System& system, Form form, Cone cone)
+template <class Space>
+StepProblemOf<Space>::StepProblemOf(const System& system, Form form, Cone cone)
     : system_(system),
       form_(form),
       cone_(cone),
-      most_(2 * system.contacts() + std::ssize(system.scene().frictions) + joint_rows()),
+      most_((1 + Space::kTangents) * system.contacts() + std::ssize(system.scene().frictions) + joint_rows()),
       inverse_mass_(system.inverse_mass()) {
   const auto contacts = static_cast<std::size_t>(system.contacts()), most = static_cast<std::size_t>(most_);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
@@ -48,11 +60,13 @@ StepProblem::StepProblem(const System& system, Form form, Cone cone)
   places_.resize(contacts);
 }
 
-bool StepProblem::empty(std::size_t closed) const {
+template <class Space>
+bool StepProblemOf<Space>::empty(std::size_t closed) const {
   return closed == 0 && joint_rows() == 0 && !(duration_ > 0 && !system_.scene().frictions.empty());
 }
 
-void StepProblem::respond(const BasicSystem& basic) {
+template <class Space>
+void StepProblemOf<Space>::respond(const BasicSystem& basic) {
   formed_ = false;
   if (!dense()) {
     inverse_mass_ = basic.inverse_mass();
@@ -64,13 +78,15 @@ void StepProblem::respond(const BasicSystem& basic) {
 }
 
 /// B is symmetric; one half is computed, so that A is so to the last bit.
-double StepProblem::entry(Index i, Index j) const {
+template <class Space>
+double StepProblemOf<Space>::entry(Index i, Index j) const {
   const Row& later = rows_[static_cast<std::size_t>(std::max(i, j))];
   if (dense()) return apply(later, columns_.col(std::min(i, j)).data());
   return coupling(later, rows_[static_cast<std::size_t>(std::min(i, j))], inverse_mass_);
 }
 
-const Lcp& StepProblem::whole() const {
+template <class Space>
+const Lcp& StepProblemOf<Space>::whole() const {
   if (formed_ || size() == 0) return lcp_;
   if (auto* delassus = std::get_if<Delassus>(&lcp_.A)) {
     delassus->inverse_mass = inverse_mass_;
@@ -82,7 +98,8 @@ const Lcp& StepProblem::whole() const {
   return lcp_;
 }
 
-void StepProblem::fill_dense(DenseMatrix& A) const {
+template <class Space>
+void StepProblemOf<Space>::fill_dense(DenseMatrix& A) const {
   const auto n = static_cast<Index>(rows_.size());
   A.resize(n, n);
   for (Index j = 0; j < n; ++j)
@@ -91,7 +108,8 @@ void StepProblem::fill_dense(DenseMatrix& A) const {
 
 /// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed), then
 /// joint friction.
-void StepProblem::collect(const Terms& terms, const std::vector<Wanted>& wanted, std::span<const Held> held_ones) {
+template <class Space>
+void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<Wanted>& wanted, std::span<const Held> held_ones) {
   const auto held = [&](std::size_t k) { return k < held_ones.size() ? held_ones[k] : Held::nowhere; };
   rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
@@ -99,7 +117,7 @@ void StepProblem::collect(const Terms& terms, const std::vector<Wanted>& wanted,
   no_normal_ = -1, collected_ = wanted.size(), formed_ = false;
   const auto joints = static_cast<Index>(rows_.size());
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    const ClosedContact& c = terms.closed[k];
+    const auto& c = terms.closed[k];
     places_[k] = {};
     if (zero(c.rows.normal)) {
       if (centred_journal(system_.scene(), c.contact)) continue;
@@ -107,12 +125,16 @@ void StepProblem::collect(const Terms& terms, const std::vector<Wanted>& wanted,
     }
     if (held(k) == Held::normal) continue;
     const bool slips = wanted[k].law->frictional() && held(k) == Held::nowhere;
-    const double mu = slips ? wanted[k].law->mu_at(wanted[k].slip) : 0;
+    const double mu = slips ? mu_at(*wanted[k].law, wanted[k].slip) : 0;
     contacts_.push_back({c.contact, k, wanted[k].law, mu, wanted[k].slip, slips && cone_ == Cone::coulomb});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
     places_[k].normal = static_cast<Index>(rows_.size());
-    rows_.push_back(edges ? combined(c.rows.normal, mu, c.rows.tangent) : c.rows.normal);
-    if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
+    if constexpr (kPlanar<Space>) {
+      rows_.push_back(edges ? combined(c.rows.normal, mu, c.rows.tangent) : c.rows.normal);
+      if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
+    } else {
+      rows_.push_back(c.rows.normal);
+    }
     if (held(k) == Held::inwards) contacts_.back().jammed = &c.rows.normal, rows_.back() = blank(rows_.back());
   }
   const auto unilateral = static_cast<Index>(rows_.size()) - joints;
@@ -121,12 +143,13 @@ void StepProblem::collect(const Terms& terms, const std::vector<Wanted>& wanted,
       if (!c.frictional) continue;
       Place& place = places_[c.closed];
       place.tangent = static_cast<Index>(rows_.size());
-      lcp_.friction.push_back({.normal = place.normal, .first = place.tangent, .mu = c.mu});
-      rows_.push_back(terms.closed[c.closed].rows.tangent);
+      lcp_.friction.push_back(
+          {.normal = place.normal, .first = place.tangent, .rows = Space::kTangents, .mu = c.mu});
+      for (std::size_t i = 0; i < Space::kTangents; ++i) rows_.push_back(row_of_tangent(terms.closed[c.closed].rows, i));
     }
   resisted_ = static_cast<Index>(rows_.size());
   if (duration_ > 0)
-    for (const JointFriction& f : system_.scene().frictions) rows_.push_back(f.of.row(terms.at));
+    for (const auto& f : system_.scene().frictions) rows_.push_back(f.of.row(terms.at));
   const auto n = static_cast<Index>(rows_.size());
   lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
@@ -138,7 +161,8 @@ void StepProblem::collect(const Terms& terms, const std::vector<Wanted>& wanted,
   }
 }
 
-void StepProblem::retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free,
+template <class Space>
+void StepProblemOf<Space>::retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free,
                            const Eigen::VectorXd& joint_rate) {
   lcp_.b.resize(static_cast<Index>(rows_.size()));
   Index i = 0;
@@ -157,32 +181,42 @@ void StepProblem::retarget(const std::vector<Wanted>& wanted, const Eigen::Vecto
       continue;
     }
     const double mu = cone_ == Cone::relaxed ? c.mu : 0;
-    hold_against(want.normal + mu * want.tangent);
-    if (mu > 0) hold_against(want.normal - mu * want.tangent);
+    if constexpr (kPlanar<Space>) {
+      hold_against(want.normal + mu * want.tangent);
+      if (mu > 0) hold_against(want.normal - mu * want.tangent);
+    } else {
+      hold_against(want.normal);
+    }
   }
   for (const Contact& c : contacts_)
-    if (c.frictional) hold_against(wanted[c.closed].tangent);
+    if (c.frictional)
+      for (std::size_t k = 0; k < Space::kTangents; ++k) hold_against(tangent_part(wanted[c.closed].tangent, k));
   while (i < lcp_.b.size()) hold_against(0);
 }
 
-void StepProblem::release(const std::vector<Impulse>& stored) {
+template <class Space>
+void StepProblemOf<Space>::release(const std::vector<Impulse>& stored) {
   Index i = joint_rows();
   for (const Contact& c : contacts_) lcp_.lo[i++] = c.law->e * stored[static_cast<std::size_t>(c.index)].normal;
 }
 
-void StepProblem::bind() {
+template <class Space>
+void StepProblemOf<Space>::bind() {
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
   lcp_.friction.clear();
 }
 
-/// Tangent rows stand one after the other.
-const Friction* StepProblem::friction_of(int row) const {
+/// Of the first tangent row of a contact; tangent rows stand one after the other.
+template <class Space>
+const Friction* StepProblemOf<Space>::friction_of(int row) const {
   if (lcp_.friction.empty()) return nullptr;
   const Index k = row - lcp_.friction.front().first;
-  return k >= 0 && k < std::ssize(lcp_.friction) ? &lcp_.friction[static_cast<std::size_t>(k)] : nullptr;
+  if (k < 0 || k >= Space::kTangents * std::ssize(lcp_.friction) || k % Space::kTangents != 0) return nullptr;
+  return &lcp_.friction[static_cast<std::size_t>(k / Space::kTangents)];
 }
 
-const Lcp& StepProblem::cut(std::span<const int> rows, Block& block) const {
+template <class Space>
+const Lcp& StepProblemOf<Space>::cut(std::span<const int> rows, Block& block) const {
   const auto n = static_cast<Index>(rows.size());
   const bool applied = rows.size() > kFormedRows && !dense();
   Lcp& part = applied ? block.large : block.small;
@@ -194,7 +228,8 @@ const Lcp& StepProblem::cut(std::span<const int> rows, Block& block) const {
     block.place[static_cast<std::size_t>(row)] = static_cast<int>(i);
     part.b[i] = lcp_.b[row], part.lo[i] = lcp_.lo[row], part.hi[i] = lcp_.hi[row];
     if (const Friction* f = friction_of(row))  // its normal came before
-      part.friction.push_back({.normal = block.place[static_cast<std::size_t>(f->normal)], .first = i, .mu = f->mu});
+      part.friction.push_back(
+          {.normal = block.place[static_cast<std::size_t>(f->normal)], .first = i, .rows = f->rows, .mu = f->mu});
   }
   if (auto* delassus = std::get_if<Delassus>(&part.A)) {
     block.rows.clear();
@@ -211,7 +246,8 @@ const Lcp& StepProblem::cut(std::span<const int> rows, Block& block) const {
   return part;
 }
 
-bool StepProblem::regrade(const Vector& z, const Vector& w) {
+template <class Space>
+bool StepProblemOf<Space>::regrade(const Vector& z, const Vector& w) {
   constexpr double kBound = 1 - 1e-9;  // of the bound: at it
   const double none = 1e-9 * lcp_.b.lpNorm<Eigen::Infinity>();
   const Index joints = joint_rows();
@@ -222,9 +258,10 @@ bool StepProblem::regrade(const Vector& z, const Vector& w) {
     const double pressure = z[friction.normal];
     const bool sticks = friction.mu > c.law->mu;
     // At the bound alone is no slip: of contacts that share a load one may be there by the split that the solver took.
-    const bool changes = sticks ? std::abs(w[friction.first]) > none && pressure > 0 &&
-                                      std::abs(z[friction.first]) >= kBound * friction.mu * pressure
-                                : w[friction.first] * c.slip < 0;
+    const auto slip = tangent_at<Space>(w, friction.first), push = tangent_at<Space>(z, friction.first);
+    const bool changes = sticks ? size_of(slip) > none && pressure > 0 &&
+                                      size_of(push) >= kBound * friction.mu * pressure
+                                : inner(slip, c.slip) < 0;
     if (!changes) continue;
     friction.mu = sticks ? c.law->mu : c.law->mu_static;
     any = true;
@@ -232,7 +269,8 @@ bool StepProblem::regrade(const Vector& z, const Vector& w) {
   return any;
 }
 
-void StepProblem::advance(const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const {
+template <class Space>
+void StepProblemOf<Space>::advance(const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const {
   std::fill(impulses.begin(), impulses.end(), Impulse{});
   if (rows_.empty()) return;
   if (dense()) {
@@ -245,13 +283,21 @@ void StepProblem::advance(const Vector& z, Eigen::VectorXd& v, std::vector<Impul
     Impulse& impulse = impulses[static_cast<std::size_t>(c.index)];
     impulse.normal = z[i++];
     if (cone_ == Cone::coulomb || c.mu <= 0) continue;
-    const double other = z[i++];  // of the edge n − μ t
-    impulse.tangent = c.mu * (impulse.normal - other);
-    impulse.normal += other;
+    if constexpr (kPlanar<Space>) {
+      const double other = z[i++];  // of the edge n − μ t
+      impulse.tangent = c.mu * (impulse.normal - other);
+      impulse.normal += other;
+    }
   }
   if (cone_ == Cone::coulomb)
     for (const Contact& c : contacts_)
-      if (c.frictional) impulses[static_cast<std::size_t>(c.index)].tangent = z[i++];
+      if (c.frictional) {
+        impulses[static_cast<std::size_t>(c.index)].tangent = tangent_at<Space>(z, i);
+        i += Space::kTangents;
+      }
 }
+
+template class StepProblemOf<Planar>;
+template class StepProblemOf<Spatial>;
 
 }  // namespace orthant

@@ -25,16 +25,24 @@ enum class Cone { coulomb, relaxed };
 /// Of a closed contact, what joints immobilise; inwards: the normal, which their drives move inwards.
 enum class Held : char { nowhere, tangent, normal, inwards };
 
-class StepProblem {
+template <class Space> class StepProblemOf {
  public:
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Row = RowOf<Space>;
+  using Wanted = WantedOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+  using BasicSystem = BasicSystemOf<Space>;
+
   static constexpr std::size_t kFormedRows = 64;  // up to here a dense A costs less than the operator, applied often
 
   struct Contact {           // a closed one, in the order of its normal row
     int index = 0;           // in the scene
     std::size_t closed = 0;  // among the closed ones
     const ContactLaw* law = nullptr;
-    double mu = 0, slip = 0;
-    bool frictional = false;      // has a tangent row (coulomb)
+    double mu = 0;
+    Tangent<Space> slip{};
+    bool frictional = false;      // has tangent rows (coulomb)
     const Row* jammed = nullptr;  // its normal, where the joints drive it inwards: its own row is zero then
     double rebound = 0;           // of its target, what restitution asks for
   };
@@ -45,7 +53,7 @@ class StepProblem {
     std::vector<int> place;  // of a row of the whole problem
   };
 
-  StepProblem(const System& system, Form form, Cone cone);
+  StepProblemOf(const System& system, Form form, Cone cone);
 
   /// See Formulation::resist().
   void resist(double duration, const std::vector<double>* loads) { duration_ = duration, loads_ = loads; }
@@ -79,7 +87,7 @@ class StepProblem {
   bool dense() const { return std::holds_alternative<DenseMatrix>(lcp_.A); }
   double entry(Index i, Index j) const;         // A_ij
   int no_normal() const { return no_normal_; }  // a closed contact without a normal; −1: none
-  /// The place of closed contact k's normal and tangent row; −1: it has none.
+  /// The place of closed contact k's normal and (first) tangent row; −1: it has none.
   Index normal_row(std::size_t k) const { return places_[k].normal; }
   Index tangent_row(std::size_t k) const { return places_[k].tangent; }
   bool immobile(std::size_t k) const { return k < collected_ && places_[k].normal < 0; }
@@ -96,7 +104,7 @@ class StepProblem {
   bool has_edges(const Contact& c) const { return cone_ == Cone::relaxed && c.mu > 0; }
 
   const Lcp& whole() const;
-  void prepare(Block& block) const { block.large.A.emplace<Delassus>().inverse_mass = inverse_mass_; }
+  void prepare(Block& block) const { block.large.A.template emplace<Delassus>().inverse_mass = inverse_mass_; }
   /// The problem of these rows, ascending.
   const Lcp& cut(std::span<const int> rows, Block& block) const;
 
@@ -127,5 +135,8 @@ class StepProblem {
   mutable Lcp lcp_;               // its A only where formed_
   mutable bool formed_ = false;
 };
+extern template class StepProblemOf<Planar>;
+extern template class StepProblemOf<Spatial>;
+using StepProblem = StepProblemOf<Planar>;
 
 }  // namespace orthant

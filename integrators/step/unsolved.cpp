@@ -39,4 +39,23 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   return words(jam);
 }
 
+std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair>& /*pairs*/,
+                         const StepProblemOf<Spatial>& problem, const Solution& solution,
+                         const SpatialRankDeficiency& deficiency) {
+  const std::string when = deficiency.time() ? " at t = " + detail::text_of(*deficiency.time()) + " s" : "";
+  const auto name_of = [&](int contact) {
+    return "\"" +
+           std::visit([](const auto& c) { return c.name; },
+                      system.scene().contacts[static_cast<std::size_t>(contact)]) +
+           "\"";
+  };
+  if (problem.no_normal() >= 0)
+    return "contact " + name_of(problem.no_normal()) + " has no normal: its centres, or points, are in one place";
+  const Status status = solution.status;
+  if (status == Status::time_limit || status == Status::cancelled) return {};
+  return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
+         std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
+         ": try another solver or a shorter step";
+}
+
 }  // namespace orthant

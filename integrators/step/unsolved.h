@@ -12,4 +12,9 @@ namespace orthant {
 std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, const StepProblem& problem,
                          const Solution& solution, const RankDeficiency& deficiency);
 
+/// In space: the status, or the contact that has no normal.
+std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair>& pairs,
+                         const StepProblemOf<Spatial>& problem, const Solution& solution,
+                         const SpatialRankDeficiency& deficiency);
+
 }  // namespace orthant

@@ -9,26 +9,31 @@
 namespace orthant {
 
 /// What a closed contact's rates after the step are held against, its rates before and its law. [m/s]
-struct Wanted {
-  double normal = 0, tangent = 0;
-  double slip = 0;                  // γ_T⁻, which chooses μ
+template <class Space> struct WantedOf {
+  double normal = 0;
+  Tangent<Space> tangent{};
+  Tangent<Space> slip{};            // γ_T⁻, which chooses μ
   const ContactLaw* law = nullptr;  // stays where it is until the step is done
   double approach = 0;              // γ_N⁻
   double least = -kInf;             // of `normal`, whatever the law: asked for by the scheme
   // For energy_rise(): γ_T⁻ and, with the step's forces, γ_N and γ_T without contacts, see note_forces().
-  double slip_before = 0, free = 0, free_slip = 0;
+  Tangent<Space> slip_before{};
+  double free = 0;
+  Tangent<Space> free_slip{};
 };
+using Wanted = WantedOf<Planar>;
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`,
 /// one per contact of the scene: the system's, or others of a scheme's own.
-void newtons_law(const std::vector<ContactLaw>& laws, const Terms& terms, const Eigen::VectorXd& v,
-                 std::vector<Wanted>& wanted);
+template <class Space>
+void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms, const Eigen::VectorXd& v,
+                 std::vector<WantedOf<Space>>& wanted);
 
 /// A slower approach is a contact at rest. [m/s]
 inline constexpr double kRestSpeed = 1e-9;
 
 /// Tangential restitution is for contacts that strike: that approach faster than kRestSpeed, and than the step's forces
 /// make them (free − approach). All others slip under friction alone.
-void restrict_to_strikes(std::vector<Wanted>& wanted);
+template <class Space> void restrict_to_strikes(std::vector<WantedOf<Space>>& wanted);
 
 }  // namespace orthant

@@ -11,19 +11,17 @@
 namespace orthant {
 namespace {
 
-constexpr int kEntries = 2 * kBlock;  // of a row
-constexpr int kProducts = kEntries * kEntries;
 constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
 constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
 constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
 constexpr double kDoubtful = 1e-9;    // likewise: rounding of S makes that, ε times the ratio of the masses
 
-const Row::Entries& side(const Row& row, int which) { return which == 0 ? row.ja : row.jb; }
-int body(const Row& row, int which) { return which == 0 ? row.a : row.b; }
+template <class Space> const auto& side(const RowOf<Space>& row, int which) { return which == 0 ? row.ja : row.jb; }
+template <class Space> int body(const RowOf<Space>& row, int which) { return which == 0 ? row.a : row.b; }
 
 /// The rows' bodies without their numbers: the pattern of G and of the springs.
-Terms topology(const System& system) {
-  Terms terms(system);
+template <class Space> TermsOf<Space> topology(const SystemOf<Space>& system) {
+  TermsOf<Space> terms(system);
   const State x = system.initial_state();
   set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_rows(system, terms);
@@ -34,7 +32,8 @@ Terms topology(const System& system) {
 }  // namespace
 
 /// [ M̂ −Gᵀ ; G 0 ] by columns. Every number has a place found once; a new matrix is a loop over places.
-struct BasicSystem::Sparse {
+template <class Space> struct BasicSystemOf<Space>::Sparse {
+  static constexpr int kN = Space::kVelocities, kEntries = 2 * kN, kProducts = kEntries * kEntries;  // of a row
   std::vector<int> start, index;  // compressed columns
   std::vector<double> value, rhs;
   std::vector<int> mass_place;    // dof: M's diagonal
@@ -58,11 +57,11 @@ struct BasicSystem::Sparse {
       entries.push_back({row, column, static_cast<int>(entries.size())});
     };
     const auto coordinate = [](const Row& r, int k) {
-      const int b = body(r, k / kBlock);
-      return b < 0 ? -1 : kBlock * b + k % kBlock;
+      const int b = body(r, k / kN);
+      return b < 0 ? -1 : kN * b + k % kN;
     };
     for (int i = 0; i < system.dof(); ++i) add(i, i);
-    for (const SpringState& s : terms.springs)
+    for (const auto& s : terms.springs)
       for (int k = 0; k < kProducts; ++k) add(coordinate(s.row, k / kEntries), coordinate(s.row, k % kEntries));
     for (int r = 0; r < rows; ++r) {
       const Row& row = terms.G[static_cast<std::size_t>(r)];
@@ -188,12 +187,12 @@ struct BasicSystem::Sparse {
         if (const int i = index[static_cast<std::size_t>(k)]; i < dof) dense(i, j) = value[static_cast<std::size_t>(k)];
     return dense;
   }
-  static double number(const Row& row, int k) { return side(row, k / kBlock)[static_cast<std::size_t>(k % kBlock)]; }
+  static double number(const Row& row, int k) { return side(row, k / kN)[static_cast<std::size_t>(k % kN)]; }
 };
 
 /// x and the least λ by an orthogonal decomposition of A = L⁻¹ Gᵀ D, M̂ = L Lᵀ, D: each column of length 1.
 ///   x = M̂⁻¹ f + L⁻ᵀ y with the least y that has Aᵀ y = D (c − G M̂⁻¹ f);  λ = D μ with the least μ that has A μ = y.
-struct BasicSystem::LeastNorm {
+template <class Space> struct BasicSystemOf<Space>::LeastNorm {
   Eigen::LLT<Eigen::MatrixXd> factor;  // of M̂; not used when M̂ is diagonal:
   Eigen::VectorXd inverse_root;        // diagonal of L⁻¹, or empty
   Eigen::VectorXd scale;               // diagonal of D
@@ -235,7 +234,8 @@ struct BasicSystem::LeastNorm {
   }
 };
 
-BasicSystem::BasicSystem(const System& system, bool with_joints)
+template <class Space>
+BasicSystemOf<Space>::BasicSystemOf(const System& system, bool with_joints)
     : dof_(system.dof()),
       rows_(with_joints ? system.joint_rows() : 0),
       inverse_mass_(system.inverse_mass()),
@@ -248,10 +248,10 @@ BasicSystem::BasicSystem(const System& system, bool with_joints)
   if (rows_ > 0 && rows_ <= kDenseRows) schur_.emplace(inverse_mass_, terms.G);
 }
 
-BasicSystem::~BasicSystem() = default;
-BasicSystem::BasicSystem(BasicSystem&&) noexcept = default;
+template <class Space> BasicSystemOf<Space>::~BasicSystemOf() = default;
+template <class Space> BasicSystemOf<Space>::BasicSystemOf(BasicSystemOf&&) noexcept = default;
 
-bool BasicSystem::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight,
+template <class Space> bool BasicSystemOf<Space>::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight,
                             const Eigen::VectorXd* added) {
   redundant_ = false;
   if (added != nullptr || added_) {
@@ -276,19 +276,19 @@ bool BasicSystem::factorize(const System& system, const Terms& terms, double sti
   return true;
 }
 
-int BasicSystem::rank() const { return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_; }
+template <class Space> int BasicSystemOf<Space>::rank() const { return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_; }
 
-double BasicSystem::independence() const {
+template <class Space> double BasicSystemOf<Space>::independence() const {
   if (rows_ == 0 || rank() == 0) return 1;
   if (redundant_) return least_norm_->independence();
   return way_ == Way::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
 }
 
-void BasicSystem::forget() {
+template <class Space> void BasicSystemOf<Space>::forget() {
   if (sparse_) klu_free_numeric(&sparse_->numeric, &sparse_->common);
 }
 
-void BasicSystem::solve(const double* f, const double* c, double* x, double* lambda) const {
+template <class Space> void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
   if (way_ == Way::dense) return schur_->solve(f, c, x, lambda);
   if (way_ == Way::sparse) {
@@ -303,25 +303,28 @@ void BasicSystem::solve(const double* f, const double* c, double* x, double* lam
   Eigen::Map<Eigen::VectorXd>(x, dof_) = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
 }
 
-void BasicSystem::solve_change(std::span<const Row> G, const double* f, const double* v, const double* c, double* x,
+template <class Space> void BasicSystemOf<Space>::solve_change(std::span<const Row> G, const double* f, const double* v, const double* c, double* x,
                                double* lambda) const {
   if (way_ == Way::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rows_); ++i) lambda[i] = c[i] - apply(G[i], v);
   solve(f, lambda, x, lambda);
 }
 
-void BasicSystem::add_rates(const double* c, double* x) const {
+template <class Space> void BasicSystemOf<Space>::add_rates(const double* c, double* x) const {
   if (way_ == Way::dense && !redundant_) return schur_->add_rates(c, x);
   solve(zero_.data(), c, force_.data(), lambda_.data());
   Eigen::Map<Eigen::VectorXd>(x, dof_) += force_;
 }
 
-void BasicSystem::solve_row(const Row& row, double* x) const {
+template <class Space> void BasicSystemOf<Space>::solve_row(const Row& row, double* x) const {
   if (way_ == Way::dense && !redundant_) return schur_->solve_row(row, x);
   // A row touches two bodies at the most, but x is full as soon as joints carry it on.
   force_.setZero();
   apply_transposed(row, 1.0, force_.data());
   solve(force_.data(), zero_.data(), x, lambda_.data());
 }
+
+template class BasicSystemOf<Planar>;
+template class BasicSystemOf<Spatial>;
 
 }  // namespace orthant

@@ -21,12 +21,15 @@
 
 namespace orthant {
 
-class BasicSystem {
+template <class Space> class BasicSystemOf {
  public:
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Row = RowOf<Space>;
   /// `with_joints` false leaves G out, so that the joints can stand in the complementarity problem instead.
-  explicit BasicSystem(const System& system, bool with_joints = true);
-  ~BasicSystem();
-  BasicSystem(BasicSystem&&) noexcept;
+  explicit BasicSystemOf(const System& system, bool with_joints = true);
+  ~BasicSystemOf();
+  BasicSystemOf(BasicSystemOf&&) noexcept;
 
   /// Reads terms.G and terms.springs. `added`: to M's diagonal (dof), ≥ 0; null: nothing. False: not finite, nothing
   /// usable.
@@ -68,11 +71,14 @@ class BasicSystem {
   bool redundant_ = false, added_ = false;
   Way way_ = Way::diagonal;  // of the last factorization
   Eigen::VectorXd inverse_mass_;
-  std::optional<Schur> schur_;
+  std::optional<SchurOf<Space>> schur_;
   std::unique_ptr<LeastNorm> least_norm_;
   std::unique_ptr<Sparse> sparse_;
   Eigen::VectorXd zero_;  // as many as there are joint rows, or coordinates
   mutable Eigen::VectorXd force_, lambda_;
 };
+extern template class BasicSystemOf<Planar>;
+extern template class BasicSystemOf<Spatial>;
+using BasicSystem = BasicSystemOf<Planar>;
 
 }  // namespace orthant

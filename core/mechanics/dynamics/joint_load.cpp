@@ -31,7 +31,9 @@ std::vector<int> copies_of(const Scene& scene, int joint) {
   return found;
 }
 
-JointLoad::JointLoad(const System& system, int joint) {
+std::vector<int> copies_of(const spatial::Scene& /*scene*/, int joint) { return {joint}; }
+
+template <class Space> JointLoadOf<Space>::JointLoadOf(const SystemOf<Space>& system, int joint) {
   const auto& joints = system.scene().joints;
   const auto [a, b] = std::visit([](const auto& j) { return bodies_of(j); }, joints[static_cast<std::size_t>(joint)]);
   body_ = a >= 0 ? a : b;
@@ -42,10 +44,14 @@ JointLoad::JointLoad(const System& system, int joint) {
   }
 }
 
-double JointLoad::size(std::span<const Row> G, const double* lambda) const {
-  Vector2d sum{0, 0};
+template <class Space>
+double JointLoadOf<Space>::size(std::span<const RowOf<Space>> G, const double* lambda) const {
+  typename Space::Vector sum = Space::Vector::Zero();
   for (const int i : rows_) sum += lambda[i] * push_on(G[static_cast<std::size_t>(i)], body_);
   return sum.norm();
 }
+
+template class JointLoadOf<Planar>;
+template class JointLoadOf<Spatial>;
 
 }  // namespace orthant

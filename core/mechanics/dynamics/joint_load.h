@@ -18,16 +18,22 @@ namespace orthant {
 /// The joint and its copies, in the order of the scene.
 std::vector<int> copies_of(const Scene& scene, int joint);
 
-class JointLoad {
+/// In space the joint alone: copies are not looked for.
+std::vector<int> copies_of(const spatial::Scene& scene, int joint);
+
+template <class Space> class JointLoadOf {
  public:
-  JointLoad(const System& system, int joint);
+  JointLoadOf(const SystemOf<Space>& system, int joint);
 
   /// G and λ, one entry a joint row; λ may be impulses [N s], then so is R.
-  double size(std::span<const Row> G, const double* lambda) const;
+  double size(std::span<const RowOf<Space>> G, const double* lambda) const;
 
  private:
   BodyId body_;
   std::vector<int> rows_;
 };
+extern template class JointLoadOf<Planar>;
+extern template class JointLoadOf<Spatial>;
+using JointLoad = JointLoadOf<Planar>;
 
 }  // namespace orthant

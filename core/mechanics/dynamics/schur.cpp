@@ -40,12 +40,22 @@ template <class F> void each_down(int n, F&& f) {
 template <int N> std::integral_constant<int, 2 * N> twice(std::integral_constant<int, N>) { return {}; }
 int twice(int n) { return 2 * n; }
 
-constexpr Row::Entries kNothing{};
 constexpr double kLeast = 1e-280, kMost = 1e300;  // of a product of two pivots: its digits are all there
+
+/// f(0), f(1) … f(n − 1), written out.
+template <std::size_t n, class F> void each_number(F&& f) {
+  [&]<std::size_t... k>(std::index_sequence<k...>) { (f(k), ...); }
+  (std::make_index_sequence<n>{});
+}
+/// f(0) + f(1) + … + f(n − 1), the first ones first, written out.
+template <std::size_t n, class F> auto sum_of(F&& f) {
+  return [&]<std::size_t... k>(std::index_sequence<k...>) { return (... + f(k)); }
+  (std::make_index_sequence<n>{});
+}
 
 }  // namespace
 
-template <class F> decltype(auto) Schur::with_pairs(F&& f) const {
+template <class Space> template <class F> decltype(auto) SchurOf<Space>::with_pairs(F&& f) const {
   static_assert(kUnrolled == 8);
   if (pairs_ == 1) return f(Pairs<1>{});
   if (pairs_ == 2) return apart_ == 2 ? f(Pairs<2, 2>{}) : f(Pairs<2>{});
@@ -54,7 +64,8 @@ template <class F> decltype(auto) Schur::with_pairs(F&& f) const {
   return f(AnyPairs{pairs_});
 }
 
-Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
+template <class Space>
+SchurOf<Space>::SchurOf(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
     : rows_(static_cast<int>(rows.size())),
       pairs_((rows_ + 1) / 2),
       order_(static_cast<std::size_t>(pairs_)),
@@ -67,23 +78,23 @@ Schur::Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
   const auto part_on = [&](int i, int first) -> Part {
     if (i >= rows_) return nullptr;
     const Row& row = rows[static_cast<std::size_t>(i)];
-    return kBlock * row.a == first ? &Row::ja : kBlock * row.b == first ? &Row::jb : nullptr;
+    return Space::kVelocities * row.a == first ? &Row::ja : Space::kVelocities * row.b == first ? &Row::jb : nullptr;
   };
-  for (int first = 0; first < inverse_mass.size(); first += kBlock) {
+  for (int first = 0; first < inverse_mass.size(); first += Space::kVelocities) {
     const auto begin = static_cast<int>(on_bodies_.size());
     for (int p = 0; p < pairs_; ++p) {
       const int row = order_[static_cast<std::size_t>(p)];
       const std::array<Part, 2> parts{part_on(row, first), part_on(row + 1, first)};
       if (parts[0] == nullptr && parts[1] == nullptr) continue;
-      on_bodies_.push_back({p, 2 * p * pairs_, row, parts, {}, {}, {}, {}, {}, {}});
+      on_bodies_.push_back({p, 2 * p * pairs_, row, parts, {}, {}});
     }
-    if (const auto end = static_cast<int>(on_bodies_.size()); end > begin)
-      bodies_.push_back({first, begin, end, {inverse_mass[first], inverse_mass[first + 1], inverse_mass[first + 2]}});
+    if (const auto end = static_cast<int>(on_bodies_.size()); end > begin) bodies_.push_back({first, begin, end, {}});
   }
+  set_inverse_mass(inverse_mass);
 }
 
 /// A largest set of pairs that have no body in common. A row without another stays the last.
-void Schur::put_apart_first(std::span<const Row> rows) {
+template <class Space> void SchurOf<Space>::put_apart_first(std::span<const Row> rows) {
   for (int p = 0; p < pairs_; ++p) order_[static_cast<std::size_t>(p)] = 2 * p;
   if (rows_ > kUnrolled) return;
   const auto meet = [](const Row& r, const Row& s) {
@@ -108,7 +119,7 @@ void Schur::put_apart_first(std::span<const Row> rows) {
   std::stable_partition(order_.begin(), order_.end(), [&](int row) { return (best >> (row / 2) & 1U) != 0; });
 }
 
-bool Schur::factorize(std::span<const Row> G, double dependent) {
+template <class Space> bool SchurOf<Space>::factorize(std::span<const Row> G, double dependent) {
   with_pairs([&](auto n) {  // number by number: a call of memset twice a step took 3 % of it
     each(n, [&](auto p) {
       each(twice(p), [&](auto j) { S_[static_cast<std::size_t>(2 * p * n + j)] = Two(0); });
@@ -116,24 +127,27 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
     });
   });
   if (rows_ % 2 == 1) S_.back() = Two(0, 1);  // the row of nothing
-  const auto part = [&](const PairOnBody& u, std::size_t k) -> const Row::Entries& {
+  static constexpr Entries kNothing{};
+  const auto part = [&](const PairOnBody& u, std::size_t k) -> const Entries& {
     return u.parts[k] == nullptr ? kNothing : G[static_cast<std::size_t>(u.row) + k].*u.parts[k];
   };
   for (const OnBody& body : bodies_) {
-    const auto [m, n, j] = body.inverse_mass;
+    const Entries m = body.inverse_mass;
     const PairOnBody* const first = on_bodies_.data() + body.begin;
     for (PairOnBody* u = on_bodies_.data() + body.begin; u != on_bodies_.data() + body.end; ++u) {
-      const Row::Entries &g = part(*u, 0), &h = part(*u, 1);
-      const Two gx(g[0], h[0]), gy(g[1], h[1]), gz(g[2], h[2]), x = m * gx, y = n * gy, z = j * gz;
-      u->gx = gx, u->gy = gy, u->gz = gz, u->x = x, u->y = y, u->z = z;
+      const Entries &of_first = part(*u, 0), &of_second = part(*u, 1);
+      std::array<Two, kN> g, x;
+      each_number<kN>([&](std::size_t k) { g[k] = Two(of_first[k], of_second[k]), x[k] = m[k] * g[k]; });
+      each_number<kN>([&](std::size_t k) { u->g[k] = g[k]; });
+      each_number<kN>([&](std::size_t k) { u->x[k] = x[k]; });
       Two* to = S_.data() + u->at;
       for (const PairOnBody* v = first; v < u; ++v) {
-        to[2 * v->pair] += v->gx[0] * x + v->gy[0] * y + v->gz[0] * z;
-        to[2 * v->pair + 1] += v->gx[1] * x + v->gy[1] * y + v->gz[1] * z;
+        to[2 * v->pair] += sum_of<kN>([&](std::size_t k) { return v->g[k][0] * x[k]; });
+        to[2 * v->pair + 1] += sum_of<kN>([&](std::size_t k) { return v->g[k][1] * x[k]; });
       }
       to += 2 * u->pair;  // its own: [1][0] is not read
-      to[0] += gx[0] * x + gy[0] * y + gz[0] * z;
-      to[1] += gx * x + gy * y + gz * z;
+      to[0] += sum_of<kN>([&](std::size_t k) { return g[k][0] * x[k]; });
+      to[1] += sum_of<kN>([&](std::size_t k) { return g[k] * x[k]; });
     }
   }
   return with_pairs([&](auto n) { return factorize_pairs(n, dependent); });
@@ -141,7 +155,7 @@ bool Schur::factorize(std::span<const Row> G, double dependent) {
 
 /// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. The second D_i of a pair comes
 /// from D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
-template <class N> bool Schur::factorize_pairs(N n, double dependent) {
+template <class Space> template <class N> bool SchurOf<Space>::factorize_pairs(N n, double dependent) {
   const auto S = [&](int p, int j) -> Two& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
   const auto L = [&](int i, int j) { return S(i / 2, j)[i % 2]; };
   double *const inverse = inverse_pivot_.data(), *const pivot = pivot_.data();
@@ -189,17 +203,16 @@ template <class N> bool Schur::factorize_pairs(N n, double dependent) {
   return independent;
 }
 
-void Schur::set_inverse_mass(const Eigen::VectorXd& inverse_mass) {
+template <class Space> void SchurOf<Space>::set_inverse_mass(const Eigen::VectorXd& inverse_mass) {
   inverse_mass_ = inverse_mass;
-  for (OnBody& body : bodies_)
-    body.inverse_mass = {inverse_mass[body.first], inverse_mass[body.first + 1], inverse_mass[body.first + 2]};
+  for (OnBody& body : bodies_) std::copy_n(inverse_mass.data() + body.first, kN, body.inverse_mass.begin());
 }
 
-bool Schur::finite() const {
+template <class Space> bool SchurOf<Space>::finite() const {
   return std::all_of(S_.begin(), S_.end(), [](Two s) { return std::isfinite(s[0]) && std::isfinite(s[1]); });
 }
 
-double Schur::independence() const {
+template <class Space> double SchurOf<Space>::independence() const {
   double least = 1;
   for (int i = 0; i < rows_; ++i) {
     const double whole = S_[static_cast<std::size_t>((i / 2) * 2 * pairs_ + i)][i % 2];
@@ -208,82 +221,89 @@ double Schur::independence() const {
   return least;
 }
 
-void Schur::solve(const double* f, const double* c, double* x, double* lambda) const {
+template <class Space> void SchurOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
   set_rates(c);
   for (const OnBody& body : bodies_) {
-    const double* const by = x + body.first;
-    subtract_rates(body, by[0], by[1], by[2]);
+    Entries by;
+    std::copy_n(x + body.first, kN, by.begin());
+    subtract_rates(body, by);
   }
   add_solution(x);
   store_forces(lambda);
 }
 
-void Schur::solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const {
+template <class Space> void SchurOf<Space>::solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
   set_rates(c);
   for (const OnBody& body : bodies_) {
     const double *const from = v + body.first, *const by = x + body.first;
-    subtract_rates(body, from[0] + by[0], from[1] + by[1], from[2] + by[2]);
+    Entries sum;
+    each_number<kN>([&](std::size_t k) { sum[k] = from[k] + by[k]; });
+    subtract_rates(body, sum);
   }
   add_solution(x);
   store_forces(lambda);
 }
 
-void Schur::add_rates(const double* c, double* x) const {
+template <class Space> void SchurOf<Space>::add_rates(const double* c, double* x) const {
   set_rates(c);
   add_solution(x);
 }
 
-void Schur::solve_row(const Row& row, double* x) const {
+template <class Space> void SchurOf<Space>::solve_row(const Row& row, double* x) const {
   std::fill_n(x, inverse_mass_.size(), 0.0);
   std::fill(lambda_.begin(), lambda_.end(), Two(0));
-  const auto load = [&](BodyId b, const Row::Entries& j) {
+  const auto load = [&](BodyId b, const Entries& j) {
     if (b < 0) return;
-    const double* const m = inverse_mass_.data() + kBlock * b;
-    const double vx = m[0] * j[0], vy = m[1] * j[1], vz = m[2] * j[2];
-    double* const xb = x + kBlock * b;
-    xb[0] += vx, xb[1] += vy, xb[2] += vz;
+    const int place = Space::kVelocities * b;
+    const double* const m = inverse_mass_.data() + place;
+    double* const xb = x + place;
+    Entries v;
+    each_number<kN>([&](std::size_t k) { v[k] = m[k] * j[k]; });
+    each_number<kN>([&](std::size_t k) { xb[k] += v[k]; });
     const auto body =
-        std::find_if(bodies_.begin(), bodies_.end(), [b](const OnBody& o) { return o.first == kBlock * b; });
-    if (body != bodies_.end()) subtract_rates(*body, vx, vy, vz);
+        std::find_if(bodies_.begin(), bodies_.end(), [place](const OnBody& o) { return o.first == place; });
+    if (body != bodies_.end()) subtract_rates(*body, v);
   };
   load(row.a, row.ja), load(row.b, row.jb);
   add_solution(x);
 }
 
 /// λ = c.
-void Schur::set_rates(const double* c) const {
+template <class Space> void SchurOf<Space>::set_rates(const double* c) const {
   for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p] = Two::load(c + order_[p]);
   if (rows_ % 2 == 1) lambda_.back() = Two(c[rows_ - 1], 0);
 }
 
-void Schur::store_forces(double* lambda) const {
+template <class Space> void SchurOf<Space>::store_forces(double* lambda) const {
   for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p].store(lambda + order_[p]);
   if (rows_ % 2 == 1) lambda[rows_ - 1] = lambda_.back()[0];
 }
 
 /// λ −= G v, the part of one body with its three v.
-void Schur::subtract_rates(const OnBody& body, double vx, double vy, double vz) const {
-  for (const PairOnBody& u : on(body)) lambda_[static_cast<std::size_t>(u.pair)] -= vx * u.gx + vy * u.gy + vz * u.gz;
+template <class Space> void SchurOf<Space>::subtract_rates(const OnBody& body, const Entries& v) const {
+  for (const PairOnBody& u : on(body))
+    lambda_[static_cast<std::size_t>(u.pair)] -= sum_of<kN>([&](std::size_t k) { return v[k] * u.g[k]; });
 }
 
 /// S λ' = λ,  x += M⁻¹ Gᵀ λ'.
-void Schur::add_solution(double* x) const {
+template <class Space> void SchurOf<Space>::add_solution(double* x) const {
   with_pairs([&](auto n) { solve_pairs(n); });
   for (const OnBody& body : bodies_) {
-    Two x0(0), x1(0), x2(0);
+    std::array<Two, kN> sum;
+    sum.fill(Two(0));
     for (const PairOnBody& u : on(body)) {
       const Two by = lambda_[static_cast<std::size_t>(u.pair)];
-      x0 += u.x * by, x1 += u.y * by, x2 += u.z * by;
+      each_number<kN>([&](std::size_t k) { sum[k] += u.x[k] * by; });
     }
     double* const v = x + body.first;
-    v[0] += x0.sum(), v[1] += x1.sum(), v[2] += x2.sum();
+    each_number<kN>([&](std::size_t k) { v[k] += sum[k].sum(); });
   }
 }
 
 /// S λ' = λ. What is within a pair is no step of its own on the way there and back: no other pair waits for it.
-template <class N> void Schur::solve_pairs(N n) const {
+template <class Space> template <class N> void SchurOf<Space>::solve_pairs(N n) const {
   const auto S = [&](int p, int j) { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
   Two* const y = lambda_.data();
   each(n, [&](auto p) {
@@ -307,5 +327,8 @@ template <class N> void Schur::solve_pairs(N n) const {
     });
   });
 }
+
+template class SchurOf<Planar>;
+template class SchurOf<Spatial>;
 
 }  // namespace orthant

@@ -15,12 +15,13 @@
 
 namespace orthant {
 
-class Schur {
+template <class Space> class SchurOf {
  public:
+  using Row = RowOf<Space>;
   static constexpr int kUnrolled = 8;
 
   /// `rows`: with the bodies that all later ones have.
-  Schur(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows);
+  SchurOf(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows);
 
   /// For the factorizations from now on.
   void set_inverse_mass(const Eigen::VectorXd& inverse_mass);
@@ -42,22 +43,24 @@ class Schur {
   bool finite() const;  // the S of the last factorization, where that gave up on it
 
  private:
-  using Part = Row::Entries Row::*;
+  static constexpr std::size_t kN = Space::kVelocities;
+  using Entries = typename Row::Entries;
+  using Part = Entries Row::*;
   struct PairOnBody {
     int pair, at, row;          // where it stands here; where its row begins in S; its first row in G
     std::array<Part, 2> parts;  // of its rows, that are on the body, or none
-    Two gx, gy, gz, x, y, z;    // those parts; times M⁻¹
+    std::array<Two, kN> g, x;   // those parts; times M⁻¹
   };
   struct OnBody {  // pairs from `begin` up to `end` act on the coordinates from `first` on
     int first, begin, end;
-    Row::Entries inverse_mass;
+    Entries inverse_mass;
   };
   void put_apart_first(std::span<const Row> rows);
   template <class F> decltype(auto) with_pairs(F&& f) const;
   template <class N> bool factorize_pairs(N n, double dependent);
   template <class N> void solve_pairs(N n) const;
   void set_rates(const double* c) const;
-  void subtract_rates(const OnBody& body, double vx, double vy, double vz) const;
+  void subtract_rates(const OnBody& body, const Entries& v) const;
   void add_solution(double* x) const;
   void store_forces(double* lambda) const;
   std::span<const PairOnBody> on(const OnBody& b) const {
@@ -74,5 +77,8 @@ class Schur {
   std::vector<double> pivot_, inverse_pivot_;  // D_i, 1 / D_i
   mutable std::vector<Two> lambda_;            // pairs
 };
+extern template class SchurOf<Planar>;
+extern template class SchurOf<Spatial>;
+using Schur = SchurOf<Planar>;
 
 }  // namespace orthant

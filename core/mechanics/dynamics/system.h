@@ -3,18 +3,22 @@
 
 #include <orthant/core/mechanics/dynamics/state.h>
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
 
 namespace orthant {
 
 /// Coordinates stand in a block per body (blocks.h); joint rows stand in the order of the scene's joints.
-class System {
+template <class Space> class SystemOf {
  public:
+  using Scene = typename ElementsOf<Space>::Scene;
+
   /// Throws std::invalid_argument where check(scene) does.
-  explicit System(Scene scene);
+  explicit SystemOf(Scene scene);
 
   const Scene& scene() const { return scene_; }
   int bodies() const { return static_cast<int>(scene_.bodies.size()); }
-  int dof() const { return kBlock * bodies(); }
+  int dof() const { return Space::kVelocities * bodies(); }           // numbers of v
+  int coordinates() const { return Space::kCoordinates * bodies(); }  // numbers of q
   int joint_rows() const { return joint_rows_; }
   int first_row(std::size_t joint) const { return first_row_[joint]; }
   bool driven() const { return driven_; }  // some joint is given in time
@@ -28,9 +32,9 @@ class System {
   /// Where the pairs of each collision begin, counted from listed(); at the end their number.
   const std::vector<int>& pairs() const { return pairs_; }
 
-  const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body
+  const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body; in space m, m, m, J1, J2, J3
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
-  const Eigen::VectorXd& weight() const { return weight_; }              // dof: M g [N, N, 0]
+  const Eigen::VectorXd& weight() const { return weight_; }              // dof: M g [N, N, 0]; in space [N, N, N, 0, 0, 0]
   const std::vector<ContactLaw>& laws() const { return laws_; }          // one per contact
   const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
 
@@ -54,7 +58,14 @@ class System {
   double swing_ = 0;
 };
 
+extern template class SystemOf<Planar>;
+extern template class SystemOf<Spatial>;
+using System = SystemOf<Planar>;
+
+/// − Σ m g · x, of the weights and the places [J].
+template <class Space> double potential_of_weight(const SystemOf<Space>& system, const Eigen::VectorXd& q);
+
 /// Kinetic energy + potential of gravity (zero at the origin) and springs [J].
-double energy(const System& system, const State& state);
+template <class Space> double energy(const SystemOf<Space>& system, const State& state);
 
 }  // namespace orthant

@@ -6,7 +6,7 @@
 
 namespace orthant {
 
-Terms::Terms(const System& system) {
+template <class Space> TermsOf<Space>::TermsOf(const SystemOf<Space>& system) {
   const auto bodies = static_cast<std::size_t>(system.bodies());
   at.pose.resize(bodies + 1);
   at.twist.resize(bodies + 1);
@@ -46,16 +46,31 @@ void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinemat
   at.t = t;
 }
 
-void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at) {
+void set_poses(const SystemOf<Spatial>& system, double t, const Eigen::VectorXd& q, KinematicsOf<Spatial>& at) {
   const auto bodies = static_cast<std::size_t>(system.bodies());
-  at.twist.resize(bodies + 1);
-  for (std::size_t i = 0; i < bodies; ++i) at.twist[i] = twist_of(v, static_cast<BodyId>(i));
+  at.pose.resize(bodies + 1);
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const auto body = static_cast<Eigen::Index>(i);
+    spatial::Pose& pose = at.pose[i];
+    pose.x = place_of<Spatial>(q, body);
+    pose.axes = quaternions::matrix_of(quaternion(q, body));
+    pose.R = pose.axes * system.scene().bodies[i].to_axes;
+  }
+  at.t = t;
 }
 
-void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, Terms& terms) {
-  const Scene& scene = system.scene();
+template <class Space>
+void set_twists(const SystemOf<Space>& system, const Eigen::VectorXd& v, KinematicsOf<Space>& at) {
+  const auto bodies = static_cast<std::size_t>(system.bodies());
+  at.twist.resize(bodies + 1);
+  for (std::size_t i = 0; i < bodies; ++i) at.twist[i] = twist_of(v, static_cast<BodyId>(i), at);
+}
+
+template <class Space>
+void evaluate_forces(const SystemOf<Space>& system, double t, const Eigen::VectorXd& v, TermsOf<Space>& terms) {
+  const auto& scene = system.scene();
   terms.f = system.weight();
-  for (const Load& load : scene.loads) load.add(terms.at, t, terms.f.data());
+  for (const auto& load : scene.loads) load.add(terms.at, t, terms.f.data());
   for (std::size_t i = 0; i < scene.springs.size(); ++i) {
     terms.springs[i] = std::visit([&](const auto& s) { return s.evaluate(terms.at, v.data()); }, scene.springs[i]);
     apply_transposed(terms.springs[i].row, -terms.springs[i].tension, terms.f.data());
@@ -65,9 +80,9 @@ void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, T
 namespace {
 
 /// Calls what(joint, first row) over all joints.
-template <class What> void each_joint(const System& system, What&& what) {
+template <class Space, class What> void each_joint(const SystemOf<Space>& system, What&& what) {
   int row = 0;
-  for (const Joint& joint : system.scene().joints)
+  for (const auto& joint : system.scene().joints)
     std::visit(
         [&](const auto& j) {
           what(j, row);
@@ -81,11 +96,11 @@ template <class What> void each_joint(const System& system, What&& what) {
 
 }  // namespace
 
-void evaluate_joint_residual(const System& system, Terms& terms) {
+template <class Space> void evaluate_joint_residual(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   each_joint(system, [&](const auto& joint, int row) { joint.residual(terms.at, terms.phi.data() + row); });
 }
 
-void evaluate_joint_rows(const System& system, Terms& terms) {
+template <class Space> void evaluate_joint_rows(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   each_joint(system, [&](const auto& joint, int row) {
     joint.rows(terms.at, terms.G.data() + row);
     if constexpr (requires(double* rate) { joint.rate(terms.at, rate); })
@@ -93,7 +108,7 @@ void evaluate_joint_rows(const System& system, Terms& terms) {
   });
 }
 
-void evaluate_joints(const System& system, Terms& terms) {
+template <class Space> void evaluate_joints(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   each_joint(system, [&](const auto& joint, int row) {
     joint.residual(terms.at, terms.phi.data() + row);
     joint.rows(terms.at, terms.G.data() + row);
@@ -105,21 +120,25 @@ void evaluate_joints(const System& system, Terms& terms) {
 namespace {
 
 /// Calls what(contact) with the listed one, or with what the pair is at the moment.
-template <class What> decltype(auto) with_contact(const System& system, const std::vector<Pair>& pairs,
-                                                  const Kinematics& at, int contact, What&& what) {
-  if (contact < system.listed()) return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
-  const Pair& pair = pairs[static_cast<std::size_t>(contact - system.listed())];
-  return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, at, what);
+template <class Space, class What>
+decltype(auto) with_contact(const SystemOf<Space>& system, [[maybe_unused]] const std::vector<Pair>& pairs,
+                            [[maybe_unused]] const KinematicsOf<Space>& at, int contact, What&& what) {
+  if (!kPlanar<Space> || contact < system.listed()) return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
+  if constexpr (kPlanar<Space>) {
+    const Pair& pair = pairs[static_cast<std::size_t>(contact - system.listed())];
+    return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, at, what);
+  }
 }
-template <class What> decltype(auto) with_contact(const System& system, const Terms& terms, int contact, What&& what) {
+template <class Space, class What>
+decltype(auto) with_contact(const SystemOf<Space>& system, const TermsOf<Space>& terms, int contact, What&& what) {
   return with_contact(system, terms.pairs, terms.at, contact, what);
 }
 
 }  // namespace
 
-void evaluate_gaps(const System& system, Terms& terms) {
+template <class Space> void evaluate_gaps(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   Index i = 0;
-  for (const Contact& contact : system.scene().contacts)
+  for (const auto& contact : system.scene().contacts)
     terms.gap[i++] = std::visit([&](const auto& c) { return c.gap(terms.at); }, contact);
   for (const Pair& pair : terms.pairs) {
     terms.gap[i] = pair.none() ? std::numeric_limits<double>::infinity()
@@ -128,43 +147,70 @@ void evaluate_gaps(const System& system, Terms& terms) {
   }
 }
 
-double gap_of(const System& system, const std::vector<Pair>& pairs, int contact, const Kinematics& at) {
+template <class Space>
+double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
+              const KinematicsOf<Space>& at) {
   return with_contact(system, pairs, at, contact, [&](const auto& c) { return c.gap(at); });
 }
 
-std::pair<BodyId, BodyId> bodies_of(const System& system, const std::vector<Pair>& pairs, int contact) {
+template <class Space>
+std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact) {
   const auto i = static_cast<std::size_t>(contact);
   const auto& listed = system.scene().contacts;
   if (i < listed.size()) return std::visit([](const auto& c) { return bodies_of(c); }, listed[i]);
   const Pair& pair = pairs[i - listed.size()];
   if (pair.none()) return {kGround, kGround};
-  const auto& shapes = system.scene().collisions[static_cast<std::size_t>(pair.collision)].shapes;
-  return {shapes[static_cast<std::size_t>(pair.a)].body, shapes[static_cast<std::size_t>(pair.b)].body};
+  if constexpr (kPlanar<Space>) {
+    const auto& shapes = system.scene().collisions[static_cast<std::size_t>(pair.collision)].shapes;
+    return {shapes[static_cast<std::size_t>(pair.a)].body, shapes[static_cast<std::size_t>(pair.b)].body};
+  } else {
+    return {kGround, kGround};
+  }
 }
 
-void evaluate_closed(const System& system, double threshold, Terms& terms) {
+template <class Space> void evaluate_closed(const SystemOf<Space>& system, double threshold, TermsOf<Space>& terms) {
   terms.closed.clear();
   for (int i = 0; i < system.contacts(); ++i)
     if (terms.gap[i] <= threshold && terms.gap[i] < std::numeric_limits<double>::infinity())
       add_closed(system, i, terms);
 }
 
-void evaluate_closed(const System& system, std::span<const int> contacts, Terms& terms) {
+template <class Space>
+void evaluate_closed(const SystemOf<Space>& system, std::span<const int> contacts, TermsOf<Space>& terms) {
   terms.closed.clear();
   for (const int i : contacts) add_closed(system, i, terms);
 }
 
-void add_closed(const System& system, int contact, Terms& terms) {
+template <class Space> void add_closed(const SystemOf<Space>& system, int contact, TermsOf<Space>& terms) {
   terms.closed.push_back(
       {contact, with_contact(system, terms, contact, [&](const auto& c) { return c.rows(terms.at); })});
 }
 
-void evaluate_biases(const System& system, Terms& terms) {
+template <class Space> void evaluate_biases(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   each_joint(system, [&](const auto& joint, int row) { joint.bias(terms.at, terms.joint_bias.data() + row); });
   terms.contact_bias.clear();
-  for (const ClosedContact& closed : terms.closed)
-    terms.contact_bias.push_back(
-        with_contact(system, terms, closed.contact, [&](const auto& c) { return c.bias(terms.at); }));
+  if constexpr (kPlanar<Space>)
+    for (const ClosedContact& closed : terms.closed)
+      terms.contact_bias.push_back(
+          with_contact(system, terms, closed.contact, [&](const auto& c) { return c.bias(terms.at); }));
 }
+
+#define ORTHANT_TERMS(Space)                                                                                    \
+  template struct TermsOf<Space>;                                                                               \
+  template void set_twists(const SystemOf<Space>&, const Eigen::VectorXd&, KinematicsOf<Space>&);               \
+  template void evaluate_forces(const SystemOf<Space>&, double, const Eigen::VectorXd&, TermsOf<Space>&);       \
+  template void evaluate_joint_residual(const SystemOf<Space>&, TermsOf<Space>&);                               \
+  template void evaluate_joint_rows(const SystemOf<Space>&, TermsOf<Space>&);                                   \
+  template void evaluate_joints(const SystemOf<Space>&, TermsOf<Space>&);                                       \
+  template void evaluate_gaps(const SystemOf<Space>&, TermsOf<Space>&);                                         \
+  template double gap_of(const SystemOf<Space>&, const std::vector<Pair>&, int, const KinematicsOf<Space>&);    \
+  template std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>&, const std::vector<Pair>&, int);          \
+  template void evaluate_closed(const SystemOf<Space>&, double, TermsOf<Space>&);                               \
+  template void add_closed(const SystemOf<Space>&, int, TermsOf<Space>&);                                       \
+  template void evaluate_closed(const SystemOf<Space>&, std::span<const int>, TermsOf<Space>&);                 \
+  template void evaluate_biases(const SystemOf<Space>&, TermsOf<Space>&);
+ORTHANT_TERMS(Planar)
+ORTHANT_TERMS(Spatial)
+#undef ORTHANT_TERMS
 
 }  // namespace orthant

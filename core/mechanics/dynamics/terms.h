@@ -13,57 +13,70 @@
 
 namespace orthant {
 
-struct ClosedContact {
+template <class Space> struct ClosedContactOf {
   int contact = 0;  // index in the scene
-  ContactRows rows;
+  ContactRowsOf<Space> rows;
 };
+using ClosedContact = ClosedContactOf<Planar>;
 
-struct Terms {
-  Kinematics at;
+template <class Space> struct TermsOf {
+  using ContactBias = typename ElementsOf<Space>::ContactBias;
+  KinematicsOf<Space> at;
   Eigen::VectorXd f;                 // dof: weight, loads, springs
-  std::vector<SpringState> springs;  // one per spring of the scene
-  std::vector<Row> G;                // joint_rows
+  std::vector<SpringStateOf<Space>> springs;  // one per spring of the scene
+  std::vector<RowOf<Space>> G;                // joint_rows
   Eigen::VectorXd phi;               // joint_rows: joint residual [m, rad]
   Eigen::VectorXd joint_rate;        // joint_rows: ṡ, what G v has to be
   Eigen::VectorXd joint_bias;        // joint_rows: Ġ v − s̈
   std::vector<Pair> pairs;           // behind the listed contacts; set by BroadPhase::find()
   Eigen::VectorXd gap;               // contacts [m]; infinity where there is no pair
-  std::vector<ClosedContact> closed;
+  std::vector<ClosedContactOf<Space>> closed;
   std::vector<ContactBias> contact_bias;  // one per closed contact
 
-  Terms() = default;
-  explicit Terms(const System& system);  // sized, so that evaluation allocates nothing
+  TermsOf() = default;
+  explicit TermsOf(const SystemOf<Space>& system);  // sized, so that evaluation allocates nothing
 
   /// ṡ − G v of joint row i: what is missing to the velocity that the joint wants.
   double missing_rate(Eigen::Index i, const Eigen::VectorXd& v) const {
     return joint_rate[i] - apply(G[static_cast<std::size_t>(i)], v.data());
   }
 };
+extern template struct TermsOf<Planar>;
+extern template struct TermsOf<Spatial>;
+using Terms = TermsOf<Planar>;
 
-/// Cosine and sine are turned on from the nearest of a fixed grid of angles, whose own `at` keeps: to one rounding
-/// more, in a quarter of the time, and a function of the angle alone.
-void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinematics& at);
-void set_twists(const System& system, const Eigen::VectorXd& v, Kinematics& at);
+/// Planar: cosine and sine are turned on from the nearest of a fixed grid of angles, whose own `at` keeps: to one
+/// rounding more, in a quarter of the time, and a function of the angle alone.
+void set_poses(const SystemOf<Planar>& system, double t, const Eigen::VectorXd& q, KinematicsOf<Planar>& at);
+void set_poses(const SystemOf<Spatial>& system, double t, const Eigen::VectorXd& q, KinematicsOf<Spatial>& at);
+template <class Space>
+void set_twists(const SystemOf<Space>& system, const Eigen::VectorXd& v, KinematicsOf<Space>& at);
 
 /// Each reads terms.at; what needs velocities reads twists too. All in the order of the scene.
-void evaluate_forces(const System& system, double t, const Eigen::VectorXd& v, Terms& terms);
-void evaluate_joint_residual(const System& system, Terms& terms);
+/// Weight, loads and springs; in space without −ω × Jω, see gyroscopic().
+template <class Space>
+void evaluate_forces(const SystemOf<Space>& system, double t, const Eigen::VectorXd& v, TermsOf<Space>& terms);
+template <class Space> void evaluate_joint_residual(const SystemOf<Space>& system, TermsOf<Space>& terms);
 /// G and joint_rate.
-void evaluate_joint_rows(const System& system, Terms& terms);
+template <class Space> void evaluate_joint_rows(const SystemOf<Space>& system, TermsOf<Space>& terms);
 /// Both.
-void evaluate_joints(const System& system, Terms& terms);
-void evaluate_gaps(const System& system, Terms& terms);
+template <class Space> void evaluate_joints(const SystemOf<Space>& system, TermsOf<Space>& terms);
+template <class Space> void evaluate_gaps(const SystemOf<Space>& system, TermsOf<Space>& terms);
 /// The gap of one contact, listed or one of these pairs, in poses `at` of its two bodies.
-double gap_of(const System& system, const std::vector<Pair>& pairs, int contact, const Kinematics& at);
+template <class Space>
+double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
+              const KinematicsOf<Space>& at);
 /// The bodies of a contact, listed or one of these pairs.
-std::pair<BodyId, BodyId> bodies_of(const System& system, const std::vector<Pair>& pairs, int contact);
+template <class Space>
+std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact);
 /// The contacts with gap ≤ threshold become `closed`, with their rows; evaluate_gaps comes first.
-void evaluate_closed(const System& system, double threshold, Terms& terms);
+template <class Space> void evaluate_closed(const SystemOf<Space>& system, double threshold, TermsOf<Space>& terms);
 /// One more closed contact, whatever its gap.
-void add_closed(const System& system, int contact, Terms& terms);
+template <class Space> void add_closed(const SystemOf<Space>& system, int contact, TermsOf<Space>& terms);
 /// These contacts become `closed`, whatever their gaps.
-void evaluate_closed(const System& system, std::span<const int> contacts, Terms& terms);
-/// The biases of the joints and of the closed contacts.
-void evaluate_biases(const System& system, Terms& terms);
+template <class Space>
+void evaluate_closed(const SystemOf<Space>& system, std::span<const int> contacts, TermsOf<Space>& terms);
+/// The biases of the joints and of the closed contacts (planar; in space of the joints).
+template <class Space> void evaluate_biases(const SystemOf<Space>& system, TermsOf<Space>& terms);
 
 }  // namespace orthant

@@ -24,12 +24,37 @@ struct ContactLaw {
 };
 
 /// Kinematics of a closed contact. The normal points from b to a; the tangent is t = −perp(n).
-struct ContactRows {
+template <class Space> struct ContactRowsOf;
+template <> struct ContactRowsOf<Planar> {
   Row normal, tangent;  // rates of the gap and of slip [m/s]
 };
+using ContactRows = ContactRowsOf<Planar>;
 struct ContactBias {
   double normal = 0, tangent = 0;  // d/dt of the two rates at zero acceleration [m/s²]
 };
+
+/// Numbers of the tangential directions, and the verbs on them that code for both dimensions uses.
+template <class Space> struct TangentOf;
+template <> struct TangentOf<Planar> {
+  using type = double;
+};
+template <class Space> using Tangent = typename TangentOf<Space>::type;
+
+/// J_T v [m/s]; its size; of the slip γ_T against b's surface the coefficient that bounds friction.
+inline double slip_rate(const ContactRows& rows, const double* v) { return apply(rows.tangent, v); }
+inline double size_of(double slip) { return std::abs(slip); }
+inline double mu_at(const ContactLaw& law, double slip) { return law.mu_at(slip); }
+inline double inner(double one, double other) { return one * other; }
+/// The motion of b's surface.
+template <class Space> Tangent<Space> belt_of(const ContactLaw& law) {
+  if constexpr (kPlanar<Space>)
+    return law.belt;
+  else
+    return {};
+}
+/// Tangent row i; its number.
+inline const Row& row_of_tangent(const ContactRows& rows, std::size_t /*i*/) { return rows.tangent; }
+inline double tangent_part(double slip, std::size_t /*i*/) { return slip; }
 
 inline Vector2d tangent_of(const Vector2d& n) { return {n.y(), -n.x()}; }
 

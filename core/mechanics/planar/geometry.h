@@ -40,7 +40,7 @@ inline Row pair_row(BodyId a, BodyId b, const Vector2d& n, const Vector2d& r_a, 
 }
 
 /// Poses and twists of all bodies, with the ground behind index kGround.
-struct Kinematics {
+template <> struct KinematicsOf<Planar> {
   struct Node {  // of a grid of angles; none at first
     double theta = std::numeric_limits<double>::quiet_NaN(), c = 0, s = 0;
   };
@@ -51,5 +51,9 @@ struct Kinematics {
   const Pose& at(BodyId i) const { return i < 0 ? pose.back() : pose[static_cast<std::size_t>(i)]; }
   const Twist& rate(BodyId i) const { return i < 0 ? twist.back() : twist[static_cast<std::size_t>(i)]; }
 };
+using Kinematics = KinematicsOf<Planar>;
+
+/// Likewise; what `at` says of the pose is not needed in the plane.
+inline Twist twist_of(const Eigen::VectorXd& v, BodyId b, const Kinematics& /*at*/) { return twist_of(v, b); }
 
 }  // namespace orthant

@@ -14,10 +14,11 @@
 
 namespace orthant {
 
-struct SpringState {
-  Row row;
+template <class Space> struct SpringStateOf {
+  RowOf<Space> row;
   double tension = 0, energy = 0;  // [N] or [N m]; [J]
 };
+using SpringState = SpringStateOf<Planar>;
 
 struct PointSpring {
   std::string name;

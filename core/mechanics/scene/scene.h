@@ -48,7 +48,7 @@ template <class T, class Variant> inline constexpr bool kAlternative = false;
 template <class T, class... Kinds>
 inline constexpr bool kAlternative<T, std::variant<Kinds...>> = (std::is_same_v<T, Kinds> || ...);
 
-inline int row_count(const Joint& joint) {
+template <class Joint> int row_count(const Joint& joint) {
   const auto count = [](const auto& j) {
     if constexpr (requires { j.row_count(); })
       return j.row_count();
@@ -111,6 +111,19 @@ struct Scene {
       fill(element);
     list.push_back(std::move(element));
   }
+};
+
+/// Kinds of elements of a scene, by dimension.
+template <class Space> struct ElementsOf;
+template <> struct ElementsOf<Planar> {
+  using Scene = orthant::Scene;
+  using Body = orthant::Body;
+  using Joint = orthant::Joint;
+  using Contact = orthant::Contact;
+  using ContactBias = orthant::ContactBias;
+  using Spring = orthant::Spring;
+  using Friction = JointFriction;
+  using Drive = orthant::Drive;
 };
 
 /// Error of check(). Kind, index and field name the faulty element, so that a reader of files can point at the line.

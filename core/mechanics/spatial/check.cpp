@@ -1,0 +1,191 @@
+#include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
+#include <orthant/core/support/options.h>
+#include <orthant/core/support/shortened.h>
+
+#include <cmath>
+#include <set>
+#include <string_view>
+
+namespace orthant::spatial {
+namespace {
+
+constexpr double kLeastMass = 1e-300;  // below, 1/m is not a number any more
+constexpr double kLargestMu = 1e6;     // steeper than any digits tell from a wall
+constexpr double kUnit = 1e-12;        // how far from 1 a unit vector's length may be
+constexpr double kRounding = 1e-9;     // of the largest moment of inertia
+
+/// One element of a spatial scene while its fields are examined; the first rule that fails throws.
+class SpatialElement {
+ public:
+  SpatialElement(const Scene& scene, std::string_view kind, std::size_t index, const std::string& name)
+      : scene_(scene), kind_(kind), index_(index), name_(name) {}
+
+  [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
+    const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + without_end(name_) + "\"";
+    throw SceneError(who + ": " + sentence, kind_, index_, field);
+  }
+  void require(bool holds, const std::string& field, const std::string& value, const std::string& rule) const {
+    if (!holds) fail(field, field + " = " + value + ": must be " + rule);
+  }
+  static std::string text(double x) { return orthant::detail::text_of(x); }
+  template <class X> static std::string text(const Eigen::MatrixBase<X>& x) {
+    std::string all = "(";
+    for (Eigen::Index i = 0; i < x.size(); ++i) all += (i > 0 ? ", " : "") + text(x(i));
+    return all + ")";
+  }
+
+  void finite(const std::string& field, double x) const { require(std::isfinite(x), field, text(x), "finite"); }
+  template <class X> void finite(const std::string& field, const Eigen::MatrixBase<X>& x) const {
+    require(x.allFinite(), field, text(x), "finite");
+  }
+  void positive(const std::string& field, double x) const {
+    finite(field, x), require(x > 0, field, text(x), "> 0");
+  }
+  void not_negative(const std::string& field, double x) const {
+    finite(field, x), require(x >= 0, field, text(x), ">= 0");
+  }
+  template <class X> void unit(const std::string& field, const Eigen::MatrixBase<X>& x) const {
+    finite(field, x);
+    require(std::abs(x.norm() - 1) <= kUnit, field, text(x), x.size() == 4 ? "a unit quaternion" : "a unit vector");
+  }
+  void exists(BodyId body) const {
+    const auto bodies = static_cast<BodyId>(scene_.bodies.size());
+    if (body < kGround || body >= bodies)
+      fail("body", "body " + std::to_string(body) + " does not exist (the scene has " + std::to_string(bodies) +
+                       (bodies == 1 ? " body)" : " bodies)"));
+  }
+  void pair(BodyId a, BodyId b) const {
+    exists(a), exists(b);
+    if (a != b) return;
+    const std::string same =
+        a == kGround ? "the ground" : "body \"" + scene_.bodies[static_cast<std::size_t>(a)].name + "\"";
+    fail("bodies", "joins " + same + " to itself: must be two different bodies");
+  }
+  void law(const ContactLaw& law) const {
+    for (const auto& [field, mu] : {std::pair{"mu", law.mu}, std::pair{"mu_static", law.mu_static}})
+      not_negative(field, mu), require(mu <= kLargestMu, field, text(mu), "<= " + text(kLargestMu));
+    require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", text(law.mu_static), ">= mu = " + text(law.mu));
+    require(law.e >= 0 && law.e <= 1, "e_n", text(law.e), "in [0, 1]");
+    require(law.e_t >= -1 && law.e_t <= 1, "e_t", text(law.e_t), "in [-1, 1]");
+    require(law.belt == 0, "belt", text(law.belt), "0: surfaces that move along themselves are planar only");
+  }
+
+ private:
+  const Scene& scene_;
+  std::string kind_;
+  std::size_t index_;
+  std::string name_;
+};
+
+void examine(const SpatialElement& e, const Body& b) {
+  if (b.name == "ground") e.fail("name", "name = \"ground\": must not be ground, which is always there");
+  e.positive("mass", b.mass);
+  e.require(b.mass >= kLeastMass, "mass", e.text(b.mass), ">= " + e.text(kLeastMass));
+  e.finite("inertia", b.inertia);
+  const double most = b.inertia.cwiseAbs().maxCoeff();
+  e.require((b.inertia - b.inertia.transpose()).cwiseAbs().maxCoeff() <= kRounding * most, "inertia",
+            e.text(b.inertia.reshaped()), "symmetric");
+  const Vector3d J = principal(b.inertia).moments;
+  e.require(J.minCoeff() >= kLeastMass, "inertia", e.text(J), "positive in its principal axes");
+  e.require(2 * J.maxCoeff() <= J.sum() + kRounding * most, "inertia", e.text(J),
+            "that of a body: no principal moment larger than the sum of the others");
+  e.finite("position", b.position), e.unit("orientation", b.orientation);
+  e.finite("velocity", b.velocity), e.finite("omega", b.omega);
+}
+
+/// Whatever of these fields an element has.
+template <class T> void examine_places(const SpatialElement& e, const T& x) {
+  e.pair(x.a, x.b);
+  if constexpr (requires { x.point_a; }) e.finite("point_a", x.point_a), e.finite("point_b", x.point_b);
+  if constexpr (requires { x.axis; }) e.unit("axis", x.axis);
+  if constexpr (requires { x.axis_a; }) e.unit("axis_a", x.axis_a), e.unit("axis_b", x.axis_b);
+  if constexpr (requires { x.orientation; }) e.unit("orientation", x.orientation);
+  if constexpr (requires { x.reference_a; }) {
+    const auto square = [&](const char* field, const Vector3d& reference, const Vector3d& axis) {
+      if (reference.isZero(0)) return;
+      e.unit(field, reference);
+      e.require(std::abs(reference.dot(axis)) <= kUnit, field, e.text(reference), "at right angles to the axis");
+    };
+    square("reference_a", x.reference_a, x.axis_a), square("reference_b", x.reference_b, x.axis_b);
+  }
+}
+void examine_coordinate(const SpatialElement& e, const Coordinate& c) {
+  std::visit([&](const auto& of) { examine_places(e, of); }, c.kind());
+}
+
+template <class T> void examine(const SpatialElement& e, const T& x) {
+  if constexpr (requires { x.of; })
+    examine_coordinate(e, x.of);
+  else
+    examine_places(e, x);
+  if constexpr (std::is_same_v<T, Distance>) e.positive("length", x.length);
+  if constexpr (std::is_same_v<T, Drive>) {
+    e.finite("offset", x.law.offset), e.finite("rate", x.law.rate_of_change), e.finite("amplitude", x.law.amplitude);
+    e.finite("omega", x.law.omega), e.finite("phase", x.law.phase);
+  }
+  if constexpr (requires { x.stiffness; }) {
+    e.not_negative("stiffness", x.stiffness), e.not_negative("damping", x.damping), e.finite("rest", x.rest);
+  }
+  if constexpr (std::is_same_v<T, JointFriction>) e.not_negative("bound", x.bound);
+  if constexpr (std::is_same_v<T, SpherePlane>) {
+    e.finite("centre", x.centre), e.not_negative("radius", x.radius);
+    e.finite("plane_point", x.plane_point), e.unit("normal", x.normal);
+  }
+  if constexpr (requires { x.radius_a; }) {
+    e.finite("centre_a", x.centre_a), e.finite("centre_b", x.centre_b);
+    e.positive("radius_a", x.radius_a), e.positive("radius_b", x.radius_b);
+  }
+  if constexpr (std::is_same_v<T, Socket>)
+    e.require(x.radius_b > x.radius_a, "radius_b", e.text(x.radius_b), "> radius_a = " + e.text(x.radius_a));
+  if constexpr (requires { x.law.mu_static; }) e.law(x.law);
+  if constexpr (std::is_same_v<T, Limit>) {
+    e.finite("bound", x.bound);
+    e.require(!x.law.frictional(), "mu", e.text(std::max(x.law.mu, x.law.mu_static)), "0: a limit has no friction");
+  }
+}
+
+void examine(const SpatialElement& e, const Load& l) {
+  e.exists(l.body);
+  if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
+  e.finite("point", l.point), e.finite("force", l.force), e.finite("moment", l.moment), e.not_negative("omega", l.omega);
+  for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {
+    e.finite("breakpoints", l.breakpoints[i]);
+    e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", e.text(l.breakpoints[i]), "ascending");
+  }
+}
+
+template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
+  constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const auto one = [&](const auto& x) {
+      const SpatialElement e(scene, kind, i, x.name);
+      if (x.name.empty() || x.name.find_first_not_of(plain) != std::string::npos)
+        e.fail("name", "name = \"" + x.name + "\": must be of letters, digits, _ and -");
+      if (!taken.insert(x.name).second) e.fail("name", "name = \"" + x.name + "\": must be distinct, is taken");
+      examine(e, x);
+    };
+    if constexpr (requires { elements[i].index(); })
+      std::visit(one, elements[i]);
+    else
+      one(elements[i]);
+  }
+}
+
+}  // namespace
+
+void check(const Scene& scene) {
+  const SpatialElement whole(scene, "", 0, "");
+  whole.finite("gravity", scene.gravity);
+  whole.positive("duration", scene.duration), whole.positive("step", scene.step);
+  if (scene.bodies.empty()) whole.fail("body", "has no bodies: must have at least one");
+  examine_all(scene, "body", scene.bodies);
+  examine_all(scene, "joint", scene.joints);
+  examine_all(scene, "contact", scene.contacts);
+  examine_all(scene, "friction", scene.frictions);
+  examine_all(scene, "spring", scene.springs);
+  examine_all(scene, "load", scene.loads);
+}
+
+}  // namespace orthant::spatial

@@ -1,0 +1,79 @@
+// core/mechanics/spatial/geometry.h — spatial poses and twists, and the row of a direction at two points.
+//
+//   Row of a world direction n at the point r from a body's centre: (n, Aᵀ (r × n)), A: principal axes → world,
+//   because ω in v stands in the principal axes. Points and directions of a body are given in its own frame, R.
+#pragma once
+
+#include <orthant/core/mechanics/rows.h>
+
+#include <vector>
+
+namespace orthant {
+namespace spatial {
+
+using Row = RowOf<Spatial>;
+using Matrix3d = Eigen::Matrix3d;
+
+/// Place of a body's centre of mass, its own frame and its principal axes as rotation matrices; the ground's are the
+/// identity.
+struct Pose {
+  Vector3d x = Vector3d::Zero();
+  Matrix3d R = Matrix3d::Identity(), axes = Matrix3d::Identity();
+  Vector3d turn(const Vector3d& p) const { return R * p; }
+  Vector3d turn_back(const Vector3d& p) const { return R.transpose() * p; }
+};
+
+/// Velocity of a body's centre and its angular velocity, both in the world.
+struct Twist {
+  Vector3d v = Vector3d::Zero(), omega = Vector3d::Zero();
+  Vector3d at(const Vector3d& r) const { return v + omega.cross(r); }
+};
+
+}  // namespace spatial
+
+template <> struct KinematicsOf<Spatial> {
+  std::vector<spatial::Pose> pose;    // bodies + 1; the last is the ground
+  std::vector<spatial::Twist> twist;  // likewise; filled when velocities are asked for
+  double t = 0;                       // [s] what driving constraints read
+  const spatial::Pose& at(BodyId i) const { return i < 0 ? pose.back() : pose[static_cast<std::size_t>(i)]; }
+  const spatial::Twist& rate(BodyId i) const { return i < 0 ? twist.back() : twist[static_cast<std::size_t>(i)]; }
+};
+
+namespace spatial {
+
+using Kinematics = KinematicsOf<Spatial>;
+
+/// A unit vector at right angles to the unit vector n: the coordinate axis that is most at right angles to it, less its
+/// part along n. Of z: x; of x: y; of y: x.
+inline Vector3d perpendicular(const Vector3d& n) {
+  Eigen::Index k = 0;
+  n.cwiseAbs().minCoeff(&k);
+  return (Vector3d::Unit(k) - n[k] * n).normalized();
+}
+
+inline Row::Entries entries(const Vector3d& n, const Vector3d& turn) {
+  return {n.x(), n.y(), n.z(), turn.x(), turn.y(), turn.z()};
+}
+
+/// The rate n · (v_A − v_B) at the points r_a from a's centre and r_b from b's; n, r_a, r_b in the world.
+inline Row pair_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n, const Vector3d& r_a,
+                    const Vector3d& r_b) {
+  return {a, b, entries(n, k.at(a).axes.transpose() * r_a.cross(n)),
+          entries(-n, -(k.at(b).axes.transpose() * r_b.cross(n)))};
+}
+/// The rate n · (ω_a − ω_b).
+inline Row turn_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n) {
+  const Vector3d none = Vector3d::Zero();
+  return {a, b, entries(none, k.at(a).axes.transpose() * n),
+          entries(none, -(k.at(b).axes.transpose() * n))};
+}
+
+}  // namespace spatial
+
+/// Of body b in the stacked velocities v of all bodies; the ground's is zero. `at` has its pose.
+inline spatial::Twist twist_of(const Eigen::VectorXd& v, BodyId b, const KinematicsOf<Spatial>& at) {
+  if (b < 0) return {};
+  return {translation<Spatial>(v, b), at.at(b).axes * rotation<Spatial>(v, b)};
+}
+
+}  // namespace orthant

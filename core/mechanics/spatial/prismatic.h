@@ -1,0 +1,29 @@
+// core/mechanics/spatial/prismatic.h — prismatic joint: body b slides along an axis of body a and keeps its orientation to it.
+//   Φ = [ t1 · (P_b − P_a);  t2 · (P_b − P_a);  orientation ] = 0   [m, 1], 5 rows.
+#pragma once
+
+#include <orthant/core/mechanics/spatial/constraint.h>
+
+#include <string>
+
+namespace orthant::spatial {
+
+struct Prismatic {
+  static constexpr int kRows = 5;
+  std::string name;
+  BodyId a = kGround, b = kGround;
+  Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};  // [m] in the bodies' frames
+  Vector3d axis{1, 0, 0};                       // unit vector in a's frame
+  Eigen::Vector4d orientation{1, 0, 0, 0};      // quaternion (w, x, y, z), b's frame → a's
+
+  template <class F> void each(F&& f) const {
+    on_line(a, b, point_a, point_b, axis, f);
+    one_orientation(a, b, orientation, f);
+  }
+  void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
+  void rows(const Kinematics& k, Row* G) const { rows_of(*this, k, G); }
+  void bias(const Kinematics& k, double* Gdot_v) const { bias_of(*this, k, Gdot_v); }
+  Slide displacement() const { return {a, b, point_a, point_b, axis}; }
+};
+
+}  // namespace orthant::spatial

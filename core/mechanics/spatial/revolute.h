@@ -1,0 +1,29 @@
+// core/mechanics/spatial/revolute.h — revolute joint: body b turns about an axis of body a and keeps its place along it.
+//   Φ = [ P_a − P_b;  t1 · u_b;  t2 · u_b ] = 0   [m, 1], 5 rows; t1, t2 at right angles to the axis of a.
+#pragma once
+
+#include <orthant/core/mechanics/spatial/constraint.h>
+
+#include <string>
+
+namespace orthant::spatial {
+
+struct Revolute {
+  static constexpr int kRows = 5;
+  std::string name;
+  BodyId a = kGround, b = kGround;
+  Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};  // [m] in the bodies' frames
+  Vector3d axis_a{0, 0, 1}, axis_b{0, 0, 1};    // unit vectors in the bodies' frames
+  Vector3d reference_a{0, 0, 0}, reference_b{0, 0, 0};  // of the angle, see coordinate.h
+
+  template <class F> void each(F&& f) const {
+    f(Together{a, b, point_a, point_b});
+    parallel(a, b, axis_a, axis_b, f);
+  }
+  void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
+  void rows(const Kinematics& k, Row* G) const { rows_of(*this, k, G); }
+  void bias(const Kinematics& k, double* Gdot_v) const { bias_of(*this, k, Gdot_v); }
+  Angle angle() const { return {a, b, axis_a, axis_b, reference_a, reference_b}; }
+};
+
+}  // namespace orthant::spatial

@@ -1,0 +1,118 @@
+// core/mechanics/spatial/scene.h — mechanism in space as plain data: bodies, joints, contacts, springs, loads. SI units.
+//
+//   spatial::Scene s;
+//   const auto top = s.body({.name = "top", .mass = .5, .inertia = Vector3d(2e-3, 2e-3, 8e-4).asDiagonal()});
+//   s.joint(spatial::Spherical{"tip", kGround, top, {0, 0, 0}, {0, 0, -.04}});
+// Orientation: the unit quaternion (w, x, y, z) that turns the body's frame into the world's. The inertia tensor is
+// given in the body's frame about the centre of mass; its principal axes are found once, by System.
+#pragma once
+
+#include <orthant/core/mechanics/scene/impact_law.h>
+#include <orthant/core/mechanics/spatial/cylindrical.h>
+#include <orthant/core/mechanics/spatial/distance.h>
+#include <orthant/core/mechanics/spatial/drive.h>
+#include <orthant/core/mechanics/spatial/fixed.h>
+#include <orthant/core/mechanics/spatial/inertia.h>
+#include <orthant/core/mechanics/spatial/joint_friction.h>
+#include <orthant/core/mechanics/spatial/limit.h>
+#include <orthant/core/mechanics/spatial/load.h>
+#include <orthant/core/mechanics/spatial/plane_joint.h>
+#include <orthant/core/mechanics/spatial/point_in_plane.h>
+#include <orthant/core/mechanics/spatial/point_on_line.h>
+#include <orthant/core/mechanics/spatial/prismatic.h>
+#include <orthant/core/mechanics/spatial/revolute.h>
+#include <orthant/core/mechanics/spatial/socket.h>
+#include <orthant/core/mechanics/spatial/sphere_plane.h>
+#include <orthant/core/mechanics/spatial/sphere_sphere.h>
+#include <orthant/core/mechanics/spatial/spherical.h>
+#include <orthant/core/mechanics/spatial/spring.h>
+#include <orthant/core/mechanics/spatial/universal.h>
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace orthant {
+namespace spatial {
+
+struct Body {
+  std::string name;
+  double mass = 1;                              // [kg] > 0
+  Matrix3d inertia = Matrix3d::Identity();      // [kg m²] about the centre of mass, in the body's frame
+  Vector3d position{0, 0, 0};                   // [m] of the centre of mass
+  Eigen::Vector4d orientation{1, 0, 0, 0};      // (w, x, y, z)
+  Vector3d velocity{0, 0, 0};                   // [m/s] in the world
+  Vector3d omega{0, 0, 0};                      // [rad/s] in the world
+  Matrix3d to_axes = Matrix3d::Identity();      // body's frame → principal axes; set by System
+};
+
+using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,
+                           PointInPlane, PointOnLine>;
+using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit>;
+using Spring = std::variant<PointSpring, JointSpring>;
+
+struct Scene {
+  Vector3d gravity{0, 0, 0};  // [m/s²]
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  std::vector<Contact> contacts;
+  std::vector<JointFriction> frictions;
+  std::vector<Spring> springs;
+  std::vector<Load> loads;
+  Restitution restitution = Restitution::newton;
+  Impacts impacts = Impacts::simultaneous;
+  double duration = 1, step = 1e-3;  // [s] defaults of `simulate`
+
+  /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.
+  BodyId body(Body b) {
+    add(bodies, std::move(b), "body");
+    return static_cast<BodyId>(bodies.size()) - 1;
+  }
+  void joint(Joint j) { add(joints, std::move(j), "joint"); }
+  void contact(Contact c) { add(contacts, std::move(c), "contact"); }
+  template <class Set> void contact_set(const Set& contacts_of_it) {
+    for (const auto& c : contacts_of_it) contact(c);
+  }
+  void friction(JointFriction f) { add(frictions, std::move(f), "friction"); }
+  void spring(Spring s) { add(springs, std::move(s), "spring"); }
+  void load(Load l) { add(loads, std::move(l), "load"); }
+
+ private:
+  template <class T> static void add(std::vector<T>& list, T element, const char* kind) {
+    const auto fill = [&](auto& x) {
+      if (x.name.empty()) x.name = kind + std::to_string(list.size() + 1);
+    };
+    if constexpr (requires { element.index(); })
+      std::visit(fill, element);
+    else
+      fill(element);
+    list.push_back(std::move(element));
+  }
+};
+
+/// Throws SceneError (scene/scene.h) naming element, field, value and rule: masses > 0, inertia tensors symmetric with
+/// positive moments that a body can have (no one larger than the sum of the others), unit quaternions and directions,
+/// finite numbers, two different bodies that exist, radii > 0 (of a sphere against a plane ≥ 0), a socket wider than
+/// its ball, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at least one body, names
+/// distinct within a kind and made of A–Z a–z 0–9 _ -.
+void check(const Scene& scene);
+
+}  // namespace spatial
+
+/// Whether the joint is given in time.
+inline bool driven(const spatial::Joint& joint) { return std::holds_alternative<spatial::Drive>(joint); }
+
+template <class Space> struct ElementsOf;
+template <> struct ElementsOf<Spatial> {
+  using Scene = spatial::Scene;
+  using Body = spatial::Body;
+  using Joint = spatial::Joint;
+  using Contact = spatial::Contact;
+  struct ContactBias {};
+  using Spring = spatial::Spring;
+  using Friction = spatial::JointFriction;
+  using Drive = spatial::Drive;
+};
+
+}  // namespace orthant

@@ -1,0 +1,61 @@
+#include <orthant/integrators/step/gyroscopic.h>
+
+namespace orthant {
+namespace {
+
+/// exp(φ) x.
+Vector3d turned_by(const Vector3d& phi, const Vector3d& x) {
+  const Eigen::Vector4d p = quaternions::exponential(phi);
+  const Vector3d u = p.tail<3>(), across = 2 * u.cross(x);
+  return x + p[0] * across + u.cross(across);
+}
+
+struct AtEnd {
+  Vector3d omega;    // ω⁺
+  Vector3d forward;  // h ω_m
+};
+
+/// ω⁺ = exp(−h ω_m) exp(a h ω) w, by repetition.
+AtEnd at_end(const StepFrames& frames, const Vector3d& omega, const Vector3d& w) {
+  constexpr int kPasses = 60;
+  const Vector3d in_start = turned_by(frames.at * frames.h * omega, w);
+  const double enough = 1e-16 * (w.norm() + omega.norm());
+  AtEnd end{w, {}};
+  for (int pass = 0; pass < kPasses; ++pass) {
+    end.forward = frames.h * ((1 - frames.theta) * omega + frames.theta * end.omega);
+    const Vector3d next = turned_by(-end.forward, in_start);
+    const double change = (next - end.omega).norm();
+    end.omega = next;
+    if (change <= enough) break;
+  }
+  return end;
+}
+
+}  // namespace
+
+void gyroscopic_impulse(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,
+                        const Eigen::VectorXd& w, Eigen::VectorXd& g) {
+  for (Eigen::Index i = 0; i < system.bodies(); ++i) {
+    const Vector3d J = rotation<Spatial>(system.mass(), i);
+    if (J[0] == J[1] && J[1] == J[2]) {
+      rotation<Spatial>(g, i).setZero();
+      continue;
+    }
+    const Vector3d omega = rotation<Spatial>(v, i), after = rotation<Spatial>(w, i);
+    const AtEnd end = at_end(frames, omega, after);
+    const Vector3d back = -frames.at * frames.h * omega;  // from the start's axes to the frame
+    const Vector3d momentum = turned_by(back, turned_by(end.forward, J.cwiseProduct(end.omega)));
+    rotation<Spatial>(g, i) =
+        J.cwiseProduct(after) - momentum - J.cwiseProduct(omega) + turned_by(back, J.cwiseProduct(omega));
+  }
+}
+
+void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,
+                 Eigen::VectorXd& w) {
+  for (Eigen::Index i = 0; i < system.bodies(); ++i) {
+    const Vector3d omega = rotation<Spatial>(v, i), after = rotation<Spatial>(w, i);
+    rotation<Spatial>(w, i) = at_end(frames, omega, after).omega;
+  }
+}
+
+}  // namespace orthant

@@ -1,0 +1,30 @@
+// integrators/step/gyroscopic.h — frames of a step in space, and the impulse that the turning of a body's axes gives.
+//
+//   Body axes R at the start, F = R exp(a h ω) at q_a, R⁺ = R exp(h ω_m) at the end, ω_m = (1−θ) ω + θ ω⁺, ω = body axes.
+//   All rows and unknown velocities of a step stand in the frame F: w⁻ = FᵀR ω = ω (the turn is about ω), w⁺ = FᵀR⁺ ω⁺.
+//   Balance of angular momentum, moments τ h in F:   FᵀR⁺ J ω⁺ = FᵀR J ω + h τ.  With the constant J on the left,
+//     J (w⁺ − w⁻) = h τ + g,   g = (J − C J Cᵀ) w⁺ − (J − E) ω,   C = FᵀR⁺,  E ω = FᵀR J ω.                     (1)
+//   g is (1)'s gyroscopic impulse −h ω × Jω to first order. It is found by repetition.
+// Exact for any h: angular momentum in the world, of a free body and under impulses; for θ = ½ the energy of a free
+// body, as ω_m · (Jω⁺ − Jω) = 0. g = 0 for bodies with three equal moments: impacts of spheres are exact.
+// Source: Simo & Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (the free body).
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/system.h>
+
+namespace orthant {
+
+struct StepFrames {
+  double h = 0, at = 0.5, theta = 0.5;  // [s], a, θ
+};
+
+/// g [N m s] of all bodies in the places of their rotations (dof; others are not touched), from v before the step and w
+/// after it.
+void gyroscopic_impulse(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,
+                        const Eigen::VectorXd& w, Eigen::VectorXd& g);
+
+/// w, in the frames of the step, becomes v⁺, in the bodies' axes at its end.
+void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,
+                 Eigen::VectorXd& w);
+
+}  // namespace orthant
