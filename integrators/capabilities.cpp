@@ -53,8 +53,7 @@ template <class Scene> void check_loaded_friction(const Scene& scene, std::strin
 
 }  // namespace
 
-template <class Space>
-void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can) {
+template <class Space> void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can) {
   if (!can.impact_laws) check_impact_laws(system.scene(), integrator);
   if (!can.tangential_restitution) check_tangential_restitution(system.scene(), integrator);
   if (!can.loaded_friction) check_loaded_friction(system.scene(), integrator);

@@ -26,7 +26,6 @@ struct Capabilities {
 
 /// Throws std::invalid_argument with field, value, rule and the integrators that do, where the scene has a feature that
 /// `integrator` does not take.
-template <class Space>
-void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can);
+template <class Space> void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can);
 
 }  // namespace orthant

@@ -33,9 +33,9 @@ template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const Syste
   return std::make_unique<SubstituteIntegrator>(system, Scheme::kName, Scheme::kCan, &make<Scheme>, text);
 }
 
-template <class Scheme>
-constexpr IntegratorEntry entry(std::string_view summary, IntegratorEntry::Make make_it = &make<Scheme>,
-                                IntegratorEntry::MakeSpatial make_spatial = nullptr) {
+template <class Scheme> constexpr IntegratorEntry entry(std::string_view summary,
+                                                        IntegratorEntry::Make make_it = &make<Scheme>,
+                                                        IntegratorEntry::MakeSpatial make_spatial = nullptr) {
   return {Scheme::kName, summary, make_it, make_spatial, &list_options<typename Scheme::Options>, Scheme::kCan};
 }
 

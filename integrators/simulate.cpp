@@ -133,9 +133,8 @@ void remember(Run& run, Memory& memory) {
 }
 
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
-template <class Space, class Watch>
-void remember(const Clock& clock, Run& run, Recording<Space>& recording, IntegratorOf<Space>& integrator,
-              Watch& watch, Memory& memory) {
+template <class Space, class Watch> void remember(const Clock& clock, Run& run, Recording<Space>& recording,
+                                                  IntegratorOf<Space>& integrator, Watch& watch, Memory& memory) {
   Clock same = clock;
   memory(same.step, same.duration, same.every);
   if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
@@ -202,9 +201,8 @@ void check(const Clock& clock) {
     refuse("step", detail::text_of(clock.step), "must be at least duration / 1e15");
 }
 
-template <class Space>
-Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
-             const std::type_identity_t<RecorderOf<Space>>& record, const Restart& restart) {
+template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
+                                    const std::type_identity_t<RecorderOf<Space>>& record, const Restart& restart) {
   check(clock);
   if (restart.every < 0 || (restart.every > 0 && !restart.save))
     throw std::invalid_argument("restart.every = " + std::to_string(restart.every) +

@@ -39,10 +39,10 @@ struct Run {
 template <class Space> struct MomentOf {
   const State& state;
   const StepReport& report;
-  const Eigen::VectorXd& gaps;           // one per contact [m]
+  const Eigen::VectorXd& gaps;                    // one per contact [m]
   const std::vector<ImpulseOf<Space>>& impulses;  // one per contact [N s]
-  const std::vector<double>& frictions;  // one per dry friction in joints [N m s, N s]
-  std::span<const Event> events;         // located, in order of time
+  const std::vector<double>& frictions;           // one per dry friction in joints [N m s, N s]
+  std::span<const Event> events;                  // located, in order of time
 };
 using Moment = MomentOf<Planar>;
 
@@ -79,9 +79,9 @@ struct Restart {
 /// late.
 /// With restart.from the moments before it are not recorded again; bytes that do not fit throw std::invalid_argument.
 /// In space overlaps and the energy balance are not watched (Run::motion stays empty).
-template <class Space>
-Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
-             const std::type_identity_t<RecorderOf<Space>>& record = {}, const Restart& restart = {});
+template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
+                                    const std::type_identity_t<RecorderOf<Space>>& record = {},
+                                    const Restart& restart = {});
 
 /// Throws std::invalid_argument naming field, value and rule.
 void check(const Clock& clock);

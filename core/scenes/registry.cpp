@@ -1,12 +1,16 @@
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/arch.h>
+#include <orthant/core/scenes/bennett.h>
 #include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/bricard.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/coulomb_decay.h>
 #include <orthant/core/scenes/cradle.h>
+#include <orthant/core/scenes/flyball.h>
 #include <orthant/core/scenes/grain_column.h>
 #include <orthant/core/scenes/impact_oscillator.h>
 #include <orthant/core/scenes/incline.h>
+#include <orthant/core/scenes/masse.h>
 #include <orthant/core/scenes/n_four_bar.h>
 #include <orthant/core/scenes/painleve_rod.h>
 #include <orthant/core/scenes/pendulum.h>
@@ -16,10 +20,13 @@
 #include <orthant/core/scenes/rod_drop.h>
 #include <orthant/core/scenes/roll.h>
 #include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/scenes/slider_crank_space.h>
+#include <orthant/core/scenes/spatial_slider_crank.h>
 #include <orthant/core/scenes/sphere_bounce.h>
 #include <orthant/core/scenes/stick_slip.h>
 #include <orthant/core/scenes/superball.h>
 #include <orthant/core/scenes/table.h>
+#include <orthant/core/scenes/top.h>
 #include <orthant/core/scenes/tower.h>
 #include <orthant/core/support/options.h>
 
@@ -34,7 +41,7 @@ struct NoOptions {
 
 Scene ideal(const NoOptions&) { return slider_crank_ideal(); }
 
-template <class Options, Scene (*draw)(const Options&)> Scene make(std::span<const std::string> sets) {
+template <class Options, auto draw> auto make(std::span<const std::string> sets) {
   Options options;
   std::string list;  // in one, so that no key may stand in two
   for (const std::string& set : sets) list += (list.empty() ? "" : ",") + set;
@@ -80,26 +87,63 @@ constexpr SceneEntry kScenes[] = {
      &make<NoOptions, ideal>, &list_options<NoOptions>},
 };
 
+constexpr SpatialSceneEntry kSpatialScenes[] = {
+    {"slider_crank_space", "slider_crank built from spatial bodies, turned at will; eight corners where it has a width",
+     &make<SliderCrankSpace, slider_crank_space>, &list_options<SliderCrankSpace>},
+    {"bricard", "Bricard's linkage of six hinges: one row more than rank in every pose", &make<Bricard, bricard>,
+     &list_options<Bricard>},
+    {"bennett", "Bennett's linkage of four skew hinges, three rows more than rank", &make<Bennett, bennett>,
+     &list_options<Bennett>},
+    {"top", "Lagrange's top with cusps", &make<Top, top>, &list_options<Top>},
+    {"flyball", "a flyball governor on stiff springs", &make<Flyball, flyball>, &list_options<Flyball>},
+    {"spatial_slider_crank", "a slider-crank with a spherical and a Hooke joint",
+     &make<SpatialSliderCrank, spatial_slider_crank>, &list_options<SpatialSliderCrank>},
+    {"masse", "a ball on a rough table: slides on a parabola, then rolls", &make<Masse, masse>, &list_options<Masse>},
+};
+
+/// The scene of that name in the table, or an empty one; `known`: names.
+template <class Entry> const Entry* entry_of(std::span<const Entry> all, std::string_view name, std::string& known) {
+  const Entry* found = nullptr;
+  for (const Entry& entry : all) {
+    if (entry.name == name) found = &entry;
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  return found;
+}
+
+void check_exists(std::string_view name_or_path, const std::string& known) {
+  std::error_code error;
+  if (!std::filesystem::exists(std::filesystem::path(name_or_path), error))
+    throw std::invalid_argument("unknown scene '" + shortened(name_or_path, 1000) +
+                                "': must be a TOML file that exists or one of " + known);
+}
+
 }  // namespace
+
+std::span<const SpatialSceneEntry> spatial_scenes() { return kSpatialScenes; }
 
 std::span<const SceneEntry> scenes() { return kScenes; }
 
 bool is_built_in(std::string_view name) {
-  return std::ranges::any_of(kScenes, [&](const SceneEntry& entry) { return entry.name == name; });
+  std::string known;
+  return entry_of(scenes(), name, known) != nullptr || entry_of(spatial_scenes(), name, known) != nullptr;
 }
 
 Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets) {
+  std::string known, in_space;
+  if (const SceneEntry* entry = entry_of(scenes(), name_or_path, known)) return entry->make(sets);
+  if (entry_of(spatial_scenes(), name_or_path, in_space) != nullptr)
+    throw std::invalid_argument("scene '" + std::string(name_or_path) + "': is in space: must be a planar one here");
+  check_exists(name_or_path, known);
+  return read_scene(std::filesystem::path(name_or_path), sets);
+}
+
+AnyScene make_any_scene(std::string_view name_or_path, std::span<const std::string> sets) {
   std::string known;
-  for (const SceneEntry& entry : kScenes) {
-    if (entry.name == name_or_path) return entry.make(sets);
-    known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  }
-  const std::filesystem::path file(name_or_path);
-  std::error_code error;
-  if (!std::filesystem::exists(file, error))
-    throw std::invalid_argument("unknown scene '" + shortened(name_or_path, 1000) +
-                                "': must be a TOML file that exists or one of " + known);
-  return read_scene(file, sets);
+  if (const SceneEntry* entry = entry_of(scenes(), name_or_path, known)) return entry->make(sets);
+  if (const SpatialSceneEntry* entry = entry_of(spatial_scenes(), name_or_path, known)) return entry->make(sets);
+  check_exists(name_or_path, known);
+  return read_any_scene(std::filesystem::path(name_or_path), sets);
 }
 
 }  // namespace orthant

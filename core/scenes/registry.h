@@ -4,7 +4,7 @@
 //   Scene t = make_scene("door.toml", std::vector<std::string>{"contact.corner1.mu=0.1"});
 #pragma once
 
-#include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/support/option_list.h>
 
 #include <span>
@@ -22,10 +22,21 @@ struct SceneEntry {
 
 std::span<const SceneEntry> scenes();
 
+/// Built-in scenes in space.
+struct SpatialSceneEntry {
+  std::string_view name, summary;
+  spatial::Scene (*make)(std::span<const std::string> sets);
+  std::vector<OptionEntry> (*options)();
+};
+std::span<const SpatialSceneEntry> spatial_scenes();
+
 bool is_built_in(std::string_view name);
 
 /// A built-in scene, whose `sets` are its options ("key=value"), or else a file, whose `sets` are the overrides of
 /// scene_toml.h. Neither of them, and bad sets: std::invalid_argument that lists what there is.
 Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets = {});
+
+/// Likewise of a scene in the plane or in space. make_scene() takes the former only.
+AnyScene make_any_scene(std::string_view name_or_path, std::span<const std::string> sets = {});
 
 }  // namespace orthant

@@ -24,10 +24,9 @@ spatial::Scene slider_crank_space(const SliderCrankSpace& p) {
   const auto rod_like = [](double J) { return Vector3d(J / 100, J, J); };
   const double tip = p.l1 * p.omega1;  // [m/s] upward velocity of the crankpin
   const auto crank = body("crank", p.m1, rod_like(p.J1), {p.l1 / 2, 0}, 0, {0, p.l1 / 2 * p.omega1}, p.omega1);
-  const auto rod =
-      body("rod", p.m2, rod_like(p.J2), {p.l1 + p.l2 / 2, 0}, 0, {0, tip + p.l2 / 2 * p.omega2}, p.omega2);
-  const auto slider = body("slider", p.m3, Vector3d::Constant(p.J3), {p.l1 + p.l2, 0}, p.theta3,
-                           {0, tip + p.l2 * p.omega2}, p.omega3);
+  const auto rod = body("rod", p.m2, rod_like(p.J2), {p.l1 + p.l2 / 2, 0}, 0, {0, tip + p.l2 / 2 * p.omega2}, p.omega2);
+  const auto slider =
+      body("slider", p.m3, Vector3d::Constant(p.J3), {p.l1 + p.l2, 0}, p.theta3, {0, tip + p.l2 * p.omega2}, p.omega3);
   const Vector3d z = turn * Vector3d::UnitZ(), x = turn * Vector3d::UnitX();
   s.joint(spatial::Revolute{"shaft", kGround, crank, {0, 0, 0}, {-p.l1 / 2, 0, 0}, z, {0, 0, 1}, x, {1, 0, 0}});
   s.joint(spatial::Revolute{"crankpin", crank, rod, {p.l1 / 2, 0, 0}, {-p.l2 / 2, 0, 0}});

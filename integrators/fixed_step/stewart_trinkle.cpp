@@ -13,8 +13,9 @@ template <class Rows> double speed(const Rows& rows, const Eigen::VectorXd& v) {
 
 }  // namespace
 
-template <class Space>
-double StewartTrinkleOf<Space>::reach() const { return cone_ == Cone::coulomb ? nearly() : kInf; }
+template <class Space> double StewartTrinkleOf<Space>::reach() const {
+  return cone_ == Cone::coulomb ? nearly() : kInf;
+}
 
 template <class Space>
 double StewartTrinkleOf<Space>::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
@@ -24,8 +25,7 @@ double StewartTrinkleOf<Space>::least(const ClosedContact& c, double h, const St
   return closing(c, h) + mu_at(law, slip) * size_of(slip);
 }
 
-template <class Space>
-void StewartTrinkleOf<Space>::want(double h, const State& x) {
+template <class Space> void StewartTrinkleOf<Space>::want(double h, const State& x) {
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
     const auto& rows = terms_.closed[k].rows;

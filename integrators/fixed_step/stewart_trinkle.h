@@ -28,8 +28,9 @@ template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
 
  protected:
   StewartTrinkleOf(const System& system, const Options& options, Cone cone, std::string_view name,
-                 const Capabilities& can)
-      : GapSteppingOf<Space>(system, name, can, {0.5, 1, options.joints, options.form, cone, options.sleep}), cone_(cone) {}
+                   const Capabilities& can)
+      : GapSteppingOf<Space>(system, name, can, {0.5, 1, options.joints, options.form, cone, options.sleep}),
+        cone_(cone) {}
 
  private:
   using GapSteppingOf<Space>::system_;

@@ -3,9 +3,8 @@
 
 namespace orthant {
 
-template <class Space>
-VelocitySteppingOf<Space>::VelocitySteppingOf(const System& system, std::string_view name, const Capabilities& can,
-                                              const Plan& plan)
+template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const System& system, std::string_view name,
+                                                                     const Capabilities& can, const Plan& plan)
     : IntegratorOf<Space>(system, name, can),
       terms_(system),
       v_new_(system.dof()),
@@ -46,8 +45,7 @@ VelocitySteppingOf<Space>::VelocitySteppingOf(const System& system, std::string_
   taken_.reserve(2 * wanted_.capacity());
 }
 
-template <class Space>
-StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
+template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
   StepReport report;
   formulation_.clear();
   shown_ = &formulation_;
@@ -60,8 +58,8 @@ StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
   if (!find_pairs(h, x, report)) return report;
   if constexpr (kPlanar<Space>) sleep_.begin(x, terms_, v_new_);
   do {
-    if constexpr (kPlanar<Space>)
-      do close(h, x);
+    if constexpr (kPlanar<Space>) do
+        close(h, x);
       while (sleep_.disturbed(terms_, wanted_, v_new_));
     else
       close(h, x);
@@ -89,14 +87,12 @@ StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
   return report;
 }
 
-template <class Space>
-void VelocitySteppingOf<Space>::remember(Memory& memory) {
+template <class Space> void VelocitySteppingOf<Space>::remember(Memory& memory) {
   memory(formulation_, impact_, sleep_, taken_, loads_, carried_, last_q_, last_v_);
   basic_.forget(), projection_.forget();
 }
 
-template <class Space>
-bool VelocitySteppingOf<Space>::free_flight(double h, const State& x, StepReport& report) {
+template <class Space> bool VelocitySteppingOf<Space>::free_flight(double h, const State& x, StepReport& report) {
   const double at = plan_.at;
   move<Space>(x.q, at * h * x.v, q_mid_);
   set_poses(system_, x.t + at * h, q_mid_, terms_.at);
@@ -115,9 +111,9 @@ template <class Space> StepFrames VelocitySteppingOf<Space>::frames(double h) co
   return {h, plan_.at, plan_.theta};
 }
 
-template <class Space>
-bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_unused]] double h, [[maybe_unused]] const State& x,
-                                               [[maybe_unused]] StepReport& report) {
+template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_unused]] double h,
+                                                                      [[maybe_unused]] const State& x,
+                                                                      [[maybe_unused]] StepReport& report) {
   if constexpr (!kPlanar<Space>) {
     constexpr int kPasses = 100;
     constexpr double kSame = 1e-16;  // of the largest velocity
@@ -167,53 +163,53 @@ bool VelocitySteppingOf<Space>::turn_more([[maybe_unused]] double h, [[maybe_unu
   }
 }
 
-template <class Space>
-bool VelocitySteppingOf<Space>::factorize(double h, StepReport& report) {
+template <class Space> bool VelocitySteppingOf<Space>::factorize(double h, StepReport& report) {
   return basic_.factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at,
                           stiffened_ ? &added_ : nullptr) ||
          fail(report, Status::numerical_error, "the basic system is not finite");
 }
 
-template <class Space>
-bool VelocitySteppingOf<Space>::stiffen([[maybe_unused]] double h, [[maybe_unused]] const State& x,
-                                        [[maybe_unused]] StepReport& report) {
-  if constexpr (!kPlanar<Space>) return true; else {
-  const double weight = h * h;
-  const bool known = last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_;
-  added_.setZero();
-  if (known) added_ = weight * carried_;
-  bool counts = known && (added_.array() > system_.mass().array()).any();
-  if (joined_basic_) {  // the reduced form has found them already
-    if (!joined_basic_->factorize(system_, terms_, weight * plan_.at * plan_.theta, h * plan_.at))
-      return fail(report, Status::numerical_error, "the basic system is not finite");
-    force_ = h * terms_.f, from_ = share_ * x.v, rates_ = share_ * terms_.joint_rate;
-    joined_basic_->solve_change(terms_.G, force_.data(), from_.data(), rates_.data(), change_of_v_.data(),
-                                lambda_.data());
+template <class Space> bool VelocitySteppingOf<Space>::stiffen([[maybe_unused]] double h,
+                                                               [[maybe_unused]] const State& x,
+                                                               [[maybe_unused]] StepReport& report) {
+  if constexpr (!kPlanar<Space>)
+    return true;
+  else {
+    const double weight = h * h;
+    const bool known = last_q_.size() > 0 && x.q == last_q_ && x.v == last_v_;
+    added_.setZero();
+    if (known) added_ = weight * carried_;
+    bool counts = known && (added_.array() > system_.mass().array()).any();
+    if (joined_basic_) {  // the reduced form has found them already
+      if (!joined_basic_->factorize(system_, terms_, weight * plan_.at * plan_.theta, h * plan_.at))
+        return fail(report, Status::numerical_error, "the basic system is not finite");
+      force_ = h * terms_.f, from_ = share_ * x.v, rates_ = share_ * terms_.joint_rate;
+      joined_basic_->solve_change(terms_.G, force_.data(), from_.data(), rates_.data(), change_of_v_.data(),
+                                  lambda_.data());
+    }
+    if (geometric_.raise(terms_, lambda_.data(), h, weight, 1, added_)) counts = true;
+    if (!counts || !geometric_.swings(joined_basic_ ? *joined_basic_ : basic_, added_, 1)) return true;
+    stiffened_ = true;
+    if (!factorize(h, report)) return false;
+    fly(h, x);
+    return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
   }
-  if (geometric_.raise(terms_, lambda_.data(), h, weight, 1, added_)) counts = true;
-  if (!counts || !geometric_.swings(joined_basic_ ? *joined_basic_ : basic_, added_, 1)) return true;
-  stiffened_ = true;
-  if (!factorize(h, report)) return false;
-  fly(h, x);
-  return finite(v_new_) || fail(report, Status::numerical_error, "the motion is not finite");
-}
 }
 
 template <class Space>
 void VelocitySteppingOf<Space>::note_stiffness([[maybe_unused]] double h, [[maybe_unused]] const State& x) {
   if constexpr (kPlanar<Space>) {
-  carried_.setZero();
-  for (const Wanted& w : wanted_)
-    if (w.approach < -kRestSpeed - std::abs(w.free - w.approach)) return;  // an impact is no load
-  if (plan_.form == Form::full || !wanted_.empty() || !frictions_.empty()) {
-    find_joint_impulses(h, x);
-    geometric_.raise(terms_, lambda_.data(), h, 1, kInf, carried_);
+    carried_.setZero();
+    for (const Wanted& w : wanted_)
+      if (w.approach < -kRestSpeed - std::abs(w.free - w.approach)) return;  // an impact is no load
+    if (plan_.form == Form::full || !wanted_.empty() || !frictions_.empty()) {
+      find_joint_impulses(h, x);
+      geometric_.raise(terms_, lambda_.data(), h, 1, kInf, carried_);
+    }
   }
 }
-}
 
-template <class Space>
-void VelocitySteppingOf<Space>::fly(double h, const State& x) {
+template <class Space> void VelocitySteppingOf<Space>::fly(double h, const State& x) {
   force_ = h * terms_.f;
   change_joined(x.v, v_new_);
   v_new_ += x.v;
@@ -230,8 +226,7 @@ void VelocitySteppingOf<Space>::change_joined(const Eigen::VectorXd& v, Eigen::V
   basic_.solve_change(terms_.G, force_.data(), from_.data(), rate_.data(), change.data(), lambda_.data());
 }
 
-template <class Space>
-void VelocitySteppingOf<Space>::measure(double h, const State& x) {
+template <class Space> void VelocitySteppingOf<Space>::measure(double h, const State& x) {
   constexpr double kImpulses = 1e-8;  // of velocities
   if (plan_.parted > 0) force_ = system_.inverse_mass().cwiseProduct(terms_.f);
   near_.measure([&](Index i) {
@@ -240,17 +235,19 @@ void VelocitySteppingOf<Space>::measure(double h, const State& x) {
   });
 }
 
-template <class Space>
-bool VelocitySteppingOf<Space>::find_pairs([[maybe_unused]] double h, [[maybe_unused]] const State& x,
-                                           [[maybe_unused]] StepReport& report) {
-  if constexpr (!kPlanar<Space>) return true; else {
-  if (!broad_phase_.any()) return true;
-  double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
-  for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
-  reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
-  reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
-  return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
-}
+template <class Space> bool VelocitySteppingOf<Space>::find_pairs([[maybe_unused]] double h,
+                                                                  [[maybe_unused]] const State& x,
+                                                                  [[maybe_unused]] StepReport& report) {
+  if constexpr (!kPlanar<Space>)
+    return true;
+  else {
+    if (!broad_phase_.any()) return true;
+    double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
+    for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
+    reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
+    reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
+    return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
+  }
 }
 
 template <class Space>
@@ -285,8 +282,7 @@ bool VelocitySteppingOf<Space>::solve_contacts(double h, const State& x, Solver&
   }
 }
 
-template <class Space>
-void VelocitySteppingOf<Space>::find_joint_impulses(double h, const State& x) {
+template <class Space> void VelocitySteppingOf<Space>::find_joint_impulses(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   if (plan_.form == Form::full) {
     lambda_ = formulation_.solution().z.head(lambda_.size());
@@ -305,8 +301,7 @@ void VelocitySteppingOf<Space>::find_joint_impulses(double h, const State& x) {
   }
 }
 
-template <class Space>
-double VelocitySteppingOf<Space>::note_loads(double h, const State& x) {
+template <class Space> double VelocitySteppingOf<Space>::note_loads(double h, const State& x) {
   const auto& frictions = system_.scene().frictions;
   find_joint_impulses(h, x);
   double change = 0;
@@ -320,8 +315,7 @@ double VelocitySteppingOf<Space>::note_loads(double h, const State& x) {
   return change;
 }
 
-template <class Space>
-bool VelocitySteppingOf<Space>::settle(double t, StepReport& report) {
+template <class Space> bool VelocitySteppingOf<Space>::settle(double t, StepReport& report) {
   if (plan_.joints == Joints::none && rate_.size() > 0) {  // all that this asks of joints
     constexpr double kHold = 1e-6;                         // of 1 m/s + the velocities of a row's bodies
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = terms_.missing_rate(i, v_new_);

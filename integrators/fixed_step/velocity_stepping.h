@@ -144,7 +144,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   bool settle(double t, StepReport& report);
 
   Plan plan_;
-  double share_;       // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
+  double share_;  // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
   /// Parts that scenes in space have not.
   template <class Part> using InPlane = std::conditional_t<kPlanar<Space>, Part, NotInSpace<Space>>;
 
@@ -156,10 +156,10 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   InPlane<Sleep> sleep_;
   InPlane<Passing> passing_;
   FormulationOf<Space> formulation_;
-  const FormulationOf<Space>* shown_;     // by problem()
-  std::vector<Taken> taken_;            // by contacts that the scheme pushed
+  const FormulationOf<Space>* shown_;            // by problem()
+  std::vector<Taken> taken_;                     // by contacts that the scheme pushed
   std::vector<JointLoadOf<Space>> joint_loads_;  // one a friction that depends on a load
-  std::vector<double> loads_;           // [N] of the last step, one a friction; empty: none depends on a load
+  std::vector<double> loads_;                    // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
   InPlane<GeometricStiffness> geometric_;
   Eigen::VectorXd added_, carried_;          // dof: to M, in this step; by the impulses of the last

@@ -3,13 +3,12 @@
 
 namespace orthant {
 
-template <class Space>
-FormulationOf<Space>::FormulationOf(const System& system, Form form, Cone cone)
+template <class Space> FormulationOf<Space>::FormulationOf(const System& system, Form form, Cone cone)
     : system_(system), problem_(system, form, cone), islands_(system, problem_), deficiency_(system, form) {}
 
 template <class Space>
 void FormulationOf<Space>::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
-                            const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
+                                     const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
   if (problem_.empty(wanted.size())) return problem_.clear_rows();  // most steps of most scenes
   terms_ = &terms;
   deficiency_.begin(terms);
@@ -23,8 +22,7 @@ void FormulationOf<Space>::formulate(const Terms& terms, const BasicSystem& basi
   retarget(wanted, v_free, joint_rate);
 }
 
-template <class Space>
-bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, Crew* crew) {
+template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, Crew* crew) {
   if (problem_.size() == 0) return true;
   if (problem_.no_normal() >= 0) {
     report.status = Status::numerical_error;
@@ -42,8 +40,7 @@ bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, Crew* crew)
   }
 }
 
-template <class Space>
-std::string FormulationOf<Space>::contradiction() const {
+template <class Space> std::string FormulationOf<Space>::contradiction() const {
   return why_unsolved(system_, terms_->pairs, problem_, solution_, deficiency_);
 }
 

@@ -13,8 +13,7 @@ constexpr double kLeft = 1e-10;  // of the first approach: the rest of an infini
 
 }  // namespace
 
-template <class Space>
-ImpactOf<Space>::ImpactOf(const System& system, Form form)
+template <class Space> ImpactOf<Space>::ImpactOf(const System& system, Form form)
     : system_(system),
       restitution_(system.scene().restitution),
       impacts_(system.scene().impacts),
@@ -30,8 +29,7 @@ ImpactOf<Space>::ImpactOf(const System& system, Form form)
   approach_.reserve(sum_.size());
 }
 
-template <class Space>
-bool ImpactOf<Space>::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
+template <class Space> bool ImpactOf<Space>::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
   newtons_law(system_.laws(), struck_, v_, wanted_);
   if (form_ == Form::full)  // impulses of contacts leave the joints' rates as they are
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = apply(struck_.G[static_cast<std::size_t>(i)], v_.data());
@@ -47,8 +45,7 @@ bool ImpactOf<Space>::act(const BasicSystem& basic, Solver& solver, StepReport& 
   return solve(solver, report);
 }
 
-template <class Space>
-bool ImpactOf<Space>::solve(Solver& solver, StepReport& report) {
+template <class Space> bool ImpactOf<Space>::solve(Solver& solver, StepReport& report) {
   if (!formulation_.solve(solver, report)) {
     why_ = formulation_.contradiction();
     why_ = why_.empty() ? "an impact was not solved" : "in an impact " + why_;
@@ -63,9 +60,9 @@ bool ImpactOf<Space>::solve(Solver& solver, StepReport& report) {
   return true;
 }
 
-template <class Space>
-bool ImpactOf<Space>::one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
-                        Solver& solver, StepReport& report) {
+template <class Space> bool ImpactOf<Space>::one_by_one(const Terms& terms, const BasicSystem& basic,
+                                                        const std::vector<char>* may, double first, Solver& solver,
+                                                        StepReport& report) {
   for (int impacts = 0;; ++impacts) {
     approach_.clear();
     for (const auto& c : terms.closed)
@@ -88,8 +85,7 @@ bool ImpactOf<Space>::one_by_one(const Terms& terms, const BasicSystem& basic, c
   }
 }
 
-template <class Space>
-void ImpactOf<Space>::begin(const Terms& terms, const Eigen::VectorXd& v) {
+template <class Space> void ImpactOf<Space>::begin(const Terms& terms, const Eigen::VectorXd& v) {
   std::fill(sum_.begin(), sum_.end(), Impulse{});
   joint_sum_.setZero();
   v_ = v;
@@ -98,9 +94,9 @@ void ImpactOf<Space>::begin(const Terms& terms, const Eigen::VectorXd& v) {
   struck_.G = terms.G, struck_.joint_rate = terms.joint_rate;
 }
 
-template <class Space>
-bool ImpactOf<Space>::strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
-                            Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+template <class Space> bool ImpactOf<Space>::strike_in_turn(const Terms& terms, const BasicSystem& basic,
+                                                            const std::vector<char>& in_turn, Eigen::VectorXd& v,
+                                                            Solver& solver, StepReport& report) {
   why_.clear();
   double first = 0;
   for (const auto& c : terms.closed)
@@ -113,9 +109,9 @@ bool ImpactOf<Space>::strike_in_turn(const Terms& terms, const BasicSystem& basi
   return true;
 }
 
-template <class Space>
-bool ImpactOf<Space>::strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
-                    std::vector<Wanted>& wanted, Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+template <class Space> bool ImpactOf<Space>::strike(const Terms& terms, const BasicSystem& basic,
+                                                    const Eigen::VectorXd& before, std::vector<Wanted>& wanted,
+                                                    Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   any_ = false;
   why_.clear();
   double first = 0;
@@ -140,15 +136,13 @@ bool ImpactOf<Space>::strike(const Terms& terms, const BasicSystem& basic, const
   return true;
 }
 
-template <class Space>
-void ImpactOf<Space>::add_to(std::vector<Impulse>& impulses) const {
+template <class Space> void ImpactOf<Space>::add_to(std::vector<Impulse>& impulses) const {
   if (!any_) return;
   for (std::size_t i = 0; i < sum_.size(); ++i)
     impulses[i].normal += sum_[i].normal, impulses[i].tangent += sum_[i].tangent;
 }
 
-template <class Space>
-void ImpactOf<Space>::add_joints_to(Eigen::VectorXd& impulses) const {
+template <class Space> void ImpactOf<Space>::add_joints_to(Eigen::VectorXd& impulses) const {
   if (any_) impulses += joint_sum_;
 }
 
@@ -162,10 +156,10 @@ void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std
   }
 }
 
-template <class Space>
-double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
-                   const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
-                   const std::vector<ImpulseOf<Space>>& impulses, double small, std::vector<Taken>* taken) {
+template <class Space> double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
+                                          const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                                          const std::vector<ImpulseOf<Space>>& impulses, double small,
+                                          std::vector<Taken>* taken) {
   double sum = 0, exchanged = 0, forced = 0;
   bool counts = false;
   const std::size_t before = taken != nullptr ? taken->size() : 0;
@@ -206,12 +200,12 @@ double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
   return rises ? sum : 0;
 }
 
-#define ORTHANT_IMPACT(Space)                                                                              \
-  template class ImpactOf<Space>;                                                                           \
-  template void note_forces(const TermsOf<Space>&, const Eigen::VectorXd&, std::vector<WantedOf<Space>>&);  \
-  template double energy_rise(const SystemOf<Space>&, const TermsOf<Space>&,                                \
-                              const std::vector<WantedOf<Space>>&, const Eigen::VectorXd&,                  \
-                              const std::vector<ImpulseOf<Space>>&, double, std::vector<Taken>*);
+#define ORTHANT_IMPACT(Space)                                                                                     \
+  template class ImpactOf<Space>;                                                                                 \
+  template void note_forces(const TermsOf<Space>&, const Eigen::VectorXd&, std::vector<WantedOf<Space>>&);        \
+  template double energy_rise(const SystemOf<Space>&, const TermsOf<Space>&, const std::vector<WantedOf<Space>>&, \
+                              const Eigen::VectorXd&, const std::vector<ImpulseOf<Space>>&, double,               \
+                              std::vector<Taken>*);
 ORTHANT_IMPACT(Planar)
 ORTHANT_IMPACT(Spatial)
 #undef ORTHANT_IMPACT

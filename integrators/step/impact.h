@@ -117,10 +117,9 @@ inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ a
 /// A scheme that pushes gaps open (wanted.least) is reported as well, from kOtherRows on: bodies that move as far as
 /// their own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step
 /// before it may give back. `taken` remembers that; null: nothing is remembered.
-template <class Space>
-double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
-                   const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
-                   const std::vector<ImpulseOf<Space>>& impulses, double small = kSameRows,
-                   std::vector<Taken>* taken = nullptr);
+template <class Space> double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
+                                          const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                                          const std::vector<ImpulseOf<Space>>& impulses, double small = kSameRows,
+                                          std::vector<Taken>* taken = nullptr);
 
 }  // namespace orthant

@@ -9,16 +9,16 @@ constexpr Index kShared = 100;  // rows beyond the largest island's, from which 
 
 }  // namespace
 
-template <class Space>
-IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem) : islands_(system) {
+template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem)
+    : islands_(system) {
   const Index most = problem.most_rows();
   add_bench(problem);
   outcomes_.reserve(static_cast<std::size_t>(most));
   for (Vector* each : {&found_.z, &found_.w}) each->resize(most);
 }
 
-template <class Space>
-bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s) {
+template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, StepReport& report,
+                                                        Crew* crew, Solution& s) {
   const int count = islands_.count();
   if (count == 1) {
     solver.solve(problem.whole(), s, Start::warm);
@@ -44,8 +44,7 @@ bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, Ste
 }
 
 /// One more island into s. Its status is that of the solver: the last one's, where all are solved.
-template <class Space>
-bool IslandSolveOf<Space>::take(int island, StepReport& report, Solution& s) {
+template <class Space> bool IslandSolveOf<Space>::take(int island, StepReport& report, Solution& s) {
   const auto rows = islands_.rows(island);
   const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   s.status = outcome.status;
@@ -61,8 +60,7 @@ bool IslandSolveOf<Space>::take(int island, StepReport& report, Solution& s) {
   return true;
 }
 
-template <class Space>
-bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const Crew* crew) const {
+template <class Space> bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const Crew* crew) const {
   if (crew == nullptr || crew->size() == 1) return false;
   Index largest = 0;
   for (int island = 0; island < islands_.count(); ++island)
@@ -71,9 +69,8 @@ bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const Crew*
 }
 
 /// Writes only what belongs to this island.
-template <class Space>
-void IslandSolveOf<Space>::solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess,
-                               Bench& bench) {
+template <class Space> void IslandSolveOf<Space>::solve_island(const StepProblem& problem, int island, Solver& solver,
+                                                               const Vector& guess, Bench& bench) {
   const auto rows = islands_.rows(island);
   const Lcp& block = problem.cut(rows, bench.block);
   bench.part.z.resize(block.size());

@@ -5,13 +5,12 @@
 
 namespace orthant {
 
-template <class Space>
-Islands::Islands(const SystemOf<Space>& system)
+template <class Space> Islands::Islands(const SystemOf<Space>& system)
     : fixed_(system.assembly()), sets_(fixed_.size()), block_(fixed_.size()) {
   sets_.assign(fixed_);
   whole_ = std::ranges::count(fixed_, fixed_.empty() ? 0 : fixed_[0]) == std::ssize(fixed_);
-  const auto most =
-      static_cast<std::size_t>((1 + Space::kTangents) * system.contacts() + system.joint_rows()) + system.scene().frictions.size();
+  const auto most = static_cast<std::size_t>((1 + Space::kTangents) * system.contacts() + system.joint_rows()) +
+                    system.scene().frictions.size();
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
 }
 

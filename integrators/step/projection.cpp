@@ -77,15 +77,15 @@ template <class Space> double joints_off(const TermsOf<Space>& terms, const Eige
       rows, [&](Index i) { return std::abs(terms.phi[i]) / (1 + far.of(terms.G[static_cast<std::size_t>(i)])); });
 }
 
-template <class Space>
-ProjectionOf<Space>::ProjectionOf(const System& system, bool with_joints)
+template <class Space> ProjectionOf<Space>::ProjectionOf(const System& system, bool with_joints)
     : system_(system),
       basic_(system, with_joints),
       far_(system.assembly()),
       trial_(system.coordinates()),
       rate_(system.joint_rows()) {}
 
-template <class Space> double ProjectionOf<Space>::position(double t, Terms& terms, Eigen::VectorXd& q, const Eigen::VectorXd* added) {
+template <class Space>
+double ProjectionOf<Space>::position(double t, Terms& terms, Eigen::VectorXd& q, const Eigen::VectorXd* added) {
   constexpr int kMatrices = 8;
   set_poses(system_, t, q, terms.at);
   evaluate_joints(system_, terms);

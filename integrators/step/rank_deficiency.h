@@ -78,7 +78,7 @@ class SpatialRankDeficiency {
   std::optional<double> time_;
 };
 
-template <class Space>
-using RankDeficiencyOf = std::conditional_t<kPlanar<Space>, RankDeficiency, SpatialRankDeficiency>;
+template <class Space> using RankDeficiencyOf =
+    std::conditional_t<kPlanar<Space>, RankDeficiency, SpatialRankDeficiency>;
 
 }  // namespace orthant

@@ -36,8 +36,7 @@ template <class Space> Tangent<Space> tangent_at(const Vector& x, Index first) {
 
 }  // namespace
 
-template <class Space>
-StepProblemOf<Space>::StepProblemOf(const System& system, Form form, Cone cone)
+template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system, Form form, Cone cone)
     : system_(system),
       form_(form),
       cone_(cone),
@@ -60,13 +59,11 @@ StepProblemOf<Space>::StepProblemOf(const System& system, Form form, Cone cone)
   places_.resize(contacts);
 }
 
-template <class Space>
-bool StepProblemOf<Space>::empty(std::size_t closed) const {
+template <class Space> bool StepProblemOf<Space>::empty(std::size_t closed) const {
   return closed == 0 && joint_rows() == 0 && !(duration_ > 0 && !system_.scene().frictions.empty());
 }
 
-template <class Space>
-void StepProblemOf<Space>::respond(const BasicSystem& basic) {
+template <class Space> void StepProblemOf<Space>::respond(const BasicSystem& basic) {
   formed_ = false;
   if (!dense()) {
     inverse_mass_ = basic.inverse_mass();
@@ -78,15 +75,13 @@ void StepProblemOf<Space>::respond(const BasicSystem& basic) {
 }
 
 /// B is symmetric; one half is computed, so that A is so to the last bit.
-template <class Space>
-double StepProblemOf<Space>::entry(Index i, Index j) const {
+template <class Space> double StepProblemOf<Space>::entry(Index i, Index j) const {
   const Row& later = rows_[static_cast<std::size_t>(std::max(i, j))];
   if (dense()) return apply(later, columns_.col(std::min(i, j)).data());
   return coupling(later, rows_[static_cast<std::size_t>(std::min(i, j))], inverse_mass_);
 }
 
-template <class Space>
-const Lcp& StepProblemOf<Space>::whole() const {
+template <class Space> const Lcp& StepProblemOf<Space>::whole() const {
   if (formed_ || size() == 0) return lcp_;
   if (auto* delassus = std::get_if<Delassus>(&lcp_.A)) {
     delassus->inverse_mass = inverse_mass_;
@@ -98,8 +93,7 @@ const Lcp& StepProblemOf<Space>::whole() const {
   return lcp_;
 }
 
-template <class Space>
-void StepProblemOf<Space>::fill_dense(DenseMatrix& A) const {
+template <class Space> void StepProblemOf<Space>::fill_dense(DenseMatrix& A) const {
   const auto n = static_cast<Index>(rows_.size());
   A.resize(n, n);
   for (Index j = 0; j < n; ++j)
@@ -108,8 +102,8 @@ void StepProblemOf<Space>::fill_dense(DenseMatrix& A) const {
 
 /// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed), then
 /// joint friction.
-template <class Space>
-void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<Wanted>& wanted, std::span<const Held> held_ones) {
+template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<Wanted>& wanted,
+                                                          std::span<const Held> held_ones) {
   const auto held = [&](std::size_t k) { return k < held_ones.size() ? held_ones[k] : Held::nowhere; };
   rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
@@ -143,9 +137,9 @@ void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<Wanted>
       if (!c.frictional) continue;
       Place& place = places_[c.closed];
       place.tangent = static_cast<Index>(rows_.size());
-      lcp_.friction.push_back(
-          {.normal = place.normal, .first = place.tangent, .rows = Space::kTangents, .mu = c.mu});
-      for (std::size_t i = 0; i < Space::kTangents; ++i) rows_.push_back(row_of_tangent(terms.closed[c.closed].rows, i));
+      lcp_.friction.push_back({.normal = place.normal, .first = place.tangent, .rows = Space::kTangents, .mu = c.mu});
+      for (std::size_t i = 0; i < Space::kTangents; ++i)
+        rows_.push_back(row_of_tangent(terms.closed[c.closed].rows, i));
     }
   resisted_ = static_cast<Index>(rows_.size());
   if (duration_ > 0)
@@ -161,9 +155,9 @@ void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<Wanted>
   }
 }
 
-template <class Space>
-void StepProblemOf<Space>::retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free,
-                           const Eigen::VectorXd& joint_rate) {
+template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wanted>& wanted,
+                                                           const Eigen::VectorXd& v_free,
+                                                           const Eigen::VectorXd& joint_rate) {
   lcp_.b.resize(static_cast<Index>(rows_.size()));
   Index i = 0;
   const auto hold_against = [&](double target) {
@@ -194,29 +188,25 @@ void StepProblemOf<Space>::retarget(const std::vector<Wanted>& wanted, const Eig
   while (i < lcp_.b.size()) hold_against(0);
 }
 
-template <class Space>
-void StepProblemOf<Space>::release(const std::vector<Impulse>& stored) {
+template <class Space> void StepProblemOf<Space>::release(const std::vector<Impulse>& stored) {
   Index i = joint_rows();
   for (const Contact& c : contacts_) lcp_.lo[i++] = c.law->e * stored[static_cast<std::size_t>(c.index)].normal;
 }
 
-template <class Space>
-void StepProblemOf<Space>::bind() {
+template <class Space> void StepProblemOf<Space>::bind() {
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
   lcp_.friction.clear();
 }
 
 /// Of the first tangent row of a contact; tangent rows stand one after the other.
-template <class Space>
-const Friction* StepProblemOf<Space>::friction_of(int row) const {
+template <class Space> const Friction* StepProblemOf<Space>::friction_of(int row) const {
   if (lcp_.friction.empty()) return nullptr;
   const Index k = row - lcp_.friction.front().first;
   if (k < 0 || k >= Space::kTangents * std::ssize(lcp_.friction) || k % Space::kTangents != 0) return nullptr;
   return &lcp_.friction[static_cast<std::size_t>(k / Space::kTangents)];
 }
 
-template <class Space>
-const Lcp& StepProblemOf<Space>::cut(std::span<const int> rows, Block& block) const {
+template <class Space> const Lcp& StepProblemOf<Space>::cut(std::span<const int> rows, Block& block) const {
   const auto n = static_cast<Index>(rows.size());
   const bool applied = rows.size() > kFormedRows && !dense();
   Lcp& part = applied ? block.large : block.small;
@@ -246,8 +236,7 @@ const Lcp& StepProblemOf<Space>::cut(std::span<const int> rows, Block& block) co
   return part;
 }
 
-template <class Space>
-bool StepProblemOf<Space>::regrade(const Vector& z, const Vector& w) {
+template <class Space> bool StepProblemOf<Space>::regrade(const Vector& z, const Vector& w) {
   constexpr double kBound = 1 - 1e-9;  // of the bound: at it
   const double none = 1e-9 * lcp_.b.lpNorm<Eigen::Infinity>();
   const Index joints = joint_rows();
@@ -259,9 +248,9 @@ bool StepProblemOf<Space>::regrade(const Vector& z, const Vector& w) {
     const bool sticks = friction.mu > c.law->mu;
     // At the bound alone is no slip: of contacts that share a load one may be there by the split that the solver took.
     const auto slip = tangent_at<Space>(w, friction.first), push = tangent_at<Space>(z, friction.first);
-    const bool changes = sticks ? size_of(slip) > none && pressure > 0 &&
-                                      size_of(push) >= kBound * friction.mu * pressure
-                                : inner(slip, c.slip) < 0;
+    const bool changes = sticks
+                             ? size_of(slip) > none && pressure > 0 && size_of(push) >= kBound * friction.mu * pressure
+                             : inner(slip, c.slip) < 0;
     if (!changes) continue;
     friction.mu = sticks ? c.law->mu : c.law->mu_static;
     any = true;

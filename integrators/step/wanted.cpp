@@ -4,9 +4,8 @@
 
 namespace orthant {
 
-template <class Space>
-void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms, const Eigen::VectorXd& v,
-                 std::vector<WantedOf<Space>>& wanted) {
+template <class Space> void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms,
+                                        const Eigen::VectorXd& v, std::vector<WantedOf<Space>>& wanted) {
   wanted.clear();
   for (const auto& c : terms.closed) {
     const ContactLaw& law = laws[static_cast<std::size_t>(c.contact)];

@@ -25,9 +25,8 @@ using Wanted = WantedOf<Planar>;
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`,
 /// one per contact of the scene: the system's, or others of a scheme's own.
-template <class Space>
-void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms, const Eigen::VectorXd& v,
-                 std::vector<WantedOf<Space>>& wanted);
+template <class Space> void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms,
+                                        const Eigen::VectorXd& v, std::vector<WantedOf<Space>>& wanted);
 
 /// A slower approach is a contact at rest. [m/s]
 inline constexpr double kRestSpeed = 1e-9;

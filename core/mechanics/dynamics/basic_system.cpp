@@ -234,8 +234,7 @@ template <class Space> struct BasicSystemOf<Space>::LeastNorm {
   }
 };
 
-template <class Space>
-BasicSystemOf<Space>::BasicSystemOf(const System& system, bool with_joints)
+template <class Space> BasicSystemOf<Space>::BasicSystemOf(const System& system, bool with_joints)
     : dof_(system.dof()),
       rows_(with_joints ? system.joint_rows() : 0),
       inverse_mass_(system.inverse_mass()),
@@ -251,8 +250,9 @@ BasicSystemOf<Space>::BasicSystemOf(const System& system, bool with_joints)
 template <class Space> BasicSystemOf<Space>::~BasicSystemOf() = default;
 template <class Space> BasicSystemOf<Space>::BasicSystemOf(BasicSystemOf&&) noexcept = default;
 
-template <class Space> bool BasicSystemOf<Space>::factorize(const System& system, const Terms& terms, double stiffness_weight, double damping_weight,
-                            const Eigen::VectorXd* added) {
+template <class Space> bool BasicSystemOf<Space>::factorize(const System& system, const Terms& terms,
+                                                            double stiffness_weight, double damping_weight,
+                                                            const Eigen::VectorXd* added) {
   redundant_ = false;
   if (added != nullptr || added_) {
     added_ = added != nullptr;
@@ -276,7 +276,9 @@ template <class Space> bool BasicSystemOf<Space>::factorize(const System& system
   return true;
 }
 
-template <class Space> int BasicSystemOf<Space>::rank() const { return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_; }
+template <class Space> int BasicSystemOf<Space>::rank() const {
+  return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_;
+}
 
 template <class Space> double BasicSystemOf<Space>::independence() const {
   if (rows_ == 0 || rank() == 0) return 1;
@@ -288,7 +290,8 @@ template <class Space> void BasicSystemOf<Space>::forget() {
   if (sparse_) klu_free_numeric(&sparse_->numeric, &sparse_->common);
 }
 
-template <class Space> void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
+template <class Space>
+void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
   if (way_ == Way::dense) return schur_->solve(f, c, x, lambda);
   if (way_ == Way::sparse) {
@@ -303,8 +306,8 @@ template <class Space> void BasicSystemOf<Space>::solve(const double* f, const d
   Eigen::Map<Eigen::VectorXd>(x, dof_) = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, dof_));
 }
 
-template <class Space> void BasicSystemOf<Space>::solve_change(std::span<const Row> G, const double* f, const double* v, const double* c, double* x,
-                               double* lambda) const {
+template <class Space> void BasicSystemOf<Space>::solve_change(std::span<const Row> G, const double* f, const double* v,
+                                                               const double* c, double* x, double* lambda) const {
   if (way_ == Way::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rows_); ++i) lambda[i] = c[i] - apply(G[i], v);
   solve(f, lambda, x, lambda);

@@ -44,8 +44,7 @@ template <class Space> JointLoadOf<Space>::JointLoadOf(const SystemOf<Space>& sy
   }
 }
 
-template <class Space>
-double JointLoadOf<Space>::size(std::span<const RowOf<Space>> G, const double* lambda) const {
+template <class Space> double JointLoadOf<Space>::size(std::span<const RowOf<Space>> G, const double* lambda) const {
   typename Space::Vector sum = Space::Vector::Zero();
   for (const int i : rows_) sum += lambda[i] * push_on(G[static_cast<std::size_t>(i)], body_);
   return sum.norm();

@@ -64,8 +64,7 @@ template <class Space> template <class F> decltype(auto) SchurOf<Space>::with_pa
   return f(AnyPairs{pairs_});
 }
 
-template <class Space>
-SchurOf<Space>::SchurOf(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
+template <class Space> SchurOf<Space>::SchurOf(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows)
     : rows_(static_cast<int>(rows.size())),
       pairs_((rows_ + 1) / 2),
       order_(static_cast<std::size_t>(pairs_)),
@@ -233,7 +232,8 @@ template <class Space> void SchurOf<Space>::solve(const double* f, const double*
   store_forces(lambda);
 }
 
-template <class Space> void SchurOf<Space>::solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const {
+template <class Space>
+void SchurOf<Space>::solve_change(const double* f, const double* v, const double* c, double* x, double* lambda) const {
   for (Eigen::Index k = 0; k < inverse_mass_.size(); ++k) x[k] = inverse_mass_[k] * f[k];
   set_rates(c);
   for (const OnBody& body : bodies_) {

@@ -22,9 +22,7 @@ void prepare(spatial::Scene& scene) {
     body.to_axes = quaternions::matrix_of(spatial::principal(body.inertia).axes).transpose();
 }
 
-void set_mass(Eigen::VectorXd& mass, int i, const Body& body) {
-  block(mass, i) << body.mass, body.mass, body.inertia;
-}
+void set_mass(Eigen::VectorXd& mass, int i, const Body& body) { block(mass, i) << body.mass, body.mass, body.inertia; }
 void set_mass(Eigen::VectorXd& mass, int i, const spatial::Body& body) {
   translation<Spatial>(mass, i).setConstant(body.mass);
   rotation<Spatial>(mass, i) = spatial::principal(body.inertia).moments;
@@ -86,16 +84,16 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene) : scene_(std::move
       if (drive->law.amplitude != 0) swing_ = std::max(swing_, std::abs(drive->law.omega));
     }
   }
-  for (const auto& contact : scene_.contacts)
-    laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
-  if constexpr (kPlanar<Space>) for (const Collision& c : scene_.collisions) {
-    const auto shapes = static_cast<double>(c.shapes.size());
-    const double most =
-        std::ceil(std::min(c.neighbours * shapes, shapes * (shapes - 1)));  // all pairs, two points each
-    if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
-    pairs_.push_back(pairs_.back() + static_cast<int>(most));
-    laws_.resize(static_cast<std::size_t>(contacts()), c.law);
-  }
+  for (const auto& contact : scene_.contacts) laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
+  if constexpr (kPlanar<Space>)
+    for (const Collision& c : scene_.collisions) {
+      const auto shapes = static_cast<double>(c.shapes.size());
+      const double most =
+          std::ceil(std::min(c.neighbours * shapes, shapes * (shapes - 1)));  // all pairs, two points each
+      if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
+      pairs_.push_back(pairs_.back() + static_cast<int>(most));
+      laws_.resize(static_cast<std::size_t>(contacts()), c.law);
+    }
   for (const auto& load : scene_.loads) {
     breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());
     swing_ = std::max(swing_, load.omega);

@@ -32,10 +32,10 @@ template <class Space> class SystemOf {
   /// Where the pairs of each collision begin, counted from listed(); at the end their number.
   const std::vector<int>& pairs() const { return pairs_; }
 
-  const Eigen::VectorXd& mass() const { return mass_; }                  // dof: m, m, J of each body; in space m, m, m, J1, J2, J3
+  const Eigen::VectorXd& mass() const { return mass_; }  // dof: m, m, J of each body; in space m, m, m, J1, J2, J3
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
-  const Eigen::VectorXd& weight() const { return weight_; }              // dof: M g [N, N, 0]; in space [N, N, N, 0, 0, 0]
-  const std::vector<ContactLaw>& laws() const { return laws_; }          // one per contact
+  const Eigen::VectorXd& weight() const { return weight_; }      // dof: M g [N, N, 0]; in space [N, N, N, 0, 0, 0]
+  const std::vector<ContactLaw>& laws() const { return laws_; }  // one per contact
   const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
 
   /// The first time > t [s] at which an applied force or its slope jumps; infinity.

@@ -123,7 +123,8 @@ namespace {
 template <class Space, class What>
 decltype(auto) with_contact(const SystemOf<Space>& system, [[maybe_unused]] const std::vector<Pair>& pairs,
                             [[maybe_unused]] const KinematicsOf<Space>& at, int contact, What&& what) {
-  if (!kPlanar<Space> || contact < system.listed()) return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
+  if (!kPlanar<Space> || contact < system.listed())
+    return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
   if constexpr (kPlanar<Space>) {
     const Pair& pair = pairs[static_cast<std::size_t>(contact - system.listed())];
     return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, at, what);
@@ -147,9 +148,8 @@ template <class Space> void evaluate_gaps(const SystemOf<Space>& system, TermsOf
   }
 }
 
-template <class Space>
-double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
-              const KinematicsOf<Space>& at) {
+template <class Space> double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
+                                     const KinematicsOf<Space>& at) {
   return with_contact(system, pairs, at, contact, [&](const auto& c) { return c.gap(at); });
 }
 
@@ -195,19 +195,19 @@ template <class Space> void evaluate_biases(const SystemOf<Space>& system, Terms
           with_contact(system, terms, closed.contact, [&](const auto& c) { return c.bias(terms.at); }));
 }
 
-#define ORTHANT_TERMS(Space)                                                                                    \
-  template struct TermsOf<Space>;                                                                               \
-  template void set_twists(const SystemOf<Space>&, const Eigen::VectorXd&, KinematicsOf<Space>&);               \
-  template void evaluate_forces(const SystemOf<Space>&, double, const Eigen::VectorXd&, TermsOf<Space>&);       \
-  template void evaluate_joint_residual(const SystemOf<Space>&, TermsOf<Space>&);                               \
-  template void evaluate_joint_rows(const SystemOf<Space>&, TermsOf<Space>&);                                   \
-  template void evaluate_joints(const SystemOf<Space>&, TermsOf<Space>&);                                       \
-  template void evaluate_gaps(const SystemOf<Space>&, TermsOf<Space>&);                                         \
-  template double gap_of(const SystemOf<Space>&, const std::vector<Pair>&, int, const KinematicsOf<Space>&);    \
-  template std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>&, const std::vector<Pair>&, int);          \
-  template void evaluate_closed(const SystemOf<Space>&, double, TermsOf<Space>&);                               \
-  template void add_closed(const SystemOf<Space>&, int, TermsOf<Space>&);                                       \
-  template void evaluate_closed(const SystemOf<Space>&, std::span<const int>, TermsOf<Space>&);                 \
+#define ORTHANT_TERMS(Space)                                                                                 \
+  template struct TermsOf<Space>;                                                                            \
+  template void set_twists(const SystemOf<Space>&, const Eigen::VectorXd&, KinematicsOf<Space>&);            \
+  template void evaluate_forces(const SystemOf<Space>&, double, const Eigen::VectorXd&, TermsOf<Space>&);    \
+  template void evaluate_joint_residual(const SystemOf<Space>&, TermsOf<Space>&);                            \
+  template void evaluate_joint_rows(const SystemOf<Space>&, TermsOf<Space>&);                                \
+  template void evaluate_joints(const SystemOf<Space>&, TermsOf<Space>&);                                    \
+  template void evaluate_gaps(const SystemOf<Space>&, TermsOf<Space>&);                                      \
+  template double gap_of(const SystemOf<Space>&, const std::vector<Pair>&, int, const KinematicsOf<Space>&); \
+  template std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>&, const std::vector<Pair>&, int);       \
+  template void evaluate_closed(const SystemOf<Space>&, double, TermsOf<Space>&);                            \
+  template void add_closed(const SystemOf<Space>&, int, TermsOf<Space>&);                                    \
+  template void evaluate_closed(const SystemOf<Space>&, std::span<const int>, TermsOf<Space>&);              \
   template void evaluate_biases(const SystemOf<Space>&, TermsOf<Space>&);
 ORTHANT_TERMS(Planar)
 ORTHANT_TERMS(Spatial)

@@ -22,14 +22,14 @@ using ClosedContact = ClosedContactOf<Planar>;
 template <class Space> struct TermsOf {
   using ContactBias = typename ElementsOf<Space>::ContactBias;
   KinematicsOf<Space> at;
-  Eigen::VectorXd f;                 // dof: weight, loads, springs
+  Eigen::VectorXd f;                          // dof: weight, loads, springs
   std::vector<SpringStateOf<Space>> springs;  // one per spring of the scene
   std::vector<RowOf<Space>> G;                // joint_rows
-  Eigen::VectorXd phi;               // joint_rows: joint residual [m, rad]
-  Eigen::VectorXd joint_rate;        // joint_rows: ṡ, what G v has to be
-  Eigen::VectorXd joint_bias;        // joint_rows: Ġ v − s̈
-  std::vector<Pair> pairs;           // behind the listed contacts; set by BroadPhase::find()
-  Eigen::VectorXd gap;               // contacts [m]; infinity where there is no pair
+  Eigen::VectorXd phi;                        // joint_rows: joint residual [m, rad]
+  Eigen::VectorXd joint_rate;                 // joint_rows: ṡ, what G v has to be
+  Eigen::VectorXd joint_bias;                 // joint_rows: Ġ v − s̈
+  std::vector<Pair> pairs;                    // behind the listed contacts; set by BroadPhase::find()
+  Eigen::VectorXd gap;                        // contacts [m]; infinity where there is no pair
   std::vector<ClosedContactOf<Space>> closed;
   std::vector<ContactBias> contact_bias;  // one per closed contact
 
@@ -63,9 +63,8 @@ template <class Space> void evaluate_joint_rows(const SystemOf<Space>& system, T
 template <class Space> void evaluate_joints(const SystemOf<Space>& system, TermsOf<Space>& terms);
 template <class Space> void evaluate_gaps(const SystemOf<Space>& system, TermsOf<Space>& terms);
 /// The gap of one contact, listed or one of these pairs, in poses `at` of its two bodies.
-template <class Space>
-double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
-              const KinematicsOf<Space>& at);
+template <class Space> double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
+                                     const KinematicsOf<Space>& at);
 /// The bodies of a contact, listed or one of these pairs.
 template <class Space>
 std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact);

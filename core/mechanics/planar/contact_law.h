@@ -35,9 +35,7 @@ struct ContactBias {
 
 /// Numbers of the tangential directions, and the verbs on them that code for both dimensions uses.
 template <class Space> struct TangentOf;
-template <> struct TangentOf<Planar> {
-  using type = double;
-};
+template <> struct TangentOf<Planar> { using type = double; };
 template <class Space> using Tangent = typename TangentOf<Space>::type;
 
 /// J_T v [m/s]; its size; of the slip γ_T against b's surface the coefficient that bounds friction.

@@ -1,4 +1,5 @@
 #include "toml/reader.h"
+#include "toml/spatial_reader.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/support/file.h>
@@ -30,18 +31,42 @@ std::string read_scene_text(const std::filesystem::path& file) {
   return as_invalid([&] { return read_whole(file, largest_input(kLargestScene)); });
 }
 
-Scene parse_scene(std::string_view text, std::span<const std::string> overrides, std::string_view name) {
+namespace {
+
+/// read(root, file) of the text with the overrides in place.
+template <class Read>
+auto with_table(std::string_view text, std::span<const std::string> overrides, std::string_view name, Read&& read) {
   const std::string file(name);
   as_invalid([&] { check_size(file, text.size(), largest_input(kLargestScene)); });
   return in_a_line([&] {
     toml::table root = scene_file::parse(text, file);
     scene_file::apply_overrides(root, overrides);
+    return read(root, file);
+  });
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, std::span<const std::string> overrides, std::string_view name) {
+  return with_table(text, overrides, name, [](const toml::table& root, const std::string& file) {
+    return scene_file::Reader(root, file).scene();
+  });
+}
+
+AnyScene parse_any_scene(std::string_view text, std::span<const std::string> overrides, std::string_view name) {
+  return with_table(text, overrides, name, [](const toml::table& root, const std::string& file) -> AnyScene {
+    const toml::node* dimension = root.get("dimension");
+    if (dimension != nullptr && dimension->value<double>() == 3) return scene_file::SpatialReader(root, file).scene();
     return scene_file::Reader(root, file).scene();
   });
 }
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {
   return parse_scene(read_scene_text(file), overrides, file.string());
+}
+
+AnyScene read_any_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {
+  return parse_any_scene(read_scene_text(file), overrides, file.string());
 }
 
 }  // namespace orthant

@@ -10,11 +10,13 @@
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
 
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 namespace orthant {
 
@@ -25,5 +27,11 @@ std::string read_scene_text(const std::filesystem::path& file);
 
 /// `name` stands for the file in error messages.
 Scene parse_scene(std::string_view text, std::span<const std::string> overrides = {}, std::string_view name = "scene");
+
+/// A scene in the plane, or in space where the file (or an override) has dimension = 3.
+using AnyScene = std::variant<Scene, spatial::Scene>;
+AnyScene read_any_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+AnyScene parse_any_scene(std::string_view text, std::span<const std::string> overrides = {},
+                         std::string_view name = "scene");
 
 }  // namespace orthant

@@ -39,9 +39,7 @@ class SpatialElement {
   template <class X> void finite(const std::string& field, const Eigen::MatrixBase<X>& x) const {
     require(x.allFinite(), field, text(x), "finite");
   }
-  void positive(const std::string& field, double x) const {
-    finite(field, x), require(x > 0, field, text(x), "> 0");
-  }
+  void positive(const std::string& field, double x) const { finite(field, x), require(x > 0, field, text(x), "> 0"); }
   void not_negative(const std::string& field, double x) const {
     finite(field, x), require(x >= 0, field, text(x), ">= 0");
   }
@@ -148,7 +146,8 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
 void examine(const SpatialElement& e, const Load& l) {
   e.exists(l.body);
   if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
-  e.finite("point", l.point), e.finite("force", l.force), e.finite("moment", l.moment), e.not_negative("omega", l.omega);
+  e.finite("point", l.point), e.finite("force", l.force), e.finite("moment", l.moment),
+      e.not_negative("omega", l.omega);
   for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {
     e.finite("breakpoints", l.breakpoints[i]);
     e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", e.text(l.breakpoints[i]), "ascending");

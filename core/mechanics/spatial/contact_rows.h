@@ -21,9 +21,7 @@ struct Tangents {
   friend bool operator==(const Tangents&, const Tangents&) = default;
 };
 
-template <> struct TangentOf<Spatial> {
-  using type = Tangents;
-};
+template <> struct TangentOf<Spatial> { using type = Tangents; };
 
 template <> struct ContactRowsOf<Spatial> {
   RowOf<Spatial> normal;                   // rate of the gap [m/s]
@@ -38,7 +36,9 @@ inline double mu_at(const ContactLaw& law, const Tangents& slip) { return law.mu
 inline double inner(const Tangents& one, const Tangents& other) {
   return one.first * other.first + one.second * other.second;
 }
-inline const RowOf<Spatial>& row_of_tangent(const ContactRowsOf<Spatial>& rows, std::size_t i) { return rows.tangents[i]; }
+inline const RowOf<Spatial>& row_of_tangent(const ContactRowsOf<Spatial>& rows, std::size_t i) {
+  return rows.tangents[i];
+}
 inline double tangent_part(const Tangents& slip, std::size_t i) { return i == 0 ? slip.first : slip.second; }
 
 namespace spatial {

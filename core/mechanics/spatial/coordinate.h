@@ -73,9 +73,7 @@ struct Span {
     const Vector3d &wa = k.rate(a).omega, &wb = k.rate(b).omega;
     const double length = d.norm();
     const Vector3d rate = k.rate(a).at(r_a) - k.rate(b).at(r_b), across = rate - n.dot(rate) * n;
-    return length > 0
-               ? n.dot(wa.cross(wa.cross(r_a)) - wb.cross(wb.cross(r_b))) + across.squaredNorm() / length
-               : 0;
+    return length > 0 ? n.dot(wa.cross(wa.cross(r_a)) - wb.cross(wb.cross(r_b))) + across.squaredNorm() / length : 0;
   }
 
  private:

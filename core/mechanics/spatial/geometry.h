@@ -64,8 +64,7 @@ inline Row pair_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n, 
 /// The rate n · (ω_a − ω_b).
 inline Row turn_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n) {
   const Vector3d none = Vector3d::Zero();
-  return {a, b, entries(none, k.at(a).axes.transpose() * n),
-          entries(none, -(k.at(b).axes.transpose() * n))};
+  return {a, b, entries(none, k.at(a).axes.transpose() * n), entries(none, -(k.at(b).axes.transpose() * n))};
 }
 
 }  // namespace spatial

@@ -12,8 +12,8 @@ struct Revolute {
   static constexpr int kRows = 5;
   std::string name;
   BodyId a = kGround, b = kGround;
-  Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};  // [m] in the bodies' frames
-  Vector3d axis_a{0, 0, 1}, axis_b{0, 0, 1};    // unit vectors in the bodies' frames
+  Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};          // [m] in the bodies' frames
+  Vector3d axis_a{0, 0, 1}, axis_b{0, 0, 1};            // unit vectors in the bodies' frames
   Vector3d reference_a{0, 0, 0}, reference_b{0, 0, 0};  // of the angle, see coordinate.h
 
   template <class F> void each(F&& f) const {

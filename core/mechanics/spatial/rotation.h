@@ -26,8 +26,7 @@ template <class Phi> Eigen::Vector4d exponential(const Eigen::MatrixBase<Phi>& p
 }
 
 /// p p', both (w, x, y, z).
-template <class P, class Q>
-Eigen::Vector4d product(const Eigen::MatrixBase<P>& p, const Eigen::MatrixBase<Q>& q) {
+template <class P, class Q> Eigen::Vector4d product(const Eigen::MatrixBase<P>& p, const Eigen::MatrixBase<Q>& q) {
   return {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
           p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]};
 }
@@ -44,8 +43,7 @@ template <class P> Eigen::Vector3d logarithm(const Eigen::MatrixBase<P>& p) {
 }
 
 /// p, turned further by φ in the body's frame.
-template <class P, class Phi>
-Eigen::Vector4d turned(const Eigen::MatrixBase<P>& p, const Eigen::MatrixBase<Phi>& phi) {
+template <class P, class Phi> Eigen::Vector4d turned(const Eigen::MatrixBase<P>& p, const Eigen::MatrixBase<Phi>& phi) {
   const Eigen::Vector4d next = product(p, exponential(phi));
   return next / next.norm();
 }

@@ -38,13 +38,13 @@ namespace spatial {
 
 struct Body {
   std::string name;
-  double mass = 1;                              // [kg] > 0
-  Matrix3d inertia = Matrix3d::Identity();      // [kg m²] about the centre of mass, in the body's frame
-  Vector3d position{0, 0, 0};                   // [m] of the centre of mass
-  Eigen::Vector4d orientation{1, 0, 0, 0};      // (w, x, y, z)
-  Vector3d velocity{0, 0, 0};                   // [m/s] in the world
-  Vector3d omega{0, 0, 0};                      // [rad/s] in the world
-  Matrix3d to_axes = Matrix3d::Identity();      // body's frame → principal axes; set by System
+  double mass = 1;                          // [kg] > 0
+  Matrix3d inertia = Matrix3d::Identity();  // [kg m²] about the centre of mass, in the body's frame
+  Vector3d position{0, 0, 0};               // [m] of the centre of mass
+  Eigen::Vector4d orientation{1, 0, 0, 0};  // (w, x, y, z)
+  Vector3d velocity{0, 0, 0};               // [m/s] in the world
+  Vector3d omega{0, 0, 0};                  // [rad/s] in the world
+  Matrix3d to_axes = Matrix3d::Identity();  // body's frame → principal axes; set by System
 };
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,

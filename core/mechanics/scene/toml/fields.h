@@ -39,7 +39,7 @@ class Fields {
     return {table, who_, file_, prefix_ + std::string(key) + "."};
   }
   /// A direction of any length but zero, made a unit vector.
-  bool direction(std::string_view key, Vector2d& unit) {
+  template <class Direction> bool direction(std::string_view key, Direction& unit) {
     const toml::node* node = find(key);
     if (node == nullptr) return false;
     convert(key, *node, unit);
@@ -102,6 +102,46 @@ class Fields {
     if (array == nullptr) refuse(key, node, "a list of points [[x, y], ...]");
     points.resize(array->size());
     for (std::size_t i = 0; i < points.size(); ++i) convert(key, *array->get(i), points[i]);
+  }
+  void convert(std::string_view key, const toml::node& node, Vector3d& value) const {
+    numbers(key, node, value, "three numbers [x, y, z]");
+  }
+  void convert(std::string_view key, const toml::node& node, Eigen::Vector4d& value) const {
+    numbers(key, node, value, "four numbers [w, x, y, z]");
+  }
+  /// An inertia tensor: one number for three equal moments, three for a diagonal one, or three rows of three.
+  void convert(std::string_view key, const toml::node& node, Eigen::Matrix3d& value) const {
+    const toml::array* array = node.as_array();
+    const char* const rule = "a number, three numbers, or three rows of three numbers";
+    if (array == nullptr) {
+      double one = 0;
+      if (!node.is_number()) refuse(key, node, rule);
+      convert(key, node, one);
+      value = Eigen::Matrix3d(one * Eigen::Matrix3d::Identity());
+      return;
+    }
+    if (array->size() != 3) refuse(key, node, rule);
+    Vector3d row;
+    if (array->get(0)->is_number()) {
+      numbers(key, node, row, rule);
+      value = Eigen::Matrix3d(row.asDiagonal());
+      return;
+    }
+    for (int i = 0; i < 3; ++i) {
+      numbers(key, *array->get(static_cast<std::size_t>(i)), row, rule);
+      value.row(i) = row.transpose();
+    }
+  }
+  void convert(std::string_view key, const toml::node& node, std::vector<Vector3d>& points) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) refuse(key, node, "a list of points [[x, y, z], ...]");
+    points.resize(array->size());
+    for (std::size_t i = 0; i < points.size(); ++i) convert(key, *array->get(i), points[i]);
+  }
+  template <class V> void numbers(std::string_view key, const toml::node& node, V& value, const char* rule) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || static_cast<Eigen::Index>(array->size()) != value.size()) refuse(key, node, rule);
+    for (Eigen::Index i = 0; i < value.size(); ++i) convert(key, *array->get(static_cast<std::size_t>(i)), value[i]);
   }
   void convert(std::string_view key, const toml::node& node, std::string& value) const {
     const auto words = node.value_exact<std::string>();

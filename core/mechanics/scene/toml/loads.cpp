@@ -61,26 +61,27 @@ void Reader::load(Fields& f) {
   l.body = body_of(f), f.maybe("point", l.point), f.maybe("force", l.force), f.maybe("torque", l.torque);
   if (const toml::table* table = f.inner("factor")) {
     Fields g = f.fields("factor", *table);
-    set_factor(g, l);
+    set_factor(g, l.factor, l.breakpoints, l.omega);
     g.done();
   }
   scene_.load(l);
 }
 
-void Reader::set_factor(Fields& f, Load& l) {
+void Reader::set_factor(Fields& f, std::function<double(double)>& factor, std::vector<double>& breakpoints,
+                        double& swing) {
   std::string type;
   f.need("type", type);
   if (type == "cosine") {
     double amplitude = 1, omega = 0, phase = 0;
     f.maybe("amplitude", amplitude), f.need("omega", omega), f.maybe("phase", phase);
-    l.factor = [=](double t) { return cosine(amplitude, omega, phase, t); };
-    l.omega = std::abs(omega);
+    factor = [=](double t) { return cosine(amplitude, omega, phase, t); };
+    swing = std::abs(omega);
     return;
   }
   if (type != "table") f.refuse("type", *f.table().get("type"), "cosine or table");
   const auto [times, values] = points_in_time(f);
-  l.breakpoints = times;
-  l.factor = [times = times, values = values](double t) { return interpolate(times, values, t); };
+  breakpoints = times;
+  factor = [times = times, values = values](double t) { return interpolate(times, values, t); };
 }
 
 std::pair<std::vector<double>, std::vector<double>> Reader::points_in_time(Fields& f) {

@@ -4,6 +4,9 @@ namespace orthant::scene_file {
 
 Scene Reader::scene() {
   Fields top(root_, "", file_);
+  double dimension = 2;
+  top.maybe("dimension", dimension);
+  if (dimension != 2) top.refuse("dimension", *root_.get("dimension"), "2 here, or 3 where scenes in space are taken");
   top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
   top.maybe("assemble", scene_.assemble);
   top.choice("restitution", scene_.restitution, kRestitutionNames);

@@ -8,6 +8,7 @@
 #include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/core/mechanics/scene/scene.h>
 
+#include <functional>
 #include <map>
 
 namespace orthant::scene_file {
@@ -17,6 +18,12 @@ class Reader {
   Reader(const toml::table& root, std::string file) : root_(root), file_(std::move(file)) {}
 
   Scene scene();
+
+  // Of scenes in space, too (spatial_reader.h).
+  /// False: without an offset.
+  static bool time_law(Fields& f, TimeLaw& law);
+  static void set_factor(Fields& f, std::function<double(double)>& factor, std::vector<double>& breakpoints,
+                         double& swing);
 
  private:
   enum class Search { grid, none };
@@ -60,8 +67,6 @@ class Reader {
   }
 
   void joint(Fields& f);
-  /// False: without an offset.
-  static bool time_law(Fields& f, TimeLaw& law);
   /// Coordinate: the free one of a named joint, or the one written: two bodies and a measure between them.
   Coordinate coordinate(Fields& f) const;
   Coordinate free_at(const Fields& f, const toml::node& joint) const;
@@ -119,7 +124,6 @@ class Reader {
   void friction(Fields& f);
   void spring(Fields& f);
   void load(Fields& f);
-  static void set_factor(Fields& f, Load& l);
   static std::pair<std::vector<double>, std::vector<double>> points_in_time(Fields& f);
 
   /// Node that an error of check() concerns: the key if it is written, else its element, else the file.

@@ -1,0 +1,378 @@
+#include "spatial_reader.h"
+
+#include "reader.h"
+
+namespace orthant::scene_file {
+
+namespace {
+
+constexpr std::array<std::string_view, 2> kFrameNames = {"world", "body"};
+
+/// A unit vector at right angles to u, next to `near` where that is not along u.
+Vector3d square_to(const Vector3d& u, const Vector3d& near) {
+  const Vector3d left = near - u.dot(near) * u;
+  return left.norm() > 1e-9 ? Vector3d(left.normalized()) : spatial::perpendicular(u);
+}
+
+void read_law(Fields& f, ContactLaw& law) {
+  f.maybe("mu", law.mu), f.maybe("e_n", law.e), f.maybe("e_t", law.e_t), f.maybe("mu_static", law.mu_static);
+}
+
+}  // namespace
+
+spatial::Scene SpatialReader::scene() {
+  Fields top(root_, "", file_);
+  double dimension = 3;
+  top.need("dimension", dimension);
+  top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
+  top.choice("restitution", scene_.restitution, kRestitutionNames);
+  top.choice("impacts", scene_.impacts, kImpactsNames);
+  each(top, "body", [&](Fields& f) { body(f); });
+  pose_bodies();
+  each(top, "joint", [&](Fields& f) { joint(f); });
+  each(top, "contact", [&](Fields& f) { contact(f); });
+  each(top, "friction", [&](Fields& f) { friction(f); });
+  each(top, "spring", [&](Fields& f) { spring(f); });
+  each(top, "load", [&](Fields& f) { load(f); });
+  top.done();
+  try {
+    spatial::check(scene_);
+  } catch (const SceneError& error) {
+    throw std::invalid_argument(place(find(error), file_) + ": " + error.what());
+  }
+  return std::move(scene_);
+}
+
+template <class Read> void SpatialReader::each(Fields& top, std::string_view kind, Read&& read) {
+  const toml::node* list = top.find(kind);
+  if (list == nullptr) return;
+  if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
+  const toml::array& elements = *list->as_array();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const toml::table* table = elements.get(i)->as_table();
+    if (table == nullptr) top.refuse(kind, *elements.get(i), "a table");
+    given_name_ = name_of(*table, kind, i);
+    Fields fields(*table, std::string(kind) + " " + in_quotes(given_name_) + ": ", file_);
+    read(fields);
+    fields.done();
+    if (kind == "contact") written_.resize(scene_.contacts.size(), i);
+  }
+}
+
+void SpatialReader::body(Fields& f) {
+  spatial::Body b;
+  f.need("name", b.name), f.need("mass", b.mass), f.need("inertia", b.inertia);
+  f.maybe("position", b.position);
+  const bool written = f.maybe("orientation", b.orientation);
+  if (written && b.orientation.isZero(0))
+    f.refuse("orientation", *f.table().get("orientation"), "a quaternion [w, x, y, z], not zero");
+  b.orientation.normalize();
+  Vector3d axis(0, 0, 1);
+  double angle = 0;
+  const bool turned = f.maybe("angle", angle), about = f.direction("axis", axis);
+  if (written && (turned || about))
+    f.refuse("orientation", *f.table().get("orientation"), "left out where \"angle\" and \"axis\" are given");
+  if (turned) b.orientation = quaternions::exponential(angle * axis).normalized();
+  f.maybe("velocity", b.velocity), f.maybe("omega", b.omega);
+  if (b.name.empty()) f.refuse("name", *f.table().get("name"), "of letters, digits, _ and -");
+  ids_.emplace(b.name, scene_.body(b));
+}
+
+void SpatialReader::pose_bodies() {
+  for (const spatial::Body& b : scene_.bodies) {
+    const Eigen::Matrix3d R = quaternions::matrix_of(b.orientation);
+    initial_.pose.push_back({b.position, R, R});
+  }
+  initial_.pose.emplace_back();
+}
+
+BodyId SpatialReader::id(const Fields& f, std::string_view key, const toml::node& node) const {
+  const auto name = node.value_exact<std::string>();
+  if (name && *name == "ground") return kGround;
+  const auto found = name ? ids_.find(*name) : ids_.end();
+  if (found == ids_.end()) {
+    std::vector<std::string> names{"ground"};
+    for (const spatial::Body& b : scene_.bodies) names.push_back(b.name);
+    f.refuse(key, node, "the name of a body: " + join(names));
+  }
+  return found->second;
+}
+
+BodyId SpatialReader::body_of(Fields& f) const {
+  std::string unused;
+  f.need("body", unused);
+  return id(f, "body", *f.table().get("body"));
+}
+
+template <class T> void SpatialReader::points_of(Fields& f, T& x) const {
+  const toml::node* node = f.find("bodies");
+  if (node == nullptr) f.fail(f.table(), "missing key \"bodies\"");
+  const toml::array* names = node->as_array();
+  if (names == nullptr || names->size() != 2) f.refuse("bodies", *node, "two names [\"first\", \"second\"]");
+  x.a = id(f, "bodies", *names->get(0)), x.b = id(f, "bodies", *names->get(1));
+  if constexpr (requires { x.point_a; }) f.maybe("point_a", x.point_a), f.maybe("point_b", x.point_b);
+}
+
+/// `axis` in a's frame, `axis_b` in b's: left out, it is the same direction in the initial poses.
+template <class T> void SpatialReader::axes_of(Fields& f, T& x) const {
+  if (!f.direction("axis", x.axis_a)) f.miss("axis");
+  if (!f.direction("axis_b", x.axis_b))
+    x.axis_b = initial_.at(x.b).turn_back(initial_.at(x.a).turn(x.axis_a)).normalized();
+}
+
+/// `angle` [rad] in the initial poses; 0.
+template <class T> void SpatialReader::angle_of(Fields& f, T& x) const {
+  double angle = 0;
+  f.maybe("angle", angle);
+  const Vector3d u = initial_.at(x.a).turn(x.axis_a), from = spatial::perpendicular(x.axis_a);
+  const Vector3d world = Eigen::AngleAxisd(angle, u) * initial_.at(x.a).turn(from);
+  x.reference_a = from, x.reference_b = square_to(x.axis_b, initial_.at(x.b).turn_back(world));
+}
+
+/// `orientation` of b in a; left out, that of the initial poses.
+template <class T> void SpatialReader::orientation_of(Fields& f, T& x) const {
+  const auto of = [&](BodyId b) {
+    return b < 0 ? Eigen::Vector4d(1, 0, 0, 0) : scene_.bodies[static_cast<std::size_t>(b)].orientation;
+  };
+  if (!f.maybe("orientation", x.orientation))
+    x.orientation = quaternions::product(quaternions::inverse(of(x.a)), of(x.b));
+  if (x.orientation.isZero(0))
+    f.refuse("orientation", *f.table().get("orientation"), "a quaternion [w, x, y, z], not zero");
+  x.orientation.normalize();
+}
+
+void SpatialReader::joint(Fields& f) {
+  std::string type, name;
+  f.need("type", type), f.maybe("name", name);
+  if (type == "spherical") {
+    spatial::Spherical j{.name = name};
+    points_of(f, j);
+    scene_.joint(j);
+  } else if (type == "revolute") {
+    spatial::Revolute j{.name = name};
+    points_of(f, j), axes_of(f, j), angle_of(f, j);
+    scene_.joint(j);
+  } else if (type == "cylindrical") {
+    spatial::Cylindrical j{.name = name};
+    points_of(f, j), axes_of(f, j), angle_of(f, j);
+    scene_.joint(j);
+  } else if (type == "universal") {
+    spatial::Universal j{.name = name};
+    points_of(f, j);
+    if (!f.direction("axis", j.axis_a)) f.miss("axis");
+    if (!f.direction("axis_b", j.axis_b)) f.miss("axis_b");
+    scene_.joint(j);
+  } else if (type == "planar") {
+    spatial::PlaneJoint j{.name = name};
+    points_of(f, j), axes_of(f, j);
+    scene_.joint(j);
+  } else if (type == "prismatic") {
+    spatial::Prismatic j{.name = name};
+    points_of(f, j), orientation_of(f, j);
+    if (!f.direction("axis", j.axis)) f.miss("axis");
+    scene_.joint(j);
+  } else if (type == "fixed") {
+    spatial::Fixed j{.name = name};
+    points_of(f, j), orientation_of(f, j);
+    scene_.joint(j);
+  } else if (type == "point-in-plane") {
+    spatial::PointInPlane j{.name = name};
+    points_of(f, j);
+    if (!f.direction("axis", j.axis)) f.miss("axis");
+    scene_.joint(j);
+  } else if (type == "point-on-line") {
+    spatial::PointOnLine j{.name = name};
+    points_of(f, j);
+    if (!f.direction("axis", j.axis)) f.miss("axis");
+    scene_.joint(j);
+  } else if (type == "distance") {
+    spatial::Distance j{.name = name};
+    points_of(f, j);
+    if (!f.maybe("length", j.length)) j.length = spatial::Span{j.a, j.b, j.point_a, j.point_b}.value(initial_);
+    scene_.joint(j);
+  } else if (type == "drive") {
+    spatial::Drive j{name, coordinate(f), {}};
+    if (!Reader::time_law(f, j.law)) j.law.offset = j.of.value(initial_) - j.law.value(0);
+    scene_.joint(j);
+  } else {
+    f.refuse("type", *f.table().get("type"),
+             "spherical, revolute, prismatic, cylindrical, universal, planar, fixed, distance, point-in-plane, "
+             "point-on-line or drive");
+  }
+}
+
+spatial::Coordinate SpatialReader::coordinate(Fields& f) const {
+  const toml::node* joint = f.find("joint");
+  const toml::node* of = f.find("of");
+  if (joint != nullptr) return free_at(f, *joint);
+  if (of == nullptr) f.fail(f.table(), "missing key \"joint\" or \"of\"");
+  const auto kind = of->value_exact<std::string>();
+  if (kind == "slide") {
+    spatial::Slide c;
+    points_of(f, c);
+    if (!f.direction("axis", c.axis)) f.miss("axis");
+    return c;
+  }
+  if (kind != "distance" && kind != "angle")
+    f.refuse("of", *of, joint != nullptr ? "angle or displacement" : "angle, slide or distance");
+  if (kind == "angle") {
+    spatial::Angle c;
+    points_of(f, c), axes_of(f, c);
+    const Vector3d from = spatial::perpendicular(c.axis_a);
+    c.reference_a = from;
+    c.reference_b = square_to(c.axis_b, initial_.at(c.b).turn_back(initial_.at(c.a).turn(from)));
+    return c;
+  }
+  spatial::Span c;
+  points_of(f, c);
+  return c;
+}
+
+/// The free coordinate of a joint; a cylindrical one has two, `of` says which.
+spatial::Coordinate SpatialReader::free_at(Fields& f, const toml::node& joint) const {
+  const auto name = joint.value_exact<std::string>();
+  const toml::node* of = f.find("of");
+  const auto kind = of != nullptr ? of->value_exact<std::string>() : std::nullopt;
+  for (const spatial::Joint& one : scene_.joints) {
+    if (!name || std::visit([](const auto& j) { return j.name; }, one) != *name) continue;
+    if (const auto* both = std::get_if<spatial::Cylindrical>(&one)) {
+      if (kind == "angle") return both->angle();
+      if (kind == "displacement") return both->displacement();
+      f.fail(f.table(), "of: must be angle or displacement: a cylindrical joint has both");
+    }
+    if (of != nullptr) f.refuse("of", *of, "left out where \"joint\" says what is meant");
+    if (const auto* pin = std::get_if<spatial::Revolute>(&one)) return pin->angle();
+    if (const auto* rail = std::get_if<spatial::Prismatic>(&one)) return rail->displacement();
+    if (const auto* line = std::get_if<spatial::PointOnLine>(&one)) return line->displacement();
+    f.refuse("joint", joint, "a revolute, prismatic, cylindrical or point-on-line joint: others have no coordinate");
+  }
+  f.refuse("joint", joint, "the name of a joint written before");
+}
+
+void SpatialReader::wall(Fields& f, spatial::SpherePlane& c) const {
+  c.a = body_of(f);
+  const toml::table* table = f.inner("wall");
+  if (table == nullptr) f.fail(f.table(), "missing key \"wall\"");
+  Fields w = f.fields("wall", *table);
+  if (const toml::node* node = w.find("body")) c.b = id(w, "body", *node);
+  w.maybe("point", c.plane_point);
+  if (!w.direction("normal", c.normal)) w.miss("normal");
+  w.done();
+  read_law(f, c.law);
+}
+
+void SpatialReader::contact(Fields& f) {
+  std::string type, name;
+  f.need("type", type), f.maybe("name", name);
+  if (name.empty()) name = given_name_;
+  if (type == "sphere-wall") {
+    spatial::SpherePlane c{.name = name};
+    wall(f, c), f.maybe("centre", c.centre), f.need("radius", c.radius);
+    if (!(c.radius > 0)) f.refuse("radius", *f.table().get("radius"), "> 0");
+    scene_.contact(c);
+  } else if (type == "corner-wall") {
+    spatial::SpherePlane c{.name = name, .radius = 0};
+    wall(f, c), f.maybe("point", c.centre);
+    scene_.contact(c);
+  } else if (type == "box-wall") {
+    spatial::SpherePlane c{.name = name};
+    Vector3d size(1, 1, 1);
+    wall(f, c), f.need("size", size);
+    if (!(size.minCoeff() > 0)) f.refuse("size", *f.table().get("size"), "three lengths > 0");
+    scene_.contact_set(spatial::corners_plane(c, spatial::box_corners(size / 2)));
+  } else if (type == "polytope-wall") {
+    spatial::SpherePlane c{.name = name};
+    std::vector<Vector3d> corners;
+    wall(f, c), f.need("corners", corners);
+    if (corners.empty()) f.refuse("corners", *f.table().get("corners"), "at least one point [x, y, z]");
+    scene_.contact_set(spatial::corners_plane(c, corners));
+  } else if (type == "sphere-sphere" || type == "socket") {
+    const auto read = [&](auto c) {
+      points_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
+      f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), read_law(f, c.law);
+      scene_.contact(c);
+    };
+    type == "socket" ? read(spatial::Socket{.name = name}) : read(spatial::SphereSphere{.name = name});
+  } else if (type == "limit") {
+    limit(f, name);
+  } else if (type == "rope") {
+    spatial::Span span;
+    spatial::Limit c{.name = name, .side = spatial::Limit::Side::upper};
+    points_of(f, span), f.maybe("e_n", c.law.e), f.need("length", c.bound);
+    if (!(c.bound > 0)) f.refuse("length", *f.table().get("length"), "> 0");
+    c.of = span;
+    scene_.contact(c);
+  } else {
+    f.refuse("type", *f.table().get("type"),
+             "sphere-wall, corner-wall, box-wall, polytope-wall, sphere-sphere, socket, limit or rope");
+  }
+}
+
+void SpatialReader::limit(Fields& f, const std::string& name) {
+  spatial::Limit c{.name = name, .of = coordinate(f)};
+  f.maybe("e_n", c.law.e);
+  double lower = 0, upper = 0;
+  const bool below = f.maybe("lower", lower), above = f.maybe("upper", upper);
+  if (!below && !above) f.fail(f.table(), "missing key \"lower\" or \"upper\"");
+  if (below && above && lower >= upper) f.refuse("lower", *f.table().get("lower"), "less than upper");
+  const auto add = [&](spatial::Limit::Side side, double bound, const char* suffix) {
+    spatial::Limit one = c;
+    one.side = side, one.bound = bound;
+    if (below && above) one.name += suffix;
+    scene_.contact(one);
+  };
+  if (below) add(spatial::Limit::Side::lower, lower, "_lower");
+  if (above) add(spatial::Limit::Side::upper, upper, "_upper");
+}
+
+void SpatialReader::friction(Fields& f) {
+  spatial::JointFriction friction;
+  f.maybe("name", friction.name);
+  friction.of = coordinate(f);
+  f.need("bound", friction.bound);
+  scene_.friction(friction);
+}
+
+void SpatialReader::spring(Fields& f) {
+  std::string type, name;
+  f.need("type", type), f.maybe("name", name);
+  if (type == "point") {
+    spatial::PointSpring s{.name = name};
+    points_of(f, s), f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
+    if (!f.maybe("rest", s.rest)) s.rest = spatial::Span{s.a, s.b, s.point_a, s.point_b}.value(initial_);
+    scene_.spring(s);
+  } else if (type == "joint") {
+    spatial::JointSpring s{.name = name, .of = coordinate(f)};
+    f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
+    if (!f.maybe("rest", s.rest)) s.rest = s.of.value(initial_);
+    scene_.spring(s);
+  } else {
+    f.refuse("type", *f.table().get("type"), "point or joint");
+  }
+}
+
+void SpatialReader::load(Fields& f) {
+  spatial::Load l;
+  f.maybe("name", l.name);
+  l.body = body_of(f), f.maybe("point", l.point), f.maybe("force", l.force), f.maybe("torque", l.moment);
+  f.choice("frame", l.frame, kFrameNames);
+  if (const toml::table* table = f.inner("factor")) {
+    Fields g = f.fields("factor", *table);
+    Reader::set_factor(g, l.factor, l.breakpoints, l.omega);
+    g.done();
+  }
+  scene_.load(l);
+}
+
+const toml::node& SpatialReader::find(const SceneError& error) const {
+  if (error.kind.empty()) {
+    const toml::node* key = root_.get(error.field);
+    return key != nullptr ? *key : root_;
+  }
+  const std::size_t index = error.kind == "contact" ? written_[error.index] : error.index;
+  const toml::table& element = *root_.get(error.kind)->as_array()->get(index)->as_table();
+  const toml::node* key = element.get(error.field == "moment" ? "torque" : error.field);
+  return key != nullptr ? *key : element;
+}
+
+}  // namespace orthant::scene_file

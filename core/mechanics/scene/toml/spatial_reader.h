@@ -1,0 +1,52 @@
+// core/mechanics/scene/toml/spatial_reader.h — the tables of a file with dimension = 3 to a scene in space.
+#pragma once
+
+#include "fields.h"
+
+#include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
+
+#include <map>
+
+namespace orthant::scene_file {
+
+class SpatialReader {
+ public:
+  SpatialReader(const toml::table& root, std::string file) : root_(root), file_(std::move(file)) {}
+
+  spatial::Scene scene();
+
+ private:
+  template <class Read> void each(Fields& top, std::string_view kind, Read&& read);
+  void body(Fields& f);
+  void pose_bodies();
+
+  BodyId id(const Fields& f, std::string_view key, const toml::node& node) const;
+  BodyId body_of(Fields& f) const;
+  template <class T> void points_of(Fields& f, T& x) const;
+  template <class T> void axes_of(Fields& f, T& x) const;
+  template <class T> void angle_of(Fields& f, T& x) const;
+  template <class T> void orientation_of(Fields& f, T& x) const;
+  void joint(Fields& f);
+  spatial::Coordinate coordinate(Fields& f) const;
+  spatial::Coordinate free_at(Fields& f, const toml::node& joint) const;
+
+  void contact(Fields& f);
+  void wall(Fields& f, spatial::SpherePlane& c) const;
+  void limit(Fields& f, const std::string& name);
+  void friction(Fields& f);
+  void spring(Fields& f);
+  void load(Fields& f);
+
+  const toml::node& find(const SceneError& error) const;
+
+  const toml::table& root_;
+  std::string file_;
+  spatial::Scene scene_;
+  spatial::Kinematics initial_;
+  std::string given_name_;            // of the element being read, or by its place
+  std::vector<std::size_t> written_;  // of each contact, which element of the file it comes from
+  std::map<std::string, BodyId, std::less<>> ids_;
+};
+
+}  // namespace orthant::scene_file
