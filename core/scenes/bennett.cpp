@@ -10,7 +10,7 @@ spatial::Scene bennett(const Bennett& p) {
   constexpr double kThin = 1e-9;  // axial over transverse moment of inertia
   const double alpha = p.twist * std::numbers::pi / 180, beta = std::asin(p.b / p.a * std::sin(alpha));
   const double theta2 =
-      2 * std::atan(std::sin((alpha + beta) / 2) / std::sin((alpha - beta) / 2) / std::tan(p.theta1 / 2));
+      2 * std::atan(std::sin((alpha + beta) / 2) / std::sin((beta - alpha) / 2) / std::tan(p.theta1 / 2));
   const std::array<double, 4> theta{p.theta1, theta2, -p.theta1, -theta2}, length{p.a, p.b, p.a, p.b},
       twist{alpha, beta, alpha, beta};
   spatial::Scene s;

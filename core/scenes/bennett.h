@@ -4,7 +4,7 @@
 //   ground, hinge 1 at the origin along +z. 20 rows of rank 17.
 //   θ1: the turn of the first rod about hinge 1, from the ground's rod continued. Thin rods of 1 kg/m.
 //   Closed by Denavit-Hartenberg frames: Π Rz(θ_i) Tx(a_i) Rx(α_i) = 1 with θ3 = −θ1, θ4 = −θ2,
-//     tan(θ1/2) tan(θ2/2) = sin((α+β)/2) / sin((α−β)/2).
+//     tan(θ1/2) tan(θ2/2) = sin((α+β)/2) / sin((β−α)/2).
 //   Source: Bennett, Engineering 76 (1903) 777-778; Hunt, Kinematic Geometry of Mechanisms (1978), ch. 11.
 #pragma once
 

@@ -38,8 +38,8 @@ std::string script(const CLI::App& app) {
          "  case $before in\n"
          "    --solver) words='"
       << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators()) << "' ;;\n    simulate) words='"
-      << names(scenes()) << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands
-      << long_options(app)
+      << names(scenes()) << " " << names(spatial_scenes())
+      << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands << long_options(app)
       << "' ;;\n  esac\n"
          "  if [[ -z $words && $word == -* ]]; then\n"
          "    case ${COMP_WORDS[first]} in\n";

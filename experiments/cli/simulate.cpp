@@ -25,7 +25,9 @@
 #include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <sstream>
+#include <variant>
 
 namespace orthant {
 namespace {
@@ -33,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SimulateArguments {
-  std::string scene, integrator = "moreau-jean", solver = "lemke", output, checkpoint, failed_steps;
+  std::string scene, integrator = "moreau-jean", solver, output, checkpoint, failed_steps;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
@@ -101,6 +103,7 @@ fs::path failed_step_file(const SimulateArguments& arguments, long step, const s
 }
 
 /// Says which step failed and why, and keeps its problem, where there is one.
+template <class Integrator>
 void report_failed_step(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
   std::cerr << "orthant: step " << run.steps + 1 << " at t = " << run.final.t << " s failed: " << name(run.status);
   if (!run.why.empty()) std::cerr << ": " << run.why;
@@ -130,21 +133,22 @@ void report_failed_step(const SimulateArguments& arguments, const Integrator& in
   }
 }
 
-void write_kept(const SimulateArguments& arguments, const Scene& scene, const Kept& kept) {
+template <class Scene> void write_kept(const SimulateArguments& arguments, const Scene& scene, const Kept& kept) {
   if (arguments.output == "-")
     std::cout << to_csv(kept.columns, kept.table);
   else if (!arguments.output.empty())
     write_trajectory(arguments.output, scene, kept.columns, kept.table, kept.events);
 }
 
-void check_output(const SimulateArguments& arguments) {
+template <class Space> void check_output(const SimulateArguments& arguments) {
   if (arguments.output.empty() || arguments.output == "-") return;
-  check_trajectory_file(arguments.output), check_writable(arguments.output);
+  kPlanar<Space> ? check_trajectory_file(arguments.output) : check_spatial_trajectory_file(arguments.output);
+  check_writable(arguments.output);
   if (!is_built_in(arguments.scene)) check_apart("--output", arguments.output, "the scene", arguments.scene);
 }
 
 /// Checkpoints of the run, and what an earlier one left in `kept`.
-Restart restart_of(const SimulateArguments& arguments, const Scene& scene, Kept& kept) {
+template <class Scene> Restart restart_of(const SimulateArguments& arguments, const Scene& scene, Kept& kept) {
   Restart restart;
   if (arguments.checkpoint.empty()) {
     if (arguments.resume) throw std::invalid_argument("--resume: needs --checkpoint FILE to continue from");
@@ -198,6 +202,7 @@ class ProgressWords {
 };
 
 /// The run's own status, and 128 + N where signal N stopped it, as a shell says.
+template <class Integrator>
 int report_end(const SimulateArguments& arguments, const Integrator& integrator, const Run& run) {
   if (run.status == Status::cancelled && StopSignal::which() != 0) {
     std::cerr << "orthant: stopped by " << (StopSignal::which() == SIGINT ? "Ctrl-C" : "a signal")
@@ -227,54 +232,79 @@ void print_summary(const SimulateArguments& arguments, const nlohmann::ordered_j
   }
 }
 
-int run_simulate(const SimulateArguments& arguments) {
-  for (const std::string& set : arguments.sets)
-    if (set.find('=') == std::string::npos)
-      throw std::invalid_argument("--set '" + set + "': must have the form KEY=VALUE");
-  const System system(make_scene(arguments.scene, arguments.sets));
+Clock clock_of(const SimulateArguments& arguments, double step, double duration, Reached& reached) {
+  return {.step = arguments.step.value_or(step),
+          .duration = arguments.duration.value_or(duration),
+          .every = arguments.every,
+          .time_limit = arguments.time_limit.value_or(kInf),
+          .cancel = StopSignal::flag(),
+          .reached = &reached};
+}
+
+template <class Space> int run_system(const SimulateArguments& arguments, const SystemOf<Space>& system) {
   const auto integrator = make_integrator(arguments.integrator, system);
   const auto solver = make_solver(arguments.solver);
   std::vector<std::unique_ptr<Solver>> helpers;
   for (int i = 1; i < arguments.threads; ++i) helpers.push_back(make_solver(arguments.solver));
   integrator->employ(std::move(helpers));
-  const Scene& scene = system.scene();
+  const auto& scene = system.scene();
   Reached reached;
-  const Clock clock{.step = arguments.step.value_or(scene.step),
-                    .duration = arguments.duration.value_or(scene.duration),
-                    .every = arguments.every,
-                    .time_limit = arguments.time_limit.value_or(kInf),
-                    .cancel = StopSignal::flag(),
-                    .reached = &reached};
-  check_output(arguments);
-  for (const Remark& remark : remarks_on_start(system))
-    std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
+  const Clock clock = clock_of(arguments, scene.step, scene.duration, reached);
+  check_output<Space>(arguments);
+  if constexpr (kPlanar<Space>)
+    for (const Remark& remark : remarks_on_start(system))
+      std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
 
   Kept kept{trajectory_columns(scene), {}, {}, {}};
+  std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
   const Restart restart = restart_of(arguments, scene, kept);
-  const auto record = [&](const Moment& moment) {
+  if constexpr (!kPlanar<Space>) coordinates.emplace(system);
+  const auto record = [&](const MomentOf<Space>& moment) {
     if (!arguments.output.empty()) append_row(system, moment, kept.table);
-    if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
+    if constexpr (kPlanar<Space>)
+      if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
     kept.last.clear();
     append_row(system, moment, kept.last);
+    if constexpr (!kPlanar<Space>)
+      for (const double value : coordinates->at(moment.state)) kept.last.push_back(value);
   };
   const StopSignal stop;
   StatusLine line(ProgressWords(reached, clock.duration));
   const Run run = simulate(*integrator, *solver, clock, record, restart);
   line.end();
   write_kept(arguments, scene, kept);
-  const auto warnings = warnings_of(system, run, arguments.integrator, clock.step);
+  std::vector<std::string> warnings;
+  if constexpr (kPlanar<Space>) warnings = warnings_of(system, run, arguments.integrator, clock.step);
   for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
   const int exit_code = report_end(arguments, *integrator, run);
 
+  if constexpr (!kPlanar<Space>)
+    kept.columns.insert(kept.columns.end(), coordinates->names().begin(), coordinates->names().end());
   auto json = summary(run, kept);
-  if (arguments.check && run.status == Status::solved)
-    add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
+  if constexpr (kPlanar<Space>)
+    if (arguments.check && run.status == Status::solved)
+      add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
   if (arguments.json) {
     json["warnings"] = warnings;
-    json["event_table"] = events_to_json(scene, kept.events);
+    if constexpr (kPlanar<Space>) json["event_table"] = events_to_json(scene, kept.events);
   }
   print_summary(arguments, json);
   return exit_code;
+}
+
+constexpr const char* kPlanarSolver = "lemke";
+constexpr const char* kSpatialSolver = "auto";  // takes friction discs
+
+int run_simulate(SimulateArguments arguments) {
+  for (const std::string& set : arguments.sets)
+    if (set.find('=') == std::string::npos)
+      throw std::invalid_argument("--set '" + set + "': must have the form KEY=VALUE");
+  AnyScene scene = make_any_scene(arguments.scene, arguments.sets);
+  const bool planar = std::holds_alternative<Scene>(scene);
+  if (arguments.solver.empty()) arguments.solver = planar ? kPlanarSolver : kSpatialSolver;
+  if (planar) return run_system(arguments, System(std::get<Scene>(std::move(scene))));
+  if (arguments.check) throw std::invalid_argument("--check: takes planar scenes only");
+  return run_system(arguments, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(scene))));
 }
 
 }  // namespace
@@ -284,7 +314,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("simulate", "Run a scene: a built-in name or a TOML file");
   command->add_option("scene", arguments->scene, "built-in scene (see `orthant list scenes`) or TOML file")->required();
   command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]; in space the default is auto")
+      ->default_str(kPlanarSolver);
   const CLI::Validator given([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
   command->add_option("--step", arguments->step, "step size h [s]; default: the scene's")->check(given);
   command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's")->check(given);

@@ -1,5 +1,6 @@
 #include "trajectory.h"
 
+#include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/support/options.h>
 
 namespace orthant {
@@ -43,6 +44,67 @@ void append_row(const System& system, const Moment& moment, std::vector<double>&
   const StepReport& r = moment.report;
   table.insert(table.end(), {energy(system, x), r.joint_residual, r.penetration, r.lcp_residual,
                              static_cast<double>(r.lcp_iterations)});
+}
+
+std::vector<std::string> trajectory_columns(const spatial::Scene& scene) {
+  std::vector<std::string> columns = {"t"};
+  for (const spatial::Body& body : scene.bodies)
+    for (const char* part : {".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz", ".vx", ".vy", ".vz", ".wx", ".wy", ".wz"})
+      columns.push_back(body.name + part);
+  for (const spatial::Contact& contact : scene.contacts)
+    for (const char* part : {".gap", ".impulse_n", ".impulse_t1", ".impulse_t2"})
+      columns.push_back(std::visit([](const auto& c) { return c.name; }, contact) + part);
+  for (const spatial::JointFriction& friction : scene.frictions) columns.push_back(friction.name + ".impulse");
+  columns.insert(columns.end(), {"energy", "joint_residual", "penetration", "lcp_residual", "lcp_iterations"});
+  return columns;
+}
+
+void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, std::vector<double>& table) {
+  const State& x = moment.state;
+  table.push_back(x.t);
+  for (Index i = 0; i < system.bodies(); ++i) {
+    const spatial::Body& body = system.scene().bodies[static_cast<std::size_t>(i)];
+    const auto centre = place_of<Spatial>(x.q, i);
+    const auto axes = quaternion(x.q, i);  // of the principal axes
+    const Eigen::Vector4d q = quaternions::product(axes, quaternions::inverse(body.axes));
+    const auto v = translation<Spatial>(x.v, i);
+    const Vector3d omega = quaternions::matrix_of(axes) * rotation<Spatial>(x.v, i);
+    for (const double c : centre) table.push_back(c);
+    for (const double c : q) table.push_back(c);
+    for (const double c : v) table.push_back(c);
+    for (const double c : omega) table.push_back(c);
+  }
+  for (int i = 0; i < system.contacts(); ++i) {
+    const auto& impulse = moment.impulses[static_cast<std::size_t>(i)];
+    table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent.first, impulse.tangent.second});
+  }
+  table.insert(table.end(), moment.frictions.begin(), moment.frictions.end());
+  const StepReport& r = moment.report;
+  table.insert(table.end(), {energy(system, x), r.joint_residual, r.penetration, r.lcp_residual,
+                             static_cast<double>(r.lcp_iterations)});
+}
+
+JointCoordinates::JointCoordinates(const SystemOf<Spatial>& system) : system_(system) {
+  for (const spatial::Joint& joint : system.scene().joints)
+    std::visit(
+        [&](const auto& j) {
+          if constexpr (requires { j.angle(); }) names_.push_back(j.name + ".angle"), coordinates_.push_back(j.angle());
+          if constexpr (requires { j.displacement(); })
+            names_.push_back(j.name + ".displacement"), coordinates_.push_back(j.displacement());
+        },
+        joint);
+  poses_.pose.resize(static_cast<std::size_t>(system.bodies()) + 1);
+  turns_.resize(names_.size()), values_.resize(names_.size());
+}
+
+const std::vector<double>& JointCoordinates::at(const State& x) {
+  set_poses(system_, x.t, x.q, poses_);
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    values_[i] = coordinates_[i].value(poses_);
+    if (coordinates_[i].angle())
+      values_[i] = turns_[i].add(x.t, values_[i], apply(coordinates_[i].row(poses_), x.v.data()));
+  }
+  return values_;
 }
 
 std::string to_csv(const std::vector<std::string>& columns, const std::vector<double>& table) {

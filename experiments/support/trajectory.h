@@ -15,6 +15,30 @@ std::vector<std::string> trajectory_columns(const Scene& scene);
 /// Appends one row in that order.
 void append_row(const System& system, const Moment& moment, std::vector<double>& table);
 
+/// In space: t, then x, y, z [m] of the centre of mass, qw, qx, qy, qz (unit quaternion, body → world), vx, vy, vz [m/s],
+/// wx, wy, wz [rad/s] in the world, of each body, then gap, impulse_n, impulse_t1, impulse_t2 of each contact (t1 and t2
+/// of spatial/contact_rows.h), then as in the plane.
+std::vector<std::string> trajectory_columns(const spatial::Scene& scene);
+void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, std::vector<double>& table);
+
+/// The free coordinates of joints in space: NAME.angle [rad], followed through full turns from record to record, and
+/// NAME.displacement [m].
+class JointCoordinates {
+ public:
+  explicit JointCoordinates(const SystemOf<Spatial>& system);
+  const std::vector<std::string>& names() const { return names_; }
+  /// The values at the state, which comes after the one before.
+  const std::vector<double>& at(const State& x);
+
+ private:
+  const SystemOf<Spatial>& system_;
+  KinematicsOf<Spatial> poses_;
+  std::vector<std::string> names_;
+  std::vector<spatial::Coordinate> coordinates_;
+  std::vector<spatial::Unwrapped> turns_;
+  std::vector<double> values_;
+};
+
 /// The table as CSV text, numbers in their shortest exact form.
 std::string to_csv(const std::vector<std::string>& columns, const std::vector<double>& table);
 

@@ -12,15 +12,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string hdf5_of(const Scene& scene, const std::vector<std::string>& columns, const std::vector<double>& table,
-                    const std::vector<Event>& events) {
+template <class Scene> std::string hdf5_of(const Scene& scene, const std::vector<std::string>& columns,
+                                           const std::vector<double>& table, const std::vector<Event>& events) {
   Hdf5Image out;
   std::vector<double> column(table.size() / columns.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     for (std::size_t i = 0; i < column.size(); ++i) column[i] = table[i * columns.size() + c];
     out.numbers(columns[c], column);
   }
-  if (!events.empty()) events_to_hdf5(scene, events, out);
+  if constexpr (std::is_same_v<Scene, orthant::Scene>)
+    if (!events.empty()) events_to_hdf5(scene, events, out);
   return out.bytes();
 }
 
@@ -43,6 +44,21 @@ void write_trajectory(const fs::path& file, const Scene& scene, const std::vecto
     write_whole(file, to_csv(columns, table));
   if (const fs::path beside_it = events_file_of(file); !events.empty() || fs::exists(beside_it))
     write_whole(beside_it, events_to_csv(scene, events));
+}
+
+void check_spatial_trajectory_file(const fs::path& file) {
+  for (const char* end : {".csv", ".h5", ".hdf5"})
+    if (file.extension() == end) return;
+  throw std::invalid_argument(file.string() + ": must end in .csv, .h5 or .hdf5 for a scene in space");
+}
+
+void write_trajectory(const fs::path& file, const spatial::Scene& scene, const std::vector<std::string>& columns,
+                      const std::vector<double>& table, const std::vector<Event>& events) {
+  check_spatial_trajectory_file(file);
+  if (file.extension() == ".csv")
+    write_whole(file, to_csv(columns, table));
+  else
+    write_whole(file, hdf5_of(scene, columns, table, events));
 }
 
 }  // namespace orthant

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
 #include <orthant/integrators/event.h>
 
 #include <filesystem>
@@ -23,5 +24,11 @@ void check_trajectory_file(const std::filesystem::path& file);
 /// Without events there is no such file, and an earlier run's is emptied to its header.
 void write_trajectory(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
                       const std::vector<double>& table, const std::vector<Event>& events = {});
+
+/// In space: .csv, .h5 and .hdf5; others are refused.
+void check_spatial_trajectory_file(const std::filesystem::path& file);
+void write_trajectory(const std::filesystem::path& file, const spatial::Scene& scene,
+                      const std::vector<std::string>& columns, const std::vector<double>& table,
+                      const std::vector<Event>& events = {});
 
 }  // namespace orthant

@@ -21,17 +21,29 @@
 
 namespace orthant {
 
-class PaoliSchatzman final : public GapStepping {
+template <class Space> class PaoliSchatzmanOf final : public GapSteppingOf<Space> {
  public:
+  using System = SystemOf<Space>;
+  using ClosedContact = ClosedContactOf<Space>;
   static constexpr std::string_view kName = "paoli-schatzman";
   static constexpr Capabilities kCan{.impact_laws = false, .tangential_restitution = false};
   using Options = VelocitySteppingOptions;
-  explicit PaoliSchatzman(const System& system, const Options& options = {})
-      : GapStepping(system, kName, kCan, {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {}
+  explicit PaoliSchatzmanOf(const System& system, const Options& options = {})
+      : GapSteppingOf<Space>(system, kName, kCan,
+                             {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {}
 
  private:
+  using GapSteppingOf<Space>::system_;
+  using GapSteppingOf<Space>::terms_;
+  using GapSteppingOf<Space>::wanted_;
+  using GapSteppingOf<Space>::v_new_;
+  using GapSteppingOf<Space>::closing;
+
   double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const override;
   void want(double h, const State& x) override;
 };
+extern template class PaoliSchatzmanOf<Planar>;
+extern template class PaoliSchatzmanOf<Spatial>;
+using PaoliSchatzman = PaoliSchatzmanOf<Planar>;
 
 }  // namespace orthant

@@ -18,8 +18,10 @@ void prepare(Scene& scene) {
 }
 void prepare(spatial::Scene& scene) {
   spatial::check(scene);
-  for (spatial::Body& body : scene.bodies)
-    body.to_axes = quaternions::matrix_of(spatial::principal(body.inertia).axes).transpose();
+  for (spatial::Body& body : scene.bodies) {
+    body.axes = spatial::principal(body.inertia).axes;
+    body.to_axes = quaternions::matrix_of(body.axes).transpose();
+  }
 }
 
 void set_mass(Eigen::VectorXd& mass, int i, const Body& body) { block(mass, i) << body.mass, body.mass, body.inertia; }
@@ -33,9 +35,8 @@ void set_start(State& x, int i, const Body& body) {
   block(x.v, i) << body.velocity, body.omega;
 }
 void set_start(State& x, int i, const spatial::Body& body) {
-  const Eigen::Vector4d axes = spatial::principal(body.inertia).axes;
   place_of<Spatial>(x.q, i) = body.position;
-  quaternion(x.q, i) = quaternions::product(body.orientation.normalized(), axes);
+  quaternion(x.q, i) = quaternions::product(body.orientation.normalized(), body.axes);
   translation<Spatial>(x.v, i) = body.velocity;
   rotation<Spatial>(x.v, i) = quaternions::matrix_of(quaternion(x.q, i)).transpose() * body.omega;
 }

@@ -44,6 +44,7 @@ struct Body {
   Eigen::Vector4d orientation{1, 0, 0, 0};  // (w, x, y, z)
   Vector3d velocity{0, 0, 0};               // [m/s] in the world
   Vector3d omega{0, 0, 0};                  // [rad/s] in the world
+  Eigen::Vector4d axes{1, 0, 0, 0};         // quaternion, principal axes → body's frame; set by System
   Matrix3d to_axes = Matrix3d::Identity();  // body's frame → principal axes; set by System
 };
 

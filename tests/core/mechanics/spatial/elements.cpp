@@ -1,0 +1,230 @@
+// Rows and biases of spatial joints, contacts and springs against differences of their residuals, gaps and energies.
+#include "tests/support/spatial.h"
+
+#include <doctest/doctest.h>
+
+using namespace orthant;
+
+namespace {
+
+Vector3d some(int seed) {
+  return {std::sin(1.0 + seed), std::cos(2.0 + 3 * seed), std::sin(4.0 + 5 * seed)};
+}
+Eigen::Vector4d orientation(int seed) { return quaternions::exponential(2.5 * some(seed)).normalized(); }
+
+/// Two bodies somewhere, with inertia tensors that are not diagonal.
+spatial::Scene two_bodies() {
+  spatial::Scene s;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Matrix3d R = quaternions::matrix_of(orientation(7 + i));
+    const Vector3d J(2, 3, 4);
+    s.body({.mass = 1.5 + i,
+            .inertia = R * J.asDiagonal() * R.transpose(),
+            .position = some(11 + i),
+            .orientation = orientation(3 + i),
+            .velocity = some(20 + i),
+            .omega = some(30 + i)});
+  }
+  return s;
+}
+
+/// Joints whose rows are exact at every pose.
+std::vector<spatial::Joint> joints(BodyId a, BodyId b) {
+  using namespace spatial;
+  const Vector3d p = some(40), r = some(41), u = some(42).normalized(), w = some(43).normalized();
+  return {spatial::Revolute{"revolute", a, b, p, r, u, w},
+          spatial::Prismatic{"prismatic", a, b, p, r, u, orientation(5)},
+          spatial::Fixed{"fixed", a, b, p, r, orientation(6)},
+          spatial::Distance{"distance", a, b, p, r, 0.7},
+          Spherical{"spherical", a, b, p, r},
+          Cylindrical{"cylindrical", a, b, p, r, u, w},
+          Universal{"universal", a, b, p, r, u, w},
+          PlaneJoint{"planar", a, b, p, r, u, w},
+          PointInPlane{"point_in_plane", a, b, p, r, u},
+          PointOnLine{"point_on_line", a, b, p, r, u}};
+}
+
+struct Fixture {
+  SpatialSystem system;
+  State x = system.initial_state();
+  TermsOf<Spatial> terms{system};
+
+  explicit Fixture(const spatial::Scene& scene) : system(scene) {}
+  TermsOf<Spatial>& at(const Eigen::VectorXd& q) {
+    set_poses(system, 0, q, terms.at);
+    set_twists(system, x.v, terms.at);
+    evaluate_joints(system, terms);
+    evaluate_gaps(system, terms);
+    evaluate_closed(system, 1e9, terms);
+    return terms;
+  }
+  Eigen::VectorXd moved(double by, const Eigen::VectorXd& along) {
+    Eigen::VectorXd q;
+    move<Spatial>(x.q, by * along, q);
+    return q;
+  }
+};
+
+constexpr double kStep = 1e-5;
+
+}  // namespace
+
+TEST_CASE("rows of spatial joints are the derivatives of their residuals, biases those of their rates") {
+  for (const BodyId other : {1, kGround})
+    for (const bool first : {true, false})
+      for (const spatial::Joint& joint : first ? joints(0, other) : joints(other, 0)) {
+        CAPTURE(std::visit([](const auto& j) { return j.name; }, joint));
+        spatial::Scene scene = two_bodies();
+        scene.joint(joint);
+        Fixture f(scene);
+        const std::vector<RowOf<Spatial>> G = f.at(f.x.q).G;
+        evaluate_biases(f.system, f.terms);
+        const Eigen::VectorXd bias = f.terms.joint_bias;
+        for (Index k = 0; k < 12; ++k) {
+          const Eigen::VectorXd unit = Eigen::VectorXd::Unit(12, k);
+          const Eigen::VectorXd after = f.at(f.moved(kStep, unit)).phi, before = f.at(f.moved(-kStep, unit)).phi;
+          for (std::size_t i = 0; i < G.size(); ++i) {
+            const auto r = static_cast<Index>(i);
+            CHECK(std::abs((after[r] - before[r]) / (2 * kStep) - apply(G[i], unit.data())) < 1e-9);
+          }
+        }
+        const std::vector<RowOf<Spatial>> after = f.at(f.moved(kStep, f.x.v)).G, before = f.at(f.moved(-kStep, f.x.v)).G;
+        for (std::size_t i = 0; i < G.size(); ++i)
+          CHECK(std::abs((apply(after[i], f.x.v.data()) - apply(before[i], f.x.v.data())) / (2 * kStep) -
+                         bias[static_cast<Index>(i)]) < 1e-7);
+      }
+}
+
+TEST_CASE("normal rows of spatial contacts are the derivatives of their gaps, tangents are at right angles") {
+  using namespace spatial;
+  const std::vector<spatial::Contact> contacts = {
+      SpherePlane{"sphere", 0, some(1), 0.3, 1, some(2), some(3).normalized(), {.mu = 0.5}},
+      SpherePlane{"corner", 0, some(1), 0, kGround, some(2), some(3).normalized(), {.mu = 0.5}},
+      SphereSphere{"spheres", 0, some(4), 0.3, 1, some(5), 0.4, {.mu = 0.5}},
+      Socket{"socket", 1, some(6), 0.3, 0, some(7), 0.4, {.mu = 0.5}},
+      spatial::Limit{"rope", spatial::Span{0, 1, some(8), some(9)}, spatial::Limit::Side::upper, 1, {}}};
+  for (const spatial::Contact& contact : contacts) {
+    CAPTURE(std::visit([](const auto& c) { return c.name; }, contact));
+    spatial::Scene scene = two_bodies();
+    scene.contact(contact);
+    Fixture f(scene);
+    const ContactRowsOf<Spatial> rows = f.at(f.x.q).closed.at(0).rows;
+    for (Index k = 0; k < 12; ++k) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(12, k);
+      const double after = f.at(f.moved(kStep, unit)).gap[0], before = f.at(f.moved(-kStep, unit)).gap[0];
+      CHECK(std::abs((after - before) / (2 * kStep) - apply(rows.normal, unit.data())) < 1e-9);
+    }
+    if (std::holds_alternative<spatial::Limit>(contact)) continue;
+    const BodyId body = rows.normal.a;
+    const Vector3d n = push_on(rows.normal, body), t1 = push_on(rows.tangents[0], body),
+                   t2 = push_on(rows.tangents[1], body);
+    Eigen::Matrix3d frame;
+    frame << n, t1, t2;
+    CHECK((frame.transpose() * frame - Eigen::Matrix3d::Identity()).norm() < 1e-14);
+    CHECK(frame.determinant() > 0);
+    // Slip is what both surfaces do at one point of the world: a common motion of both bodies has none.
+    const Vector3d v = some(50), omega = some(51);
+    Eigen::VectorXd common(12);
+    const KinematicsOf<Spatial> at = poses_of(f.system, f.x);
+    for (int i = 0; i < 2; ++i) {
+      translation<Spatial>(common, i) = v + omega.cross(at.at(i).x);
+      rotation<Spatial>(common, i) = at.at(i).axes.transpose() * omega;
+    }
+    if (rows.normal.a >= 0 && rows.normal.b >= 0) CHECK(size_of(slip_rate(rows, common.data())) < 1e-14);
+  }
+}
+
+TEST_CASE("the force of a spatial spring is minus the derivative of its energy") {
+  using namespace spatial;
+  const Vector3d z = some(60).normalized();
+  const std::vector<spatial::Spring> springs = {
+      spatial::PointSpring{"point", 0, 1, some(1), some(2), 3, 0, 0.2},
+      spatial::JointSpring{"slide", spatial::Slide{0, 1, some(3), some(4), z}, 3, 0, 0.1}};
+  for (const spatial::Spring& spring : springs) {
+    spatial::Scene scene = two_bodies();
+    scene.spring(spring);
+    Fixture f(scene);
+    const auto energy_at = [&](const Eigen::VectorXd& q) {
+      set_poses(f.system, 0, q, f.terms.at);
+      return std::visit([&](const auto& s) { return s.evaluate(f.terms.at, f.x.v.data()); }, spring);
+    };
+    const SpringStateOf<Spatial> here = energy_at(f.x.q);
+    for (Index k = 0; k < 12; ++k) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(12, k);
+      const double slope =
+          (energy_at(f.moved(kStep, unit)).energy - energy_at(f.moved(-kStep, unit)).energy) / (2 * kStep);
+      CHECK(std::abs(slope - here.tension * apply(here.row, unit.data())) < 1e-8);
+    }
+  }
+}
+
+TEST_CASE("a load in the body's frame turns with it, and its moment is about the centre of mass") {
+  spatial::Scene scene = two_bodies();
+  scene.load({.name = "world", .body = 0, .point = some(1), .force = some(2), .moment = some(3)});
+  scene.load({.name = "body",
+              .body = 1,
+              .point = some(1),
+              .force = some(2),
+              .moment = some(3),
+              .frame = spatial::Frame::body,
+              .factor = [](double t) { return 2 * t; }});
+  const SpatialSystem system(scene);
+  const State x = system.initial_state();
+  TermsOf<Spatial> terms(system);
+  set_poses(system, 0.5, x.q, terms.at);
+  evaluate_forces(system, 0.5, x.v, terms);
+  const auto check = [&](int i, const Vector3d& force, const Vector3d& moment) {
+    const Vector3d r = terms.at.at(i).turn(some(1));
+    CHECK((translation<Spatial>(terms.f, i) - force).norm() < 1e-14);
+    CHECK((terms.at.at(i).axes * rotation<Spatial>(terms.f, i) - moment - r.cross(force)).norm() < 1e-14);
+  };
+  check(0, some(2), some(3));
+  check(1, terms.at.at(1).turn(some(2)), terms.at.at(1).turn(some(3)));
+}
+
+TEST_CASE("angles in space are those of the plane where both axes are z, and are followed through full turns") {
+  spatial::Unwrapped turns;
+  double last = 0;
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = 0.01 * i, angle = 7 * t + 0.5 * std::sin(3 * t), rate = 7 + 1.5 * std::cos(3 * t);
+    spatial::Kinematics k;
+    k.pose.resize(2);
+    k.pose[0].R = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+    last = turns.add(t, spatial::Angle{kGround, 0}.value(k), rate);
+    REQUIRE(std::abs(last - angle) < 1e-12);
+  }
+  CHECK(last > 60);
+}
+
+TEST_CASE("spatial scenes are checked: element, field, value and rule") {
+  const auto refusal = [](auto&& spoil) -> std::string {
+    spatial::Scene scene = two_bodies();
+    scene.joint(spatial::Revolute{"pin", 0, 1});
+    scene.contact(spatial::SpherePlane{.name = "floor", .a = 0});
+    spoil(scene);
+    try {
+      spatial::check(scene);
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  using Scene = spatial::Scene;
+  CHECK(refusal([](Scene&) {}).empty());
+  CHECK(refusal([](Scene& s) { s.bodies[0].mass = 0; }) == "body \"body1\": mass = 0: must be > 0");
+  CHECK(refusal([](Scene& s) { s.bodies[1].inertia = Vector3d(1, 1, 3).asDiagonal(); }) ==
+        "body \"body2\": inertia = (1, 1, 3): must be that of a body: no principal moment larger than the sum of the "
+        "others");
+  CHECK(refusal([](Scene& s) { s.bodies[1].inertia(0, 1) += 1; }).find("must be symmetric") != std::string::npos);
+  CHECK(refusal([](Scene& s) { s.bodies[0].orientation = {1, 1, 0, 0}; }) ==
+        "body \"body1\": orientation = (1, 1, 0, 0): must be a unit quaternion");
+  CHECK(refusal([](Scene& s) { std::get<spatial::Revolute>(s.joints[0]).axis_b = {0, 0, 2}; }) ==
+        "joint \"pin\": axis_b = (0, 0, 2): must be a unit vector");
+  CHECK(refusal([](Scene& s) { std::get<spatial::Revolute>(s.joints[0]).b = 0; }) ==
+        "joint \"pin\": joins body \"body1\" to itself: must be two different bodies");
+  CHECK(refusal([](Scene& s) { std::get<spatial::SpherePlane>(s.contacts[0]).radius = -1; }) ==
+        "contact \"floor\": radius = -1: must be >= 0");
+  CHECK(refusal([](Scene& s) { std::get<spatial::SpherePlane>(s.contacts[0]).law.belt = 1; }).find("planar only") !=
+        std::string::npos);
+  CHECK(refusal([](Scene& s) { s.bodies.clear(); }) == "scene: has no bodies: must have at least one");
+}
