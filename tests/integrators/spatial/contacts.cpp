@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <numbers>
+
 using namespace orthant;
 
 namespace {
@@ -77,9 +79,9 @@ TEST_CASE("two spheres with friction: throw of a cue ball, sticking and slipping
   // over m is (1 / (2 · 7/2)) sin φ where it sticks, μ cos φ where it slips.
   for (const auto& [cut, thrown] : {std::pair{15.0, 0.0369741493}, std::pair{30.0, 0.0519615242}}) {
     CAPTURE(cut);
-    const double phi = cut * EIGEN_PI / 180, R = 0.03;
+    const double phi = cut * std::numbers::pi / 180, R = 0.03;
     spatial::Scene s;
-    const Matrix3d J = Vector3d::Constant(0.4 * R * R).asDiagonal();
+    const Eigen::Matrix3d J = Vector3d::Constant(0.4 * R * R).asDiagonal();
     s.body({.name = "cue",
             .inertia = J,
             .position = {-2 * R - 0.01 * std::cos(phi), -0.01 * std::sin(phi), 0},
@@ -101,7 +103,7 @@ TEST_CASE("a ball in a socket with clearance swings like a pendulum of the lengt
   s.body({.name = "ball", .position = play * Vector3d(std::sin(tilt), 0, -std::cos(tilt))});
   s.contact(spatial::Socket{"socket", 0, {0, 0, 0}, 0.4, kGround, {0, 0, 0}, 0.5, {}});
   const SpatialSystem system(s);
-  const double period = 2 * EIGEN_PI * std::sqrt(play / 9.81) * (1 + tilt * tilt / 16);
+  const double period = 2 * std::numbers::pi * std::sqrt(play / 9.81) * (1 + tilt * tilt / 16);
   const Run run = run_in_space(system, "moreau-jean", period / 4000, period);
   CHECK(std::abs(run.final.q[0] - play * std::sin(tilt)) < 2e-5 * play);
   CHECK(run.max_penetration < 1e-6);
@@ -116,8 +118,8 @@ TEST_CASE("a box slides across a slope: friction opposes the whole slip, and it 
                            .inertia = Vector3d(1.0 / 6, 1.0 / 6, 1.0 / 6).asDiagonal(),
                            .position = {0, 0, 0.1},
                            .velocity = {0.3, 0.4, 0}});
-  s.contact_set(spatial::corners_plane({.name = "floor", .a = box, .law = {.mu = 0.5}},
-                                       spatial::box_corners({0.5, 0.5, 0.1})));
+  s.contact_set(
+      spatial::corners_plane({.name = "floor", .a = box, .law = {.mu = 0.5}}, spatial::box_corners({0.5, 0.5, 0.1})));
   const SpatialSystem system(s);
   const Run run = run_in_space(system, "moreau-jean", h, 0.5);
   CHECK((Vector3d(place_of<Spatial>(run.final.q, 0)) - Vector3d(0.015, 0.02, 0.1)).norm() < 1e-6);
@@ -126,8 +128,9 @@ TEST_CASE("a box slides across a slope: friction opposes the whole slip, and it 
 
 TEST_CASE("integrators that take planar scenes only say so") {
   const SpatialSystem system(masse());
-  CHECK_THROWS_WITH_AS(static_cast<void>(make_integrator("rattle", system)),
-                       "integrator rattle: takes planar scenes only: must be one of moreau-jean, stewart-trinkle, paoli-schatzman "
-                       "for dimension = 3",
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      static_cast<void>(make_integrator("rattle", system)),
+      "integrator rattle: takes planar scenes only: must be one of moreau-jean, stewart-trinkle, paoli-schatzman "
+      "for dimension = 3",
+      std::invalid_argument);
 }

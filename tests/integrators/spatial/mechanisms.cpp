@@ -97,7 +97,7 @@ TEST_CASE("the flyball governor on stiff springs: order 2") {
   const auto k = poses_of(system, run.final);
   const double s = std::get<spatial::Prismatic>(system.scene().joints[1]).displacement().value(k);
   CHECK(std::abs(s - 0.619622917061) < 1e-5);
-  for (const std::size_t hinge : {2, 3})
+  for (const std::size_t hinge : {2UL, 3UL})
     CHECK(std::abs(std::get<spatial::Revolute>(system.scene().joints[hinge]).angle().value(k) - 0.390073701845) < 1e-5);
 }
 

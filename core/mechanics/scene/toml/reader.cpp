@@ -4,9 +4,8 @@ namespace orthant::scene_file {
 
 Scene Reader::scene() {
   Fields top(root_, "", file_);
-  double dimension = 2;
-  top.maybe("dimension", dimension);
-  if (dimension != 2) top.refuse("dimension", *root_.get("dimension"), "2 here, or 3 where scenes in space are taken");
+  if (const toml::node* dimension = root_.get("dimension"); dimension != nullptr && dimension->value<double>() != 2)
+    top.refuse("dimension", *dimension, "2 here, or 3 where scenes in space are taken");
   top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
   top.maybe("assemble", scene_.assemble);
   top.choice("restitution", scene_.restitution, kRestitutionNames);
@@ -19,6 +18,7 @@ Scene Reader::scene() {
   each(top, "friction", [&](Fields& f) { friction(f); });
   each(top, "spring", [&](Fields& f) { spring(f); });
   each(top, "load", [&](Fields& f) { load(f); });
+  top.find("dimension");
   top.done();
   try {
     check(scene_);

@@ -40,9 +40,9 @@ TEST_CASE("a step moves a pose by the velocity in body axes, and between() finds
   for (Eigen::Index i = 0; i < 2; ++i) {
     const Eigen::Matrix3d R = quaternions::matrix_of(quaternion(q, i));
     CHECK((place_of<Spatial>(there, i) - place_of<Spatial>(q, i) - translation<Spatial>(step, i)).norm() < 1e-15);
-    CHECK((quaternions::matrix_of(quaternion(there, i)) - R * by_axis(rotation<Spatial>(step, i)))
-              .cwiseAbs()
-              .maxCoeff() < 2e-15);
+    CHECK(
+        (quaternions::matrix_of(quaternion(there, i)) - R * by_axis(rotation<Spatial>(step, i))).cwiseAbs().maxCoeff() <
+        2e-15);
   }
   CHECK((between<Spatial>(q, there) - step).norm() < 1e-14);
   move<Spatial>(q, step);
