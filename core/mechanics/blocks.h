@@ -100,9 +100,13 @@ template <class Space = Planar> double largest_motion(const Eigen::VectorXd& v, 
   }
 }
 /// The largest |rotation| of all bodies.
-inline double largest_rotation(const Eigen::VectorXd& x) {
+template <class Space = Planar> double largest_rotation(const Eigen::VectorXd& x) {
   double most = 0;
-  for (Eigen::Index i = 2; i < x.size(); i += kBlock) most = std::max(most, std::abs(x[i]));
+  if constexpr (kPlanar<Space>)
+    for (Eigen::Index i = 2; i < x.size(); i += kBlock) most = std::max(most, std::abs(x[i]));
+  else
+    for (Eigen::Index i = 0; i < x.size() / Space::kVelocities; ++i)
+      most = std::max(most, rotation<Space>(x, i).norm());
   return most;
 }
 

@@ -28,7 +28,7 @@ template <class Space> struct KinematicsOf;
 namespace detail {
 
 /// Σ j_k v_k, the first one first.
-template <std::size_t n> double sum_of_products(const std::array<double, n>& j, const double* v) {
+template <std::size_t n> inline double sum_of_products(const std::array<double, n>& j, const double* v) {
   return [&]<std::size_t... k>(std::index_sequence<k...>) { return (... + (j[k] * v[k])); }
   (std::make_index_sequence<n>{});
 }
@@ -36,7 +36,7 @@ template <std::size_t n> double sum_of_products(const std::array<double, n>& j, 
 }  // namespace detail
 
 /// J v of one row.
-template <class Space> double apply(const RowOf<Space>& row, const double* v) {
+template <class Space> inline double apply(const RowOf<Space>& row, const double* v) {
   double sum = 0;
   if (row.a >= 0) sum += detail::sum_of_products(row.ja, v + Space::kVelocities * row.a);
   if (row.b >= 0) sum += detail::sum_of_products(row.jb, v + Space::kVelocities * row.b);
@@ -44,7 +44,7 @@ template <class Space> double apply(const RowOf<Space>& row, const double* v) {
 }
 
 /// f += Jᵀ λ of one row.
-template <class Space> void apply_transposed(const RowOf<Space>& row, double lambda, double* f) {
+template <class Space> inline void apply_transposed(const RowOf<Space>& row, double lambda, double* f) {
   constexpr int n = Space::kVelocities;
   if (row.a >= 0)
     for (int k = 0; k < n; ++k) f[n * row.a + k] += row.ja[static_cast<std::size_t>(k)] * lambda;
@@ -53,8 +53,8 @@ template <class Space> void apply_transposed(const RowOf<Space>& row, double lam
 }
 
 /// v += M⁻¹ Jᵀ λ of one row. inverse_mass: the diagonal of M⁻¹.
-template <class Space>
-void apply_impulse(const RowOf<Space>& row, double lambda, const Eigen::VectorXd& inverse_mass, Eigen::VectorXd& v) {
+template <class Space> inline void apply_impulse(const RowOf<Space>& row, double lambda,
+                                                 const Eigen::VectorXd& inverse_mass, Eigen::VectorXd& v) {
   constexpr int n = Space::kVelocities;
   const auto push = [&](BodyId body, const typename RowOf<Space>::Entries& j) {
     for (int k = 0; body >= 0 && k < n; ++k)
@@ -65,7 +65,7 @@ void apply_impulse(const RowOf<Space>& row, double lambda, const Eigen::VectorXd
 
 /// J_i M⁻¹ J_jᵀ of two rows; of a row with itself: the inverse of its effective mass without joints.
 template <class Space>
-double coupling(const RowOf<Space>& i, const RowOf<Space>& j, const Eigen::VectorXd& inverse_mass) {
+inline double coupling(const RowOf<Space>& i, const RowOf<Space>& j, const Eigen::VectorXd& inverse_mass) {
   using Entries = typename RowOf<Space>::Entries;
   constexpr int n = Space::kVelocities;
   double sum = 0;
@@ -78,25 +78,25 @@ double coupling(const RowOf<Space>& i, const RowOf<Space>& j, const Eigen::Vecto
 }
 
 /// `by` times the row.
-template <class Space> RowOf<Space> scaled(RowOf<Space> row, double by) {
+template <class Space> inline RowOf<Space> scaled(RowOf<Space> row, double by) {
   for (std::size_t k = 0; k < Space::kVelocities; ++k) row.ja[k] *= by, row.jb[k] *= by;
   return row;
 }
 
 /// Whether both rows act on the same bodies, in the same order.
-template <class Space> bool same_bodies(const RowOf<Space>& row, const RowOf<Space>& other) {
+template <class Space> inline bool same_bodies(const RowOf<Space>& row, const RowOf<Space>& other) {
   return row.a == other.a && row.b == other.b;
 }
 
 /// row + factor · other, of rows that act on the same bodies.
-template <class Space> RowOf<Space> combined(RowOf<Space> row, double factor, const RowOf<Space>& other) {
+template <class Space> inline RowOf<Space> combined(RowOf<Space> row, double factor, const RowOf<Space>& other) {
   for (std::size_t k = 0; k < Space::kVelocities; ++k)
     row.ja[k] += factor * other.ja[k], row.jb[k] += factor * other.jb[k];
   return row;
 }
 
 /// sum += factor · row. `sum` has the bodies that `row` acts on, in either order.
-template <class Space> void add_to(RowOf<Space>& sum, double factor, const RowOf<Space>& row) {
+template <class Space> inline void add_to(RowOf<Space>& sum, double factor, const RowOf<Space>& row) {
   const auto put = [&](BodyId body, const typename RowOf<Space>::Entries& j) {
     if (body < 0) return;
     auto& to = body == sum.a ? sum.ja : sum.jb;
@@ -106,13 +106,13 @@ template <class Space> void add_to(RowOf<Space>& sum, double factor, const RowOf
 }
 
 /// Whether all entries are zero.
-template <class Space> bool zero(const RowOf<Space>& row) {
+template <class Space> inline bool zero(const RowOf<Space>& row) {
   constexpr typename RowOf<Space>::Entries none{};
   return row.ja == none && row.jb == none;
 }
 
 /// The same bodies, all entries zero.
-template <class Space> RowOf<Space> blank(const RowOf<Space>& row) { return {row.a, row.b, {}, {}}; }
+template <class Space> inline RowOf<Space> blank(const RowOf<Space>& row) { return {row.a, row.b, {}, {}}; }
 
 /// Calls f(place in v, entry) over the entries of the row, those of its two bodies by turns.
 template <class Space, class F> void each_entry(const RowOf<Space>& row, F&& f) {
@@ -125,7 +125,8 @@ template <class Space, class F> void each_entry(const RowOf<Space>& row, F&& f) 
 }
 
 /// Appends the entries to a sparse matrix row by row; places ascend.
-template <class Space> void append_to(std::vector<int>& place, std::vector<double>& value, const RowOf<Space>& row) {
+template <class Space>
+inline void append_to(std::vector<int>& place, std::vector<double>& value, const RowOf<Space>& row) {
   constexpr int n = Space::kVelocities;
   const auto push = [&](BodyId body, const typename RowOf<Space>::Entries& j) {
     for (int k = 0; body >= 0 && k < n; ++k)
@@ -138,7 +139,7 @@ template <class Space> void append_to(std::vector<int>& place, std::vector<doubl
 }
 
 /// The direction in which an impulse of the row pushes the centre of `body`, one of its two.
-template <class Space> typename Space::Vector push_on(const RowOf<Space>& row, BodyId body) {
+template <class Space> inline typename Space::Vector push_on(const RowOf<Space>& row, BodyId body) {
   const auto& j = row.a == body ? row.ja : row.jb;
   if constexpr (kPlanar<Space>)
     return {j[0], j[1]};

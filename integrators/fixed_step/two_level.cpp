@@ -6,11 +6,12 @@
 
 namespace orthant {
 
-TwoLevel::TwoLevel(const System& system, std::string_view name, const Capabilities& can)
-    : Integrator(system, name, can),
+template <class Space>
+TwoLevelOf<Space>::TwoLevelOf(const System& system, std::string_view name, const Capabilities& can)
+    : IntegratorOf<Space>(system, name, can),
       start_(system),
       end_(system),
-      q_end_(system.dof()),
+      q_end_(system.coordinates()),
       basic_(system),
       geometric_(system),
       far_(system.assembly()),
@@ -29,37 +30,40 @@ TwoLevel::TwoLevel(const System& system, std::string_view name, const Capabiliti
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
 }
 
-void TwoLevel::remember(Memory& memory) {
+template <class Space> void TwoLevelOf<Space>::remember(Memory& memory) {
   memory(positions_, velocities_, q_frozen_, off_before_, part_);
   basic_.forget();
 }
 
-void TwoLevel::begin() {
+template <class Space> void TwoLevelOf<Space>::begin() {
   velocities_.clear();
   shown_ = &velocities_;
   why_.clear();
 }
 
-bool TwoLevel::factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report) {
+template <class Space>
+bool TwoLevelOf<Space>::factorize(Terms& terms, double stiffness_weight, double damping_weight, StepReport& report) {
   evaluate_joint_rows(system_, terms);
   stiffness_weight_ = stiffness_weight, damping_weight_ = damping_weight;
   return basic_.factorize(system_, terms, stiffness_weight, damping_weight, stiffened_ ? &added_ : nullptr) ||
          fail(report, Status::numerical_error, "the joints' matrix is not finite");
 }
 
-bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
+template <class Space>
+bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, Solver& solver, StepReport& report) {
   constexpr int kIterations = 50;
   constexpr double kRounded = 1e3;  // of rounding: heavy bodies on light ones magnify it, no iterate comes nearer
-  move(x.q, path, q_end_);
-  far_.measure([&](Index i) { return std::max(largest_entry(x.q, i), largest_entry(q_end_, i)); });
-  if (broad_phase_
-          .any()) {  // what contacts add to the path is no longer than the longest: bodies do not overlap deeper
-    set_poses(system_, x.t + h, q_end_, end_.at);
-    if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
-    if (!broad_phase_.find(2 * path, end_, BroadPhase::Reach::farthest))
-      return fail(report, Status::numerical_error, broad_phase_.why());
-    start_.pairs = end_.pairs;
-  }
+  move<Space>(x.q, path, q_end_);
+  far_.measure(
+      [&](Index i) { return std::max(largest_coordinate<Space>(x.q, i), largest_coordinate<Space>(q_end_, i)); });
+  if constexpr (kPlanar<Space>)
+    if (broad_phase_.any()) {  // contacts add to the path no more than the longest: bodies do not overlap deeper
+      set_poses(system_, x.t + h, q_end_, end_.at);
+      if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
+      if (!broad_phase_.find(2 * path, end_, BroadPhase::Reach::farthest))
+        return fail(report, Status::numerical_error, broad_phase_.why());
+      start_.pairs = end_.pairs;
+    }
   start_.closed.clear();
   std::fill(has_rows_.begin(), has_rows_.end(), false);
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
@@ -72,7 +76,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
   Mismatch left;
   for (int i = 0; i < kIterations;) {
-    move(x.q, path, q_end_);
+    move<Space>(x.q, path, q_end_);
     set_poses(system_, x.t + h, q_end_, end_.at);
     evaluate_joint_residual(system_, end_);
     evaluate_gaps(system_, end_);
@@ -98,7 +102,7 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
       for (std::size_t k = 0; k < wanted_.size(); ++k) {
         const ClosedContact& c = start_.closed[k];
         wanted_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
-        wanted_[k].tangent = h * system_.law(c.contact).belt;
+        wanted_[k].tangent = h * belt_of<Space>(system_.law(c.contact));
       }
       if (more)
         positions_.formulate(start_, basic_, wanted_, free_, rate_);
@@ -114,9 +118,12 @@ bool TwoLevel::reach(double h, const State& x, Eigen::VectorXd& path, Solver& so
               "the position stage does not converge: joints and gaps are left at " + detail::text_of(left.size) + " m");
 }
 
-void TwoLevel::freeze_poses(bool swings) {
-  if (q_frozen_.size() == 0) q_frozen_ = off_before_ = q_end_;
-  off_ = between(q_frozen_, q_end_);
+template <class Space> void TwoLevelOf<Space>::freeze_poses(bool swings) {
+  if (q_frozen_.size() == 0) {
+    q_frozen_ = q_end_;
+    off_before_ = q_end_.head(system_.dof());  // no part of it counts yet
+  }
+  off_ = between<Space>(q_frozen_, q_end_);
   off_before_ -= off_;
   const double moved = off_before_.squaredNorm();
   if (!swings || !(moved > 0))
@@ -124,11 +131,11 @@ void TwoLevel::freeze_poses(bool swings) {
   else
     part_ = std::clamp(part_ * (off_before_ + off_).dot(off_before_) / moved, 1.0 / 64, 1.0);
   off_before_ = off_;
-  move(q_frozen_, part_ * off_);
+  move<Space>(q_frozen_, part_ * off_);
   if (part_ < 1) set_poses(system_, start_.at.t, q_frozen_, start_.at);
 }
 
-bool TwoLevel::freeze_here(bool swings, StepReport& report) {
+template <class Space> bool TwoLevelOf<Space>::freeze_here(bool swings, StepReport& report) {
   start_.at.pose = end_.at.pose, start_.at.t = end_.at.t;
   freeze_poses(swings);
   start_.closed.swap(end_.closed);
@@ -137,7 +144,7 @@ bool TwoLevel::freeze_here(bool swings, StepReport& report) {
   return factorize(start_, stiffness_weight_, damping_weight_, report);
 }
 
-bool TwoLevel::close_gaps() {
+template <class Space> bool TwoLevelOf<Space>::close_gaps() {
   const double zero = touching(far_.largest());
   bool more = false;
   for (int i = 0; i < system_.contacts(); ++i) {
@@ -150,7 +157,7 @@ bool TwoLevel::close_gaps() {
   return more;
 }
 
-TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
+template <class Space> typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::mismatch(double accuracy) const {
   constexpr double kOfPlaces = 1e-14, kOfGaps = 10;
   Mismatch m;
   const auto note = [&](double off, double rounding, double allowed) {
@@ -171,17 +178,22 @@ TwoLevel::Mismatch TwoLevel::mismatch(double accuracy) const {
   return m;
 }
 
-bool TwoLevel::solve(Formulation& formulation, Solver& solver, StepReport& report) {
+template <class Space> bool TwoLevelOf<Space>::solve(Formulation& formulation, Solver& solver, StepReport& report) {
   if (formulation.size() > 0) shown_ = &formulation;
   if (formulation.solve(solver, report, crew())) return true;
   why_ = formulation.contradiction();
   return false;
 }
 
-void TwoLevel::hand_over(const State& x) {
+template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   constexpr double kOfPath = 1e-8;
   carrying_.clear();
-  path_.measure([&](Index i) { return largest_translation(between(x.q, q_end_), i); });
+  path_.measure([&](Index i) {
+    if constexpr (kPlanar<Space>)
+      return largest_translation(between(x.q, q_end_), i);
+    else
+      return (place_of<Space>(q_end_, i) - place_of<Space>(x.q, i)).cwiseAbs().maxCoeff();
+  });
   for (int i = 0; i < system_.contacts(); ++i) {
     bool touches = impulses_[static_cast<std::size_t>(i)].normal > 0;
     if (!touches && end_.gap[i] < kInf) {  // rounding, of what was far out before, too, does not decide who strikes now
@@ -196,13 +208,13 @@ void TwoLevel::hand_over(const State& x) {
   newtons_law(system_.laws(), start_, x.v, wanted_);
   restrict_to_strikes(wanted_);
   for (std::size_t k = 0; k < wanted_.size(); ++k) {  // the work is that of the rows at the end
-    const ContactRows& rows = end_.closed[k].rows;
+    const auto& rows = end_.closed[k].rows;
     wanted_[k].approach = apply(rows.normal, x.v.data());
-    wanted_[k].slip_before = apply(rows.tangent, x.v.data()) - wanted_[k].law->belt;
+    wanted_[k].slip_before = slip_rate(rows, x.v.data()) - belt_of<Space>(*wanted_[k].law);
   }
 }
 
-bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+template <class Space> bool TwoLevelOf<Space>::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   note_forces(end_, v, wanted_);
   velocities_.anchor(end_.at.t, q_end_);
   velocities_.formulate(end_, basic_, wanted_, v, rate_);
@@ -213,12 +225,12 @@ bool TwoLevel::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   return true;
 }
 
-void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report) {
+template <class Space> void TwoLevelOf<Space>::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report) {
   if (!q_end_.allFinite() || !v.allFinite()) {
     fail(report, Status::numerical_error, "the motion is not finite");
     return;
   }
-  report.joint_residual = end_.phi.size() > 0 ? end_.phi.lpNorm<Eigen::Infinity>() : 0;
+  report.joint_residual = end_.phi.size() > 0 ? end_.phi.template lpNorm<Eigen::Infinity>() : 0;
   if (!(joints_off(end_, q_end_, far_) <= kJointsHold)) {  // a path as long as one may wish excuses no end of it
     fail(
         report, Status::numerical_error,
@@ -229,10 +241,13 @@ void TwoLevel::arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report
     report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
-  report.passage = passing_.find(x.q, q_end_, end_);
+  if constexpr (kPlanar<Space>) report.passage = passing_.find(x.q, q_end_, end_);
   x.t += h;
   x.q.swap(q_end_);
   x.v.swap(v);
 }
+
+template class TwoLevelOf<Planar>;
+template class TwoLevelOf<Spatial>;
 
 }  // namespace orthant

@@ -20,18 +20,34 @@
 #include <orthant/core/mechanics/dynamics/geometric_stiffness.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/step/in_plane.h>
 #include <orthant/integrators/step/magnitudes.h>
 
 namespace orthant {
 
-class TwoLevel : public Integrator {
+template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
  public:
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+  using ClosedContact = ClosedContactOf<Space>;
+  using Formulation = FormulationOf<Space>;
+
   void remember(Memory& memory) override;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return end_.pairs; }
 
  protected:
-  TwoLevel(const System& system, std::string_view name, const Capabilities& can);
+  using IntegratorOf<Space>::system_;
+  using IntegratorOf<Space>::gaps_;
+  using IntegratorOf<Space>::impulses_;
+  using IntegratorOf<Space>::frictions_;
+  using IntegratorOf<Space>::why_;
+  using IntegratorOf<Space>::touching;
+  using IntegratorOf<Space>::fail;
+  using IntegratorOf<Space>::crew;
+
+  TwoLevelOf(const System& system, std::string_view name, const Capabilities& can);
 
   void begin();  // nothing solved, nothing said
 
@@ -60,8 +76,8 @@ class TwoLevel : public Integrator {
 
   Terms start_, end_;      // where rows are frozen; at q_end_
   Eigen::VectorXd q_end_;  // x.q, moved by the path of the last iterate
-  BasicSystem basic_;
-  GeometricStiffness geometric_;
+  BasicSystemOf<Space> basic_;
+  InPlane<Space, GeometricStiffness> geometric_;
   Eigen::VectorXd added_;   // dof: to M, of the joints' geometric stiffness
   bool stiffened_ = false;  // that counts
   Extents far_, path_;      // [m] of the coordinates at hand; of the step
@@ -78,16 +94,19 @@ class TwoLevel : public Integrator {
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
-  BroadPhase broad_phase_;
-  Passing passing_;
+  InPlane<Space, BroadPhase> broad_phase_;
+  InPlane<Space, Passing> passing_;
   Formulation positions_, velocities_;
   const Formulation* shown_;  // by problem()
   double stiffness_weight_ = 0, damping_weight_ = 0;
-  std::vector<Wanted> wanted_;
+  std::vector<WantedOf<Space>> wanted_;
   std::vector<int> carrying_;
   Eigen::VectorXd free_;
   Eigen::VectorXd q_frozen_, off_, off_before_;  // of start_.at; q_end_ from there, now and a pass before
   double part_ = 1;                              // of off_ that is gone
 };
+extern template class TwoLevelOf<Planar>;
+extern template class TwoLevelOf<Spatial>;
+using TwoLevel = TwoLevelOf<Planar>;
 
 }  // namespace orthant

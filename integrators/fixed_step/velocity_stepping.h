@@ -24,6 +24,7 @@
 #include <orthant/integrators/step/formulate.h>
 #include <orthant/integrators/step/gyroscopic.h>
 #include <orthant/integrators/step/impact.h>
+#include <orthant/integrators/step/in_plane.h>
 #include <orthant/integrators/step/magnitudes.h>
 #include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/step/sleep.h>
@@ -46,14 +47,6 @@ struct VelocitySteppingOptions {
     v("joints", joints, kJointsNames), v("form", form, kFormNames);
     v("sleep_after", sleep.after, 0.0, 1e9), v("sleep_speed", sleep.speed, 0.0, 1e3);
   }
-};
-
-/// In space: no search for pairs, no sleep, no detection of tunnelling, no geometric stiffness.
-template <class Space> struct NotInSpace {
-  template <class... T> explicit NotInSpace(const SystemOf<Space>& /*system*/, const T&... /*more*/) {}
-  static constexpr bool possible() { return false; }
-  static constexpr bool any() { return false; }
-  void remember(Memory& /*memory*/) {}
 };
 
 template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
@@ -144,24 +137,21 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   bool settle(double t, StepReport& report);
 
   Plan plan_;
-  double share_;  // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
-  /// Parts that scenes in space have not.
-  template <class Part> using InPlane = std::conditional_t<kPlanar<Space>, Part, NotInSpace<Space>>;
-
+  double share_;       // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
   BasicSystem basic_;  // of the step: with joints in the reduced form
   ProjectionOf<Space> projection_;
   ImpactOf<Space> impact_;
   Extents near_;  // [m]
-  InPlane<BroadPhase> broad_phase_;
-  InPlane<Sleep> sleep_;
-  InPlane<Passing> passing_;
+  InPlane<Space, BroadPhase> broad_phase_;
+  InPlane<Space, Sleep> sleep_;
+  InPlane<Space, Passing> passing_;
   FormulationOf<Space> formulation_;
   const FormulationOf<Space>* shown_;            // by problem()
   std::vector<Taken> taken_;                     // by contacts that the scheme pushed
   std::vector<JointLoadOf<Space>> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;                    // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;
-  InPlane<GeometricStiffness> geometric_;
+  InPlane<Space, GeometricStiffness> geometric_;
   Eigen::VectorXd added_, carried_;          // dof: to M, in this step; by the impulses of the last
   bool stiffened_ = false;                   // M̂ has added_
   std::optional<BasicSystem> joined_basic_;  // of the full form, to find the joints' forces

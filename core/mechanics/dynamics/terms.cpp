@@ -195,6 +195,13 @@ template <class Space> void evaluate_biases(const SystemOf<Space>& system, Terms
           with_contact(system, terms, closed.contact, [&](const auto& c) { return c.bias(terms.at); }));
 }
 
+void add_gyroscopic(const SystemOf<Spatial>& system, const Eigen::VectorXd& v, Eigen::VectorXd& f) {
+  for (Eigen::Index i = 0; i < system.bodies(); ++i) {
+    const Vector3d omega = rotation<Spatial>(v, i), J = rotation<Spatial>(system.mass(), i);
+    rotation<Spatial>(f, i) -= omega.cross(J.cwiseProduct(omega));
+  }
+}
+
 #define ORTHANT_TERMS(Space)                                                                                 \
   template struct TermsOf<Space>;                                                                            \
   template void set_twists(const SystemOf<Space>&, const Eigen::VectorXd&, KinematicsOf<Space>&);            \

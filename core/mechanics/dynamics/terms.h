@@ -53,7 +53,7 @@ template <class Space>
 void set_twists(const SystemOf<Space>& system, const Eigen::VectorXd& v, KinematicsOf<Space>& at);
 
 /// Each reads terms.at; what needs velocities reads twists too. All in the order of the scene.
-/// Weight, loads and springs; in space without −ω × Jω, see gyroscopic().
+/// Weight, loads and springs; in space without −ω × Jω, see add_gyroscopic().
 template <class Space>
 void evaluate_forces(const SystemOf<Space>& system, double t, const Eigen::VectorXd& v, TermsOf<Space>& terms);
 template <class Space> void evaluate_joint_residual(const SystemOf<Space>& system, TermsOf<Space>& terms);
@@ -77,5 +77,9 @@ template <class Space>
 void evaluate_closed(const SystemOf<Space>& system, std::span<const int> contacts, TermsOf<Space>& terms);
 /// The biases of the joints and of the closed contacts (planar; in space of the joints).
 template <class Space> void evaluate_biases(const SystemOf<Space>& system, TermsOf<Space>& terms);
+
+/// f −= ω × Jω in the body's axes, in space; in the plane nothing.
+inline void add_gyroscopic(const SystemOf<Planar>& /*system*/, const Eigen::VectorXd& /*v*/, Eigen::VectorXd& /*f*/) {}
+void add_gyroscopic(const SystemOf<Spatial>& system, const Eigen::VectorXd& v, Eigen::VectorXd& f);
 
 }  // namespace orthant

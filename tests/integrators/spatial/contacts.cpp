@@ -130,7 +130,7 @@ TEST_CASE("integrators that take planar scenes only say so") {
   const SpatialSystem system(masse());
   CHECK_THROWS_WITH_AS(
       static_cast<void>(make_integrator("rattle", system)),
-      "integrator rattle: takes planar scenes only: must be one of moreau-jean, stewart-trinkle, paoli-schatzman "
-      "for dimension = 3",
+      "integrator rattle: takes planar scenes only: must be one of moreau-jean, stewart-trinkle, paoli-schatzman, "
+      "generalized-alpha for dimension = 3",
       std::invalid_argument);
 }

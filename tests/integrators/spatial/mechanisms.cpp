@@ -84,6 +84,20 @@ TEST_CASE("Bricard's linkage: one row repeats others in every pose, and it runs 
   CHECK(off < 1e-12);
 }
 
+TEST_CASE("Bennett's linkage moves though its rows count it rigid, to the computed angle: order 2") {
+  const SpatialSystem system(bennett());
+  CHECK(system.dof() - system.joint_rows() == -2);
+  Run run;
+  const auto error = [&](double h) {
+    return std::abs(angle_after(system, 0, "moreau-jean", h, 5, run) - 3.01649731398);
+  };
+  const Fit fit = fit_order({.coarsest = 4e-3, .octaves = 3, .steps_per_octave = 2, .duration = 5}, error);
+  MESSAGE("order " << fit.order << ", error " << fit.worst.back().error);
+  CHECK(std::abs(fit.order - 2) < 0.3);
+  CHECK(fit.worst.back().error < 1e-6);
+  CHECK(run.max_joint_residual < 1e-13);
+}
+
 TEST_CASE("the flyball governor on stiff springs: order 2") {
   const SpatialSystem system(flyball());
   Run run;
