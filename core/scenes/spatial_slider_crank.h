@@ -1,8 +1,10 @@
 // core/scenes/spatial_slider_crank.h — rigid spatial slider-crank: a revolute, a spherical, a Hooke and a prismatic
 // joint.
 //
-//   Crank of .08 m about x at (0, .1, .12) m, rod of .3 m, slider on the x axis; .12, .5, 2 kg; crank 1e-4 kg m² about x,
-//   rod 4e-4 (its axis) and 4e-3; starts with the crank up and 6 rad/s; gravity along −z. The slider's axis of the Hooke
+//   Crank of .08 m about x at (0, .1, .12) m, rod of .3 m, slider on the x axis; .12, .5, 2 kg; crank 1e-4 kg m² about
+//   x,
+//   rod 4e-4 (its axis) and 4e-3; starts with the crank up and 6 rad/s; gravity along −z. The slider's axis of the
+//   Hooke
 //   joint is x.
 //   Source: IFToMM library of computational benchmark problems; Haug, Computer Aided Kinematics and Dynamics of
 //   Mechanical Systems (1989), 12.4.

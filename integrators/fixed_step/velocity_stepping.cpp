@@ -38,6 +38,7 @@ template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const Syste
   }
   if constexpr (!kPlanar<Space>) {
     gyroscopic_.setZero(system.dof());
+    scale_ = system.mass().cwiseSqrt();
     frames_.reserve(static_cast<std::size_t>(system.bodies()) + 1);
     if (plan.form == Form::full && system.joint_rows() > 0) joined_basic_.emplace(system);
   }
@@ -116,7 +117,9 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
                                                                       [[maybe_unused]] StepReport& report) {
   if constexpr (!kPlanar<Space>) {
     constexpr int kPasses = 100;
-    constexpr double kSame = 1e-16;  // of the largest velocity
+    constexpr int kPlain = 8;          // before the acceleration
+    constexpr double kSame = 5e-16;    // of the largest velocity
+    constexpr double kNearly = 1e-13;  // likewise: rounding where constraints magnify it
     if (joined_basic_ && !joined_basic_->factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at))
       return fail(report, Status::numerical_error, "the basic system is not finite");
     const BasicSystem& joined = joined_basic_ ? *joined_basic_ : basic_;
@@ -124,19 +127,24 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
     for (const auto& pose : terms_.at.pose) frames_.push_back(pose.axes);
     applied_ = h * terms_.f, from_ = share_ * x.v, rates_ = share_ * terms_.joint_rate;
     v_new_ = x.v;
-    double before = kInf;
     for (int pass = 0;; ++pass) {
       gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
       force_ = applied_ + gyroscopic_;
       joined.solve_change(terms_.G, force_.data(), from_.data(), rates_.data(), change_of_v_.data(), lambda_.data());
-      const double change = (x.v + change_of_v_ - v_new_).template lpNorm<Eigen::Infinity>();
-      v_new_ = x.v + change_of_v_;
-      const double enough = kSame * v_new_.template lpNorm<Eigen::Infinity>();
-      if (change <= enough || (pass > 8 && change >= before)) break;
-      if (pass == kPasses)
+      change_of_v_ += x.v;  // the image of v_new_
+      const double change = (change_of_v_ - v_new_).template lpNorm<Eigen::Infinity>();
+      const double size = change_of_v_.template lpNorm<Eigen::Infinity>();
+      const bool done = change <= kSame * size || (pass > kPlain && change <= kNearly * size);
+      if (!done && pass == kPasses)
         return fail(report, Status::numerical_error,
                     "bodies turn too far in a step for their gyroscopic moments: a shorter step converges");
-      before = change;
+      if (pass < kPlain || done) {
+        v_new_.swap(change_of_v_);
+        anderson_.restart();
+      } else {
+        anderson_.next(v_new_, change_of_v_, scale_);
+      }
+      if (done) break;
     }
     terms_.f = force_ / h;
     if (joined_basic_) fly(h, x);

@@ -160,6 +160,8 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   Eigen::VectorXd change_of_v_;              // by known impulses
   Eigen::VectorXd rates_;                    // of the joints, for joined_basic_
   Eigen::VectorXd from_, v_free_, force_, rate_, lambda_;
+  Anderson anderson_;                     // likewise
+  Eigen::VectorXd scale_;                 // likewise: √M
   Eigen::VectorXd applied_, gyroscopic_;  // space: impulses of the applied forces, and of the axes' turning
   std::vector<Eigen::Matrix3d> frames_;   // space: F of each body and the ground
 };

@@ -28,7 +28,7 @@
 #pragma once
 
 #include <orthant/integrators/step/island_solve.h>
-#include <orthant/integrators/step/rank_deficiency.h>
+#include <orthant/integrators/step/spatial_rank_deficiency.h>
 
 namespace orthant {
 

@@ -1,6 +1,7 @@
 // integrators/step/gyroscopic.h — frames of a step in space, and the impulse that the turning of a body's axes gives.
 //
-//   Body axes R at the start, F = R exp(a h ω) at q_a, R⁺ = R exp(h ω_m) at the end, ω_m = (1−θ) ω + θ ω⁺, ω = body axes.
+//   Body axes R at the start, F = R exp(a h ω) at q_a, R⁺ = R exp(h ω_m) at the end, ω_m = (1−θ) ω + θ ω⁺, ω = body
+//   axes.
 //   All rows and unknown velocities of a step stand in the frame F: w⁻ = FᵀR ω = ω (the turn is about ω), w⁺ = FᵀR⁺ ω⁺.
 //   Balance of angular momentum, moments τ h in F:   FᵀR⁺ J ω⁺ = FᵀR J ω + h τ.  With the constant J on the left,
 //     J (w⁺ − w⁻) = h τ + g,   g = (J − C J Cᵀ) w⁺ − (J − E) ω,   C = FᵀR⁺,  E ω = FᵀR J ω.                     (1)
@@ -26,5 +27,22 @@ void gyroscopic_impulse(const SystemOf<Spatial>& system, const StepFrames& frame
 /// w, in the frames of the step, becomes v⁺, in the bodies' axes at its end.
 void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,
                  Eigen::VectorXd& w);
+
+/// Anderson acceleration of a fixed-point iteration x = G(x): from the last iterates the combination with the least
+/// residual. It converges where G itself is not a contraction, along few directions: gyroscopic coupling of slender
+/// bodies, whose spin has little inertia.
+/// Source: Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735.
+class Anderson {
+ public:
+  void restart() { known_ = 0; }
+  /// x, whose image G(x) is given, becomes the next iterate. `scale`: of each entry's residual (√M).
+  void next(Eigen::VectorXd& x, const Eigen::VectorXd& image, const Eigen::VectorXd& scale);
+
+ private:
+  static constexpr Eigen::Index kDepth = 6;
+  Eigen::Index known_ = 0;                        // iterates seen
+  Eigen::MatrixXd steps_, changes_;               // of images and of residuals, one column an iterate, in turn
+  Eigen::VectorXd last_image_, residual_, last_;  // residual: scaled G(x) − x
+};
 
 }  // namespace orthant

@@ -58,27 +58,4 @@ class RankDeficiency {
   bool relaxed_ = false, undecided_ = false;
 };
 
-/// In space contacts that joints immobilise are not looked for: their rows stay, and the solver's certificate stands.
-class SpatialRankDeficiency {
- public:
-  using Terms = TermsOf<Spatial>;
-  using StepProblem = StepProblemOf<Spatial>;
-  SpatialRankDeficiency(const SystemOf<Spatial>& /*system*/, Form /*form*/) {}
-
-  void anchor(double t, const Eigen::VectorXd& /*q*/) { time_ = t; }
-  std::optional<double> time() const { return time_; }
-  void begin(const Terms& /*terms*/) {}
-  bool find(const StepProblem& /*problem*/) { return false; }
-  std::span<const Held> held() const { return {}; }
-  void start_solving() {}
-  bool give_way(StepProblem&, const Solution&, bool, StepReport&) { return false; }
-  void note_undecided() {}
-
- private:
-  std::optional<double> time_;
-};
-
-template <class Space> using RankDeficiencyOf =
-    std::conditional_t<kPlanar<Space>, RankDeficiency, SpatialRankDeficiency>;
-
 }  // namespace orthant

@@ -1,7 +1,7 @@
 // integrators/step/unsolved.h — message of a step's problem without a solution.
 #pragma once
 
-#include <orthant/integrators/step/rank_deficiency.h>
+#include <orthant/integrators/step/spatial_rank_deficiency.h>
 
 #include <string>
 

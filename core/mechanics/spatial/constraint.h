@@ -3,7 +3,8 @@
 //   Together   Φ = P_a − P_b                        [m] 3 rows
 //   Across     Φ = u · (P_b − P_a),  u = R_a axis   [m] 1 row
 //   Square     Φ = (R_a u) · (R_b w)                [1] 1 row: two directions stay at right angles
-// A joint calls f(equation) for each of its own in each(f); the functions at the end make its residual, rows and biases.
+// A joint calls f(equation) for each of its own in each(f); the functions at the end make its residual, rows and
+// biases.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/coordinate.h>

@@ -1,4 +1,5 @@
-// core/mechanics/spatial/prismatic.h — prismatic joint: body b slides along an axis of body a and keeps its orientation to it.
+// core/mechanics/spatial/prismatic.h — prismatic joint: body b slides along an axis of body a and keeps its
+// orientation to it.
 //   Φ = [ t1 · (P_b − P_a);  t2 · (P_b − P_a);  orientation ] = 0   [m, 1], 5 rows.
 #pragma once
 

@@ -1,4 +1,5 @@
-// core/mechanics/spatial/revolute.h — revolute joint: body b turns about an axis of body a and keeps its place along it.
+// core/mechanics/spatial/revolute.h — revolute joint: body b turns about an axis of body a and keeps its place along
+// it.
 //   Φ = [ P_a − P_b;  t1 · u_b;  t2 · u_b ] = 0   [m, 1], 5 rows; t1, t2 at right angles to the axis of a.
 #pragma once
 

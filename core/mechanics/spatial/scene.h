@@ -1,4 +1,5 @@
-// core/mechanics/spatial/scene.h — mechanism in space as plain data: bodies, joints, contacts, springs, loads. SI units.
+// core/mechanics/spatial/scene.h — mechanism in space as plain data: bodies, joints, contacts, springs, loads. SI
+// units.
 //
 //   spatial::Scene s;
 //   const auto top = s.body({.name = "top", .mass = .5, .inertia = Vector3d(2e-3, 2e-3, 8e-4).asDiagonal()});

@@ -1,4 +1,5 @@
-// core/mechanics/spatial/universal.h — universal (Hooke) joint: one point together, and an axis of a at right angles to one of b.
+// core/mechanics/spatial/universal.h — universal (Hooke) joint: one point together, and an axis of a at right angles
+// to one of b.
 //   Φ = [ P_a − P_b;  u_a · u_b ] = 0   [m, 1], 4 rows.
 #pragma once
 
