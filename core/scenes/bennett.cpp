@@ -7,7 +7,7 @@
 namespace orthant {
 
 spatial::Scene bennett(const Bennett& p) {
-  constexpr double kThin = 1e-9;  // axial over transverse moment of inertia
+  constexpr double kThin = 1e-6;  // axial over transverse moment of inertia
   const double alpha = p.twist * std::numbers::pi / 180, beta = std::asin(p.b / p.a * std::sin(alpha));
   const double theta2 =
       2 * std::atan(std::sin((alpha + beta) / 2) / std::sin((beta - alpha) / 2) / std::tan(p.theta1 / 2));

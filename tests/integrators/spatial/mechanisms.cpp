@@ -39,7 +39,7 @@ TEST_CASE("the spatial slider-crank of the IFToMM library: order 2, and the publ
       Run run;
       return std::abs(angle_after(system, 0, form, h, 5, run) - kTheta5);
     };
-    const Fit fit = fit_order({.coarsest = 1e-3, .octaves = 3, .steps_per_octave = 2, .duration = 5}, error);
+    const Fit fit = fit_order({.coarsest = 5e-4, .octaves = 3, .steps_per_octave = 2, .duration = 5}, error);
     MESSAGE(form << ": order " << fit.order << ", error " << fit.worst.back().error);
     CHECK(std::abs(fit.order - 2) < 0.25);
     CHECK(fit.worst.back().error < 2e-3);
@@ -91,7 +91,7 @@ TEST_CASE("Bennett's linkage moves though its rows count it rigid, to the comput
   const auto error = [&](double h) {
     return std::abs(angle_after(system, 0, "moreau-jean", h, 5, run) - 3.01649731398);
   };
-  const Fit fit = fit_order({.coarsest = 4e-3, .octaves = 3, .steps_per_octave = 2, .duration = 5}, error);
+  const Fit fit = fit_order({.coarsest = 1e-3, .octaves = 3, .steps_per_octave = 2, .duration = 5}, error);
   MESSAGE("order " << fit.order << ", error " << fit.worst.back().error);
   CHECK(std::abs(fit.order - 2) < 0.3);
   CHECK(fit.worst.back().error < 1e-6);
