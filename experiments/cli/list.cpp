@@ -133,10 +133,7 @@ void add_list(CLI::App& app, int& exit_code) {
       nlohmann::ordered_json all;
       if (wanted("solvers")) all["solvers"] = as_json(solvers());
       if (wanted("integrators")) all["integrators"] = as_json(integrators());
-      if (wanted("scenes")) {
-        all["scenes"] = as_json(scenes());
-        for (auto& one : as_json(spatial_scenes())) all["scenes"].push_back(one);
-      }
+      if (wanted("scenes")) all["scenes"] = as_json(scenes()), all["spatial_scenes"] = as_json(spatial_scenes());
       if (wanted("summary")) all["summary"] = summary_as_json();
       std::cout << all.dump(2) << '\n';
       return;
