@@ -154,7 +154,7 @@ Automatic::Automatic(const Options& options) : options_(options), work_(std::mak
 }
 Automatic::~Automatic() = default;
 
-Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
+Claim Automatic::run(const Lcp& problem, Solution& s, Start start) {
   Work& work = *work_;
   work.next = 0;
   work.iterations = 0;
@@ -169,21 +169,21 @@ Status Automatic::run(const Lcp& problem, Solution& s, Start start) {
       work.bold.solve(*work.formed, s.z, work.iterations, budget(), contacts ? kPressed : SmallActiveSet::kMostly)) {
     s.iterations = work.iterations;
     log(0, 0, 0, "active-set");
-    return Status::solved;
+    return Claim::candidate;
   }
-  Status claim = Status::stalled;
+  Claim claim = Claim::stalled;
   if (budget().exhausted()) {
     if (work.warm)
       s.z = work.start;
     else
       s.z.setZero();
-    return Status::time_limit;
+    return Claim::time_limit;
   }
   run_again(problem, s, 0, claim);
   return claim;
 }
 
-bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) {
   Work& work = *work_;
   if (!work.looked) work.look = look(problem), work.looked = true;
   Solver* solver = nullptr;
@@ -204,11 +204,8 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
   // not.
   const bool tableau = kSteps[k].solver == std::string_view(kTableau);
   solver->solve(tableau ? *work.formed : problem, work.inner, work.warm ? Start::warm : Start::cold);
-  claim = work.inner.status;
   s.z = work.inner.z;
-  if (claim == Status::infeasible) claim = Status::ray;  // the judge looks at the proof again
-  if (claim == Status::ray) s.certificate = work.inner.certificate;
-  if (claim == Status::time_limit || claim == Status::unsupported) claim = Status::stalled;  // its share, not the whole
+  claim = handed_on(work.inner, s);
   s.iterations = work.iterations += work.inner.iterations;
   if (logging())
     log(attempt, work.inner.residual, 0,

@@ -35,8 +35,8 @@ class Automatic final : public Solver {
   std::string why_not(const Lcp&) const override { return {}; }
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
 
   Options options_;

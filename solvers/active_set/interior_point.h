@@ -60,14 +60,14 @@ class InteriorPoint final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
 
   const Lcp& prepared(const Lcp& problem);
-  Status method(const Lcp& problem, Solution& s, Start start);
+  Claim method(const Lcp& problem, Solution& s, Start start);
   void load(const Lcp& problem);
   bool start(const Lcp& problem, double farther);
-  Status iterate(const Lcp& problem, Solution& s, double farther);
+  Claim iterate(const Lcp& problem, Solution& s, double farther);
   void residuals(const Lcp& problem);  // w_, r_, gap_, error_, mu_ at the iterate
   void barrier();                      // D_
   bool factorize();

@@ -67,7 +67,7 @@ class Enumerate final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
 
   Options options_;

@@ -61,8 +61,8 @@ class Path final : public Solver {
   const Solution& solve(const Mcp& problem, Solution& s, Start start = Start::cold);
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
   double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
 

@@ -28,7 +28,7 @@ Lcp pair(std::initializer_list<double> A, const Vector& b) {  // row by row
   return Lcp::standard(DenseMatrix(entries.reshaped<Eigen::RowMajor>(2, 2)), b);
 }
 
-Status verdict(const Lcp& problem, const Vector& z, Status claim = Status::solved, double tolerance = 1e-10) {
+Status verdict(const Lcp& problem, const Vector& z, Claim claim = Claim::candidate, double tolerance = 1e-10) {
   Judge judge;
   Solution s;
   s.z = z;
@@ -41,7 +41,7 @@ Status verdict_on_proof(const Lcp& problem, const Vector& u) {
   Solution s;
   s.z = Vector(Eigen::VectorXd::Zero(problem.size()));
   s.certificate = u;
-  judge.certify(problem, 1e-10, Status::ray, s);
+  judge.certify(problem, 1e-10, Claim::ray, s);
   return s.status;
 }
 
@@ -258,10 +258,10 @@ TEST_CASE("friction rows are judged against the bounds of the given z") {
 }
 
 TEST_CASE("solved is judged whatever the claim; other claims stand when z fails") {
-  CHECK(verdict(scalar(2, -1), Vector{0.5}, Status::iteration_limit) == Status::solved);
-  CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::iteration_limit) == Status::iteration_limit);
-  CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::ray) == Status::ray);
-  CHECK(verdict(scalar(2, -1), Vector{0.4}, Status::infeasible) == Status::stalled);  // not a solver's word to say
+  CHECK(verdict(scalar(2, -1), Vector{0.5}, Claim::iteration_limit) == Status::solved);
+  CHECK(verdict(scalar(2, -1), Vector{0.4}, Claim::iteration_limit) == Status::iteration_limit);
+  CHECK(verdict(scalar(2, -1), Vector{0.4}, Claim::ray) == Status::ray);
+  CHECK(verdict(scalar(2, -1), Vector{0.4}, Claim::exhausted) == Status::ray);  // no cells, no proof
 }
 
 TEST_CASE("numbers of one part of a problem excuse nothing in another") {
@@ -330,7 +330,7 @@ TEST_CASE("a z excused by rounding alone is not a solution where a proof of infe
   Solution s;
   s.z = Vector{-55996559999999.99, -223986240000000, 1e5};
   s.certificate = Vector{3, -1, 0};
-  judge.certify(p, 1e-12, Status::ray, s);
+  judge.certify(p, 1e-12, Claim::ray, s);
   CHECK(s.status == Status::infeasible);
 }
 
@@ -410,8 +410,8 @@ TEST_CASE("a Delassus operator is judged as its dense form is") {
     s.z.resize(6);
     for (double& value : s.z) value = std::abs(random.normal());
     t.z = s.z;
-    judge.certify(p, 1e-10, Status::solved, s);
-    judge.certify(dense, 1e-10, Status::solved, t);
+    judge.certify(p, 1e-10, Claim::candidate, s);
+    judge.certify(dense, 1e-10, Claim::candidate, t);
     CHECK((s.w - t.w).lpNorm<Eigen::Infinity>() < 1e-13);
     CHECK(s.residual >= t.residual * (1 - 1e-9));  // its weights are bounds of the dense ones
     CHECK(s.rounding >= t.rounding / 2);
@@ -470,11 +470,11 @@ TEST_CASE("certify: where the rounding of its own sums stands in the way, they a
   Solution s;
   s.z = Vector::Ones(n);
   Judge judge;
-  judge.certify(problem, 1e-10, Status::solved, s);
+  judge.certify(problem, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::solved);
   CHECK(s.residual <= 1e-18);
   problem.b[0] += 10 * small;  // now it is off by that much
-  judge.certify(problem, 1e-10, Status::solved, s);
+  judge.certify(problem, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::stalled);
 }
 
@@ -503,7 +503,7 @@ TEST_CASE("a large b makes no z right that other rows feel: a z beside its bound
     Judge judge;
     Solution s;
     s.z = z;
-    judge.certify(p, 1e-10, Status::solved, s);
+    judge.certify(p, 1e-10, Claim::candidate, s);
     return s.status;
   };
   // A body slides at 1e10 times the speed with which its contact closes: z_t = −µ z_n, not 0.
