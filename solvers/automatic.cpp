@@ -37,6 +37,8 @@ constexpr Index kSmall = 400;   // rows up to which a tableau is quickest
 constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
 constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
 
+constexpr Index kCells = 100;  // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
+
 constexpr const char* kTableau = "lemke:rescue=false,max_pivots=5000";
 
 // In this order; a solver that says why_not() is passed over.
@@ -54,6 +56,12 @@ constexpr Step kSteps[] = {
      [](const Look& p) { return smooth(p) && !p.sparse && p.n > kSmall && p.n <= kFull; }},
     {"block-pivot", "symmetric, positive diagonal",
      [](const Look& p) { return smooth(p) && !p.applied && p.symmetric && p.positive_diagonal && p.n > kSmall; }},
+    // Tridiagonal and a random entry or two a row, 10 000 rows: 0.02 s and 0.09 s, where interior-point takes 10 s, as
+    // the factors of such matrices fill in.
+    {"pgs:max_sweeps=200", "large, sparse, unsymmetric, cheap sweeps",
+     [](const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kSmall; }},
+    {"path:restarts=0", "large, sparse, unsymmetric",
+     [](const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
     // Thousands of sweeps cost less than path's restarts do, which seldom help where its first variation ended nowhere.
     {"path:restarts=0", "large, friction",
@@ -62,6 +70,7 @@ constexpr Step kSteps[] = {
     {"path", "any kind", [](const Look& p) { return p.sparse || p.n <= kDense; }},
     {"interior-point", "perhaps monotone", smooth},
     {"lemke", "small enough for more digits", [](const Look& p) { return p.n <= kDense; }},
+    {"enumerate", "every cell", [](const Look& p) { return p.n <= kCells; }},
     {"newton-fb", "any kind, from the start value", [](const Look& p) { return p.sparse || p.n <= kDense; }},
     {"apgd", "nothing that factorizes was left", smooth},
     {"pgs", "nothing that factorizes was left", always},

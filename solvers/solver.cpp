@@ -1,41 +1,17 @@
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/effort.h>
 #include <orthant/solvers/solver.h>
 
-#include <orthant/core/lcp/judge/certify_sums.h>
-
 #include <algorithm>
-#include <cmath>
 
 namespace orthant {
 
 namespace {
 
-constexpr double kFar = 100;  // times the limit of solved: where a large problem's rounded z is worth a search for a proof
+// Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
+constexpr double kFar = 100;
 
 bool open(const Solution& s) { return !has_answer(s.status) && s.status != Status::infeasible; }
-
-/// z ← within the bounds, and at the bound that w asks for where the way there changes no w by more than w_i misses;
-/// normals before their frictions. False: nothing to move.
-bool put_at_bounds(const Lcp& problem, const Vector& z, const Vector& w, Vector& widest, Vector& to) {
-  const Index n = problem.size();
-  detail::largest_of_columns(problem.A, widest);
-  to.resize(n);
-  to = z;
-  bool moved = false;
-  const auto put = [&](Index i, double lo, double hi) {
-    double& zi = to[i];
-    if (zi < lo || (zi > lo && w[i] > 0 && widest[i] * (zi - lo) < w[i])) zi = lo, moved = true;
-    if (zi > hi || (zi < hi && w[i] < 0 && widest[i] * (hi - zi) < -w[i])) zi = hi, moved = true;
-  };
-  for (Index i = 0; i < n; ++i) put(i, problem.lo[i], problem.hi[i]);
-  for (const Friction& f : problem.friction) {
-    const double bound = f.mu * std::max(to[f.normal], 0.0), before = f.mu * std::max(z[f.normal], 0.0);
-    // What was at its bound goes with it.
-    if (before != bound && std::abs(to[f.row]) == before) to[f.row] = std::copysign(bound, to[f.row]), moved = true;
-    put(f.row, -bound, bound);
-  }
-  return moved;
-}
 
 }  // namespace
 
@@ -61,10 +37,9 @@ Claim handed_on(const Solution& inner, Solution& s) {
 /// The judge on z; where z does not pass for solved, also on z put at its bounds, and the better of both is kept.
 void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   judge_.certify(problem, tolerance, claim, s);
+  accepted_ = judge_.accepted();
   if (s.status == Status::solved || s.status == Status::infeasible || !s.z.allFinite() || !s.w.allFinite()) return;
-  if (!put_at_bounds(problem, s.z, s.w, scratch_, put_.z)) return;
-  const double accepted = judge_.accepted();
-  accepted_ = accepted;
+  if (!put_at_bounds(problem, s, scratch_, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
   const bool better = put_.status == Status::solved || (!has_answer(s.status) && put_.residual < s.residual);
   if (!better && !(has_answer(put_.status) && !has_answer(s.status))) return;
@@ -75,9 +50,9 @@ void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& 
 }
 
 void Solver::seek_proof(const Lcp& problem, Solution& s) {
-  // Cheap: then worth it after a run that was only too short, and next to every z that is rounded only.
+  // Cheap: then worth it after a run that was only too short.
   const bool cheap = problem.size() <= Farkas::kTableau;
-  const bool contested = s.status == Status::rounded && (cheap || s.miss.by > kFar * s.miss.allowed);
+  const bool contested = s.status == Status::rounded && s.miss.by > kFar * s.miss.allowed;
   if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error && !contested &&
       !(cheap && s.status == Status::iteration_limit))
     return;

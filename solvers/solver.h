@@ -15,7 +15,9 @@ enum class Start { cold, warm };  // warm: solution.z on entry is a guess, where
 
 class Solver {
  public:
-  Solver() { judge_.set_stop([this] { return budget_.exhausted(); }); }
+  Solver() {
+    judge_.set_stop([this] { return budget_.exhausted(); });
+  }
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
   virtual ~Solver() = default;

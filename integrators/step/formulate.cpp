@@ -257,8 +257,8 @@ bool Formulation::solve_once(Solver& solver, StepReport& report, Crew* crew) {
     if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations,
                      outcome.miss)) {
       solution_.status = outcome.status;
-      for (const auto& [to, from] : {std::pair{&solution_.certificate, &outcome.certificate},
-                                     {&solution_.ray, &outcome.ray}}) {
+      for (const auto& [to, from] :
+           {std::pair{&solution_.certificate, &outcome.certificate}, {&solution_.ray, &outcome.ray}}) {
         to->resize(from->size() > 0 ? n : 0);
         to->setZero();
         for (Index i = 0; i < from->size(); ++i) (*to)[rows[static_cast<std::size_t>(i)]] = (*from)[i];

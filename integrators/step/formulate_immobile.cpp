@@ -182,8 +182,7 @@ std::string Formulation::contradiction() const {
   if (status != Status::infeasible || u.size() != lcp_.size())
     return "the solver ends the step's problem of " + std::to_string(lcp_.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution_.residual) +
-           (solution_.miss.row >= 0 ? "; " + orthant::why(solution_) : "") +
-           ": try another solver or a shorter step";
+           (solution_.miss.row >= 0 ? "; " + orthant::why(solution_) : "") + ": try another solver or a shorter step";
   const double least = kPart * u.lpNorm<Eigen::Infinity>();
   Jam jam;
   each_row([&](Index i, Index edge, Index, const Contact& c) {

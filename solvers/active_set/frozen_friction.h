@@ -30,7 +30,7 @@ class FrozenFriction {  // reuse it
   /// The same, ended too where done(z) says so of a round's z, friction within its bounds; `mixed`: the bounds are
   /// extrapolated, for large problems, where rounds are dear.
   template <class SolveBox, class Done> Claim iterate(const Lcp& problem, Vector& z, const Budget& budget,
-                                                       SolveBox&& solve_box, const Done& done, bool mixed = true) {
+                                                      SolveBox&& solve_box, const Done& done, bool mixed = true) {
     box_ = problem;
     box_.friction.clear();
     Claim claim = Claim::stalled;

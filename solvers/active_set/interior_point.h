@@ -96,7 +96,7 @@ class InteriorPoint final : public Solver {
   Vector lo_, hi_, scale_, z_, w_, r_, gap_, s_, l_, ds_, dl_, target_, second_, lean_, dz_, rhs_, part_, shift_, D_,
       scratch_;
   Vector ray_;
-  Solution trial_, best_;
+  Solution trial_, best_, put_;
   double size_ = 0, error_ = 0, mu_ = 0;  // |b| + |A z|; natural residual relative to it; mean of s l
   double inside_error_ = 0;               // |w_F| that solve_inside() left
 };

@@ -31,7 +31,8 @@ class Polish {  // reuse it
   void guess(const Lcp& problem, int kind, const Budget& budget);
 
   Judge judge_;
-  Solution trial_, best_;
+  Solution trial_, best_, put_;
+  Vector widest_;
   bool each_row_ = false;
   ActiveRows rows_;
   Vector zero_;

@@ -28,8 +28,8 @@ class FirstOrder : public Solver {
     bool moved = true;     // false: nothing changes z any more
     double length = 0;     // for the log
     const char* event = "";
-    std::optional<Claim> end;  // another reason to stop
-    const Vector* ray = nullptr;   // with Claim::ray: its direction
+    std::optional<Claim> end;     // another reason to stop
+    const Vector* ray = nullptr;  // with Claim::ray: its direction
   };
 
  private:

@@ -50,12 +50,12 @@ struct Line {  // a row of the problem: its choices and the numbers of its forms
 
 // Forms c + Σ a_k x_k in the entries x that are left, at most `columns` − 1 of them.
 template <class T> struct Node {
-  int left = 0;                // entries
-  std::vector<T> forms;        // [constant | coefficients] each
-  std::vector<char> any_sign;  // of an entry; else ≥ 0
+  int left = 0;                     // entries
+  std::vector<T> forms;             // [constant | coefficients] each
+  std::vector<char> any_sign;       // of an entry; else ≥ 0
   std::vector<std::int16_t> entry;  // of z, by place
   int expressed = -1;               // by the last equation
-  std::vector<int> wanted;     // per form: sign that it must have, 0: any
+  std::vector<int> wanted;          // per form: sign that it must have, 0: any
 };
 
 class Walk {
@@ -99,7 +99,7 @@ class Walk {
   Stop stop_;
   std::vector<Cell>* cells_;  // where classes without a solution are written, in the order of the search; or null
   std::size_t agreed_ = 0;    // depth down to which rationals express the same entries as doubles did
-  std::vector<Line> lines_;  // in the order of decision
+  std::vector<Line> lines_;   // in the order of decision
   Vector lo_, hi_;
   std::vector<Friction> friction_;
   Index rows_ = 0;
@@ -203,7 +203,8 @@ template <class T> Sign Walk::equate(Node<T>& node, int f, int preferred) {
     open = open || exact::sign(row[k]) == Sign::unknown;
     if (exact::weight(row[k]) > (pivot == 0 ? 0 : exact::weight(row[pivot]))) pivot = k;
   }
-  if (preferred >= 0) pivot = static_cast<int>(std::find(node.entry.begin(), node.entry.end(), preferred) - node.entry.begin());
+  if (preferred >= 0)
+    pivot = static_cast<int>(std::find(node.entry.begin(), node.entry.end(), preferred) - node.entry.begin());
   if (pivot == 0) {
     const Sign constant = exact::sign(row[0]);
     return open || constant == Sign::unknown ? Sign::unknown : constant == Sign::zero ? Sign::zero : Sign::negative;
@@ -511,9 +512,7 @@ Claim Enumerate::run(const Lcp& problem, Solution& s, Start) {
   };
   Walk walk(
       problem,
-      [&](const Piece& piece) {
-        return accepted = std::any_of(piece.vertices.begin(), piece.vertices.end(), passes);
-      },
+      [&](const Piece& piece) { return accepted = std::any_of(piece.vertices.begin(), piece.vertices.end(), passes); },
       [&] { return late = budget().exhausted(); }, &s.cells);
   walk.run();
   s.iterations = static_cast<int>(walk.nodes());

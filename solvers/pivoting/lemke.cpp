@@ -345,10 +345,14 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
         work.stage = kLastAttempt + kRestarts;
         work.enumerate.set_time_limit(budget().remaining());
         work.enumerate.set_cancel(budget().cancel());
-        if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
-        s.z = work.enumerated.z;
-        claim = Claim::candidate;
-        return true;
+        work.enumerate.set_proof_search(false);
+        work.enumerate.solve(problem, work.enumerated);
+        if (work.enumerated.status == Status::infeasible || has_answer(work.enumerated.status)) {
+          s.z = work.enumerated.z;
+          claim = handed_on(work.enumerated, s);
+          return true;
+        }
+        return false;
       }
       if (n > kWide) return false;
       claim = work.restart(stage, options_.max_pivots, problem, s);

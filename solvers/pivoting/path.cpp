@@ -57,6 +57,7 @@ struct Model {
   std::function<bool(const Vector& z, Matrix const*& J)> J;  // false: not finite
   const Vector* constant = nullptr;                          // of a linear problem: b
   double goal = 0;                                           // natural residual at which to stop
+  std::function<bool(const Vector&)> enough;                 // nonlinear: whether the judge would accept z
   Index size() const { return lo->size(); }
 };
 
@@ -259,7 +260,7 @@ struct Path::Work {
       const double residual = natural_residual(z, F);
       idle = residual < 0.5 * best ? 0 : idle + 1;
       if (residual < best) best = residual, best_z = z;
-      if (residual <= model.goal && (!linear() || k > 0)) return z = best_z, Claim::candidate;
+      if (residual <= model.goal && (linear() ? k > 0 : model.enough(z))) return z = best_z, Claim::candidate;
       if (linear() && idle > 3) return z = best_z, Claim::candidate;  // the judge says whether it is enough
       if (stop()) return z = best_z, Claim::time_limit;
       const Matrix* A = nullptr;
@@ -432,11 +433,18 @@ const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
   }
   work.start = s.z;
   work.iterations = 0;
+  Solution looked_at;
   work.model = {.lo = &problem.lo,
                 .hi = &problem.hi,
                 .F = [&](const Vector& z, Vector& F) { return evaluate(problem, z, F); },
                 .J = [&](const Vector& z, Matrix const*& J) { return J = &work.J, evaluate(problem, z, work.J); },
-                .goal = 0.1 * options_.tolerance};
+                .goal = 0.1 * options_.tolerance,
+                .enough =
+                    [&](const Vector& z) {
+                      looked_at.z = z;
+                      certify(problem, options_.tolerance, Claim::stalled, looked_at);
+                      return has_answer(looked_at.status);
+                    }};
   Solution best;
   for (int k = 0; k <= options_.restarts; ++k) {
     const Variation& v = kVariations[k];

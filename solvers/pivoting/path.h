@@ -33,7 +33,7 @@
 namespace orthant {
 
 struct PathOptions {
-  double tolerance = 1e-10;  // [b], relative to the problem's scale (certify.h); for an Mcp absolute, in units of F
+  double tolerance = 1e-10;  // of a row's data, as certify() measures it; of an Mcp: of the terms of J z and F − J z
   int max_steps = 60;        // linearizations, over one variation of a nonlinear problem
   int max_pivots = 0;        // of one path; 0: 3000 + 50 n
   int max_crash = 50;        // projected Newton steps before the first path, nonlinear at most 2; 0: none

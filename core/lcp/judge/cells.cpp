@@ -39,8 +39,13 @@ std::vector<RowKind> kinds_of_rows(const Lcp& p) {
 class CellCheck {
  public:
   CellCheck(const Lcp& problem, const std::vector<Cell>& cells, const std::function<bool()>& stop)
-      : p_(problem), cells_(cells), stop_(stop), n_(at(problem.size())), A_(exact::table(problem.A)),
-        kinds_(kinds_of_rows(problem)), order_(order_of_decision(problem)) {
+      : p_(problem),
+        cells_(cells),
+        stop_(stop),
+        n_(at(problem.size())),
+        A_(exact::table(problem.A)),
+        kinds_(kinds_of_rows(problem)),
+        order_(order_of_decision(problem)) {
     for (std::size_t k = 0; k < cells.size(); ++k) sorted_.push_back(k);
     std::sort(sorted_.begin(), sorted_.end(), [&](auto a, auto b) { return cells_[a].sides < cells_[b].sides; });
     sides_.assign(n_, kInside), decided_.assign(n_, 0);

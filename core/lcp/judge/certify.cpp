@@ -9,11 +9,12 @@ namespace orthant {
 namespace {
 
 using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRounding;
-constexpr double kRoundings = 20;                  // units in the last place that `rounded` may change
-constexpr double kCoarsest = 1e-4;                 // of β_P: a larger violation is no answer, whatever z is
-constexpr double kSure = 1 - 0x1p-20;              // limits are sums of doubles themselves
-constexpr double kDouble = 0.505 * kEpsilon;       // error of an operation, over its result
-constexpr long double kLong = 1.01L * kRounding;   // the same in long double
+constexpr double kRoundings = 20;                 // units in the last place that `rounded` may change
+constexpr double kCoarsest = 1e-4;                // of β_i: a larger violation is no answer, whatever z is
+constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
+constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
+constexpr double kDouble = 0.505 * kEpsilon;      // error of an operation, over its result
+constexpr long double kLong = 1.01L * kRounding;  // the same in long double
 
 double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
@@ -47,10 +48,13 @@ void Judge::prepare(const Lcp& problem) {
   const auto n = problem.size();
   if (const auto* delassus = std::get_if<Delassus>(&problem.A); delassus != nullptr)
     for (auto* each : {&inner_ld_, &inner_abs_ld_}) each->reserve(at(delassus->W.cols));
+  if (const auto* rows = std::get_if<RowSparse>(&problem.A))
+    ways_.reserve(rows->value.size() + problem.friction.size());
   if (at(n) <= part_.capacity()) return;
   for (Vector* each : {&lo_, &hi_, &beta_, &data_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_, &g_error_}) each->reserve(at(n));
   part_.reserve(at(n));
+  heap_.reserve(at(2 * n + 1));
 }
 
 void Judge::find_bounds(const Lcp& problem, const Vector& z) {
@@ -85,8 +89,8 @@ double Judge::find_data(const Lcp& problem, const Vector& z) {
   return n > 0 ? data_.maxCoeff() : 0;
 }
 
-// Fills w, residual and rounding. True: solved, with doubles alone and whatever the parts are, since a row's own |b_i|
-// is at most β_P. Most problems end here.
+// Fills w, residual and rounding. True: solved, with doubles alone and since a row's own |b_i|
+// is at most β_i. Most problems end here.
 bool Judge::surely_solved(const Lcp& problem, double tolerance, Solution& s) {
   const Index n = problem.size();
   detail::sum_rows(problem.A, problem.b, s.z, s.w, size_, inner_, inner_abs_);
@@ -109,7 +113,7 @@ bool Judge::surely_solved(const Lcp& problem, double tolerance, Solution& s) {
   return sure;
 }
 
-// True: some row misses by so much that no part's data would let it pass.
+// True: some row misses by so much that no data would let it pass.
 bool Judge::surely_missed(const Lcp& problem, double tolerance, Solution& s, double data) {
   double worst = 0;
   for (Index i = 0; i < problem.size(); ++i) {
@@ -131,10 +135,16 @@ bool Judge::surely_missed(const Lcp& problem, double tolerance, Solution& s, dou
 Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   const Index n = problem.size();
   product(problem.A, s.z, false);
-  label_parts(problem);
-  for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
-    double& whole = data_[part_[at(i)]];
-    whole = std::max(whole, data_[i]);
+  const auto* delassus = std::get_if<Delassus>(&problem.A);
+  if (delassus == nullptr || to_rows(*delassus, entries_, kFormed)) {
+    spread(problem, s.z, data_);
+  } else {  // too large to be formed: the largest of its part
+    label_parts(problem);
+    for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
+      double& whole = data_[part_[at(i)]];
+      whole = std::max(whole, data_[i]);
+    }
+    for (Index i = 0; i < n; ++i) data_[i] = data_[part_[at(i)]];
   }
   const long double unit = kLong * (unit_ / kDouble);
   bool floors = false;
@@ -147,7 +157,7 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     const auto sum = static_cast<double>(terms), by = static_cast<double>(wrong);
     s.w[i] = static_cast<double>(w);
     size = std::max(size, sum), residual = std::max(residual, by);
-    const double beta = data_[part_[at(i)]];
+    const double beta = data_[i];
     const double solved = kSure * limit_of_solved(tolerance, sum, beta);
     if (wrong + unit * terms <= solved) continue;
     double rounded = kSure * limit_of_rounded(sum, beta);
@@ -194,7 +204,8 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
     return;
   }
   const double data = find_data(problem, s.z);
-  const Pass pass = data < kInf && !surely_missed(problem, tolerance, s, data) ? weigh(problem, tolerance, s) : Pass::no;
+  const Pass pass =
+      data < kInf && !surely_missed(problem, tolerance, s, data) ? weigh(problem, tolerance, s) : Pass::no;
   const auto disproved = [&] {
     if (s.certificate.size() == n && proves_infeasible(problem, s.certificate)) return true;
     if (claim == Claim::exhausted) return proves_infeasible(problem, s.cells);
@@ -212,7 +223,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   if (pass == Pass::rounded)
     s.status = Status::rounded;
   else if (pass == Pass::no)
-    s.status = claim != Claim::candidate                        ? status_of(claim)
+    s.status = claim != Claim::candidate            ? status_of(claim)
                : s.z.allFinite() && s.w.allFinite() ? Status::stalled
                                                     : Status::numerical_error;
 }

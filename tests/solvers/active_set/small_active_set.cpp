@@ -71,7 +71,7 @@ TEST_CASE(
       INFO(rows, " rows, ratio of masses ", ratio);
       Solution s;
       make_solver("auto")->solve(find_family("tower")->make(rows, ratio, 1).problem, s);
-      CHECK(s.status == Status::solved);
+      CHECK(s.status == (ratio > 1e8 ? Status::rounded : Status::solved));
       CHECK(s.factorizations == 1);
     }
 }
@@ -82,7 +82,7 @@ TEST_CASE("small active set: a factorization or two where pivoting is exponentia
     const Tried t = attempt(problem);
     CHECK(t.claimed);
     CHECK(t.factorizations <= 3);
-    CHECK(t.s.status == Status::solved);
+    CHECK(has_answer(t.s.status));
   }
   for (const Known& k : known_problems())
     if (k.answer == Answer::infeasible || k.answer == Answer::none) {
@@ -99,7 +99,7 @@ TEST_CASE(
     const Tried t = attempt(k.problem);
     CHECK_MESSAGE(t.claimed, k.name);
     CHECK(t.factorizations > 4);  // it has gone round
-    CHECK(t.s.status == Status::solved);
+    CHECK(has_answer(t.s.status));
     ++met;
   }
   CHECK(met == 2);
