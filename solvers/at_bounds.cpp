@@ -7,18 +7,26 @@
 
 namespace orthant {
 
-bool put_at_bounds(const Lcp& problem, const Solution& s, Vector& widest, Vector& to) {
+bool AtBounds::put(const Lcp& problem, const Solution& s, Vector& to) {
   const Index n = problem.size();
-  detail::largest_of_columns(problem.A, widest);
+  diagonal(problem.A, stiff_);
+  detail::sum_rows(problem.A, problem.b, s.z, w_, size_, inner_, inner_size_);
+  if (n > 0 && !(stiff_.minCoeff() > 0)) {
+    detail::largest_of_columns(problem.A, widest_);
+    for (Index i = 0; i < n; ++i)
+      if (!(stiff_[i] > 0)) stiff_[i] = widest_[i];
+  }
   to.resize(n);
   to = s.z;
   bool moved = false;
   const auto put = [&](Index i, double lo, double hi) {
     double& z = to[i];
     const double w = s.w[i], before = z;
-    const auto near = [&](double way, double pull) { return widest[i] * way < pull || widest[i] * way <= s.rounding; };
-    if (z < lo || (z - lo <= hi - z && near(z - lo, w)) || widest[i] * (z - lo) < w) z = lo;
-    if (z > hi || (hi - z < z - lo && near(hi - z, -w)) || widest[i] * (hi - z) < -w) z = hi;
+    const auto near = [&](double way, double pull) {
+      return stiff_[i] * way < pull || stiff_[i] * way <= detail::kEpsilon * size_[i];
+    };
+    if (z < lo || (z - lo <= hi - z && near(z - lo, w)) || stiff_[i] * (z - lo) < w) z = lo;
+    if (z > hi || (hi - z < z - lo && near(hi - z, -w)) || stiff_[i] * (hi - z) < -w) z = hi;
     moved = moved || z != before;
   };
   for (Index i = 0; i < n; ++i)

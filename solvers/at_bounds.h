@@ -5,9 +5,15 @@
 
 namespace orthant {
 
-/// to ← s.z within the bounds, and at a bound where the way there is lost in rounding, or changes no w by more than the
-/// w_i that asks for it; frictions after their normals. s.w and s.rounding as the judge leaves them. False: z is there.
-/// widest: scratch, the largest |A_ij| of each column.
-bool put_at_bounds(const Lcp& problem, const Solution& s, Vector& widest, Vector& to);
+class AtBounds {  // reuse it: the members are scratch
+ public:
+  /// to ← s.z within the bounds, and at a bound where the way there, times A_ii (0: the column's largest entry), is lost
+  /// in the rounding of the row, or is less than the w_i that asks for it; frictions after their normals. s.w as the
+  /// judge leaves it. False: z is there already. Units of rows and columns make no difference.
+  bool put(const Lcp& problem, const Solution& s, Vector& to);
+
+ private:
+  Vector stiff_, widest_, w_, size_, inner_, inner_size_;
+};
 
 }  // namespace orthant

@@ -1,4 +1,3 @@
-#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/effort.h>
 #include <orthant/solvers/solver.h>
 
@@ -39,10 +38,11 @@ void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& 
   judge_.certify(problem, tolerance, claim, s);
   accepted_ = judge_.accepted();
   if (s.status == Status::solved || s.status == Status::infeasible || !s.z.allFinite() || !s.w.allFinite()) return;
-  if (!put_at_bounds(problem, s, scratch_, put_.z)) return;
+  if (!at_bounds_.put(problem, s, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
-  const bool better = put_.status == Status::solved || (!has_answer(s.status) && put_.residual < s.residual);
-  if (!better && !(has_answer(put_.status) && !has_answer(s.status))) return;
+  const auto short_of = [](double limit, double residual) { return residual < kInf ? limit / residual : 0; };
+  const bool nearer = short_of(judge_.accepted(), put_.residual) > short_of(accepted_, s.residual);
+  if (put_.status != Status::solved && (has_answer(s.status) || !(nearer || has_answer(put_.status)))) return;
   accepted_ = judge_.accepted();
   if (has_answer(put_.status)) s.status = put_.status;
   s.z = put_.z, s.w = put_.w;

@@ -3,6 +3,7 @@
 
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/solution.h>
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/iteration_log.h>
 #include <orthant/solvers/proof/farkas.h>
@@ -76,6 +77,7 @@ class Solver {
   Judge judge_;
   Solution best_;  // over the attempts of one solve
   Solution put_;   // at its bounds
+  AtBounds at_bounds_;
   double accepted_ = 0;
   Vector scratch_, proof_, before_;
   Farkas farkas_;

@@ -256,7 +256,8 @@ bool Formulation::solve_once(Solver& solver, StepReport& report, Crew* crew) {
     const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
     if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations,
                      outcome.miss)) {
-      solution_.status = outcome.status;
+      solution_.status = outcome.status, solution_.residual = outcome.residual, solution_.miss = outcome.miss;
+      if (outcome.miss.row >= 0) solution_.miss.row = rows[static_cast<std::size_t>(outcome.miss.row)];
       for (const auto& [to, from] :
            {std::pair{&solution_.certificate, &outcome.certificate}, {&solution_.ray, &outcome.ray}}) {
         to->resize(from->size() > 0 ? n : 0);

@@ -1,7 +1,5 @@
 #include <orthant/solvers/active_set/interior_point.h>
 
-#include <orthant/solvers/at_bounds.h>
-
 #include <orthant/core/lcp/judge/definite.h>
 
 #include <algorithm>
@@ -172,7 +170,7 @@ bool InteriorPoint::keep(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(lo_).cwiseMin(hi_);
   judge_.certify(p, kExact, Claim::candidate, trial_);
   bool solved = has_answer(trial_.status);  // row by row: the largest residual may still be another's
-  if (!solved && put_at_bounds(p, trial_, scratch_, put_.z)) {
+  if (!solved && at_bounds_.put(p, trial_, put_.z)) {
     judge_.certify(p, kExact, Claim::candidate, put_);
     solved = has_answer(put_.status);
     if (solved || put_.residual < best_.residual) best_.residual = put_.residual, best_.z = put_.z;

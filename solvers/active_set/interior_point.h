@@ -97,6 +97,7 @@ class InteriorPoint final : public Solver {
       scratch_;
   Vector ray_;
   Solution trial_, best_, put_;
+  AtBounds at_bounds_;
   double size_ = 0, error_ = 0, mu_ = 0;  // |b| + |A z|; natural residual relative to it; mean of s l
   double inside_error_ = 0;               // |w_F| that solve_inside() left
 };

@@ -1,5 +1,4 @@
 #include <orthant/solvers/active_set/polish.h>
-#include <orthant/solvers/at_bounds.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +22,7 @@ double error(const Solution& s) { return std::max(s.residual, s.rounding); }
 bool Polish::better(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
   judge_.certify(p, 0, Claim::stalled, trial_);
-  if (!is_exact(trial_) && put_at_bounds(p, trial_, widest_, put_.z)) {
+  if (!is_exact(trial_) && at_bounds_.put(p, trial_, put_.z)) {
     judge_.certify(p, 0, Claim::stalled, put_);
     if (is_exact(put_) || error(put_) < error(trial_)) std::swap(trial_, put_);
   }

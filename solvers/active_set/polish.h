@@ -13,6 +13,7 @@
 #pragma once
 
 #include <orthant/solvers/active_set/active_rows.h>
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/solver.h>
 
@@ -32,7 +33,7 @@ class Polish {  // reuse it
 
   Judge judge_;
   Solution trial_, best_, put_;
-  Vector widest_;
+  AtBounds at_bounds_;
   bool each_row_ = false;
   ActiveRows rows_;
   Vector zero_;

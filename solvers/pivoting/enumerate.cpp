@@ -454,6 +454,20 @@ SolutionFace face(const Piece& piece) {
   return result;
 }
 
+/// Rationals may rule out a class that doubles have divided already: what is part of another class goes.
+void keep_widest(std::vector<Cell>& cells) {
+  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.sides < b.sides; });
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const auto& wide = cells[kept].sides;
+    const auto& sides = cells[k].sides;
+    const bool part = k > 0 && wide.size() <= sides.size() && std::equal(wide.begin(), wide.end(), sides.begin());
+    if (k > 0 && !part) ++kept;
+    if (!part && kept != k) cells[kept] = std::move(cells[k]);
+  }
+  if (!cells.empty()) cells.resize(kept + 1);
+}
+
 }  // namespace
 
 SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>& stop) {
@@ -517,6 +531,7 @@ Claim Enumerate::run(const Lcp& problem, Solution& s, Start) {
   walk.run();
   s.iterations = static_cast<int>(walk.nodes());
   if (found || late || s.cells.size() > kMostCells) s.cells.clear();
+  keep_widest(s.cells);
   if (found) return Claim::candidate;
   return late ? Claim::time_limit : s.cells.empty() ? Claim::stalled : Claim::exhausted;
 }
