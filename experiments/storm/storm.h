@@ -10,7 +10,7 @@
 
 namespace orthant {
 
-/// What one solver made of one problem.
+/// Result of one solver on one problem.
 enum class StormResult { solved, rounded, infeasible, refused, failed, wrong, late, crashed };
 inline constexpr std::array<std::string_view, 8> kStormResults{"solved", "rounded", "infeasible", "refused",
                                                                "failed", "wrong",   "late",       "crashed"};
