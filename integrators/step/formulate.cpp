@@ -249,22 +249,28 @@ bool Formulation::solve_once(Solver& solver, StepReport& report, Crew* crew) {
       solve_island(island, by, benches_[static_cast<std::size_t>(worker)]);
     });
   }
+  Status status = Status::solved;
   for (int island = 0; island < count; ++island) {  // as if one after the other
     if (!together) solve_island(island, solver, benches_[0]);
     const auto rows = islands_.rows(island);
     const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
-    if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations)) {
-      solution_.status = outcome.status;
-      solution_.certificate.resize(outcome.certificate.size() > 0 ? n : 0);
-      solution_.certificate.setZero();
-      for (Index i = 0; i < outcome.certificate.size(); ++i)
-        solution_.certificate[rows[static_cast<std::size_t>(i)]] = outcome.certificate[i];
+    if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations,
+                     outcome.miss)) {
+      solution_.status = outcome.status, solution_.residual = outcome.residual, solution_.miss = outcome.miss;
+      if (outcome.miss.row >= 0) solution_.miss.row = rows[static_cast<std::size_t>(outcome.miss.row)];
+      for (const auto& [to, from] :
+           {std::pair{&solution_.certificate, &outcome.certificate}, {&solution_.ray, &outcome.ray}}) {
+        to->resize(from->size() > 0 ? n : 0);
+        to->setZero();
+        for (Index i = 0; i < from->size(); ++i) (*to)[rows[static_cast<std::size_t>(i)]] = (*from)[i];
+      }
       return false;
     }
     solution_.residual = std::max(solution_.residual, outcome.residual);
+    if (outcome.status == Status::rounded) status = Status::rounded;
     for (const int row : rows) solution_.z[row] = found_.z[row], solution_.w[row] = found_.w[row];
   }
-  solution_.status = Status::solved;
+  solution_.status = status;  // the judge's, of the islands
   return true;
 }
 
@@ -284,8 +290,11 @@ void Formulation::solve_island(int island, Solver& solver, Bench& bench) {
   const Solution& part = solver.solve(block, bench.part, Start::warm);
   Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
+  outcome.miss = part.miss;
   outcome.certificate.resize(part.certificate.size());
   outcome.certificate = part.certificate;
+  outcome.ray.resize(part.ray.size());
+  outcome.ray = part.ray;
   for (Index i = 0; i < block.size(); ++i) {
     const int row = rows[static_cast<std::size_t>(i)];
     found_.z[row] = part.z[i], found_.w[row] = part.w[i];

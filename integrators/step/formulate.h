@@ -169,8 +169,9 @@ class Formulation {
   struct Outcome {
     Status status = Status::not_run;
     double residual = 0;
+    Miss miss;
     int iterations = 0;
-    Vector certificate;
+    Vector certificate, ray;
   };
   const Lcp& cut_out(std::span<const int> rows, Bench& bench);
   void add_bench();

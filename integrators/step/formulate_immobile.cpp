@@ -104,8 +104,8 @@ bool Formulation::give_way(bool solved, StepReport& report) {
   const Status status = solution_.status;
   if (status == Status::time_limit || status == Status::cancelled || status == Status::unsupported) return false;
   const bool claimed = !solved && status == Status::infeasible;
-  const bool proof = !solved && solution_.certificate.size() == lcp_.size();
-  const Vector& u = proof ? solution_.certificate : solution_.z;
+  const Vector& hint = solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray;
+  const Vector& u = !solved && hint.size() == lcp_.size() ? hint : solution_.z;
   if ((solved && !strained()) || u.size() != lcp_.size() || !u.allFinite()) return false;
   double part = 0;  // of the contacts
   bool jammed = false;
@@ -182,7 +182,7 @@ std::string Formulation::contradiction() const {
   if (status != Status::infeasible || u.size() != lcp_.size())
     return "the solver ends the step's problem of " + std::to_string(lcp_.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution_.residual) +
-           ": try another solver or a shorter step";
+           (solution_.miss.row >= 0 ? "; " + orthant::why(solution_) : "") + ": try another solver or a shorter step";
   const double least = kPart * u.lpNorm<Eigen::Infinity>();
   Jam jam;
   each_row([&](Index i, Index edge, Index, const Contact& c) {
