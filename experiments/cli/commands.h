@@ -33,6 +33,6 @@ template <class Seconds> CLI::Option* add_time_limit(CLI::App& command, Seconds&
 }
 
 /// Exit code of an answer; 1 is bad input.
-inline int exit_code_of(Status status) { return status == Status::solved ? 0 : status == Status::infeasible ? 2 : 3; }
+inline int exit_code_of(Status status) { return has_answer(status) ? 0 : status == Status::infeasible ? 2 : 3; }
 
 }  // namespace orthant

@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SimulateArguments {
-  std::string scene, integrator = "moreau-jean", solver = "lemke", output, checkpoint, failed_steps;
+  std::string scene, integrator = "moreau-jean", solver = "lemke", rounded = "take", output, checkpoint, failed_steps;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
@@ -244,6 +244,7 @@ int run_simulate(const SimulateArguments& arguments) {
                     .every = arguments.every,
                     .time_limit = arguments.time_limit.value_or(kInf),
                     .cancel = StopSignal::flag(),
+                    .rounded = arguments.rounded == kRoundedNames[1] ? Rounded::stop : Rounded::take,
                     .reached = &reached};
   check_output(arguments);
   for (const Remark& remark : remarks_on_start(system))
@@ -306,6 +307,11 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--resume", arguments->resume,
                     "continue from the checkpoint, if it exists, with the bits of an unbroken run");
+  command
+      ->add_option("--rounded", arguments->rounded,
+                   "a step with a problem that is rounded only: take (and count it), or stop before it")
+      ->check(CLI::IsMember({std::string(kRoundedNames[0]), std::string(kRoundedNames[1])}))
+      ->capture_default_str();
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; the finished part is kept");
   command
       ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")

@@ -86,14 +86,18 @@ std::vector<Event> events_of(const py::tuple& columns) {
 /// `warn` is called with the words of each warning: before the run of those about its start.
 py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, const std::string& solver_spec,
                     std::optional<double> step, std::optional<double> duration, long every,
-                    std::optional<double> time_limit, bool check, const py::function& warn) {
+                    std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
   const Scene& scene = made.scene;
   const System system(scene);
   const auto integrator = make_integrator(integrator_spec, system);
   const auto solver = make_solver(solver_spec);
   const Interruptible interruptible;
-  const Clock clock{step.value_or(scene.step), duration.value_or(scene.duration), every, time_limit.value_or(kInf),
-                    interruptible.flag()};
+  const Clock clock{step.value_or(scene.step),
+                    duration.value_or(scene.duration),
+                    every,
+                    time_limit.value_or(kInf),
+                    interruptible.flag(),
+                    stop_when_rounded ? Rounded::stop : Rounded::take};
   const auto columns = trajectory_columns(scene);
   for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
   std::vector<double> table;

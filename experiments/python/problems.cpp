@@ -10,6 +10,7 @@
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>
 #include <orthant/core/lcp/judge/analyse.h>
+#include <orthant/core/lcp/judge/cells.h>
 #include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/pivoting/enumerate.h>
@@ -112,7 +113,8 @@ struct Result {
   int iterations;
   long factorizations;
   double seconds;
-  std::string why_not;
+  std::string why_not, why;
+  double cells;
   std::vector<LogEntry> log;
 
   bool solved() const { return status == name(Status::solved); }
@@ -169,6 +171,8 @@ class PythonSolver {
             s.factorizations,
             seconds,
             s.status == Status::unsupported ? solver_->refusal(*problem) : "",
+            why(s),
+            s.cells.empty() ? 0.0 : count_cells(*problem),
             std::move(entries)};
   }
 
@@ -341,22 +345,26 @@ void add_problems(py::module_& m) {
         return "LogEntry(iteration=" + std::to_string(e.iteration) + ", event='" + e.event + "')";
       });
 
-  py::class_<Result>(m, "Result", "What a solver gives back; `status` is 'solved' only where the judge accepted z.")
+  py::class_<Result>(m, "Result",
+                     "What a solver gives back; `status` is 'solved' or 'rounded' only where the judge accepted z.")
       .def_readonly("status", &Result::status)
       .def_property_readonly("solved", &Result::solved)
       .def_readonly("z", &Result::z, "(n,) the solution, or the last z")
       .def_readonly("w", &Result::w, "(n,) M z + q, recomputed")
       .def_readonly("certificate", &Result::certificate, "(n,) u that proves infeasibility, else None")
-      .def_readonly("residual", &Result::residual, "natural residual in units of w")
+      .def_readonly("residual", &Result::residual, "how far a w_i is from what its z_i allows, at most; in units of w")
       .def_readonly("rounding", &Result::rounding, "w cannot be known below this")
       .def_readonly("iterations", &Result::iterations)
       .def_readonly("factorizations", &Result::factorizations)
       .def_readonly("seconds", &Result::seconds, "wall time of the solver alone [s]")
       .def_readonly("why_not", &Result::why_not, "why the solver cannot take the problem (status 'unsupported')")
+      .def_readonly("why", &Result::why, "in one line why the status is not 'solved', as far as z tells")
+      .def_readonly("cells", &Result::cells,
+                    "choices of sides searched, all without a solution, where that is the proof")
       .def_readonly("log", &Result::log, "list of LogEntry, if requested")
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
-                      &Result::why_not, &Result::log>())
+                      &Result::why_not, &Result::why, &Result::cells, &Result::log>())
       .def("__repr__", &Result::repr);
 
   py::class_<PythonSolver>(m, "_Solver")

@@ -35,7 +35,7 @@ class BlockPivot final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ActiveRows rows_;

@@ -47,15 +47,15 @@ class NewtonFb final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
-  Status attempt(const Lcp& problem, Solution& s);
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
+  Claim attempt(const Lcp& problem, Solution& s);
   void light_rows(const Lcp& problem, Solution& s);
   void proximal(const Lcp& box, Solution& s, Vector& z);
-  Status in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
-  Status iterate(const Lcp& problem, Solution& s, Vector& z);
+  Claim in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
+  Claim iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ½‖Φ‖²; fills w_, phi_
   void element(const Lcp& problem, const Vector& z);  // da_, db_ at z
   bool direction(const Lcp& problem, double weight);  // d with (VᵀV + weight I) d = −VᵀΦ, or Newton's at 0

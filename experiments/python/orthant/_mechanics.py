@@ -269,14 +269,22 @@ class Trajectory:
         return f"Trajectory(status='{self.status}', rows={len(self)}, t={self.summary['t']:g})"
 
 
+def _stops(rounded: str) -> bool:
+    if rounded not in ("take", "stop"):
+        raise ValueError(f"rounded = {rounded!r}: must be 'take' or 'stop'")
+    return rounded == "stop"
+
+
 def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "lemke",
              step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
-             time_limit: Optional[float] = None, check: bool = False) -> Trajectory:
+             time_limit: Optional[float] = None, rounded: str = "take", check: bool = False) -> Trajectory:
     """Run a scene: a Scene, a built-in name or a TOML file.
 
     integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
     scene's. every: record every so many steps. time_limit: [s] of wall time; what is done by then is kept, with the status
     'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C raises Interrupted, whose `run` is what is done by then.
+    rounded: what to do with a step whose problem is 'rounded' only, "take" (counted in summary["rounded_steps"], with a
+    warning) or "stop" (the run ends before it).
     check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an estimate)
     and "digits" (significant decimal digits that agree) of the last state.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
@@ -292,7 +300,8 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
     columns, table, summary, unsolved, events, interruption = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
         word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"), seconds("step", step), seconds("duration", duration),
-        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), bool(check), warn)
+        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
+        warn)
     trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned)
     if isinstance(interruption, KeyboardInterrupt):
         raise Interrupted(trajectory)
