@@ -11,6 +11,8 @@ namespace {
 
 // Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
 constexpr double kFar = 100;
+// Of the largest |b|: a residual below it may be that of rows with small terms only.
+constexpr double kFine = 1e-10;
 
 bool open(const Solution& s) { return !has_answer(s.status) && s.status != Status::infeasible; }
 
@@ -35,15 +37,32 @@ Claim handed_on(const Solution& inner, Solution& s) {
   }
 }
 
-/// The judge on z; where z does not pass for solved, also on z put at its bounds, and the better of both is kept.
+/// The judge's status, or the better one of z with its fine rows settled.
 void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
+  judge_at_bounds(problem, tolerance, claim, s);
+  if (open(s) && s.residual <= kFine * problem.b.lpNorm<Eigen::Infinity>()) judge_fine_rows(problem, tolerance, s);
+}
+
+/// The judge on z with the rows settled that violate by little beside the others' data.
+void Solver::judge_fine_rows(const Lcp& problem, double tolerance, Solution& s) {
+  if (!fine_rows_.settle(problem, s.z, put_.z)) return;
+  judge_.certify(problem, tolerance, Claim::stalled, put_);
+  if (!has_answer(put_.status)) return;
+  accepted_ = judge_.accepted();
+  s.status = put_.status;
+  s.z = put_.z, s.w = put_.w;
+  s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
+}
+
+/// The judge on z; where z does not pass for solved, also on z put at its bounds, and the better of both is kept.
+void Solver::judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   judge_.certify(problem, tolerance, claim, s);
   accepted_ = judge_.accepted();
+  const double excess = judge_.excess();
   if (s.status == Status::solved || s.status == Status::infeasible || !s.z.allFinite() || !s.w.allFinite()) return;
   if (!at_bounds_.put(problem, s, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
-  const auto short_of = [](double limit, double residual) { return residual < kInf ? limit / residual : 0; };
-  const bool nearer = short_of(judge_.accepted(), put_.residual) > short_of(accepted_, s.residual);
+  const bool nearer = judge_.excess() < excess;
   if (put_.status != Status::solved && (has_answer(s.status) || !(nearer || has_answer(put_.status)))) return;
   accepted_ = judge_.accepted();
   if (has_answer(put_.status)) s.status = put_.status;

@@ -5,6 +5,7 @@
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/budget.h>
+#include <orthant/solvers/fine_rows.h>
 #include <orthant/solvers/iteration_log.h>
 #include <orthant/solvers/proof/farkas.h>
 
@@ -74,12 +75,14 @@ class Solver {
  private:
   /// Leaves z (and a certificate) in the solution. On entry z has n finite entries: the guess, or zeros.
   virtual Claim run(const Lcp& problem, Solution& solution, Start start) = 0;
-  /// After a verdict other than solved, rounded or infeasible (it stands in solution.status): false, or another attempt, made
-  /// harder, whose claim is judged in turn. `attempt` counts 1, 2, …
+  /// After any other verdict than solved, rounded or infeasible (it stands in solution.status): false, or another
+  /// attempt, made harder, whose claim is judged in turn. `attempt` counts 1, 2, …
   virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Claim& /*claim*/) { return false; }
   /// Not where a proof would answer another question than the caller's: the plain form of a method, say.
   virtual bool seeks_proof() const { return true; }
   void judge(const Lcp& problem, double tolerance, Claim claim, Solution& s);
+  void judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s);
+  void judge_fine_rows(const Lcp& problem, double tolerance, Solution& s);
   void seek_proof(const Lcp& problem, Solution& s);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
   Solver& with_discs();
@@ -91,6 +94,7 @@ class Solver {
   Solution best_;  // over the attempts of one solve
   Solution put_;   // at its bounds
   AtBounds at_bounds_;
+  FineRows fine_rows_;
   double accepted_ = 0;
   Vector scratch_, proof_, before_;
   Farkas farkas_;

@@ -117,6 +117,11 @@ Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status
         raise(i, least_of<Rational>(of_a * abs(Rational(z[j])), data[at(j)]));
     for (const Friction& f : p.friction) raise(f.first, data[at(f.normal)]);
   }
+  std::vector<Rational> part_data(at(n));
+  for (Index i = 0; i < n; ++i) {
+    Rational& whole = part_data[at(copy.part[at(i)])];
+    whole = most_of(whole, data[at(i)]);
+  }
   Finding finding;
   finding.error = 0;
   for (Index i = 0; i < n; ++i) {
@@ -134,7 +139,8 @@ Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status
     const Rational& beta = data[at(i)];
     if (beta > 0) finding.error = std::max(finding.error, static_cast<double>(v / beta));
     const Rational solved = Rational(tolerance) * least_of(size[at(i)], beta);
-    const Rational rounded = least_of<Rational>(Rational(20 * kEpsilon) * size[at(i)], Rational(1e-4) * beta),
+    const Rational rounded = least_of<Rational>(Rational(20 * kEpsilon) * size[at(i)],
+                                                Rational(1e-4) * part_data[at(copy.part[at(i)])]),
                    least =
                        Rational(20 * kEpsilon) * Rational(std::numeric_limits<double>::min()) * (1 + entries[at(i)]);
     if (v <= solved || (claimed == Status::rounded && (v <= rounded || v <= least))) continue;

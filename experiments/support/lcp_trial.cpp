@@ -35,7 +35,7 @@ void judge_solution(const Lcp& problem, const Vector& z, Trial& t) {
   const double scale = 1 + problem.b.lpNorm<Eigen::Infinity>();
   t.residual = residual;
   t.rounding = std::numeric_limits<double>::epsilon() * size;
-  t.holds = residual <= std::max(1e-10 * scale, 20 * t.rounding) && t.rounding <= 1e-6 * scale;
+  t.holds = residual <= std::max(1e-10 * scale, std::min(20 * t.rounding, 1e-4 * scale));
 }
 
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit) {

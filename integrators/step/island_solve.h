@@ -16,8 +16,8 @@ class IslandSolve {
   /// From the rows of the problem, each time they change.
   void sort(const StepProblem& problem) { islands_.sort(problem.rows()); }
 
-  /// Solves from s.z as the first guess. True: every island has an answer; s is rounded where one of them is. Else s has
-  /// the status, miss, certificate and ray of the first island that has none, and z and w up to there.
+  /// Solves from s.z as the first guess. True: every island has an answer; s is rounded where one of them is. Else s
+  /// has the status, miss, certificate and ray of the first island that has none, and z and w up to there.
   bool solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s);
 
  private:

@@ -28,6 +28,7 @@ using detail::Tableau;
 using detail::Wide;
 
 constexpr int kRestarts = 12;      // with other covering vectors
+constexpr int kCovers = 4;         // the same of the plain method, where its path goes round in a circle
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
 constexpr Index kExtended = 100;   // rows beyond which refinement comes sooner to the same
 constexpr Index kRational = 24;    // rows up to which rationals stay short
@@ -83,6 +84,8 @@ struct Lemke::Work {
   NormalPath<double> normal_path;
   bool was_revised = false;  // the tableau has not been tried
   int stage = 0;             // of the rescue
+  int pivots = 0;            // of all attempts
+  bool circle = false;       // the last path came back to a basis
 
   RefinedBasis basis;
 
@@ -120,7 +123,8 @@ struct Lemke::Work {
       lemke.log(t.iterations(), static_cast<double>(z0));
       return late();
     });
-    s.iterations = t.iterations();
+    circle = end == Tableau<T>::End::circle;
+    s.iterations = pivots += t.iterations();
     y.resize(n);
     y.setZero();
     if (end == Tableau<T>::End::ray) {
@@ -148,6 +152,7 @@ struct Lemke::Work {
       s.z = y;
     return end == Tableau<T>::End::solved    ? Claim::candidate
            : end == Tableau<T>::End::ray     ? Claim::ray
+           : circle                          ? Claim::stalled
            : end == Tableau<T>::End::stopped ? Claim::time_limit
                                              : Claim::iteration_limit;
   }
@@ -183,7 +188,7 @@ struct Lemke::Work {
     if (!revised.load(problem, cover_of(problem.A), lemke.budget())) return Claim::numerical_error;
     const auto end = revised.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(problem.size()),
                                  [&](double z0) { lemke.log(revised.iterations(), z0); });
-    s.iterations = revised.iterations();
+    s.iterations = pivots += revised.iterations();
     switch (end) {
       case RevisedLemke::End::solved:
         revised.point(s.z);
@@ -217,7 +222,7 @@ struct Lemke::Work {
       lemke.log(normal_path.pivots(), 1 - t, 0, "refined");
       return lemke.budget().exhausted();
     });
-    s.iterations = normal_path.pivots();
+    s.iterations = pivots += normal_path.pivots();
     normal_path.point(y, direction);
     if (end == PathEnd::ray) {
       normal_path.direction(direction);
@@ -255,14 +260,23 @@ struct Lemke::Work {
   }
 
   // Another covering vector, another path: from the same numbers on every machine and in every run.
-  Claim restart(int attempt_number, int max_pivots, const Lcp& problem, Solution& s) {
+  template <class T> Claim restart(Tableau<T>& t, int attempt_number, int max_pivots, const Lcp& problem, Solution& s) {
     cover.resize(pure->size());
     std::minstd_rand random(static_cast<unsigned>(attempt_number));
     for (double& d : cover) d = static_cast<double>(1 + random() % 1024) / 64;
-    long_tableau.cover(cover);
-    const Claim claim = attempt(long_tableau, max_pivots, problem, s);
+    t.cover(cover);
+    const Claim claim = attempt(t, max_pivots, problem, s);
     cover.resize(0);
-    long_tableau.cover(cover);
+    t.cover(cover);
+    return claim;
+  }
+
+  // The plain method; where its path goes round in a circle, from other covering vectors.
+  Claim plain(int max_pivots, const Lcp& problem, Solution& s) {
+    Claim claim = attempt(tableau, max_pivots, problem, s);
+    for (int k = 1; k <= kCovers && circle && (max_pivots == 0 || pivots < max_pivots); ++k)
+      claim = restart(tableau, k, max_pivots > 0 ? max_pivots - pivots : 0, problem, s);
+    cover_tableau();
     return claim;
   }
 
@@ -310,12 +324,12 @@ std::string Lemke::why_not(const Lcp& problem) const {
 
 Claim Lemke::run(const Lcp& problem, Solution& s, Start) {
   if (problem.size() == 0) return Claim::candidate;
-  work_->stage = 0;
+  work_->stage = 0, work_->pivots = 0;
   work_->was_revised = takes_revised(problem);
   if (work_->was_revised) return work_->attempt_revised(options_.max_pivots, problem, s);
   work_->form(problem, Pyramid::Form::shifted);
   if (!finite(*work_->pure)) return Claim::numerical_error;  // overflow in shifting the bounds
-  return work_->attempt(work_->tableau, options_.max_pivots, problem, s);
+  return work_->plain(options_.max_pivots, problem, s);
 }
 
 bool Lemke::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
@@ -327,7 +341,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
     if (problem.size() > kRevisedOnly) return false;
     work.form(problem, Pyramid::Form::shifted);
     if (!finite(*work.pure)) return false;
-    claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
+    claim = work.plain(options_.max_pivots, problem, s);
     return true;
   }
   const bool slow = claim == Claim::iteration_limit;  // more digits take the same path, if more slowly
@@ -355,7 +369,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
         return false;
       }
       if (n > kWide) return false;
-      claim = work.restart(stage, options_.max_pivots, problem, s);
+      claim = work.restart(work.long_tableau, stage, options_.max_pivots, problem, s);
       return true;
     }
     const auto [arithmetic, nearby, other_form] = kAttempts[stage];
@@ -365,7 +379,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
     const int few = 1000 + 20 * static_cast<int>(rows), limit = options_.max_pivots;
     switch (arithmetic) {
       case Arithmetic::plain:
-        claim = work.attempt(work.tableau, limit, problem, s);
+        claim = work.plain(limit, problem, s);
         return true;
       case Arithmetic::refined:
         // Few rows have few bases: a longer path goes in circles.

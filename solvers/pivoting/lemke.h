@@ -5,6 +5,7 @@
 //     1. form     pyramid.h: friction, boxes → rows [0, ∞) and free;  rows and columns scaled by powers of 2 where the
 //                 entries span many orders.
 //     2. pivot    tableau.h: free rows first, then the method, ties broken lexicographically, z₀ first.  O(n²) a pivot.
+//                 Where a basis comes back, as rounding has broken ties, another path: up to four other d for e.
 //     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.

@@ -11,7 +11,7 @@ namespace {
 
 using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRounding;
 constexpr double kRoundings = 20;                 // units in the last place that `rounded` may change
-constexpr double kCoarsest = 1e-4;                // of β_i: a larger violation is no answer, whatever z is
+constexpr double kCoarsest = 1e-4;                // of β_P: a larger violation is no answer, whatever z is
 constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
 constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
 constexpr double kDouble = 0.505 * kEpsilon;      // error of an operation, over its result
@@ -32,8 +32,8 @@ template <class T> T wrong_by(double z, T w, double lo, double hi) {
 /// The limit of v_i for solved.   tol = 1e-10, s = 5, β = 2: 2e-10.   s = 1e-3: 1e-13.
 double limit_of_solved(double tolerance, double s, double beta) { return tolerance * std::min(s, beta); }
 
-/// The limit of v_i for rounded.   s = 1e9, β = 1: 4.4e-6.   s = 1e12: 1e-4, where 20 ε s is 4.4e-3.
-double limit_of_rounded(double s, double beta) { return std::min(kRoundings * kEpsilon * s, kCoarsest * beta); }
+/// The limit of v_i for rounded.   s = 1e9, β_P = 1: 4.4e-6.   s = 1e12: 1e-4, where 20 ε s is 4.4e-3.
+double limit_of_rounded(double s, double part) { return std::min(kRoundings * kEpsilon * s, kCoarsest * part); }
 
 Miss::Against against(double z, double lo, double hi) {
   return !(lo <= z && z <= hi && std::abs(z) < kInf) ? Miss::Against::outside
@@ -52,7 +52,7 @@ void Judge::prepare(const Lcp& problem) {
   if (const auto* rows = std::get_if<RowSparse>(&problem.A))
     ways_.reserve(rows->value.size() + problem.friction.size());
   if (at(n) <= part_.capacity()) return;
-  for (Vector* each : {&lo_, &hi_, &beta_, &data_}) each->resize(n);
+  for (Vector* each : {&lo_, &hi_, &beta_, &data_, &part_data_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_, &g_error_}) each->reserve(at(n));
   part_.reserve(at(n));
   heap_.reserve(at(2 * n + 1));
@@ -128,8 +128,19 @@ bool Judge::surely_missed(const Lcp& problem, double tolerance, Solution& s, dou
     worst = ratio;
     s.miss = {i, against(s.z[i], lower_[i], upper_[i]), wrong, limit_of_solved(tolerance, size_[i], data), tolerance};
   }
-  if (worst > 0) accepted_ = std::isfinite(s.residual) ? s.residual / worst : 0;
+  if (worst > 0) excess_ = worst, accepted_ = std::isfinite(s.residual) ? s.residual / worst : 0;
   return worst > 0;
+}
+
+// part_data_ ← at each part's first row the largest data of its rows, β_P.
+void Judge::find_part_data(const Lcp& problem) {
+  label_parts(problem);
+  part_data_.resize(problem.size());
+  part_data_.setZero();
+  for (Index i = 0; i < problem.size(); ++i) {
+    double& whole = part_data_[part_[at(i)]];
+    whole = std::max(whole, data_[i]);
+  }
 }
 
 // The rule itself, in long double.
@@ -140,15 +151,11 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   if (delassus == nullptr || to_rows(*delassus, entries_, kFormed)) {
     spread(problem, s.z, data_);
   } else {  // too large to be formed: the largest of its part
-    label_parts(problem);
-    for (Index i = 0; i < n; ++i) {  // the root is the first of its rows
-      double& whole = data_[part_[at(i)]];
-      whole = std::max(whole, data_[i]);
-    }
-    for (Index i = 0; i < n; ++i) data_[i] = data_[part_[at(i)]];
+    find_part_data(problem);
+    for (Index i = 0; i < n; ++i) data_[i] = part_data_[part_[at(i)]];
   }
   const long double unit = kLong * (unit_ / kDouble);
-  bool floors = false;
+  bool floors = false, parts = false;
   Pass pass = Pass::solved;
   double worst = 0, worst_solved = 0, residual = 0, size = 0;
   Miss solved_miss;
@@ -161,7 +168,8 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     const double beta = data_[i];
     const double solved = kSure * limit_of_solved(tolerance, sum, beta);
     if (wrong + unit * terms <= solved) continue;
-    double rounded = kSure * limit_of_rounded(sum, beta);
+    if (!parts) find_part_data(problem), parts = true;
+    double rounded = kSure * limit_of_rounded(sum, part_data_[part_[at(i)]]);
     if (!(wrong + unit * terms <= rounded) && by < kProducts) {
       if (!floors) {  // beta_ ← 2⁻¹⁰²² (1 + Σ_j |A_ij|)
         floors = true;
@@ -185,6 +193,7 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   if (pass == Pass::rounded) s.miss = solved_miss;
   s.residual = residual;
   s.rounding = kEpsilon * size;
+  excess_ = worst;
   accepted_ = worst > 0 && residual < kInf ? residual / worst : residual;
   return pass;
 }
@@ -200,7 +209,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   unit_ = kDouble * (terms(problem.A) + 3);
   s.miss = {};
   const bool solved = surely_solved(problem, tolerance, s);
-  accepted_ = s.residual;
+  accepted_ = s.residual, excess_ = 0;
   if (solved) {
     s.status = Status::solved;
     return;
@@ -208,6 +217,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   const double data = find_data(problem, s.z);
   const Pass pass =
       data < kInf && !surely_missed(problem, tolerance, s, data) ? weigh(problem, tolerance, s) : Pass::no;
+  if (pass == Pass::no && excess_ == 0) excess_ = kInf;  // data that overflow
   const auto disproved = [&] {
     if (s.certificate.size() == n && proves_infeasible(problem, s.certificate)) return true;
     if (claim == Claim::exhausted) return proves_infeasible(problem, s.cells);
@@ -236,7 +246,7 @@ void Judge::certify_cones(const Lcp& problem, double tolerance, Claim claim, Sol
   s.w.resize(problem.size());
   s.miss = {};
   const bool accepted = judge.passes(problem, tolerance, s);
-  accepted_ = accepted ? s.residual : 0;
+  accepted_ = accepted ? s.residual : 0, excess_ = accepted ? 0 : kInf;
   const auto disproved = [&] {
     if (s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate)) return true;
     if (claim != Claim::ray || s.ray.size() != problem.size() || !proves_infeasible(problem, s.ray)) return false;

@@ -1,24 +1,24 @@
 // core/lcp/judge/certify.h — the judge: the only code that writes Status::solved, Status::rounded or
 // Status::infeasible.
 //
-//   Row i of w = A z + b has the terms b_i and A_ij z_j; s_i is the sum of their absolute values. By hand, from z alone:
+//   Row i of w = A z + b has the terms b_i and A_ij z_j; s_i is the sum of their absolute values. By hand, from z:
 //   violation   v_i = how far w_i is from what z_i allows: max(0, −w_i) at lo_i, max(0, w_i) at hi_i, |w_i| between,
 //               0 where lo_i = hi_i, ∞ outside. A friction row has the bounds ∓μ z_n, as doubles.
 //                 A = 2, b = −1, lo = 0:   z = 0.5: w = 0, v = 0;   z = 0: w = −1, v = 1;   z = 0.6: w = 0.2, v = 0.2.
-//   data        β_i = the largest of |b_i| + Σ_j |A_ij β_j'| and, for each j, min(|A_ij z_j|, β_j): what an entry brings
-//               of another row's data. β_j' = z_j at its own finite bound, else the bound nearest to 0. A friction row
-//               has its normal's, too.   A = (2, 1; 1, 2), b = (−3, 0), z = (2, 0): β = (3, 2).
+//   data        β_i = the largest of |b_i| + Σ_j |A_ij β_j'| and, for each j, min(|A_ij z_j|, β_j): the part of another
+//               row's data that an entry brings. β_j' = z_j at its own finite bound, else the bound nearest to 0. A
+//               friction row has its normal's, too.   A = (2, 1; 1, 2), b = (−3, 0), z = (2, 0): β = (3, 2).
 //   solved      v_i ≤ tol min(s_i, β_i) in every row.
 //                 z = 0.5 (1 + 1e-11): w = 1e-11, s = 2, β = 1: passes for tol = 1e-10.
-//   rounded     v_i ≤ min(20 ε s_i, 1e-4 β_i) in every row, and no proof of infeasibility: z is the exact solution of a
-//               problem whose numbers differ from these by at most 20 units in the last place (Oettli & Prager); how
-//               far z is from the solution of this problem is not claimed. s_i counts as 2⁻¹⁰²² (1 + Σ_j |A_ij|) at
-//               least: below it doubles have no more digits.
+//   rounded     v_i ≤ min(20 ε s_i, 1e-4 β_P) in every row, and no proof of infeasibility; β_P is the largest β of the
+//               rows that A connects with row i. z is the exact solution of a problem whose numbers differ from these
+//               by at most 20 units in the last place (Oettli & Prager); how far z is from the solution of this problem
+//               is not claimed. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) passes too: below it doubles have no more digits.
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
-//   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0: u_i ≥ 0
-//               on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
-//                 A = −1, b = −1: u = 1.   Where rounding leaves Aᵀu a slack of at most 32 ε Σ_i |A_ij u_i| on the wrong
-//               side, for every z with s_i ≤ 0.01 β / ε. Or all cells searched: cells.h.
+//   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
+//               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
+//                 A = −1, b = −1: u = 1.   Where rounding leaves Aᵀu a slack of at most 32 ε Σ_i |A_ij u_i| on the
+//               wrong side, for every z with s_i ≤ 0.01 β / ε. Or all cells searched: cells.h.
 //   The verdicts hold in exact arithmetic: sums carry bounds of their own rounding, on the wrong side.
 //   Sources: Oettli & Prager, Numer. Math. 6 (1964); Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
 #pragma once
@@ -41,6 +41,8 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
   /// The residual up to which a multiple of the violations last judged would have been accepted.
   double accepted() const { return accepted_; }
+  /// The largest v_i over its limit, of those that do not pass; 0: all do.
+  double excess() const { return excess_; }
 
   /// True when u proves that no z in the bounds has the signs of w that its rows demand.
   bool proves_infeasible(const Lcp& problem, const Vector& u);
@@ -62,19 +64,20 @@ class Judge {  // the members are scratch: after the first problem of a size not
   bool surely_missed(const Lcp& problem, double tolerance, Solution& s, double data);
   Pass weigh(const Lcp& problem, double tolerance, Solution& s);
   void label_parts(const Lcp& problem);
+  void find_part_data(const Lcp& problem);
   void spread(const Lcp& problem, const Vector& z, Vector& x);
   double terms(const Matrix& A);
   void product(const Matrix& A, const Vector& u, bool transposed);
 
   std::function<bool()> stop_;
-  Vector lo_, hi_, size_, beta_, data_, floor_, zero_w_, inner_, inner_abs_;
+  Vector lo_, hi_, size_, beta_, data_, part_data_, floor_, zero_w_, inner_, inner_abs_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
   RowSparse entries_;              // of an operator
   std::vector<Way> ways_, heap_;
   std::vector<char> spoken_;
   const double *lower_ = nullptr, *upper_ = nullptr;  // with friction's
   double unit_ = 0;                                   // error of a sum of doubles, over s_i
-  double accepted_ = 0;
+  double accepted_ = 0, excess_ = 0;
   std::vector<long double> g_, g_abs_, g_error_;  // Aᵀu and |A|ᵀ|u|, or A z and |A| |z|; the rounding of Aᵀu
   std::vector<long double> least_;                // what a slack in g_j is measured by
   std::vector<long double> inner_ld_, inner_abs_ld_;

@@ -133,7 +133,8 @@ def _equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int, time_limit: Opt
 def _extreme_equilibria(A: npt.ArrayLike, B: npt.ArrayLike, time_limit: Optional[float]) -> list[Equilibrium]: ...
 def _equilibria(A: npt.ArrayLike, B: npt.ArrayLike, time_limit: Optional[float]) -> list[Equilibrium]: ...
 def _simulate(scene: _Scene, integrator: str, solver: str, step: Optional[float], duration: Optional[float],
-              every: int, time_limit: Optional[float], check: bool, warn: Callable[[str], None]) -> tuple[
+              every: int, time_limit: Optional[float], rounded: bool, check: bool,
+              warn: Callable[[str], None]) -> tuple[
                   list[str], npt.NDArray[np.float64], dict[str, Any], Optional[Problem], tuple[Any, ...],
                   Optional[BaseException]]: ...
 def _write_trajectory(file: _Path, scene: _Scene, columns: Sequence[str], table: npt.NDArray[np.float64],

@@ -187,8 +187,8 @@ TEST_CASE("a runaway z is no solution, however small its relative residual") {
     INFO("unit ", unit);
     CHECK(has_answer(verdict(q, Vector{2, 1})));
     if (unit > 1e-290) CHECK(verdict(q, Vector{2, 1}) == Status::solved);
-    CHECK(has_answer(verdict(q, Vector{1e12 + 1, 1e12})));  // w = 0: as good a solution
-    CHECK(!has_answer(verdict(q, Vector{1e12, 1e12})));
+    CHECK(has_answer(verdict(q, Vector{1e12 + 1, 1e12})));                  // w = 0: as good a solution
+    if (unit > 1e-320) CHECK(!has_answer(verdict(q, Vector{1e12, 1e12})));  // below it w = unit is a last digit
   }
 }
 

@@ -2,6 +2,7 @@
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/families.h>
 #include <orthant/solvers/active_set/small_active_set.h>
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/few_lu.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
@@ -37,6 +38,11 @@ Tried attempt(const Lcp& problem) {
   SmallActiveSet bold;
   t.claimed = bold.solve(dense, t.s.z, t.factorizations);
   Judge().certify(problem, 1e-13, Claim::candidate, t.s);
+  Solution put;  // as the solvers that use it do
+  if (!has_answer(t.s.status) && AtBounds().put(problem, t.s, put.z)) {
+    Judge().certify(problem, 1e-13, Claim::candidate, put);
+    t.s = put;
+  }
   return t;
 }
 
