@@ -21,6 +21,7 @@ void add_list(CLI::App& app, int& exit_code);
 void add_sweep(CLI::App& app, int& exit_code);
 void add_results(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
+void add_view(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
 /// --time-limit, of `what`.

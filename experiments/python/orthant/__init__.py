@@ -11,6 +11,7 @@ complementary. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilib
 Nothing is called solved that an independent judge has not recomputed and accepted.
 """
 
+from . import _pages as _pages  # first: where the parts of pages are
 from ._files import read_problem, set_largest_input, write_fclib, write_npz, write_problem
 from ._mechanics import Interrupted, OrthantWarning, Scene, Trajectory, integrators, scenes, simulate
 from ._nonlinear import McpResult, equilibria, equilibrium, extreme_equilibria, solve_mcp
