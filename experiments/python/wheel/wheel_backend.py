@@ -1,7 +1,7 @@
 """Builds the wheel: scikit-build-core compiles, then (on Linux) auditwheel puts the shared libraries inside.
 
 Kept in build/, so that a second build of an unchanged tree compiles nothing: the objects, a static HDF5 without network
-libraries (experiments/scripts/slim_hdf5), and a copy of pybind11, for pip gives every build another temporary folder.
+libraries (experiments/scripts/slim_hdf5), and copies of the tools, for pip gives every build another temporary folder.
 Environment:
   ORTHANT_SLIM_HDF5  a folder made by slim_hdf5, or "system": the system's HDF5, with all that it needs inside the wheel
   ORTHANT_REPAIR     0: leave the shared libraries where they are (the wheel then serves this machine only)
@@ -9,6 +9,9 @@ Environment:
 
 from __future__ import annotations
 
+import importlib
+import importlib.metadata
+import importlib.util
 import json
 import os
 import re
@@ -20,9 +23,24 @@ import zipfile
 from pathlib import Path
 from typing import Any, Optional
 
-from scikit_build_core import build as inner
-
 ROOT = Path(__file__).resolve().parents[3]
+
+
+def kept(package: str, distribution: str) -> Path:
+    """The package's copy in build/: a folder that stays the same, for objects are thrown away when one of these moves."""
+    where = ROOT / "build/wheel_tools" / f"{distribution}-{importlib.metadata.version(distribution)}"
+    if not where.exists():
+        found = importlib.util.find_spec(package)
+        assert found is not None and found.submodule_search_locations
+        where.parent.mkdir(parents=True, exist_ok=True)
+        half = Path(tempfile.mkdtemp(dir=where.parent))
+        shutil.copytree(found.submodule_search_locations[0], half / package, ignore=shutil.ignore_patterns("__pycache__"))
+        half.rename(where)
+    return where
+
+
+sys.path.insert(0, str(kept("scikit_build_core", "scikit-build-core")))
+inner = importlib.import_module("scikit_build_core.build")
 Settings = Optional[dict[str, Any]]
 
 # Header-only libraries, whose code is in the wheel as well: Debian's names.
@@ -73,20 +91,8 @@ def slim_hdf5() -> Optional[Path]:
     return prefix.resolve()
 
 
-def kept_pybind11() -> Path:
-    import pybind11
-
-    kept = ROOT / "build" / f"pybind11-{pybind11.__version__}"
-    if not kept.exists():
-        kept.parent.mkdir(exist_ok=True)
-        half = Path(tempfile.mkdtemp(dir=kept.parent))
-        shutil.copytree(Path(pybind11.__file__).parent, half / "pybind11", ignore=shutil.ignore_patterns("__pycache__"))
-        half.rename(kept)
-    return kept / "pybind11/share/cmake/pybind11"
-
-
 def with_defines(settings: Settings, hdf5: Optional[Path]) -> dict[str, Any]:
-    mine: dict[str, Any] = {"cmake.define.pybind11_DIR": str(kept_pybind11()),
+    mine: dict[str, Any] = {"cmake.define.pybind11_DIR": str(kept("pybind11", "pybind11") / "pybind11/share/cmake/pybind11"),
                             "cmake.define.ORTHANT_SLIM_HDF5": str(hdf5 or "")}
     return {**mine, **(settings or {})}
 
@@ -134,8 +140,7 @@ def add_licences(wheel: Path, hdf5: Optional[Path]) -> None:
         lines.append("hdf5 (static)\n")
     texts["uplot"] = (ROOT / "experiments/report/node_modules/uplot/LICENSE").read_text()
     lines.append("uplot (script of the pages)\n")
-    import pybind11
-    lines.append(f"pybind11 {pybind11.__version__} (headers, BSD-3-Clause)\n")
+    lines.append(f"pybind11 {importlib.metadata.version('pybind11')} (headers, BSD-3-Clause)\n")
     with zipfile.ZipFile(wheel, "a", zipfile.ZIP_DEFLATED) as archive:  # auditwheel writes the RECORD anew
         archive.writestr("orthant/licenses/README.txt", NOTE + "".join(lines))
         for name, text in texts.items():
