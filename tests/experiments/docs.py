@@ -21,6 +21,7 @@ SETS_UP = {
     "export PATH=$PWD/build/release:$PATH": "done here, with this build's folder",
     "export PATH=$PWD/build/release:$PATH PYTHONPATH=$PWD/build/release/python": "likewise",
     "./experiments/scripts/setup release": "what the tests were built by",
+    "pip wheel --no-deps .": "tests/wheel does it: minutes, and the package index",
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
     "experiments/docs/figures.py quiet solvers": "seven minutes, on a machine that does nothing else",
     "experiments/docs/figures.py quiet time_to_error": "two minutes, likewise",
