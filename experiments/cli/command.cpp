@@ -90,6 +90,8 @@ int orthant::run_command(int argc, const char* const* argv) {
       "Exit codes: 0 solved, 1 bad input, 2 proved infeasible, 3 not solved.\n"
       "Examples:\n"
       "  orthant simulate slider_crank --set mu=0.1 --step 1e-5 --output run.csv\n"
+      "  orthant new mechanism --output mine.toml\n"
+      "  orthant check mine.toml\n"
       "  orthant view slider_crank --output view.html\n"
       "  orthant solve --matrix M.mtx --vector q.mtx --solver lemke --json\n"
       "  orthant analyse M.mtx\n"
@@ -100,6 +102,7 @@ int orthant::run_command(int argc, const char* const* argv) {
       "  orthant report mine.sqlite --output mine.html\n"
       "  orthant list solvers\n"
       "orthant COMMAND --help has more of each.");
+  app.require_subcommand(0, 1);  // `orthant man solve`: the second word is no other command
   bool version = false, json = false;
   CLI::Option* shown = app.add_flag("--version", version, "version, revision, compiler and flags");
   app.add_flag("--json", json, "with --version: as one JSON object")->needs(shown);
@@ -114,7 +117,11 @@ int orthant::run_command(int argc, const char* const* argv) {
   orthant::add_results(app, exit_code);
   orthant::add_report(app, exit_code);
   orthant::add_view(app, exit_code);
+  orthant::add_check(app, exit_code);
+  orthant::add_new(app, exit_code);
+  orthant::add_schema(app, exit_code);
   orthant::add_completion(app, exit_code);
+  orthant::add_man(app, exit_code);
   add_max_input(app);
   for (CLI::App* command : app.get_subcommands(nullptr)) add_max_input(*command);
   try {
