@@ -5,6 +5,7 @@
 
 #include "../support/help_text.h"
 #include "../support/manifest.h"
+#include "../support/plugin.h"
 #include "../support/printable.h"
 
 #include <orthant/core/support/file.h>
@@ -61,6 +62,18 @@ void add_max_input(CLI::App& app) {
         const bool good = CLI::detail::lexical_cast(text, bytes) && bytes <= INT64_MAX;
         return good ? std::string() : "must be a size of 0 bytes to 8 EiB";
       });
+}
+
+/// Wherever it stands, and more than once.
+void add_plugin(CLI::App& app) {
+  app.add_option_function<std::vector<std::string>>(
+         "--plugin",
+         [](const std::vector<std::string>& files) {
+           for (const std::string& file : files) orthant::load_plugin(file);
+         },
+         "shared library that registers solvers, integrators and scenes of its own; may be repeated")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 [[noreturn]] void refuse_subcommand(const CLI::App& app, const std::string& given) {
@@ -122,8 +135,8 @@ int orthant::run_command(int argc, const char* const* argv) {
   orthant::add_schema(app, exit_code);
   orthant::add_completion(app, exit_code);
   orthant::add_man(app, exit_code);
-  add_max_input(app);
-  for (CLI::App* command : app.get_subcommands(nullptr)) add_max_input(*command);
+  add_max_input(app), add_plugin(app);
+  for (CLI::App* command : app.get_subcommands(nullptr)) add_max_input(*command), add_plugin(*command);
   try {
     const std::string first = argc > 1 ? argv[1] : "-";
     if (!first.starts_with('-') &&

@@ -169,6 +169,12 @@ void add_mechanics(py::module_& m) {
   m.def("_write_trajectory", &write_run);
   m.def("_view_page", &page_of);
   m.def("_set_folder_of_parts", &set_folder_of_parts);
+  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary) {
+    parse_scene(text, {}, name);  // a mistake is said now
+    register_scene({name, summary,
+                    [name, text](std::span<const std::string> sets) { return parse_scene(text, sets, name); },
+                    [] { return std::vector<OptionEntry>(); }});
+  });
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
   m.def("_integrators", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;

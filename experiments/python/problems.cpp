@@ -161,6 +161,35 @@ double solve_timed(Solver& solver, const Lcp& problem, Solution& solution, Start
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+/// A method written in Python: function(problem, start) gives z; the judge decides, as of every method.
+class CallbackSolver final : public Solver {
+ public:
+  explicit CallbackSolver(const py::function& function) : function_(function) {}
+
+ private:
+  Status run(const Lcp& problem, Solution& s, Start) override {
+    const py::gil_scoped_acquire interpreter;
+    const py::object z = function_(py::cast(Lcp(problem)), to_numpy(s.z));
+    if (z.is_none()) return Status::stalled;
+    read(z, "z", problem.size(), Entries::any, s.z);
+    s.iterations = 1;
+    return Status::solved;  // a claim only
+  }
+  double tolerance() const override { return 1e-10; }
+
+  const py::function& function_;  // of the registry, which keeps it
+};
+
+void register_callback(const std::string& name, const py::function& function, const std::string& summary) {
+  const auto* kept = new py::function(function);  // as long as the process lives, longer than the interpreter
+  const auto make_one = [kept](std::string_view options) -> std::unique_ptr<Solver> {
+    if (!options.empty())
+      throw std::invalid_argument("options '" + std::string(options) + "': a solver written in Python has none");
+    return std::make_unique<CallbackSolver>(*kept);
+  };
+  register_solver(SolverEntry{name, summary, make_one, [] { return std::vector<OptionEntry>(); }});
+}
+
 /// Each of many problems by one of the threads, each with its own solver; answers do not depend on how many there are.
 std::vector<Result> solve_many(const std::string& spec, const std::vector<py::tuple>& wanted, int threads,
                                std::optional<double> time_limit) {
@@ -465,6 +494,7 @@ void add_problems(py::module_& m) {
       .def("solve", &PythonSolver::solve);
 
   m.def("_solve_many", &solve_many);
+  m.def("_register_solver", &register_callback);
   m.def("_solvers", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
     for (const SolverEntry& e : solvers()) table.emplace_back(e.name, e.summary, text_of(e.options()));

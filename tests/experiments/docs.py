@@ -20,6 +20,7 @@ from pathlib import Path
 SETS_UP = {
     "export PATH=$PWD/build/release:$PATH": "done here, with this build's folder",
     "export PATH=$PWD/build/release:$PATH PYTHONPATH=$PWD/build/release/python": "likewise",
+    "export PATH=$PWD/build/release:$PWD/build/release/experiments:$PATH": "likewise",
     "./experiments/scripts/setup release": "what the tests were built by",
     "pip wheel --no-deps .": "tests/wheel does it: minutes, and the package index",
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
@@ -58,7 +59,7 @@ class Page:
         self.folder, self.home = (Path(tempfile.mkdtemp(prefix=kind)) for kind in ("page", "home"))
         self.python, self.programs, self.failures, self.run_count, self.not_run = [], [], 0, 0, set()
         self.python_done = 0
-        self.environment = {**os.environ, "PATH": f"{build}:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
+        self.environment = {**os.environ, "PATH": f"{build}:{build}/experiments:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
                             "PYTHONPATH": f"{build}/python", "PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{prefix}/share/pkgconfig"}
         (self.home / "orthant").symlink_to(prefix)
 

@@ -371,6 +371,16 @@ def integrators() -> list[Entry]:
     return [Entry(*row) for row in _orthant._integrators()]
 
 
+def register_scene(name: str, scene: Scene, summary: str = "written in Python") -> None:
+    """A scene under a name, for `simulate` and `Scene.named` of this process. Options of it are key paths of the format.
+
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _, and for a scene without a text.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {shown(scene)}: must be a Scene")
+    _orthant._register_scene(word("name", name), scene.toml(), word("summary", summary))
+
+
 def scenes() -> list[Entry]:
     """Every built-in scene: name, summary, options with defaults and ranges."""
     return [Entry(*row) for row in _orthant._scenes()]

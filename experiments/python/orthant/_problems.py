@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import os
 import threading
-from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, NamedTuple, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem, Result, Solutions
-from ._spec import Entry, flag, seconds, shown, spec, whole
+from ._spec import Entry, flag, seconds, shown, spec, whole, word
 
 if TYPE_CHECKING:
+    import numpy as np
     import numpy.typing as npt
 
     Array = npt.ArrayLike
@@ -119,6 +120,19 @@ def solve_many(problems: Iterable[Union[Problem, tuple[Any, ...]]], *, solver: s
             raise TypeError(f"problems[{i}] = {shown(one)}: must be a Problem or a tuple (M, q, lower, upper, friction)")
     count = (os.cpu_count() or 1) if threads is None else whole("threads", threads, 1, 1024)
     return _orthant._solve_many(spec(solver, options), wanted, count, seconds("time_limit", time_limit))
+
+
+def register_solver(name: str, function: Callable[[Problem, npt.NDArray[np.float64]], Optional[npt.ArrayLike]],
+                    summary: str = "written in Python") -> None:
+    """A method of your own under a name, for `solve`, `Solver`, `solve_many` and `simulate` of this process.
+
+    function(problem, start) -> z: (n,) numbers, or None where it gives up; start is a guess. The judge decides what is
+    solved. It may be called from any thread, with the interpreter's lock. An exception ends the solve.
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9 and -.
+    """
+    if not callable(function):
+        raise TypeError(f"function = {shown(function)}: must be a function of a Problem and a start")
+    _orthant._register_solver(word("name", name), function, word("summary", summary))
 
 
 def solvers() -> list[Entry]:
