@@ -111,7 +111,7 @@ class Page:
 
     def build_programs(self, text):
         for line, name in self.programs:
-            if re.search(r"^\$ cmake --build", text, re.M):
+            if re.search(rf"^\$ (cmake --build|c\+\+ .*{re.escape(name)})", text, re.M):
                 continue
             self.run_count += 1
             done = self.bash(f"$CXX -std=c++20 {name} -o program $(pkg-config --cflags --libs orthant) && ./program")
