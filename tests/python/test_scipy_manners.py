@@ -18,8 +18,10 @@ def test_bounds_are_a_pair_or_an_object_of_scipy():
     for bounds in (([0, 0], [1, np.inf]), (0, [1, np.inf]), [np.zeros(2), np.array([1, np.inf])]):
         assert orthant.solve(M, q, bounds=bounds).z.tolist() == expected.tolist()
         assert orthant.Solver("lemke").solve(M, q, bounds=bounds).z.tolist() == expected.tolist()
-    assert np.allclose(M @ orthant.solve(M, q, bounds=(None, None)).z, -q)  # no bound: equations
+    for b in (q, -q):  # no bound: equations, with solutions of either sign
+        assert np.allclose(M @ orthant.solve(M, b, bounds=(None, None)).z, -b)
     assert orthant.solve(M, q, bounds=(None, 1)).z.tolist() == [1, 1]
+    assert np.allclose(M @ orthant.solve(M, -q, bounds=(None, 1)).z, q)
     optimize = pytest.importorskip("scipy.optimize")
     assert orthant.solve(M, q, bounds=optimize.Bounds([0, 0], [1, np.inf])).z.tolist() == expected.tolist()
     with pytest.raises(ValueError, match="must be given alone"):
