@@ -22,6 +22,7 @@
 #include <orthant/core/scenes/table.h>
 #include <orthant/core/scenes/tower.h>
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/registered.h>
 
 #include <algorithm>
 
@@ -42,7 +43,7 @@ template <class Options, Scene (*draw)(const Options&)> Scene make(std::span<con
   return draw(options);
 }
 
-constexpr SceneEntry kScenes[] = {
+const SceneEntry kScenes[] = {
     {"bouncing_ball", "a point mass falls on a floor; for e < 1 its impacts accumulate",
      &make<BouncingBall, bouncing_ball>, &list_options<BouncingBall>},
     {"impact_oscillator", "a driven oscillator strikes a wall once a period",
@@ -80,17 +81,28 @@ constexpr SceneEntry kScenes[] = {
      &make<NoOptions, ideal>, &list_options<NoOptions>},
 };
 
+std::vector<SceneEntry>& scene_rows() {
+  static std::vector<SceneEntry> rows(std::begin(kScenes), std::end(kScenes));
+  return rows;
+}
+
 }  // namespace
 
-std::span<const SceneEntry> scenes() { return kScenes; }
+std::span<const SceneEntry> scenes() { return scene_rows(); }
+
+void register_scene(SceneEntry entry) {
+  entry.name = registered_name("scene", entry.name, scenes(), "_");
+  entry.summary = kept_text(entry.summary);
+  scene_rows().push_back(std::move(entry));
+}
 
 bool is_built_in(std::string_view name) {
-  return std::ranges::any_of(kScenes, [&](const SceneEntry& entry) { return entry.name == name; });
+  return std::ranges::any_of(scenes(), [&](const SceneEntry& entry) { return entry.name == name; });
 }
 
 Scene make_scene(std::string_view name_or_path, std::span<const std::string> sets) {
   std::string known;
-  for (const SceneEntry& entry : kScenes) {
+  for (const SceneEntry& entry : scenes()) {
     if (entry.name == name_or_path) return entry.make(sets);
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
