@@ -13,6 +13,12 @@ constexpr std::size_t kFew = 200;  // rows swept
 
 }  // namespace
 
+void FineRows::reserve(Index n) {
+  if (in_.capacity() >= at(n)) return;
+  in_.reserve(at(n)), friction_of_.reserve(at(n)), swept_.reserve(kFew);
+  diagonal_.resize(n);
+}
+
 void FineRows::bounds(const Lcp& problem, Index i, const Vector& z, double& lo, double& hi) const {
   lo = problem.lo[i], hi = problem.hi[i];
   if (const Index f = friction_of_[at(i)]; f >= 0) {

@@ -14,6 +14,8 @@ namespace orthant {
 
 class FineRows {  // reuse it: the members are scratch
  public:
+  /// Room for problems of n rows: settle() then allocates nothing, but for the entries of an operator.
+  void reserve(Index n);
   /// to ← z with the violated rows settled. False: none is violated, too many are, or one has no positive diagonal.
   bool settle(const Lcp& problem, const Vector& z, Vector& to);
 

@@ -142,6 +142,8 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
     s.z.setZero();
   }
   s.w.resize(n);
+  fine_rows_.reserve(n);
+  if (put_.z.size() < n) put_.z.resize(n), put_.w.resize(n);
   if (!finite(problem)) {
     s.w.setConstant(std::numeric_limits<double>::quiet_NaN());
     s.status = Status::numerical_error;

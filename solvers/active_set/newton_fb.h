@@ -32,7 +32,7 @@
 namespace orthant {
 
 struct NewtonFbOptions {
-  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the data, as certify() measures it; a tenth is aimed at
   int max_iterations = 500;
   int memory = 5;  // nonmonotone line search: 1 is monotone
   template <class V> void visit(V&& v) {
@@ -49,6 +49,7 @@ class NewtonFb final : public Solver {
  private:
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 0.1 * options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   Claim attempt(const Lcp& problem, Solution& s);

@@ -27,7 +27,7 @@
 namespace orthant {
 
 struct NewtonMinOptions {
-  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the data, as certify() measures it; a tenth is aimed at
   int max_iterations = 500;
   int memory = 5;        // nonmonotone line search: 1 is monotone
   int coarse_start = 1;  // 0: cold, never from coarse problems
@@ -45,6 +45,7 @@ class NewtonMin final : public Solver {
  private:
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 0.1 * options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   const Lcp* by_rows(const Lcp& problem);
