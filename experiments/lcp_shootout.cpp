@@ -6,6 +6,7 @@
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/manifest.h"
+#include "experiments/support/plugin.h"
 #include "experiments/support/solver_table.h"
 
 #include <orthant/core/support/file.h>
@@ -66,6 +67,7 @@ int main(int argc, char** argv) {
   Plan plan;
   CLI::App app("Every solver on families of problems: speed against achieved residual, claims checked");
   app.add_option("--output", plan.output, "folder for tables and manifest")->capture_default_str();
+  app.add_option_function<std::string>("--plugin", load_plugin, "shared library that registers solvers of its own");
   app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...; default: all of the registry");
   app.add_option("--rivals", plan.rivals, "folder of rivals' drivers; they take part as well");
   app.add_option("--families", plan.choice.families,

@@ -34,12 +34,12 @@ class Timed final : public Solver {
     full << spec << (spec.find(':') == std::string::npos ? ':' : ',') << "tolerance=" << tolerance;
     return full.str();
   }
-  Status run(const Lcp& problem, Solution& s, Start start) override {
+  Claim run(const Lcp& problem, Solution& s, Start start) override {
     const double begin = thread_time();
     by_->set_time_limit(budget().remaining());
     by_->solve(problem, s, start);
     seconds += thread_time() - begin;
-    return s.status;
+    return handed_on(Solution(s), s);
   }
   double tolerance() const override { return tolerance_; }
   std::unique_ptr<Solver> by_;

@@ -6,8 +6,9 @@
 
 namespace orthant {
 
-bool StepReport::note(int rows, Status status_of_it, double residual, int iterations) {
-  status = status_of_it;
+bool StepReport::note(int rows, Status status_of_it, double residual, int iterations, const Miss& missed) {
+  if (status_of_it == Status::rounded && rounded++ == 0) miss = missed;
+  status = has_answer(status_of_it) ? Status::solved : status_of_it;
   if (status == Status::solved) lcp_residual = std::max(lcp_residual, residual);
   lcp_rows = std::max(lcp_rows, rows);
   lcp_iterations += iterations;

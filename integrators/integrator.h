@@ -25,6 +25,8 @@ struct StepReport {
   double lcp_residual = 0;         // [m/s] the largest of those solved, as certify() measures it
   int lcp_rows = 0;                // rows of the largest problem; 0: none was solved
   int lcp_solves = 0;
+  int rounded = 0;             // problems that are rounded only (Status::rounded)
+  Miss miss;                   // of the first of them
   int lcp_iterations = 0;      // of all of them
   int accepted = 1;            // inner steps
   int rejected = 0;            // inner steps done again with a smaller one
@@ -38,11 +40,12 @@ struct StepReport {
   double energy_rise = 0;  // [J] that impacts added where they should not, see impact.h; 0: they did not
   Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
 
-  /// Takes one more problem in; true: it is solved.
+  /// Takes one more problem in; true: it has an answer, solved or rounded. `status` is solved in both cases.
   bool note(const Lcp& problem, const Solution& solution) {
-    return note(static_cast<int>(problem.size()), solution.status, solution.residual, solution.iterations);
+    return note(static_cast<int>(problem.size()), solution.status, solution.residual, solution.iterations,
+                solution.miss);
   }
-  bool note(int rows, Status status_of_it, double residual, int iterations);
+  bool note(int rows, Status status_of_it, double residual, int iterations, const Miss& missed);
 };
 
 template <class Space> struct ImpulseOf {

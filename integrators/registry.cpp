@@ -1,4 +1,5 @@
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/registered.h>
 #include <orthant/integrators/adaptive/adaptive.h>
 #include <orthant/integrators/between_events/substitute.h>
 #include <orthant/integrators/event_driven/event_driven.h>
@@ -55,14 +56,25 @@ constexpr IntegratorEntry kIntegrators[] = {
     entry<EventDriven>("Runge-Kutta of order 8 between located events; for references", &make_by_contacts<EventDriven>),
 };
 
+std::vector<IntegratorEntry>& integrator_rows() {
+  static std::vector<IntegratorEntry> rows(std::begin(kIntegrators), std::end(kIntegrators));
+  return rows;
+}
+
 }  // namespace
 
-std::span<const IntegratorEntry> integrators() { return kIntegrators; }
+std::span<const IntegratorEntry> integrators() { return integrator_rows(); }
+
+void register_integrator(IntegratorEntry entry) {
+  entry.name = registered_name("integrator", entry.name, integrators());
+  entry.summary = kept_text(entry.summary);
+  integrator_rows().push_back(entry);
+}
 
 std::unique_ptr<Integrator> make_integrator(std::string_view spec, const System& system) {
   const auto [name, options] = Spec::parse(spec);
   std::string known;
-  for (const IntegratorEntry& entry : kIntegrators) {
+  for (const IntegratorEntry& entry : integrators()) {
     if (entry.name == name) return entry.make(system, options);
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }

@@ -25,6 +25,9 @@ struct IntegratorEntry {
 
 std::span<const IntegratorEntry> integrators();
 
+/// One more row, behind the others; as register_solver() (solvers/registry.h).
+void register_integrator(IntegratorEntry entry);
+
 /// "moreau-jean:joints=position,theta=0.5". Unknown name or option: std::invalid_argument that lists the known ones.
 /// The system must outlive the integrator: a temporary one does not compile.
 std::unique_ptr<Integrator> make_integrator(std::string_view spec, const System& system);

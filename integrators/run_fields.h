@@ -43,6 +43,8 @@ template <class RunType, class Visit> void visit_fields(RunType& run, Visit&& vi
   visit("max_energy_rise_time", "s", "end of that step", run.max_energy_rise_time);
   visit("passages", "", "steps in which bodies passed through each other", run.passages);
   visit("first_passage_time", "s", "end of the first such step", run.first_passage_time);
+  visit("rounded_steps", "", "steps with a problem that is rounded only", run.rounded_steps);
+  visit("first_rounded_time", "s", "end of the first such step", run.first_rounded_time);
   visit("lcp_solves", "", "problems solved", run.lcp_solves);
   visit("lcp_iterations", "", "iterations of the solver in them", run.lcp_iterations);
 }

@@ -112,6 +112,8 @@ void note(const StepReport& report, Run& run) {
   }
   if (report.passage.width > 0 && run.passages++ == 0)
     run.first_passage = report.passage, run.first_passage_time = run.final.t;
+  if (report.rounded > 0 && run.rounded_steps++ == 0)
+    run.first_rounded = words_of(report.miss), run.first_rounded_time = run.final.t;
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
   if (report.penetration > run.max_penetration) {
     run.max_penetration = report.penetration;
@@ -128,7 +130,7 @@ void note(const StepReport& report, Run& run) {
 }
 
 void remember(Run& run, Memory& memory) {
-  memory(run.final, run.first_passage);
+  memory(run.final, run.first_passage, run.first_rounded);
   visit_fields(run, [&](const char*, const char*, const char*, auto& value) { memory(value); });
 }
 
@@ -244,7 +246,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       break;
     }
     const double t = x.t, h = k < whole ? clock.step : rest;
-    if (watch.measures_work()) before = x;
+    if (watch.measures_work() || clock.rounded == Rounded::stop) before = x;
     const StepReport report = integrator.step(h, solver, x);
     if (report.status != Status::solved) {
       run.status = report.status;
@@ -256,6 +258,13 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       const bool moved = x.t != t;  // a scheme that controls its step came some way
       if (moved) note(report, run), run.events += static_cast<long>(integrator.events().size());
       recording.end(moved, x, report, integrator);
+      break;
+    }
+    if (report.rounded > 0 && clock.rounded == Rounded::stop) {
+      x = before;
+      run.status = Status::rounded;
+      run.why = "the step's problem is rounded only: " + words_of(report.miss);
+      recording.end(false, x, report, integrator);
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding

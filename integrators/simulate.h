@@ -4,6 +4,7 @@
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/admissible.h>
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <type_traits>
@@ -23,10 +24,13 @@ struct Run {
   double max_joint_rate = 0;        // [m/s, rad/s], of schemes that satisfy the joints at velocity level
   long accepted = 0, rejected = 0;  // inner steps
   long lcp_solves = 0, lcp_iterations = 0;
-  long events = 0;            // located
-  long crossings = 0;         // of crowds of events, see StepReport
-  double error_estimate = 0;  // [m, rad] of the final q, see StepReport; 0: the scheme has none
-  long energy_rises = 0;      // steps in which impacts raised the energy (impact.h)
+  long rounded_steps = 0;            // steps with a problem that is rounded only (Status::rounded)
+  double first_rounded_time = kInf;  // [s] the end of the first such step; infinity: there is none
+  std::string first_rounded;         // what it misses, in words
+  long events = 0;                   // located
+  long crossings = 0;                // of crowds of events, see StepReport
+  double error_estimate = 0;         // [m, rad] of the final q, see StepReport; 0: the scheme has none
+  long energy_rises = 0;             // steps in which impacts raised the energy (impact.h)
   double max_energy_rise = 0, max_energy_rise_time = 0;  // [J] the most in one step, and the end of that step [s]
   Admissibility motion;                                  // overlaps and energy balance (step/admissible.h)
   long passages = 0;  // steps in which bodies passed through each other (tunnelling.h)
@@ -55,12 +59,16 @@ struct Reached {
   std::atomic<long> events = 0;
 };
 
+enum class Rounded { take, stop };  // a step with a problem that is rounded only: counted, or the end of the run
+inline constexpr std::array<std::string_view, 2> kRoundedNames = {"take", "stop"};
+
 struct Clock {
   double step = 1e-3;        // h > 0 [s]; the last step is shorter when the duration is no multiple of it
   double duration = 1;       // > 0 [s]
   long every = 1;            // record every so many steps, besides the first and the last moment
   double time_limit = kInf;  // [s] of wall time; past it the run ends with Status::time_limit
   const std::atomic<bool>* cancel = nullptr;  // raised by another thread: the run ends with Status::cancelled
+  Rounded rounded = Rounded::take;            // stop: the run ends before such a step, with Status::rounded
   Reached* reached = nullptr;                 // updated at the ends of steps
 };
 

@@ -9,8 +9,10 @@
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) block-pivot and newton-min from coarse grids
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0; interior-point
+//     large, sparse, unsymmetric   200 sweeps of pgs, path without restarts, then as the others
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
+//     up to 2²⁰ cells      at last every cell (enumerate.h): a solution, or the proof that there is none
 //   With a time limit each step may take half of what is left, the last all of it.
 //   A start value is passed on, and a tolerance other than the default. Guarantees: those of the solver that answered.
 #pragma once
@@ -35,8 +37,8 @@ class Automatic final : public Solver {
   std::string why_not(const Lcp&) const override { return {}; }
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
 

@@ -1,6 +1,7 @@
 #include <orthant/solvers/registry.h>
 
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/registered.h>
 #include <orthant/solvers/active_set/block_pivot.h>
 #include <orthant/solvers/active_set/interior_point.h>
 #include <orthant/solvers/active_set/newton_fb.h>
@@ -39,7 +40,7 @@ template <class S> std::unique_ptr<Solver> make(std::string_view text) {
 
 template <class S> std::vector<OptionEntry> options() { return list_options<typename S::Options>(); }
 
-constexpr SolverEntry kSolvers[] = {
+const SolverEntry kSolvers[] = {
     {"auto", "looks at the problem, picks solvers in turn, seeks proofs; its log says which and why", &make<Automatic>,
      &options<Automatic>},
     {"lemke",
@@ -90,14 +91,26 @@ constexpr SolverEntry kSolvers[] = {
      &options<Enumerate>},
 };
 
+/// The built-in ones, then those that were registered.
+std::vector<SolverEntry>& solver_rows() {
+  static std::vector<SolverEntry> rows(std::begin(kSolvers), std::end(kSolvers));
+  return rows;
+}
+
 }  // namespace
 
-std::span<const SolverEntry> solvers() { return kSolvers; }
+std::span<const SolverEntry> solvers() { return solver_rows(); }
+
+void register_solver(SolverEntry entry) {
+  entry.name = registered_name("solver", entry.name, solvers());
+  entry.summary = kept_text(entry.summary);
+  solver_rows().push_back(std::move(entry));
+}
 
 std::unique_ptr<Solver> make_solver(std::string_view spec) {
   const auto [name, text] = Spec::parse(spec);
   std::string names;
-  for (const SolverEntry& entry : kSolvers) {
+  for (const SolverEntry& entry : solvers()) {
     if (entry.name == name) return entry.make(text);
     names += (names.empty() ? "" : ", ") + std::string(entry.name);
   }

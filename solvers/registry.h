@@ -2,8 +2,10 @@
 #pragma once
 
 #include <orthant/core/support/option_list.h>
+#include <orthant/core/support/options.h>
 #include <orthant/solvers/solver.h>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,11 +16,26 @@ namespace orthant {
 
 struct SolverEntry {
   std::string_view name, summary;
-  std::unique_ptr<Solver> (*make)(std::string_view options);  // "omega=1.3,max_sweeps=50"
-  std::vector<OptionEntry> (*options)();                      // with defaults and ranges
+  std::function<std::unique_ptr<Solver>(std::string_view options)> make;  // "omega=1.3,max_sweeps=50"
+  std::function<std::vector<OptionEntry>()> options;                      // with defaults and ranges
 };
 
 std::span<const SolverEntry> solvers();
+
+/// One more row, behind the others: make_solver(), the command, sweeps and the shoot-out know its name from then on.
+/// Name and summary are copied. Not while another thread uses the registry. Throws std::invalid_argument for a name
+/// that is taken, or made of other than a–z, 0–9 and -.
+void register_solver(SolverEntry entry);
+
+/// The same of a class with `Options` as the built-in ones have: register_solver<Mine>("mine", "what it is").
+template <class S> void register_solver(std::string_view name, std::string_view summary) {
+  const auto make = [](std::string_view text) {
+    typename S::Options options;
+    set_options(options, text);
+    return std::unique_ptr<Solver>(std::make_unique<S>(options));
+  };
+  register_solver(SolverEntry{name, summary, make, [] { return list_options<typename S::Options>(); }});
+}
 
 /// "pgs:omega=1.3" (also the label in every table). Throws std::invalid_argument: an unknown name lists the names.
 std::unique_ptr<Solver> make_solver(std::string_view spec);

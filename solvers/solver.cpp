@@ -7,12 +7,75 @@
 
 namespace orthant {
 
+namespace {
+
+// Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
+constexpr double kFar = 100;
+// Of the largest |b|: a residual below it may be that of rows with small terms only.
+constexpr double kFine = 1e-10;
+
+bool open(const Solution& s) { return !has_answer(s.status) && s.status != Status::infeasible; }
+
+}  // namespace
+
+Claim handed_on(const Solution& inner, Solution& s) {
+  s.ray = inner.ray, s.certificate = inner.certificate, s.cells = inner.cells;
+  switch (inner.status) {
+    case Status::solved:
+    case Status::rounded:
+      return Claim::candidate;
+    case Status::infeasible:
+      return inner.cells.empty() ? Claim::stalled : Claim::exhausted;
+    case Status::ray:
+      return Claim::ray;
+    case Status::iteration_limit:
+      return Claim::iteration_limit;
+    case Status::numerical_error:
+      return Claim::numerical_error;
+    default:  // its share of the time, not the whole
+      return Claim::stalled;
+  }
+}
+
+/// The judge's status, or the better one of z with its fine rows settled.
+void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
+  judge_at_bounds(problem, tolerance, claim, s);
+  if (open(s) && s.residual <= kFine * problem.b.lpNorm<Eigen::Infinity>()) judge_fine_rows(problem, tolerance, s);
+}
+
+/// The judge on z with the rows settled that violate by little beside the others' data.
+void Solver::judge_fine_rows(const Lcp& problem, double tolerance, Solution& s) {
+  if (!fine_rows_.settle(problem, s.z, put_.z)) return;
+  judge_.certify(problem, tolerance, Claim::stalled, put_);
+  if (!has_answer(put_.status)) return;
+  accepted_ = judge_.accepted();
+  s.status = put_.status;
+  s.z = put_.z, s.w = put_.w;
+  s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
+}
+
+/// The judge on z; where z does not pass for solved, also on z put at its bounds, and the better of both is kept.
+void Solver::judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
+  judge_.certify(problem, tolerance, claim, s);
+  accepted_ = judge_.accepted();
+  const double excess = judge_.excess();
+  if (s.status == Status::solved || s.status == Status::infeasible || !s.z.allFinite() || !s.w.allFinite()) return;
+  if (!at_bounds_.put(problem, s, put_.z)) return;
+  judge_.certify(problem, tolerance, Claim::stalled, put_);
+  const bool nearer = judge_.excess() < excess;
+  if (put_.status != Status::solved && (has_answer(s.status) || !(nearer || has_answer(put_.status)))) return;
+  accepted_ = judge_.accepted();
+  if (has_answer(put_.status)) s.status = put_.status;
+  s.z = put_.z, s.w = put_.w;
+  s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
+}
+
 void Solver::seek_proof(const Lcp& problem, Solution& s) {
-  // Cheap: then worth it after a run that was only too short, and where only rounding excuses what a z misses.
+  // Cheap: then worth it after a run that was only too short.
   const bool cheap = problem.size() <= Farkas::kTableau;
-  const bool contested = s.status == Status::solved && judge_.doubtful(s);
-  if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error &&
-      !(cheap && (s.status == Status::iteration_limit || contested)))
+  const bool contested = s.status == Status::rounded && s.miss.by > kFar * s.miss.allowed;
+  if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error && !contested &&
+      !(cheap && s.status == Status::iteration_limit))
     return;
   if (!proof_search_ || !(seeks_proof() || contested) || budget_.exhausted()) return;
   Budget share;  // a quarter of what is left
@@ -26,14 +89,17 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   }
   if (!judge_.proves_infeasible(problem, proof_) &&
       !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_)))
-    return;  // a ray's direction stays what it was
+    return;
   s.certificate = proof_;
-  judge_.certify(problem, tolerance(), Status::ray, s);
+  judge_.certify(problem, tolerance(), Claim::stalled, s);
 }
 
 bool Solver::passes(const Lcp& problem, Solution& s) {
-  judge_.certify(problem, std::min(goal(), tolerance()), Status::not_run, s);
-  return s.status == Status::solved;
+  before_ = s.z;
+  judge(problem, std::min(goal(), tolerance()), Claim::stalled, s);
+  if (has_answer(s.status)) return true;
+  s.z = before_;
+  return false;
 }
 
 Solver& Solver::with_discs() {
@@ -68,13 +134,16 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   s.iterations = 0;
   s.factorizations = 0;
   s.factorized_rows = 0;
-  s.certificate.resize(0);
+  s.miss = {};
+  s.certificate.resize(0), s.ray.resize(0), s.cells.clear();
   if (start == Start::cold || s.z.size() != n || !s.z.allFinite()) {
     start = Start::cold;
     s.z.resize(n);
     s.z.setZero();
   }
   s.w.resize(n);
+  fine_rows_.reserve(n);
+  if (put_.z.size() < n) put_.z.resize(n), put_.w.resize(n);
   if (!finite(problem)) {
     s.w.setConstant(std::numeric_limits<double>::quiet_NaN());
     s.status = Status::numerical_error;
@@ -88,25 +157,27 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   }
   begin();
   const Effort before = effort();
-  Status claim = run(problem, s, start);
+  Claim claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
-  judge_.certify(problem, goal_residual, claim, s);
-  const auto open = [&s] { return s.status != Status::solved && s.status != Status::infeasible; };
-  if (open()) seek_proof(problem, s);
+  judge(problem, goal_residual, claim, s);
+  if (open(s)) seek_proof(problem, s);
   best_.residual = kInf;
-  for (int attempt = 1; open() && !budget_.exhausted(); ++attempt) {
+  for (int attempt = 1; open(s) && !budget_.exhausted(); ++attempt) {
     if (!(s.residual >= best_.residual)) best_ = s;
     if (!run_again(problem, s, attempt, claim)) break;
-    judge_.certify(problem, goal_residual, claim, s);
+    judge(problem, goal_residual, claim, s);
   }
-  if (open() && best_.residual < s.residual) {  // a harder attempt may do worse: the best z is what is reported
+  if (open(s) && best_.residual < s.residual) {  // a harder attempt may do worse: the best z is what is reported
     best_.iterations = s.iterations;
     s = best_;
   }
-  if (open() && goal_residual < tolerance()) judge_.certify(problem, tolerance(), s.status, s);
-  if (s.status == Status::solved) seek_proof(problem, s);
-  if (s.status == Status::solved) s.certificate.resize(0);
-  if (open() && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
+  if (s.status != Status::solved && s.status != Status::infeasible && goal_residual < tolerance()) {
+    const Status status = s.status;
+    judge(problem, tolerance(), Claim::stalled, s);
+    if (open(s)) s.status = status;
+  }
+  if (s.status == Status::rounded) seek_proof(problem, s);
+  if (open(s) && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
   s.factorizations = effort().factorizations - before.factorizations;
   s.factorized_rows = effort().rows - before.rows;
   return s;

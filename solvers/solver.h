@@ -3,7 +3,9 @@
 
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/solution.h>
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/budget.h>
+#include <orthant/solvers/fine_rows.h>
 #include <orthant/solvers/iteration_log.h>
 #include <orthant/solvers/proof/farkas.h>
 
@@ -16,12 +18,14 @@ enum class Start { cold, warm };  // warm: solution.z on entry is a guess, where
 
 class Solver {
  public:
-  Solver() = default;
+  Solver() {
+    judge_.set_stop([this] { return budget_.exhausted(); });
+  }
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
   virtual ~Solver() = default;
 
-  /// Runs the method, then lets the judge decide: `solved` and `infeasible` come from certify() alone.
+  /// Runs the method, then lets the judge decide: `solved`, `rounded` and `infeasible` come from certify() alone.
   /// Data that are not finite give numerical_error; a malformed problem throws std::invalid_argument.
   const Solution& solve(const Lcp& problem, Solution& solution, Start start = Start::cold);
 
@@ -59,22 +63,26 @@ class Solver {
   }
   const Budget& budget() const { return budget_; }  // run() asks it once an iteration
   bool logging() const { return log_ != nullptr; }
-  /// The judge, before the end: true when s.z would be accepted as it stands. One product with A; fills w, residual
-  /// and rounding of s. accepted(): the residual up to which this z would have been.
+  /// The judge, before the end: true when s.z would be accepted (solved or rounded), if need be put at the bounds that
+  /// it is near to. One product with A, or two; fills w, residual and rounding of s. accepted(): the residual up to
+  /// which it would have been.
   bool passes(const Lcp& problem, Solution& s);
-  double accepted() const { return judge_.accepted(); }
+  double accepted() const { return accepted_; }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }
 
  private:
   /// Leaves z (and a certificate) in the solution. On entry z has n finite entries: the guess, or zeros.
-  virtual Status run(const Lcp& problem, Solution& solution, Start start) = 0;
-  /// After a verdict other than solved or infeasible (it stands in solution.status): false, or another attempt, made
-  /// harder, whose claim is judged in turn. `attempt` counts 1, 2, …
-  virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Status& /*claim*/) { return false; }
+  virtual Claim run(const Lcp& problem, Solution& solution, Start start) = 0;
+  /// After any other verdict than solved, rounded or infeasible (it stands in solution.status): false, or another
+  /// attempt, made harder, whose claim is judged in turn. `attempt` counts 1, 2, …
+  virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Claim& /*claim*/) { return false; }
   /// Not where a proof would answer another question than the caller's: the plain form of a method, say.
   virtual bool seeks_proof() const { return true; }
+  void judge(const Lcp& problem, double tolerance, Claim claim, Solution& s);
+  void judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s);
+  void judge_fine_rows(const Lcp& problem, double tolerance, Solution& s);
   void seek_proof(const Lcp& problem, Solution& s);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
   Solver& with_discs();
@@ -84,7 +92,11 @@ class Solver {
 
   Judge judge_;
   Solution best_;  // over the attempts of one solve
-  Vector scratch_, proof_;
+  Solution put_;   // at its bounds
+  AtBounds at_bounds_;
+  FineRows fine_rows_;
+  double accepted_ = 0;
+  Vector scratch_, proof_, before_;
   Farkas farkas_;
   bool proof_search_ = true;
   Budget budget_;
@@ -94,5 +106,8 @@ class Solver {
   std::unique_ptr<Solver> discs_;  // what answers for friction discs
   int facets_ = 16;
 };
+
+/// For solvers that hand a problem to another one: what that one came to, as a claim, and its proof or ray into s.
+Claim handed_on(const Solution& inner, Solution& s);
 
 }  // namespace orthant

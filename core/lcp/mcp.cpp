@@ -44,45 +44,20 @@ bool evaluate(const Mcp& p, const Vector& z, Matrix& J) {
   return std::all_of(sparse->value.begin(), sparse->value.end(), [](double v) { return std::isfinite(v); });
 }
 
-void certify(const Mcp& p, double tolerance, Status claim, Solution& s) {
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  Matrix J;
-  s.status = claim;
-  s.residual = kInf;
-  const bool known = s.z.allFinite() && evaluate(p, s.z, s.w) && evaluate(p, s.z, J);
-  if (known) {
-    Vector d, size;
-    d.resize(p.size()), size.resize(p.size());
-    d.setOnes();
-    size = s.w.cwiseAbs();
-    const auto count = [&](Index i, Index j, double value) {
-      d[j] = std::max(d[j], std::abs(value));
-      size[i] += std::abs(value * s.z[j]);
-    };
-    if (const auto* dense = std::get_if<DenseMatrix>(&J)) {
-      for (Index j = 0; j < p.size(); ++j)
-        for (Index i = 0; i < p.size(); ++i) count(i, j, (*dense)(i, j));
-    } else {
-      const auto view = std::get<RowSparse>(J).view();
-      for (Index i = 0; i < p.size(); ++i)
-        for (RowSparse::View::InnerIterator entry(view, i); entry; ++entry) count(i, entry.col(), entry.value());
-    }
-    s.residual = 0;
-    bool fine = true;
-    for (Index i = 0; i < p.size(); ++i) {
-      const double off = d[i] * std::abs(s.z[i] - std::clamp(s.z[i] - s.w[i] / d[i], p.lo[i], p.hi[i]));
-      const double rounding = eps * size[i];
-      s.residual = std::max(s.residual, off);
-      fine = fine && (off <= tolerance || (off <= 20 * rounding && rounding <= 1e-6));
-    }
-    s.rounding = p.size() > 0 ? eps * size.maxCoeff() : 0;
-    if (fine) {
-      s.status = Status::solved;
-      return;
-    }
+void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
+  Lcp linear{.A = DenseMatrix(), .b = {}, .lo = p.lo, .hi = p.hi, .friction = {}};
+  s.residual = kInf, s.rounding = 0, s.miss = {};
+  if (!s.z.allFinite() || !evaluate(p, s.z, s.w) || !evaluate(p, s.z, linear.A)) {
+    s.status = claim == Claim::candidate ? Status::numerical_error : status_of(claim);
+    return;
   }
-  if (claim == Status::solved) s.status = known && s.rounding <= 1e-6 ? Status::stalled : Status::numerical_error;
-  if (claim == Status::infeasible) s.status = Status::stalled;
+  const Vector F = s.w;
+  linear.b.resize(p.size());
+  Vector scratch;
+  multiply(linear.A, s.z, linear.b, scratch);
+  linear.b = F - linear.b;
+  Judge().certify(linear, tolerance, claim == Claim::exhausted ? Claim::stalled : claim, s);
+  s.w = F;
 }
 
 }  // namespace orthant

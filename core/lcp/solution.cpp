@@ -1,5 +1,7 @@
 #include <orthant/core/lcp/solution.h>
 
+#include <sstream>
+
 namespace orthant {
 
 std::string_view name(Status status) {
@@ -8,6 +10,8 @@ std::string_view name(Status status) {
       return "not_run";
     case Status::solved:
       return "solved";
+    case Status::rounded:
+      return "rounded";
     case Status::infeasible:
       return "infeasible";
     case Status::ray:
@@ -26,6 +30,50 @@ std::string_view name(Status status) {
       return "numerical_error";
   }
   return "not_run";
+}
+
+Status status_of(Claim claim) {
+  switch (claim) {
+    case Claim::ray:
+    case Claim::exhausted:
+      return Status::ray;
+    case Claim::iteration_limit:
+      return Status::iteration_limit;
+    case Claim::time_limit:
+      return Status::time_limit;
+    case Claim::cancelled:
+      return Status::cancelled;
+    case Claim::unsupported:
+      return Status::unsupported;
+    case Claim::numerical_error:
+      return Status::numerical_error;
+    case Claim::candidate:
+    case Claim::stalled:
+      break;
+  }
+  return Status::stalled;
+}
+
+std::string why(const Solution& s) {
+  if (s.status == Status::solved || s.status == Status::not_run || s.status == Status::infeasible) return {};
+  return words_of(s.miss);
+}
+
+std::string words_of(const Miss& miss) {
+  const auto& [row, against, by, allowed, tolerance] = miss;
+  if (row < 0) return {};
+  const std::string which = "row " + std::to_string(row);
+  if (against == Miss::Against::outside) return which + " is outside its bounds";
+  const auto digits = [](double value) {
+    std::ostringstream text;
+    text.precision(2);
+    text << value;
+    return text.str();
+  };
+  if (!(by < kInf)) return which + " is not finite";
+  static constexpr const char* kPlaces[] = {"inside its bounds", "at its lower bound", "at its upper bound"};
+  return which + " misses by " + digits(by) + ' ' + kPlaces[static_cast<int>(against)] + "; " + digits(tolerance) +
+         " of its data is " + digits(allowed);
 }
 
 }  // namespace orthant

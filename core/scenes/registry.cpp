@@ -29,6 +29,7 @@
 #include <orthant/core/scenes/top.h>
 #include <orthant/core/scenes/tower.h>
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/registered.h>
 
 #include <algorithm>
 
@@ -49,7 +50,7 @@ template <class Options, auto draw> auto make(std::span<const std::string> sets)
   return draw(options);
 }
 
-constexpr SceneEntry kScenes[] = {
+const SceneEntry kScenes[] = {
     {"bouncing_ball", "a point mass falls on a floor; for e < 1 its impacts accumulate",
      &make<BouncingBall, bouncing_ball>, &list_options<BouncingBall>},
     {"impact_oscillator", "a driven oscillator strikes a wall once a period",
@@ -118,11 +119,24 @@ void check_exists(std::string_view name_or_path, const std::string& known) {
                                 "': must be a TOML file that exists or one of " + known);
 }
 
+std::vector<SceneEntry>& scene_rows() {
+  static std::vector<SceneEntry> rows(std::begin(kScenes), std::end(kScenes));
+  return rows;
+}
+
 }  // namespace
 
 std::span<const SpatialSceneEntry> spatial_scenes() { return kSpatialScenes; }
 
-std::span<const SceneEntry> scenes() { return kScenes; }
+std::span<const SceneEntry> scenes() { return scene_rows(); }
+
+void register_scene(SceneEntry entry) {
+  entry.name = registered_name("scene", entry.name, scenes(), "_");
+  if (is_built_in(entry.name))
+    throw std::invalid_argument("scene '" + std::string(entry.name) + "': is registered already");
+  entry.summary = kept_text(entry.summary);
+  scene_rows().push_back(std::move(entry));
+}
 
 bool is_built_in(std::string_view name) {
   std::string known;

@@ -7,6 +7,7 @@
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/support/option_list.h>
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,8 +17,8 @@ namespace orthant {
 
 struct SceneEntry {
   std::string_view name, summary;
-  Scene (*make)(std::span<const std::string> sets);
-  std::vector<OptionEntry> (*options)();  // with defaults and ranges
+  std::function<Scene(std::span<const std::string> sets)> make;
+  std::function<std::vector<OptionEntry>()> options;  // with defaults and ranges
 };
 
 std::span<const SceneEntry> scenes();
@@ -29,6 +30,10 @@ struct SpatialSceneEntry {
   std::vector<OptionEntry> (*options)();
 };
 std::span<const SpatialSceneEntry> spatial_scenes();
+/// One more row, behind the others: the command, Python and sweeps know its name from then on. Name and summary are
+/// copied. Not while another thread uses the registry. Throws std::invalid_argument for a name that is taken, or of
+/// other than a–z, 0–9, - and _.
+void register_scene(SceneEntry entry);
 
 bool is_built_in(std::string_view name);
 

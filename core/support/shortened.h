@@ -8,18 +8,27 @@
 
 namespace orthant {
 
-/// The text, with \0 as \\0: what() ends there.
-inline std::string without_end(std::string_view text) {
+/// The text in one line: control characters, line ends and the end of strings among them, as \xNN.
+inline std::string in_one_line(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
   std::string all;
-  for (const char c : text) c == '\0' ? all += "\\0" : all += c;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code >= 0x20 && code != 0x7f)
+      all += c;
+    else if (code == 0)
+      all += "\\0";
+    else
+      (all += "\\x") += {kDigits[code / 16], kDigits[code % 16]};
+  }
   return all;
 }
 
 /// The text, or its beginning and its end where it has more than `most` characters.
 inline std::string shortened(std::string_view text, std::size_t most = 60) {
-  if (text.size() <= most) return without_end(text);
+  if (text.size() <= most) return in_one_line(text);
   const std::size_t end = most / 3;
-  return without_end(text.substr(0, most - end)) + " ... " + without_end(text.substr(text.size() - end));
+  return in_one_line(text.substr(0, most - end)) + " ... " + in_one_line(text.substr(text.size() - end));
 }
 
 /// Returns work()'s result. Shortens its message about a bad argument to one line: place first, rule last.

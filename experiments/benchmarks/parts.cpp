@@ -97,7 +97,7 @@ void certify(benchmark::State& state) {
   Solution s;
   make_solver("auto")->solve(problem, s);
   Judge judge;
-  for (auto _ : state) judge.certify(problem, 1e-10, Status::solved, s);
+  for (auto _ : state) judge.certify(problem, 1e-10, Claim::candidate, s);
 }
 BENCHMARK(certify)->Arg(4)->Arg(50)->Arg(500);
 

@@ -21,7 +21,12 @@ void add_list(CLI::App& app, int& exit_code);
 void add_sweep(CLI::App& app, int& exit_code);
 void add_results(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
+void add_view(CLI::App& app, int& exit_code);
+void add_check(CLI::App& app, int& exit_code);
+void add_new(CLI::App& app, int& exit_code);
+void add_schema(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
+void add_man(CLI::App& app, int& exit_code);
 
 /// --time-limit, of `what`.
 template <class Seconds> CLI::Option* add_time_limit(CLI::App& command, Seconds& seconds, const std::string& what) {
@@ -33,6 +38,6 @@ template <class Seconds> CLI::Option* add_time_limit(CLI::App& command, Seconds&
 }
 
 /// Exit code of an answer; 1 is bad input.
-inline int exit_code_of(Status status) { return status == Status::solved ? 0 : status == Status::infeasible ? 2 : 3; }
+inline int exit_code_of(Status status) { return has_answer(status) ? 0 : status == Status::infeasible ? 2 : 3; }
 
 }  // namespace orthant

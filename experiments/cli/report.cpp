@@ -5,6 +5,7 @@
 #include "../support/status_line.h"
 
 #include <orthant/core/support/file.h>
+#include <orthant/core/support/shortened.h>
 
 #include <iostream>
 
@@ -32,7 +33,8 @@ void add_report(CLI::App& app, int& exit_code) {
         write_whole(arguments->output, page(report_data(Results(arguments->results, Results::read_only))));
       });
     } catch (const nlohmann::json::exception& error) {
-      throw std::runtime_error("cannot read " + arguments->results + ": it is damaged: " + error.what());
+      throw std::runtime_error("cannot read " + arguments->results +
+                               ": it is damaged: " + shortened(error.what(), 300));
     }
     if (arguments->json)
       std::cout << nlohmann::json{{"report", arguments->output}}.dump() << '\n';

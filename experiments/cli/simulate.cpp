@@ -35,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SimulateArguments {
-  std::string scene, integrator = "moreau-jean", solver, output, checkpoint, failed_steps;
+  std::string scene, integrator = "moreau-jean", solver, rounded = "take", output, checkpoint, failed_steps;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
@@ -238,6 +238,7 @@ Clock clock_of(const SimulateArguments& arguments, double step, double duration,
           .every = arguments.every,
           .time_limit = arguments.time_limit.value_or(kInf),
           .cancel = StopSignal::flag(),
+          .rounded = arguments.rounded == kRoundedNames[1] ? Rounded::stop : Rounded::take,
           .reached = &reached};
 }
 
@@ -337,6 +338,11 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--resume", arguments->resume,
                     "continue from the checkpoint, if it exists, with the bits of an unbroken run");
+  command
+      ->add_option("--rounded", arguments->rounded,
+                   "a step with a problem that is rounded only: take (and count it), or stop before it")
+      ->check(CLI::IsMember({std::string(kRoundedNames[0]), std::string(kRoundedNames[1])}))
+      ->capture_default_str();
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; the finished part is kept");
   command
       ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")

@@ -45,13 +45,28 @@ nlohmann::ordered_json facet_error(const Lcp& problem, const Solution& s, const 
   Solution disc;
   make_solver("auto")->solve(problem, disc);
   json["disc_status"] = name(disc.status);
-  if (disc.status != Status::solved || !s.z.allFinite()) return json;
+  if (!has_answer(disc.status) || !s.z.allFinite()) return json;
   cones::Blocks blocks;
   Vector d;
   blocks.load(problem), blocks.scale(problem.A, d);
   json["distance_z"] = distance(s.z, disc.z, d.cwiseInverse());
   json["distance_w"] = distance(s.w, disc.w, d);
   return json;
+}
+
+/// Each class of the exhaustive search (judge/cells.h): sides by row of the problem, and why none has a solution.
+nlohmann::ordered_json cells_of(const Lcp& problem, const std::vector<Cell>& cells) {
+  constexpr const char* kWhy[] = {"z - lower < 0", "upper - z < 0", "w", "equation", "within", "polyhedron"};
+  auto classes = nlohmann::ordered_json::array();
+  for (const Cell& cell : cells) {
+    std::string sides;
+    for (const signed char side : cell.sides) sides += side < 0 ? 'L' : side > 0 ? 'U' : 'I';
+    classes.push_back({{"sides", sides},
+                       {"expressed", cell.expressed},
+                       {"why", kWhy[static_cast<int>(cell.why)]},
+                       {"row", cell.row}});
+  }
+  return {{"count", count_cells(problem)}, {"order", order_of_decision(problem)}, {"classes", std::move(classes)}};
 }
 
 int run_solve(const SolveArguments& a) {
@@ -100,7 +115,9 @@ int run_solve(const SolveArguments& a) {
   if (a.velocity) json["velocity"] = list(contacts.velocity(s.z));
   if (a.facets != 0) json["facets"] = facet_error(problem, s, facets, a.facets);
   if (s.certificate.size() > 0) json["certificate"] = list(s.certificate);
-  if (s.status == Status::solved) {  // rows count from 0
+  if (!s.cells.empty()) json["cells"] = cells_of(problem, s.cells);
+  if (const std::string words = why(s); !words.empty()) json["why"] = words;
+  if (has_answer(s.status)) {  // rows count from 0
     const ActiveSet active = active_set(problem, s);
     json["active_set"] = {
         {"lower", active.lower}, {"inside", active.inside}, {"upper", active.upper}, {"degenerate", active.degenerate}};

@@ -7,12 +7,12 @@
 #include <iostream>
 
 class Mine final : public orthant::Solver {
-  orthant::Status run(const orthant::Lcp& p, orthant::Solution& s, orthant::Start) override {
+  orthant::Claim run(const orthant::Lcp& p, orthant::Solution& s, orthant::Start) override {
     const auto& M = std::get<orthant::DenseMatrix>(p.A);
     for (s.iterations = 0; s.iterations < 1000 && !passes(p, s); ++s.iterations)  // passes(): asks the judge
       for (orthant::Index i = 0; i < p.size(); ++i)
         s.z[i] = std::clamp(s.z[i] - (M.row(i).dot(s.z) + p.b[i]) / M(i, i), p.lo[i], p.hi[i]);
-    return orthant::Status::solved;  // a claim only
+    return orthant::Claim::candidate;  // please judge
   }
   std::string why_not(const orthant::Lcp& p) const override {
     return p.friction.empty() && std::holds_alternative<orthant::DenseMatrix>(p.A) ? "" : "dense, no friction";

@@ -15,10 +15,23 @@ std::string shape_of(const py::array& a) {
   return text + (a.ndim() == 1 ? ",)" : ")");
 }
 
+/// A tensor of another library, its memory seen as NumPy's (DLPack).
+py::array shared(py::handle from, const std::string& label) {
+  try {
+    return py::module_::import("numpy").attr("from_dlpack")(from);
+  } catch (const py::error_already_set& error) {
+    throw py::type_error(label + " is a " + std::string(Py_TYPE(from.ptr())->tp_name) +
+                         ": must be in this processor's memory, without gradient (DLPack: " +
+                         py::str(error.value()).cast<std::string>() + ")");
+  }
+}
+
 /// Real numbers, converted to double where they are of another kind. Strides are whole and not negative.
 py::array_t<double> numbers(py::handle from, std::string_view name) {
   const std::string label(name);
-  py::array any = py::isinstance<py::array>(from) ? py::reinterpret_borrow<py::array>(from) : py::array::ensure(from);
+  py::array any = py::isinstance<py::array>(from)   ? py::reinterpret_borrow<py::array>(from)
+                  : py::hasattr(from, "__dlpack__") ? shared(from, label)
+                                                    : py::array::ensure(from);
   if (!any) {
     PyErr_Clear();
     throw py::type_error(label + " is a " + std::string(Py_TYPE(from.ptr())->tp_name) +
@@ -73,11 +86,96 @@ void require_sound(py::handle matrix, const std::string& label) {
   }
 }
 
+/// One of the arrays of a compressed matrix: its own memory where that holds ints in a row, else a copy.
+class Places {
+ public:
+  explicit Places(const py::object& from) {
+    if (!py::isinstance<py::array_t<int>>(from)) {
+      const auto wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(from);
+      if (!wide || wide.ndim() != 1) return;
+      for (py::ssize_t i = 0; i < wide.size(); ++i)
+        if (wide.data()[i] < 0 || wide.data()[i] > std::numeric_limits<int>::max()) return;
+      copy_.assign(wide.data(), wide.data() + wide.size());
+      begin_ = copy_.data(), size_ = copy_.size(), good_ = true;
+      return;
+    }
+    array_ = py::reinterpret_borrow<py::array_t<int>>(from);
+    if (array_.ndim() != 1 || (array_.size() > 1 && array_.strides(0) != static_cast<py::ssize_t>(sizeof(int)))) return;
+    begin_ = array_.data(), size_ = static_cast<std::size_t>(array_.size()), good_ = true;
+  }
+  bool good() const { return good_; }
+  std::size_t size() const { return size_; }
+  int operator[](std::size_t i) const { return begin_[i]; }
+  const int* begin() const { return begin_; }
+
+ private:
+  py::array_t<int> array_;
+  std::vector<int> copy_;
+  const int* begin_ = nullptr;
+  std::size_t size_ = 0;
+  bool good_ = false;
+};
+
+bool ascending_rows(const RowSparse& A) {
+  for (Index i = 0; i < A.rows; ++i)
+    for (int k = A.start[static_cast<std::size_t>(i)] + 1; k < A.start[static_cast<std::size_t>(i) + 1]; ++k)
+      if (A.column[static_cast<std::size_t>(k)] <= A.column[static_cast<std::size_t>(k) - 1]) return false;
+  return true;
+}
+
+/// A sound compressed matrix of SciPy, by rows or columns, without a call of SciPy's. False: anything else, which the
+/// slower way takes or refuses.
+bool read_compressed(py::handle from, RowSparse& to) {
+  const py::object format = py::getattr(from, "format", py::none());
+  if (!py::isinstance<py::str>(format)) return false;
+  const auto kind = format.cast<std::string>();
+  const bool by_rows = kind == "csr";
+  if (!by_rows && kind != "csc") return false;
+  const Places start(from.attr("indptr")), index(from.attr("indices"));
+  const py::object data = from.attr("data");
+  if (!start.good() || !index.good() || !py::isinstance<py::array_t<double>>(data)) return false;
+  const auto values = py::reinterpret_borrow<py::array_t<double>>(data);
+  const auto shape = from.attr("shape").cast<std::pair<Index, Index>>();
+  const Index major = by_rows ? shape.first : shape.second, minor = by_rows ? shape.second : shape.first;
+  if (values.ndim() != 1 || (values.size() > 1 && values.strides(0) != static_cast<py::ssize_t>(sizeof(double))) ||
+      start.size() != static_cast<std::size_t>(major) + 1 || start[0] != 0)
+    return false;
+  for (std::size_t i = 0; i + 1 < start.size(); ++i)
+    if (start[i + 1] < start[i]) return false;
+  const auto count = static_cast<std::size_t>(start[start.size() - 1]);
+  if (count > index.size() || count > static_cast<std::size_t>(values.size())) return false;
+  for (std::size_t k = 0; k < count; ++k)
+    if (index[k] < 0 || index[k] >= minor || !std::isfinite(values.data()[k])) return false;
+  to.rows = shape.first, to.cols = shape.second;
+  if (by_rows) {
+    to.start.assign(start.begin(), start.begin() + start.size());
+    to.column.assign(index.begin(), index.begin() + count);
+    to.value.assign(values.data(), values.data() + count);
+    return ascending_rows(to);
+  }
+  to.start.assign(static_cast<std::size_t>(to.rows) + 1, 0);
+  for (std::size_t k = 0; k < count; ++k) ++to.start[static_cast<std::size_t>(index[k]) + 1];
+  for (std::size_t i = 1; i < to.start.size(); ++i) to.start[i] += to.start[i - 1];
+  to.column.resize(count), to.value.resize(count);
+  std::vector<int> next(to.start.begin(), to.start.end() - 1);
+  for (Index j = 0; j < major; ++j)
+    for (int k = start[static_cast<std::size_t>(j)]; k < start[static_cast<std::size_t>(j) + 1]; ++k) {
+      const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(index[static_cast<std::size_t>(k)])]++);
+      to.column[at] = static_cast<int>(j), to.value[at] = values.data()[k];
+    }
+  return ascending_rows(to);
+}
+
 std::vector<int> indices(const py::object& from, const std::string& label) {
   const auto wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(from);
   if (wide.size() > 0 && wide.at(wide.size() - 1) > std::numeric_limits<int>::max())
     refuse(label + " has more than 2^31 entries: must have fewer");
   return {wide.data(), wide.data() + wide.size()};
+}
+
+void require_square(const RowSparse& A, const std::string& label) {
+  if (A.rows != A.cols)
+    refuse(label + " has shape (" + std::to_string(A.rows) + ", " + std::to_string(A.cols) + "): must be square");
 }
 
 }  // namespace
@@ -98,6 +196,7 @@ void read(py::handle from, std::string_view name, Index n, Entries entries, Vect
 }
 
 void read(py::handle from, std::string_view name, RowSparse& to, Entries entries) {
+  if (read_compressed(from, to)) return;
   const std::string label(name);
   if (!is_sparse(from)) throw py::type_error(label + ": must be a scipy.sparse matrix");
   require_sound(from, label);
@@ -117,6 +216,11 @@ void read(py::handle from, std::string_view name, RowSparse& to, Entries entries
 
 void read(py::handle from, std::string_view name, Matrix& to, Entries entries) {
   const std::string label(name);
+  if (!py::isinstance<py::array>(from) && py::hasattr(from, "indptr")) {
+    if (!std::holds_alternative<RowSparse>(to)) to = RowSparse{};
+    read(from, name, std::get<RowSparse>(to), entries);
+    return require_square(std::get<RowSparse>(to), label);
+  }
   if (is_delassus(from)) {
     if (!std::holds_alternative<Delassus>(to)) to = Delassus{};
     auto& A = std::get<Delassus>(to);
@@ -131,9 +235,7 @@ void read(py::handle from, std::string_view name, Matrix& to, Entries entries) {
     if (!std::holds_alternative<RowSparse>(to)) to = RowSparse{};
     auto& A = std::get<RowSparse>(to);
     read(from, name, A, entries);
-    if (A.rows != A.cols)
-      refuse(label + " has shape (" + std::to_string(A.rows) + ", " + std::to_string(A.cols) + "): must be square");
-    return;
+    return require_square(A, label);
   }
   const auto a = numbers(from, name);
   const Table table = table_of(a, name, entries);

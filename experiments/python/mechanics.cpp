@@ -4,7 +4,10 @@
 #include "interrupt.h"
 #include "module.h"
 
+#include "../report/parts.h"
+#include "../report/view.h"
 #include "../support/check.h"
+#include "../support/drawing.h"
 #include "../support/event_table.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
@@ -86,14 +89,18 @@ std::vector<Event> events_of(const py::tuple& columns) {
 /// `warn` is called with the words of each warning: before the run of those about its start.
 py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, const std::string& solver_spec,
                     std::optional<double> step, std::optional<double> duration, long every,
-                    std::optional<double> time_limit, bool check, const py::function& warn) {
+                    std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
   const Scene& scene = made.scene;
   const System system(scene);
   const auto integrator = make_integrator(integrator_spec, system);
   const auto solver = make_solver(solver_spec);
   const Interruptible interruptible;
-  const Clock clock{step.value_or(scene.step), duration.value_or(scene.duration), every, time_limit.value_or(kInf),
-                    interruptible.flag()};
+  const Clock clock{step.value_or(scene.step),
+                    duration.value_or(scene.duration),
+                    every,
+                    time_limit.value_or(kInf),
+                    interruptible.flag(),
+                    stop_when_rounded ? Rounded::stop : Rounded::take};
   const auto columns = trajectory_columns(scene);
   for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
   std::vector<double> table;
@@ -127,6 +134,19 @@ void write_run(const std::filesystem::path& file, const MadeScene& made, const s
   write_trajectory(file, made.scene, columns, {table.data(), table.data() + table.size()}, events_of(events));
 }
 
+std::string page_of(const std::string& title, const std::string& note, const MadeScene& made,
+                    const std::vector<std::string>& columns,
+                    const py::array_t<double, py::array::c_style | py::array::forcecast>& table,
+                    const py::tuple& events) {
+  RecordedRun run{columns, {table.data(), table.data() + table.size()}, {}, {}};
+  const auto names = event_contacts(made.scene);
+  for (const Event& e : events_of(events))
+    run.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
+                          names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
+  const py::gil_scoped_release others_may_run;
+  return view_page(view_data(title, note, run, drawing(made.scene)));
+}
+
 }  // namespace
 
 void add_mechanics(py::module_& m) {
@@ -143,12 +163,22 @@ void add_mechanics(py::module_& m) {
                                return names;
                              })
       .def_property_readonly("contacts", [](const MadeScene& s) { return event_contacts(s.scene); })
+      .def_property_readonly("drawing", [](const MadeScene& s) { return drawing(s.scene).dump(); })
+      .def_property_readonly("initial", [](const MadeScene& s) { return to_numpy(System(s.scene).initial_state().q); })
       .def("__reduce__", [](const py::object& self) {
         const auto& s = self.cast<const MadeScene&>();
         return py::make_tuple(py::type::of(self), py::make_tuple(s.text, s.name, s.sets, s.customs));
       });
   m.def("_simulate", &run_scene);
   m.def("_write_trajectory", &write_run);
+  m.def("_view_page", &page_of);
+  m.def("_set_folder_of_parts", &set_folder_of_parts);
+  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary) {
+    parse_scene(text, {}, name);  // a mistake is said now
+    register_scene({name, summary,
+                    [name, text](std::span<const std::string> sets) { return parse_scene(text, sets, name); },
+                    [] { return std::vector<OptionEntry>(); }});
+  });
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
   m.def("_integrators", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;

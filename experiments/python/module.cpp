@@ -1,9 +1,14 @@
 #include "module.h"
 
+#include "../cli/command.h"
 #include "../support/printable.h"
 #include "orthant_build.h"
 
+#include <pybind11/stl.h>
+
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -26,6 +31,12 @@ PYBIND11_MODULE(_orthant, m) {
   pybind11::register_local_exception_translator(&translate);
   m.attr("__version__") = ORTHANT_VERSION;
   m.attr("revision") = ORTHANT_REVISION;
+  m.def("_main", [](const std::vector<std::string>& words) {
+    std::vector<const char*> argv;
+    for (const std::string& word : words) argv.push_back(word.c_str());
+    const pybind11::gil_scoped_release others_may_run;
+    return orthant::run_command(static_cast<int>(argv.size()), argv.data());
+  });
   orthant::python::add_problems(m);
   orthant::python::add_nonlinear(m);
   orthant::python::add_mechanics(m);

@@ -75,7 +75,7 @@ py::dict solve_mcp(const py::object& F, const py::object& jacobian, py::handle s
   d["F"] = to_numpy(s.w);
   d["residual"] = s.residual;
   d["iterations"] = s.iterations;
-  d["why"] = s.status == Status::numerical_error ? why : "";
+  d["why"] = s.status == Status::numerical_error && !why.empty() ? why : orthant::why(s);
   return d;
 }
 

@@ -10,6 +10,7 @@
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>
 #include <orthant/core/lcp/judge/analyse.h>
+#include <orthant/core/lcp/judge/cells.h>
 #include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/pivoting/enumerate.h>
@@ -19,8 +20,11 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <sstream>
+#include <thread>
 
 namespace orthant::python {
 namespace py = pybind11;
@@ -112,7 +116,8 @@ struct Result {
   int iterations;
   long factorizations;
   double seconds;
-  std::string why_not;
+  std::string why_not, why;
+  double cells;
   std::vector<LogEntry> log;
 
   bool solved() const { return status == name(Status::solved); }
@@ -123,6 +128,129 @@ struct Result {
     return text.str();
   }
 };
+
+Result result_of(const Lcp& problem, const Solution& s, double seconds, std::string why_not,
+                 std::vector<LogEntry> log) {
+  return {std::string(name(s.status)),
+          to_numpy(s.z),
+          to_numpy(s.w),
+          s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
+          s.residual,
+          s.rounding,
+          s.iterations,
+          s.factorizations,
+          seconds,
+          std::move(why_not),
+          why(s),
+          s.cells.empty() ? 0.0 : count_cells(problem),
+          std::move(log)};
+}
+
+/// What scipy.optimize calls things, for result["x"] and result.x alike.
+constexpr std::array<const char*, 17> kResultKeys = {
+    "status",  "solved",  "z",   "w",     "certificate", "residual", "rounding", "iterations", "factorizations",
+    "seconds", "why_not", "why", "cells", "log",         "x",        "success",  "message"};
+
+std::string message_of(const Result& r) {
+  std::ostringstream text;
+  if (r.solved())
+    text << "solved: the judge accepts z, residual " << r.residual;
+  else
+    text << r.status << (r.why_not.empty() && r.why.empty() ? "" : ": ") << r.why_not << r.why;
+  return text.str();
+}
+
+double solve_timed(Solver& solver, const Lcp& problem, Solution& solution, Start start) {
+  const auto begin = std::chrono::steady_clock::now();
+  solver.solve(problem, solution, start);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// A method written in Python: function(problem, start) gives z; the judge decides, as of every method.
+class CallbackSolver final : public Solver {
+ public:
+  explicit CallbackSolver(const py::function& function) : function_(function) {}
+
+ private:
+  Claim run(const Lcp& problem, Solution& s, Start) override {
+    const py::gil_scoped_acquire interpreter;
+    const py::object z = function_(py::cast(Lcp(problem)), to_numpy(s.z));
+    if (z.is_none()) return Claim::stalled;
+    read(z, "z", problem.size(), Entries::any, s.z);
+    s.iterations = 1;
+    return Claim::candidate;
+  }
+  double tolerance() const override { return 1e-10; }
+
+  const py::function& function_;  // of the registry, which keeps it
+};
+
+void register_callback(const std::string& name, const py::function& function, const std::string& summary) {
+  const auto* kept = new py::function(function);  // as long as the process lives, longer than the interpreter
+  const auto make_one = [kept](std::string_view options) -> std::unique_ptr<Solver> {
+    if (!options.empty())
+      throw std::invalid_argument("options '" + std::string(options) + "': a solver written in Python has none");
+    return std::make_unique<CallbackSolver>(*kept);
+  };
+  register_solver(SolverEntry{name, summary, make_one, [] { return std::vector<OptionEntry>(); }});
+}
+
+/// Each of many problems by one of the threads, each with its own solver; answers do not depend on how many there are.
+std::vector<Result> solve_many(const std::string& spec, const std::vector<py::tuple>& wanted, int threads,
+                               std::optional<double> time_limit) {
+  std::vector<Lcp> problems(wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    try {
+      const py::tuple& one = wanted[i];
+      if (py::isinstance<Lcp>(one[0]))
+        problems[i] = py::cast<const Lcp&>(one[0]);
+      else
+        read_problem_into(problems[i], one[0], one[1], one[2], one[3], one[4]);
+      if (!finite(problems[i])) throw std::invalid_argument("M and q must be finite");
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("problem " + std::to_string(i) + ": " + error.what());
+    }
+  }
+  const auto count = std::max<std::size_t>(1, std::min(problems.size(), static_cast<std::size_t>(threads)));
+  std::vector<std::unique_ptr<Solver>> solvers;
+  const Interruptible interruptible;
+  for (std::size_t i = 0; i < count; ++i) {
+    solvers.push_back(make_solver(spec));
+    solvers.back()->set_time_limit(time_limit.value_or(kInf));
+    solvers.back()->set_cancel(interruptible.flag());
+  }
+  std::vector<Solution> solutions(problems.size());
+  std::vector<double> seconds(problems.size());
+  std::vector<std::exception_ptr> thrown(count);
+  {
+    const py::gil_scoped_release others_may_run;
+    const std::atomic<bool>* cancelled = interruptible.flag();
+    std::atomic<std::size_t> next{0};
+    const auto work = [&](std::size_t thread) {
+      try {
+        for (std::size_t i = next++; i < problems.size(); i = next++) {
+          if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
+          seconds[i] = solve_timed(*solvers[thread], problems[i], solutions[i], Start::cold);
+        }
+      } catch (...) {
+        thrown[thread] = std::current_exception();
+      }
+    };
+    std::vector<std::thread> others;
+    for (std::size_t thread = 1; thread < count; ++thread) others.emplace_back(work, thread);
+    work(0);
+    for (std::thread& other : others) other.join();
+  }
+  interruptible.raise();
+  for (const std::exception_ptr& error : thrown)
+    if (error) std::rethrow_exception(error);
+  std::vector<Result> results;
+  for (std::size_t i = 0; i < problems.size(); ++i)
+    results.push_back(result_of(problems[i], solutions[i], seconds[i],
+                                solutions[i].status == Status::unsupported ? solvers.front()->refusal(problems[i]) : "",
+                                {}));
+  return results;
+}
 
 /// A registered solver with its own memory: the second problem of a size allocates nothing in it.
 class PythonSolver {
@@ -152,24 +280,12 @@ class PythonSolver {
     solver_->set_cancel(interruptible.flag());
     {
       const py::gil_scoped_release others_may_run;
-      const auto begin = std::chrono::steady_clock::now();
-      solver_->solve(*problem, solution_, warm ? Start::warm : Start::cold);
-      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      seconds = solve_timed(*solver_, *problem, solution_, warm ? Start::warm : Start::cold);
     }
     solver_->set_log(nullptr);
     interruptible.raise();
-    const Solution& s = solution_;
-    return {std::string(name(s.status)),
-            to_numpy(s.z),
-            to_numpy(s.w),
-            s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
-            s.residual,
-            s.rounding,
-            s.iterations,
-            s.factorizations,
-            seconds,
-            s.status == Status::unsupported ? solver_->refusal(*problem) : "",
-            std::move(entries)};
+    return result_of(*problem, solution_, seconds,
+                     solution_.status == Status::unsupported ? solver_->refusal(*problem) : "", std::move(entries));
   }
 
  private:
@@ -341,22 +457,40 @@ void add_problems(py::module_& m) {
         return "LogEntry(iteration=" + std::to_string(e.iteration) + ", event='" + e.event + "')";
       });
 
-  py::class_<Result>(m, "Result", "What a solver gives back; `status` is 'solved' only where the judge accepted z.")
+  py::class_<Result>(m, "Result",
+                     "What a solver gives back; `status` is 'solved' or 'rounded' only where the judge accepted z.")
       .def_readonly("status", &Result::status)
       .def_property_readonly("solved", &Result::solved)
       .def_readonly("z", &Result::z, "(n,) the solution, or the last z")
       .def_readonly("w", &Result::w, "(n,) M z + q, recomputed")
       .def_readonly("certificate", &Result::certificate, "(n,) u that proves infeasibility, else None")
-      .def_readonly("residual", &Result::residual, "natural residual in units of w")
+      .def_readonly("residual", &Result::residual, "how far a w_i is from what its z_i allows, at most; in units of w")
       .def_readonly("rounding", &Result::rounding, "w cannot be known below this")
       .def_readonly("iterations", &Result::iterations)
       .def_readonly("factorizations", &Result::factorizations)
       .def_readonly("seconds", &Result::seconds, "wall time of the solver alone [s]")
       .def_readonly("why_not", &Result::why_not, "why the solver cannot take the problem (status 'unsupported')")
+      .def_readonly("why", &Result::why, "in one line why the status is not 'solved', as far as z tells")
+      .def_readonly("cells", &Result::cells,
+                    "choices of sides searched, all without a solution, where that is the proof")
       .def_readonly("log", &Result::log, "list of LogEntry, if requested")
+      .def_readonly("x", &Result::z, "z, as scipy.optimize calls it")
+      .def_property_readonly("success", &Result::solved, "solved, as scipy.optimize calls it")
+      .def_readonly("nit", &Result::iterations, "iterations, as scipy.optimize calls it")
+      .def_property_readonly("message", &message_of, "the outcome in words")
+      .def_static("keys", [] { return std::vector<std::string>(kResultKeys.begin(), kResultKeys.end()); })
+      .def("__contains__",
+           [](const Result&, const std::string& key) {
+             return std::find(kResultKeys.begin(), kResultKeys.end(), key) != kResultKeys.end();
+           })
+      .def("__getitem__",
+           [](const py::object& self, const std::string& key) -> py::object {
+             if (std::find(kResultKeys.begin(), kResultKeys.end(), key) == kResultKeys.end()) throw py::key_error(key);
+             return self.attr(key.c_str());
+           })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
-                      &Result::why_not, &Result::log>())
+                      &Result::why_not, &Result::why, &Result::cells, &Result::log>())
       .def("__repr__", &Result::repr);
 
   py::class_<PythonSolver>(m, "_Solver")
@@ -368,6 +502,8 @@ void add_problems(py::module_& m) {
            })
       .def("solve", &PythonSolver::solve);
 
+  m.def("_solve_many", &solve_many);
+  m.def("_register_solver", &register_callback);
   m.def("_solvers", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
     for (const SolverEntry& e : solvers()) table.emplace_back(e.name, e.summary, text_of(e.options()));

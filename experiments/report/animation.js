@@ -146,7 +146,7 @@ class Film {
     c.fillStyle = colour("--faint");
     c.font = "12px system-ui";
     c.textAlign = "left";
-    c.fillText(`t = ${(1e3 * frame[0]).toFixed(2)} ms`, 10, 18);
+    c.fillText(frames.at(-1)[0] < 1 ? `t = ${(1e3 * frame[0]).toFixed(2)} ms` : `t = ${frame[0].toFixed(3)} s`, 10, 18);
     if (this.gain > 1) ((c.textAlign = "right"), c.fillText(`gaps and tilt × ${this.gain.toFixed(0)}`, width - 10, 18));
   }
 
@@ -286,16 +286,16 @@ class Animation {
     this.slider.setAttribute("aria-label", "time");
     this.speed = document.createElement("select");
     this.speed.setAttribute("aria-label", "speed");
-    for (const [text, factor] of [
-      ["¼ speed", 0.25],
-      ["½ speed", 0.5],
-      ["full speed", 1],
-      ["double speed", 2],
-    ])
-      this.speed.add(new Option(text, factor, factor === 1, factor === 1));
+    const speeds = animation.speeds ?? [
+      ["¼ speed", 0.25, false],
+      ["½ speed", 0.5, false],
+      ["full speed", 1, true],
+      ["double speed", 2, false],
+    ];
+    for (const [text, factor, chosen] of speeds) this.speed.add(new Option(text, factor, chosen, chosen));
     controls.append(this.button, this.slider, this.speed);
     element.append(controls, films);
-    this.films = animation.films.map((film) => new Film(films, film, animation));
+    this.films = animation.films.map((film) => new (animation.stage ?? Film)(films, film, animation));
     this.duration = Math.max(...this.films.map(({ film }) => film.frames.at(-1)[0])); // one that ended early waits
     this.seconds = animation.seconds ?? 12;
     this.position = 0.012; // of the longest film, in [0, 1]

@@ -1,13 +1,13 @@
 #include "report.h"
 
+#include "experiments/report/parts.h"
+#include "experiments/support/drawing.h"
 #include "experiments/support/event_table.h"
-#include "experiments/support/outlines.h"
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/page.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
-#include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/simulate.h>
@@ -26,42 +26,6 @@ constexpr std::size_t kMostEvents = 2000;  // of a film's table: 100 kB
 constexpr double kPatience = 900;  // [s] for all films of a report, which take seconds; past it a film ends early
 
 double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a drawing
-
-Json pair(const Vector2d& p) { return {p.x(), p.y()}; }
-
-/// What there is to draw of a scene: the bodies' outlines, pins, contacts with walls, names of what events are of.
-Json drawing(const Scene& scene) {
-  Json bodies = Json::array(), shapes = Json::array(), contacts = Json::array(), pins = Json::array();
-  for (const Body& body : scene.bodies) bodies.push_back({{"name", body.name}});
-  for (const Outline& outline : outlines(scene)) {
-    Json points = Json::array();
-    for (const Vector2d& corner : outline.corners) points.push_back({rounded(corner.x()), rounded(corner.y())});
-    shapes.push_back({{"body", outline.body}, {"closed", outline.closed}, {"wall", outline.wall}, {"points", points}});
-  }
-  for (const Joint& joint : scene.joints)
-    if (const auto* pin = std::get_if<Revolute>(&joint))
-      pins.push_back({{"a", pin->a}, {"point_a", pair(pin->point_a)}, {"body", pin->b}, {"point", pair(pin->point_b)}});
-  for (const Contact& contact : scene.contacts) {
-    Json one = {{"name", std::visit([](const auto& c) { return c.name; }, contact)}};
-    const auto wall = [&](const auto& c, const Vector2d& point) {
-      one.update({{"body", c.a},
-                  {"point", pair(point)},
-                  {"wall", pair(c.wall_point)},
-                  {"normal", pair(c.normal)},
-                  {"ground", c.b == kGround}});
-    };
-    if (const auto* corner = std::get_if<CornerWall>(&contact))
-      wall(*corner, corner->point);
-    else if (const auto* round = std::get_if<DiscWall>(&contact))
-      wall(*round, round->centre);
-    contacts.push_back(one);
-  }
-  return {{"bodies", bodies},
-          {"outlines", shapes},
-          {"pins", pins},
-          {"contacts", contacts},
-          {"event_contacts", event_contacts(scene)}};
-}
 
 /// One run, by frames: t, then x, y, θ of each body, then gap and normal impulse (since the frame before) of each
 /// contact;
@@ -131,16 +95,6 @@ Json by_column(const std::vector<ResultRow>& rows) {
   return columns;
 }
 
-/// Beside the program where it was installed, else in the source tree that it was built from.
-std::filesystem::path folder_of_parts() {
-  std::error_code error;
-  const auto installed =
-      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "../share/orthant/report";
-  return !error && std::filesystem::is_directory(installed, error) ? installed : std::filesystem::path(ORTHANT_REPORT);
-}
-
-std::string part(const std::string& name) { return read_whole(folder_of_parts() / name); }
-
 }  // namespace
 
 Json report_data(const Results& results) {
@@ -170,24 +124,6 @@ Json report_data(const Results& results) {
   return data;
 }
 
-std::string page(const Json& data) {
-  std::string html = part("page.html");
-  const auto put = [&](const std::string& mark, const std::string& text) {
-    const auto at = html.find(mark);
-    if (at == std::string::npos) throw std::runtime_error("page.html has no place " + mark);
-    html.replace(at, mark.size(), text);
-  };
-  std::string json = data.dump();
-  for (std::size_t i = 0; (i = json.find('<', i)) != std::string::npos;)
-    json.replace(i, 1, "\\u003c");  // no tag, no comment
-  put("/*page.css*/", part("page.css"));
-  put("/*uPlot.css*/", part("node_modules/uplot/dist/uPlot.min.css"));
-  put("/*uPlot.js*/", part("node_modules/uplot/dist/uPlot.iife.min.js"));
-  put("/*plots.js*/", part("plots.js"));
-  put("/*animation.js*/", part("animation.js"));
-  put("/*page.js*/", part("page.js"));
-  put("/*data*/", json);  // last: nothing is looked for in it
-  return html;
-}
+std::string page(const Json& data) { return assembled("page.html", data); }
 
 }  // namespace orthant

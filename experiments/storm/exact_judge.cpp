@@ -2,7 +2,6 @@
 
 #include <orthant/core/support/options.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/gmp.hpp>
 
 #include <algorithm>
@@ -16,9 +15,7 @@ namespace {
 
 namespace mp = boost::multiprecision;
 using Rational = mp::number<mp::gmp_rational, mp::et_off>;
-using Wide = mp::number<mp::cpp_bin_float_quad::backend_type, mp::et_off>;
 
-constexpr Index kRational = 4;
 constexpr double kEpsilon = 0x1p-52;
 
 /// The problem in numbers T, A as rows without its zeros; the operator is formed, with the size that its terms have.
@@ -81,187 +78,78 @@ double near_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
 template <class T> T least_of(const T& a, const T& b) { return a < b ? a : b; }
 template <class T> T most_of(const T& a, const T& b) { return a < b ? b : a; }
-template <class T> T runaway(const T& beta) { return least_of<T>(T(1e-6) * (1 + beta), T(1e-4) * beta); }
+Rational runaway(const Rational& beta) {
+  return least_of<Rational>(Rational(1e-6) * (1 + beta), Rational(1e-4) * beta);
+}
 
 std::string row_says(Index i, const char* what, double value) {
   return "row " + std::to_string(i) + ": " + what + " = " + detail::text_of(value);
 }
 
-template <class T> Finding solution(const Lcp& p, const Vector& z, double tolerance) {
-  const Copy<T> copy(p);
+}  // namespace
+
+Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status claimed) {
+  if (z.size() != p.size() || !z.allFinite()) return {.why = "z is not finite, or of another size"};
+  if (claimed != Status::solved && claimed != Status::rounded) return {.why = "no answer is claimed"};
+  const Copy<Rational> copy(p);
   const Index n = p.size();
-  const auto each = [&](Index i, auto&& use) {
-    for (const auto& entry : copy.rows[at(i)]) use(entry.column, entry.value);
-  };
-  std::vector<T> x, w(copy.b), data(at(n), T(0)), size(at(n), T(0));
-  for (const double value : z) x.emplace_back(value);
-
-  std::vector<T> cost(at(n), T(1));  // of moving z_i by 1: the largest change of a w, 1 at the least
-  std::vector<T> most(at(n), T(0));  // a_i
-  for (Index i = 0; i < n; ++i)
-    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
-      cost[at(j)] = most_of<T>(cost[at(j)], abs(a));
-      most[at(j)] = most_of<T>(most[at(j)], of_a);
-    }
-  if (std::holds_alternative<Delassus>(p.A)) {  // what an operator's diagonal says of its columns, √(A_jj max A_kk)
-    std::vector<double> root(at(n));
-    for (Index i = 0; i < n; ++i)
-      each(i, [&](Index j, const T& a) { root[at(j)] = i == j ? std::sqrt(static_cast<double>(a)) : root[at(j)]; });
-    const double largest = *std::max_element(root.begin(), root.end());
-    for (Index j = 0; j < n; ++j)
-      if (root[at(j)] > 0) most[at(j)] = T(root[at(j)] * largest);
-  }
-  std::vector<char> held_at_bound(at(n));
-  for (Index j = 0; j < n; ++j) held_at_bound[at(j)] = z[j] == p.lo[j] || z[j] == p.hi[j];
-  for (const Friction& f : p.friction)
-    held_at_bound[at(f.first)] = held_at_bound[at(f.normal)] != 0 && std::abs(z[f.first]) == f.mu * z[f.normal];
-  const auto at_bound = [&](Index j) { return held_at_bound[at(j)] != 0; };
-  std::vector<T> far(at(n)), push(at(n));  // the largest |z_k|, and a_k |z_k|, that z_j may have been computed from
-  for (Index j = 0; j < n; ++j) far[at(j)] = abs(x[at(j)]), push[at(j)] = most[at(j)] * abs(x[at(j)]);
-  for (bool changed = true; changed;) {
-    changed = false;
-    const auto raise = [&](Index i, Index j) {
-      if (far[at(j)] > far[at(i)]) far[at(i)] = far[at(j)], changed = true;
-      if (push[at(j)] > push[at(i)]) push[at(i)] = push[at(j)], changed = true;
-    };
-    for (Index i = 0; i < n; ++i)
-      for (const auto& entry : copy.rows[at(i)])
-        if (!at_bound(entry.column)) raise(i, entry.column);
-    for (const Friction& f : p.friction) raise(f.first, f.normal);
-  }
-
-  const T lost = T(n + 1) * T(std::numeric_limits<double>::denorm_min());  // products too small for any double
-  T whole(0);
-  std::vector<T> own(at(n)), digits(at(n)), entries(at(n)), reach(at(n));  // s_i, t_i, s_i of the entries, β_i
-  for (Index i = 0; i < n; ++i) {
-    const auto root = at(copy.part[at(i)]);
-    T terms = abs(copy.b[at(i)]), summed = terms, given = terms, by_z = terms, by_push = terms;
-    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
-      by_z += of_a * (at_bound(j) ? abs(x[at(j)]) : far[at(j)]);
-      by_push += of_a * (at_bound(j) ? abs(x[at(j)]) : T(push[at(j)] / most[at(j)]));
-      const double bound = z[j] == p.lo[j] || z[j] == p.hi[j] ? z[j] : near_zero(p.lo[j], p.hi[j]);
-      if (bound != 0) given += of_a * T(std::abs(bound));
-      w[at(i)] += a * x[at(j)];
-      terms += of_a * abs(x[at(j)]);
-      summed += abs(a * x[at(j)]);
-    }
-    if (given <= lost) given = T(0);
-    own[at(i)] = terms, digits[at(i)] = least_of(by_z, by_push);
-    entries[at(i)] = summed, reach[at(i)] = given;
-    data[root] = most_of(data[root], given);
-    size[root] = most_of(size[root], summed);
-    whole = most_of(whole, given);
-  }
-
-  T least(whole);  // of the data that are not 0
-  for (const T& given : reach)
-    if (given > 0) least = least_of<T>(least, given);
-  for (bool changed = true; changed;) {
-    changed = false;
-    const auto raise = [&](Index i, const T& by) {
-      if (by > reach[at(i)] && by > lost) reach[at(i)] = by, changed = true;
-    };
-    for (Index i = 0; i < n; ++i)
-      each(i, [&](Index j, const T& a) { raise(i, least_of<T>(abs(a * x[at(j)]), reach[at(j)])); });
-    for (const Friction& f : p.friction) raise(f.first, reach[at(f.normal)]);
-  }
-
-  // z̄, normals before their frictions.
-  enum class Side { stays, lower, upper };
-  std::vector<Side> side(at(n), Side::stays);
-  std::vector<T> moved(x);
   std::vector<const Friction*> friction(at(n), nullptr);
   for (const Friction& f : p.friction) friction[at(f.first)] = &f;
-  std::vector<T> r(at(n)), allowed(at(n));
-  Finding finding;
-  for (const bool second : {false, true})
-    for (Index i = 0; i < n; ++i) {
-      if ((friction[at(i)] != nullptr) != second) continue;
-      const auto root = at(copy.part[at(i)]);
-      const T beta = data[root] > 0 ? data[root] : whole;
-      if (T(kEpsilon) * (size[root] - lost) > T(1.001) * runaway<T>(beta + lost)) {
-        finding.why = row_says(i, "z has run away, rounding over scale",
-                               static_cast<double>(T(kEpsilon) * size[root] / (beta > 0 ? beta : T(1))));
-        return finding;
-      }
-      const T mine = reach[at(i)] > 0 ? most_of<T>(reach[at(i)], least) : beta;
-      if (T(kEpsilon) * (entries[at(i)] - lost) > T(1.001) * runaway<T>(mine + lost)) {
-        finding.why = row_says(i, "z has run away beside what the data bring into the row",
-                               static_cast<double>(entries[at(i)] / mine));
-        return finding;
-      }
-      const T summed = T(0.5 * kEpsilon * static_cast<double>(n + 1)) * own[at(i)] + lost;  // w, in doubles
-      const T unit = reach[at(i)] > 0 ? mine : most_of<T>(least_of(entries[at(i)], beta), least);
-      r[at(i)] = summed + T(1.001) * most_of<T>(T(tolerance) * least_of(mine, own[at(i)]),
-                                                least_of<T>(T(20 * kEpsilon) * digits[at(i)],
-                                                            most_of<T>(T(4e-5) * unit, T(20 * kEpsilon) * beta)));
-      allowed[at(i)] = r[at(i)];
-      T lo(0), hi(0);
-      bool below = true, above = true;  // bounds there are
-      if (second) {
-        hi = T(friction[at(i)]->mu) * moved[at(friction[at(i)]->normal)];
-        lo = -hi;
-      } else {
-        below = p.lo[i] > -kInf, above = p.hi[i] < kInf;
-        if (below) lo = T(p.lo[i]);
-        if (above) hi = T(p.hi[i]);
-      }
-      const bool under = below && x[at(i)] < lo, over = above && x[at(i)] > hi;
-      if (!under && !over && abs(w[at(i)]) <= r[at(i)]) continue;
-      // By w first: where both bounds are within reach, a z past the one may belong to the other.
-      const bool to_lower = abs(w[at(i)]) > r[at(i)] ? w[at(i)] > 0 : under;
-      if (to_lower ? !below : !above) {
-        finding.why = row_says(i, "w", static_cast<double>(w[at(i)])) + " with no bound to rest on";
-        return finding;
-      }
-      side[at(i)] = below && above && lo == hi ? Side::stays : to_lower ? Side::lower : Side::upper;
-      if (side[at(i)] == Side::stays) r[at(i)] = -1;  // a fixed row: any w
-      moved[at(i)] = to_lower ? lo : hi;
-      if (second) {  // its bound has moved along with its normal
-        const Index normal = friction[at(i)]->normal;
-        allowed[at(i)] += T(friction[at(i)]->mu) * cost[at(i)] * abs(moved[at(normal)] - x[at(normal)]);
-      }
-      const bool wide = below && above && !second && lo < hi && !under && !over;
-      if (wide &&
-          abs(moved[at(i)] - x[at(i)]) > T(1.001) * most_of<T>(T(1e-6) * (hi - lo), T(20 * kEpsilon) * abs(x[at(i)]))) {
-        finding.why = row_says(i, "distance of z from its bound, beside the width of the box",
-                               static_cast<double>(abs(moved[at(i)] - x[at(i)]) / (hi - lo)));
-        return finding;
-      }
-      if (cost[at(i)] * abs(moved[at(i)] - x[at(i)]) > allowed[at(i)]) {
-        finding.why = row_says(i, "distance of z from the bound that the sign of w asks for",
-                               static_cast<double>(abs(moved[at(i)] - x[at(i)])));
-        return finding;
-      }
+  std::vector<Rational> w(copy.b), size, data, entries(at(n));
+  for (Index i = 0; i < n; ++i) {
+    Rational sum = abs(copy.b[at(i)]), given = sum;
+    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
+      const double bound = (z[j] == p.lo[j] || z[j] == p.hi[j]) ? z[j] : near_zero(p.lo[j], p.hi[j]);
+      w[at(i)] += a * Rational(z[j]);
+      sum += of_a * abs(Rational(z[j]));
+      given += of_a * abs(Rational(bound));
+      entries[at(i)] += of_a;
     }
-
+    size.push_back(sum), data.push_back(given);
+  }
+  for (bool changed = true; changed;) {  // few rows: the simplest way there is
+    changed = false;
+    const auto raise = [&](Index i, const Rational& by) {
+      if (by > data[at(i)]) data[at(i)] = by, changed = true;
+    };
+    for (Index i = 0; i < n; ++i)
+      for (const auto& [j, a, of_a] : copy.rows[at(i)])
+        raise(i, least_of<Rational>(of_a * abs(Rational(z[j])), data[at(j)]));
+    for (const Friction& f : p.friction) raise(f.first, data[at(f.normal)]);
+  }
+  std::vector<Rational> part_data(at(n));
+  for (Index i = 0; i < n; ++i) {
+    Rational& whole = part_data[at(copy.part[at(i)])];
+    whole = most_of(whole, data[at(i)]);
+  }
+  Finding finding;
   finding.error = 0;
   for (Index i = 0; i < n; ++i) {
-    if (r[at(i)] < 0) continue;
-    const auto root = at(copy.part[at(i)]);
-    T value = w[at(i)], bearable = r[at(i)];
-    each(i, [&](Index j, const T& a) {
-      if (moved[at(j)] == x[at(j)]) return;
-      value += a * (moved[at(j)] - x[at(j)]);
-      bearable += r[at(i)];  // a move costs a row no more than what is excused in it, whatever its own row is excused
-    });
-    const T violation = side[at(i)] == Side::stays ? abs(value) : side[at(i)] == Side::lower ? -value : value;
-    if (violation > 0 && data[root] > 0)
-      finding.error = std::max(finding.error, static_cast<double>(violation / data[root]));
-    if (violation <= bearable) continue;
-    finding.why = row_says(i, "violation over scale", static_cast<double>(violation / (whole > 0 ? whole : T(1))));
+    double lo = p.lo[i], hi = p.hi[i];
+    if (const Friction* f = friction[at(i)]) hi = f->mu * std::max(z[f->normal], 0.0), lo = -hi;
+    if (z[i] < lo || z[i] > hi) {
+      finding.why = row_says(i, "outside its bounds, z", z[i]);
+      return finding;
+    }
+    const Rational& sum = w[at(i)];
+    const Rational v = lo == hi     ? Rational(0)
+                       : z[i] == lo ? most_of<Rational>(0, -sum)
+                       : z[i] == hi ? most_of<Rational>(0, sum)
+                                    : Rational(abs(sum));
+    const Rational& beta = data[at(i)];
+    if (beta > 0) finding.error = std::max(finding.error, static_cast<double>(v / beta));
+    const Rational solved = Rational(tolerance) * least_of(size[at(i)], beta);
+    const Rational rounded = least_of<Rational>(Rational(20 * kEpsilon) * size[at(i)],
+                                                Rational(1e-4) * part_data[at(copy.part[at(i)])]),
+                   least =
+                       Rational(20 * kEpsilon) * Rational(std::numeric_limits<double>::min()) * (1 + entries[at(i)]);
+    if (v <= solved || (claimed == Status::rounded && (v <= rounded || v <= least))) continue;
+    finding.why = row_says(i, "violation", static_cast<double>(v)) + ", " +
+                  row_says(i, "limit", static_cast<double>(claimed == Status::solved ? solved : rounded));
     return finding;
   }
   finding.holds = true;
   return finding;
-}
-
-}  // namespace
-
-Finding examine_solution(const Lcp& problem, const Vector& z, double tolerance) {
-  if (z.size() != problem.size() || !z.allFinite()) return {.why = "z is not finite, or of another size"};
-  return problem.size() <= kRational ? solution<Rational>(problem, z, tolerance)
-                                     : solution<Wide>(problem, z, tolerance);
 }
 
 Finding examine_proof(const Lcp& p, const Vector& u) {

@@ -2,10 +2,14 @@
 
 #include "exact_judge.h"
 
+#include <orthant/core/lcp/judge/cells.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <memory>
 #include <optional>
@@ -13,16 +17,27 @@
 namespace orthant {
 namespace {
 
+constexpr Index kEnumerated = 8;      // rows up to which the exact set of solutions is looked up
 constexpr double kTolerance = 1e-10;  // the largest default of all solvers
 // Hopeless problems end slowly: 85 % of a storm's time went into what comes after the first 5 ms of a solve, a third of
 // the rest into what comes after 2 ms.
 constexpr double kBrief = 0.002;        // [s] a solve at most, but in every
 constexpr std::uint64_t kPatient = 41;  // turn of all kinds; odd, as solvers are new in the even ones
 
-/// One problem's verdicts: a z or a proof of several solvers is examined once. Where A is singular except for its last
-/// digits both may hold, an exact proof of uᵀw < 0 and a z that misses by less than the tolerance: uᵀw ≥ −tolerance
-/// ‖u‖₁. A proof that holds up to roundings says that z would be too large to be known: next to a z that holds it is
-/// wrong.
+bool small_integers(const Lcp& p) {
+  const auto small = [](double x) { return x == std::floor(x) && std::abs(x) <= 1e6; };
+  DenseMatrix A;
+  to_dense(p.A, A);
+  return p.size() <= kEnumerated && std::all_of(A.data(), A.data() + A.size(), small) &&
+         std::all_of(p.b.begin(), p.b.end(), small) && Enumerate().why_not(p).empty();
+}
+
+std::size_t exact_solutions(const Lcp& p) {
+  const SolutionSet set = enumerate_solutions(p);
+  return set.isolated.size() + set.faces.size();
+}
+
+/// One problem's verdicts: a z or a proof of several solvers is examined once.
 class Verdicts {
  public:
   explicit Verdicts(const StormProblem& p) : p_(p) {}
@@ -32,7 +47,7 @@ class Verdicts {
       why = std::to_string(seconds) + " s";
       return StormResult::late;
     }
-    if (s.status == Status::solved) return solved(s, why, row);
+    if (has_answer(s.status)) return solved(s, why, row);
     if (s.status == Status::infeasible) return infeasible(s, why, row);
     if (s.status == Status::unsupported) return StormResult::refused;
     if (s.status != Status::not_run && s.residual == s.residual) return StormResult::failed;
@@ -49,36 +64,48 @@ class Verdicts {
   }
 
   StormResult solved(const Solution& s, std::string& why, StormTally::Row& row) {
-    const Finding& f = look(solutions_, s.z, [&] { return examine_solution(p_.problem, s.z, kTolerance); });
+    const bool rounded = s.status == Status::rounded;
+    const Finding& f = look(rounded ? roundings_ : solutions_, s.z,
+                            [&] { return examine_solution(p_.problem, s.z, kTolerance, s.status); });
     if (!f.holds)
       why = f.why;
-    else if (p_.answer == Answer::infeasible || p_.answer == Answer::none)
+    else if (!rounded && (p_.answer == Answer::infeasible || p_.answer == Answer::none))
       why = "there is no solution, by construction";
-    else if (rounded_)
-      why = "another solver's proof, good to rounding, says that there is no solution";
+    else if (!rounded && none())
+      why = "there is no solution: all cells were searched";
     if (!why.empty()) return StormResult::wrong;
-    found_ = true;
     row.error = std::max(row.error, f.error);
-    return StormResult::solved;
+    return rounded ? StormResult::rounded : StormResult::solved;
   }
 
   StormResult infeasible(const Solution& s, std::string& why, StormTally::Row& row) {
+    if (!s.cells.empty()) {  // by another search than the one that the proof came from
+      if (!no_cell_has_a_solution(p_.problem, s.cells))
+        why = "the cells are no proof";
+      else if (p_.answer && p_.answer != Answer::none && p_.answer != Answer::infeasible)
+        why = "there is a solution, by construction";
+      ++row.exact;
+      return why.empty() ? StormResult::infeasible : StormResult::wrong;
+    }
     const Finding& f = look(proofs_, s.certificate, [&] { return examine_proof(p_.problem, s.certificate); });
     if (!f.holds)
       why = f.why;
     else if (p_.answer && p_.answer != Answer::infeasible)
       why = "there is no proof, by construction";
-    else if (found_ && f.error > 0)
-      why = "good to rounding, and another solver's solution holds";
     if (!why.empty()) return StormResult::wrong;
-    rounded_ = rounded_ || f.error > 0;
     ++(f.error == 0 ? row.exact : row.rounded);
     return StormResult::infeasible;
   }
 
+  /// No exact solution exists, of a problem whose numbers are small integers: no rounding has made it so.
+  bool none() {
+    if (!none_) none_ = small_integers(p_.problem) && exact_solutions(p_.problem) == 0;
+    return *none_;
+  }
+
   const StormProblem& p_;
-  std::vector<std::pair<Vector, Finding>> solutions_, proofs_;
-  bool found_ = false, rounded_ = false;
+  std::vector<std::pair<Vector, Finding>> solutions_, roundings_, proofs_;
+  std::optional<bool> none_;
 };
 
 struct Runner {

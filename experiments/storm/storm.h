@@ -11,9 +11,9 @@
 namespace orthant {
 
 /// Result of one solver on one problem.
-enum class StormResult { solved, infeasible, refused, failed, wrong, late, crashed };
-inline constexpr std::array<std::string_view, 7> kStormResults{"solved", "infeasible", "refused", "failed",
-                                                               "wrong",  "late",       "crashed"};
+enum class StormResult { solved, rounded, infeasible, refused, failed, wrong, late, crashed };
+inline constexpr std::array<std::string_view, 8> kStormResults{"solved", "rounded", "infeasible", "refused",
+                                                               "failed", "wrong",   "late",       "crashed"};
 
 struct StormFault {
   std::uint64_t k = 0;  // the problem's number

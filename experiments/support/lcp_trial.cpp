@@ -3,6 +3,7 @@
 #include "experiments/benchmarks/clock.h"
 #include "independent_judge.h"
 
+#include <orthant/core/lcp/judge/cells.h>
 #include <orthant/solvers/registry.h>
 
 #include <nlohmann/json.hpp>
@@ -34,7 +35,7 @@ void judge_solution(const Lcp& problem, const Vector& z, Trial& t) {
   const double scale = 1 + problem.b.lpNorm<Eigen::Infinity>();
   t.residual = residual;
   t.rounding = std::numeric_limits<double>::epsilon() * size;
-  t.holds = residual <= std::max(1e-10 * scale, 20 * t.rounding) && t.rounding <= 1e-6 * scale;
+  t.holds = residual <= std::max(1e-10 * scale, std::min(20 * t.rounding, 1e-4 * scale));
 }
 
 Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit) {
@@ -61,7 +62,8 @@ Trial try_solver(const Lcp& problem, const std::string& spec, double time_limit)
   t.runs = timing.runs;
   t.seconds = timing.seconds;
   judge_solution(problem, s.z, t);
-  if (s.status == Status::infeasible) t.holds = independent_proof(problem, s.certificate);
+  if (s.status == Status::infeasible)
+    t.holds = s.cells.empty() ? independent_proof(problem, s.certificate) : no_cell_has_a_solution(problem, s.cells);
   return t;
 }
 
@@ -83,9 +85,11 @@ const char* name(Result result) {
 
 Result judge(const Trial& t, std::optional<Answer> answer) {
   const bool solvable = answer == Answer::unique || answer == Answer::one_of;
-  if (t.status == name(Status::solved)) return t.holds && (solvable || !answer) ? Result::certified : Result::wrong;
+  if (t.status == name(Status::solved) || t.status == name(Status::rounded))
+    return t.holds && (solvable || !answer) ? Result::certified : Result::wrong;
   if (t.status == name(Status::infeasible))
-    return t.holds && (answer == Answer::infeasible || !answer) ? Result::certified : Result::wrong;
+    return t.holds && (answer == Answer::infeasible || answer == Answer::none || !answer) ? Result::certified
+                                                                                          : Result::wrong;
   if (t.status == name(Status::unsupported)) return Result::refused;
   if (t.status == "skipped") return Result::skipped;
   if (t.status == "killed") return Result::late;

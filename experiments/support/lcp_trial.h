@@ -14,7 +14,7 @@ struct Trial {
   double seconds = kInf;   // processor time of a solve, the median of `runs`
   double residual = kInf;  // as independent_judge.h measures it                                      [units of w]
   double rounding = kInf;  // ρ                                                                       [units of w]
-  bool holds = false;  // r ≤ max(1e-10 (1 + ‖b‖∞), 20 ρ) and ρ ≤ 1e-6 (1 + ‖b‖∞); claimed infeasible: the proof does
+  bool holds = false;  // r ≤ 1e-10 (1 + ‖b‖∞), or r ≤ 20 ρ and 1e-4 (1 + ‖b‖∞); claimed infeasible: the proof does
   std::string stages;  // what the iteration log says happened, the last stage last: "crash > on trust"; fast paths too
   std::string note;    // why refused, the signal, the exception
 };

@@ -52,7 +52,7 @@ void accept_unsaid(Trial& t, const std::optional<Answer>& answer) {
 void compare(SolverTable& table) {
   auto& [solvers, problems, rows] = table;
   for (const SolverTable::Row& row : rows)
-    problems[row.problem].solvable |= row.result == Result::certified && row.trial.status == name(Status::solved);
+    problems[row.problem].solvable |= row.result == Result::certified && row.trial.status != name(Status::infeasible);
   for (SolverTable::Row& row : rows) {
     if (row.trial.status == name(Status::infeasible) && problems[row.problem].solvable) row.result = Result::wrong;
     if (row.result == Result::certified)

@@ -1,5 +1,6 @@
 #include "trajectory_files.h"
 
+#include "drawing.h"
 #include "event_table.h"
 #include "trajectory.h"
 #include "vtk_files.h"
@@ -20,8 +21,11 @@ template <class Scene> std::string hdf5_of(const Scene& scene, const std::vector
     for (std::size_t i = 0; i < column.size(); ++i) column[i] = table[i * columns.size() + c];
     out.numbers(columns[c], column);
   }
-  if constexpr (std::is_same_v<Scene, orthant::Scene>)
+  if constexpr (std::is_same_v<Scene, orthant::Scene>) {
+    out.group("scene");
+    out.text("scene/drawing", drawing(scene).dump());
     if (!events.empty()) events_to_hdf5(scene, events, out);
+  }
   return out.bytes();
 }
 

@@ -1,7 +1,7 @@
 // experiments/support/trajectory_files.h — trajectory files: the table of a run, in the format of the file name.
 //
 //   .csv        one line a moment, numbers in their shortest exact form
-//   .h5, .hdf5  HDF5: one array of doubles a column, named as the column
+//   .h5, .hdf5  HDF5: one array of doubles a column, named as the column; text scene/drawing (drawing.h)
 //   .pvd        VTK for ParaView: an index of the moments, and NAME.vtu files in a folder NAME, one a moment, with the
 //               bodies' outlines in place (cells), their number, velocity [m/s] and angular velocity [rad/s]
 #pragma once

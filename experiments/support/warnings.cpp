@@ -44,6 +44,15 @@ void add_passages(const Scene& scene, const Run& run, std::vector<std::string>& 
                         " m in a step and the thinner is ", first.width, " m wide: a smaller step sees them"));
 }
 
+void add_rounded(const Run& run, std::vector<std::string>& to) {
+  if (run.rounded_steps == 0) return;
+  to.push_back(words_of("the problems of ", run.rounded_steps, run.rounded_steps == 1 ? " step are" : " steps are",
+                        " rounded only: right for data that differ in their last digits, and no double is known to be "
+                        "better; first at t = ",
+                        run.first_rounded_time, " s: ", run.first_rounded,
+                        ". Smaller mass ratios help; rounded=stop ends the run instead"));
+}
+
 }  // namespace
 
 std::vector<Remark> remarks_on_start(const System& system) {
@@ -84,6 +93,7 @@ std::vector<std::string> warnings_of(const System& system, const Run& run, std::
   std::vector<std::string> all;
   add_energy(system.scene(), run, all);
   add_passages(system.scene(), run, all);
+  add_rounded(run, all);
   for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
   for (std::string& limit : limits_entered(system, run, integrator, step)) all.push_back(std::move(limit));
   return all;

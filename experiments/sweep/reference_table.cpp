@@ -66,7 +66,7 @@ double ReferenceTable::value_for(const Case& c) const {
   std::size_t measure = place(c.measure);
   if (measure == columns_.size()) measure = place("value");
   if (measure == columns_.size())
-    throw std::invalid_argument(file_ + ": has no column \"" + without_end(c.measure) + "\" and none \"value\"");
+    throw std::invalid_argument(file_ + ": has no column \"" + in_one_line(c.measure) + "\" and none \"value\"");
   std::vector<std::pair<std::size_t, nlohmann::json>> conditions;
   if (const std::size_t t = place("t"); t < columns_.size() && t != measure) conditions.emplace_back(t, c.duration);
   for (const auto& [name, value] : c.parameters)
@@ -85,7 +85,7 @@ double ReferenceTable::value_for(const Case& c) const {
                                 ": must have one");
   const auto value = number_in((*found)[measure]);
   if (!value || !std::isfinite(*value))
-    throw std::invalid_argument(file_ + ": " + columns_[measure] + " = " + without_end((*found)[measure]) + of +
+    throw std::invalid_argument(file_ + ": " + columns_[measure] + " = " + in_one_line((*found)[measure]) + of +
                                 ": must be a finite number");
   return *value;
 }

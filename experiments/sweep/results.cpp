@@ -2,6 +2,7 @@
 
 #include "experiments/support/manifest.h"
 
+#include <orthant/core/support/shortened.h>
 #include <orthant/integrators/run_fields.h>
 
 #include <fcntl.h>
@@ -206,7 +207,7 @@ void Results::fail(const std::string& what) const {
 }
 
 void Results::damaged(const std::string& what) const {
-  throw std::runtime_error("cannot read " + file_.string() + ": it is damaged: " + what);
+  throw std::runtime_error("cannot read " + file_.string() + ": it is damaged: " + shortened(what, 300));
 }
 
 void Results::run(const std::string& sql) const {

@@ -86,7 +86,7 @@ bool ContactTransition::immobile(const Vector& u) {
 ContactTransition::Proof ContactTransition::proof() {
   constexpr double kProof = 1e-8;
   const Vector& u = solution_.certificate;
-  if (solution_.status != Status::infeasible ||
+  if (solution_.status != Status::infeasible || u.size() != lcp_.size() ||  // or searched: no such combination
       lcp_.b.dot(u) >= -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>())
     return Proof::none;
   if (immobile(u)) return Proof::immobile;
@@ -105,8 +105,8 @@ ContactTransition::Proof ContactTransition::proof() {
 /// are inconsistent all the same, and no drive does it, targets give way. True: to be solved once more.
 bool ContactTransition::relax() {
   constexpr double kSlack = 1e-12;
-  const auto& u = solution_.certificate;
-  if (solution_.status == Status::solved || system_.driven() || u.size() != lcp_.size() || !immobile(u)) return false;
+  const auto& u = solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray;
+  if (has_answer(solution_.status) || system_.driven() || u.size() != lcp_.size() || !immobile(u)) return false;
   const auto own = u.head(static_cast<Index>(candidates.size())).cwiseMax(0);
   const double missing = kSlack * u.cwiseAbs().dot(lcp_.b.cwiseAbs()) - u.dot(lcp_.b), square = own.squaredNorm();
   if (!(missing > 0) || !(square > 0) || !std::isfinite(missing)) return false;
@@ -117,7 +117,7 @@ bool ContactTransition::relax() {
 std::string ContactTransition::names(const Vector& u) const {
   constexpr double kPart = 1e-6;
   std::string names;
-  for (std::size_t i = 0; i < candidates.size(); ++i)
+  for (std::size_t i = 0; i < candidates.size() && u.size() > 0; ++i)
     if (std::abs(u[static_cast<Index>(i)]) > kPart * u.lpNorm<Eigen::Infinity>())
       names += (names.empty() ? "\"" : ", \"") +
                std::visit([](const auto& c) { return c.name; },
@@ -135,14 +135,14 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   why_.clear(), undecided_ = false;
   for (int pass = 0; pass == 0 || (pass < kPasses && relax()); ++pass) solver.solve(lcp_, solution_);
   Proof proved = proof();
-  if (solution_.status != Status::solved && proved == Proof::none) second_.solve(lcp_, solution_), proved = proof();
+  if (!has_answer(solution_.status) && proved == Proof::none) second_.solve(lcp_, solution_), proved = proof();
   if (proved == Proof::paradox)
     why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
   if (proved == Proof::immobile)
     why_ = "no motion satisfies contacts " + names(solution_.certificate) +
            (system_.joint_rows() > 0 ? " together with the joints" : " together");
   if (proved != Proof::none) return solution_.status;
-  if (solution_.status == Status::solved && !doubtful()) return solution_.status;
+  if (has_answer(solution_.status) && !doubtful()) return Status::solved;
   SolutionSet set;
   if (lcp_.size() <= kMostRows && finite(lcp_)) set = enumerate_solutions(lcp_);
   std::vector<Vector> found = set.isolated;
@@ -168,7 +168,7 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
     }
     return Status::unsupported;
   }
-  undecided_ = solution_.status != Status::solved;
+  undecided_ = !has_answer(solution_.status);
   if (undecided_) {
     why_ = solution_.status == Status::infeasible
                ? "rounding leaves undecided whether accelerations satisfy contacts " + names(solution_.certificate) +
@@ -176,7 +176,7 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
                : "the problem at acceleration level was not solved, nor is it proved that it cannot be";
     if (solution_.status == Status::infeasible) return Status::numerical_error;  // by rounding
   }
-  return solution_.status;
+  return undecided_ ? solution_.status : Status::solved;
 }
 
 /// [m/s²] what rounding makes of accelerations that are zero.

@@ -27,7 +27,7 @@ template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& probl
   const Index n = problem.size();
   if (s.z.size() != n) s.z.resize(n), s.z.setZero();
   s.w.resize(n), found_.z.resize(n), found_.w.resize(n);
-  s.residual = 0;
+  s.status = Status::not_run, s.residual = 0;
   if (outcomes_.size() < static_cast<std::size_t>(count)) outcomes_.resize(static_cast<std::size_t>(count));
   const bool together = worth_sharing(problem, crew);
   if (together) {
@@ -43,18 +43,22 @@ template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& probl
   return true;
 }
 
-/// One more island into s. Its status is that of the solver: the last one's, where all are solved.
+/// One more island into s. Its status is the judge's: rounded where that of an island is.
 template <class Space> bool IslandSolveOf<Space>::take(int island, StepReport& report, Solution& s) {
   const auto rows = islands_.rows(island);
   const Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
-  s.status = outcome.status;
-  if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations)) {
-    s.certificate.resize(outcome.certificate.size() > 0 ? s.z.size() : 0);
-    s.certificate.setZero();
-    for (Index i = 0; i < outcome.certificate.size(); ++i)
-      s.certificate[rows[static_cast<std::size_t>(i)]] = outcome.certificate[i];
+  if (!report.note(static_cast<int>(rows.size()), outcome.status, outcome.residual, outcome.iterations, outcome.miss)) {
+    s.status = outcome.status, s.residual = outcome.residual, s.miss = outcome.miss;
+    if (s.miss.row >= 0) s.miss.row = rows[static_cast<std::size_t>(s.miss.row)];
+    const auto spread = [&](const Vector& part, Vector& whole) {
+      whole.resize(part.size() > 0 ? s.z.size() : 0);
+      whole.setZero();
+      for (Index i = 0; i < part.size(); ++i) whole[rows[static_cast<std::size_t>(i)]] = part[i];
+    };
+    spread(outcome.certificate, s.certificate), spread(outcome.ray, s.ray);
     return false;
   }
+  if (s.status != Status::rounded) s.status = outcome.status;
   s.residual = std::max(s.residual, outcome.residual);
   for (const int row : rows) s.z[row] = found_.z[row], s.w[row] = found_.w[row];
   return true;
@@ -78,8 +82,11 @@ template <class Space> void IslandSolveOf<Space>::solve_island(const StepProblem
   const Solution& part = solver.solve(block, bench.part, Start::warm);
   Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
+  outcome.miss = part.miss;
   outcome.certificate.resize(part.certificate.size());
   outcome.certificate = part.certificate;
+  outcome.ray.resize(part.ray.size());
+  outcome.ray = part.ray;
   for (Index i = 0; i < block.size(); ++i) {
     const int row = rows[static_cast<std::size_t>(i)];
     found_.z[row] = part.z[i], found_.w[row] = part.w[i];

@@ -18,8 +18,8 @@ template <class Space> class IslandSolveOf {
   /// From the rows of the problem, each time they change.
   void sort(const StepProblem& problem) { islands_.sort(problem.rows()); }
 
-  /// Solves from s.z as the first guess. True: every island is solved. Else s has the status, and the certificate if
-  /// there is one, of the first island that is not, and z and w up to there.
+  /// Solves from s.z as the first guess. True: every island has an answer; s is rounded where one of them is. Else s
+  /// has the status, miss, certificate and ray of the first island that has none, and z and w up to there.
   bool solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s);
 
  private:
@@ -30,8 +30,9 @@ template <class Space> class IslandSolveOf {
   struct Outcome {  // of an island's solve; its z and w are in found_
     Status status = Status::not_run;
     double residual = 0;
+    Miss miss;
     int iterations = 0;
-    Vector certificate;
+    Vector certificate, ray;
   };
   bool worth_sharing(const StepProblem& problem, const Crew* crew) const;
   void add_bench(const StepProblem& problem) { problem.prepare(benches_.emplace_back().block); }

@@ -128,7 +128,7 @@ bool JamSearch::improve(double t, Eigen::VectorXd& q, double& sum) {
   const Vector diagonal = A.diagonal();
   for (; compliance_ <= kMostCompliance; compliance_ *= 10) {
     A.diagonal() = diagonal.array() + compliance_ * diagonal.maxCoeff();
-    if (solver_.solve(lcp_, solution_).status != Status::solved) continue;
+    if (!has_answer(solver_.solve(lcp_, solution_).status)) continue;
     force_ = columns_ * solution_.z;
     const double turn = largest_rotation(force_);
     if (turn > kLargestTurn) continue;

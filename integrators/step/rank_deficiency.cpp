@@ -95,8 +95,8 @@ bool RankDeficiency::give_way(StepProblem& problem, const Solution& solution, bo
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled || status == Status::unsupported) return false;
   const bool claimed = !solved && status == Status::infeasible;
-  const bool proof = !solved && solution.certificate.size() == problem.size();
-  const Vector& u = proof ? solution.certificate : solution.z;
+  const Vector& hint = solution.certificate.size() > 0 ? solution.certificate : solution.ray;
+  const Vector& u = !solved && hint.size() == problem.size() ? hint : solution.z;
   if ((solved && !strained(problem, solution.z)) || u.size() != problem.size() || !u.allFinite()) return false;
   double part = 0;  // of the contacts
   bool jammed = false;

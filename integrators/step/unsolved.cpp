@@ -18,7 +18,7 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   if (status != Status::infeasible || u.size() != problem.size())
     return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
-           ": try another solver or a shorter step";
+           (solution.miss.row >= 0 ? "; " + why(solution) : "") + ": try another solver or a shorter step";
   const double least = kPartOfProof * u.lpNorm<Eigen::Infinity>();
   Jam jam;
   problem.each_contact([&](Index i, Index edge, Index, const StepProblem::Contact& c) {

@@ -12,8 +12,8 @@ std::string BlockPivot::why_not(const Lcp& problem) const {
   return problem.friction.empty() ? "" : "friction rows: the method needs bounds that do not depend on z";
 }
 
-Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
-  if (problem.size() == 0) return Status::solved;
+Claim BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Claim::candidate;
   const Index n = problem.size();
   const bool guessed = start == Start::warm || (options_.coarse_start == 1 && coarse_.guess(problem, budget(), s.z));
   rows_.load(problem, s.z, budget());
@@ -23,7 +23,7 @@ Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
   while (s.iterations < options_.max_iterations) {
     ++s.iterations;
     const bool refined = patience == 0;
-    if (!rows_.solve(refined)) return Status::stalled;
+    if (!rows_.solve(refined)) return Claim::stalled;
     Index wrong = 0, last = -1;
     const auto count = [&] {
       wrong = 0, last = -1;
@@ -32,13 +32,13 @@ Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
     };
     count();
     if (!refined && wrong <= kFewWrong) {
-      if (!rows_.refine()) return Status::stalled;
+      if (!rows_.refine()) return Claim::stalled;
       count();
     }
     log(s.iterations, static_cast<double>(wrong), 0, patience > 0 ? "block" : "single");
     s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
-    if (wrong == 0) return Status::solved;
-    if (budget().exhausted()) return Status::time_limit;
+    if (wrong == 0) return Claim::candidate;
+    if (budget().exhausted()) return Claim::time_limit;
     if (wrong < least)
       least = wrong, patience = options_.patience;
     else
@@ -46,7 +46,7 @@ Status BlockPivot::run(const Lcp& problem, Solution& s, Start start) {
     for (Index i = patience > 0 || wrong == 1 ? 0 : last; i <= last; ++i)
       rows_.side[static_cast<std::size_t>(i)] = rows_.better(i);
   }
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 }  // namespace orthant

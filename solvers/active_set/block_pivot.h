@@ -18,7 +18,7 @@
 namespace orthant {
 
 struct BlockPivotOptions {
-  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the data, as certify() measures it; a tenth is aimed at
   int max_iterations = 10000;
   int patience = 10;
   int coarse_start = 1;  // 0: cold, all rows start inside
@@ -35,8 +35,9 @@ class BlockPivot final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 0.1 * options_.tolerance; }
   Options options_;
   ActiveRows rows_;
   CoarseStart coarse_;

@@ -22,18 +22,18 @@ namespace orthant {
 class FrozenFriction {  // reuse it
  public:
   /// solve_box(problem, z) improves z on a box problem and returns its claim.
-  template <class SolveBox> Status iterate(const Lcp& problem, Vector& z, const Budget& budget, SolveBox&& solve_box) {
+  template <class SolveBox> Claim iterate(const Lcp& problem, Vector& z, const Budget& budget, SolveBox&& solve_box) {
     return iterate(
         problem, z, budget, solve_box, [](const Vector&) { return false; }, false);
   }
 
   /// The same, ended too where done(z) says so of a round's z, friction within its bounds; `mixed`: the bounds are
   /// extrapolated, for large problems, where rounds are dear.
-  template <class SolveBox, class Done> Status iterate(const Lcp& problem, Vector& z, const Budget& budget,
-                                                       SolveBox&& solve_box, const Done& done, bool mixed = true) {
+  template <class SolveBox, class Done> Claim iterate(const Lcp& problem, Vector& z, const Budget& budget,
+                                                      SolveBox&& solve_box, const Done& done, bool mixed = true) {
     box_ = problem;
     box_.friction.clear();
-    Status claim = Status::stalled;
+    Claim claim = Claim::stalled;
     const auto pressed = [&](Eigen::VectorXd& by) {  // z_n of each friction row
       by.resize(static_cast<Index>(problem.friction.size()));
       for (Index k = 0; k < by.size(); ++k) by[k] = std::max(0.0, z[problem.friction[at(k)].normal]);

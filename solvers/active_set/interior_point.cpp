@@ -168,8 +168,14 @@ bool InteriorPoint::start(const Lcp& p, double farther) {
 /// z cut to the bounds, judged; true when it is accepted at rounding level. The best is kept.
 bool InteriorPoint::keep(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(lo_).cwiseMin(hi_);
-  judge_.certify(p, kExact, Status::solved, trial_);
-  const bool solved = trial_.status == Status::solved;  // row by row: the largest residual may still be another's
+  judge_.certify(p, kExact, Claim::candidate, trial_);
+  bool solved = has_answer(trial_.status);  // row by row: the largest residual may still be another's
+  if (!solved && at_bounds_.put(p, trial_, put_.z)) {
+    judge_.certify(p, kExact, Claim::candidate, put_);
+    solved = has_answer(put_.status);
+    if (solved || put_.residual < best_.residual) best_.residual = put_.residual, best_.z = put_.z;
+    return solved;
+  }
   if (solved || trial_.residual < best_.residual) best_.residual = trial_.residual, best_.z = trial_.z;
   return solved;
 }
@@ -268,8 +274,8 @@ bool InteriorPoint::prove(const Lcp& p, Vector& u) {
   return false;
 }
 
-Status InteriorPoint::iterate(const Lcp& p, Solution& s, double farther) {
-  if (!start(p, farther)) return Status::numerical_error;
+Claim InteriorPoint::iterate(const Lcp& p, Solution& s, double farther) {
+  if (!start(p, farther)) return Claim::numerical_error;
   const int patience = farther < kStarts.back() ? 8 : 20;
   const double unit = std::max(z_.lpNorm<Eigen::Infinity>(), s_.size() > 0 ? s_.lpNorm<Eigen::Infinity>() : 0.0);
   // Crossover is worth its factorizations once the guess stands still, and then again when it moved less or μ fell.
@@ -283,22 +289,22 @@ Status InteriorPoint::iterate(const Lcp& p, Solution& s, double farther) {
     const double size = z_.lpNorm<Eigen::Infinity>();
     const bool last = error_ <= 1e-14 || bounds_.empty() || stuck > patience || size > 1e12 * unit;
     if (!options_.crossover) {
-      if (keep(p, z_)) return Status::solved;
+      if (keep(p, z_)) return Claim::candidate;
     } else if (last || error_ <= tried || (error_ <= 1e-3 && changed <= few)) {
       tried = 0.1 * error_;
       few = changed > 0 ? changed / 4 : -1;
       guess_sides();
-      if (cross(p, s.iterations)) return Status::solved;
+      if (cross(p, s.iterations)) return Claim::candidate;
     }
     if (size > far || last) {
       far = 100 * size;
-      if (prove(p, ray_)) return s.certificate = ray_, Status::ray;
+      if (prove(p, ray_)) return s.ray = ray_, Claim::ray;
     }
     if (last) {
       keep(p, z_);
       break;
     }
-    if (budget().exhausted()) return Status::time_limit;
+    if (budget().exhausted()) return Claim::time_limit;
     if (!factorize()) break;
     target_ = -s_.cwiseProduct(l_);
     direction();
@@ -322,10 +328,10 @@ Status InteriorPoint::iterate(const Lcp& p, Solution& s, double farther) {
     }
     log(s.iterations, error_, step);
     z_ += step * dz_, s_ += step * ds_, l_ += step * dl_;
-    if (!z_.allFinite() || !l_.allFinite()) return Status::numerical_error;
+    if (!z_.allFinite() || !l_.allFinite()) return Claim::numerical_error;
   }
-  if (z_.lpNorm<Eigen::Infinity>() > 1e3 * unit) return Status::ray;
-  return s.iterations < options_.max_iterations ? Status::solved : Status::iteration_limit;
+  if (z_.lpNorm<Eigen::Infinity>() > 1e3 * unit) return Claim::ray;
+  return s.iterations < options_.max_iterations ? Claim::candidate : Claim::iteration_limit;
 }
 
 /// Where few of W's rows meet, a Delassus operator as rows; where the entries of A span many powers of ten, the problem
@@ -363,23 +369,23 @@ const Lcp& InteriorPoint::prepared(const Lcp& given) {
   return scaled_;
 }
 
-Status InteriorPoint::run(const Lcp& problem, Solution& s, Start start) {
-  if (problem.size() == 0) return Status::solved;
+Claim InteriorPoint::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Claim::candidate;
   const Lcp& p = prepared(problem);
   if (!scaling_.trivial()) s.z.array() /= scaling_.col.array();
-  const Status claim = method(p, s, start);
+  const Claim claim = method(p, s, start);
   s.z = best_.z;
   if (scaling_.trivial()) return claim;
   s.z.array() *= scaling_.col.array();
-  if (s.certificate.size() > 0) s.certificate.array() *= scaling_.row.array();
+  if (s.ray.size() > 0) s.ray.array() *= scaling_.row.array();
   return claim;
 }
 
-Status InteriorPoint::method(const Lcp& p, Solution& s, Start start) {
+Claim InteriorPoint::method(const Lcp& p, Solution& s, Start start) {
   load(p);
   best_.residual = kInf;
   best_.z = s.z;
-  if (keep(p, s.z)) return Status::solved;
+  if (keep(p, s.z)) return Claim::candidate;
   if (start == Start::warm && options_.crossover) {
     z_ = trial_.z, w_ = trial_.w;
     D_ = scale_;
@@ -387,15 +393,15 @@ Status InteriorPoint::method(const Lcp& p, Solution& s, Start start) {
       const double moved = z_[i] - w_[i] / scale_[i];
       side_[at(i)] = lo_[i] == hi_[i] || moved <= lo_[i] ? Side::lower : moved >= hi_[i] ? Side::upper : Side::inside;
     }
-    if (cross(p, 0)) return Status::solved;
+    if (cross(p, 0)) return Claim::candidate;
   }
-  Status claim = Status::stalled;
+  Claim claim = Claim::stalled;
   for (const double farther : kStarts) {
     if (farther > 1) log(s.iterations, best_.residual, 0, "farther start");
     claim = iterate(p, s, farther);
-    if (budget().exhausted() || s.certificate.size() > 0 || s.iterations >= options_.max_iterations) break;
-    judge_.certify(p, options_.tolerance, Status::solved, best_);
-    if (best_.status == Status::solved) break;
+    if (budget().exhausted() || s.ray.size() > 0 || s.iterations >= options_.max_iterations) break;
+    judge_.certify(p, options_.tolerance, Claim::candidate, best_);
+    if (has_answer(best_.status)) break;
   }
   return claim;
 }

@@ -60,15 +60,15 @@ class InteriorPoint final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
 
   const Lcp& prepared(const Lcp& problem);
-  Status method(const Lcp& problem, Solution& s, Start start);
+  Claim method(const Lcp& problem, Solution& s, Start start);
   void load(const Lcp& problem);
   bool start(const Lcp& problem, double farther);
-  Status iterate(const Lcp& problem, Solution& s, double farther);
+  Claim iterate(const Lcp& problem, Solution& s, double farther);
   void residuals(const Lcp& problem);  // w_, r_, gap_, error_, mu_ at the iterate
   void barrier();                      // D_
   bool factorize();
@@ -97,7 +97,8 @@ class InteriorPoint final : public Solver {
   Vector lo_, hi_, scale_, z_, w_, r_, gap_, s_, l_, ds_, dl_, target_, second_, lean_, dz_, rhs_, part_, shift_, D_,
       scratch_;
   Vector ray_;
-  Solution trial_, best_;
+  Solution trial_, best_, put_;
+  AtBounds at_bounds_;
   double size_ = 0, error_ = 0, mu_ = 0;  // |b| + |A z|; natural residual relative to it; mean of s l
   double inside_error_ = 0;               // |w_F| that solve_inside() left
 };

@@ -32,14 +32,14 @@ std::string NewtonFb::why_not(const Lcp& problem) const {
   return "n = " + std::to_string(n) + ": dense problems take at most " + std::to_string(kDenseRows) + " rows";
 }
 
-Status NewtonFb::run(const Lcp& problem, Solution& s, Start) {
+Claim NewtonFb::run(const Lcp& problem, Solution& s, Start) {
   weight_of_z_ = kWeights[0];
   patient_ = false;
   start_ = s.z;
   return attempt(problem, s);
 }
 
-bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) {
   if (problem.size() == 0) return false;
   const bool friction = !problem.friction.empty();
   if (!friction && --attempt == 0) {
@@ -53,7 +53,7 @@ bool NewtonFb::run_again(const Lcp& problem, Solution& s, int attempt, Status& c
     refinements_ = kRefinements;
     claim = frozen_.iterate(problem, s.z, budget(), [this, &s](const Lcp& box, Vector& z) {
       y_ = z;
-      const Status round = in_good_units(box, s);
+      const Claim round = in_good_units(box, s);
       z = y_.cwiseMax(box.lo).cwiseMin(box.hi);
       // Redundant contacts under large mass ratios: near the end the merit does not tell; elsewhere this would lead
       // nowhere.
@@ -80,15 +80,15 @@ void NewtonFb::light_rows(const Lcp& problem, Solution& s) {
   if (near_) polish_.improve(problem, s.z, budget(), true);
 }
 
-Status NewtonFb::attempt(const Lcp& problem, Solution& s) {
-  if (problem.size() == 0) return Status::solved;
+Claim NewtonFb::attempt(const Lcp& problem, Solution& s) {
+  if (problem.size() == 0) return Claim::candidate;
   const bool reduced = !problem.friction.empty();
   const Lcp& pure = reduced ? pyramid_.pure(problem) : problem;
   if (reduced)
     pyramid_.guess(problem, s.z, y_);
   else
     y_ = s.z;
-  const Status claim = in_good_units(pure, s);
+  const Claim claim = in_good_units(pure, s);
   y_ = y_.cwiseMax(pure.lo).cwiseMin(pure.hi);  // a rounding outside is none of the answer's
   if (reduced)
     pyramid_.restore(problem, y_, s.z);
@@ -118,7 +118,7 @@ void NewtonFb::proximal(const Lcp& box, Solution& s, Vector& z) {
 }
 
 /// The merit adds up rows: where their units lie far apart, they are brought together first.
-Status NewtonFb::in_good_units(const Lcp& p, Solution& s) {
+Claim NewtonFb::in_good_units(const Lcp& p, Solution& s) {
   scaling_.clear();
   std::visit(
       [this](const auto& A) {
@@ -128,7 +128,7 @@ Status NewtonFb::in_good_units(const Lcp& p, Solution& s) {
   if (scaling_.trivial()) return iterate(p, s, y_);
   scaling_.apply(p, scaled_);
   y_.array() /= scaling_.col.array();
-  const Status claim = iterate(scaled_, s, y_);
+  const Claim claim = iterate(scaled_, s, y_);
   y_.array() *= scaling_.col.array();
   return claim;
 }
@@ -218,7 +218,7 @@ bool NewtonFb::polish(const Lcp& p, Vector& z) {
   return merit(p, z), false;
 }
 
-Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
+Claim NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
   rows_.load(p, z, budget());
   scale_.resize(p.size());
   for (Index i = 0; i < p.size(); ++i) scale_[i] = weight_of_z_ * rows_.scale(i);
@@ -230,13 +230,13 @@ Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
   for (int begun = s.iterations; s.iterations - begun < options_.max_iterations;) {
     creeping = now < 0.25 * best ? 0 : creeping + 1;
     best = creeping == 0 ? now : best;
-    if (!patient_ && creeping > kHalving) return Status::stalled;
+    if (!patient_ && creeping > kHalving) return Claim::stalled;
     near_ = std::sqrt(now) <= kNear * size;
-    if (std::sqrt(now) <= 1e-15 * size) return Status::solved;
+    if (std::sqrt(now) <= 1e-15 * size) return Claim::candidate;
     if (std::sqrt(now) <= 1e-4 * size && polish(p, z)) {
       const double polished = merit(p, z);
       log(s.iterations, std::sqrt(polished), 1, "active rows solved");
-      if (std::sqrt(polished) <= 1e-12 * size) return Status::solved;
+      if (std::sqrt(polished) <= 1e-12 * size) return Claim::candidate;
       now = polished;
     }
     ++s.iterations;
@@ -262,14 +262,14 @@ Status NewtonFb::iterate(const Lcp& p, Solution& s, Vector& z) {
     log(s.iterations, std::sqrt(now), moved ? length : 0, moved ? "" : "no descent");
     if (!moved) {
       polish(p, z);
-      return Status::solved;  // nothing improves it: the judge says whether it is enough
+      return Claim::candidate;  // nothing improves it: the judge says whether it is enough
     }
     if (recent_.size() >= static_cast<std::size_t>(options_.memory)) recent_.erase(recent_.begin());
     recent_.push_back(now);
-    if (budget().exhausted()) return Status::time_limit;
+    if (budget().exhausted()) return Claim::time_limit;
   }
   polish(p, z);
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 }  // namespace orthant

@@ -32,7 +32,7 @@
 namespace orthant {
 
 struct NewtonFbOptions {
-  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the data, as certify() measures it; a tenth is aimed at
   int max_iterations = 500;
   int memory = 5;  // nonmonotone line search: 1 is monotone
   template <class V> void visit(V&& v) {
@@ -47,15 +47,16 @@ class NewtonFb final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 0.1 * options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
-  Status attempt(const Lcp& problem, Solution& s);
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
+  Claim attempt(const Lcp& problem, Solution& s);
   void light_rows(const Lcp& problem, Solution& s);
   void proximal(const Lcp& box, Solution& s, Vector& z);
-  Status in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
-  Status iterate(const Lcp& problem, Solution& s, Vector& z);
+  Claim in_good_units(const Lcp& problem, Solution& s);  // y_ is the start and the answer
+  Claim iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ½‖Φ‖²; fills w_, phi_
   void element(const Lcp& problem, const Vector& z);  // da_, db_ at z
   bool direction(const Lcp& problem, double weight);  // d with (VᵀV + weight I) d = −VᵀΦ, or Newton's at 0

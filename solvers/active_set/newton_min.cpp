@@ -13,8 +13,8 @@ constexpr Index kSquare = 500;  // rows of a sparse problem up to which it is sq
 
 }  // namespace
 
-Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
-  if (problem.size() == 0) return Status::solved;
+Claim NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Claim::candidate;
   warm_ = start == Start::warm;
   if (!problem.friction.empty()) start_ = s.z;
   large_ = nullptr;
@@ -23,7 +23,7 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
       rows_.load(problem, s.z, budget());
       if (rows_.release_all()) s.z = rows_.z.cwiseMax(problem.lo).cwiseMin(problem.hi);
     }
-    const Status claim = iterate(problem, s, s.z);
+    const Claim claim = iterate(problem, s, s.z);
     s.z = s.z.cwiseMax(problem.lo).cwiseMin(problem.hi);  // a rounding outside is none of the answer's
     return claim;
   }
@@ -31,13 +31,13 @@ Status NewtonMin::run(const Lcp& problem, Solution& s, Start start) {
   if (large_ != nullptr) return rounds(*large_, problem, s);
   const Lcp& pure = pyramid_.pure(problem);
   pyramid_.guess(problem, s.z, y_);
-  const Status claim = iterate(pure, s, y_);
+  const Claim claim = iterate(pure, s, y_);
   y_ = y_.cwiseMax(pure.lo).cwiseMin(pure.hi);  // a rounding outside is none of the answer's
   pyramid_.restore(problem, y_, s.z);
   return claim;
 }
 
-bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) {
   if (problem.friction.empty()) {
     if (attempt > 3 || (attempt == 2 && !warm_)) return false;
     if (attempt == 2) {
@@ -63,7 +63,7 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Status& 
   s.z = start_;
   if (attempt == 2) s.z.setZero();
   claim = frozen_.iterate(problem, s.z, budget(), [this, &s](const Lcp& box, Vector& z) {
-    const Status round = iterate(box, s, z);
+    const Claim round = iterate(box, s, z);
     z = z.cwiseMax(box.lo).cwiseMin(box.hi);
     return round;
   });
@@ -81,11 +81,11 @@ const Lcp* NewtonMin::by_rows(const Lcp& problem) {
 }
 
 /// Friction frozen round by round, until the judge would take z.
-Status NewtonMin::rounds(const Lcp& problem, const Lcp& given, Solution& s) {
+Claim NewtonMin::rounds(const Lcp& problem, const Lcp& given, Solution& s) {
   Vector& z = y_;
   z = s.z;
   const auto solve_box = [this, &s](const Lcp& box, Vector& from) {
-    const Status round = iterate(box, s, from);
+    const Claim round = iterate(box, s, from);
     from = from.cwiseMax(box.lo).cwiseMin(box.hi);
     return round;
   };
@@ -93,7 +93,7 @@ Status NewtonMin::rounds(const Lcp& problem, const Lcp& given, Solution& s) {
     s.z = now;
     return passes(given, s);
   };
-  const Status claim = frozen_.iterate(problem, z, budget(), solve_box, done);
+  const Claim claim = frozen_.iterate(problem, z, budget(), solve_box, done);
   s.z = z;
   return claim;
 }
@@ -109,7 +109,7 @@ double NewtonMin::merit(const Lcp& p, const Vector& z) {
   return H_.squaredNorm();
 }
 
-Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
+Claim NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
   const Index n = p.size();
   rows_.load(p, z, budget());
   double now = merit(p, z);
@@ -136,7 +136,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
       const bool rounding = (direction_.array().abs() <= 0x1p-50 * z.array().abs()).all();
       if (rounding || (same && !(merit(p, rows_.z) < now))) {
         z = kept;
-        return Status::solved;  // a fixed point: to be judged
+        return Claim::candidate;  // a fixed point: to be judged
       }
       for (length = 1; length > 1e-8; length /= 2) {
         trial_ = z + length * direction_;
@@ -149,7 +149,7 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
       trial_ = z;
       if (!marquardt(p, trial_, limit)) {
         z = kept;
-        return Status::solved;  // no progress: the judge says whether it is enough
+        return Claim::candidate;  // no progress: the judge says whether it is enough
       }
     }
     z = trial_;
@@ -157,13 +157,13 @@ Status NewtonMin::iterate(const Lcp& p, Solution& s, Vector& z) {
     full = length == 1;
     log(s.iterations, std::sqrt(now), length, length > 0 ? "newton" : "levenberg-marquardt");
     if (now < best) best = now, kept = z;
-    if (std::sqrt(now) <= met) return Status::solved;  // redundant rows: another step would lead away again
+    if (std::sqrt(now) <= met) return Claim::candidate;  // redundant rows: another step would lead away again
     if (recent_.size() >= at(options_.memory)) recent_.erase(recent_.begin());
     recent_.push_back(now);
-    if (budget().exhausted()) return Status::time_limit;
+    if (budget().exhausted()) return Claim::time_limit;
   }
   z = kept;
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 /// (JᵀJ + λ I) d = −Jᵀ H on the element chosen in rows_.side, λ raised from small until ‖H‖² falls. Dense algebra.

@@ -27,7 +27,7 @@
 namespace orthant {
 
 struct NewtonMinOptions {
-  double tolerance = 1e-11;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the data, as certify() measures it; a tenth is aimed at
   int max_iterations = 500;
   int memory = 5;        // nonmonotone line search: 1 is monotone
   int coarse_start = 1;  // 0: cold, never from coarse problems
@@ -43,13 +43,14 @@ class NewtonMin final : public Solver {
   explicit NewtonMin(const Options& options = {}) : options_(options) {}
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 0.1 * options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   const Lcp* by_rows(const Lcp& problem);
-  Status rounds(const Lcp& problem, const Lcp& given, Solution& s);
-  Status iterate(const Lcp& problem, Solution& s, Vector& z);
+  Claim rounds(const Lcp& problem, const Lcp& given, Solution& s);
+  Claim iterate(const Lcp& problem, Solution& s, Vector& z);
   double merit(const Lcp& problem, const Vector& z);  // ‖D H(z)‖², w_ and sides as a by-product
   bool marquardt(const Lcp& problem, Vector& z, double limit);
 

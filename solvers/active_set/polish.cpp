@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace orthant {
 
@@ -10,7 +11,7 @@ namespace {
 constexpr int kGuesses = 4, kRounds = 8;
 
 /// By the judge's own allowance for rounding (certify.h).
-bool is_exact(const Solution& s) { return s.status == Status::solved; }
+bool is_exact(const Solution& s) { return has_answer(s.status); }
 
 /// What is not known of w counts as wrong, or else a runaway z would do.
 double error(const Solution& s) { return std::max(s.residual, s.rounding); }
@@ -20,7 +21,11 @@ double error(const Solution& s) { return std::max(s.residual, s.rounding); }
 /// Judges z, clamped to the bounds; the best so far is kept.
 bool Polish::better(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
-  judge_.certify(p, 0, Status::stalled, trial_);
+  judge_.certify(p, 0, Claim::stalled, trial_);
+  if (!is_exact(trial_) && at_bounds_.put(p, trial_, put_.z)) {
+    judge_.certify(p, 0, Claim::stalled, put_);
+    if (is_exact(put_) || error(put_) < error(trial_)) std::swap(trial_, put_);
+  }
   const bool smaller = error(trial_) < error(best_);
   if (each_row_ && is_exact(trial_) != is_exact(best_) ? !is_exact(trial_) : !smaller) return false;
   best_ = trial_;

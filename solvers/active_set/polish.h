@@ -13,6 +13,7 @@
 #pragma once
 
 #include <orthant/solvers/active_set/active_rows.h>
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/solver.h>
 
@@ -31,7 +32,8 @@ class Polish {  // reuse it
   void guess(const Lcp& problem, int kind, const Budget& budget);
 
   Judge judge_;
-  Solution trial_, best_;
+  Solution trial_, best_, put_;
+  AtBounds at_bounds_;
   bool each_row_ = false;
   ActiveRows rows_;
   Vector zero_;

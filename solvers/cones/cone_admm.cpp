@@ -6,7 +6,7 @@
 
 namespace orthant {
 
-Status ConeAdmm::iterate(Vector& z, int& iterations) {
+Claim ConeAdmm::iterate(Vector& z, int& iterations) {
   constexpr double kEta = 1e-8;
   constexpr int kLook = 20;  // iterations between two looks at ρ
   const ConeForm& f = form();
@@ -32,7 +32,7 @@ Status ConeAdmm::iterate(Vector& z, int& iterations) {
     }
     // λ stands for û, whose first entry holds the correction: the slip is that of λ itself.
     system_.F = f.q + s_ - kEta * x_ - rho * z - lambda_;
-    if (!system_.solve(kEta + rho)) return Status::numerical_error;
+    if (!system_.solve(kEta + rho)) return Claim::numerical_error;
     system_.keep_factors(true);
     x_ = system_.dz;
     before_ = z;
@@ -43,10 +43,10 @@ Status ConeAdmm::iterate(Vector& z, int& iterations) {
     }
     lambda_ += rho * (z - x_);
     primal = std::max(primal, (x_ - z).norm()), dual = std::max(dual, rho * (z - before_).norm());
-    if (!z.allFinite()) return Status::numerical_error;
+    if (!z.allFinite()) return Claim::numerical_error;
     const bool end = finished(z);
     log(iterations, residual(), rho);
-    if (end) return Status::time_limit;
+    if (end) return Claim::time_limit;
     if (options_.adapt && iterations % kLook == 0) {
       const double ratio = primal * rho / dual;  // both in units of w
       if (ratio > 10 || ratio < 0.1) {
@@ -56,7 +56,7 @@ Status ConeAdmm::iterate(Vector& z, int& iterations) {
       primal = dual = 0;
     }
   }
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 }  // namespace orthant

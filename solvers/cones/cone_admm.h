@@ -23,7 +23,7 @@ class ConeAdmm final : public ConeSolver {
   explicit ConeAdmm(const Options& options) : options_(options) {}
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeSystem system_;

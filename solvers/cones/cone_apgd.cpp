@@ -24,7 +24,7 @@ double ConeApgd::project(const Vector& y, const Vector& gradient, double L, Vect
   return (x - y).norm();
 }
 
-Status ConeApgd::iterate(Vector& z, int& iterations) {
+Claim ConeApgd::iterate(Vector& z, int& iterations) {
   const ConeForm& f = form();
   const Index n = f.size();
   s_ = Eigen::VectorXd::Zero(n), next_.resize(n), before_ = z, y_ = z;
@@ -57,9 +57,9 @@ Status ConeApgd::iterate(Vector& z, int& iterations) {
     log(iterations, residual(), 1 / L);
     if (end) {
       z = next_;
-      return Status::time_limit;
+      return Claim::time_limit;
     }
-    if (!next_.allFinite()) return Status::numerical_error;
+    if (!next_.allFinite()) return Claim::numerical_error;
     if ((y_ - next_).dot(next_ - before_) > 0) theta = 1;
     const double theta_next = 0.5 * (theta * std::sqrt(theta * theta + 4) - theta * theta);
     const double beta = theta * (1 - theta) / (theta * theta + theta_next);
@@ -68,7 +68,7 @@ Status ConeApgd::iterate(Vector& z, int& iterations) {
     if (L * moved <= 0.1 * change || iterations % 500 == 0) update(w_next_), theta = 1;
   }
   z = before_;
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 }  // namespace orthant

@@ -22,7 +22,7 @@ class ConeApgd final : public ConeSolver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double project(const Vector& y, const Vector& gradient, double L, Vector& x) const;
   double tolerance() const override { return options_.tolerance; }
   Options options_;

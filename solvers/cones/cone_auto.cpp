@@ -2,7 +2,7 @@
 
 namespace orthant {
 
-Status ConeAuto::iterate(Vector& z, int& iterations) {
+Claim ConeAuto::iterate(Vector& z, int& iterations) {
   point_.load(form(), &budget());
   bool end = false;
   Budget share;  // of the step under way
@@ -40,7 +40,7 @@ Status ConeAuto::iterate(Vector& z, int& iterations) {
     sweep(sweeps, false), prox(250);
     if (!end) begin_step(), along_path(sweeps == 100 ? 0.3 : 0.7), prox(120);
   }
-  return end ? Status::time_limit : Status::stalled;
+  return end ? Claim::time_limit : Claim::stalled;
 }
 
 }  // namespace orthant

@@ -19,7 +19,7 @@ class ConeAuto final : public ConeSolver {
   explicit ConeAuto(double tolerance) : tolerance_(tolerance) {}
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return tolerance_; }
   double tolerance_;
   ProximalPoint point_;

@@ -85,7 +85,7 @@ std::string ConeInteriorPoint::why_not(const Lcp& p) const {
   return ConeSolver::why_not(p);
 }
 
-Status ConeInteriorPoint::iterate(Vector& z, int& iterations) {
+Claim ConeInteriorPoint::iterate(Vector& z, int& iterations) {
   const ConeForm& f = form();
   system_.load(f);
   point_.load(f, &budget());
@@ -103,7 +103,7 @@ Status ConeInteriorPoint::iterate(Vector& z, int& iterations) {
     if (!(mu > 0))
       for (int r = 1; r < b.rows; ++r) dead.push_back(b.start + r);
   }
-  if (cones.empty()) return Status::unsupported;
+  if (cones.empty()) return Claim::unsupported;
   z.setZero();
   for (InteriorCone& k : cones) {
     k.x = ConeVector::Zero(k.rows), k.x[0] = size * k.mu;
@@ -156,7 +156,7 @@ Status ConeInteriorPoint::iterate(Vector& z, int& iterations) {
         k.g = k.T * jordan_divide(k.lambda, rhs);
         system_.F.segment(k.start, k.rows) = k.miss - k.g;
       }
-      if (!system_.solve(0)) return Status::numerical_error;
+      if (!system_.solve(0)) return Claim::numerical_error;
       system_.keep_factors(true);
       double alpha = 1;
       for (InteriorCone& k : cones) {
@@ -175,10 +175,10 @@ Status ConeInteriorPoint::iterate(Vector& z, int& iterations) {
     step *= step < 1 ? 0.9 + 0.09 * step : 0.99;
     z += step * system_.dz;
     for (InteriorCone& k : cones) k.x += step * k.dx, k.y += step * k.dy;
-    if (!z.allFinite()) return Status::numerical_error;
+    if (!z.allFinite()) return Claim::numerical_error;
     end = finished(z);
     log(iterations, residual(), step);
-    if (end) return Status::time_limit;
+    if (end) return Claim::time_limit;
     const bool caught = step < 1e-4;
     if (residual() < next_try || caught) {
       next_try = residual() / 30;
@@ -188,12 +188,12 @@ Status ConeInteriorPoint::iterate(Vector& z, int& iterations) {
         iterations += steps;
         log(iterations, merit, alpha, "prox");
       });
-      if (end) return Status::time_limit;
-      if (caught) return Status::stalled;
+      if (end) return Claim::time_limit;
+      if (caught) return Claim::stalled;
       point_.restart();
     }
   }
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 }  // namespace orthant

@@ -29,7 +29,7 @@ class ConeInteriorPoint final : public ConeSolver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeSystem system_;

@@ -21,7 +21,7 @@ class ConePgs final : public ConeSolver {
   explicit ConePgs(const Options& options) : options_(options) {}
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeSweeps sweeps_;

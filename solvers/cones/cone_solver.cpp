@@ -35,18 +35,18 @@ bool ConeSolver::finished(const Vector& z) {
   return budget().exhausted();
 }
 
-Status ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
+Claim ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
   problem_ = &problem, solution_ = &s;
   solved_ = false, least_ = kInf;
-  if (problem.size() == 0) return Status::solved;
-  if (!form_.load(problem)) return Status::unsupported;
+  if (problem.size() == 0) return Claim::candidate;
+  if (!form_.load(problem)) return Claim::unsupported;
   form_.to_scaled(s.z, z_);
   if (start == Start::cold) z_.setZero();
   best_ = z_;
   target_ = 0.5 * tolerance();
-  Status status = finished(z_) && solved_ ? Status::solved : iterate(z_, s.iterations);
+  Claim status = finished(z_) && solved_ ? Claim::candidate : iterate(z_, s.iterations);
   if (!solved_) form_.from_scaled(best_, s.z);
-  if (solved_) status = Status::solved;
+  if (solved_) status = Claim::candidate;
   return status;
 }
 

@@ -21,7 +21,7 @@ class ConeSolver : public Solver {
   const ConeForm& form() const { return form_; }
   /// The method itself, in scaled numbers; z is the start on entry. It ends when finished() says so or its own limits
   /// are reached.
-  virtual Status iterate(Vector& z, int& iterations) = 0;
+  virtual Claim iterate(Vector& z, int& iterations) = 0;
   /// The end: z solves the problem, or time is over. Fills residual().
   bool finished(const Vector& z);
   bool solved() const { return solved_; }
@@ -29,7 +29,7 @@ class ConeSolver : public Solver {
   double target() const { return target_; }
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) final;
+  Claim run(const Lcp& problem, Solution& s, Start start) final;
   ConeForm form_;
   Vector z_, w_, best_;
   const Lcp* problem_ = nullptr;

@@ -93,20 +93,22 @@ std::string Facets::why_not(const Lcp& problem) const {
   return method_.why_not(form.linear(problem, sides_));
 }
 
-Status Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
+Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
   constexpr double kSlides = 1e-10;  // relative to the largest w
   std::vector<double> angle;
   for (const Friction& f : problem.friction)
     if (f.rows > 1) angle.push_back(0);
-  Status claim = Status::not_run;
+  Claim claim = Claim::stalled;
   Vector best = s.z;
   double least = kInf;
   for (int turn = 0; turn <= turns_; ++turn) {
     const Lcp& linear = form_.linear(problem, sides_, angle);
     method_.set_time_limit(budget().remaining());
-    claim = method_.solve(linear, linear_).status;
+    method_.solve(linear, linear_);
+    claim = handed_on(linear_, s);
+    s.ray.resize(0), s.certificate.resize(0), s.cells.clear();  // of the pyramid
     s.iterations += linear_.iterations;
-    if (claim != Status::solved) break;
+    if (claim != Claim::candidate) break;
     form_.restore(problem, linear_.z, s.z);
     const bool accepted = passes(problem, s);
     log(turn, s.residual, 0, turn == 0 ? "pyramid" : "turned");

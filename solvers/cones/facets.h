@@ -46,7 +46,7 @@ class Facets final : public Solver {
   bool takes_discs() const override { return true; }
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return 1e-8; }
   Solver& method_;
   int sides_, turns_;

@@ -11,11 +11,11 @@ constexpr int kStepsAnAlpha = 10;      // with one α
 
 }  // namespace
 
-Status NewtonAc::iterate(Vector& z, int& iterations) {
+Claim NewtonAc::iterate(Vector& z, int& iterations) {
   sweeps_.load(form());
   for (int k = 0; k < options_.sweeps; ++k) {
     sweeps_.sweep(z);
-    if (finished(z)) return Status::time_limit;
+    if (finished(z)) return Claim::time_limit;
   }
   newton_.load(form(), &budget());
   double alpha = kLeastAlpha, last = residual();
@@ -27,11 +27,11 @@ Status NewtonAc::iterate(Vector& z, int& iterations) {
     iterations += std::max(out.steps, 1);
     const bool end = finished(z);
     log(iterations, residual(), alpha, out.steps == 0 ? "singular" : "");
-    if (end) return Status::time_limit;
+    if (end) return Claim::time_limit;
     alpha = residual() < 0.5 * last ? std::max(alpha / 10, kLeastAlpha) : std::min(alpha * 100, 0.1);
     last = residual();
   }
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 }  // namespace orthant

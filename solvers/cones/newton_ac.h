@@ -35,7 +35,7 @@ class NewtonAc final : public ConeSolver {
   explicit NewtonAc(const Options& options = {}) : options_(options) {}
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeNewton newton_;

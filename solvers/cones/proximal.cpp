@@ -2,7 +2,7 @@
 
 namespace orthant {
 
-Status Proximal::iterate(Vector& z, int& iterations) {
+Claim Proximal::iterate(Vector& z, int& iterations) {
   point_.load(form(), &budget());
   bool end = false;
   const auto ended = [&](const Vector& x) { return end = finished(x); };
@@ -13,7 +13,7 @@ Status Proximal::iterate(Vector& z, int& iterations) {
   for (int k = 0; k < options_.sweeps && !end; ++k) ++iterations, point_.sweeps().sweep(z), ended(z);
   if (!end && options_.path) point_.follow_path(z, 0.5, ended, note);
   if (!end) point_.iterate(z, options_.max_outer, ended, note);
-  return end ? Status::time_limit : Status::iteration_limit;
+  return end ? Claim::time_limit : Claim::iteration_limit;
 }
 
 }  // namespace orthant

@@ -62,7 +62,7 @@ class Proximal final : public ConeSolver {
   explicit Proximal(const Options& options) : options_(options) {}
 
  private:
-  Status iterate(Vector& z, int& iterations) override;
+  Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ProximalPoint point_;

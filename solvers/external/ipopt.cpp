@@ -175,25 +175,25 @@ class Program final : public ip::TNLP {
   Vector reference_, w_, scratch_;
 };
 
-Status status(ip::ApplicationReturnStatus code) {
+Claim status(ip::ApplicationReturnStatus code) {
   switch (code) {
     case ip::Solve_Succeeded:
     case ip::Solved_To_Acceptable_Level:
     case ip::Feasible_Point_Found:
-      return Status::solved;  // the judge says whether it is
+      return Claim::candidate;  // the judge says whether it is
     case ip::Infeasible_Problem_Detected:
     case ip::Diverging_Iterates:
     case ip::Search_Direction_Becomes_Too_Small:
     case ip::Restoration_Failed:
     case ip::Not_Enough_Degrees_Of_Freedom:
-      return Status::stalled;
+      return Claim::stalled;
     case ip::Maximum_Iterations_Exceeded:
-      return Status::iteration_limit;
+      return Claim::iteration_limit;
     case ip::User_Requested_Stop:
     case ip::Maximum_CpuTime_Exceeded:
-      return Status::time_limit;
+      return Claim::time_limit;
     default:
-      return Status::numerical_error;
+      return Claim::numerical_error;
   }
 }
 
@@ -228,14 +228,14 @@ IpoptSolver::~IpoptSolver() = default;
 
 std::string IpoptSolver::why_not(const Lcp& problem) const { return Minimizer::why_not(problem); }
 
-Status IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) {
+Claim IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) {
   ip::IpoptApplication& application = *work_->application;
   Program& program = *work_->program;
   const bool same = program.load(problem, quadratic);
   program.z = z;
   if (!program.starts()) {
     program.forget();
-    return Status::numerical_error;
+    return Claim::numerical_error;
   }
   ip::OptionsList& o = *application.Options();
   o.SetIntegerValue("max_iter", options_.max_iterations);
@@ -247,7 +247,7 @@ Status IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool 
   o.SetStringValue("mehrotra_algorithm", quadratic ? "yes" : "no");
   o.SetNumericValue("mu_init", warm ? 1e-6 : 0.1);
   o.SetStringValue("warm_start_same_structure", same ? "yes" : "no");
-  Status result = Status::numerical_error;
+  Claim result = Claim::numerical_error;
   try {
     result = status(same ? application.ReOptimizeTNLP(&program) : application.OptimizeTNLP(&program));
   } catch (...) {  // Ipopt's own are caught inside; what is left is no answer

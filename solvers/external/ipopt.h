@@ -42,7 +42,7 @@ class IpoptSolver final : public Minimizer {
 
  private:
   Plan plan() const override { return {options_.form, options_.restarts, options_.polish}; }
-  Status minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) override;
+  Claim minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) override;
   double tolerance() const override { return options_.tolerance; }
 
   Options options_;

@@ -11,6 +11,6 @@ IpoptSolver::~IpoptSolver() = default;
 std::string IpoptSolver::why_not(const Lcp&) const {
   return "built without Ipopt: install coinor-libipopt-dev, then configure with ORTHANT_WITH_IPOPT=ON";
 }
-Status IpoptSolver::minimize(const ScaledProblem&, bool, bool, Vector&) { return Status::unsupported; }
+Claim IpoptSolver::minimize(const ScaledProblem&, bool, bool, Vector&) { return Claim::unsupported; }
 
 }  // namespace orthant

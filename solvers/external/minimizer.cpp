@@ -15,8 +15,8 @@ std::string Minimizer::why_not(const Lcp& problem) const {
              : "the matrix is not symmetric, as form=quadratic needs it";
 }
 
-Status Minimizer::run(const Lcp& problem, Solution& s, Start start) {
-  if (problem.size() == 0) return Status::solved;
+Claim Minimizer::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Claim::candidate;
   const bool friction = !problem.friction.empty();
   pure_ = friction ? &pyramid_.pure(problem, Pyramid::Form::stewart_trinkle) : &problem;
   if (friction)
@@ -26,7 +26,7 @@ Status Minimizer::run(const Lcp& problem, Solution& s, Start start) {
   scaled_.load(*pure_);
   iterations_ = 0;
   warm_ = start == Start::warm;
-  Status claim = Status::solved;
+  Claim claim = Claim::candidate;
   if (z_ = start_; !warm_ || !plan().polish || !polish_.improve(*pure_, z_, budget()))
     run_again(problem, s, 0, claim);
   else if (friction)
@@ -36,7 +36,7 @@ Status Minimizer::run(const Lcp& problem, Solution& s, Start start) {
   return claim;
 }
 
-bool Minimizer::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+bool Minimizer::run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) {
   const Plan p = plan();
   const int quadratics = scaled_.symmetric && p.form != Form::merit;
   const int kinds = quadratics + (p.form != Form::quadratic);

@@ -34,9 +34,9 @@ class Minimizer : public Solver {
  private:
   virtual Plan plan() const = 0;
   /// z, in scaled units: start, then result, whatever the status; `warm` when the start may be near a solution.
-  virtual Status minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) = 0;
-  Status run(const Lcp& problem, Solution& s, Start start) final;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) final;
+  virtual Claim minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) = 0;
+  Claim run(const Lcp& problem, Solution& s, Start start) final;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) final;
 
   Pyramid pyramid_;
   const Lcp* pure_ = nullptr;

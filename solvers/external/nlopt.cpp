@@ -54,12 +54,12 @@ double NloptSolver::value(const ScaledProblem& p, bool quadratic, const Vector& 
   return result;
 }
 
-Status NloptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool, Vector& z) {
+Claim NloptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool, Vector& z) {
   const auto n = static_cast<unsigned>(problem.size());
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> owner(
       nlopt_create(kAlgorithms[static_cast<std::size_t>(options_.algorithm)], n), &nlopt_destroy);
   nlopt_opt opt = owner.get();
-  if (opt == nullptr) return Status::numerical_error;
+  if (opt == nullptr) return Claim::numerical_error;
   auto objective = [&](unsigned size, const double* x, double* gradient) {
     at_ = Eigen::Map<const Eigen::VectorXd>(x, size);
     const double result = value(problem, quadratic, at_, gradient);
@@ -76,14 +76,14 @@ Status NloptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool,
   double least = 0;
   switch (nlopt_optimize(opt, z.data(), &least)) {
     case NLOPT_MAXEVAL_REACHED:
-      return Status::iteration_limit;
+      return Claim::iteration_limit;
     case NLOPT_FORCED_STOP:
-      return budget().exhausted() ? Status::time_limit : Status::stalled;
+      return budget().exhausted() ? Claim::time_limit : Claim::stalled;
     case NLOPT_INVALID_ARGS:
     case NLOPT_OUT_OF_MEMORY:
-      return Status::numerical_error;
+      return Claim::numerical_error;
     default:
-      return Status::solved;  // no further descent: the judge says what it is worth
+      return Claim::candidate;  // no further descent: the judge says what it is worth
   }
 }
 

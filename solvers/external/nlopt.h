@@ -43,7 +43,7 @@ class NloptSolver final : public Minimizer {
 
  private:
   Plan plan() const override { return {options_.form, options_.restarts, options_.polish}; }
-  Status minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) override;
+  Claim minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) override;
   double tolerance() const override { return options_.tolerance; }
   double value(const ScaledProblem& problem, bool quadratic, const Vector& z, double* gradient);
 

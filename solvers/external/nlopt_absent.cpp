@@ -6,6 +6,6 @@ namespace orthant {
 std::string NloptSolver::why_not(const Lcp&) const {
   return "built without NLopt: install libnlopt-dev, then configure with ORTHANT_WITH_NLOPT=ON";
 }
-Status NloptSolver::minimize(const ScaledProblem&, bool, bool, Vector&) { return Status::unsupported; }
+Claim NloptSolver::minimize(const ScaledProblem&, bool, bool, Vector&) { return Claim::unsupported; }
 
 }  // namespace orthant

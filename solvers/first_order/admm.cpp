@@ -107,7 +107,7 @@ bool Admm::adapt(const Lcp& problem, const Vector& z) {  // r_: the dual residua
 
 Admm::Step Admm::advance(const Lcp& problem, Vector& z) {
   if (iteration_++ == 0) factorize(problem);
-  if (!regular_) return {.violation = kInf, .end = Status::stalled};
+  if (!regular_) return {.violation = kInf, .end = Claim::stalled};
   before_ = z;
   x_ = s_.cwiseProduct(z) - y_ - problem.b;
   solve(problem);

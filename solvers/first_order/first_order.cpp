@@ -6,10 +6,10 @@ namespace orthant {
 
 constexpr int kPatience = 16384;  // slow modes may let the violation rise for thousands of iterations
 
-Status FirstOrder::run(const Lcp& problem, Solution& s, Start start) {
-  if (problem.size() == 0) return Status::solved;
+Claim FirstOrder::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Claim::candidate;
   load(problem, s.z);  // in any case: what a solver allocates, it allocates at the first problem of a size
-  if (passes(problem, s) && start == Start::warm) return Status::solved;  // cold: 0 may pass where units differ
+  if (passes(problem, s) && start == Start::warm) return Claim::candidate;  // cold: 0 may pass where units differ
   double mark = accepted();
   double least = kInf;
   int least_at = 0;
@@ -18,25 +18,25 @@ Status FirstOrder::run(const Lcp& problem, Solution& s, Start start) {
     last_ = s.z;
     const Step step = advance(problem, s.z);
     log(s.iterations, step.violation, step.length, step.event);
-    if (step.end == Status::ray) {
-      s.certificate = *step.ray;
-      tidy_certificate(problem, s.certificate);
+    if (step.end == Claim::ray) {
+      s.ray = *step.ray;
+      tidy_certificate(problem, s.ray);
     }
-    if (step.end != Status::not_run) return step.end;
+    if (step.end) return *step.end;
     if (!std::isfinite(step.violation)) {
       s.z = last_;
-      return Status::numerical_error;
+      return Claim::numerical_error;
     }
     if (step.violation <= mark || !step.moved) {
-      if (passes(problem, s)) return Status::solved;
-      if (!step.moved) return Status::stalled;
+      if (passes(problem, s)) return Claim::candidate;
+      if (!step.moved) return Claim::stalled;
       mark = step.violation * std::clamp(accepted() / s.residual, 1e-3, 0.5);
     }
     if (step.violation < (1 - 1e-9) * least) least = step.violation, least_at = s.iterations;
-    if (s.iterations >= kPatience && s.iterations / 8 >= least_at) return Status::stalled;
-    if (budget().exhausted()) return Status::time_limit;
+    if (s.iterations >= kPatience && s.iterations / 8 >= least_at) return Claim::stalled;
+    if (budget().exhausted()) return Claim::time_limit;
   }
-  return Status::iteration_limit;
+  return Claim::iteration_limit;
 }
 
 namespace detail {

@@ -13,6 +13,8 @@
 
 #include <orthant/solvers/solver.h>
 
+#include <optional>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -26,15 +28,15 @@ class FirstOrder : public Solver {
     bool moved = true;     // false: nothing changes z any more
     double length = 0;     // for the log
     const char* event = "";
-    Status end = Status::not_run;  // another reason to stop
-    const Vector* ray = nullptr;   // with Status::ray: its direction
+    std::optional<Claim> end;     // another reason to stop
+    const Vector* ray = nullptr;  // with Claim::ray: its direction
   };
 
  private:
   virtual void load(const Lcp& problem, Vector& z) = 0;
   virtual Step advance(const Lcp& problem, Vector& z) = 0;
   virtual int max_iterations() const = 0;
-  Status run(const Lcp& problem, Solution& s, Start start) final;
+  Claim run(const Lcp& problem, Solution& s, Start start) final;
   Vector last_;  // z before the step: what is reported when a step is not finite
 };
 

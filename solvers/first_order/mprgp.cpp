@@ -73,7 +73,7 @@ Mprgp::Step Mprgp::advance(const Lcp& problem, Vector& z) {
     if (best < 0 || std::min(best, limit) == kInf) {
       step.violation = bounds_.violation(problem, z, w_);
       step.event = best < 0 ? "negative curvature" : "ray";
-      step.end = best < 0 || !problem.friction.empty() ? Status::stalled : Status::ray;  // held bounds prove nothing
+      step.end = best < 0 || !problem.friction.empty() ? Claim::stalled : Claim::ray;  // held bounds prove nothing
       p *= -1;
       step.ray = &p;
       return step;

@@ -74,13 +74,13 @@ struct Dantzig::Work {
   }
 
   // Moves row r's driving variable until the row is right. False: it does not come to that, and `end` says why.
-  template <class T> bool drive(Dantzig& solver, Tableau<T>& t, int r, int limit, Status& end) {
+  template <class T> bool drive(Dantzig& solver, Tableau<T>& t, int r, int limit, Claim& end) {
     using Kind = typename Block<T>::Kind;
     int idle = 0;  // steps of length 0
     while (t.wrong(r)) {
       const T sense = t.w[u(r)] < 0 ? T(1) : T(-1);
       const Block<T> block = ratio_test(t, r, sense, idle > t.size());
-      end = Status::ray;
+      end = Claim::ray;
       if (block.kind == Kind::none) return false;
       idle = block.length > 0 ? 0 : idle + 1;
       const bool moves_z = !t.in[u(r)];
@@ -99,7 +99,7 @@ struct Dantzig::Work {
         const T own = t.at(i, i), cross = t.at(i, r) * t.at(r, i);
         T largest = 0;
         for (int k = 0; k < t.size(); ++k) largest = std::max(largest, detail::magnitude(t.at(i, k)));
-        end = Status::stalled;
+        end = Claim::stalled;
         if (own > largest * detail::Roundings<T>::pivot)
           t.pivot(i, block.value);
         else if (i != r && cross < 0)
@@ -108,19 +108,19 @@ struct Dantzig::Work {
           return false;
       }
       solver.log(t.iterations, static_cast<double>(detail::magnitude(t.w[u(r)])), static_cast<double>(block.length));
-      end = Status::iteration_limit;
+      end = Claim::iteration_limit;
       if (t.iterations >= limit) return false;
-      end = Status::time_limit;
+      end = Claim::time_limit;
       if (solver.budget().exhausted()) return false;
     }
     return true;
   }
 
-  template <class T> Status method(Dantzig& solver, Tableau<T>& t, int limit, Solution& s) {
+  template <class T> Claim method(Dantzig& solver, Tableau<T>& t, int limit, Solution& s) {
     put_off.assign(u(t.size()), 0);
     for (int drives = 0;; ++drives) {  // one that ends on a bound makes no pivot
-      if (drives > limit) return Status::iteration_limit;
-      if (solver.budget().exhausted()) return Status::time_limit;
+      if (drives > limit) return Claim::iteration_limit;
+      if (solver.budget().exhausted()) return Claim::time_limit;
       int r = -1, waiting = -1;
       bool free = false;  // free rows first: what they make basic never leaves
       for (int i = 0; i < t.size(); ++i) {
@@ -131,15 +131,15 @@ struct Dantzig::Work {
           r = i, free = t.free(i);
         }
       }
-      if (r < 0 && waiting < 0) return Status::solved;
+      if (r < 0 && waiting < 0) return Claim::candidate;
       if (r < 0) {
         ray(t, waiting, s);
-        return Status::ray;
+        return Claim::ray;
       }
-      Status end = Status::solved;
+      Claim end = Claim::candidate;
       if (drive(solver, t, r, limit, end))
         put_off.assign(u(t.size()), 0);
-      else if (end == Status::ray)
+      else if (end == Claim::ray)
         put_off[u(r)] = 1;
       else
         return end;
@@ -153,10 +153,10 @@ struct Dantzig::Work {
     if (!t.in[u(r)]) direction[r] = sense;
     for (int i = 0; i < t.size(); ++i)
       if (t.in[u(i)]) direction[i] = sense * static_cast<double>(t.at(i, r));
-    pivoting.certificate(direction, s.certificate);
+    pivoting.certificate(direction, s.ray);
   }
 
-  Status attempt(Dantzig& solver, Solution& s) {
+  Claim attempt(Dantzig& solver, Solution& s) {
     return pivoting.attempt(precision, s.z, s.iterations, [&](auto& t) {
       const int limit = solver.options_.max_pivots > 0 ? solver.options_.max_pivots : 20000 + 100 * t.size();
       return method(solver, t, limit, s);
@@ -169,15 +169,15 @@ Dantzig::~Dantzig() = default;
 
 std::string Dantzig::why_not(const Lcp& problem) const { return detail::too_large(problem); }
 
-Status Dantzig::run(const Lcp& problem, Solution& s, Start) {
-  if (problem.size() == 0) return Status::solved;
+Claim Dantzig::run(const Lcp& problem, Solution& s, Start) {
+  if (problem.size() == 0) return Claim::candidate;
   work_->precision = 0;
   work_->pivoting.form(problem);
   return work_->attempt(*this, s);
 }
 
-bool Dantzig::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
-  if (problem.size() == 0 || claim == Status::iteration_limit) return false;
+bool Dantzig::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
+  if (problem.size() == 0 || claim == Claim::iteration_limit) return false;
   if (++work_->precision > (problem.size() <= 100 ? 2 : 1)) return false;
   claim = work_->attempt(*this, s);
   return true;

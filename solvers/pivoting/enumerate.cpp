@@ -22,6 +22,7 @@ using exact::Table;
 
 constexpr double kMostChoices = 1 << 20;
 constexpr Index kMostRows = 100;
+constexpr std::size_t kMostCells = 100000;  // classes kept as a proof, some 200 bytes each
 
 enum Choice : signed char { lower, inside, upper };
 
@@ -49,10 +50,12 @@ struct Line {  // a row of the problem: its choices and the numbers of its forms
 
 // Forms c + Σ a_k x_k in the entries x that are left, at most `columns` − 1 of them.
 template <class T> struct Node {
-  int left = 0;                // entries
-  std::vector<T> forms;        // [constant | coefficients] each
-  std::vector<char> any_sign;  // of an entry; else ≥ 0
-  std::vector<int> wanted;     // per form: sign that it must have, 0: any
+  int left = 0;                     // entries
+  std::vector<T> forms;             // [constant | coefficients] each
+  std::vector<char> any_sign;       // of an entry; else ≥ 0
+  std::vector<std::int16_t> entry;  // of z, by place
+  int expressed = -1;               // by the last equation
+  std::vector<int> wanted;          // per form: sign that it must have, 0: any
 };
 
 class Walk {
@@ -60,7 +63,10 @@ class Walk {
   using Found = std::function<bool(const Piece&)>;  // true: enough
   using Stop = std::function<bool()>;
 
-  Walk(const Lcp& problem, Found found, Stop stop) : found_(std::move(found)), stop_(std::move(stop)) { form(problem); }
+  Walk(const Lcp& problem, Found found, Stop stop, std::vector<Cell>* cells = nullptr)
+      : found_(std::move(found)), stop_(std::move(stop)), cells_(cells) {
+    form(problem);
+  }
   long nodes() const { return nodes_; }
 
   /// True when the walk went to its end.
@@ -75,13 +81,15 @@ class Walk {
     else
       return exact_;
   }
-  template <class T> Sign equate(Node<T>& node, int f);
+  template <class T> Sign equate(Node<T>& node, int f, int preferred);
   template <class T> Sign child(std::size_t depth, Choice choice);
-  template <class T> bool impossible(Node<T>& node);
+  template <class T> int impossible(Node<T>& node);
+  template <class T> void cut(std::size_t depth, Cell::Why why, int row);
+  template <class T> void cut_by_form(std::size_t depth, int form);
   template <class T> bool vanishes(Node<T>& node, int f) const;
   template <class T> bool visit(std::size_t depth);
   template <class T> bool visit_child(std::size_t depth, Choice choice);
-  bool visit_exactly(std::size_t depth);
+  bool visit_exactly(std::size_t depth, std::size_t agreed);
   std::optional<Support> support(Node<Filtered>& node);
   bool leaf(Node<Filtered>& node);
   bool leaf(Node<Rational>& node);
@@ -89,7 +97,9 @@ class Walk {
 
   Found found_;
   Stop stop_;
-  std::vector<Line> lines_;  // in the order of decision
+  std::vector<Cell>* cells_;  // where classes without a solution are written, in the order of the search; or null
+  std::size_t agreed_ = 0;    // depth down to which rationals express the same entries as doubles did
+  std::vector<Line> lines_;   // in the order of decision
   Vector lo_, hi_;
   std::vector<Friction> friction_;
   Index rows_ = 0;
@@ -116,6 +126,7 @@ void Walk::form(const Lcp& problem) {
   Node<Rational> root;
   root.left = static_cast<int>(n);
   root.any_sign.assign(at(columns_), 0);
+  for (int k = 0; k < columns_; ++k) root.entry.push_back(static_cast<std::int16_t>(k - 1));
   for (Index i = 0; i < n; ++i) {
     exact::Row& zi = z[at(i)];
     const bool below = lo_[i] != -kInf, above = hi_[i] != kInf;
@@ -177,19 +188,23 @@ void Walk::form(const Lcp& problem) {
   start.left = root.left;
   start.any_sign = root.any_sign;
   start.wanted = root.wanted;
+  start.entry = root.entry;
   for (const Rational& entry : root.forms) start.forms.emplace_back(entry);
   exact_.front() = std::move(root);
 }
 
 // Form f = 0 from now on: one entry is expressed by the others. zero: done, negative: it cannot vanish.
-template <class T> Sign Walk::equate(Node<T>& node, int f) {
+template <class T> Sign Walk::equate(Node<T>& node, int f, int preferred) {
   T* const row = form_of(node, f);
+  node.expressed = -1;
   int pivot = 0;
   bool open = false;
   for (int k = 1; k <= node.left; ++k) {
     open = open || exact::sign(row[k]) == Sign::unknown;
     if (exact::weight(row[k]) > (pivot == 0 ? 0 : exact::weight(row[pivot]))) pivot = k;
   }
+  if (preferred >= 0)
+    pivot = static_cast<int>(std::find(node.entry.begin(), node.entry.end(), preferred) - node.entry.begin());
   if (pivot == 0) {
     const Sign constant = exact::sign(row[0]);
     return open || constant == Sign::unknown ? Sign::unknown : constant == Sign::zero ? Sign::zero : Sign::negative;
@@ -206,6 +221,7 @@ template <class T> Sign Walk::equate(Node<T>& node, int f) {
   }
   std::fill(row, row + node.left, T(0.0));
   node.any_sign[at(pivot)] = node.any_sign[at(node.left)];
+  node.expressed = node.entry[at(pivot)], node.entry[at(pivot)] = node.entry[at(node.left)];
   --node.left;
   return Sign::zero;
 }
@@ -215,8 +231,8 @@ template <class T> bool Walk::vanishes(Node<T>& node, int f) const {
   return std::all_of(row, row + node.left + 1, [](const T& x) { return exact::sign(x) == Sign::zero; });
 }
 
-// Some form has the wrong sign wherever the entries have theirs.
-template <class T> bool Walk::impossible(Node<T>& node) {
+// A form that has the wrong sign wherever the entries have theirs; −1: none.
+template <class T> int Walk::impossible(Node<T>& node) {
   for (int f = 0; f < forms_; ++f) {
     const int wanted = node.wanted[at(f)];
     if (wanted == 0) continue;
@@ -228,9 +244,9 @@ template <class T> bool Walk::impossible(Node<T>& node) {
       const Sign s = exact::sign(row[k]);
       all = s == Sign::zero || (s == wrong && node.any_sign[at(k)] == 0);
     }
-    if (all) return true;
+    if (all) return f;
   }
-  return false;
+  return -1;
 }
 
 // The node below, in the place for it. zero: it is there, negative: it is empty or part of another.
@@ -240,13 +256,43 @@ template <class T> Sign Walk::child(std::size_t depth, Choice choice) {
   node = nodes_of<T>()[depth];
   const int f = choice == lower ? line.from_lower : choice == upper ? line.to_upper : line.w;
   if (!line.fixed && choice != inside) node.wanted[at(line.w)] = choice == lower ? 1 : -1;
-  if (const Sign outcome = equate(node, f); outcome != Sign::zero) return outcome;
-  const bool cut = node.left < nodes_of<T>()[depth].left;  // else lower and upper were not visited
-  if (choice == inside && cut &&
+  const bool as_before = std::is_same_v<T, Rational> && cells_ != nullptr && depth < agreed_;
+  if (const Sign outcome = equate(node, f, as_before ? filtered_[depth + 1].expressed : -1); outcome != Sign::zero) {
+    if (outcome == Sign::negative) cut<T>(depth, Cell::Why::equation, static_cast<int>(line.row));
+    return outcome;
+  }
+  const bool taken = node.left < nodes_of<T>()[depth].left;  // else lower and upper were not visited
+  if (choice == inside && taken &&
       ((line.from_lower >= 0 && vanishes(node, line.from_lower)) ||
-       (line.to_upper >= 0 && vanishes(node, line.to_upper))))
+       (line.to_upper >= 0 && vanishes(node, line.to_upper)))) {
+    cut<T>(depth, Cell::Why::within, static_cast<int>(line.row));
     return Sign::negative;
-  return impossible(node) ? Sign::negative : Sign::zero;
+  }
+  const int wrong = impossible(node);
+  if (wrong < 0) return Sign::zero;
+  cut_by_form<T>(depth, wrong);
+  return Sign::negative;
+}
+
+// The class of the path down to `depth` has no solution.
+template <class T> void Walk::cut(std::size_t depth, Cell::Why why, int row) {
+  if (cells_ == nullptr || cells_->size() > kMostCells) return;
+  constexpr signed char kSides[] = {-1, 0, 1};
+  Cell& cell = cells_->emplace_back();
+  cell.why = why, cell.row = row;
+  for (std::size_t d = 0; d <= depth; ++d) {
+    cell.sides.push_back(kSides[path_[d]]);
+    if (d < depth || (why != Cell::Why::equation && (why != Cell::Why::within || path_[d] == inside)))
+      cell.expressed.push_back(static_cast<std::int16_t>(nodes_of<T>()[d + 1].expressed));
+  }
+}
+
+template <class T> void Walk::cut_by_form(std::size_t depth, int form) {
+  for (const Line& line : lines_)
+    for (const auto& [f, why] : {std::pair{line.from_lower, Cell::Why::from_lower},
+                                 {line.to_upper, Cell::Why::to_upper},
+                                 {line.w, Cell::Why::w}})
+      if (f == form) return cut<T>(depth, why, static_cast<int>(line.row));
 }
 
 template <class T> bool Walk::visit_child(std::size_t depth, Choice choice) {
@@ -256,7 +302,7 @@ template <class T> bool Walk::visit_child(std::size_t depth, Choice choice) {
     exact_path_.resize(depth);
     exact_path_.push_back(choice);
   } else if (outcome == Sign::unknown) {
-    return visit_exactly(depth + 1);
+    return visit_exactly(depth + 1, depth);
   }
   return outcome == Sign::zero && visit<T>(depth + 1);
 }
@@ -266,13 +312,18 @@ template <class T> bool Walk::visit(std::size_t depth) {
   if ((++nodes_ & 63) == 0 && stop_()) return true;
   if (depth == lines_.size()) return leaf(nodes_of<T>()[depth]);
   const Line& line = lines_[depth];
-  if (!line.fixed && vanishes(nodes_of<T>()[depth], line.w)) return visit_child<T>(depth, inside);
+  if (!line.fixed && vanishes(nodes_of<T>()[depth], line.w)) {
+    for (const Choice choice : line.choices)
+      if (choice != inside) path_[depth] = choice, cut<T>(depth, Cell::Why::within, static_cast<int>(line.row));
+    return visit_child<T>(depth, inside);
+  }
   return std::any_of(line.choices.begin(), line.choices.end(),
                      [&](Choice choice) { return visit_child<T>(depth, choice); });
 }
 
 // The same node in rationals; what the last path shares with this one is there already.
-bool Walk::visit_exactly(std::size_t depth) {
+bool Walk::visit_exactly(std::size_t depth, std::size_t agreed) {
+  agreed_ = agreed;
   std::size_t d = 0;
   while (d < depth && d < exact_path_.size() && exact_path_[d] == path_[d]) ++d;
   exact_path_.resize(d);
@@ -307,7 +358,7 @@ bool Walk::leaf(Node<Filtered>& node) {
   if (node.left == 0)
     if (const auto known = support(node))
       if (seen_.contains(*known)) return false;
-  return visit_exactly(lines_.size());
+  return visit_exactly(lines_.size(), lines_.size());
 }
 
 exact::Row Walk::point(Node<Rational>& node, const exact::Row& x, const Rational& one) {
@@ -348,7 +399,10 @@ bool Walk::leaf(Node<Rational>& node) {
     generators.push_back(&ray);
   }
   if (stop_()) return true;
-  if (piece.vertices.empty()) return false;
+  if (piece.vertices.empty()) {
+    cut<Rational>(lines_.size() - 1, Cell::Why::polyhedron, 0);
+    return false;
+  }
   for (exact::Row& line : cone.lines) {
     piece.lines.push_back(point(node, line, line[0]));
     generators.push_back(&line);
@@ -400,6 +454,20 @@ SolutionFace face(const Piece& piece) {
   return result;
 }
 
+/// Rationals may rule out a class that doubles have divided already: what is part of another class goes.
+void keep_widest(std::vector<Cell>& cells) {
+  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.sides < b.sides; });
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const auto& wide = cells[kept].sides;
+    const auto& sides = cells[k].sides;
+    const bool part = k > 0 && wide.size() <= sides.size() && std::equal(wide.begin(), wide.end(), sides.begin());
+    if (k > 0 && !part) ++kept;
+    if (!part && kept != k) cells[kept] = std::move(cells[k]);
+  }
+  if (!cells.empty()) cells.resize(kept + 1);
+}
+
 }  // namespace
 
 SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>& stop) {
@@ -443,26 +511,30 @@ std::string Enumerate::why_not(const Lcp& problem) const {
          " choices of sides: enumeration takes at most 2^20";
 }
 
-Status Enumerate::run(const Lcp& problem, Solution& s, Start) {
+Claim Enumerate::run(const Lcp& problem, Solution& s, Start) {
   Solution candidate;
-  bool accepted = false, late = false;
+  bool accepted = false, found = false, late = false;
+  s.cells.clear();
+  const auto passes = [&](const exact::Row& vertex) {
+    candidate.z = rounded(vertex);
+    for (const Friction& f : problem.friction)  // exactly at its bound, that of the rounded z_n
+      if (abs(vertex[at(f.first)]) == Rational(f.mu) * vertex[at(f.normal)])
+        candidate.z[f.first] = std::copysign(f.mu * candidate.z[f.normal], candidate.z[f.first]);
+    candidate_judge_.certify(problem, options_.tolerance, Claim::candidate, candidate);
+    if (!found || has_answer(candidate.status)) s.z = candidate.z;
+    found = true;
+    return has_answer(candidate.status);
+  };
   Walk walk(
       problem,
-      [&](const Piece& piece) {
-        return accepted = std::any_of(piece.vertices.begin(), piece.vertices.end(), [&](const exact::Row& vertex) {
-                 candidate.z = rounded(vertex);
-                 candidate_judge_.certify(problem, options_.tolerance, Status::solved, candidate);
-                 return candidate.status == Status::solved;
-               });
-      },
-      [&] { return late = budget().exhausted(); });
+      [&](const Piece& piece) { return accepted = std::any_of(piece.vertices.begin(), piece.vertices.end(), passes); },
+      [&] { return late = budget().exhausted(); }, &s.cells);
   walk.run();
   s.iterations = static_cast<int>(walk.nodes());
-  if (accepted) {
-    s.z = candidate.z;
-    return Status::solved;
-  }
-  return late ? Status::time_limit : Status::ray;
+  if (found || late || s.cells.size() > kMostCells) s.cells.clear();
+  keep_widest(s.cells);
+  if (found) return Claim::candidate;
+  return late ? Claim::time_limit : s.cells.empty() ? Claim::stalled : Claim::exhausted;
 }
 
 }  // namespace orthant

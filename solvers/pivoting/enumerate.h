@@ -19,8 +19,8 @@
 //   other.
 //
 //   As a solver: the first vertex of a polyhedron, in binary counting order (bit i = row i, lower first), that the
-//   judge accepts. Nothing accepted → a proof of infeasibility is looked for (farkas.h), else `ray`: there is no
-//   solution (or none that doubles can hold), though no certificate says so.
+//   judge accepts. No solution → infeasible: the classes of cells that were cut, each with its reason, are the proof
+//   (judge/cells.h), up to 100 000 classes. A solution that no double can hold → stalled.
 //   Rationals allocate: unlike the other solvers, this one does so in every solve.
 //   At most 2²⁰ choices: 20 rows [0, ∞), or 12 boxes or friction rows; at most 100 rows. A start value is not used.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.1, 1.4 (complementary cones).
@@ -67,7 +67,7 @@ class Enumerate final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
 
   Options options_;

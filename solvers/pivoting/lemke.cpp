@@ -28,6 +28,7 @@ using detail::Tableau;
 using detail::Wide;
 
 constexpr int kRestarts = 12;      // with other covering vectors
+constexpr int kCovers = 4;         // the same of the plain method, where its path goes round in a circle
 constexpr Index kEnumerable = 12;  // rows of the pure form: 4096 bases, some milliseconds
 constexpr Index kExtended = 100;   // rows beyond which refinement comes sooner to the same
 constexpr Index kRational = 24;    // rows up to which rationals stay short
@@ -83,6 +84,8 @@ struct Lemke::Work {
   NormalPath<double> normal_path;
   bool was_revised = false;  // the tableau has not been tried
   int stage = 0;             // of the rescue
+  int pivots = 0;            // of all attempts
+  bool circle = false;       // the last path came back to a basis
 
   RefinedBasis basis;
 
@@ -108,7 +111,7 @@ struct Lemke::Work {
   }
 
   template <class T>
-  Status attempt(Tableau<T>& t, int max_pivots, const Lcp& problem, Solution& s, bool nearby = false) {
+  Claim attempt(Tableau<T>& t, int max_pivots, const Lcp& problem, Solution& s, bool nearby = false) {
     const auto& M = std::get<DenseMatrix>(pure->A);
     const Index n = pure->size();
     const auto late = [this] { return lemke.budget().exhausted(); };
@@ -120,7 +123,8 @@ struct Lemke::Work {
       lemke.log(t.iterations(), static_cast<double>(z0));
       return late();
     });
-    s.iterations = t.iterations();
+    circle = end == Tableau<T>::End::circle;
+    s.iterations = pivots += t.iterations();
     y.resize(n);
     y.setZero();
     if (end == Tableau<T>::End::ray) {
@@ -130,9 +134,9 @@ struct Lemke::Work {
       direction.array() *= scaling.col.array();
       tidy_certificate(*pure, direction);
       if (reduced)
-        pyramid.restore_certificate(problem, direction, s.certificate);
+        pyramid.restore_certificate(problem, direction, s.ray);
       else
-        s.certificate = direction;
+        s.ray = direction;
     } else if (end == Tableau<T>::End::solved) {
       if constexpr (std::is_floating_point_v<T>)
         refine(t, M);
@@ -146,10 +150,11 @@ struct Lemke::Work {
       pyramid.restore(problem, y, s.z);
     else
       s.z = y;
-    return end == Tableau<T>::End::solved    ? Status::solved
-           : end == Tableau<T>::End::ray     ? Status::ray
-           : end == Tableau<T>::End::stopped ? Status::time_limit
-                                             : Status::iteration_limit;
+    return end == Tableau<T>::End::solved    ? Claim::candidate
+           : end == Tableau<T>::End::ray     ? Claim::ray
+           : circle                          ? Claim::stalled
+           : end == Tableau<T>::End::stopped ? Claim::time_limit
+                                             : Claim::iteration_limit;
   }
 
   void cover_tableau() {
@@ -179,31 +184,31 @@ struct Lemke::Work {
     return cover;
   }
 
-  Status attempt_revised(int max_pivots, const Lcp& problem, Solution& s) {
-    if (!revised.load(problem, cover_of(problem.A), lemke.budget())) return Status::numerical_error;
+  Claim attempt_revised(int max_pivots, const Lcp& problem, Solution& s) {
+    if (!revised.load(problem, cover_of(problem.A), lemke.budget())) return Claim::numerical_error;
     const auto end = revised.run(max_pivots > 0 ? max_pivots : 20000 + 100 * static_cast<int>(problem.size()),
                                  [&](double z0) { lemke.log(revised.iterations(), z0); });
-    s.iterations = revised.iterations();
+    s.iterations = pivots += revised.iterations();
     switch (end) {
       case RevisedLemke::End::solved:
         revised.point(s.z);
-        return Status::solved;
+        return Claim::candidate;
       case RevisedLemke::End::ray:
-        revised.ray(s.certificate);
-        tidy_certificate(problem, s.certificate);
-        return Status::ray;
+        revised.ray(s.ray);
+        tidy_certificate(problem, s.ray);
+        return Claim::ray;
       case RevisedLemke::End::limit:
-        return Status::iteration_limit;
+        return Claim::iteration_limit;
       case RevisedLemke::End::stopped:
-        return Status::time_limit;
+        return Claim::time_limit;
       default:
-        return Status::numerical_error;
+        return Claim::numerical_error;
     }
   }
 
   // On factors, refined at every pivot: M z + t q, t from 0 to 1, by normal_path.h, whose random perturbation covers.
   // It ends where Lemke's ray does not in some ill-conditioned problems. Bounds are native, friction is copositive.
-  Status attempt_refined(int max_pivots, const Lcp& problem, Solution& s) {
+  Claim attempt_refined(int max_pivots, const Lcp& problem, Solution& s) {
     const bool friction = !problem.friction.empty();
     const Lcp& p = friction ? copositive.pure(problem, Pyramid::Form::stewart_trinkle) : problem;
     columns.load(p.A);
@@ -212,12 +217,12 @@ struct Lemke::Work {
                      lemke.budget());
     y.resize(p.size());
     for (Index i = 0; i < p.size(); ++i) y[i] = p.lo[i] != -kInf ? p.lo[i] : p.hi[i] != kInf ? p.hi[i] : 0;
-    if (!normal_path.start(y)) return Status::numerical_error;
+    if (!normal_path.start(y)) return Claim::numerical_error;
     const auto end = normal_path.follow(max_pivots, [&](double t) {
       lemke.log(normal_path.pivots(), 1 - t, 0, "refined");
       return lemke.budget().exhausted();
     });
-    s.iterations = normal_path.pivots();
+    s.iterations = pivots += normal_path.pivots();
     normal_path.point(y, direction);
     if (end == PathEnd::ray) {
       normal_path.direction(direction);
@@ -225,22 +230,22 @@ struct Lemke::Work {
     }
     if (friction) {
       copositive.restore(problem, y, s.z);
-      if (end == PathEnd::ray) copositive.restore_certificate(problem, direction, s.certificate);
+      if (end == PathEnd::ray) copositive.restore_certificate(problem, direction, s.ray);
     } else {
       s.z = y;
-      if (end == PathEnd::ray) s.certificate = direction;
+      if (end == PathEnd::ray) s.ray = direction;
     }
     switch (end) {
       case PathEnd::solved:
-        return Status::solved;
+        return Claim::candidate;
       case PathEnd::ray:
-        return Status::ray;
+        return Claim::ray;
       case PathEnd::limit:
-        return Status::iteration_limit;
+        return Claim::iteration_limit;
       case PathEnd::stopped:
-        return Status::time_limit;
+        return Claim::time_limit;
       default:
-        return Status::numerical_error;
+        return Claim::numerical_error;
     }
   }
 
@@ -255,14 +260,23 @@ struct Lemke::Work {
   }
 
   // Another covering vector, another path: from the same numbers on every machine and in every run.
-  Status restart(int attempt_number, int max_pivots, const Lcp& problem, Solution& s) {
+  template <class T> Claim restart(Tableau<T>& t, int attempt_number, int max_pivots, const Lcp& problem, Solution& s) {
     cover.resize(pure->size());
     std::minstd_rand random(static_cast<unsigned>(attempt_number));
     for (double& d : cover) d = static_cast<double>(1 + random() % 1024) / 64;
-    long_tableau.cover(cover);
-    const Status claim = attempt(long_tableau, max_pivots, problem, s);
+    t.cover(cover);
+    const Claim claim = attempt(t, max_pivots, problem, s);
     cover.resize(0);
-    long_tableau.cover(cover);
+    t.cover(cover);
+    return claim;
+  }
+
+  // The plain method; where its path goes round in a circle, from other covering vectors.
+  Claim plain(int max_pivots, const Lcp& problem, Solution& s) {
+    Claim claim = attempt(tableau, max_pivots, problem, s);
+    for (int k = 1; k <= kCovers && circle && (max_pivots == 0 || pivots < max_pivots); ++k)
+      claim = restart(tableau, k, max_pivots > 0 ? max_pivots - pivots : 0, problem, s);
+    cover_tableau();
     return claim;
   }
 
@@ -308,17 +322,17 @@ std::string Lemke::why_not(const Lcp& problem) const {
          "without friction rows, upper bounds and lower bounds other than 0";
 }
 
-Status Lemke::run(const Lcp& problem, Solution& s, Start) {
-  if (problem.size() == 0) return Status::solved;
-  work_->stage = 0;
+Claim Lemke::run(const Lcp& problem, Solution& s, Start) {
+  if (problem.size() == 0) return Claim::candidate;
+  work_->stage = 0, work_->pivots = 0;
   work_->was_revised = takes_revised(problem);
   if (work_->was_revised) return work_->attempt_revised(options_.max_pivots, problem, s);
   work_->form(problem, Pyramid::Form::shifted);
-  if (!finite(*work_->pure)) return Status::numerical_error;  // overflow in shifting the bounds
-  return work_->attempt(work_->tableau, options_.max_pivots, problem, s);
+  if (!finite(*work_->pure)) return Claim::numerical_error;  // overflow in shifting the bounds
+  return work_->plain(options_.max_pivots, problem, s);
 }
 
-bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
+bool Lemke::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
   if (!options_.rescue || problem.size() == 0) return false;
   Work& work = *work_;
   if (!work.was_revised && !finite(*work.pure)) return false;
@@ -327,10 +341,10 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
     if (problem.size() > kRevisedOnly) return false;
     work.form(problem, Pyramid::Form::shifted);
     if (!finite(*work.pure)) return false;
-    claim = work.attempt(work.tableau, options_.max_pivots, problem, s);
+    claim = work.plain(options_.max_pivots, problem, s);
     return true;
   }
-  const bool slow = claim == Status::iteration_limit;  // more digits take the same path, if more slowly
+  const bool slow = claim == Claim::iteration_limit;  // more digits take the same path, if more slowly
   const Index n = problem.size() + static_cast<Index>(problem.friction.size());
   while (work.stage < kLastAttempt + kRestarts) {
     const int stage = work.stage++;
@@ -345,13 +359,17 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
         work.stage = kLastAttempt + kRestarts;
         work.enumerate.set_time_limit(budget().remaining());
         work.enumerate.set_cancel(budget().cancel());
-        if (work.enumerate.solve(problem, work.enumerated).status != Status::solved) return false;
-        s.z = work.enumerated.z;
-        claim = Status::solved;
-        return true;
+        work.enumerate.set_proof_search(false);
+        work.enumerate.solve(problem, work.enumerated);
+        if (work.enumerated.status == Status::infeasible || has_answer(work.enumerated.status)) {
+          s.z = work.enumerated.z;
+          claim = handed_on(work.enumerated, s);
+          return true;
+        }
+        return false;
       }
       if (n > kWide) return false;
-      claim = work.restart(stage, options_.max_pivots, problem, s);
+      claim = work.restart(work.long_tableau, stage, options_.max_pivots, problem, s);
       return true;
     }
     const auto [arithmetic, nearby, other_form] = kAttempts[stage];
@@ -361,7 +379,7 @@ bool Lemke::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
     const int few = 1000 + 20 * static_cast<int>(rows), limit = options_.max_pivots;
     switch (arithmetic) {
       case Arithmetic::plain:
-        claim = work.attempt(work.tableau, limit, problem, s);
+        claim = work.plain(limit, problem, s);
         return true;
       case Arithmetic::refined:
         // Few rows have few bases: a longer path goes in circles.

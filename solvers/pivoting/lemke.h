@@ -5,6 +5,7 @@
 //     1. form     pyramid.h: friction, boxes → rows [0, ∞) and free;  rows and columns scaled by powers of 2 where the
 //                 entries span many orders.
 //     2. pivot    tableau.h: free rows first, then the method, ties broken lexicographically, z₀ first.  O(n²) a pivot.
+//                 Where a basis comes back, as rounding has broken ties, another path: up to four other d for e.
 //     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.
@@ -58,8 +59,8 @@ class Lemke final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   bool seeks_proof() const override { return options_.rescue; }
   double tolerance() const override { return options_.tolerance; }
   double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level

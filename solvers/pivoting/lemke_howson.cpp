@@ -209,23 +209,23 @@ std::string LemkeHowson::why_not(const Lcp& p) const {
   return {};
 }
 
-Status LemkeHowson::follow(int label, Solution& s) {
+Claim LemkeHowson::follow(int label, Solution& s) {
   Game game(A_, B_);
   const PathOfGame path = game.follow(label, [&] {
     log(++s.iterations, 0, 0, "pivot");
     return budget().exhausted();
   });
-  if (path == PathOfGame::stopped) return Status::time_limit;
-  if (path == PathOfGame::lost) return Status::stalled;  // z as it was: the next label's turn
+  if (path == PathOfGame::stopped) return Claim::time_limit;
+  if (path == PathOfGame::lost) return Claim::stalled;  // z as it was: the next label's turn
   const Equilibrium e = game.equilibrium(label);
   for (Index i = 0; i < s.z.size(); ++i)
     s.z[order_[static_cast<std::size_t>(i)]] = i < A_.rows() ? e.x[i] / e.cost_2 : e.y[i - A_.rows()] / e.cost_1;
-  return Status::solved;
+  return Claim::candidate;
 }
 
-Status LemkeHowson::run(const Lcp&, Solution& s, Start) { return follow(std::max(0, options_.label), s); }
+Claim LemkeHowson::run(const Lcp&, Solution& s, Start) { return follow(std::max(0, options_.label), s); }
 
-bool LemkeHowson::run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) {
+bool LemkeHowson::run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) {
   if (options_.label >= 0 || attempt >= problem.size()) return false;
   claim = follow(attempt, s);
   return true;

@@ -51,10 +51,10 @@ class LemkeHowson final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
-  Status follow(int label, Solution& s);
+  Claim follow(int label, Solution& s);
 
   Options options_;
   mutable Eigen::MatrixXd A_, B_;     // of the problem that why_not() has looked at

@@ -7,7 +7,7 @@ std::string Murty::why_not(const Lcp& problem) const {
   return detail::too_large(problem);
 }
 
-template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {
+template <class T> Claim Murty::method(detail::PrincipalTableau<T>& t) {
   const auto u = [](int i) { return static_cast<std::size_t>(i); };
   // Basic variable i goes to `value`, carried there by the nonbasic one of its pair.
   const auto move = [&](int i, T value) {
@@ -17,7 +17,7 @@ template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {
     t.pivot(i, value);
     return true;
   };
-  if (!t.release_free([this] { return budget().exhausted(); })) return Status::stalled;
+  if (!t.release_free([this] { return budget().exhausted(); })) return Claim::stalled;
   t.iterations = 0;
   for (;;) {
     int i = 0;
@@ -31,25 +31,25 @@ template <class T> Status Murty::method(detail::PrincipalTableau<T>& t) {
       if (t.outside(i)) break;
     }
     log(t.iterations, i);
-    if (i == t.size()) return Status::solved;
-    if (t.iterations >= options_.max_pivots) return Status::iteration_limit;
-    if (budget().exhausted()) return Status::time_limit;
-    if (!move(i, t.in[u(i)] ? bound : T(0))) return Status::stalled;
+    if (i == t.size()) return Claim::candidate;
+    if (t.iterations >= options_.max_pivots) return Claim::iteration_limit;
+    if (budget().exhausted()) return Claim::time_limit;
+    if (!move(i, t.in[u(i)] ? bound : T(0))) return Claim::stalled;
   }
 }
 
-Status Murty::attempt(int precision, Solution& s) {
+Claim Murty::attempt(int precision, Solution& s) {
   return pivoting_.attempt(precision, s.z, s.iterations, [this](auto& t) { return method(t); });
 }
 
-Status Murty::run(const Lcp& problem, Solution& s, Start) {
-  if (problem.size() == 0) return Status::solved;
+Claim Murty::run(const Lcp& problem, Solution& s, Start) {
+  if (problem.size() == 0) return Claim::candidate;
   pivoting_.form(problem);
   return attempt(0, s);
 }
 
-bool Murty::run_again(const Lcp& problem, Solution& s, int precision, Status& claim) {
-  if (problem.size() == 0 || claim == Status::iteration_limit || precision > (problem.size() <= 100 ? 2 : 1))
+bool Murty::run_again(const Lcp& problem, Solution& s, int precision, Claim& claim) {
+  if (problem.size() == 0 || claim == Claim::iteration_limit || precision > (problem.size() <= 100 ? 2 : 1))
     return false;
   claim = attempt(precision, s);
   return true;

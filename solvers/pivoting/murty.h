@@ -32,11 +32,11 @@ class Murty final : public Solver {
   std::string why_not(const Lcp& problem) const override;
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
-  Status attempt(int precision, Solution& s);
-  template <class T> Status method(detail::PrincipalTableau<T>& t);
+  Claim attempt(int precision, Solution& s);
+  template <class T> Claim method(detail::PrincipalTableau<T>& t);
 
   Options options_;
   detail::PrincipalPivoting pivoting_;

@@ -57,6 +57,7 @@ struct Model {
   std::function<bool(const Vector& z, Matrix const*& J)> J;  // false: not finite
   const Vector* constant = nullptr;                          // of a linear problem: b
   double goal = 0;                                           // natural residual at which to stop
+  std::function<bool(const Vector&)> enough;                 // nonlinear: whether the judge would accept z
   Index size() const { return lo->size(); }
 };
 
@@ -233,7 +234,7 @@ struct Path::Work {
   }
 
   // One variation from `start`; the result in z.
-  Status iterate(const Variation& v) {
+  Claim iterate(const Variation& v) {
     using End = PathEnd;
     const Index n = model.size();
     ray.resize(0), cover.resize(0);
@@ -248,7 +249,7 @@ struct Path::Work {
         for (double& s : scratch) s += (std::abs(s) + 1) * (2 * uniform() - 0.5);
       project(scratch, z);
     }
-    if (!model.F(z, F)) return Status::numerical_error;
+    if (!model.F(z, F)) return Claim::numerical_error;
     if (v.crash) crash();
     lift(z, F, x);
     double proximal = v.proximal, best = kInf;
@@ -259,11 +260,11 @@ struct Path::Work {
       const double residual = natural_residual(z, F);
       idle = residual < 0.5 * best ? 0 : idle + 1;
       if (residual < best) best = residual, best_z = z;
-      if (residual <= model.goal && (!linear() || k > 0)) return z = best_z, Status::solved;
-      if (linear() && idle > 3) return z = best_z, Status::solved;  // the judge says whether it is enough
-      if (stop()) return z = best_z, Status::time_limit;
+      if (residual <= model.goal && (linear() ? k > 0 : model.enough(z))) return z = best_z, Claim::candidate;
+      if (linear() && idle > 3) return z = best_z, Claim::candidate;  // the judge says whether it is enough
+      if (stop()) return z = best_z, Claim::time_limit;
       const Matrix* A = nullptr;
-      if (!model.J(z, A)) return z = best_z, Status::numerical_error;
+      if (!model.J(z, A)) return z = best_z, Claim::numerical_error;
       columns.load(*A);
       const double size = largest();
       if (proximal > 0) columns.load(*A, proximal * size);
@@ -290,19 +291,19 @@ struct Path::Work {
                          : v.digits == Digits::extended ? long_path.pivots()
                                                         : wide_path.pivots();
       if (linear()) iterations += pivots - 1;
-      if (end == End::stopped) return z = best_z, Status::time_limit;
+      if (end == End::stopped) return z = best_z, Claim::time_limit;
       if (end == End::singular || (end == End::ray && !linear() && proximal < 1e-3)) {
         path.log(iterations, residual, 0, end == End::ray ? "ray: proximal" : "singular: proximal");
-        if (proximal >= 1) return z = best_z, Status::stalled;
+        if (proximal >= 1) return z = best_z, Claim::stalled;
         proximal = std::max(linear() ? 1e-6 : 1e-2, 10 * proximal);
         continue;
       }
       if (linear()) {
         path.log(iterations, natural_residual(trial_z, F), 1, v.name);
-        if (end == End::ray) return Status::ray;
-        if (end == End::limit) return Status::iteration_limit;
+        if (end == End::ray) return Claim::ray;
+        if (end == End::limit) return Claim::iteration_limit;
         x = trial_x, z = trial_z;
-        if (proximal == 0) return Status::solved;
+        if (proximal == 0) return Claim::candidate;
         model.F(z, F);
         lift(z, F, x);
         continue;
@@ -333,16 +334,16 @@ struct Path::Work {
         const double before = merit(z, F);
         if (!search(reference())) {
           path.log(iterations, std::sqrt(2 * before), 0, "no descent");
-          return z = best_z, Status::stalled;
+          return z = best_z, Claim::stalled;
         }
         const double now = merit(z, F);
         remember(now);
         path.log(iterations, std::sqrt(2 * now), 0.5, "search from the last good point");
-        if (now > 0.9 * before) return z = best_z, Status::stalled;  // a valley without a solution
+        if (now > 0.9 * before) return z = best_z, Claim::stalled;  // a valley without a solution
       }
     }
     z = best_z;
-    return linear() ? Status::stalled : Status::iteration_limit;
+    return linear() ? Claim::stalled : Claim::iteration_limit;
   }
   double reference() const { return *std::max_element(merits.begin(), merits.end()); }
   void remember(double value) {
@@ -362,8 +363,8 @@ std::string Path::why_not(const Lcp& problem) const {
   return "n = " + std::to_string(n) + ": dense problems take at most 5000 rows";
 }
 
-Status Path::run(const Lcp& problem, Solution& s, Start start) {
-  if (problem.size() == 0) return Status::solved;
+Claim Path::run(const Lcp& problem, Solution& s, Start start) {
+  if (problem.size() == 0) return Claim::candidate;
   Work& work = *work_;
   work.variation = 0;
   work.iterations = 0;
@@ -388,12 +389,12 @@ Status Path::run(const Lcp& problem, Solution& s, Start start) {
                 .J = [pure](const Vector&, Matrix const*& J) { return J = &pure->A, true; },
                 .constant = &pure->b,
                 .goal = 1e-14 * pure->b.lpNorm<Eigen::Infinity>()};
-  Status claim = Status::not_run;
+  Claim claim = Claim::stalled;
   run_again(problem, s, 0, claim);
   return claim;
 }
 
-bool Path::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
+bool Path::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
   if (problem.size() == 0) return false;
   Work& work = *work_;
   if (work.variation > static_cast<std::size_t>(options_.restarts)) return false;
@@ -403,12 +404,12 @@ bool Path::run_again(const Lcp& problem, Solution& s, int, Status& claim) {
   const Variation& v = kVariations[work.variation++];
   claim = work.iterate(v);
   s.iterations = work.iterations;
-  if (claim == Status::ray) {
+  if (claim == Claim::ray) {
     tidy_certificate(*work.pure, work.ray);
     if (work.reduced)
-      work.pyramid.restore_certificate(problem, work.ray, s.certificate);
+      work.pyramid.restore_certificate(problem, work.ray, s.ray);
     else
-      s.certificate = work.ray;
+      s.ray = work.ray;
   }
   if (work.reduced)
     work.pyramid.restore(problem, work.z, s.z);
@@ -425,33 +426,40 @@ const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
   Work& work = *work_;
   s.status = Status::not_run;
   s.residual = kInf, s.rounding = 0, s.iterations = 0;
-  s.certificate.resize(0);
+  s.ray.resize(0);
   if (start == Start::cold || s.z.size() != n || !s.z.allFinite()) {
     s.z.resize(n);
     s.z.setZero();
   }
   work.start = s.z;
   work.iterations = 0;
+  Solution looked_at;
   work.model = {.lo = &problem.lo,
                 .hi = &problem.hi,
                 .F = [&](const Vector& z, Vector& F) { return evaluate(problem, z, F); },
                 .J = [&](const Vector& z, Matrix const*& J) { return J = &work.J, evaluate(problem, z, work.J); },
-                .goal = 0.1 * options_.tolerance};
+                .goal = 0.1 * options_.tolerance,
+                .enough =
+                    [&](const Vector& z) {
+                      looked_at.z = z;
+                      certify(problem, options_.tolerance, Claim::stalled, looked_at);
+                      return has_answer(looked_at.status);
+                    }};
   Solution best;
   for (int k = 0; k <= options_.restarts; ++k) {
     const Variation& v = kVariations[k];
     if (!worth(v, n, false)) continue;
     if (k > 0) log(work.iterations, s.residual, 0, v.name);
-    Status claim = n == 0 ? Status::solved : work.iterate(v);
-    if (claim == Status::ray) claim = Status::stalled;
+    Claim claim = n == 0 ? Claim::candidate : work.iterate(v);
+    if (claim == Claim::ray) claim = Claim::stalled;
     s.iterations = work.iterations;
     s.factorizations = effort().factorizations - before.factorizations;
     s.factorized_rows = effort().rows - before.rows;
     s.z = n == 0 ? s.z : work.z;
     certify(problem, options_.tolerance, claim, s);
-    if (s.status == Status::solved) return s;
+    if (has_answer(s.status)) return s;
     if (!(s.residual >= best.residual) || k == 0) best = s;
-    if (budget().exhausted() || (k == 0 && claim == Status::numerical_error)) break;
+    if (budget().exhausted() || (k == 0 && claim == Claim::numerical_error)) break;
   }
   s = best;
   s.iterations = work.iterations;

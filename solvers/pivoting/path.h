@@ -33,7 +33,7 @@
 namespace orthant {
 
 struct PathOptions {
-  double tolerance = 1e-10;  // [b], relative to the problem's scale (certify.h); for an Mcp absolute, in units of F
+  double tolerance = 1e-10;  // of a row's data, as certify() measures it; of an Mcp: of the terms of J z and F − J z
   int max_steps = 60;        // linearizations, over one variation of a nonlinear problem
   int max_pivots = 0;        // of one path; 0: 3000 + 50 n
   int max_crash = 50;        // projected Newton steps before the first path, nonlinear at most 2; 0: none
@@ -61,8 +61,8 @@ class Path final : public Solver {
   const Solution& solve(const Mcp& problem, Solution& s, Start start = Start::cold);
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start start) override;
-  bool run_again(const Lcp& problem, Solution& s, int attempt, Status& claim) override;
+  Claim run(const Lcp& problem, Solution& s, Start start) override;
+  bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
   double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
 

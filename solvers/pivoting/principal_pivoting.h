@@ -36,16 +36,16 @@ class PrincipalPivoting {  // reuse it: the second problem of a size allocates n
     scaling_.fit(*A_);
   }
 
-  /// Precision 0: double, 1: long double, 2: 256 bits. method(tableau) → Status. Writes z and iterations.
-  template <class Method> Status attempt(int precision, Vector& z, int& iterations, const Method& method) {
+  /// Precision 0: double, 1: long double, 2: 256 bits. method(tableau) → Claim. Writes z and iterations.
+  template <class Method> Claim attempt(int precision, Vector& z, int& iterations, const Method& method) {
     return tableaus_.visit(precision, [&](auto& t) {
       t.load(*A_, *pure_, scaling_.row, scaling_.col);
-      const Status claim = method(t);
+      const Claim claim = method(t);
       iterations = t.iterations;
       const Index n = pure_->size();
       y_.resize(n);
       for (Index i = 0; i < n; ++i) y_[i] = static_cast<double>(t.z[at(i)]) * scaling_.col[i];
-      if (claim == Status::solved) refine(t);
+      if (claim == Claim::candidate) refine(t);
       y_ = y_.cwiseMax(pure_->lo).cwiseMin(pure_->hi);
       if (reduced_)
         pyramid_.restore(*given_, y_, z);

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 #include <vector>
 
@@ -56,7 +57,7 @@ template <class T> void add_multiple(T* __restrict line, const T f, const T* __r
 
 template <class T> class Tableau {  // reuse it: the second problem of a size allocates nothing
  public:
-  enum class End { solved, ray, limit, stopped };
+  enum class End { solved, ray, limit, stopped, circle };  // circle: a basis came back, as rounding has broken ties
 
   /// Another covering vector than e for the loads that follow: d > 0 by row of the problem; empty: e again.
   void cover(const Vector& d) { cover_ = d; }
@@ -130,15 +131,28 @@ template <class T> class Tableau {  // reuse it: the second problem of a size al
   void set_basic(int r, int variable) { basic_[u(r)] = variable, place_[u(variable)] = -1 - r; }
   void set_nonbasic(int s, int variable) { nonbasic_[u(s)] = variable, place_[u(variable)] = s; }
 
+  /// 64 random-looking bits of a variable (splitmix64).
+  static std::uint64_t key_of(int variable) {
+    std::uint64_t x = static_cast<std::uint64_t>(variable + 1) * 0x9e3779b97f4a7c15;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+    return x ^ (x >> 31);
+  }
+
   /// From z₀'s entry in row r on.
   template <class Stop> End follow(int r, int limit, const Stop& stop) {
     enter(covering_);
-    for (;;) {
+    std::uint64_t basis = 0,
+                  met = 0;  // sums of keys of the variables; met: Brent's, of twice as late a pivot each time
+    for (int next = 64;;) {
       if (iterations_ >= limit) return End::limit;
       const int leaving = basic_[u(r)];
+      basis ^= key_of(leaving) ^ key_of(nonbasic_[u(entering_)]);
       exchange(r);
       ++iterations_;
       if (leaving == z0()) return End::solved;
+      if (basis == met) return End::circle;
+      if (iterations_ == next) met = basis, next *= 2;
       if (stop(constant(-1 - place_[u(z0())]))) return End::stopped;
       enter(place_[u(complement(leaving))]);
       r = ratio_test();

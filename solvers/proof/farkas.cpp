@@ -40,7 +40,10 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
   }
   const auto late = [&budget](auto...) { return budget.exhausted(); };
   tableau_.load(Skew{M}, q_, free_, scale_, scale_, late);
-  if (tableau_.run(20000 + 200 * static_cast<int>(n), late) != detail::Tableau<long double>::End::ray) return false;
+  using End = detail::Tableau<long double>::End;
+  const End end = tableau_.run(2000 + 20 * static_cast<int>(n), late);
+  if (end == End::circle || end == End::limit) return propose_by_simplex(problem, budget, u);
+  if (end != End::ray) return false;
   ray_.resize(2 * n);
   ray_.setZero();
   tableau_.ray(ray_);

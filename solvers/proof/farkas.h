@@ -5,8 +5,8 @@
 //     w_z = c − Mᵀu ⊥ z,   w_u = M z + q ⊥ u,   c = 1 (0 on free rows),
 //   whose matrix is skew, so that Lemke's method ends on a solution (feasible) or on a ray whose u is the proof.
 //   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it sees what is infeasible by a rounding.
-//   Beyond,
-//   a sparse dual simplex method (farkas_simplex.h).   certify.h judges what is found, as always.
+//   Beyond, and where the tableau goes round in a circle, a sparse dual simplex method (farkas_simplex.h).
+//   certify.h judges what is found, as always.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
 #pragma once
 

@@ -20,7 +20,9 @@ from pathlib import Path
 SETS_UP = {
     "export PATH=$PWD/build/release:$PATH": "done here, with this build's folder",
     "export PATH=$PWD/build/release:$PATH PYTHONPATH=$PWD/build/release/python": "likewise",
+    "export PATH=$PWD/build/release:$PWD/build/release/experiments:$PATH": "likewise",
     "./experiments/scripts/setup release": "what the tests were built by",
+    "pip wheel --no-deps .": "tests/wheel does it: minutes, and the package index",
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
     "experiments/docs/figures.py quiet solvers": "seven minutes, on a machine that does nothing else",
     "experiments/docs/figures.py quiet time_to_error": "two minutes, likewise",
@@ -57,7 +59,7 @@ class Page:
         self.folder, self.home = (Path(tempfile.mkdtemp(prefix=kind)) for kind in ("page", "home"))
         self.python, self.programs, self.failures, self.run_count, self.not_run = [], [], 0, 0, set()
         self.python_done = 0
-        self.environment = {**os.environ, "PATH": f"{build}:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
+        self.environment = {**os.environ, "PATH": f"{build}:{build}/experiments:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
                             "PYTHONPATH": f"{build}/python", "PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{prefix}/share/pkgconfig"}
         (self.home / "orthant").symlink_to(prefix)
 
@@ -109,7 +111,7 @@ class Page:
 
     def build_programs(self, text):
         for line, name in self.programs:
-            if re.search(r"^\$ cmake --build", text, re.M):
+            if re.search(rf"^\$ (cmake --build|c\+\+ .*{re.escape(name)})", text, re.M):
                 continue
             self.run_count += 1
             done = self.bash(f"$CXX -std=c++20 {name} -o program $(pkg-config --cflags --libs orthant) && ./program")

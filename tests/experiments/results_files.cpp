@@ -2,6 +2,8 @@
 #include "experiments/sweep/run.h"
 #include "tests/support/sweeps.h"
 
+#include <orthant/core/lcp/problems/collection.h>
+
 #include <doctest/doctest.h>
 #include <sqlite3.h>
 #include <sys/stat.h>

@@ -24,9 +24,9 @@ TEST_CASE("the exact judge takes exact answers and proofs, and none that is off 
     const Lcp& p = known.problem;
     if (known.z.size() > 0) CHECK(examine_solution(p, known.z, 1e-10).holds);
     lemke->solve(p, s);
-    if (s.status == Status::solved) {
+    if (has_answer(s.status)) {
       ++solutions;
-      CHECK(examine_solution(p, s.z, 1e-10).holds);
+      CHECK(examine_solution(p, s.z, 1e-10, s.status).holds);
       if (known.answer != Answer::unique || known.accuracy > 0) continue;
       const double size = std::max(1.0, s.z.lpNorm<Eigen::Infinity>());
       for (Index i = 0; i < p.size(); ++i) {
@@ -36,7 +36,7 @@ TEST_CASE("the exact judge takes exact answers and proofs, and none that is off 
         CHECK(!examine_solution(p, z, 1e-10).holds);
       }
     }
-    if (s.status == Status::infeasible) {
+    if (s.status == Status::infeasible && s.cells.empty()) {
       ++proofs;
       CHECK(examine_proof(p, s.certificate).holds);
       Vector u = -s.certificate;
@@ -66,14 +66,13 @@ TEST_CASE("the exact judge: a runaway z, a negative z, friction beyond its bound
   const Lcp coupled =                                             // and a small row in a large part: w₁ = −1
       Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0, 2, 1e-30}, {0, 1, 0}, {0, 0, 1}}), Vector{-1, 1e11, -1e11});
   CHECK(!examine_solution(coupled, Vector{0, 0, 1e11}, 1e-10).holds);
-  Lcp narrow = one;  // both bounds are within rounding of z = 0, and w = 1 asks for the lower one
+  Lcp narrow = one;  // a z outside its bounds is excused by no smallness
   narrow.lo[0] = -1e-160, narrow.hi[0] = -1e-200;
-  CHECK(examine_solution(narrow, Vector{0}, 1e-10).holds);
-  narrow.lo[0] = -1;
   CHECK(!examine_solution(narrow, Vector{0}, 1e-10).holds);
+  CHECK(examine_solution(narrow, Vector{-1e-160}, 1e-10).holds);
 }
 
-TEST_CASE("the exact judge: what a sum of doubles loses is no fault, what is more is one") {
+TEST_CASE("the exact judge: the tolerance is met to the last digit, whatever the terms that cancel") {
   const Index n = 40;
   DenseMatrix rows(Eigen::MatrixXd::Identity(n, n));
   rows.row(0).setOnes(), rows(1, 1) = rows(2, 2) = 0;  // of which 100 and -100 are free to cancel
@@ -82,9 +81,9 @@ TEST_CASE("the exact judge: what a sum of doubles loses is no fault, what is mor
   sums.b[0] = 1;
   Vector z(Eigen::VectorXd::Zero(n));
   z[1] = 100, z[2] = -100;
-  z[0] = -1 - 1.006e-10;
+  z[0] = -1 - 0.999e-10;
   CHECK(examine_solution(sums, z, 1e-10).holds);
-  z[0] = -1 - 1.1e-10;
+  z[0] = -1 - 1.001e-10;
   CHECK(!examine_solution(sums, z, 1e-10).holds);
 }
 
@@ -157,9 +156,9 @@ TEST_CASE("a share of the storm: no wrong verdict, no crash, nothing late") {
   for (const auto& [key, row] : tally.rows)
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += row.count[i];
   for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
-  MESSAGE("solved ", sum[0], ", infeasible ", sum[1], ", refused ", sum[2], ", failed ", sum[3]);
+  MESSAGE("solved ", sum[0], ", rounded ", sum[1], ", infeasible ", sum[2], ", refused ", sum[3], ", failed ", sum[4]);
   CHECK(sum[0] > (kSanitized ? 80 : 400));
-  CHECK(sum[1] > (kSanitized ? 20 : 100));
+  CHECK(sum[2] > (kSanitized ? 20 : 100));
   CHECK(storm_tally_from_text(to_text(tally)).rows.size() == tally.rows.size());
 }
 

@@ -44,6 +44,10 @@ def test_type_hints_hold(tmp_path):
         run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), "-p", "orthant"],
                              cwd=package.parent, capture_output=True, text=True)
         assert run.returncode == 0, run.stdout
+    if package.parts[-3:] == ("experiments", "python", "orthant") and shutil.which("pyright"):
+        run = subprocess.run(["pyright", "--pythonpath", sys.executable, "orthant"], cwd=package.parent, capture_output=True,
+                             text=True)
+        assert run.returncode == 0, run.stdout
     stub = (package / "_orthant.pyi").read_text(encoding="utf-8")
     promised = set(re.findall(r"^(?:def|class) (\w+)", stub, re.M)) | {"__version__", "revision"}
     promised |= set(re.findall(r"^(_\w+): ", stub, re.M))

@@ -149,8 +149,8 @@ TEST_CASE("cones: a storm: no claim of any solver is false") {
       solver->solve(known.problem, s);
       ++asked;
       solved += s.status == Status::solved;
-      if (s.status == Status::solved) CHECK(independent_scale_free(known.problem, s.z) <= 1e-7);
-      if (s.status == Status::infeasible) CHECK(independent_proof(known.problem, s.certificate));
+      if (has_answer(s.status)) CHECK(independent_scale_free(known.problem, s.z) <= 1e-7);
+      if (s.status == Status::infeasible && s.cells.empty()) CHECK(independent_proof(known.problem, s.certificate));
     }
   }
   CHECK(solved > asked / 2);

@@ -12,7 +12,7 @@ using namespace orthant;
 namespace {
 
 struct Counts {
-  int solved = 0, infeasible = 0, honest = 0, missed = 0;
+  int solved = 0, rounded = 0, infeasible = 0, honest = 0, missed = 0;
 };
 
 /// Thousands of small degenerate problems, the oracle beside the solver.
@@ -31,6 +31,11 @@ Counts storm(const std::string& spec, Kinds kinds, int problems, std::uint64_t s
     if (s.status == Status::solved) {
       ++tally.solved;
       REQUIRE(independent_residual(p, s.z) < 1e-9);
+    } else if (s.status == Status::rounded) {
+      ++tally.rounded;
+      REQUIRE(independent_residual(p, s.z) < 1e-14);
+      oracle.solve(p, truth);
+      REQUIRE(truth.status != Status::infeasible);
     } else if (s.status == Status::infeasible) {
       ++tally.infeasible;
       oracle.solve(p, truth);

@@ -4,177 +4,268 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace orthant {
 namespace {
 
-using detail::kCoarsest, detail::kEpsilon, detail::kRoundings;
-constexpr double kTelling = 1e-11;  // 20 ρ relative to β below which an operator's sums need no second look
+using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRounding;
+constexpr double kRoundings = 20;                 // units in the last place that `rounded` may change
+constexpr double kCoarsest = 1e-4;                // of β_P: a larger violation is no answer, whatever z is
+constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
+constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
+constexpr double kDouble = 0.505 * kEpsilon;      // error of an operation, over its result
+constexpr long double kLong = 1.01L * kRounding;  // the same in long double
 
 double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
+
+/// v_i where it is positive: how far w is on the wrong side.
+///   lo = 0, hi = ∞:   z = 0, w = −2: 2.   z = 0, w = 3: −3.   z = 1, w = 3: 3.   z = −1: ∞.
+template <class T> T wrong_by(double z, T w, double lo, double hi) {
+  if (!(lo <= z && z <= hi && std::abs(z) < kInf)) return kInf;
+  if (lo == hi) return -kInf;
+  if (z == lo) return -w;
+  if (z == hi) return w;
+  return std::abs(w);
+}
+
+/// The limit of v_i for solved.   tol = 1e-10, s = 5, β = 2: 2e-10.   s = 1e-3: 1e-13.
+double limit_of_solved(double tolerance, double s, double beta) { return tolerance * std::min(s, beta); }
+
+/// The limit of v_i for rounded.   s = 1e9, β_P = 1: 4.4e-6.   s = 1e12: 1e-4, where 20 ε s is 4.4e-3.
+double limit_of_rounded(double s, double part) { return std::min(kRoundings * kEpsilon * s, kCoarsest * part); }
+
+Miss::Against against(double z, double lo, double hi) {
+  return !(lo <= z && z <= hi && std::abs(z) < kInf) ? Miss::Against::outside
+         : z == lo                                   ? Miss::Against::lower
+         : z == hi                                   ? Miss::Against::upper
+                                                     : Miss::Against::inside;
+}
 
 }  // namespace
 
 /// Room for problems of that size, needed now or not: a later z must find it there.
 void Judge::prepare(const Lcp& problem) {
-  const Index n = problem.size();
-  const auto* delassus = std::get_if<Delassus>(&problem.A);
-  if (delassus != nullptr && at(delassus->W.cols) > inner_ld_.capacity())
+  const auto n = problem.size();
+  if (const auto* delassus = std::get_if<Delassus>(&problem.A); delassus != nullptr)
     for (auto* each : {&inner_ld_, &inner_abs_ld_}) each->reserve(at(delassus->W.cols));
   if (const auto* rows = std::get_if<RowSparse>(&problem.A))
     ways_.reserve(rows->value.size() + problem.friction.size());
-  if (at(n) <= rows_.size()) return;
-  for (Vector* each : {&d_, &lo_, &hi_, &beta_, &reach_}) each->resize(n);
+  if (at(n) <= part_.capacity()) return;
+  for (Vector* each : {&lo_, &hi_, &beta_, &data_, &part_data_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_, &g_error_}) each->reserve(at(n));
-  rows_.resize(at(n));
+  part_.reserve(at(n));
   heap_.reserve(at(2 * n + 1));
 }
 
-void Judge::evaluate(const Lcp& problem, Solution& s, bool extended) {
+void Judge::find_bounds(const Lcp& problem, const Vector& z) {
+  lower_ = problem.lo.data(), upper_ = problem.hi.data();
+  if (problem.friction.empty()) return;
+  lo_.resize(problem.size()), hi_.resize(problem.size());
+  std::copy_n(problem.lo.data(), problem.size(), lo_.data());
+  std::copy_n(problem.hi.data(), problem.size(), hi_.data());
+  for (const Friction& f : problem.friction) {
+    hi_[f.first] = f.mu * std::max(z[f.normal], 0.0);
+    lo_[f.first] = -hi_[f.first];
+  }
+  lower_ = lo_.data(), upper_ = hi_.data();
+}
+
+// data_ ← β_i; returns their largest.   b = (1, −3), lo = 0: (1, 3).   A = 2, b = 1, z = hi = 5: 11.
+double Judge::find_data(const Lcp& problem, const Vector& z) {
   const Index n = problem.size();
-  prepare(problem);
-  detail::sum_rows(problem.A, problem.b, s.z, s.w, abs_, inner_, inner_abs_);
-  if (extended) {
-    product(problem.A, s.z, false);
-    for (Index i = 0; i < n; ++i) s.w[i] = static_cast<double>(problem.b[i] + g_[at(i)]);
-  }
-
-  const double* lo = problem.lo.data();
-  const double* hi = problem.hi.data();
-  if (!problem.friction.empty()) {
-    lo_.resize(n), hi_.resize(n);
-    for (Index i = 0; i < n; ++i) lo_[i] = lo[i], hi_[i] = hi[i];
-    for (const Friction& f : problem.friction) {
-      hi_[f.first] = f.mu * std::max(s.z[f.normal], 0.0);
-      lo_[f.first] = -hi_[f.first];
-    }
-    lo = lo_.data();
-    hi = hi_.data();
-  }
-
-  double residual = 0, size = 0, scale = 0, least = kInf, checksum = 0;
-  bool bounded = false, weighed = false;
-  settled_ = true;
-  for (Index i = 0; i < n; ++i) {
-    const double z = s.z[i], w = s.w[i];
-    checksum += 0.0 * z + 0.0 * w;  // NaN when one of them is not finite
-    size = std::max(size, abs_[i]);
-    const double data = std::abs(problem.b[i]);
-    scale = std::max(scale, data);
-    if (data > 0) least = std::min(least, data);
-    bounded = bounded || nearest_to_zero(problem.lo[i], problem.hi[i]) != 0 ||
-              (z != 0 && detail::on_bound(z, problem.lo[i], problem.hi[i]));
-    // d |z − clamp(z − w/d)| = max(d · how far z is out of its bounds, min(d · distance to the bound that w pushes
-    // against, |w|)):
-    // never by z − w/d, which is z where w/d is below its rounding, whatever w is.
-    double r = std::abs(w), out = 0, beside = 0, held = 0;
-    const double room = w >= 0 ? z - lo[i] : hi[i] - z;
-    if (room == 0 && r > 0 && lo[i] <= z && z <= hi[i]) {  // on the bound that w holds it at: most are
-      held = lo[i] < hi[i] ? r : kInf, r = 0;
-    } else if (z < lo[i] || z > hi[i] || room < r) {
-      // d matters only here, where z is off its bound by less than |w|: most verdicts never need the weights.
-      if (room != 0 && !weighed) detail::largest_of_columns(problem.A, d_), weighed = true;
-      const double d = room == 0 ? 1.0 : std::max(1.0, d_[i]);
-      out = std::max({lo[i] - z, z - hi[i], 0.0});
-      if (d * std::max(room, 0.0) < r) beside = std::max(room, 0.0), held = lo[i] < hi[i] ? r : kInf, r = d * beside;
-      r = std::max(d * out, r);
-    }
-    residual = std::max(residual, r);
-    Row& row = rows_[at(i)];
-    row.residual = r, row.data = data, row.size = row.most = abs_[i];
-    row.out = out, row.room = beside, row.held = held;
-    settled_ = settled_ && r <= kRoundings * kEpsilon * abs_[i] && !(beside > 0);
-  }
+  const auto& [lo, hi] = std::tie(problem.lo, problem.hi);
+  bool bounded = false;
+  for (Index i = 0; i < n && !bounded; ++i)
+    bounded = nearest_to_zero(lo[i], hi[i]) != 0 || (z[i] != 0 && detail::on_bound(z[i], lo[i], hi[i]));
+  data_.resize(n);
   if (bounded) {
     beta_.resize(n);
-    for (Index i = 0; i < n; ++i) {
-      const double z = s.z[i], lower = problem.lo[i], upper = problem.hi[i];
-      beta_[i] = detail::on_bound(z, lower, upper) ? z : nearest_to_zero(lower, upper);
-    }
-    detail::sum_rows(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
-    scale = 0, least = kInf;
-    for (Index i = 0; i < n; ++i) {
-      rows_[at(i)].data = abs_[i];
-      scale = std::max(scale, abs_[i]);
-      if (abs_[i] > 0) least = std::min(least, abs_[i]);
-    }
+    for (Index i = 0; i < n; ++i)
+      beta_[i] = detail::on_bound(z[i], lo[i], hi[i]) ? z[i] : nearest_to_zero(lo[i], hi[i]);
+    detail::sum_rows(problem.A, problem.b, beta_, floor_, data_, inner_, inner_abs_);
+  } else {
+    for (Index i = 0; i < n; ++i) data_[i] = std::abs(problem.b[i]);
   }
-  if (const auto* delassus = std::get_if<Delassus>(&problem.A);
-      extended && delassus != nullptr && to_rows(*delassus, entries_, detail::kFormed)) {
-    // The factors bound Σ_j |A_ij z_j| from above, by far where they cancel: here the sum itself is the measure.
-    size = 0;
-    for (Index i = 0; i < n; ++i) {
-      double sum = std::abs(problem.b[i]);
-      for (std::size_t k = at(entries_.start[at(i)]); k < at(entries_.start[at(i) + 1]); ++k)
-        sum += std::abs(entries_.value[k] * s.z[entries_.column[k]]);
-      rows_[at(i)].size = rows_[at(i)].most = sum;
-      size = std::max(size, sum);
-    }
-  }
-  s.residual = checksum == 0.0 && residual < kInf ? residual : kInf;
-  size_ = checksum == 0.0 ? size : kInf;
-  s.rounding = kEpsilon * size_;
-  scale_ = scale;
-  least_scale_ = least;
+  return n > 0 ? data_.maxCoeff() : 0;
 }
 
-double Judge::allowed(double tolerance, double rounding, double beta) {
-  return std::max(tolerance * beta, std::min(kRoundings * rounding, kCoarsest * beta));
+// Fills w, residual and rounding. True: solved, with doubles alone and since a row's own |b_i|
+// is at most β_i. Most problems end here.
+bool Judge::surely_solved(const Lcp& problem, double tolerance, Solution& s) {
+  const Index n = problem.size();
+  detail::sum_rows(problem.A, problem.b, s.z, s.w, size_, inner_, inner_abs_);
+  find_bounds(problem, s.z);
+  double least = kInf;
+  for (const double b : problem.b)
+    if (b != 0) least = std::min(least, std::abs(b));
+  const double* const b = problem.b.data();
+  double residual = 0, size = 0;
+  bool sure = true;
+  for (Index i = 0; i < n; ++i) {
+    const double wrong = wrong_by(s.z[i], s.w[i], lower_[i], upper_[i]);
+    const double limit = b[i] != 0 ? kSure * limit_of_solved(tolerance, size_[i], least) : 0;
+    sure = sure && size_[i] > kProducts && size_[i] < kInf && wrong + unit_ * size_[i] <= limit;
+    residual = std::max(residual, wrong);
+    size = std::max(size, size_[i]);
+  }
+  s.residual = residual;
+  s.rounding = kEpsilon * size;
+  return sure;
 }
 
-void Judge::certify(const Lcp& problem, double tolerance, Status claim, Solution& s) {
-  if (s.z.size() != problem.size()) {  // a solver that gave up before it had a z
-    s.z.resize(problem.size());
+// True: some row misses by so much that no data would let it pass.
+bool Judge::surely_missed(const Lcp& problem, double tolerance, Solution& s, double data) {
+  double worst = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    const double wrong = wrong_by(s.z[i], s.w[i], lower_[i], upper_[i]);
+    const double least = wrong - unit_ * size_[i];
+    const double limit =
+        std::max(limit_of_solved(tolerance, size_[i], data), limit_of_rounded(size_[i], data)) + kProducts;
+    if (std::isfinite(s.w[i]) && wrong < kInf && least <= 1.001 * limit) continue;
+    const double ratio = std::isfinite(s.w[i]) && wrong < kInf ? wrong / limit : kInf;
+    if (ratio <= worst && worst > 0) continue;
+    worst = ratio;
+    s.miss = {i, against(s.z[i], lower_[i], upper_[i]), wrong, limit_of_solved(tolerance, size_[i], data), tolerance};
+  }
+  if (worst > 0) excess_ = worst, accepted_ = std::isfinite(s.residual) ? s.residual / worst : 0;
+  return worst > 0;
+}
+
+// part_data_ ← at each part's first row the largest data of its rows, β_P.
+void Judge::find_part_data(const Lcp& problem) {
+  label_parts(problem);
+  part_data_.resize(problem.size());
+  part_data_.setZero();
+  for (Index i = 0; i < problem.size(); ++i) {
+    double& whole = part_data_[part_[at(i)]];
+    whole = std::max(whole, data_[i]);
+  }
+}
+
+// The rule itself, in long double.
+Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
+  const Index n = problem.size();
+  product(problem.A, s.z, false);
+  const auto* delassus = std::get_if<Delassus>(&problem.A);
+  if (delassus == nullptr || to_rows(*delassus, entries_, kFormed)) {
+    spread(problem, s.z, data_);
+  } else {  // too large to be formed: the largest of its part
+    find_part_data(problem);
+    for (Index i = 0; i < n; ++i) data_[i] = part_data_[part_[at(i)]];
+  }
+  const long double unit = kLong * (unit_ / kDouble);
+  bool floors = false, parts = false;
+  Pass pass = Pass::solved;
+  double worst = 0, worst_solved = 0, residual = 0, size = 0;
+  Miss solved_miss;
+  for (Index i = 0; i < n; ++i) {
+    const long double w = problem.b[i] + g_[at(i)], terms = std::abs(problem.b[i]) + g_abs_[at(i)];
+    const long double wrong = wrong_by(s.z[i], w, lower_[i], upper_[i]);
+    const auto sum = static_cast<double>(terms), by = static_cast<double>(wrong);
+    s.w[i] = static_cast<double>(w);
+    size = std::max(size, sum), residual = std::max(residual, by);
+    const double beta = data_[i];
+    const double solved = kSure * limit_of_solved(tolerance, sum, beta);
+    if (wrong + unit * terms <= solved) continue;
+    if (!parts) find_part_data(problem), parts = true;
+    double rounded = kSure * limit_of_rounded(sum, part_data_[part_[at(i)]]);
+    if (!(wrong + unit * terms <= rounded) && by < kProducts) {
+      if (!floors) {  // beta_ ← 2⁻¹⁰²² (1 + Σ_j |A_ij|)
+        floors = true;
+        beta_.resize(n);
+        beta_.setOnes();
+        detail::sum_rows(problem.A, beta_, beta_, zero_w_, floor_, inner_, inner_abs_);
+      }
+      const double least = std::min(kLeastNormal * floor_[i], kProducts);
+      rounded = kSure * kRoundings * kEpsilon * std::max(sum, least);
+    }
+    const Miss miss{i, against(s.z[i], lower_[i], upper_[i]), by, solved, tolerance};
+    const auto ratio = [by](double limit) { return limit > 0 && by < kInf ? by / limit : kInf; };
+    if (wrong + unit * terms <= rounded) {
+      if (pass == Pass::solved) pass = Pass::rounded;
+      if (ratio(solved) >= worst_solved) worst_solved = ratio(solved), solved_miss = miss;
+    } else {
+      pass = Pass::no;
+      if (ratio(std::max(solved, rounded)) >= worst) worst = ratio(std::max(solved, rounded)), s.miss = miss;
+    }
+  }
+  if (pass == Pass::rounded) s.miss = solved_miss;
+  s.residual = residual;
+  s.rounding = kEpsilon * size;
+  excess_ = worst;
+  accepted_ = worst > 0 && residual < kInf ? residual / worst : residual;
+  return pass;
+}
+
+void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
+  const Index n = problem.size();
+  if (s.z.size() != n) {  // a solver that gave up before it had a z
+    s.z.resize(n);
     s.z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   if (problem.discs()) return certify_cones(problem, tolerance, claim, s);
-  bool known = false;
-  const auto passes = [&] {
-    known = scale_ < kInf && size_ < kInf && size_ <= detail::runaway(scale_);
-    accepted_ = allowed(tolerance, s.rounding, scale_);
-    if (known && s.residual > accepted_ && s.residual < detail::kLeastNormal)
-      accepted_ = std::max(accepted_, detail::lost_to_underflow(problem.A, d_));
-    return known && s.residual <= accepted_ && rows_pass(problem, tolerance, s);
-  };
-  // Where rounding of the sums may be what decides, they are done with more digits: what stands in the way of a z, and
-  // all of an operator's, whose factors may cancel far below their own size.
-  evaluate(problem, s, false);
-  const bool cancels = std::holds_alternative<Delassus>(problem.A) &&
-                       !(kRoundings * s.rounding <= std::max(tolerance, kTelling) * scale_);
-  bool accepted = !cancels && passes();
-  if (cancels || (!accepted && known && s.residual <= kRoundings * s.rounding)) {
-    evaluate(problem, s, true);
-    accepted = passes();
-  }
-  const auto disproved = [&] {
-    return claim == Status::ray && s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate);
-  };
-  if (accepted && !(doubtful(s) && disproved())) {
+  prepare(problem);
+  unit_ = kDouble * (terms(problem.A) + 3);
+  s.miss = {};
+  const bool solved = surely_solved(problem, tolerance, s);
+  accepted_ = s.residual, excess_ = 0;
+  if (solved) {
     s.status = Status::solved;
-  } else if (accepted || disproved()) {
-    s.status = Status::infeasible;
-  } else if (claim == Status::solved || claim == Status::infeasible) {
-    s.status = known ? Status::stalled : Status::numerical_error;
-  } else {
-    s.status = claim;
+    return;
   }
+  const double data = find_data(problem, s.z);
+  const Pass pass =
+      data < kInf && !surely_missed(problem, tolerance, s, data) ? weigh(problem, tolerance, s) : Pass::no;
+  if (pass == Pass::no && excess_ == 0) excess_ = kInf;  // data that overflow
+  const auto disproved = [&] {
+    if (s.certificate.size() == n && proves_infeasible(problem, s.certificate)) return true;
+    if (claim == Claim::exhausted) return proves_infeasible(problem, s.cells);
+    if (claim != Claim::ray || s.ray.size() != n || !proves_infeasible(problem, s.ray)) return false;
+    s.certificate = s.ray;
+    return true;
+  };
+  if (pass == Pass::solved) {
+    s.status = Status::solved;
+  } else if (disproved()) {
+    s.status = Status::infeasible;
+    return;
+  }
+  s.certificate.resize(0), s.cells.clear();
+  if (pass == Pass::rounded)
+    s.status = Status::rounded;
+  else if (pass == Pass::no)
+    s.status = claim != Claim::candidate            ? status_of(claim)
+               : s.z.allFinite() && s.w.allFinite() ? Status::stalled
+                                                    : Status::numerical_error;
 }
 
 // Discs: certify_cones.h has the rule.
-void Judge::certify_cones(const Lcp& problem, double tolerance, Status claim, Solution& s) {
+void Judge::certify_cones(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   ConeJudge judge;
   s.w.resize(problem.size());
+  s.miss = {};
   const bool accepted = judge.passes(problem, tolerance, s);
-  scale_ = kInf;  // nothing is doubtful()
-  accepted_ = accepted ? s.residual : 0;
-  if (accepted)
+  accepted_ = accepted ? s.residual : 0, excess_ = accepted ? 0 : kInf;
+  const auto disproved = [&] {
+    if (s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate)) return true;
+    if (claim != Claim::ray || s.ray.size() != problem.size() || !proves_infeasible(problem, s.ray)) return false;
+    s.certificate = s.ray;
+    return true;
+  };
+  if (accepted && !judge.rounded()) {
     s.status = Status::solved;
-  else if (claim == Status::ray && s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate))
+  } else if (disproved()) {
     s.status = Status::infeasible;
-  else if (claim == Status::solved || claim == Status::infeasible)
-    s.status = judge.unknown() ? Status::numerical_error : Status::stalled;
-  else
-    s.status = claim;
+    return;
+  } else if (accepted) {
+    s.status = Status::rounded;
+  } else {
+    s.status = claim != Claim::candidate ? status_of(claim)
+               : judge.unknown()         ? Status::numerical_error
+                                         : Status::stalled;
+  }
+  s.certificate.resize(0), s.cells.clear();
 }
 
 }  // namespace orthant

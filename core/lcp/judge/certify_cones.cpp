@@ -9,7 +9,8 @@ namespace orthant {
 namespace {
 
 using ConeLong = long double;
-using detail::kEpsilon, detail::kRoundings;
+using detail::kEpsilon;
+constexpr double kRoundingsOfCone = 20;  // units in the last place that are noise
 constexpr double kKnownRounding = 1e-6;  // ε t_c relative to β above which a w is unknown
 
 /// visit(i, j, A_ij) of a matrix stored by entries.
@@ -152,7 +153,7 @@ bool ConeJudge::passes(const Lcp& problem, double tolerance, Solution& s) {
     size_of_w = std::max(size_of_w, terms[at(i)]);
   }
   s.residual = kInf, s.rounding = kEpsilon * size_of_w;
-  unknown_ = !(checksum == 0.0);
+  unknown_ = !(checksum == 0.0), rounded_ = false;
   reached_ = kInf;
   if (unknown_) return false;
 
@@ -183,7 +184,8 @@ bool ConeJudge::passes(const Lcp& problem, double tolerance, Solution& s) {
     const double scale = beta[at(part[at(c)])], own = std::min(scale, block_norm(rows, terms, d_));
     const double noise = kEpsilon * block_norm(rows, unknown, d_);
     unknown_ = unknown_ || !(noise <= kKnownRounding * scale);
-    if (!(e <= kRoundings * noise)) {
+    rounded_ = rounded_ || !(e <= tolerance * own);
+    if (!(e <= kRoundingsOfCone * noise)) {
       passes = passes && e <= tolerance * own;
       reached_ = std::max(reached_, own > 0 ? e / own : kInf);
     }

@@ -3,7 +3,7 @@
 //   Blocks, û and D: cones/contact.h. The rest of a block in scaled numbers z' = D⁻¹z, w' = D w, w' = A'z' + q':
 //     e_c = ‖z'_c − P_K(z'_c − û'_c)‖,  zero exactly at a solution.                                              (1)
 //   e_c changes neither with the units of z, w or lengths, nor with the numbers that one contact is measured in.
-//   Solved when for every block
+//   Solved when e_c ≤ tolerance · min(β, s_c) for every block; rounded when
 //     e_c ≤ max(tolerance · min(β, s_c), 20 ε t_c),   ε t_c ≤ 1e-6 β,                                            (2)
 //     β    largest data of the blocks that A couples with this one: ‖q'‖, or at a finite bound what it brings into w',
 //     s_c  = ‖ |q'_c| + Σ_j |A'_cj z'_j| ‖, the terms that w'_c is the sum of,
@@ -35,13 +35,15 @@ class ConeJudge {
   bool passes(const Lcp& problem, double tolerance, Solution& s);
   /// Of the last z: no w can be known (not finite, or a runaway).
   bool unknown() const { return unknown_; }
+  /// The last z passed, but in some block by what rounding excuses only.
+  bool rounded() const { return rounded_; }
   /// The least tolerance with which the last z would have passed; 0 where rounding excuses all.
   double reached() const { return reached_; }
 
  private:
   cones::Blocks blocks_;
   Vector d_;
-  bool unknown_ = false;
+  bool unknown_ = false, rounded_ = false;
   double reached_ = 0;
 };
 

@@ -10,8 +10,7 @@
 namespace orthant {
 namespace {
 
-using detail::kEpsilon, detail::kRounding;
-constexpr double kProducts = 1e-290;  // a sum below it may have lost terms that are smaller than any double
+using detail::kEpsilon, detail::kProducts, detail::kRounding;
 // s above this: no z is worth looking for. Between the two nothing is claimed: a z may hold that no double can show.
 double unknowable(double beta) { return 1e-2 / kEpsilon * beta; }
 
@@ -157,9 +156,9 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
       if (spoken(i)) scale = std::max(scale, std::abs(problem.b[i]));
     }
     if (bounded) {
-      detail::sum_rows(problem.A, problem.b, beta_, lo_, abs_, inner_, inner_abs_);
+      detail::sum_rows(problem.A, problem.b, beta_, zero_w_, floor_, inner_, inner_abs_);
       for (Index i = 0; i < n; ++i)
-        if (spoken(i)) scale = std::max(scale, abs_[i]);
+        if (spoken(i)) scale = std::max(scale, floor_[i]);
     }
     if (scale < kProducts) return false;
     threshold += 2 * kappa * unknowable(scale) * norm1;

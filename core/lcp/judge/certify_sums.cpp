@@ -95,11 +95,4 @@ void largest_of_columns(const Matrix& A, Vector& d) {
   }
 }
 
-double lost_to_underflow(const Matrix& A, Vector& d) {
-  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
-  largest_of_columns(A, d);
-  const double times = kRoundings * static_cast<double>(d.size()) * (1 + d.maxCoeff());
-  return std::min(kLeast * times, kLeastNormal);
-}
-
 }  // namespace orthant::detail

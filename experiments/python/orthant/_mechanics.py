@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem
+from ._pictures import draw_pose, in_frame, plot_columns, svg_of, write_film, write_view
 from ._spec import Entry, options_of, path, regular, seconds, shown, whole, word
 
 if TYPE_CHECKING:
@@ -169,6 +170,19 @@ class Scene:
         """The bodies' names, in the order of coordinates."""
         return self._checked().bodies
 
+    def draw(self, *, file: Union[str, os.PathLike[str], None] = None, axes: Any = None) -> Any:
+        """The scene at its start, by matplotlib: into `axes`, else a figure of its own; file: also written there, .svg, .png or
+        .pdf. Returns the axes."""
+        checked = self._checked()
+        return draw_pose(checked, checked.initial, file, axes)
+
+    def _repr_html_(self) -> Optional[str]:
+        """In a notebook: the drawing, if matplotlib is installed and the scene is complete."""
+        try:
+            return svg_of(lambda: self.draw())
+        except (ImportError, ValueError):
+            return None
+
 
 def _lines(overrides: dict[str, Any]) -> list[str]:
     return [f"{key}={toml_of(key, value)}" for key, value in overrides.items()]
@@ -260,6 +274,47 @@ class Trajectory:
 
         return pandas.DataFrame(self.table, columns=self.columns).set_index("t")
 
+    def to_pandas(self) -> pandas.DataFrame:
+        """The same as frame()."""
+        return self.frame()
+
+    def view(self, file: Union[str, os.PathLike[str], None] = None) -> str:
+        """The run as one HTML page, with animation, contact forces, plots of any column and events: `file`, whose path is
+        returned. Without a file the page is a temporary one, and a browser opens it."""
+        return write_view(self._page(), file)
+
+    def _page(self) -> str:
+        note = f"{self.status}, {len(self)} rows" + (f"; {self.why}" if self.why else "")
+        name = os.path.splitext(os.path.basename(self._scene.name))[0]
+        return _orthant._view_page(name, note, self._scene, self.columns, self.table, self._events)
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the page of view() in a frame."""
+        return in_frame(self._page(), repr(self))
+
+    def plot(self, *columns: str, file: Union[str, os.PathLike[str], None] = None, axes: Any = None) -> Any:
+        """Columns over time, by matplotlib; default: the energy. axes: drawn into these, else a figure of their own.
+        file: also written there, .png, .svg or .pdf. Returns the axes."""
+        return plot_columns(self, columns or ("energy",), file, axes)
+
+    def draw(self, t: Optional[float] = None, *, file: Union[str, os.PathLike[str], None] = None, axes: Any = None) -> Any:
+        """The mechanism at the recorded time next to t [s], default the last one, by matplotlib; file, axes as in plot()."""
+        import numpy as np
+
+        row = len(self) - 1 if t is None else int(np.argmin(np.abs(self.t - float(t))))
+        return draw_pose(self._scene, self._poses(row), file, axes)
+
+    def _poses(self, row: int) -> npt.NDArray[np.float64]:
+        import numpy as np
+
+        places = [self._place[f"{body}.{part}"] for body in self._scene.bodies for part in ("x", "y", "theta")]
+        return np.asarray(self.table[row, places])
+
+    def film(self, file: Union[str, os.PathLike[str]], *, speed: float = 1.0, fps: int = 25) -> None:
+        """The motion as a film by matplotlib: .mp4 or .gif (the first needs ffmpeg), or a folder, which gets a PNG picture a
+        frame. speed: 1 is real time, 0.1 ten times slower. fps: frames a second."""
+        write_film(self, path("file", file), float(speed), whole("fps", fps, 1, 1000))
+
     def write(self, file: Union[str, os.PathLike[str]]) -> None:
         """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the outlines, for ParaView).
         Events go into NAME.events.csv next to it, or into the HDF5 file's group "events"."""
@@ -269,14 +324,22 @@ class Trajectory:
         return f"Trajectory(status='{self.status}', rows={len(self)}, t={self.summary['t']:g})"
 
 
+def _stops(rounded: str) -> bool:
+    if rounded not in ("take", "stop"):
+        raise ValueError(f"rounded = {rounded!r}: must be 'take' or 'stop'")
+    return rounded == "stop"
+
+
 def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "lemke",
              step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
-             time_limit: Optional[float] = None, check: bool = False) -> Trajectory:
+             time_limit: Optional[float] = None, rounded: str = "take", check: bool = False) -> Trajectory:
     """Run a scene: a Scene, a built-in name or a TOML file.
 
     integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
     scene's. every: record every so many steps. time_limit: [s] of wall time; what is done by then is kept, with the status
     'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C raises Interrupted, whose `run` is what is done by then.
+    rounded: what to do with a step whose problem is 'rounded' only, "take" (counted in summary["rounded_steps"], with a
+    warning) or "stop" (the run ends before it).
     check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an estimate)
     and "digits" (significant decimal digits that agree) of the last state.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
@@ -292,7 +355,8 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
     columns, table, summary, unsolved, events, interruption = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
         word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"), seconds("step", step), seconds("duration", duration),
-        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), bool(check), warn)
+        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
+        warn)
     trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned)
     if isinstance(interruption, KeyboardInterrupt):
         raise Interrupted(trajectory)
@@ -314,6 +378,16 @@ def _scene_of(scene: Any) -> _orthant._Scene:
 def integrators() -> list[Entry]:
     """Every registered integrator: name, summary, options with defaults and ranges."""
     return [Entry(*row) for row in _orthant._integrators()]
+
+
+def register_scene(name: str, scene: Scene, summary: str = "written in Python") -> None:
+    """A scene under a name, for `simulate` and `Scene.named` of this process. Options of it are key paths of the format.
+
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _, and for a scene without a text.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {shown(scene)}: must be a Scene")
+    _orthant._register_scene(word("name", name), scene.toml(), word("summary", summary))
 
 
 def scenes() -> list[Entry]:

@@ -33,8 +33,8 @@ def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector],
     """Find lower <= z <= upper: F >= 0 where z = lower, F <= 0 where z = upper, else F = 0 (default: 0 and infinity).
 
     F(z) -> (n,); jacobian(z) -> (n, n) array or scipy.sparse matrix; both called within the bounds only.
-    start: (n,). options: those of the solver `path`; tolerance (1e-10) is absolute, in units of F, as only you know what F
-    is made of: a problem whose F is small everywhere is to be scaled first. What the callbacks raise is passed on.
+    start: (n,). options: those of the solver `path`; tolerance (1e-10) is relative to the
+    terms of the linearization, J z and F - J z. What the callbacks raise is passed on.
     Source: Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156.
     """
     for what, value in (("F", F), ("jacobian", jacobian)):

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
+import os
 import threading
-from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, NamedTuple, Optional, Union
 
 from . import _orthant
 from ._orthant import Problem, Result, Solutions
-from ._spec import Entry, flag, seconds, spec
+from ._spec import Entry, flag, seconds, shown, spec, whole, word
 
 if TYPE_CHECKING:
+    import numpy as np
     import numpy.typing as npt
 
     Array = npt.ArrayLike
     MatrixLike = Union[npt.ArrayLike, "Delassus", Any]  # or a scipy.sparse matrix
+    Bounds = Union[tuple[Optional[Array], Optional[Array]], list[Any], Any, None]  # a pair, or scipy.optimize.Bounds
     FrictionRows = Optional[Union[Iterable[Union[tuple[int, int, float], tuple[int, int, float, int]]], npt.NDArray[Any]]]
 
 
@@ -23,6 +27,24 @@ class Delassus(NamedTuple):
     W: Any  # scipy.sparse, n x m: constraint Jacobian
     inverse_mass: Array  # (m,) >= 0
     regularization: Optional[Array] = None  # (n,) >= 0
+
+
+_NOTHING: Any = object()
+
+
+def _bounds(bounds: Bounds, lower: Optional[Array], upper: Optional[Array]) -> tuple[Optional[Array], Optional[Array]]:
+    """(lower, upper), or an object with lb and ub such as scipy.optimize.Bounds; None in a pair: no bound."""
+    if bounds is None:
+        return lower, upper
+    if lower is not None or upper is not None:
+        raise ValueError("bounds = (lower, upper): must be given alone, without lower and upper")
+    if isinstance(bounds, (tuple, list)) and len(bounds) == 2:
+        low, high = bounds
+    else:
+        low, high = getattr(bounds, "lb", _NOTHING), getattr(bounds, "ub", _NOTHING)
+        if low is _NOTHING or high is _NOTHING:
+            raise TypeError(f"bounds = {shown(bounds)}: must be a pair (lower, upper), or have lb and ub")
+    return -math.inf if low is None else low, math.inf if high is None else high
 
 
 class Solver:
@@ -36,9 +58,11 @@ class Solver:
         self._solver = _orthant._Solver(spec(name, options))
 
     def solve(self, M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = None,
-              upper: Optional[Array] = None, *, friction: FrictionRows = None, start: Optional[Array] = None,
-              time_limit: Optional[float] = None, log: bool = False) -> Result:
+              upper: Optional[Array] = None, *, bounds: Bounds = None, friction: FrictionRows = None,
+              start: Optional[Array] = None, time_limit: Optional[float] = None, log: bool = False) -> Result:
         """As the function `solve`."""
+        if bounds is not None:
+            lower, upper = _bounds(bounds, lower, upper)
         return self._solver.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit), flag("log", log))
 
     def __repr__(self) -> str:
@@ -50,19 +74,22 @@ _kept = threading.local()  # solvers by spec, one set a thread: their memory is 
 
 
 def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = None, upper: Optional[Array] = None, *,
-          friction: FrictionRows = None, solver: str = "auto", start: Optional[Array] = None,
+          bounds: Bounds = None, friction: FrictionRows = None, solver: str = "auto", start: Optional[Array] = None,
           time_limit: Optional[float] = None, log: bool = False, **options: Any) -> Result:
     """Find lower <= z <= upper with w = M z + q: w >= 0 where z = lower, w <= 0 where z = upper, else w = 0.
 
-    M: (n, n) array, scipy.sparse matrix or Delassus; or a Problem alone. q: (n,).
+    M: (n, n) array, scipy.sparse matrix or Delassus; or a Problem alone. q: (n,). Arrays are NumPy's, lists, or tensors of
+    other libraries in this processor's memory (DLPack).
     lower, upper: (n,) or one number for all rows, infinite where there is no bound; default 0 and infinity.
+    bounds: (lower, upper) in one, where None is no bound, or scipy.optimize.Bounds.
     friction: (row, normal row, mu) triples, or a (k, 3) array: |z[row]| <= mu z[normal row]; such rows have no bounds of
     their own. (first row, normal row, mu, 2) is a disc, Coulomb's cone in space, of the rows first row and first row + 1:
     norm(z[both]) <= mu z[normal row].
     solver: a name of `solvers()`; options: that solver's, such as solve(M, q, solver="pgs", omega=1.3).
     start: (n,) a guess. time_limit: [s] of wall time. log: keep what the solver did in `result.log`.
     Returns a Result; a hard problem has a status, never a wrong answer called solved. The interpreter's lock is released
-    meanwhile; Ctrl-C ends a solve. Raises ValueError or TypeError naming argument, place and rule.
+    meanwhile; Ctrl-C ends a solve. Raises ValueError or TypeError naming argument, place and rule. The result also answers to
+    SciPy's names: result.x, result.success, result.message, result.nit, and result["x"].
     Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
     """
     key = spec(solver, options) if options or not isinstance(solver, str) else solver
@@ -71,7 +98,41 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
         while len(_kept.__dict__) >= _MOST_KEPT:
             del _kept.__dict__[next(iter(_kept.__dict__))]  # the oldest
         kept = _kept.__dict__[key] = _orthant._Solver(key)
+    if bounds is not None:
+        lower, upper = _bounds(bounds, lower, upper)
     return kept.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit), flag("log", log))
+
+
+def solve_many(problems: Iterable[Union[Problem, tuple[Any, ...]]], *, solver: str = "auto", threads: Optional[int] = None,
+               time_limit: Optional[float] = None, **options: Any) -> list[Result]:
+    """Solve many problems on several threads, without the interpreter's lock; the results in the problems' order.
+
+    problems: Problems, or tuples (M, q), (M, q, lower, upper), (M, q, lower, upper, friction). threads: default one a
+    processor. solver, options: as in `solve`. time_limit: [s] of each problem. Answers do not depend on the threads.
+    """
+    wanted: list[tuple[Any, ...]] = []
+    for i, one in enumerate(problems):
+        if isinstance(one, Problem):
+            wanted.append((one,))
+        elif isinstance(one, (tuple, list)) and 2 <= len(one) <= 5:
+            wanted.append((*one, *[None] * (5 - len(one))))
+        else:
+            raise TypeError(f"problems[{i}] = {shown(one)}: must be a Problem or a tuple (M, q, lower, upper, friction)")
+    count = (os.cpu_count() or 1) if threads is None else whole("threads", threads, 1, 1024)
+    return _orthant._solve_many(spec(solver, options), wanted, count, seconds("time_limit", time_limit))
+
+
+def register_solver(name: str, function: Callable[[Problem, npt.NDArray[np.float64]], Optional[npt.ArrayLike]],
+                    summary: str = "written in Python") -> None:
+    """A method of your own under a name, for `solve`, `Solver`, `solve_many` and `simulate` of this process.
+
+    function(problem, start) -> z: (n,) numbers, or None where it gives up; start is a guess. The judge decides what is
+    solved. It may be called from any thread, with the interpreter's lock. An exception ends the solve.
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9 and -.
+    """
+    if not callable(function):
+        raise TypeError(f"function = {shown(function)}: must be a function of a Problem and a start")
+    _orthant._register_solver(word("name", name), function, word("summary", summary))
 
 
 def solvers() -> list[Entry]:

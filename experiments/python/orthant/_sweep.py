@@ -183,6 +183,7 @@ def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[
     try:
         futures = [workers.submit(_run_case, file, quick, key, _orthant._largest_input(0), key=f"orthant-{key}", retries=2) for key in missing]
         total, done, lost = len(missing), 0, []
+        future: Any
         for future in as_completed(futures):  # type: ignore[no-untyped-call]
             if future.status == "finished":
                 for row in future.result():

@@ -121,7 +121,7 @@ TEST_CASE("cones: a planted z is solved, and one next to it is not, in whatever 
     p.b *= w_unit, known.z *= z_unit;
     Solution s;
     s.z = known.z;
-    judge.certify(p, 1e-10, Status::solved, s);
+    judge.certify(p, 1e-10, Claim::candidate, s);
     CHECK(s.status == Status::solved);
     CHECK(cone_residuals(p, s.z).scale_free <= 1e-12);
     CHECK(independent_scale_free(p, s.z) <= 1e-12);
@@ -129,7 +129,7 @@ TEST_CASE("cones: a planted z is solved, and one next to it is not, in whatever 
     known.z.cwiseAbs().maxCoeff(&largest);
     if (!(known.z[largest] != 0)) continue;
     s.z[largest] *= 1 + 1e-6;
-    judge.certify(p, 1e-10, Status::solved, s);
+    judge.certify(p, 1e-10, Claim::candidate, s);
     CHECK(s.status == Status::stalled);
     CHECK(cone_residuals(p, s.z).scale_free == doctest::Approx(independent_scale_free(p, s.z)).epsilon(1e-6).scale(0));
   }
@@ -171,10 +171,10 @@ TEST_CASE("cones: a small residual of a large contact excuses no other contact")
   Judge judge;
   Solution s;
   s.z = {1e12, 0, 0, 1, 0, 0};
-  judge.certify(p, 1e-10, Status::solved, s);
+  judge.certify(p, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::solved);
   s.z[3] = 1.1;
-  judge.certify(p, 1e-10, Status::solved, s);
+  judge.certify(p, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::stalled);
 }
 
@@ -187,10 +187,10 @@ TEST_CASE("cones: a runaway z is no answer, nor is one that is not finite") {
   Judge judge;
   Solution s;
   s.z = {1e16, 0, 0};
-  judge.certify(p, 1e-10, Status::solved, s);
+  judge.certify(p, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::numerical_error);
   s.z = {std::nan(""), 0, 0};
-  judge.certify(p, 1e-10, Status::solved, s);
+  judge.certify(p, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::numerical_error);
 }
 

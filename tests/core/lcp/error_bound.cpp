@@ -62,7 +62,7 @@ Eigen::MatrixXd p_matrix(Index n, Random& random) {  // neither of the two, as a
 Solution judged(const Lcp& p, const Vector& z) {
   Solution s;
   s.z = z;
-  Judge().certify(p, 1e-12, Status::solved, s);
+  Judge().certify(p, 1e-12, Claim::candidate, s);
   return s;
 }
 

@@ -43,7 +43,7 @@ TEST_CASE("families: well formed, the same from the same seed, and what is said 
       if (k.z.size() > 0) CHECK(independent_residual(k.problem, k.z) < 1e-15);
       Solution s;
       make_solver("lemke")->solve(k.problem, s);
-      CHECK(s.status == (k.answer == Answer::infeasible ? Status::infeasible : Status::solved));
+      CHECK((k.answer == Answer::infeasible ? s.status == Status::infeasible : has_answer(s.status)));
     }
   }
   CHECK(find_family("no such family") == nullptr);

@@ -50,8 +50,8 @@ class NeverSolves final : public Solver {
   explicit NeverSolves(int after) : left_(after), lemke_(make_solver("lemke")) {}
 
  private:
-  Status run(const Lcp& problem, Solution& s, Start) override {
-    return left_-- > 0 ? lemke_->solve(problem, s).status : Status::stalled;
+  Claim run(const Lcp& problem, Solution& s, Start) override {
+    return left_-- > 0 ? handed_on(Solution(lemke_->solve(problem, s)), s) : Claim::stalled;
   }
   double tolerance() const override { return 1e-10; }
   int left_;

@@ -71,9 +71,9 @@ TEST_CASE(
 
 TEST_CASE("a solver that gives up at an impact proves nothing, where walls without play contradict by rounding alone") {
   class GivesUp final : public Solver {
-    Status run(const Lcp&, Solution& s, Start) override {
+    Claim run(const Lcp&, Solution& s, Start) override {
       s.z.setZero();
-      return Status::stalled;
+      return Claim::stalled;
     }
     double tolerance() const override { return 1e-10; }
   } solver;

@@ -64,7 +64,7 @@ double decay(std::string_view spec, double omega) {
 }
 
 class GivesUp final : public Solver {
-  Status run(const Lcp&, Solution&, Start) override { return Status::stalled; }
+  Claim run(const Lcp&, Solution&, Start) override { return Claim::stalled; }
   double tolerance() const override { return 1e-10; }
 };
 

@@ -81,7 +81,7 @@ TEST_CASE("interior-point: planted problems, degenerate and rank deficient: all 
     const Known known = planted_problem(n, rank, random.integer(0, static_cast<int>(n)), random);
     INFO("problem ", k, ", n = ", n);
     solver.solve(k % 2 == 0 ? known.problem : as_sparse(known.problem), s);
-    REQUIRE(s.status == Status::solved);
+    REQUIRE(has_answer(s.status));
     REQUIRE(independent_residual(known.problem, s.z) < 1e-13);
     // The solutions of a monotone problem share (A + Aᵀ) z; with a skew part not w.
     const auto& A = std::get<DenseMatrix>(known.problem.A);

@@ -23,7 +23,7 @@ Vector blurred(const Vector& z, double size, Random& random) {
 double residual_of(const Lcp& problem, const Vector& z) {
   Solution s;
   s.z = z;
-  Judge().certify(problem, 0, Status::stalled, s);
+  Judge().certify(problem, 0, Claim::stalled, s);
   return s.residual;
 }
 

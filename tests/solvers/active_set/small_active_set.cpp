@@ -2,6 +2,7 @@
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/families.h>
 #include <orthant/solvers/active_set/small_active_set.h>
+#include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/few_lu.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
@@ -27,7 +28,7 @@ struct Tried {
   Solution s;
 };
 
-/// Judged by certify() at rounding level: its claim, and whether that holds.
+/// Judged by certify() near rounding level: its claim, and whether that holds.
 Tried attempt(const Lcp& problem) {
   Lcp dense = problem;
   dense.A = DenseMatrix();
@@ -36,7 +37,12 @@ Tried attempt(const Lcp& problem) {
   t.s.z = Vector(Eigen::VectorXd::Zero(problem.size()));
   SmallActiveSet bold;
   t.claimed = bold.solve(dense, t.s.z, t.factorizations);
-  Judge().certify(problem, 0, Status::solved, t.s);
+  Judge().certify(problem, 1e-13, Claim::candidate, t.s);
+  Solution put;  // as the solvers that use it do
+  if (!has_answer(t.s.status) && AtBounds().put(problem, t.s, put.z)) {
+    Judge().certify(problem, 1e-13, Claim::candidate, put);
+    t.s = put;
+  }
   return t;
 }
 
@@ -50,7 +56,7 @@ TEST_CASE("small active set: its claims are solved to the rounding of the proble
     ++tried;
     if (!t.claimed) return;
     ++claimed;
-    CHECK_MESSAGE(t.s.status == Status::solved, name, ": residual ", t.s.residual, ", rounding ", t.s.rounding);
+    CHECK_MESSAGE(has_answer(t.s.status), name, ": residual ", t.s.residual, ", rounding ", t.s.rounding);
   };
   for (const Known& k : known_problems())
     if (k.answer != Answer::infeasible && k.answer != Answer::none) check(k.problem, k.name);
@@ -71,7 +77,7 @@ TEST_CASE(
       INFO(rows, " rows, ratio of masses ", ratio);
       Solution s;
       make_solver("auto")->solve(find_family("tower")->make(rows, ratio, 1).problem, s);
-      CHECK(s.status == Status::solved);
+      CHECK(has_answer(s.status));
       CHECK(s.factorizations == 1);
     }
 }
@@ -82,7 +88,7 @@ TEST_CASE("small active set: a factorization or two where pivoting is exponentia
     const Tried t = attempt(problem);
     CHECK(t.claimed);
     CHECK(t.factorizations <= 3);
-    CHECK(t.s.status == Status::solved);
+    CHECK(has_answer(t.s.status));
   }
   for (const Known& k : known_problems())
     if (k.answer == Answer::infeasible || k.answer == Answer::none) {
@@ -99,7 +105,7 @@ TEST_CASE(
     const Tried t = attempt(k.problem);
     CHECK_MESSAGE(t.claimed, k.name);
     CHECK(t.factorizations > 4);  // it has gone round
-    CHECK(t.s.status == Status::solved);
+    CHECK(has_answer(t.s.status));
     ++met;
   }
   CHECK(met == 2);

@@ -62,16 +62,18 @@ TEST_CASE("monotone problems, degenerate and rank deficient: dantzig solves all"
   Random random(300);
   Dantzig solver;
   Solution s;
-  int pivots = 0;
+  int pivots = 0, rounded = 0;
   for (int k = 0; k < 2000; ++k) {
     const Index n = random.integer(1, 12), rank = random.integer(0, static_cast<int>(n));
     const Known known = planted_problem(n, rank, random.integer(0, static_cast<int>(n)), random);
     solver.solve(known.problem, s);
     INFO("problem ", k, ", n = ", n, ": ", name(s.status));
-    REQUIRE(s.status == Status::solved);
+    REQUIRE(has_answer(s.status));
+    rounded += s.status == Status::rounded;
     REQUIRE(independent_residual(known.problem, s.z) < 1e-12);
     pivots = std::max(pivots, s.iterations);
   }
+  CHECK(rounded <= 10);  // b is a sum that cancels: rows with a β of rounding
   CHECK(pivots <= 60);
 }
 

@@ -280,7 +280,7 @@ TEST_CASE("Lemke never fails on two planar contacts with friction, tied, doubled
   Random random(15);
   Lemke lemke({.tolerance = 1e-12});
   Solution s;
-  int sliding = 0, sticking = 0, open = 0;
+  int sliding = 0, sticking = 0, open = 0, rounded = 0;
   for (int trial = 0; trial < 20000; ++trial) {
     const double arm = random.uniform(-0.05, 0.05), mass = std::ldexp(1.0, random.integer(-8, 3));
     const double noise = trial % 2 == 0 ? 0 : 1e-16 * std::pow(10.0, random.integer(0, 4));
@@ -301,12 +301,14 @@ TEST_CASE("Lemke never fails on two planar contacts with friction, tied, doubled
     p.friction = {{.normal = 0, .first = 1, .mu = mu}, {.normal = 2, .first = 3, .mu = mu}};
     lemke.solve(p, s);
     INFO("trial ", trial, ", mu ", mu, ", status ", name(s.status), ", residual ", s.residual);
-    REQUIRE(s.status == Status::solved);
+    REQUIRE(has_answer(s.status));
+    rounded += s.status == Status::rounded;
     REQUIRE(independent_residual(p, s.z) < 1e-12);
     open += s.z[0] == 0;
     sliding += s.z[0] > 0 && std::abs(s.z[1]) == mu * s.z[0];
     sticking += s.z[0] > 0 && std::abs(s.z[1]) < mu * s.z[0];
   }
+  CHECK(rounded <= 40);
   CHECK(open > 1000);
   CHECK(sliding > 1000);
   CHECK(sticking > 1000);

@@ -337,3 +337,19 @@ TEST_CASE("path: a large sparse obstacle problem with a pivot a node at most, wa
   CHECK(s.status == Status::solved);
   CHECK(s.iterations <= 1);
 }
+
+TEST_CASE("F = -exp(-z) has no solution: however small it gets, it is not solved") {
+  const Mcp p = complementarity(
+      1, [](const Vector& z, Vector& F) { F[0] = -std::exp(-z[0]); },
+      [](const Vector& z, DenseMatrix& J) { J(0, 0) = std::exp(-z[0]); });
+  Solution s;
+  for (const double z : {1.0, 26.0, 100.0, 700.0}) {
+    s.z = Vector{z};
+    certify(p, 1e-10, Claim::candidate, s);
+    INFO("z = ", z, ": ", name(s.status));
+    CHECK(s.status == Status::stalled);
+    CHECK(!why(s).empty());
+  }
+  Path().solve(p, s);
+  CHECK(!has_answer(s.status));
+}

@@ -61,7 +61,7 @@ std::vector<Vector2d> Reader::table_of(const Fields& f, std::string_view key, co
 GroundChain Reader::chain_of(Fields& f) const {
   GroundChain chain;
   const bool written = f.maybe("points", chain.points);
-  const toml::node* file = f.find("file");
+  const toml::node* file = f.find("file", Form::word);
   if (written && file != nullptr) f.refuse("file", *file, "left out where \"points\" are given");
   if (!written && file == nullptr) f.fail(f.table(), "missing key \"points\" or \"file\"");
   if (file != nullptr) chain.points = table_of(f, "file", *file);

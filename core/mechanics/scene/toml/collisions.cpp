@@ -23,7 +23,7 @@ void Reader::collision(Fields& f) {
   });
   each_table(f, "chains", [&](Fields& g) {
     Shape s;
-    if (const toml::node* node = g.find("body")) s.body = id(g, "body", *node);
+    if (const toml::node* node = g.find("body", Form::body)) s.body = id(g, "body", *node);
     for (Polygon& piece : pieces_of(g)) s.corners = std::move(piece), c.shapes.push_back(s);
   });
   auto& walls = walls_.emplace_back();

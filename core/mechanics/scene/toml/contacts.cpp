@@ -87,7 +87,7 @@ void Reader::guide_of(Fields& f, const std::string& name) {
   at_least("clearance", g.clearance >= 0, ">= 0");
   if (const toml::table* table = f.inner("walls")) {
     Fields w = f.fields("walls", *table);
-    if (const toml::node* node = w.find("body")) g.b = id(w, "body", *node);
+    if (const toml::node* node = w.find("body", Form::body)) g.b = id(w, "body", *node);
     w.maybe("point", g.point), w.direction("axis", g.axis);
     w.done();
   }

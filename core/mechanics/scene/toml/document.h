@@ -14,7 +14,7 @@
 
 namespace orthant::scene_file {
 
-inline std::string in_quotes(std::string_view s) { return '"' + without_end(s) + '"'; }
+inline std::string in_quotes(std::string_view s) { return '"' + in_one_line(s) + '"'; }
 
 std::string join(const std::vector<std::string>& words);
 

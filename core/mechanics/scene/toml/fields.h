@@ -2,6 +2,7 @@
 #pragma once
 
 #include "document.h"
+#include "field_record.h"
 
 #include <orthant/core/mechanics/planar/geometry.h>
 
@@ -15,32 +16,37 @@ namespace orthant::scene_file {
 class Fields {
  public:
   Fields(const toml::table& table, std::string who, const std::string& file, std::string prefix = "")
-      : table_(table), who_(std::move(who)), file_(file), prefix_(std::move(prefix)) {}
+      : table_(table), who_(std::move(who)), file_(file), prefix_(std::move(prefix)) {
+    if (prefix_.empty()) begin_record(table["type"].value_or(std::string()));
+  }
 
   template <class T> void need(std::string_view key, T& value) {
-    if (!maybe(key, value)) miss(key);
+    if (find(key, form_of<T>(), true) == nullptr) miss(key);
+    convert(key, *table_.get(key), value);
   }
   [[noreturn]] void miss(std::string_view key) const {
     fail(table_, "missing key " + in_quotes(prefix_ + std::string(key)));
   }
   /// False, and `value` as it was, when the key is not there.
   template <class T> bool maybe(std::string_view key, T& value) {
-    const toml::node* node = find(key);
+    const toml::node* node = find(key, form_of<T>());
     if (node != nullptr) convert(key, *node, value);
     return node != nullptr;
   }
   /// The table under `key`; null when it is not there.
   const toml::table* inner(std::string_view key) {
-    const toml::node* node = find(key);
+    const toml::node* node = find(key, Form::table);
     if (node != nullptr && !node->is_table()) refuse(key, *node, "a table");
     return node == nullptr ? nullptr : node->as_table();
   }
   Fields fields(std::string_view key, const toml::table& table) const {
-    return {table, who_, file_, prefix_ + std::string(key) + "."};
+    Fields of_table(table, who_, file_, prefix_ + std::string(key) + ".");
+    of_table.begin_record(type_);
+    return of_table;
   }
-  /// A direction of any length but zero, made a unit vector.
-  template <class Direction> bool direction(std::string_view key, Direction& unit) {
-    const toml::node* node = find(key);
+  /// A direction of any length but zero, made a unit vector. False: it is not there.
+  template <class Direction> bool direction(std::string_view key, Direction& unit, bool needed = false) {
+    const toml::node* node = find(key, form_of<Direction>(), needed);
     if (node == nullptr) return false;
     convert(key, *node, unit);
     if (unit.isZero(0)) refuse(key, *node, "a direction, not zero");
@@ -50,7 +56,10 @@ class Fields {
   template <class Enum, std::size_t N>
   void choice(std::string_view key, Enum& value, const std::array<std::string_view, N>& names) {
     std::string word;
-    if (!maybe(key, word)) return;
+    record(key, Form::choice, false, {names.begin(), names.end()});
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    convert(key, *node, word);
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) refuse(key, *table_.get(key), "one of " + join({names.begin(), names.end()}));
     value = static_cast<Enum>(found - names.begin());
@@ -61,8 +70,10 @@ class Fields {
         fail(node, "unknown key " + in_quotes(prefix_ + std::string(key.str())) + ": must be one of " + join(known_));
   }
 
-  const toml::node* find(std::string_view key) {
+  /// Form and whether the key must be there: for the schema of the format alone.
+  const toml::node* find(std::string_view key, Form form = Form::any, bool needed = false) {
     known_.emplace_back(key);
+    record(key, form, needed);
     return table_.get(key);
   }
   [[noreturn]] void refuse(std::string_view key, const toml::node& node, const std::string& rule) const {
@@ -75,6 +86,23 @@ class Fields {
   const toml::table& table() const { return table_; }
 
  private:
+  void begin_record(const std::string& type) {
+    FieldRecorder* recorder = FieldRecorder::active();
+    if (recorder == nullptr) return;
+    type_ = type;
+    recorder->enter(element(), type_, without_places(prefix_));
+  }
+  void record(std::string_view key, Form form, bool needed, std::vector<std::string> choices = {}) const {
+    if (FieldRecorder* recorder = FieldRecorder::active())
+      recorder->add({element(), type_, without_places(prefix_ + std::string(key)), form, needed, std::move(choices)});
+  }
+  std::string element() const { return who_.substr(0, who_.find(' ')); }
+  /// "shapes[2].radius" becomes "shapes[].radius".
+  static std::string without_places(std::string path) {
+    for (auto open = path.find('['); open != std::string::npos; open = path.find('[', open + 1))
+      path.erase(open + 1, path.find(']', open) - open - 1);
+    return path;
+  }
   void convert(std::string_view key, const toml::node& node, double& value) const {
     const auto number = node.is_number() ? node.value<double>() : std::nullopt;
     if (!number) refuse(key, node, "a number");
@@ -153,6 +181,7 @@ class Fields {
   std::string who_;  // contact "corner1":
   const std::string& file_;
   std::string prefix_;  // of keys, inside an inner table
+  std::string type_;    // of the element; only while keys are recorded
   std::vector<std::string> known_;
 };
 

@@ -56,8 +56,8 @@ bool Reader::time_law(Fields& f, TimeLaw& law) {
 }
 
 Coordinate Reader::coordinate(Fields& f) const {
-  const toml::node* joint = f.find("joint");
-  const toml::node* of = f.find("of");
+  const toml::node* joint = f.find("joint", Form::word);
+  const toml::node* of = f.find("of", Form::word);
   if (joint != nullptr && of != nullptr) f.refuse("of", *of, "left out where \"joint\" says what is meant");
   if (joint != nullptr) return free_at(f, *joint);
   if (of == nullptr) f.fail(f.table(), "missing key \"joint\" or \"of\"");

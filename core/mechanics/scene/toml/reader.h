@@ -29,7 +29,7 @@ class Reader {
   enum class Search { grid, none };
 
   template <class Read> void each(Fields& top, std::string_view kind, Read&& read) {
-    const toml::node* list = top.find(kind);
+    const toml::node* list = top.find(kind, Form::tables);
     if (list == nullptr) return;
     if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
     const toml::array& elements = *list->as_array();
@@ -56,7 +56,7 @@ class Reader {
   BodyId id(const Fields& f, std::string_view key, const toml::node& node) const;
   BodyId body_of(Fields& f) const;
   template <class T> void bodies_of(Fields& f, T& x) const {
-    const toml::node* node = f.find("bodies");
+    const toml::node* node = f.find("bodies", Form::bodies, true);
     if (node == nullptr) f.fail(f.table(), "missing key \"bodies\"");
     const toml::array* names = node->as_array();
     if (names == nullptr || names->size() != 2) f.refuse("bodies", *node, "two names [\"first\", \"second\"]");
@@ -92,9 +92,9 @@ class Reader {
     w.done();
   }
   template <class T> void half_plane(Fields& w, T& c) const {
-    if (const toml::node* node = w.find("body")) c.b = id(w, "body", *node);
+    if (const toml::node* node = w.find("body", Form::body)) c.b = id(w, "body", *node);
     w.maybe("point", c.wall_point);
-    if (!w.direction("normal", c.normal)) w.miss("normal");
+    if (!w.direction("normal", c.normal, true)) w.miss("normal");
   }
 
   /// Points from a table: a line each, x and y; the path is relative to the scene's file.
@@ -106,7 +106,7 @@ class Reader {
 
   void collision(Fields& f);
   template <class Read> void each_table(Fields& f, std::string_view key, Read&& read) {
-    const toml::node* list = f.find(key);
+    const toml::node* list = f.find(key, Form::tables);
     if (list == nullptr) return;
     const toml::array* tables = list->as_array();
     if (tables == nullptr) f.refuse(key, *list, "a list of tables [{...}, ...]");

@@ -1,0 +1,29 @@
+// core/lcp/files/hdf5_input.h — HDF5 file of arrays and texts, read; what Hdf5Image writes.
+#pragma once
+
+#include <orthant/core/lcp/files/hdf5_image.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace orthant {
+
+/// Paths as "group/name". Throws std::runtime_error naming file, path and rule.
+class Hdf5Input {
+ public:
+  explicit Hdf5Input(const std::filesystem::path& file);
+  ~Hdf5Input();
+  std::vector<std::string> arrays() const;  // names of the data sets outside of groups, alphabetically
+  bool has(const std::string& path) const;
+  std::vector<double> numbers(const std::string& path) const;
+  std::string text(const std::string& path) const;  // at most 64 MiB
+
+ private:
+  detail::Hdf5Quiet quiet_;
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace orthant

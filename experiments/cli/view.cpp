@@ -1,0 +1,156 @@
+// orthant view — one run as one HTML page: of a scene, which is run, or of a trajectory file.
+#include "commands.h"
+
+#include "../report/view.h"
+#include "../support/drawing.h"
+#include "../support/event_table.h"
+#include "../support/page_server.h"
+#include "../support/status_line.h"
+#include "../support/stop_signal.h"
+#include "../support/trajectory.h"
+
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/support/file.h>
+#include <orthant/integrators/registry.h>
+#include <orthant/solvers/registry.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <sstream>
+
+namespace orthant {
+namespace {
+
+constexpr double kRecords = 4000;  // of a run that is made for a view; a page has at most 1200 frames
+
+struct ViewArguments {
+  std::string input, scene, integrator = "adaptive", solver = "lemke", output;
+  std::vector<std::string> sets;
+  std::optional<double> step, duration, time_limit;
+  std::optional<int> serve;
+  bool json = false;
+};
+
+struct Viewed {
+  nlohmann::ordered_json data;
+  Status status = Status::solved;
+};
+
+std::string words_of(const ViewArguments& a, const Run& run, double step) {
+  std::ostringstream text;
+  text.precision(4);
+  text << a.integrator << ", solver " << a.solver << ", step " << step << " s: " << name(run.status);
+  if (!run.why.empty()) text << ": " << run.why;
+  for (const std::string& set : a.sets) text << "; " << set;
+  return text.str();
+}
+
+Viewed of_scene(const ViewArguments& a) {
+  const System system(make_scene(a.input, a.sets));
+  const Scene& scene = system.scene();
+  const auto integrator = make_integrator(a.integrator, system);
+  const auto solver = make_solver(a.solver);
+  Clock clock{.step = a.step.value_or(scene.step),
+              .duration = a.duration.value_or(scene.duration),
+              .time_limit = a.time_limit.value_or(kInf),
+              .cancel = StopSignal::flag()};
+  clock.every = std::max(1L, std::lround(clock.duration / clock.step / kRecords));
+  RecordedRun record{trajectory_columns(scene), {}, {}, {}};
+  std::vector<Event> events;
+  const StopSignal stop;
+  Run run;
+  with_elapsed_line("view", [&] {
+    run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+      append_row(system, moment, record.table);
+      append_events(system, moment.events, events);
+    });
+  });
+  const auto names = event_contacts(scene);
+  for (const Event& e : events)
+    record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
+                             names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
+  return {
+      view_data(std::filesystem::path(a.input).stem().string(), words_of(a, run, clock.step), record, drawing(scene)),
+      run.status};
+}
+
+Viewed of_file(const ViewArguments& a) {
+  const RecordedRun run = read_run(a.input);
+  nlohmann::ordered_json shown;
+  if (!a.scene.empty()) {
+    const Scene scene = make_scene(a.scene, a.sets);
+    auto expected = trajectory_columns(scene), columns = run.columns;
+    std::sort(expected.begin(), expected.end()), std::sort(columns.begin(), columns.end());
+    if (columns != expected)
+      throw std::invalid_argument("--scene '" + a.scene + "': must be the scene that " + a.input +
+                                  " is a run of: it has other columns");
+    shown = drawing(scene);
+  } else if (run.drawing.empty()) {
+    std::cerr << "orthant: note: a CSV file holds no drawing: bodies are shown as points. --scene SCENE draws them\n";
+  }
+  return {view_data(std::filesystem::path(a.input).stem().string(), "recorded in " + a.input, run, shown)};
+}
+
+std::string output_of(const ViewArguments& a) {
+  return a.output.empty() ? std::filesystem::path(a.input).stem().string() + ".html" : a.output;
+}
+
+int run_view(const ViewArguments& a) {
+  const bool recorded = is_recorded_run(a.input);
+  if (!recorded && !a.scene.empty())
+    throw std::invalid_argument("--scene: is for trajectory files; '" + a.input + "' is a scene itself");
+  const std::string output = output_of(a);
+  const bool writes = !a.serve || !a.output.empty();
+  if (writes) {
+    if (recorded || !is_built_in(a.input)) check_apart("--output", output, "the input", a.input);
+    check_writable(output);
+  }
+  const Viewed viewed = recorded ? of_file(a) : of_scene(a);
+  const std::string page = view_page(viewed.data);
+  if (writes) {
+    write_whole(output, page);
+    if (a.json)
+      std::cout << nlohmann::json{{"view", output}, {"bytes", page.size()}, {"status", name(viewed.status)}}.dump()
+                << '\n';
+    else
+      std::cout << "view: " << output << '\n';
+  }
+  if (a.serve) serve_page(page, *a.serve);
+  return exit_code_of(viewed.status);
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ViewArguments>();
+  CLI::App* command = app.add_subcommand("view", "One run as one HTML page: motion, forces, columns, events");
+  command->add_option("input", arguments->input, "scene (built-in or TOML), or a trajectory: .csv, .h5")->required();
+  command->add_option("--output", arguments->output, "the page; default: the input's name with .html");
+  command->add_option("--scene", arguments->scene, "of a trajectory in CSV: the scene, for its drawing");
+  command
+      ->add_option("--serve", arguments->serve,
+                   "show the page at http://127.0.0.1:PORT until Ctrl-C, without writing a file; 0: any free port")
+      ->check(CLI::Range(0, 65535));
+  command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
+  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
+  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; the finished part is shown");
+  command->add_flag("--json", arguments->json, "where the page is, as one JSON object");
+  command->footer(
+      "Exit codes: 0 done, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved: the page shows the\n"
+      "run up to there.\n"
+      "Examples:\n"
+      "  orthant view slider_crank --set mu=0.1\n"
+      "  orthant view run.csv --scene mine.toml --output run.html\n"
+      "  orthant view run.h5 --serve 8000");
+  command->callback([arguments, &exit_code] { exit_code = run_view(*arguments); });
+}
+
+}  // namespace orthant

@@ -1,0 +1,18 @@
+// experiments/report/parts.h — HTML pages that need nothing else: a template with its parts and its data put in.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+
+namespace orthant {
+
+/// The template NAME with every /*PART*/ that it names replaced by that file, and /*data*/ by the data. Throws
+/// std::runtime_error when a part is missing (set-up fetches the plotting library).
+std::string assembled(const std::string& name, const nlohmann::ordered_json& data);
+
+/// Where the parts are, from now on. Otherwise: beside the program where it was installed, else in the source tree.
+void set_folder_of_parts(const std::filesystem::path& folder);
+
+}  // namespace orthant

@@ -1,0 +1,93 @@
+#include "view.h"
+
+#include "parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+
+namespace orthant {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostFrames = 1200, kFewestFrames = 100;
+constexpr std::size_t kMostNumbers = 150'000;  // about 1.3 MB of text
+constexpr std::size_t kMostListed = 2000;      // 100 kB
+
+/// Digits of a drawing and of a plot; of times more, for frames lie close.
+Json digits_of(double x, int digits) {
+  if (!std::isfinite(x)) return nullptr;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, x);
+  return std::strtod(text, nullptr);
+}
+
+bool is_sum(const std::string& column) {
+  return column.ends_with(".impulse_n") || column.ends_with(".impulse_t") || column.ends_with(".impulse");
+}
+
+/// Bodies and contacts as the columns name them, for a run whose scene is not at hand.
+Json points_only(const std::vector<std::string>& columns) {
+  const std::set<std::string> known(columns.begin(), columns.end());
+  Json bodies = Json::array(), contacts = Json::array(), names = Json::array();
+  for (const std::string& column : columns) {
+    const std::string stem = column.substr(0, column.rfind('.'));
+    if (column.ends_with(".theta") && known.contains(stem + ".x") && known.contains(stem + ".y"))
+      bodies.push_back({{"name", stem}});
+    if (column.ends_with(".gap")) contacts.push_back({{"name", stem}}), names.push_back(stem);
+  }
+  return {{"bodies", bodies},
+          {"outlines", Json::array()},
+          {"pins", Json::array()},
+          {"contacts", contacts},
+          {"event_contacts", names}};
+}
+
+/// The drawing of a file: a stranger's, so that only what the page expects is let through.
+Json drawing_of(const RecordedRun& run) {
+  if (run.drawing.empty()) return points_only(run.columns);
+  Json drawing = Json::parse(run.drawing, nullptr, false);
+  for (const char* part : {"bodies", "outlines", "pins", "contacts", "event_contacts"})
+    if (!drawing.is_object() || !drawing.contains(part) || !drawing.at(part).is_array())
+      throw std::runtime_error("scene/drawing: must be a drawing that orthant wrote");
+  return drawing;
+}
+
+}  // namespace
+
+nlohmann::ordered_json view_data(const std::string& name, const std::string& note, const RecordedRun& run,
+                                 const nlohmann::ordered_json& drawing) {
+  const std::size_t width = run.columns.size(), rows = run.rows();
+  const std::size_t frames = std::clamp(kMostNumbers / width, kFewestFrames, kMostFrames);
+  const std::size_t every = std::max<std::size_t>(1, (rows + frames - 1) / frames);
+  Json values = Json::object();
+  for (std::size_t c = 0; c < width; ++c) {
+    Json& column = values[run.columns[c]] = Json::array();
+    const bool sum = is_sum(run.columns[c]);
+    double collected = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double x = run.table[i * width + c];
+      collected = sum ? collected + x : x;
+      if (i % every != 0 && i + 1 != rows) continue;  // the first and the last are frames
+      column.push_back(digits_of(collected, c == 0 ? 12 : 7));
+      collected = 0;
+    }
+  }
+  Json events = Json::array();
+  for (const RecordedEvent& e : run.events) {
+    if (events.size() == kMostListed) break;
+    events.push_back({digits_of(e.t, 15), e.kind, e.contact, digits_of(e.normal, 7), digits_of(e.tangent, 7)});
+  }
+  return {{"name", name},           {"note", note},
+          {"dimension", 2},         {"rows", rows},
+          {"every", every},         {"scene", drawing.is_null() ? drawing_of(run) : drawing},
+          {"columns", run.columns}, {"values", values},
+          {"events", events},       {"event_count", run.events.size()}};
+}
+
+std::string view_page(const nlohmann::ordered_json& data) { return assembled("view.html", data); }
+
+}  // namespace orthant

@@ -1,0 +1,25 @@
+// experiments/report/view.h — one run as one HTML page that needs nothing else: motion, forces, columns, events.
+//
+//   run → view_data(): JSON → view_page(): view.html with style, plotting library, scripts and data put in.
+//   JSON  name, note; dimension: 2; scene: drawing.h; columns: names; values: numbers by column, of at most 1200 frames
+//         (impulses summed over a frame, of others the last); events: [t, kind, contact, normal, tangential];
+//         event_count
+#pragma once
+
+#include "experiments/support/recorded_run.h"
+
+#include <orthant/core/mechanics/scene/scene.h>
+
+#include <nlohmann/json.hpp>
+
+namespace orthant {
+
+/// `note`: what the page's first line says of the run. `drawing`: of drawing.h; null: the run's own, else bodies as
+/// points.
+nlohmann::ordered_json view_data(const std::string& name, const std::string& note, const RecordedRun& run,
+                                 const nlohmann::ordered_json& drawing = nullptr);
+
+/// The whole page, at most 2 MB of most runs.
+std::string view_page(const nlohmann::ordered_json& data);
+
+}  // namespace orthant

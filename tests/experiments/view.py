@@ -1,0 +1,132 @@
+"""Opens views of runs in headless Chromium as their readers would; prints what went wrong, and how many checks held.
+
+view.py ORTHANT [FOLDER]: pages are made by the command, in FOLDER (kept) or in a temporary one.
+"""
+import subprocess
+import sys
+import tempfile
+import urllib.request
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import report as browsing
+from report import browser, check, look
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+
+
+def pages(command, folder):
+    """Name of each page, and whether its run has located events and a drawing."""
+    def run(*words):
+        return subprocess.run([command, *words], cwd=folder, capture_output=True, text=True, check=True)
+    run("view", "slider_crank", "--set", "mu=0.1")
+    run("simulate", "rocking_block", "--integrator", "adaptive", "--output", "rocking.csv")
+    run("view", "rocking.csv", "--scene", "rocking_block", "--output", "rocking.html")
+    bare = run("view", "rocking.csv", "--output", "bare.html")
+    check("bodies are shown as points" in bare.stderr, "a CSV file without a scene is noted")
+    run("simulate", "bouncing_ball", "--integrator", "moreau-jean", "--output", "ball.h5")
+    run("view", "ball.h5")
+    return {"slider_crank": (True, True), "rocking": (True, True), "bare": (True, False), "ball": (False, True)}
+
+
+def stage(page):
+    return page.execute_script("return document.querySelector('.films canvas').toDataURL()")
+
+
+def test_view(page, events, drawn):
+    check(page.execute_script("return document.title").startswith("Orthant: "), "the page has a title")
+    check(page.execute_script("return scene.outlines.length > 0") == drawn, "there is a drawing where the run has one")
+    check(page.execute_script("return plots.length") == 2, "two plots to begin with")
+    for width, scheme in ((1100, "light"), (390, "dark")):
+        look(page, width, 900, scheme)
+        check(page.execute_script("return document.documentElement.scrollWidth") <= width, f"nothing is wider than {width} pixels")
+    before = stage(page)
+    body = page.find_element(By.TAG_NAME, "body")
+    body.send_keys(" ")
+    browsing.time.sleep(0.7)
+    body.send_keys(" ")
+    time = page.execute_script("return player.time")
+    check(time > 0 and stage(page) != before, "the space bar plays, and the picture moves")
+    browsing.time.sleep(0.2)
+    check(page.execute_script("return player.time") == time, "and pauses")
+    frame = page.execute_script("return frameAt(player.time)")
+    body.send_keys(browsing_keys().ARROW_RIGHT)
+    check(page.execute_script("return frameAt(player.time)") == frame + 1, "an arrow key steps by one frame")
+    page.execute_script("player.speed.value = '0.01'")
+    check(page.execute_script("return Number(player.speed.value)") == 0.01, "slow motion is offered")
+    over = page.find_element(By.CSS_SELECTOR, ".u-over")
+    page.execute_script("arguments[0].scrollIntoView({block: 'center'})", over)
+    ActionChains(page).move_to_element(over).click().perform()
+    browsing.time.sleep(0.2)
+    middle = page.execute_script("return plots[0].plot.posToVal(plots[0].plot.over.clientWidth / 2, 'x')")
+    check(abs(page.execute_script("return player.time") - middle) < 0.01 * page.execute_script("return last"),
+          "a click into a plot moves the animation there")
+    page.execute_script("const s = plots[0].bar.querySelector('select'); s.value = choices[0]; s.onchange()")
+    check(page.execute_script("return plots[0].plot.series.length") == 3, "a column is added to a plot")
+    force = page.execute_script("const f = forces.filter(n => n.endsWith('_n')); return f.some(n => values[n].some(x => x > 0))")
+    check(force, "there are contact forces")
+    sums = page.execute_script("return forces.every(n => { const i = values[n.replace('force', 'impulse')];"
+                               "return values[n].every((x, k) => k === 0 || Math.abs(x * (t[k] - t[k - 1]) - i[k]) <= 1e-9 * Math.abs(i[k])) })")
+    check(sums, "a force times the length of its frame is the impulse")
+    shown = page.execute_script("const before = player.films[0].canvas.toDataURL(), now = player.time;"
+                                "const k = player.films[0].film.frames.findIndex(f => scene.contacts.some((_, i) => player.films[0].impulse(f, i) > 0));"
+                                "player.go(t[k]); const on = player.films[0].canvas.toDataURL(); show.forces.click();"
+                                "const off = player.films[0].canvas.toDataURL(); show.forces.click(); return on !== off")
+    check(shown == drawn, "forces are drawn where the drawing knows their place, and can be switched off")
+    rows = page.find_elements(By.CSS_SELECTOR, ".events tr")
+    check((len(rows) > 1) == events, "located events are listed")
+    if events:
+        page.execute_script("arguments[0].click()", rows[2])
+        check(page.execute_script("return Math.abs(player.time - events[1][0]) < 1e-9"), "a click on an event goes there")
+        check("now" in rows[2].get_attribute("class") or page.execute_script("return events[1][0] === events[2][0]"),
+              "and marks it")
+
+
+def browsing_keys():
+    from selenium.webdriver.common.keys import Keys
+    return Keys
+
+
+def test_server(command, folder):
+    server = subprocess.Popen([command, "view", "ball.h5", "--serve", "0"], cwd=folder, stdout=subprocess.PIPE, text=True)
+    try:
+        address = server.stdout.readline().split()[1]
+        check(address.startswith("http://127.0.0.1:"), "the server is on this machine only")
+        with urllib.request.urlopen(address, timeout=10) as answer:
+            check(answer.read() == (folder / "ball.html").read_bytes(), "it serves the page")
+        try:
+            urllib.request.urlopen(address + "etc/passwd", timeout=10)
+            check(False, "and nothing else")
+        except urllib.error.HTTPError as error:
+            check(error.code == 404, "and nothing else")
+    finally:
+        server.terminate()
+    check(server.wait(timeout=10) == 0, "a signal ends it")
+
+
+def main():
+    command, *kept = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as profile, tempfile.TemporaryDirectory() as temporary:
+        folder = Path(kept[0] if kept else temporary)
+        made = pages(str(Path(command).resolve()), folder)
+        page = browser(profile)
+        try:
+            for name, (events, drawn) in made.items():
+                file = folder / f"{name}.html"
+                check(file.stat().st_size < 2_000_000, f"{name}: less than 2 MB")
+                before = len(browsing.wrong)
+                page.get(file.resolve().as_uri())
+                test_view(page, events, drawn)
+                for entry in page.get_log("browser"):
+                    check(entry["level"] != "SEVERE", f"console: {entry['message']}")
+                browsing.wrong[before:] = [f"{name}: {words}" for words in browsing.wrong[before:]]
+        finally:
+            page.quit()
+        test_server(str(Path(command).resolve()), folder)
+    print("\n".join(browsing.wrong))
+    print(f"{browsing.checks - len(browsing.wrong)} of {browsing.checks} checks hold")
+    return 1 if browsing.wrong or browsing.checks < 60 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,162 @@
+"""What users of NumPy and SciPy expect: bounds as a pair, results with SciPy's names, sparse formats, tensors, many problems at
+once."""
+
+import pickle
+import threading
+import time
+
+import numpy as np
+import orthant
+import pytest
+
+M, q = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0])
+
+
+def test_bounds_are_a_pair_or_an_object_of_scipy():
+    expected = orthant.solve(M, q, [0, 0], [1, np.inf]).z
+    assert expected.tolist() == [1, 2.5]
+    for bounds in (([0, 0], [1, np.inf]), (0, [1, np.inf]), [np.zeros(2), np.array([1, np.inf])]):
+        assert orthant.solve(M, q, bounds=bounds).z.tolist() == expected.tolist()
+        assert orthant.Solver("lemke").solve(M, q, bounds=bounds).z.tolist() == expected.tolist()
+    for b in (q, -q):  # no bound: equations, with solutions of either sign
+        assert np.allclose(M @ orthant.solve(M, b, bounds=(None, None)).z, -b)
+    assert orthant.solve(M, q, bounds=(None, 1)).z.tolist() == [1, 1]
+    assert np.allclose(M @ orthant.solve(M, -q, bounds=(None, 1)).z, q)
+    optimize = pytest.importorskip("scipy.optimize")
+    assert orthant.solve(M, q, bounds=optimize.Bounds([0, 0], [1, np.inf])).z.tolist() == expected.tolist()
+    with pytest.raises(ValueError, match="must be given alone"):
+        orthant.solve(M, q, 0, bounds=(0, 1))
+    with pytest.raises(TypeError, match=r"bounds = 3: must be a pair \(lower, upper\)"):
+        orthant.solve(M, q, bounds=3)
+
+
+def test_results_have_the_names_of_scipy():
+    result = orthant.solve(M, q)
+    assert result.x is result.z or np.array_equal(result.x, result.z)
+    assert result["x"].tolist() == result.z.tolist() and result["success"] is result.success is True
+    assert result.nit == result.iterations and result.message.startswith("solved: ")
+    for key in result.keys():
+        assert key in result
+        result[key]
+    assert "nothing" not in result
+    with pytest.raises(KeyError, match="nothing"):
+        result["nothing"]
+    none = orthant.solve([[-1.0]], [-1.0])
+    assert not none.success and none.message == "infeasible"
+    again = pickle.loads(pickle.dumps(result))
+    assert again["z"].tolist() == result.z.tolist() and again.message == result.message
+
+
+def sparse_problem(n=40):
+    rng = np.random.default_rng(3)
+    A = np.where(rng.random((n, n)) < 0.1, rng.normal(size=(n, n)), 0) + np.diag(np.full(n, 8.0))
+    return A, rng.normal(size=n)
+
+
+@pytest.mark.parametrize("kind", ["csr", "csc", "bsr", "coo"])
+@pytest.mark.parametrize("indices", [np.int32, np.int64])
+def test_sparse_formats_give_the_same_bits(kind, indices):
+    sparse = pytest.importorskip("scipy.sparse")
+    A, b = sparse_problem()
+    S = getattr(sparse, kind + "_matrix")(A)
+    for name in ("indptr", "indices"):
+        if hasattr(S, name):
+            setattr(S, name, getattr(S, name).astype(indices))
+    expected = orthant.solve(sparse.csr_matrix(A), b)
+    assert expected.solved
+    assert orthant.solve(S, b).z.tolist() == expected.z.tolist()
+    P = orthant.Problem(S, b)
+    assert (P.M != sparse.csr_matrix(A)).nnz == 0
+
+
+def test_sparse_matrices_that_are_not_plain_are_read_or_refused():
+    sparse = pytest.importorskip("scipy.sparse")
+    twice = sparse.csr_matrix((np.array([1.0, 1, 2]), np.array([0, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
+    assert orthant.Problem(twice, q).M.toarray().tolist() == [[2, 0], [0, 2]]  # duplicates add
+    assert twice.nnz == 3  # the caller's own stays
+    unsorted = sparse.csr_matrix((np.array([1.0, 2, 2]), np.array([1, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
+    assert orthant.Problem(unsorted, q).M.toarray().tolist() == [[2, 1], [0, 2]]
+    doubled = sparse.csc_matrix((np.array([1.0, 1, 2]), np.array([0, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
+    assert orthant.Problem(doubled, q).M.toarray().tolist() == [[2, 0], [0, 2]]
+    for format_of in (sparse.csr_matrix, sparse.csc_matrix):
+        outside = format_of(M)
+        outside.indices[0] = 7
+        with pytest.raises(ValueError, match="no sound sparse matrix"):
+            orthant.Problem(outside, q)
+        lying = format_of(M)
+        lying.indptr[1] = 100
+        with pytest.raises(ValueError, match="no sound sparse matrix"):
+            orthant.Problem(lying, q)
+        with pytest.raises(ValueError, match="must be finite"):
+            orthant.Problem(format_of(M * np.nan), q)
+        with pytest.raises(ValueError, match=r"shape \(1, 2\): must be square"):
+            orthant.Problem(format_of(M[:1]), q)
+
+
+class Tensor:
+    """A tensor of another library: nothing but DLPack."""
+
+    def __init__(self, array, fails=None):
+        self.array, self.fails = array, fails
+
+    def __dlpack__(self, **kwargs):
+        if self.fails:
+            raise self.fails
+        return self.array.__dlpack__(**kwargs)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
+def test_tensors_of_other_libraries_are_taken():
+    assert orthant.solve(Tensor(M), Tensor(q)).z.tolist() == orthant.solve(M, q).z.tolist()
+    assert orthant.solve(Tensor(M.astype(np.float32)), q, lower=Tensor(np.zeros(2))).solved
+    with pytest.raises(TypeError, match="M is a Tensor: must be in this processor's memory, without gradient"):
+        orthant.solve(Tensor(M, BufferError("it is on a GPU")), q)
+    torch = pytest.importorskip("torch")
+    assert orthant.solve(torch.tensor(M), torch.tensor(q)).z.tolist() == orthant.solve(M, q).z.tolist()
+
+
+def many(count=200, n=30):
+    rng = np.random.default_rng(5)
+    G = rng.normal(size=(n, n))
+    return [(G @ G.T + np.eye(n), rng.normal(size=n)) for _ in range(count)]
+
+
+def test_many_problems_have_the_results_of_single_ones_on_any_number_of_threads():
+    problems = many()
+    single = [orthant.solve(A, b, solver="lemke") for A, b in problems]
+    for threads in (1, 2, 7):
+        results = orthant.solve_many(problems, solver="lemke", threads=threads)
+        assert [r.status for r in results] == [r.status for r in single]
+        assert all(r.z.tolist() == s.z.tolist() for r, s in zip(results, single))
+    mixed = orthant.solve_many([orthant.Problem(M, q), (M, q, 0, [1, np.inf]), (M, q, None, None, [(1, 0, 0.5)])])
+    assert mixed[0].z.tolist() == orthant.solve(M, q).z.tolist() and mixed[1].z.tolist() == [1, 2.5]
+    assert mixed[2].z.tolist() == orthant.solve(M, q, friction=[(1, 0, 0.5)]).z.tolist()
+    assert orthant.solve_many([]) == []
+    with pytest.raises(ValueError, match=r"problem 1: q has shape \(3,\)"):
+        orthant.solve_many([(M, q), (M, np.zeros(3))])
+    with pytest.raises(TypeError, match=r"problems\[0\] = 3: must be a Problem"):
+        orthant.solve_many([3])
+
+
+def test_many_problems_release_the_interpreter():
+    """Another thread of Python goes on while they are solved."""
+    turns, over = 0, threading.Event()
+
+    def count():
+        nonlocal turns
+        while not over.is_set():
+            turns += 1
+            time.sleep(1e-4)
+
+    problems = many(60, 120)
+    other = threading.Thread(target=count)
+    other.start()
+    begin = time.perf_counter()
+    before = turns
+    orthant.solve_many(problems, solver="lemke", threads=2)
+    seconds, during = time.perf_counter() - begin, turns - before
+    over.set()
+    other.join()
+    assert seconds < 0.02 or during > 5, (seconds, during)
