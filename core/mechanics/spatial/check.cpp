@@ -22,7 +22,7 @@ class SpatialElement {
       : scene_(scene), kind_(kind), index_(index), name_(name) {}
 
   [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
-    const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + without_end(name_) + "\"";
+    const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + in_one_line(name_) + "\"";
     throw SceneError(who + ": " + sentence, kind_, index_, field);
   }
   void require(bool holds, const std::string& field, const std::string& value, const std::string& rule) const {
