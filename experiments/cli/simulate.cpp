@@ -252,9 +252,8 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   Reached reached;
   const Clock clock = clock_of(arguments, scene.step, scene.duration, reached);
   check_output<Space>(arguments);
-  if constexpr (kPlanar<Space>)
-    for (const Remark& remark : remarks_on_start(system))
-      std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
+  for (const Remark& remark : remarks_on_start(system))
+    std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
 
   Kept kept{trajectory_columns(scene), {}, {}, {}};
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
@@ -274,8 +273,7 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   const Run run = simulate(*integrator, *solver, clock, record, restart);
   line.end();
   write_kept(arguments, scene, kept);
-  std::vector<std::string> warnings;
-  if constexpr (kPlanar<Space>) warnings = warnings_of(system, run, arguments.integrator, clock.step);
+  const std::vector<std::string> warnings = warnings_of(system, run, arguments.integrator, clock.step);
   for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
   const int exit_code = report_end(arguments, *integrator, run);
 

@@ -5,6 +5,27 @@
 
 namespace orthant {
 
+namespace {
+
+double size_of_tangent(double impulse) { return std::abs(impulse); }
+double size_of_tangent(const Tangents& impulse) { return size_of(impulse); }
+
+/// Of each collision the least gap, the sums of impulses.
+template <class Space>
+void append_collisions(const SystemOf<Space>& system, const MomentOf<Space>& moment, std::vector<double>& table) {
+  for (std::size_t c = 0; c + 1 < system.pairs().size(); ++c) {
+    double gap = kInf, normal = 0, tangent = 0;
+    for (int i = system.listed() + system.pairs()[c]; i < system.listed() + system.pairs()[c + 1]; ++i) {
+      const auto& impulse = moment.impulses[static_cast<std::size_t>(i)];
+      gap = std::min(gap, moment.gaps[i]);
+      normal += impulse.normal, tangent += size_of_tangent(impulse.tangent);
+    }
+    table.insert(table.end(), {gap, normal, tangent});
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> trajectory_columns(const Scene& scene) {
   std::vector<std::string> columns = {"t"};
   for (const Body& body : scene.bodies)
@@ -30,16 +51,7 @@ void append_row(const System& system, const Moment& moment, std::vector<double>&
     const Impulse& impulse = moment.impulses[static_cast<std::size_t>(i)];
     table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent});
   }
-  for (std::size_t c = 0; c + 1 < system.pairs().size(); ++c) {  // of a collision the least gap, the sums of impulses
-    double gap = kInf;
-    Impulse sum;
-    for (int i = system.listed() + system.pairs()[c]; i < system.listed() + system.pairs()[c + 1]; ++i) {
-      const Impulse& impulse = moment.impulses[static_cast<std::size_t>(i)];
-      gap = std::min(gap, moment.gaps[i]);
-      sum.normal += impulse.normal, sum.tangent += std::abs(impulse.tangent);
-    }
-    table.insert(table.end(), {gap, sum.normal, sum.tangent});
-  }
+  append_collisions(system, moment, table);
   table.insert(table.end(), moment.frictions.begin(), moment.frictions.end());
   const StepReport& r = moment.report;
   table.insert(table.end(), {energy(system, x), r.joint_residual, r.penetration, r.lcp_residual,
@@ -54,6 +66,8 @@ std::vector<std::string> trajectory_columns(const spatial::Scene& scene) {
   for (const spatial::Contact& contact : scene.contacts)
     for (const char* part : {".gap", ".impulse_n", ".impulse_t1", ".impulse_t2"})
       columns.push_back(std::visit([](const auto& c) { return c.name; }, contact) + part);
+  for (const spatial::Collision& collision : scene.collisions)
+    for (const char* part : {".gap", ".impulse_n", ".impulse_t"}) columns.push_back(collision.name + part);
   for (const spatial::JointFriction& friction : scene.frictions) columns.push_back(friction.name + ".impulse");
   columns.insert(columns.end(), {"energy", "joint_residual", "penetration", "lcp_residual", "lcp_iterations"});
   return columns;
@@ -74,10 +88,11 @@ void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment
     for (const double c : v) table.push_back(c);
     for (const double c : omega) table.push_back(c);
   }
-  for (int i = 0; i < system.contacts(); ++i) {
+  for (int i = 0; i < system.listed(); ++i) {
     const auto& impulse = moment.impulses[static_cast<std::size_t>(i)];
     table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent.first, impulse.tangent.second});
   }
+  append_collisions(system, moment, table);
   table.insert(table.end(), moment.frictions.begin(), moment.frictions.end());
   const StepReport& r = moment.report;
   table.insert(table.end(), {energy(system, x), r.joint_residual, r.penetration, r.lcp_residual,
