@@ -148,7 +148,7 @@ void pair_gaps(const SystemOf<Spatial>& system, TermsOf<Spatial>& terms, Index i
     terms.gap[i] = std::numeric_limits<double>::infinity();
     if (!pair.none()) {
       if (pair.point == 0) points = touch(collisions[static_cast<std::size_t>(pair.collision)], pair, terms.at);
-      if (pair.point < points.count) terms.gap[i] = points.points[static_cast<std::size_t>(pair.point)].gap;
+      terms.gap[i] = points.at(pair.point).gap;
     }
     ++i;
   }

@@ -11,7 +11,6 @@
 #include <orthant/core/mechanics/spatial/touch.h>
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 namespace orthant::spatial {
@@ -27,9 +26,8 @@ struct Collision {
 struct TouchContact {
   BodyId a = kGround, b = kGround;
   TouchPoint point;
-  bool any = false;  // the shapes have fewer points at the moment
 
-  double gap(const Kinematics& /*k*/) const { return any ? point.gap : std::numeric_limits<double>::infinity(); }
+  double gap(const Kinematics& /*k*/) const { return point.gap; }
   ContactRows rows(const Kinematics& k) const {
     return contact_rows(k, a, b, point.n, point.on_a - k.at(a).x, point.on_b - k.at(b).x);
   }
@@ -67,9 +65,7 @@ inline TouchPoints touch(const Collision& c, const Pair& pair, const Kinematics&
 template <class What>
 decltype(auto) as_contact(const Collision& c, const Pair& pair, const Kinematics& k, What&& what) {
   const Shape &x = c.shapes[static_cast<std::size_t>(pair.a)], &y = c.shapes[static_cast<std::size_t>(pair.b)];
-  const TouchPoints points = touch(c, pair, k);
-  return what(
-      TouchContact{x.body, y.body, points.points[static_cast<std::size_t>(pair.point)], pair.point < points.count});
+  return what(TouchContact{x.body, y.body, touch(c, pair, k).at(pair.point)});
 }
 
 }  // namespace orthant::spatial

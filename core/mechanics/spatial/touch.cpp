@@ -325,14 +325,7 @@ void to_world(const Pose& at, TouchPoints& points) {
   }
 }
 
-}  // namespace
-
-int most_points(const Shape& a, const Shape& b) {
-  if (a.sphere() || b.sphere()) return 1;
-  return a.capsule() && b.capsule() ? 3 : TouchPoints::kMost;
-}
-
-TouchPoints touch(const Pose& at_a, const Shape& a, const Pose& at_b, const Shape& b) {
+TouchPoints touch_any(const Pose& at_a, const Shape& a, const Pose& at_b, const Shape& b) {
   TouchPoints points;
   if (!a.polytope() && !b.polytope()) return touch_round(core(at_a, a), a.radius, core(at_b, b), b.radius);
   if (a.polytope() && b.polytope()) {
@@ -351,6 +344,31 @@ TouchPoints touch(const Pose& at_a, const Shape& a, const Pose& at_b, const Shap
       TouchPoint& p = points.points[static_cast<std::size_t>(i)];
       p = swapped(p);
     }
+  return points;
+}
+
+}  // namespace
+
+int most_points(const Shape& a, const Shape& b) {
+  if (a.sphere() || b.sphere()) return 1;
+  return a.capsule() && b.capsule() ? 3 : TouchPoints::kMost;
+}
+
+TouchPoints touch(const Pose& at_a, const Shape& a, const Pose& at_b, const Shape& b) {
+  TouchPoints points = touch_any(at_a, a, at_b, b);
+  const auto size = [](const Shape& s) {
+    return s.polytope() ? s.hull->size : s.radius + (s.corners.back() - s.corners.front()).norm();
+  };
+  points.open = std::min(size(a), size(b));
+  if (points.count > 0) {
+    double least = points.points[0].gap;
+    for (int i = 1; i < points.count; ++i) least = std::min(least, points.at(i).gap);
+    points.open += std::max(least, 0.0);
+  } else {
+    const Vector3d from = at_b.x + at_b.turn(b.corners.front()), way = at_a.x + at_a.turn(a.corners.front()) - from;
+    const Vector3d n = way.isZero(0) ? Vector3d(0, 0, 1) : Vector3d(way.normalized());
+    points.points[0] = {n, from + points.open * n, from, points.open};
+  }
   return points;
 }
 

@@ -38,9 +38,18 @@ struct TouchPoint {
   double gap = 0;                         // [m] n · (on_a − on_b)
 };
 struct TouchPoints {
+  /// Point i; one that there is not is point 0 with the gap `open`.
+  TouchPoint at(int i) const {
+    if (i < count) return points[static_cast<std::size_t>(i)];
+    TouchPoint none = points[0];
+    none.gap = open;
+    return none;
+  }
+
   static constexpr int kMost = 4;
   int count = 0;
-  std::array<TouchPoint, kMost> points;
+  std::array<TouchPoint, kMost> points;  // [0] has a normal in any case
+  double open = 0;  // [m] stands for the gap of points that there are not: the least one and the smaller shape's size
   void add(const TouchPoint& p) {
     if (count < kMost) points[static_cast<std::size_t>(count++)] = p;
   }

@@ -76,7 +76,10 @@ TEST_CASE("in space: work of loads and drives is what the energy changes by") {
     const Run r = watched(s, scheme, 1e-3, 1);
     CHECK(r.status == Status::solved);
     CHECK(std::abs(r.motion.work) > 0.1);
-    CHECK(r.energy_final - r.energy_initial == doctest::Approx(r.motion.work).epsilon(0.01));
+    const double kept = r.energy_final - r.energy_initial - r.motion.work;
+    const bool order_1 = scheme == "stewart-trinkle" || scheme == "paoli-schatzman";  // the joint takes energy
+    CHECK(kept < 0.01 * r.motion.work);
+    CHECK(kept > (order_1 ? -0.15 : -0.01) * r.motion.work);
     CHECK(r.motion.energy_defect < 0.01 * r.motion.energy_scale);
   }
 }
@@ -94,7 +97,7 @@ TEST_CASE("in space: a step too long for a socket is reported with its clearance
 }
 
 TEST_CASE("in space: shapes that pass through each other within a step are reported; those that pass by are not") {
-  const auto shot = [](double aside, double h, int kind) {
+  const auto shot = [](double aside, int kind) {
     spatial::Scene s;
     s.duration = 0.1;
     const spatial::Matrix3d J = 0.01 * spatial::Matrix3d::Identity();
@@ -103,7 +106,7 @@ TEST_CASE("in space: shapes that pass through each other within a step are repor
     spatial::Shape plate{target, spatial::box_corners({0.05, 0.5, 0.5}), 0};
     if (kind == 1) plate = {target, {{0, -0.4, 0}, {0, 0.4, 0}}, 0.1};
     if (kind == 2)
-      s.contact(spatial::SphereSphere{"touch", ball, {0, 0, 0}, 0.1, target, {0, 0, 0}, 0.5, {}});
+      s.contact(spatial::SphereSphere{"touch", ball, {0, 0, 0}, 0.1, target, {0, 0, 0}, 0.15, {}});
     else
       s.collision({.name = "all", .shapes = {{ball, {{0, 0, 0}}, 0.1}, plate}, .law = {}});
     return s;
@@ -112,13 +115,13 @@ TEST_CASE("in space: shapes that pass through each other within a step are repor
     for (const int kind : {0, 1, 2}) {
       CAPTURE(scheme);
       CAPTURE(kind);
-      const Run through = watched(shot(0.1, 0.03, kind), scheme, 0.03, 0.1);
+      const Run through = watched(shot(0.1, kind), scheme, 0.03, 0.1);
       CHECK(through.status == Status::solved);
       CHECK(through.passages == 1);
       CHECK(through.first_passage.moved == doctest::Approx(3).epsilon(1e-9));
-      CHECK(watched(shot(0.7, 0.03, kind), scheme, 0.03, 0.1).passages == 0);
-      CHECK(watched(shot(-0.7, 0.03, kind), scheme, 0.03, 0.1).passages == 0);
-      const Run hit = watched(shot(0.1, 1e-4, kind), scheme, 1e-4, 0.1);
+      CHECK(watched(shot(0.7, kind), scheme, 0.03, 0.1).passages == 0);
+      CHECK(watched(shot(-0.7, kind), scheme, 0.03, 0.1).passages == 0);
+      const Run hit = watched(shot(0.1, kind), scheme, 1e-4, 0.1);
       CHECK(hit.passages == 0);
       CHECK(hit.final.v[0] < 90);
     }
