@@ -293,9 +293,6 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   return exit_code;
 }
 
-constexpr const char* kPlanarSolver = "lemke";
-constexpr const char* kSpatialSolver = "auto";  // takes friction discs
-
 int run_simulate(SimulateArguments arguments) {
   for (const std::string& set : arguments.sets)
     if (set.find('=') == std::string::npos)

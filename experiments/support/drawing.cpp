@@ -61,12 +61,26 @@ Json solid_of(const DrawnSolid& solid) {
   return all;
 }
 
+template <class J> const char* kind_of() {
+  using std::is_same_v;
+  return is_same_v<J, spatial::Revolute>       ? "revolute"
+         : is_same_v<J, spatial::Cylindrical>  ? "cylindrical"
+         : is_same_v<J, spatial::Prismatic>    ? "prismatic"
+         : is_same_v<J, spatial::PointOnLine>  ? "point-on-line"
+         : is_same_v<J, spatial::PlaneJoint>   ? "planar"
+         : is_same_v<J, spatial::PointInPlane> ? "point-in-plane"
+         : is_same_v<J, spatial::Universal>    ? "universal"
+         : is_same_v<J, spatial::Distance>     ? "distance"
+         : is_same_v<J, spatial::Fixed>        ? "fixed"
+                                               : "spherical";
+}
+
 /// With its axis, in a's frame, where it has one.
 struct JointWords {
   template <class J>
     requires requires(const J& j) { j.point_a; }
   Json operator()(const J& j) const {
-    Json one = {{"name", j.name}, {"rows", J::kRows},          {"a", j.a}, {"point_a", triple(j.point_a)},
+    Json one = {{"name", j.name}, {"kind", kind_of<J>()},      {"a", j.a}, {"point_a", triple(j.point_a)},
                 {"body", j.b},    {"point", triple(j.point_b)}};
     if constexpr (requires { j.axis_a; })
       one["axis"] = triple(j.axis_a);

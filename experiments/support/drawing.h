@@ -13,7 +13,7 @@
 //   solids          [{body, kind, …}]  of solids.h, in the body's frame; by kind
 //                     sphere, socket: centre, radius    capsule: from, to, radius
 //                     polytope: points, faces           plane: point, normal, half (of the square's edge)
-//   joints          [{name, rows, a, point_a, body, point, axis}]  no drives; axis in a's frame, where there is one
+//   joints          [{name, kind, a, point_a, body, point, axis}]  no drives; axis in a's frame, where there is one
 //   contacts        [{name, mu}] in the order of a run's columns, with
 //                     a sphere or corner on a plane   body, point, radius; normal of the body `on`
 //                     two spheres                     centres, as above
