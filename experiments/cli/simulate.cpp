@@ -140,9 +140,9 @@ template <class Scene> void write_kept(const SimulateArguments& arguments, const
     write_trajectory(arguments.output, scene, kept.columns, kept.table, kept.events);
 }
 
-template <class Space> void check_output(const SimulateArguments& arguments) {
+void check_output(const SimulateArguments& arguments) {
   if (arguments.output.empty() || arguments.output == "-") return;
-  kPlanar<Space> ? check_trajectory_file(arguments.output) : check_spatial_trajectory_file(arguments.output);
+  check_trajectory_file(arguments.output);
   check_writable(arguments.output);
   if (!is_built_in(arguments.scene)) check_apart("--output", arguments.output, "the scene", arguments.scene);
 }
@@ -251,7 +251,7 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   const auto& scene = system.scene();
   Reached reached;
   const Clock clock = clock_of(arguments, scene.step, scene.duration, reached);
-  check_output<Space>(arguments);
+  check_output(arguments);
   for (const Remark& remark : remarks_on_start(system))
     std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
 
@@ -290,9 +290,6 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   print_summary(arguments, json);
   return exit_code;
 }
-
-constexpr const char* kPlanarSolver = "lemke";
-constexpr const char* kSpatialSolver = "auto";  // takes friction discs
 
 int run_simulate(SimulateArguments arguments) {
   for (const std::string& set : arguments.sets)

@@ -20,14 +20,17 @@
 #include <cmath>
 #include <iostream>
 #include <sstream>
+#include <variant>
 
 namespace orthant {
 namespace {
 
 constexpr double kRecords = 4000;  // of a run that is made for a view; a page has at most 1200 frames
 
+constexpr const char *kPlanarIntegrator = "adaptive", *kSpatialIntegrator = "moreau-jean";
+
 struct ViewArguments {
-  std::string input, scene, integrator = "adaptive", solver = "lemke", output;
+  std::string input, scene, integrator, solver, output;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   std::optional<int> serve;
@@ -48,9 +51,8 @@ std::string words_of(const ViewArguments& a, const Run& run, double step) {
   return text.str();
 }
 
-Viewed of_scene(const ViewArguments& a) {
-  const System system(make_scene(a.input, a.sets));
-  const Scene& scene = system.scene();
+template <class Space> Viewed of_system(const ViewArguments& a, const SystemOf<Space>& system) {
+  const auto& scene = system.scene();
   const auto integrator = make_integrator(a.integrator, system);
   const auto solver = make_solver(a.solver);
   Clock clock{.step = a.step.value_or(scene.step),
@@ -63,34 +65,52 @@ Viewed of_scene(const ViewArguments& a) {
   const StopSignal stop;
   Run run;
   with_elapsed_line("view", [&] {
-    run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+    run = simulate(*integrator, *solver, clock, [&](const MomentOf<Space>& moment) {
       append_row(system, moment, record.table);
-      append_events(system, moment.events, events);
+      if constexpr (kPlanar<Space>) append_events(system, moment.events, events);
     });
   });
-  const auto names = event_contacts(scene);
-  for (const Event& e : events)
-    record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
-                             names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
+  if constexpr (kPlanar<Space>) {
+    const auto names = event_contacts(scene);
+    for (const Event& e : events)
+      record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
+                               names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
+  }
   return {
       view_data(std::filesystem::path(a.input).stem().string(), words_of(a, run, clock.step), record, drawing(scene)),
       run.status};
 }
 
+Viewed of_scene(ViewArguments a) {
+  AnyScene any = make_any_scene(a.input, a.sets);
+  const bool planar = std::holds_alternative<Scene>(any);
+  if (a.integrator.empty()) a.integrator = planar ? kPlanarIntegrator : kSpatialIntegrator;
+  if (a.solver.empty()) a.solver = planar ? kPlanarSolver : kSpatialSolver;
+  if (planar) return of_system(a, System(std::get<Scene>(std::move(any))));
+  return of_system(a, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(any))));
+}
+
+/// The drawing of --scene, which must have the run's columns.
+nlohmann::ordered_json drawing_of_scene(const ViewArguments& a, const RecordedRun& run) {
+  return std::visit(
+      [&](const auto& scene) {
+        auto expected = trajectory_columns(scene), columns = run.columns;
+        std::sort(expected.begin(), expected.end()), std::sort(columns.begin(), columns.end());
+        if (columns != expected)
+          throw std::invalid_argument("--scene '" + a.scene + "': must be the scene that " + a.input +
+                                      " is a run of: it has other columns");
+        return drawing(scene);
+      },
+      make_any_scene(a.scene, a.sets));
+}
+
 Viewed of_file(const ViewArguments& a) {
   const RecordedRun run = read_run(a.input);
   nlohmann::ordered_json shown;
-  if (!a.scene.empty()) {
-    const Scene scene = make_scene(a.scene, a.sets);
-    auto expected = trajectory_columns(scene), columns = run.columns;
-    std::sort(expected.begin(), expected.end()), std::sort(columns.begin(), columns.end());
-    if (columns != expected)
-      throw std::invalid_argument("--scene '" + a.scene + "': must be the scene that " + a.input +
-                                  " is a run of: it has other columns");
-    shown = drawing(scene);
-  } else if (run.drawing.empty()) {
+  if (!a.scene.empty())
+    shown = drawing_of_scene(a, run);
+  else if (run.drawing.empty())
     std::cerr << "orthant: note: a CSV file holds no drawing: bodies are shown as points. --scene SCENE draws them\n";
-  }
   return {view_data(std::filesystem::path(a.input).stem().string(), "recorded in " + a.input, run, shown)};
 }
 
@@ -134,8 +154,12 @@ void add_view(CLI::App& app, int& exit_code) {
       ->add_option("--serve", arguments->serve,
                    "show the page at http://127.0.0.1:PORT until Ctrl-C, without writing a file; 0: any free port")
       ->check(CLI::Range(0, 65535));
-  command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command
+      ->add_option("--integrator", arguments->integrator,
+                   "NAME[:option=value,...]; in space the default is moreau-jean")
+      ->default_str(kPlanarIntegrator);
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]; in space the default is auto")
+      ->default_str(kPlanarSolver);
   command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
   command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
   command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")

@@ -9,6 +9,7 @@
 #include "../support/check.h"
 #include "../support/drawing.h"
 #include "../support/event_table.h"
+#include "../support/solids.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
 #include "../support/warnings.h"
@@ -22,6 +23,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <type_traits>
+#include <variant>
+
 namespace orthant::python {
 namespace py = pybind11;
 namespace {
@@ -32,14 +36,21 @@ struct MadeScene {
   std::string name;                 // the built-in one's, or what messages call the text
   std::vector<std::string> sets;
   std::vector<py::tuple> customs;  // contacts written in Python
-  Scene scene;
+  AnyScene scene;
 };
+
+template <class Scene> using SpaceOf = std::conditional_t<std::is_same_v<Scene, orthant::Scene>, Planar, Spatial>;
 
 MadeScene make(const std::optional<std::string>& text, const std::string& name, const std::vector<std::string>& sets,
                const std::vector<py::tuple>& customs) {
-  MadeScene made{text, name, sets, customs, text ? parse_scene(*text, sets, name) : make_scene(name, sets)};
-  for (const py::tuple& custom : customs) add_custom_contact(custom_spec(custom), made.scene);
-  if (!customs.empty()) check(made.scene);
+  MadeScene made{text, name, sets, customs, text ? parse_any_scene(*text, sets, name) : make_any_scene(name, sets)};
+  if (customs.empty()) return made;
+  auto* planar = std::get_if<Scene>(&made.scene);
+  if (planar == nullptr)
+    throw std::invalid_argument("contact \"" + custom_spec(customs.front()).name +
+                                "\": type = \"custom\": must be in a planar scene");
+  for (const py::tuple& custom : customs) add_custom_contact(custom_spec(custom), *planar);
+  check(*planar);
   return made;
 }
 
@@ -86,65 +97,146 @@ std::vector<Event> events_of(const py::tuple& columns) {
   return events;
 }
 
-/// `warn` is called with the words of each warning: before the run of those about its start.
-py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, const std::string& solver_spec,
-                    std::optional<double> step, std::optional<double> duration, long every,
-                    std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
-  const Scene& scene = made.scene;
-  const System system(scene);
-  const auto integrator = make_integrator(integrator_spec, system);
-  const auto solver = make_solver(solver_spec);
-  const Interruptible interruptible;
-  const Clock clock{step.value_or(scene.step),
-                    duration.value_or(scene.duration),
-                    every,
-                    time_limit.value_or(kInf),
-                    interruptible.flag(),
-                    stop_when_rounded ? Rounded::stop : Rounded::take};
-  const auto columns = trajectory_columns(scene);
-  for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
-  std::vector<double> table;
+struct Wanted {
+  std::string integrator, solver;
+  Clock clock;
+  bool check = false;
+};
+
+/// What a run leaves for Python, but its columns and table.
+template <class Space> struct Kept {
+  std::vector<double> table, joints;  // by rows; coordinates of joints in space
   std::vector<Event> events;
+  std::vector<std::string> joint_columns;
   Run run;
   std::optional<CheckedRun> checked;
-  {
-    const py::gil_scoped_release others_may_run;
-    run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
-      append_row(system, moment, table);
-      append_events(system, moment.events, events);
-    });
-    if (check && run.status == Status::solved) checked = check_run(system, integrator_spec, solver_spec, clock, run);
-  }
-  const py::object interruption = interruptible.raised();
-  for (const std::string& warning : warnings_of(system, run, integrator_spec, clock.step)) warn(warning);
-  const auto width = static_cast<py::ssize_t>(columns.size());
-  const py::array_t<double> array({static_cast<py::ssize_t>(table.size()) / width, width}, table.data());
-  py::object unsolved = py::none();
-  if (run.status != Status::solved && integrator->problem().size() > 0) unsolved = py::cast(Lcp(integrator->problem()));
-  py::dict d = summary(run);
-  if (checked) d["check"] = check_of(*checked);
-  return py::make_tuple(columns, array, d, unsolved, event_columns(events), interruption);
+  std::optional<Lcp> unsolved;
+};
+
+template <class Space>
+Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, const py::function& warn) {
+  Kept<Space> kept;
+  const auto integrator = make_integrator(wanted.integrator, system);
+  const auto solver = make_solver(wanted.solver);
+  if constexpr (kPlanar<Space>)
+    for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
+  std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
+  if constexpr (!kPlanar<Space>) kept.joint_columns = coordinates.emplace(system).names();
+  const py::gil_scoped_release others_may_run;
+  kept.run = simulate(*integrator, *solver, wanted.clock, [&](const MomentOf<Space>& moment) {
+    append_row(system, moment, kept.table);
+    if constexpr (kPlanar<Space>)
+      append_events(system, moment.events, kept.events);
+    else
+      for (const double value : coordinates->at(moment.state)) kept.joints.push_back(value);
+  });
+  if constexpr (kPlanar<Space>)
+    if (wanted.check && kept.run.status == Status::solved)
+      kept.checked = check_run(system, wanted.integrator, wanted.solver, wanted.clock, kept.run);
+  if (kept.run.status != Status::solved && integrator->problem().size() > 0) kept.unsolved = integrator->problem();
+  return kept;
 }
 
+py::array_t<double> by_rows(const std::vector<double>& table, std::size_t columns) {
+  const auto width = static_cast<py::ssize_t>(columns);
+  return py::array_t<double>({width > 0 ? static_cast<py::ssize_t>(table.size()) / width : 0, width}, table.data());
+}
+
+/// `warn` is called with the words of each warning: before the run of those about its start.
+template <class Scene> py::tuple run_in(const Scene& scene, Wanted wanted, std::optional<double> step,
+                                        std::optional<double> duration, const py::function& warn) {
+  using Space = SpaceOf<Scene>;
+  if (!kPlanar<Space> && wanted.check) throw std::invalid_argument("check: takes planar scenes only");
+  const SystemOf<Space> system(scene);
+  const Interruptible interruptible;
+  wanted.clock.step = step.value_or(scene.step), wanted.clock.duration = duration.value_or(scene.duration);
+  wanted.clock.cancel = interruptible.flag();
+  const Kept<Space> kept = run_system(system, wanted, warn);
+  const py::object interruption = interruptible.raised();
+  if constexpr (kPlanar<Space>)
+    for (const std::string& warning : warnings_of(system, kept.run, wanted.integrator, wanted.clock.step))
+      warn(warning);
+  const auto columns = trajectory_columns(scene);
+  py::dict d = summary(kept.run);
+  if (kept.checked) d["check"] = check_of(*kept.checked);
+  const py::object unsolved = kept.unsolved ? py::cast(*kept.unsolved) : py::none();
+  return py::make_tuple(columns, by_rows(kept.table, columns.size()), d, unsolved, event_columns(kept.events),
+                        interruption, kept.joint_columns, by_rows(kept.joints, kept.joint_columns.size()));
+}
+
+/// Without a solver: lemke, in space auto, which takes friction discs.
+py::tuple run_scene(const MadeScene& made, const std::string& integrator, const std::optional<std::string>& solver,
+                    std::optional<double> step, std::optional<double> duration, long every,
+                    std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
+  const bool planar = std::holds_alternative<Scene>(made.scene);
+  Wanted wanted{integrator, solver.value_or(planar ? "lemke" : "auto"), {}, check};
+  wanted.clock.every = every, wanted.clock.time_limit = time_limit.value_or(kInf);
+  wanted.clock.rounded = stop_when_rounded ? Rounded::stop : Rounded::take;
+  return std::visit([&](const auto& scene) { return run_in(scene, wanted, step, duration, warn); }, made.scene);
+}
+
+using RunTable = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
 void write_run(const std::filesystem::path& file, const MadeScene& made, const std::vector<std::string>& columns,
-               const py::array_t<double, py::array::c_style | py::array::forcecast>& table, const py::tuple& events) {
-  if (table.ndim() != 2 || columns != trajectory_columns(made.scene) ||
-      table.shape(1) != static_cast<py::ssize_t>(columns.size()))
-    throw std::invalid_argument("table: must have the columns of the scene's runs");
-  write_trajectory(file, made.scene, columns, {table.data(), table.data() + table.size()}, events_of(events));
+               const RunTable& table, const py::tuple& events) {
+  std::visit(
+      [&](const auto& scene) {
+        if (table.ndim() != 2 || columns != trajectory_columns(scene) ||
+            table.shape(1) != static_cast<py::ssize_t>(columns.size()))
+          throw std::invalid_argument("table: must have the columns of the scene's runs");
+        write_trajectory(file, scene, columns, {table.data(), table.data() + table.size()}, events_of(events));
+      },
+      made.scene);
+}
+
+std::vector<std::string> contacts_of(const Scene& scene) { return event_contacts(scene); }
+std::vector<std::string> contacts_of(const spatial::Scene& scene) {
+  std::vector<std::string> names;
+  for (const auto& contact : scene.contacts) names.push_back(std::visit([](const auto& c) { return c.name; }, contact));
+  return names;
+}
+
+std::vector<std::string> contacts_of_any(const AnyScene& any) {
+  return std::visit([](const auto& scene) { return contacts_of(scene); }, any);
+}
+
+nlohmann::ordered_json drawing_of(const AnyScene& any) {
+  return std::visit([](const auto& scene) { return drawing(scene); }, any);
 }
 
 std::string page_of(const std::string& title, const std::string& note, const MadeScene& made,
-                    const std::vector<std::string>& columns,
-                    const py::array_t<double, py::array::c_style | py::array::forcecast>& table,
-                    const py::tuple& events) {
+                    const std::vector<std::string>& columns, const RunTable& table, const py::tuple& events) {
   RecordedRun run{columns, {table.data(), table.data() + table.size()}, {}, {}};
-  const auto names = event_contacts(made.scene);
+  const auto names = contacts_of_any(made.scene);
   for (const Event& e : events_of(events))
     run.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
                           names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
   const py::gil_scoped_release others_may_run;
-  return view_page(view_data(title, note, run, drawing(made.scene)));
+  return view_page(view_data(title, note, run, drawing_of(made.scene)));
+}
+
+/// Of each body at the start x, y, θ; in space x, y, z and the quaternion.
+py::array_t<double> initial_poses(const Scene& scene) { return to_numpy(System(scene).initial_state().q); }
+py::array_t<double> initial_poses(const spatial::Scene& scene) {
+  std::vector<double> poses;
+  for (const spatial::Body& body : scene.bodies) {
+    poses.insert(poses.end(), body.position.begin(), body.position.end());
+    poses.insert(poses.end(), body.orientation.begin(), body.orientation.end());
+  }
+  return py::array_t<double>(static_cast<py::ssize_t>(poses.size()), poses.data());
+}
+
+/// (body, whether it is a plane, points, faces) of each solid of a scene in space.
+py::list surfaces_of(const MadeScene& made) {
+  py::list all;
+  if (const auto* scene = std::get_if<spatial::Scene>(&made.scene))
+    for (const DrawnSolid& one : solids(*scene)) {
+      const Faces faces = surface(one);
+      py::list points;
+      for (const Vector3d& p : faces.points) points.append(py::make_tuple(p.x(), p.y(), p.z()));
+      all.append(py::make_tuple(one.body, std::holds_alternative<drawn::Plane>(one.shape), points, faces.faces));
+    }
+  return all;
 }
 
 }  // namespace
@@ -156,15 +248,25 @@ void add_mechanics(py::module_& m) {
       .def_readonly("text", &MadeScene::text)
       .def_readonly("name", &MadeScene::name)
       .def_readonly("sets", &MadeScene::sets)
+      .def_property_readonly("dimension",
+                             [](const MadeScene& s) { return std::holds_alternative<Scene>(s.scene) ? 2 : 3; })
       .def_property_readonly("bodies",
                              [](const MadeScene& s) {
                                std::vector<std::string> names;
-                               for (const Body& b : s.scene.bodies) names.push_back(b.name);
+                               std::visit(
+                                   [&](const auto& scene) {
+                                     for (const auto& b : scene.bodies) names.push_back(b.name);
+                                   },
+                                   s.scene);
                                return names;
                              })
-      .def_property_readonly("contacts", [](const MadeScene& s) { return event_contacts(s.scene); })
-      .def_property_readonly("drawing", [](const MadeScene& s) { return drawing(s.scene).dump(); })
-      .def_property_readonly("initial", [](const MadeScene& s) { return to_numpy(System(s.scene).initial_state().q); })
+      .def_property_readonly("contacts", [](const MadeScene& s) { return contacts_of_any(s.scene); })
+      .def_property_readonly("drawing", [](const MadeScene& s) { return drawing_of(s.scene).dump(); })
+      .def_property_readonly("surfaces", &surfaces_of)
+      .def_property_readonly("initial",
+                             [](const MadeScene& s) {
+                               return std::visit([](const auto& scene) { return initial_poses(scene); }, s.scene);
+                             })
       .def("__reduce__", [](const py::object& self) {
         const auto& s = self.cast<const MadeScene&>();
         return py::make_tuple(py::type::of(self), py::make_tuple(s.text, s.name, s.sets, s.customs));
@@ -188,6 +290,7 @@ void add_mechanics(py::module_& m) {
   m.def("_scenes", [] {
     std::vector<std::tuple<std::string_view, std::string_view, std::string>> table;
     for (const SceneEntry& e : scenes()) table.emplace_back(e.name, e.summary, text_of(e.options()));
+    for (const SpatialSceneEntry& e : spatial_scenes()) table.emplace_back(e.name, e.summary, text_of(e.options()));
     return table;
   });
 }

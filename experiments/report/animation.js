@@ -20,10 +20,11 @@ function sized(canvas, width, height) {
   return c;
 }
 
-class Film {
+/** A film's figure, in the plane or in space: caption, canvas, contact modes, events. */
+class Shots {
   constructor(element, film, animation) {
     Object.assign(this, { film, animation, scene: animation.scene });
-    const figure = document.createElement("figure");
+    this.figure = document.createElement("figure");
     this.caption = Object.assign(document.createElement("figcaption"), {
       textContent:
         film.label +
@@ -32,10 +33,70 @@ class Film {
     this.canvas = document.createElement("canvas");
     this.strip = document.createElement("canvas");
     this.strip.className = "strip";
-    figure.append(this.caption, this.canvas, this.strip);
-    this.events(figure);
-    element.append(figure);
+    this.figure.append(this.caption, this.canvas, this.strip);
+    this.events(this.figure);
+    element.append(this.figure);
     this.bodies = this.scene.bodies.length;
+  }
+
+  /** The frame nearest to a time; the last one when the film is over. */
+  frameAt(t) {
+    const frames = this.film.frames;
+    const after = frames.findIndex((frame) => frame[0] >= t);
+    if (after <= 0) return after < 0 ? frames.length - 1 : 0;
+    return frames[after][0] - t < t - frames[after - 1][0] ? after : after - 1;
+  }
+
+  /** Contact modes over time: a row a contact, filled where it pushes; the line is now. */
+  modes(k) {
+    const frames = this.film.frames;
+    const rows = this.scene.contacts.length;
+    if (rows === 0 || rows > kMostRows) return void (this.strip.hidden = true);
+    const c = sized(this.strip, this.strip.clientWidth, 13 * rows + 4);
+    const left = 64;
+    const scale = (this.strip.clientWidth - left) / frames.length;
+    c.font = "11px system-ui";
+    this.scene.contacts.forEach((contact, i) => {
+      c.fillStyle = colour("--faint");
+      c.fillText(contact.name, 2, 13 * i + 11);
+      c.fillStyle = colour("--rule");
+      c.fillRect(left, 13 * i + 7, frames.length * scale, 1);
+      c.fillStyle = colour("--c1");
+      frames.forEach((frame, j) => {
+        if (this.impulse(frame, i) > 1e-9) c.fillRect(left + j * scale, 13 * i + 2, Math.max(1, scale), 10);
+      });
+    });
+    c.fillStyle = colour("--ink");
+    const last = frames.at(-1)[0];
+    for (const [t, , contact] of this.film.events) // located ones: a tick at their time
+      if (contact < rows) c.fillRect(left + (t / last) * frames.length * scale, 13 * contact + 2, 1, 10);
+    c.fillRect(left + k * scale, 0, 1.5, 13 * rows + 4);
+  }
+
+  /** Time, kind, contact and impulse of each located event, in a table that opens. */
+  events(figure) {
+    const { events, event_count: count } = this.film;
+    if (!count) return;
+    const details = document.createElement("details");
+    details.className = "events";
+    details.append(Object.assign(document.createElement("summary"), { textContent: `${count} events` }));
+    const table = document.createElement("table");
+    const row = (cells, tag) => {
+      const tr = table.insertRow();
+      for (const text of cells) tr.append(Object.assign(document.createElement(tag), { textContent: text }));
+    };
+    row(["t [s]", "kind", "contact", "normal impulse [N s]", "tangential [N s]"], "th");
+    for (const [t, kind, contact, normal, tangent] of events)
+      row([t, kind, this.scene.event_contacts[contact], normal, tangent], "td");
+    if (events.length < count) row([`… ${count - events.length} more`], "td");
+    details.append(table);
+    figure.append(details);
+  }
+}
+
+class Film extends Shots {
+  constructor(element, film, animation) {
+    super(element, film, animation);
     this.magnified = this.scene.bodies.findIndex((b) => b.name === animation.magnify);
     this.gain = this.magnified < 0 ? 1 : this.clearance() > 0 ? Math.max(1, 0.018 / this.clearance()) : 1;
     this.strongest = Math.max(
@@ -109,14 +170,6 @@ class Film {
     return { left: x - width / 2, right: x + width / 2, low: y - height / 2, high: y + height / 2 };
   }
 
-  /** The frame nearest to a time; the last one when the film is over. */
-  frameAt(t) {
-    const frames = this.film.frames;
-    const after = frames.findIndex((frame) => frame[0] >= t);
-    if (after <= 0) return after < 0 ? frames.length - 1 : 0;
-    return frames[after][0] - t < t - frames[after - 1][0] ? after : after - 1;
-  }
-
   /** Draws the frame of a time. */
   show(t) {
     const frames = this.film.frames,
@@ -148,52 +201,6 @@ class Film {
     c.textAlign = "left";
     c.fillText(frames.at(-1)[0] < 1 ? `t = ${(1e3 * frame[0]).toFixed(2)} ms` : `t = ${frame[0].toFixed(3)} s`, 10, 18);
     if (this.gain > 1) ((c.textAlign = "right"), c.fillText(`gaps and tilt × ${this.gain.toFixed(0)}`, width - 10, 18));
-  }
-
-  /** Contact modes over time: a row a contact, filled where it pushes; the line is now. */
-  modes(k) {
-    const frames = this.film.frames;
-    const rows = this.scene.contacts.length;
-    if (rows === 0 || rows > kMostRows) return void (this.strip.hidden = true);
-    const c = sized(this.strip, this.strip.clientWidth, 13 * rows + 4);
-    const left = 64;
-    const scale = (this.strip.clientWidth - left) / frames.length;
-    c.font = "11px system-ui";
-    this.scene.contacts.forEach((contact, i) => {
-      c.fillStyle = colour("--faint");
-      c.fillText(contact.name, 2, 13 * i + 11);
-      c.fillStyle = colour("--rule");
-      c.fillRect(left, 13 * i + 7, frames.length * scale, 1);
-      c.fillStyle = colour("--c1");
-      frames.forEach((frame, j) => {
-        if (this.impulse(frame, i) > 1e-9) c.fillRect(left + j * scale, 13 * i + 2, Math.max(1, scale), 10);
-      });
-    });
-    c.fillStyle = colour("--ink");
-    const last = frames.at(-1)[0];
-    for (const [t, , contact] of this.film.events) // located ones: a tick at their time
-      if (contact < rows) c.fillRect(left + (t / last) * frames.length * scale, 13 * contact + 2, 1, 10);
-    c.fillRect(left + k * scale, 0, 1.5, 13 * rows + 4);
-  }
-
-  /** Time, kind, contact and impulse of each located event, in a table that opens. */
-  events(figure) {
-    const { events, event_count: count } = this.film;
-    if (!count) return;
-    const details = document.createElement("details");
-    details.className = "events";
-    details.append(Object.assign(document.createElement("summary"), { textContent: `${count} events` }));
-    const table = document.createElement("table");
-    const row = (cells, tag) => {
-      const tr = table.insertRow();
-      for (const text of cells) tr.append(Object.assign(document.createElement(tag), { textContent: text }));
-    };
-    row(["t [s]", "kind", "contact", "normal impulse [N s]", "tangential [N s]"], "th");
-    for (const [t, kind, contact, normal, tangent] of events)
-      row([t, kind, this.scene.event_contacts[contact], normal, tangent], "td");
-    if (events.length < count) row([`… ${count - events.length} more`], "td");
-    details.append(table);
-    figure.append(details);
   }
 
   walls(c, at, width) {
@@ -295,7 +302,7 @@ class Animation {
     for (const [text, factor, chosen] of speeds) this.speed.add(new Option(text, factor, chosen, chosen));
     controls.append(this.button, this.slider, this.speed);
     element.append(controls, films);
-    this.films = animation.films.map((film) => new (animation.stage ?? Film)(films, film, animation));
+    this.films = animation.films.map((film) => new (animation.stage ?? (animation.scene.dimension === 3 ? SpaceFilm : Film))(films, film, animation));
     this.duration = Math.max(...this.films.map(({ film }) => film.frames.at(-1)[0])); // one that ended early waits
     this.seconds = animation.seconds ?? 12;
     this.position = 0.012; // of the longest film, in [0, 1]

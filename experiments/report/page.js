@@ -269,6 +269,6 @@ add(
     data.packages,
   )
     .map((p) => p.join(" "))
-    .join(", ")}. Plots: uPlot.`,
+    .join(", ")}. Plots: uPlot${typeof THREE === "undefined" ? "" : ", in space three.js"}.`,
 );
 document.title = `Orthant: ${data.sweeps.map((s) => s.name.replaceAll("_", " ")).join(", ")}`;

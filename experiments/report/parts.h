@@ -8,9 +8,10 @@
 
 namespace orthant {
 
-/// The template NAME with every /*PART*/ that it names replaced by that file, and /*data*/ by the data. Throws
-/// std::runtime_error when a part is missing (set-up fetches the plotting library).
-std::string assembled(const std::string& name, const nlohmann::ordered_json& data);
+/// The template NAME with every /*PART*/ that it names replaced by that file, /*data*/ by the data, and <!--space--> by
+/// the scripts of animations in space, where there is one. Throws std::runtime_error when a part is missing (set-up
+/// fetches the libraries).
+std::string assembled(const std::string& name, const nlohmann::ordered_json& data, bool in_space);
 
 /// Where the parts are, from now on. Otherwise: beside the program where it was installed, else in the source tree.
 void set_folder_of_parts(const std::filesystem::path& folder);

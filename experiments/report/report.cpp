@@ -3,6 +3,7 @@
 #include "experiments/report/parts.h"
 #include "experiments/support/drawing.h"
 #include "experiments/support/event_table.h"
+#include "experiments/support/trajectory.h"
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/page.h"
 
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 namespace orthant {
 namespace {
@@ -27,13 +29,30 @@ constexpr double kPatience = 900;  // [s] for all films of a report, which take 
 
 double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a drawing
 
-/// One run, by frames: t, then x, y, θ of each body, then gap and normal impulse (since the frame before) of each
-/// contact;
-/// its events: t, kind, contact by number, impulses.
-Json film(const System& system, const Json& run, double duration, double& patience) {
+template <class S> using SpaceOfScene = std::conditional_t<std::is_same_v<S, Scene>, Planar, Spatial>;
+
+/// After t of a frame: x, y, θ of each body, then gap and normal impulse (since the frame before) of each contact.
+void append_frame(const System&, const Moment& moment, Json& frame) {
+  for (const double q : moment.state.q) frame.push_back(rounded(q));
+  for (std::size_t i = 0; i < moment.impulses.size(); ++i)
+    frame.push_back(rounded(moment.gaps[static_cast<Index>(i)])), frame.push_back(rounded(moment.impulses[i].normal));
+}
+
+/// In space x, y, z and quaternion of each body, then gap and three impulses: columns of a trajectory.
+void append_frame(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, Json& frame) {
+  std::vector<double> row;
+  append_row(system, moment, row);
+  const auto contacts = row.begin() + 1 + 13 * system.bodies();
+  for (auto body = row.begin() + 1; body < contacts; body += 13)
+    for (auto q = body; q < body + 7; ++q) frame.push_back(rounded(*q));
+  for (auto x = contacts; x < contacts + 4 * system.contacts(); ++x) frame.push_back(rounded(*x));
+}
+
+/// One run by frames; its events: t, kind, contact by number, impulses.
+template <class Space> Json film(const SystemOf<Space>& system, const Json& run, double duration, double& patience) {
   const double step = run.contains("step") ? run.at("step").get<double>() : duration / kFrames;
   const auto integrator = make_integrator(run.at("integrator").get<std::string>(), system);
-  const auto solver = make_solver(run.value("solver", "lemke"));
+  const auto solver = make_solver(run.value("solver", kPlanar<Space> ? "lemke" : "auto"));
   const double aim = duration / kFrames;
   Json frames = Json::array(), events = Json::array();
   std::vector<Event> located;
@@ -41,13 +60,11 @@ Json film(const System& system, const Json& run, double duration, double& patien
                     .duration = duration,
                     .every = std::max(1L, std::lround(aim / step)),
                     .time_limit = std::max(patience, 1e-3)};
-  const Run result = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+  const Run result = simulate(*integrator, *solver, clock, [&](const MomentOf<Space>& moment) {
     Json frame = {rounded(moment.state.t)};
-    for (const double q : moment.state.q) frame.push_back(rounded(q));
-    for (std::size_t i = 0; i < moment.impulses.size(); ++i)
-      frame.push_back(rounded(moment.gaps[static_cast<Index>(i)])), frame.push_back(rounded(moment.impulses[i].normal));
+    append_frame(system, moment, frame);
     frames.push_back(frame);
-    append_events(system, moment.events, located);
+    if constexpr (kPlanar<Space>) append_events(system, moment.events, located);
   });
   for (const Event& event : located) {
     if (events.size() == kMostEvents) break;
@@ -63,13 +80,13 @@ Json film(const System& system, const Json& run, double duration, double& patien
 }
 
 /// Opens no file: a results file may be a stranger's.
-Scene scene_of(const Json& about, const std::vector<std::string>& sets) {
+AnyScene scene_of(const Json& about, const std::vector<std::string>& sets) {
   const auto scene = about.at("scene").get<std::string>();
-  if (about.contains("scene_text")) return parse_scene(about.at("scene_text").get<std::string>(), sets, scene);
+  if (about.contains("scene_text")) return parse_any_scene(about.at("scene_text").get<std::string>(), sets, scene);
   if (!is_built_in(scene))
     throw std::invalid_argument("the results file names the scene '" + scene +
                                 "' without its text: let orthant sweep write to it again");
-  return make_scene(scene, sets);
+  return make_any_scene(scene, sets);
 }
 
 Json animation(const Json& wanted, const Json& about, double& patience) {
@@ -79,9 +96,13 @@ Json animation(const Json& wanted, const Json& about, double& patience) {
     Json set =
         wanted.value("set", Json::object());  // what all films of an animation have, then what one has of its own
     set.update(run.value("set", Json::object()));
-    const System system(scene_of(about, sets_of(set)));
-    shown["scene"] = drawing(system.scene());
-    shown["films"].push_back(film(system, run, wanted.value("duration", system.scene().duration), patience));
+    std::visit(
+        [&]<class Scene>(const Scene& scene) {
+          const SystemOf<SpaceOfScene<Scene>> system(scene);
+          shown["scene"] = drawing(system.scene());
+          shown["films"].push_back(film(system, run, wanted.value("duration", system.scene().duration), patience));
+        },
+        scene_of(about, sets_of(set)));
   }
   return shown;
 }
@@ -124,6 +145,12 @@ Json report_data(const Results& results) {
   return data;
 }
 
-std::string page(const Json& data) { return assembled("page.html", data); }
+std::string page(const Json& data) {
+  bool in_space = false;
+  for (const Json& sweep : data.at("sweeps"))
+    for (const Json& animation : sweep.at("animations"))
+      if (animation.contains("scene") && animation.at("scene").value("dimension", 2) == 3) in_space = true;
+  return assembled("page.html", data, in_space);
+}
 
 }  // namespace orthant

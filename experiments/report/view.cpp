@@ -14,8 +14,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFrames = 1200, kFewestFrames = 100;
-constexpr std::size_t kMostNumbers = 150'000;  // about 1.3 MB of text
-constexpr std::size_t kMostListed = 2000;      // 100 kB
+constexpr std::size_t kMostNumbers = 150'000;        // about 1.3 MB of text
+constexpr std::size_t kMostNumbersInSpace = 90'000;  // there three.js takes 570 kB of the page
+constexpr std::size_t kMostListed = 2000;            // 100 kB
 
 /// Digits of a drawing and of a plot; of times more, for frames lie close.
 Json digits_of(double x, int digits) {
@@ -26,19 +27,26 @@ Json digits_of(double x, int digits) {
 }
 
 bool is_sum(const std::string& column) {
-  return column.ends_with(".impulse_n") || column.ends_with(".impulse_t") || column.ends_with(".impulse");
+  const auto at = column.rfind('.');
+  return at != std::string::npos && column.compare(at, 8, ".impulse") == 0;
 }
 
 /// Bodies and contacts as the columns name them, for a run whose scene is not at hand.
 Json points_only(const std::vector<std::string>& columns) {
   const std::set<std::string> known(columns.begin(), columns.end());
   Json bodies = Json::array(), contacts = Json::array(), names = Json::array();
+  bool in_space = false;
   for (const std::string& column : columns) {
     const std::string stem = column.substr(0, column.rfind('.'));
+    if (column.ends_with(".qw") && known.contains(stem + ".x") && known.contains(stem + ".qz"))
+      bodies.push_back({{"name", stem}}), in_space = true;
     if (column.ends_with(".theta") && known.contains(stem + ".x") && known.contains(stem + ".y"))
       bodies.push_back({{"name", stem}});
     if (column.ends_with(".gap")) contacts.push_back({{"name", stem}}), names.push_back(stem);
   }
+  if (in_space)
+    return {{"dimension", 3},          {"bodies", bodies},     {"solids", Json::array()},
+            {"joints", Json::array()}, {"contacts", contacts}, {"event_contacts", names}};
   return {{"bodies", bodies},
           {"outlines", Json::array()},
           {"pins", Json::array()},
@@ -46,11 +54,18 @@ Json points_only(const std::vector<std::string>& columns) {
           {"event_contacts", names}};
 }
 
+bool is_spatial(const Json& drawing) {
+  const auto dimension = drawing.is_object() ? drawing.find("dimension") : drawing.end();
+  return drawing.is_object() && dimension != drawing.end() && *dimension == 3;
+}
+
 /// The drawing of a file: a stranger's, so that only what the page expects is let through.
 Json drawing_of(const RecordedRun& run) {
   if (run.drawing.empty()) return points_only(run.columns);
   Json drawing = Json::parse(run.drawing, nullptr, false);
-  for (const char* part : {"bodies", "outlines", "pins", "contacts", "event_contacts"})
+  const bool in_space = is_spatial(drawing);
+  for (const char* part :
+       {"bodies", in_space ? "solids" : "outlines", in_space ? "joints" : "pins", "contacts", "event_contacts"})
     if (!drawing.is_object() || !drawing.contains(part) || !drawing.at(part).is_array())
       throw std::runtime_error("scene/drawing: must be a drawing that orthant wrote");
   return drawing;
@@ -60,8 +75,11 @@ Json drawing_of(const RecordedRun& run) {
 
 nlohmann::ordered_json view_data(const std::string& name, const std::string& note, const RecordedRun& run,
                                  const nlohmann::ordered_json& drawing) {
+  const Json scene = drawing.is_null() ? drawing_of(run) : drawing;
+  const bool in_space = is_spatial(scene);
   const std::size_t width = run.columns.size(), rows = run.rows();
-  const std::size_t frames = std::clamp(kMostNumbers / width, kFewestFrames, kMostFrames);
+  const std::size_t frames =
+      std::clamp((in_space ? kMostNumbersInSpace : kMostNumbers) / width, kFewestFrames, kMostFrames);
   const std::size_t every = std::max<std::size_t>(1, (rows + frames - 1) / frames);
   Json values = Json::object();
   for (std::size_t c = 0; c < width; ++c) {
@@ -81,13 +99,20 @@ nlohmann::ordered_json view_data(const std::string& name, const std::string& not
     if (events.size() == kMostListed) break;
     events.push_back({digits_of(e.t, 15), e.kind, e.contact, digits_of(e.normal, 7), digits_of(e.tangent, 7)});
   }
-  return {{"name", name},           {"note", note},
-          {"dimension", 2},         {"rows", rows},
-          {"every", every},         {"scene", drawing.is_null() ? drawing_of(run) : drawing},
-          {"columns", run.columns}, {"values", values},
-          {"events", events},       {"event_count", run.events.size()}};
+  return {{"name", name},
+          {"note", note},
+          {"dimension", in_space ? 3 : 2},
+          {"rows", rows},
+          {"every", every},
+          {"scene", scene},
+          {"columns", run.columns},
+          {"values", values},
+          {"events", events},
+          {"event_count", run.events.size()}};
 }
 
-std::string view_page(const nlohmann::ordered_json& data) { return assembled("view.html", data); }
+std::string view_page(const nlohmann::ordered_json& data) {
+  return assembled("view.html", data, data.at("dimension") == 3);
+}
 
 }  // namespace orthant

@@ -1,8 +1,8 @@
 // experiments/report/view.h — one run as one HTML page that needs nothing else: motion, forces, columns, events.
 //
 //   run → view_data(): JSON → view_page(): view.html with style, plotting library, scripts and data put in.
-//   JSON  name, note; dimension: 2; scene: drawing.h; columns: names; values: numbers by column, of at most 1200 frames
-//         (impulses summed over a frame, of others the last); events: [t, kind, contact, normal, tangential];
+//   JSON  name, note; dimension: 2 or 3; scene: drawing.h; columns: names; values: numbers by column, of at most 1200
+//         frames (impulses summed over a frame, of others the last); events: [t, kind, contact, normal, tangential];
 //         event_count
 #pragma once
 

@@ -1,11 +1,12 @@
 // One run: the motion with contact forces, plots of any column that follow it, the events. Data: report/view.h.
-// What is planar is in Stage (and in Film, which it extends): a spatial scene would bring a Stage of its own.
+// Motion in the plane: Stage, over Film of animation.js. In space: SpaceStage, over SpaceFilm of space.js.
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const main = document.getElementById("page");
 const { values, scene, events } = data;
 const t = values.t;
+const inSpace = data.dimension === 3;
 const first = t[0],
   last = t.at(-1);
 
@@ -28,32 +29,35 @@ function frameAt(time) {
 }
 
 /** Forces of contacts: impulses of a frame by its length. */
-for (const column of data.columns.filter((name) => /\.impulse_[nt]$/.test(name)))
+for (const column of data.columns.filter((name) => /\.impulse_(n|t[12]?)$/.test(name)))
   values[column.replace("impulse", "force")] = values[column].map((x, i) =>
     i === 0 || x === null ? 0 : x / Math.max(t[i] - t[i - 1], 1e-300),
   );
-const forces = Object.keys(values).filter((name) => /\.force_[nt]$/.test(name));
+const forces = Object.keys(values).filter((name) => /\.force_(n|t[12]?)$/.test(name));
 const choices = [...data.columns.filter((name) => name !== "t"), ...forces].sort();
 
 const UNITS = [
-  [/\.(x|y|gap)$|^penetration$|^joint_residual$/, "m"],
+  [/\.([xyz]|gap)$|^penetration$|^joint_residual$/, "m"],
   [/\.theta$/, "rad"],
-  [/\.v[xy]$/, "m/s"],
-  [/\.omega$/, "rad/s"],
-  [/\.impulse(_[nt])?$/, "N s"],
-  [/\.force_[nt]$/, "N"],
+  [/\.v[xyz]$/, "m/s"],
+  [/\.(omega|w[xyz])$/, "rad/s"],
+  [/\.impulse(_(n|t[12]?))?$/, "N s"],
+  [/\.force_(n|t[12]?)$/, "N"],
   [/^energy$/, "J"],
 ];
 const unitOf = (name) => UNITS.find(([pattern]) => pattern.test(name))?.[1] ?? "";
 
 const seconds = (x) => `${Number(x.toPrecision(8))} s`;
 
-/** The frames as Film reads them: t, then x, y, θ of each body, then gap and normal impulse of each contact. */
+/** The frames as Film reads them: t, then x, y, θ of each body, then gap and normal impulse of each contact. Those of
+ *  SpaceFilm likewise. */
 function frames() {
   const columns = [t];
   const zero = new Array(t.length).fill(0);
-  for (const { name } of scene.bodies) for (const part of ["x", "y", "theta"]) columns.push(values[`${name}.${part}`] ?? zero);
-  for (const { name } of scene.contacts) for (const part of ["gap", "impulse_n"]) columns.push(values[`${name}.${part}`] ?? zero);
+  const ofBody = inSpace ? ["x", "y", "z", "qw", "qx", "qy", "qz"] : ["x", "y", "theta"];
+  const ofContact = inSpace ? ["gap", "impulse_n", "impulse_t1", "impulse_t2"] : ["gap", "impulse_n"];
+  for (const { name } of scene.bodies) for (const part of ofBody) columns.push(values[`${name}.${part}`] ?? zero);
+  for (const { name } of scene.contacts) for (const part of ofContact) columns.push(values[`${name}.${part}`] ?? zero);
   return t.map((_, i) => columns.map((column) => column[i]));
 }
 
@@ -156,6 +160,17 @@ class Stage extends Film {
     c.globalAlpha = 1;
   }
 }
+
+/** The animation of a scene in space. */
+const SpaceStage =
+  inSpace &&
+  class extends SpaceFilm {
+    events() {} // a table of its own
+
+    frameAt(time) {
+      return frameAt(time);
+    }
+  };
 
 /** Columns over time; a line marks the animation's moment, a click moves it there. */
 class TimePlot {
@@ -328,12 +343,14 @@ add(main, "h1", data.name);
 add(main, "p", data.note, { className: "note" });
 const place = add(main, "div");
 const options = add(main, "div", undefined, { className: "controls" });
-const show = {};
+let show = {};
 const clock = add(options, "span", "", { className: "facts" });
-for (const [key, words, on] of [
-  ["forces", "contact forces", true],
-  ["paths", "paths", false],
-]) {
+for (const [key, words, on] of inSpace // has its own
+  ? []
+  : [
+      ["forces", "contact forces", true],
+      ["paths", "paths", false],
+    ]) {
   const label = add(options, "label");
   show[key] = add(label, "input", undefined, { type: "checkbox", checked: on });
   label.append(` ${words}`);
@@ -346,11 +363,15 @@ player = new Player(place, {
   scene,
   seconds: last,
   speeds: speeds(),
-  stage: Stage,
+  stage: inSpace ? SpaceStage : Stage,
   films: [{ label: "", status: "solved", frames: frames(), events: [] }],
 });
 player.position = first / last || 0;
-for (const key in show) show[key].onchange = () => player.draw();
+if (inSpace) {
+  show = player.films[0].options;
+  player.films[0].label.remove(); // the clock says it
+}
+if (!inSpace) for (const key in show) show[key].onchange = () => player.draw();
 save.onclick = () => {
   const link = Object.assign(document.createElement("a"), {
     href: player.films[0].canvas.toDataURL("image/png"),
@@ -370,7 +391,10 @@ add(
   "footer",
   `${data.rows} rows of ${data.columns.length} columns` +
     (data.every > 1 ? `; a frame is ${data.every} rows: impulses summed, of others the last.` : ".") +
-    " Arrows: normal impulses of late, longer for larger ones (by the root). Space plays, ← and → step, a click into a plot goes there.",
+    (inSpace
+      ? " Arrows: contact impulses of late on the first body, longer for larger ones (by the root), in their friction cones. Drag turns, the wheel zooms, the right button moves."
+      : " Arrows: normal impulses of late, longer for larger ones (by the root).") +
+    " Space plays, ← and → step, a click into a plot goes there.",
 );
 document.addEventListener("keydown", (event) => {
   if (/^(SELECT|INPUT|BUTTON)$/.test(event.target.tagName)) return;

@@ -2,8 +2,10 @@
 
 #include "event_table.h"
 #include "outlines.h"
+#include "solids.h"
 
 #include <cmath>
+#include <variant>
 
 namespace orthant {
 namespace {
@@ -34,6 +36,80 @@ Json force_of(const Contact& contact) {
   return one;
 }
 
+Json triple(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+Json rounded_triple(const Vector3d& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
+
+Json solid_of(const DrawnSolid& solid) {
+  struct Words {
+    Json operator()(const drawn::Sphere& s) const {
+      return {{"kind", s.hollow ? "socket" : "sphere"}, {"centre", triple(s.centre)}, {"radius", s.radius}};
+    }
+    Json operator()(const drawn::Capsule& s) const {
+      return {{"kind", "capsule"}, {"from", triple(s.from)}, {"to", triple(s.to)}, {"radius", s.radius}};
+    }
+    Json operator()(const drawn::Polytope& s) const {
+      Json points = Json::array();
+      for (const Vector3d& p : s.points) points.push_back(rounded_triple(p));
+      return {{"kind", "polytope"}, {"points", points}, {"faces", s.faces}};
+    }
+    Json operator()(const drawn::Plane& s) const {
+      return {{"kind", "plane"}, {"point", triple(s.point)}, {"normal", triple(s.normal)}, {"half", s.half}};
+    }
+  };
+  Json all = {{"body", solid.body}};
+  all.update(std::visit(Words{}, solid.shape));
+  return all;
+}
+
+template <class J> const char* kind_of() {
+  using std::is_same_v;
+  return is_same_v<J, spatial::Revolute>       ? "revolute"
+         : is_same_v<J, spatial::Cylindrical>  ? "cylindrical"
+         : is_same_v<J, spatial::Prismatic>    ? "prismatic"
+         : is_same_v<J, spatial::PointOnLine>  ? "point-on-line"
+         : is_same_v<J, spatial::PlaneJoint>   ? "planar"
+         : is_same_v<J, spatial::PointInPlane> ? "point-in-plane"
+         : is_same_v<J, spatial::Universal>    ? "universal"
+         : is_same_v<J, spatial::Distance>     ? "distance"
+         : is_same_v<J, spatial::Fixed>        ? "fixed"
+                                               : "spherical";
+}
+
+/// With its axis, in a's frame, where it has one.
+struct JointWords {
+  template <class J>
+    requires requires(const J& j) { j.point_a; }
+  Json operator()(const J& j) const {
+    Json one = {{"name", j.name}, {"kind", kind_of<J>()},      {"a", j.a}, {"point_a", triple(j.point_a)},
+                {"body", j.b},    {"point", triple(j.point_b)}};
+    if constexpr (requires { j.axis_a; })
+      one["axis"] = triple(j.axis_a);
+    else if constexpr (requires { j.axis; })
+      one["axis"] = triple(j.axis);
+    return one;
+  }
+  Json operator()(const spatial::Drive&) const { return nullptr; }
+};
+
+template <class Round> Json round_spatial(const Round& c, bool inside) {
+  return {{"a", c.a},        {"point_a", triple(c.centre_a)}, {"radius_a", c.radius_a},
+          {"b", c.b},        {"point_b", triple(c.centre_b)}, {"radius_b", c.radius_b},
+          {"inside", inside}};
+}
+
+Json force_of(const spatial::Contact& contact) {
+  Json one = Json::object();
+  if (const auto* c = std::get_if<spatial::SpherePlane>(&contact))
+    one = {{"body", c->a},
+           {"point", triple(c->centre)},
+           {"radius", c->radius},
+           {"on", c->b},
+           {"normal", triple(c->normal)}};
+  if (const auto* c = std::get_if<spatial::SphereSphere>(&contact)) one["centres"] = round_spatial(*c, false);
+  if (const auto* c = std::get_if<spatial::Socket>(&contact)) one["centres"] = round_spatial(*c, true);
+  return one;
+}
+
 }  // namespace
 
 nlohmann::ordered_json drawing(const Scene& scene) {
@@ -57,6 +133,22 @@ nlohmann::ordered_json drawing(const Scene& scene) {
           {"pins", pins},
           {"contacts", contacts},
           {"event_contacts", event_contacts(scene)}};
+}
+
+nlohmann::ordered_json drawing(const spatial::Scene& scene) {
+  Json bodies = Json::array(), shapes = Json::array(), joints = Json::array(), contacts = Json::array();
+  Json names = Json::array();
+  for (const spatial::Body& body : scene.bodies) bodies.push_back({{"name", body.name}});
+  for (const DrawnSolid& solid : solids(scene)) shapes.push_back(solid_of(solid));
+  for (const spatial::Joint& joint : scene.joints)
+    if (const Json one = std::visit(JointWords{}, joint); !one.is_null()) joints.push_back(one);
+  for (const spatial::Contact& contact : scene.contacts) {
+    Json one = std::visit([](const auto& c) -> Json { return {{"name", c.name}, {"mu", c.law.mu}}; }, contact);
+    one.update(force_of(contact));
+    contacts.push_back(one), names.push_back(one.at("name"));
+  }
+  return {{"dimension", 3},   {"bodies", bodies},     {"solids", shapes},
+          {"joints", joints}, {"contacts", contacts}, {"event_contacts", names}};
 }
 
 }  // namespace orthant

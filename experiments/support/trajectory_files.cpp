@@ -21,11 +21,10 @@ template <class Scene> std::string hdf5_of(const Scene& scene, const std::vector
     for (std::size_t i = 0; i < column.size(); ++i) column[i] = table[i * columns.size() + c];
     out.numbers(columns[c], column);
   }
-  if constexpr (std::is_same_v<Scene, orthant::Scene>) {
-    out.group("scene");
-    out.text("scene/drawing", drawing(scene).dump());
+  out.group("scene");
+  out.text("scene/drawing", drawing(scene).dump());
+  if constexpr (std::is_same_v<Scene, orthant::Scene>)
     if (!events.empty()) events_to_hdf5(scene, events, out);
-  }
   return out.bytes();
 }
 
@@ -50,19 +49,13 @@ void write_trajectory(const fs::path& file, const Scene& scene, const std::vecto
     write_whole(beside_it, events_to_csv(scene, events));
 }
 
-void check_spatial_trajectory_file(const fs::path& file) {
-  for (const char* end : {".csv", ".h5", ".hdf5"})
-    if (file.extension() == end) return;
-  throw std::invalid_argument(file.string() + ": must end in .csv, .h5 or .hdf5 for a scene in space");
-}
-
 void write_trajectory(const fs::path& file, const spatial::Scene& scene, const std::vector<std::string>& columns,
                       const std::vector<double>& table, const std::vector<Event>& events) {
-  check_spatial_trajectory_file(file);
-  if (file.extension() == ".csv")
-    write_whole(file, to_csv(columns, table));
-  else
-    write_whole(file, hdf5_of(scene, columns, table, events));
+  check_trajectory_file(file);
+  const fs::path end = file.extension();
+  if (end == ".csv") return write_whole(file, to_csv(columns, table));
+  if (end == ".pvd") return write_vtk(file, scene, columns.size(), table);
+  write_whole(file, hdf5_of(scene, columns, table, events));
 }
 
 }  // namespace orthant

@@ -3,7 +3,8 @@
 //   .csv        one line a moment, numbers in their shortest exact form
 //   .h5, .hdf5  HDF5: one array of doubles a column, named as the column; text scene/drawing (drawing.h)
 //   .pvd        VTK for ParaView: an index of the moments, and NAME.vtu files in a folder NAME, one a moment, with the
-//               bodies' outlines in place (cells), their number, velocity [m/s] and angular velocity [rad/s]
+//               bodies' outlines, in space surfaces, in place (cells), their number, velocity [m/s] and angular
+//               velocity [rad/s]
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
@@ -25,8 +26,7 @@ void check_trajectory_file(const std::filesystem::path& file);
 void write_trajectory(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
                       const std::vector<double>& table, const std::vector<Event>& events = {});
 
-/// In space: .csv, .h5 and .hdf5; others are refused.
-void check_spatial_trajectory_file(const std::filesystem::path& file);
+/// In space: runs have no located events.
 void write_trajectory(const std::filesystem::path& file, const spatial::Scene& scene,
                       const std::vector<std::string>& columns, const std::vector<double>& table,
                       const std::vector<Event>& events = {});

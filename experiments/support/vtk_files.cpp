@@ -1,6 +1,7 @@
 #include "vtk_files.h"
 
 #include "outlines.h"
+#include "solids.h"
 
 #include <orthant/core/support/file.h>
 
@@ -19,36 +20,98 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The cells of one moment, as text.
+class Cells {
+ public:
+  explicit Cells(int omega_components) : omega_components_(omega_components) {
+    points_.precision(17), velocity_.precision(17), omega_.precision(17);
+  }
+  void point(double x, double y, double z) { points_ << x << ' ' << y << ' ' << z << '\n', ++count_; }
+  /// Ends a cell: of the next points, where `corners` is empty; else of those.
+  void end(int type, BodyId body, const std::string& velocity, const std::string& omega, std::size_t first = 0,
+           const std::vector<int>& corners = {}) {
+    if (corners.empty())
+      for (; joined_count_ < count_; ++joined_count_) joined_ << joined_count_ << ' ';
+    for (const int corner : corners) joined_ << first + static_cast<std::size_t>(corner) << ' ';
+    joined_count_ += corners.size(), ++cells_;
+    ends_ << joined_count_ << ' ', types_ << type << ' ', body_ << body << ' ';
+    velocity_ << velocity << '\n', omega_ << omega << (omega_components_ == 1 ? ' ' : '\n');
+  }
+  std::size_t count() const { return count_; }
+
+  std::string text() const {
+    const auto array = [](const char* type, const char* name, int components, const std::ostringstream& data) {
+      return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+             std::to_string(components) + "\" format=\"ascii\">\n" + data.str() + "\n</DataArray>\n";
+    };
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
+           std::to_string(count_) + "\" NumberOfCells=\"" + std::to_string(cells_) + "\">\n<Points>\n" +
+           array("Float64", "position", 3, points_) + "</Points>\n<Cells>\n" +
+           array("Int64", "connectivity", 1, joined_) + array("Int64", "offsets", 1, ends_) +
+           array("UInt8", "types", 1, types_) + "</Cells>\n<CellData>\n" + array("Int32", "body", 1, body_) +
+           array("Float64", "velocity", 3, velocity_) + array("Float64", "omega", omega_components_, omega_) +
+           "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  }
+
+ private:
+  int omega_components_;
+  std::ostringstream points_, joined_, ends_, types_, body_, velocity_, omega_;
+  std::size_t count_ = 0, joined_count_ = 0, cells_ = 0;
+};
+
+constexpr int kPolyLine = 4, kPolygon = 7;  // VTK's numbers
+
+std::string numbers(const double* x, int count) {
+  std::ostringstream text;
+  text.precision(17);
+  for (int i = 0; i < count; ++i) text << (i > 0 ? " " : "") << (x ? x[i] : 0);
+  return text.str();
+}
+
 /// One moment: `row` begins with t, then x, y, θ, ẋ, ẏ, ω of each body.
 std::string vtu_of(const std::vector<Outline>& shapes, const double* row) {
-  std::ostringstream points, joined, ends, types, body, velocity, omega;
-  points.precision(17), velocity.precision(17), omega.precision(17);
-  std::size_t count = 0;
+  Cells cells(1);
   for (const Outline& shape : shapes) {
     const double* pose = shape.body == kGround ? nullptr : row + 1 + 6 * shape.body;
     const double c = pose ? std::cos(pose[2]) : 1, s = pose ? std::sin(pose[2]) : 0;
-    for (const Vector2d& p : shape.corners) {
-      points << (pose ? pose[0] : 0) + c * p.x() - s * p.y() << ' ' << (pose ? pose[1] : 0) + s * p.x() + c * p.y()
-             << " 0\n";
-      joined << count++ << ' ';
-    }
-    ends << count << ' ';
-    types << (shape.closed ? 7 : 4) << ' ';  // VTK_POLYGON, VTK_POLY_LINE
-    body << shape.body << ' ';
-    velocity << (pose ? pose[3] : 0) << ' ' << (pose ? pose[4] : 0) << " 0\n";
-    omega << (pose ? pose[5] : 0) << ' ';
+    for (const Vector2d& p : shape.corners)
+      cells.point((pose ? pose[0] : 0) + c * p.x() - s * p.y(), (pose ? pose[1] : 0) + s * p.x() + c * p.y(), 0);
+    cells.end(shape.closed ? kPolygon : kPolyLine, shape.body, numbers(pose ? pose + 3 : nullptr, 2) + " 0",
+              numbers(pose ? pose + 5 : nullptr, 1));
   }
-  const auto array = [](const char* type, const char* name, int components, const std::ostringstream& data) {
-    return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
-           std::to_string(components) + "\" format=\"ascii\">\n" + data.str() + "\n</DataArray>\n";
-  };
-  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-         "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
-         std::to_string(count) + "\" NumberOfCells=\"" + std::to_string(shapes.size()) + "\">\n<Points>\n" +
-         array("Float64", "position", 3, points) + "</Points>\n<Cells>\n" + array("Int64", "connectivity", 1, joined) +
-         array("Int64", "offsets", 1, ends) + array("UInt8", "types", 1, types) + "</Cells>\n<CellData>\n" +
-         array("Int32", "body", 1, body) + array("Float64", "velocity", 3, velocity) +
-         array("Float64", "omega", 1, omega) + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  return cells.text();
+}
+
+struct Surface {
+  BodyId body = kGround;
+  Faces faces;
+};
+
+/// In space `row` begins with t, then x, y, z, q (4), ẋ, ẏ, ż, ω (3) of each body.
+std::string vtu_of(const std::vector<Surface>& surfaces, const double* row) {
+  Cells cells(3);
+  for (const Surface& one : surfaces) {
+    const double* pose = one.body == kGround ? nullptr : row + 1 + 13 * one.body;
+    const Vector3d x = pose ? Vector3d(pose[0], pose[1], pose[2]) : Vector3d(0, 0, 0);
+    const Eigen::Matrix3d turn =
+        pose ? quaternions::matrix_of(Eigen::Map<const Eigen::Vector4d>(pose + 3)) : Eigen::Matrix3d::Identity();
+    const std::size_t first = cells.count();
+    for (const Vector3d& p : one.faces.points) {
+      const Vector3d at = x + turn * p;
+      cells.point(at.x(), at.y(), at.z());
+    }
+    const std::string velocity = numbers(pose ? pose + 7 : nullptr, 3), omega = numbers(pose ? pose + 10 : nullptr, 3);
+    for (const auto& face : one.faces.faces) cells.end(kPolygon, one.body, velocity, omega, first, face);
+  }
+  return cells.text();
+}
+
+std::vector<Outline> shapes_of(const Scene& scene) { return outlines(scene); }
+std::vector<Surface> shapes_of(const spatial::Scene& scene) {
+  std::vector<Surface> all;
+  for (const DrawnSolid& solid : solids(scene)) all.push_back({solid.body, surface(solid)});
+  return all;
 }
 
 /// NAME_7.vtu of the folder NAME.
@@ -80,9 +143,9 @@ void exchange(const fs::path& a, const fs::path& b) {
 }
 
 /// Writes the moments into `folder`; the index's text, for a folder that will be called `stem`.
-std::string write_moments(const fs::path& folder, const std::string& stem, const Scene& scene, std::size_t width,
-                          const std::vector<double>& table) {
-  const std::vector<Outline> shapes = outlines(scene);
+template <class Scene> std::string write_moments(const fs::path& folder, const std::string& stem, const Scene& scene,
+                                                 std::size_t width, const std::vector<double>& table) {
+  const auto shapes = shapes_of(scene);
   std::ostringstream index;
   index.precision(17);
   index << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
@@ -96,9 +159,8 @@ std::string write_moments(const fs::path& folder, const std::string& stem, const
   return index.str();
 }
 
-}  // namespace
-
-void write_vtk(const fs::path& file, const Scene& scene, std::size_t width, const std::vector<double>& table) {
+template <class Scene> void write_index_and_moments(const fs::path& file, const Scene& scene, std::size_t width,
+                                                    const std::vector<double>& table) {
   check_writable(file);
   const std::string stem = file.stem().string();
   try {
@@ -125,6 +187,16 @@ void write_vtk(const fs::path& file, const Scene& scene, std::size_t width, cons
   } catch (const fs::filesystem_error& error) {
     throw std::runtime_error("cannot write " + file.string() + ": " + error.code().message());
   }
+}
+
+}  // namespace
+
+void write_vtk(const fs::path& file, const Scene& scene, std::size_t width, const std::vector<double>& table) {
+  write_index_and_moments(file, scene, width, table);
+}
+
+void write_vtk(const fs::path& file, const spatial::Scene& scene, std::size_t width, const std::vector<double>& table) {
+  write_index_and_moments(file, scene, width, table);
 }
 
 }  // namespace orthant

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
 
 #include <filesystem>
 #include <vector>
@@ -14,6 +15,10 @@ namespace orthant {
 
 /// `table` has `width` columns: t, then x, y, θ, ẋ, ẏ, ω of each body, then others. Throws std::runtime_error.
 void write_vtk(const std::filesystem::path& file, const Scene& scene, std::size_t width,
+               const std::vector<double>& table);
+
+/// In space: surfaces of solids.h as polygons; t, then x, y, z, quaternion, velocity, ω of each body, then others.
+void write_vtk(const std::filesystem::path& file, const spatial::Scene& scene, std::size_t width,
                const std::vector<double>& table);
 
 }  // namespace orthant

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <variant>
 
 namespace orthant {
 namespace {
@@ -63,10 +64,10 @@ class Along {
   double impulse = 0, friction_impulse = 0, first_touch = kInf, touching = 0;
   double first_release = kInf, last_release = kInf;
 
-  void add(const Moment& moment) {
+  template <class Space> void add(const MomentOf<Space>& moment) {
     const double t = moment.state.t;
     double normal = 0;
-    for (const Impulse& one : moment.impulses) normal += one.normal, friction_impulse += std::abs(one.tangent);
+    for (const auto& one : moment.impulses) normal += one.normal, friction_impulse += size_of(one.tangent);
     impulse += normal;
     if (t - last_ > (kBridged + 0.5) * clock_.step && last_ - since_ > kLasting * clock_.duration) {
       first_release = std::min(first_release, last_), last_release = last_;
@@ -88,17 +89,33 @@ class Along {
 constexpr double kLong = 0.1;  // [s] two runs of this length are measured well enough
 constexpr int kLeast = 2;      // runs, for a scatter
 
-void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
-  const System system(make_scene(c.scene, c.sets()));
-  const auto columns = trajectory_columns(system.scene());
+/// Coordinates of joints, which are measures in space, followed along a run.
+template <class Space> struct Followed {
+  explicit Followed(const SystemOf<Space>&) {}
+  void add(const State&) {}
+  std::vector<double> values;
+};
+template <> struct Followed<Spatial> {
+  explicit Followed(const SystemOf<Spatial>& system) : coordinates(system) {}
+  void add(const State& x) { values = coordinates.at(x); }
+  JointCoordinates coordinates;
+  std::vector<double> values;
+};
+
+template <class Scene> void run_in(ResultRow& row, const Case& c, std::optional<double> reference, const Scene& scene) {
+  using Space = std::conditional_t<std::is_same_v<Scene, orthant::Scene>, Planar, Spatial>;
+  const SystemOf<Space> system(scene);
+  const auto columns = measures_of(scene);
   const auto column = std::find(columns.begin(), columns.end(), c.measure);
   if (column == columns.end()) throw std::invalid_argument("measure '" + c.measure + "': the scene has no such column");
   const Clock clock{.step = c.step, .duration = c.duration};
   Along along(clock);
-  Drift drift(system);
+  Drift<Space> drift(system);
+  Followed<Space> joints(system);
   const auto integrator = make_integrator(c.integrator_spec(), system);
-  const Run run = simulate(*integrator, *make_solver(c.solver), clock,
-                           [&](const Moment& moment) { along.add(moment), drift.add(moment.state); });
+  const Run run = simulate(*integrator, *make_solver(c.solver), clock, [&](const MomentOf<Space>& moment) {
+    along.add(moment), drift.add(moment.state), joints.add(moment.state);
+  });
   double seconds = c.repeats > 0 ? kInf : run.seconds, slowest = 0;
   for (int i = 0; i < c.repeats && (i < kLeast || seconds < kLong); ++i) {  // once more, to be timed: nothing recorded
     const auto again = make_integrator(c.integrator_spec(), system);
@@ -113,6 +130,7 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
   append_row(system,
              {run.final, {}, integrator->gaps(), integrator->impulses(), integrator->frictions(), integrator->events()},
              last);
+  last.insert(last.end(), joints.values.begin(), joints.values.end());
   const double value = last[static_cast<std::size_t>(column - columns.begin())];
   if (c.known) {
     reference = c.known;
@@ -153,6 +171,10 @@ void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
                                                         ", solver " + c.solver + ", case " + c.key());
 }
 
+void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
+  std::visit([&](const auto& scene) { run_in(row, c, reference, scene); }, make_any_scene(c.scene, c.sets()));
+}
+
 /// The file that this code was loaded from: the program, or the Python package's module.
 std::string whole_program() {
   const auto here = reinterpret_cast<std::uintptr_t>(&fingerprint);
@@ -169,6 +191,15 @@ std::string whole_program() {
 }
 
 }  // namespace
+
+std::vector<std::string> measures_of(const Scene& scene) { return trajectory_columns(scene); }
+std::vector<std::string> measures_of(const spatial::Scene& scene) {
+  auto columns = trajectory_columns(scene);
+  const SystemOf<Spatial> system(scene);
+  const auto joints = JointCoordinates(system).names();
+  columns.insert(columns.end(), joints.begin(), joints.end());
+  return columns;
+}
 
 std::string revision() {
   static const std::string text = [] {

@@ -6,6 +6,7 @@
 // Of two different cases in a million the keys are alike with probability 3e-8.
 #pragma once
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <nlohmann/json.hpp>
 
 #include <optional>
@@ -25,7 +26,7 @@ struct Case {
   std::string integrator, solver;                                  // specs, without the tolerance below
   std::optional<double> rtol;     // given to the integrator as rtol, with atol = max(rtol / 1000, 1e-15)
   double step = 0, duration = 0;  // [s]
-  std::string measure;            // a column of the trajectory (trajectory.h), at the end of the run
+  std::string measure;            // of measures_of(), at the end of the run
   std::string reference;          // "exact" (the slider-crank's table), an integrator's spec, or empty: no error
   std::optional<double> known;    // where the reference is a number or a table: its value; `reference` says where from
   int repeats = 0;                // 0: among others on all cores; else alone on the machine, the fastest of so many
@@ -54,6 +55,10 @@ ResultRow unfinished_row(const Case& c, const std::string& status, const std::st
 
 /// The exact measure. Throws std::invalid_argument where the table has none.
 double exact_measure(const Case& c);
+
+/// Columns of a trajectory; in space the coordinates of joints too, NAME.angle and NAME.displacement.
+std::vector<std::string> measures_of(const Scene& scene);
+std::vector<std::string> measures_of(const spatial::Scene& scene);
 
 /// The revision that keys are made of.
 std::string revision();

@@ -2,8 +2,7 @@
 //
 //   energy   |E − E₀| [J]
 //   momentum |Σ m v − P₀| [N s],  spin |Σ m (x × v) + J ω − L₀| [N m s] about the origin; of isolated systems: no
-//                                 gravity,
-//            no load, drive or coordinate law, and nothing that holds or touches the ground. Else NaN.
+//            gravity, no load, drive or coordinate law, and nothing that holds or touches the ground. Else NaN.
 // That energy falls where there is friction or e < 1 is no fault: which of the figures must be zero is for the reader.
 #pragma once
 
@@ -11,9 +10,14 @@
 
 namespace orthant {
 
-class Drift {
+/// Linear and angular momentum about the origin; in the plane their parts x, y and about z.
+struct Momenta {
+  Eigen::Vector3d linear{0, 0, 0}, angular{0, 0, 0};
+};
+
+template <class Space> class Drift {
  public:
-  explicit Drift(const System& system);
+  explicit Drift(const SystemOf<Space>& system);
   /// The first state is the start.
   void add(const State& x);
 
@@ -22,10 +26,10 @@ class Drift {
   double spin() const { return spin_; }
 
  private:
-  const System& system_;
+  const SystemOf<Space>& system_;
   bool started_ = false;
   double energy_0_ = 0, energy_ = 0, momentum_, spin_;
-  Eigen::Vector3d start_{0, 0, 0};  // P, L
+  Momenta start_;
 };
 
 }  // namespace orthant

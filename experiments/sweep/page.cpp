@@ -70,6 +70,22 @@ Json table_at(const Json& table, const std::string& where, const char* key) {
   return part;
 }
 
+template <class Scene> void check_run_of(const Json& animation, const Json& run, const Scene& scene) {
+  constexpr bool planar = std::is_same_v<Scene, orthant::Scene>;
+  const SystemOf<std::conditional_t<planar, Planar, Spatial>> system(scene);
+  const double duration = animation.value("duration", system.scene().duration);
+  if (run.contains("step") && !(duration <= kMostSteps * run["step"].get<double>()))
+    refuse("animation.runs.step", detail::text_of(run["step"].get<double>()),
+           "must make at most a million steps of the animation's " + detail::text_of(duration) + " s");
+  make_integrator(run["integrator"].get<std::string>(), system);
+  make_solver(run.value("solver", planar ? "lemke" : "auto"));
+  if (!animation.contains("magnify")) return;
+  if (!planar) refuse("animation.magnify", animation["magnify"].dump(), "must be absent where the scene is in space");
+  const auto is_magnified = [&](const auto& body) { return body.name == animation["magnify"]; };
+  if (std::ranges::none_of(system.scene().bodies, is_magnified))
+    refuse("animation.magnify", animation["magnify"].dump(), "must be a body of the scene");
+}
+
 void check_animation(const Json& animation, const SceneWith& scene) {
   check_keys(animation, "animation.", {"title", "note", "set", "magnify", "seconds", "duration", "runs"});
   check_texts(animation, "animation.", {"title"}, {"note", "magnify"});
@@ -84,16 +100,7 @@ void check_animation(const Json& animation, const SceneWith& scene) {
     check_number(run, "animation.runs.", "step", 1e-15, 1e9);
     Json set = table_at(animation, "animation.", "set");
     set.update(table_at(run, "animation.runs.", "set"));
-    const System system(scene(sets_of(set)));
-    const double duration = animation.value("duration", system.scene().duration);
-    if (run.contains("step") && !(duration <= kMostSteps * run["step"].get<double>()))
-      refuse("animation.runs.step", detail::text_of(run["step"].get<double>()),
-             "must make at most a million steps of the animation's " + detail::text_of(duration) + " s");
-    make_integrator(run["integrator"].get<std::string>(), system);
-    make_solver(run.value("solver", "lemke"));
-    const auto is_magnified = [&](const Body& body) { return body.name == animation["magnify"]; };
-    if (animation.contains("magnify") && std::ranges::none_of(system.scene().bodies, is_magnified))
-      refuse("animation.magnify", animation["magnify"].dump(), "must be a body of the scene");
+    std::visit([&](const auto& made) { check_run_of(animation, run, made); }, scene(sets_of(set)));
   }
 }
 

@@ -2,7 +2,8 @@
 // checked when the file is read, before anything is computed.
 #pragma once
 
-#include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
+
 #include <nlohmann/json.hpp>
 
 #include <functional>
@@ -29,7 +30,7 @@ nlohmann::ordered_json one_by_one(const nlohmann::ordered_json& figures);
 void check_figures(const nlohmann::ordered_json& figures, const std::set<std::string>& parameters);
 
 /// The sweep's scene with KEY=VALUE set.
-using SceneWith = std::function<Scene(const std::vector<std::string>& sets)>;
+using SceneWith = std::function<AnyScene(const std::vector<std::string>& sets)>;
 
 /// [[animation]]: a list of tables, of runs of a scene; each run of a million steps at most. Of a file's own words, and
 /// once more of what a results file holds, which may be anybody's.

@@ -61,6 +61,9 @@ std::string shown(const Json& value) {
   return is_special ? detail::text_of(value.get<double>()) : value.dump();
 }
 
+void check_scene(const Scene& scene) { check(scene); }
+void check_scene(const spatial::Scene& scene) { check(scene); }
+
 /// Reads one file: where, for messages; the parts of a grid one by one.
 class Reader {
  public:
@@ -166,7 +169,7 @@ class Reader {
       if (!page["animation"].empty() && common_.scene.empty())
         throw std::invalid_argument("animation: needs a scene of the whole sweep");
       check_animations(page["animation"],
-                       [&](const std::vector<std::string>& sets) { return make_scene(common_.scene, sets); });
+                       [&](const std::vector<std::string>& sets) { return make_any_scene(common_.scene, sets); });
       return 0;
     });
     if (root_.contains("duration"))
@@ -205,7 +208,7 @@ class Reader {
     c.scene = name, c.scene_text.clear();
     if (is_built_in(name)) return;
     if (const auto near = file_.parent_path() / name; std::filesystem::exists(near)) c.scene = near.string();
-    const Scene scene = in_file(key, [&] { return make_scene(c.scene); });  // throws, in words
+    in_file(key, [&] { return make_any_scene(c.scene); });  // throws, in words
     c.scene_text = read_scene_text(c.scene);
   }
 
@@ -255,7 +258,7 @@ class Reader {
     }
     combine("grid.integrator", grid["integrator"],
             [&](Case& c, const Json& value) { c.integrator = word("grid.integrator", value); });
-    combine("grid.solver", grid.value("solver", Json("lemke")),
+    combine("grid.solver", grid.value("solver", Json("")),  // by the scene's dimension, see set_times()
             [&](Case& c, const Json& value) { c.solver = word("grid.solver", value); });
     if (grid.contains("scene"))
       combine("grid.scene", grid["scene"], [&](Case& c, const Json& value) {
@@ -286,21 +289,31 @@ class Reader {
   /// The scene's own step and duration, where the file has none; every scene is read once, so that bad parameters are
   /// reported before anything runs.
   void set_times(std::vector<Case>& all, const Json& grid) const {
-    std::map<std::pair<std::string, std::vector<std::string>>, Clock> known;
+    struct Own {
+      Clock clock;
+      bool planar = true;
+    };
+    std::map<std::pair<std::string, std::vector<std::string>>, Own> known;
     for (Case& c : all) {
       const auto [at, fresh] = known.try_emplace({c.scene, c.sets()});
       if (fresh) {
-        const Scene scene = in_file("grid.set", [&] { return make_scene(c.scene, c.sets()); });
-        in_file("grid.set", [&] { return orthant::check(scene), 0; });
-        const auto columns = trajectory_columns(scene);
-        if (std::find(columns.begin(), columns.end(), c.measure) == columns.end())
-          fail("measure", '"' + c.measure + '"', "the scene has no such column");
-        at->second = {.step = scene.step, .duration = scene.duration};
+        const AnyScene any = in_file("grid.set", [&] { return make_any_scene(c.scene, c.sets()); });
+        std::visit(
+            [&](const auto& scene) {
+              in_file("grid.set", [&] { return check_scene(scene), 0; });
+              const auto columns = measures_of(scene);
+              if (std::find(columns.begin(), columns.end(), c.measure) == columns.end())
+                fail("measure", '"' + c.measure + '"', "the scene has no such column");
+              at->second = {{.step = scene.step, .duration = scene.duration},
+                            std::is_same_v<decltype(scene), const Scene&>};
+            },
+            any);
       }
-      c.step = at->second.step;
+      if (c.solver.empty()) c.solver = at->second.planar ? "lemke" : "auto";  // which takes friction discs
+      c.step = at->second.clock.step;
       c.duration = grid.contains("duration")    ? number("grid.duration", grid["duration"], 1e-12, 1e9)
                    : root_.contains("duration") ? number("duration", root_["duration"], 1e-12, 1e9)
-                                                : at->second.duration;
+                                                : at->second.clock.duration;
     }
   }
 

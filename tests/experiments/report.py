@@ -14,7 +14,8 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
-         "--disable-background-networking", "--disable-component-update", "--hide-scrollbars")
+         "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
+         "--enable-unsafe-swiftshader")  # WebGL without a graphics card
 checks, wrong = 0, []
 
 

@@ -63,7 +63,7 @@ def test_what_is_wrong_is_named(tmp_path):
         orthant.simulate(ball(), step=-1)
     with pytest.raises(ValueError, match="every = 0: must be a whole number"):
         orthant.simulate(ball(), every=0)
-    for key, bad in (("step", "a"), ("duration", [1]), ("every", 0.5), ("integrator", 3), ("solver", None)):
+    for key, bad in (("step", "a"), ("duration", [1]), ("every", 0.5), ("integrator", 3), ("solver", 3)):
         with pytest.raises(TypeError, match=f"{key} = .*: must be"):
             orthant.simulate(ball(), **{key: bad})
     with pytest.raises(ValueError, match="unknown integrator 'eulr'|'eulr'"):

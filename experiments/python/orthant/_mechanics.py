@@ -1,4 +1,4 @@
-"""Planar mechanisms: scenes built in a few lines or read from TOML, and their motion as arrays."""
+"""Mechanisms in the plane and in space: scenes built in a few lines or read from TOML, and their motion as arrays."""
 
 from __future__ import annotations
 
@@ -56,6 +56,12 @@ class Scene:
     >>> scene.add("body", name="ball", mass=1, inertia=0.004, position=[0, 1])
     >>> scene.add("contact", type="disc-wall", body="ball", radius=0.1, wall={"normal": [0, 1]}, e_n=0.5)
 
+    In space, with dimension=3 (keys: core/scenes/space.md):
+
+    >>> scene = Scene(dimension=3, gravity=[0, 0, -9.81], duration=1.0)
+    >>> scene.add("body", name="ball", mass=1, inertia=0.004, position=[0, 0, 1], omega=[9, 0, 0])
+    >>> scene.add("contact", type="sphere-wall", body="ball", radius=0.1, wall={"normal": [0, 0, 1]}, mu=0.3)
+
     Scene.load("FILE.toml") reads a file, Scene.parse(text) a text, Scene.named("slider_crank", mu=0.1) a built-in one.
     """
 
@@ -68,7 +74,7 @@ class Scene:
     def add(self, kind: str, **keys: Any) -> None:
         """One more element: "body", "joint", "contact", ...; keys as in the scene format. `simulate` checks them.
 
-        A contact of type="custom" is written in Python; custom contacts come behind all others. Its keys:
+        A contact of type="custom" is written in Python, in planar scenes; custom contacts come behind all others. Its keys:
 
         - bodies=["a", "b"] (one may be "ground");
         - gap(pose_a, pose_b) -> float [m], > 0: open; a pose is (x, y, angle);
@@ -170,9 +176,14 @@ class Scene:
         """The bodies' names, in the order of coordinates."""
         return self._checked().bodies
 
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return self._checked().dimension
+
     def draw(self, *, file: Union[str, os.PathLike[str], None] = None, axes: Any = None) -> Any:
         """The scene at its start, by matplotlib: into `axes`, else a figure of its own; file: also written there, .svg, .png or
-        .pdf. Returns the axes."""
+        .pdf. Returns the axes. In space they are three-dimensional ones (projection="3d")."""
         checked = self._checked()
         return draw_pose(checked, checked.initial, file, axes)
 
@@ -213,13 +224,18 @@ class Trajectory:
     summary: status, time reached, worst joint residual, penetration, ...
     unsolved: the Problem that stopped it, else None.
     warnings: what the run warned of, a list of texts; why: in words, why it ended, and those warnings.
+    final: the last row by column.
+
+    In space `final` and trajectory["NAME"] have the coordinates of joints too, which are no columns of the table:
+    "JOINT.angle" [rad], followed through full turns from row to row, and "JOINT.displacement" [m].
     """
 
     def __init__(self, scene: _orthant._Scene, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any],
-                 unsolved: Optional[Problem], events: tuple[Any, ...], warned: list[str]) -> None:
+                 unsolved: Optional[Problem], events: tuple[Any, ...], warned: list[str],
+                 joints: dict[str, npt.NDArray[np.float64]]) -> None:
         self.columns, self.table, self.summary, self.unsolved = columns, table, summary, unsolved
         self.warnings = warned
-        self._scene, self._events = scene, events
+        self._scene, self._events, self._joints = scene, events, joints
         self._place = {name: i for i, name in enumerate(columns)}
 
     @property
@@ -260,9 +276,18 @@ class Trajectory:
         """(rows,) [s]"""
         return self["t"]
 
+    @property
+    def final(self) -> dict[str, float]:
+        """The last row by column, in space with the coordinates of joints."""
+        row = dict(zip(self.columns, self.table[-1].tolist()))
+        row.update((name, float(values[-1])) for name, values in self._joints.items())
+        return row
+
     def __getitem__(self, column: str) -> npt.NDArray[np.float64]:
+        if column in self._joints:
+            return self._joints[column]
         if column not in self._place:
-            raise KeyError(f"{column}: must be one of {', '.join(self.columns)}")
+            raise KeyError(f"{column}: must be one of {', '.join([*self.columns, *self._joints])}")
         return self.table[:, self._place[column]]
 
     def __len__(self) -> int:
@@ -307,7 +332,8 @@ class Trajectory:
     def _poses(self, row: int) -> npt.NDArray[np.float64]:
         import numpy as np
 
-        places = [self._place[f"{body}.{part}"] for body in self._scene.bodies for part in ("x", "y", "theta")]
+        parts = ("x", "y", "theta") if self._scene.dimension == 2 else ("x", "y", "z", "qw", "qx", "qy", "qz")
+        places = [self._place[f"{body}.{part}"] for body in self._scene.bodies for part in parts]
         return np.asarray(self.table[row, places])
 
     def film(self, file: Union[str, os.PathLike[str]], *, speed: float = 1.0, fps: int = 25) -> None:
@@ -316,7 +342,8 @@ class Trajectory:
         write_film(self, path("file", file), float(speed), whole("fps", fps, 1, 1000))
 
     def write(self, file: Union[str, os.PathLike[str]]) -> None:
-        """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the outlines, for ParaView).
+        """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the outlines or surfaces, for
+        ParaView).
         Events go into NAME.events.csv next to it, or into the HDF5 file's group "events"."""
         _orthant._write_trajectory(path("file", file), self._scene, self.columns, self.table, self._events)
 
@@ -330,18 +357,19 @@ def _stops(rounded: str) -> bool:
     return rounded == "stop"
 
 
-def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "lemke",
-             step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
+def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean",
+             solver: Optional[str] = None, step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
              time_limit: Optional[float] = None, rounded: str = "take", check: bool = False) -> Trajectory:
-    """Run a scene: a Scene, a built-in name or a TOML file.
+    """Run a scene in the plane or in space: a Scene, a built-in name or a TOML file.
 
-    integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
+    integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". solver by default: "lemke", in space "auto",
+    which takes friction discs. step, duration: [s], default the
     scene's. every: record every so many steps. time_limit: [s] of wall time; what is done by then is kept, with the status
     'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C raises Interrupted, whose `run` is what is done by then.
     rounded: what to do with a step whose problem is 'rounded' only, "take" (counted in summary["rounded_steps"], with a
     warning) or "stop" (the run ends before it).
     check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an estimate)
-    and "digits" (significant decimal digits that agree) of the last state.
+    and "digits" (significant decimal digits that agree) of the last state. In the plane only, as warnings.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
     What `orthant simulate` warns of is an OrthantWarning here, and in the run's `warnings`.
     """
@@ -352,12 +380,12 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
         warned.append(words)
         warnings.warn(words, OrthantWarning, stacklevel=3)
 
-    columns, table, summary, unsolved, events, interruption = _orthant._simulate(
+    columns, table, summary, unsolved, events, interruption, joints, angles = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
-        word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"), seconds("step", step), seconds("duration", duration),
-        whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
+        None if solver is None else word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"),
+        seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
         warn)
-    trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned)
+    trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)))
     if isinstance(interruption, KeyboardInterrupt):
         raise Interrupted(trajectory)
     if interruption is not None:

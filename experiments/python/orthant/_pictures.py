@@ -12,6 +12,7 @@ import tempfile
 from typing import TYPE_CHECKING, Any, Callable, Sequence, Union
 
 from . import _orthant
+from ._solids import SolidSketch
 from ._spec import path
 
 if TYPE_CHECKING:
@@ -23,8 +24,9 @@ if TYPE_CHECKING:
     File = Union[str, os.PathLike[str], None]
     Poses = npt.NDArray[np.float64]
 
-_UNITS = {"x": "m", "y": "m", "gap": "m", "theta": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s", "impulse_n": "N s",
-          "impulse_t": "N s", "impulse": "N s", "energy": "J", "penetration": "m", "joint_residual": "m"}
+_UNITS = {"x": "m", "y": "m", "z": "m", "gap": "m", "theta": "rad", "angle": "rad", "displacement": "m", "vx": "m/s",
+          "vy": "m/s", "vz": "m/s", "omega": "rad/s", "wx": "rad/s", "wy": "rad/s", "wz": "rad/s", "impulse_n": "N s",
+          "impulse_t": "N s", "impulse_t1": "N s", "impulse_t2": "N s", "impulse": "N s", "energy": "J", "penetration": "m", "joint_residual": "m"}
 _COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56a0d3", "#6b4fa0", "#8a4b2a", "#444c55"]
 _LARGEST_FRAME = 8 << 20  # [bytes] of a page inside a notebook
 
@@ -52,7 +54,7 @@ def in_frame(page: str, words: str) -> str:
             f'style="border: 0" title="{html.escape(words)}"></iframe>')
 
 
-def _axes(axes: Any, **size: Any) -> Any:
+def _axes(axes: Any, projection: Any = None, **size: Any) -> Any:
     if axes is not None:
         return axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -60,12 +62,13 @@ def _axes(axes: Any, **size: Any) -> Any:
 
     figure = Figure(**size)  # of no window: nothing stays open
     FigureCanvasAgg(figure)
-    return figure.add_subplot()
+    return figure.add_subplot(projection=projection)
 
 
 def _saved(axes: Any, file: File) -> Any:
     if file is not None:
-        axes.figure.savefig(path("file", file), bbox_inches="tight", dpi=150)
+        room = 0.3 if axes.name == "3d" else 0.1  # [inches] matplotlib forgets the label of z
+        axes.figure.savefig(path("file", file), bbox_inches="tight", pad_inches=room, dpi=150)
     return axes
 
 
@@ -89,7 +92,9 @@ def plot_columns(run: Trajectory, columns: Sequence[str], file: File, axes: Any)
 
 
 class _Sketch:
-    """The drawing of a scene: points of bodies moved into a pose."""
+    """The drawing of a planar scene: points of bodies moved into a pose."""
+
+    projection = None
 
     def __init__(self, scene: _orthant._Scene) -> None:
         drawing = json.loads(scene.drawing)
@@ -129,6 +134,14 @@ class _Sketch:
             axes.plot(*self.place(poses, pin["body"], pin["point"]), "o", color="white", mec="#1b1f24", ms=5, zorder=5)
         axes.set(xlim=limits[:2], ylim=limits[2:], xlabel="x [m]", ylabel="y [m]")
 
+    @staticmethod
+    def limits(points: list[tuple[float, float]]) -> tuple[float, float, float, float]:
+        return _limits(points)
+
+
+def _sketch(scene: _orthant._Scene) -> Any:
+    return _Sketch(scene) if scene.dimension == 2 else SolidSketch(scene, _COLOURS)
+
 
 def _limits(points: list[tuple[float, float]]) -> tuple[float, float, float, float]:
     xs, ys = zip(*points)
@@ -139,9 +152,9 @@ def _limits(points: list[tuple[float, float]]) -> tuple[float, float, float, flo
 
 
 def draw_pose(scene: _orthant._Scene, poses: Poses, file: File, axes: Any) -> Any:
-    sketch = _Sketch(scene)
-    axes = _axes(axes, figsize=(6.4, 4.4), layout="constrained")
-    sketch.into(axes, poses, _limits(sketch.extent(poses)))
+    sketch = _sketch(scene)
+    axes = _axes(axes, sketch.projection, figsize=(6.4, 4.4), layout="constrained")
+    sketch.into(axes, poses, sketch.limits(sketch.extent(poses)))
     return _saved(axes, file)
 
 
@@ -159,10 +172,10 @@ def write_film(run: Trajectory, file: str, speed: float, fps: int) -> None:
     t = run.t
     count = max(2, int((t[-1] - t[0]) / speed * fps) + 1)
     rows = np.searchsorted(t, np.linspace(t[0], t[-1], count), side="right") - 1
-    sketch = _Sketch(run._scene)
+    sketch = _sketch(run._scene)
     corners = [point for row in rows[:: max(1, count // 100)] for point in sketch.extent(run._poses(int(row)))]
-    limits = _limits(corners)
-    axes = _axes(None, figsize=(6.4, 4.8), layout="constrained")
+    limits = sketch.limits(corners)
+    axes = _axes(None, sketch.projection, figsize=(6.4, 4.8), layout="constrained")
 
     def show(row: int) -> None:
         axes.clear()

@@ -60,19 +60,23 @@ def say(words: str) -> None:
 
 
 def fetch_page_parts() -> None:
-    """uPlot, which the report and the view are drawn with. An sdist has it already."""
+    """uPlot and three.js, which the report and the view are drawn with. An sdist has them already."""
     folder = ROOT / "experiments/report"
-    wanted = json.loads((folder / "package.json").read_text())["dependencies"]["uplot"]
-    present = folder / "node_modules/uplot/package.json"
-    if present.exists() and json.loads(present.read_text())["version"] == wanted:
+    wanted = json.loads((folder / "package.json").read_text())["dependencies"]
+
+    def present(library: str) -> bool:
+        package = folder / f"node_modules/{library}/package.json"
+        return package.exists() and json.loads(package.read_text())["version"] == wanted[library]
+    if present("uplot") and present("three") and (folder / "node_modules/three/build/three.bundle.js").exists():
         return
     npm = shutil.which("npm")
     if npm is None:
-        raise SystemExit("orthant: npm is needed to fetch uplot, the library that pages are drawn with:\n"
+        raise SystemExit("orthant: npm is needed to fetch uplot and three.js, the libraries that pages are drawn with:\n"
                          "  Debian, Ubuntu: apt-get install npm      Fedora: dnf install nodejs-npm\n"
                          "  Homebrew: brew install node              conda-forge: conda install -c conda-forge nodejs")
     subprocess.run([npm, "install", "--prefix", str(folder), "--no-package-lock", "--ignore-scripts", "--no-audit", "--no-fund",
                     "--loglevel=error"], check=True)
+    subprocess.run([npm, "run", "--prefix", str(folder), "--silent", "bundle"], check=True)
 
 
 def slim_hdf5() -> Optional[Path]:
@@ -140,6 +144,8 @@ def add_licences(wheel: Path, hdf5: Optional[Path]) -> None:
         lines.append("hdf5 (static)\n")
     texts["uplot"] = (ROOT / "experiments/report/node_modules/uplot/LICENSE").read_text()
     lines.append("uplot (script of the pages)\n")
+    texts["three"] = (ROOT / "experiments/report/node_modules/three/LICENSE").read_text()
+    lines.append("three.js (script of the pages of scenes in space)\n")
     lines.append(f"pybind11 {importlib.metadata.version('pybind11')} (headers, BSD-3-Clause)\n")
     with zipfile.ZipFile(wheel, "a", zipfile.ZIP_DEFLATED) as archive:  # auditwheel writes the RECORD anew
         archive.writestr("orthant/licenses/README.txt", NOTE + "".join(lines))
