@@ -280,9 +280,8 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   if constexpr (!kPlanar<Space>)
     kept.columns.insert(kept.columns.end(), coordinates->names().begin(), coordinates->names().end());
   auto json = summary(run, kept);
-  if constexpr (kPlanar<Space>)
-    if (arguments.check && run.status == Status::solved)
-      add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
+  if (arguments.check && run.status == Status::solved)
+    add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
   if (arguments.json) {
     json["warnings"] = warnings;
     if constexpr (kPlanar<Space>) json["event_table"] = events_to_json(scene, kept.events);
@@ -299,7 +298,6 @@ int run_simulate(SimulateArguments arguments) {
   const bool planar = std::holds_alternative<Scene>(scene);
   if (arguments.solver.empty()) arguments.solver = planar ? kPlanarSolver : kSpatialSolver;
   if (planar) return run_system(arguments, System(std::get<Scene>(std::move(scene))));
-  if (arguments.check) throw std::invalid_argument("--check: takes planar scenes only");
   return run_system(arguments, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(scene))));
 }
 
