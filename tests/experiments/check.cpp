@@ -99,7 +99,7 @@ TEST_CASE("check in space: no scheme claims more digits than are true") {
     double exact = 0;
   };
   // Closed forms of masse.h; published digits of the slider-crank (IFToMM) at 5 s, a quadrature of Bennett's linkage.
-  const KnownInSpace all[] = {{"massé", masse(), 1, 1e-3, "ball.x", 0.2366229545},
+  const KnownInSpace all[] = {{"massé", masse(), 1, 1e-3, "ball.x", 0.2366174053},
                               {"massé", masse(), 1, 1e-3, "ball.vy", 0.489857142857},
                               {"slider-crank", spatial_slider_crank(), 1, 1e-3, "slider.x", 0.21172166}};
   int sharp = 0, compared = 0;
