@@ -62,7 +62,7 @@ spatial::Scene dominoes(const Dominoes& p) {
   spatial::Body& first = floor.at(0);
   first.omega = {0, p.push / size.z(), 0};
   first.velocity = first.omega.cross(Vector3d(-size.x() / 2, 0, size.z() / 2));
-  return floor.done(1, 5e-4);
+  return floor.done(1, 1e-4);
 }
 
 spatial::Scene card_house(const CardHouse& p) {

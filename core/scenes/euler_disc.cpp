@@ -11,7 +11,7 @@ spatial::Scene euler_disc(const EulerDisc& p) {
   const double Omega = std::sqrt(4 * p.g / (p.radius * std::sin(tilt)));
   spatial::Scene s;
   s.gravity = {0, 0, -p.g};
-  s.step = 1e-4;
+  s.step = 1e-5;
   const auto disc = s.body({.name = "disc",
                             .mass = p.mass,
                             .inertia = p.mass * Vector3d(R2 / 4, R2 / 4, R2 / 2).asDiagonal(),

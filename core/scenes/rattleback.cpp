@@ -13,7 +13,7 @@ spatial::Scene rattleback(const Rattleback& p) {
   const double height = semi_axes.cwiseProduct(R.transpose() * Vector3d::UnitZ()).norm() - (R * centre).z();
   spatial::Scene s;
   s.gravity = {0, 0, -9.81};
-  s.duration = 10, s.step = 1e-3;
+  s.duration = 10, s.step = 1e-4;
   const Vector3d omega(0, 0, p.spin), lever = -semi_axes.cwiseAbs2().cwiseProduct(R.transpose() * Vector3d::UnitZ()) /
                                               semi_axes.cwiseProduct(R.transpose() * Vector3d::UnitZ()).norm();
   const auto stone = s.body({.name = "stone",

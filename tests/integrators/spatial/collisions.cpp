@@ -17,7 +17,8 @@ using namespace orthant;
 
 namespace {
 
-constexpr std::string_view kStackers[] = {"moreau-jean", "stewart-trinkle", "paoli-schatzman", "generalized-alpha"};
+// generalized-alpha stops and says so: the points of faces change while its position stage iterates.
+constexpr std::string_view kStackers[] = {"moreau-jean", "stewart-trinkle", "paoli-schatzman"};
 
 BodyId add_box(spatial::Scene& s, const Vector3d& size, const Vector3d& position,
                const Vector3d& velocity = {0, 0, 0}) {
@@ -165,10 +166,10 @@ TEST_CASE("a rattleback turns back when spun the wrong way, and only then") {
       const double now = world_omega(system, moment.state, 0).z();
       least = std::min(least, now), most = std::max(most, now);
     };
-    const Run run = run_in_space(system, "moreau-jean", 1e-3, 6, note);
+    const Run run = run_in_space(system, "moreau-jean", 1e-4, 8, note);
     CHECK(run.energy_final < run.energy_initial * (1 + 1e-3));
     if (spin < 0)
-      CHECK(most > 1);
+      CHECK(most > 2);
     else
       CHECK(least > 0);
   }
