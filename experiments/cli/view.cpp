@@ -5,6 +5,7 @@
 #include "../support/drawing.h"
 #include "../support/event_table.h"
 #include "../support/page_server.h"
+#include "../support/printable.h"
 #include "../support/status_line.h"
 #include "../support/stop_signal.h"
 #include "../support/trajectory.h"
@@ -39,6 +40,8 @@ struct Viewed {
   Status status = Status::solved;
 };
 
+std::string name_of(const ViewArguments& a) { return printable(std::filesystem::path(a.input).stem().string()); }
+
 std::string words_of(const ViewArguments& a, const Run& run, double step) {
   std::ostringstream text;
   text.precision(4);
@@ -57,7 +60,9 @@ Viewed of_scene(const ViewArguments& a) {
               .duration = a.duration.value_or(scene.duration),
               .time_limit = a.time_limit.value_or(kInf),
               .cancel = StopSignal::flag()};
-  clock.every = std::max(1L, std::lround(clock.duration / clock.step / kRecords));
+  PushLog pushes(system);
+  const bool pushing = PushLog::wanted(system, clock);  // each step is recorded then
+  if (!pushing) clock.every = std::max(1L, std::lround(clock.duration / clock.step / kRecords));
   RecordedRun record{trajectory_columns(scene), {}, {}, {}};
   std::vector<Event> events;
   const StopSignal stop;
@@ -66,15 +71,15 @@ Viewed of_scene(const ViewArguments& a) {
     run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
       append_row(system, moment, record.table);
       append_events(system, moment.events, events);
+      if (pushing) pushes.add(moment);
     });
   });
+  record.pushes = pushes.pushes();
   const auto names = event_contacts(scene);
   for (const Event& e : events)
     record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
                              names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
-  return {
-      view_data(std::filesystem::path(a.input).stem().string(), words_of(a, run, clock.step), record, drawing(scene)),
-      run.status};
+  return {view_data(name_of(a), words_of(a, run, clock.step), record, drawing(scene)), run.status};
 }
 
 Viewed of_file(const ViewArguments& a) {
@@ -91,7 +96,7 @@ Viewed of_file(const ViewArguments& a) {
   } else if (run.drawing.empty()) {
     std::cerr << "orthant: note: a CSV file holds no drawing: bodies are shown as points. --scene SCENE draws them\n";
   }
-  return {view_data(std::filesystem::path(a.input).stem().string(), "recorded in " + a.input, run, shown)};
+  return {view_data(name_of(a), "recorded in " + printable(a.input), run, shown)};
 }
 
 std::string output_of(const ViewArguments& a) {
