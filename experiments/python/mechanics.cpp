@@ -1,6 +1,6 @@
 // Scenes come as TOML text, the one format; runs go out as one table.
 #include "arrays.h"
-#include "custom_contact.h"
+#include "custom_elements.h"
 #include "interrupt.h"
 #include "module.h"
 
@@ -9,6 +9,7 @@
 #include "../support/check.h"
 #include "../support/drawing.h"
 #include "../support/event_table.h"
+#include "../support/pushes.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
 #include "../support/warnings.h"
@@ -31,14 +32,14 @@ struct MadeScene {
   std::optional<std::string> text;  // TOML; none: a built-in scene
   std::string name;                 // the built-in one's, or what messages call the text
   std::vector<std::string> sets;
-  std::vector<py::tuple> customs;  // contacts written in Python
+  std::vector<py::dict> customs;  // joints and contacts written in Python
   Scene scene;
 };
 
 MadeScene make(const std::optional<std::string>& text, const std::string& name, const std::vector<std::string>& sets,
-               const std::vector<py::tuple>& customs) {
+               const std::vector<py::dict>& customs) {
   MadeScene made{text, name, sets, customs, text ? parse_scene(*text, sets, name) : make_scene(name, sets)};
-  for (const py::tuple& custom : customs) add_custom_contact(custom_spec(custom), made.scene);
+  for (const py::dict& custom : customs) add_custom_element(custom, made.scene);
   if (!customs.empty()) check(made.scene);
   return made;
 }
@@ -86,6 +87,36 @@ std::vector<Event> events_of(const py::tuple& columns) {
   return events;
 }
 
+/// Rows t, collision, shapes a and b, point; x, y [m], normal, impulse [N s].
+py::array_t<double> push_table(const std::vector<Push>& pushes) {
+  py::array_t<double> table({static_cast<py::ssize_t>(pushes.size()), py::ssize_t{10}});
+  double* row = table.mutable_data();
+  for (const Push& p : pushes) {
+    const std::array<double, 10> entries = {p.t,
+                                            static_cast<double>(p.pair.collision),
+                                            static_cast<double>(p.pair.a),
+                                            static_cast<double>(p.pair.b),
+                                            static_cast<double>(p.pair.point),
+                                            p.point.x(),
+                                            p.point.y(),
+                                            p.normal.x(),
+                                            p.normal.y(),
+                                            p.impulse};
+    row = std::copy(entries.begin(), entries.end(), row);
+  }
+  return table;
+}
+
+std::vector<Push> pushes_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& table) {
+  std::vector<Push> pushes;
+  for (py::ssize_t i = 0; table.ndim() == 2 && table.shape(1) == 10 && i < table.shape(0); ++i) {
+    const double* x = table.data(i, 0);
+    const auto whole = [&](int k) { return static_cast<int>(x[k]); };
+    pushes.push_back({x[0], {whole(1), whole(2), whole(3), whole(4)}, {x[5], x[6]}, {x[7], x[8]}, x[9]});
+  }
+  return pushes;
+}
+
 /// `warn` is called with the words of each warning: before the run of those about its start.
 py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, const std::string& solver_spec,
                     std::optional<double> step, std::optional<double> duration, long every,
@@ -105,6 +136,8 @@ py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, c
   for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
   std::vector<double> table;
   std::vector<Event> events;
+  PushLog pushes(system);
+  const bool pushing = PushLog::wanted(system, clock);
   Run run;
   std::optional<CheckedRun> checked;
   {
@@ -112,6 +145,7 @@ py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, c
     run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
       append_row(system, moment, table);
       append_events(system, moment.events, events);
+      if (pushing) pushes.add(moment);
     });
     if (check && run.status == Status::solved) checked = check_run(system, integrator_spec, solver_spec, clock, run);
   }
@@ -123,7 +157,7 @@ py::tuple run_scene(const MadeScene& made, const std::string& integrator_spec, c
   if (run.status != Status::solved && integrator->problem().size() > 0) unsolved = py::cast(Lcp(integrator->problem()));
   py::dict d = summary(run);
   if (checked) d["check"] = check_of(*checked);
-  return py::make_tuple(columns, array, d, unsolved, event_columns(events), interruption);
+  return py::make_tuple(columns, array, d, unsolved, event_columns(events), interruption, push_table(pushes.pushes()));
 }
 
 void write_run(const std::filesystem::path& file, const MadeScene& made, const std::vector<std::string>& columns,
@@ -137,8 +171,9 @@ void write_run(const std::filesystem::path& file, const MadeScene& made, const s
 std::string page_of(const std::string& title, const std::string& note, const MadeScene& made,
                     const std::vector<std::string>& columns,
                     const py::array_t<double, py::array::c_style | py::array::forcecast>& table,
-                    const py::tuple& events) {
-  RecordedRun run{columns, {table.data(), table.data() + table.size()}, {}, {}};
+                    const py::tuple& events,
+                    const py::array_t<double, py::array::c_style | py::array::forcecast>& pushes) {
+  RecordedRun run{columns, {table.data(), table.data() + table.size()}, {}, {}, pushes_of(pushes)};
   const auto names = event_contacts(made.scene);
   for (const Event& e : events_of(events))
     run.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
@@ -152,7 +187,7 @@ std::string page_of(const std::string& title, const std::string& note, const Mad
 void add_mechanics(py::module_& m) {
   py::class_<MadeScene>(m, "_Scene")
       .def(py::init(&make), py::arg("text"), py::arg("name"), py::arg("sets"),
-           py::arg("customs") = std::vector<py::tuple>())
+           py::arg("customs") = std::vector<py::dict>())
       .def_readonly("text", &MadeScene::text)
       .def_readonly("name", &MadeScene::name)
       .def_readonly("sets", &MadeScene::sets)
@@ -173,10 +208,15 @@ void add_mechanics(py::module_& m) {
   m.def("_write_trajectory", &write_run);
   m.def("_view_page", &page_of);
   m.def("_set_folder_of_parts", &set_folder_of_parts);
-  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary) {
-    parse_scene(text, {}, name);  // a mistake is said now
+  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary,
+                              const std::vector<py::dict>& customs) {
+    make(text, name, {}, customs);                          // a mistake is said now
+    const auto* kept = new std::vector<py::dict>(customs);  // as long as the process lives, longer than the interpreter
     register_scene({name, summary,
-                    [name, text](std::span<const std::string> sets) { return parse_scene(text, sets, name); },
+                    [name, text, kept](std::span<const std::string> sets) {
+                      const py::gil_scoped_acquire lock;
+                      return make(text, name, {sets.begin(), sets.end()}, *kept).scene;
+                    },
                     [] { return std::vector<OptionEntry>(); }});
   });
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
