@@ -173,7 +173,7 @@ bool read_blocks(py::handle from, RowSparse& to) {
   return ascending_rows(to);
 }
 
-/// A sound compressed matrix of SciPy, by rows, columns or blocks, without a call of SciPy's. False: anything else, which
+/// A sound compressed matrix of SciPy, by rows, columns or blocks, without a call of SciPy. False: anything else, which
 /// the slower way takes or refuses.
 bool read_compressed(py::handle from, RowSparse& to) {
   const py::object format = py::getattr(from, "format", py::none());

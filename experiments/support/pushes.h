@@ -1,4 +1,4 @@
-// experiments/support/pushes.h — forces of searched collisions: which pairs pushed in a step, where, in which direction.
+// experiments/support/pushes.h — forces of searched collisions: which pairs pushed in a step, where, in which direction
 //
 //   A run's table has the sum of each collision alone; a view draws an arrow for each pair.
 #pragma once

@@ -22,7 +22,7 @@ namespace orthant {
 
 class Farkas {  // reuse it: the second problem of a size allocates nothing, up to 100 rows
  public:
-  static constexpr Index kTableau = 100;  // rows that the tableau takes; in pure form up to three times as many
+  static constexpr Index kTableau = 100;       // rows that the tableau takes; in pure form up to three times as many
   static constexpr Index kTableauAlone = 400;  // likewise in a build without CLP; about a second
 
   /// True when the linear program is infeasible, as far as the arithmetic tells; u is then a proof to be judged.
