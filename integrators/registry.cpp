@@ -34,30 +34,33 @@ template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const Syste
   return std::make_unique<SubstituteIntegrator>(system, Scheme::kName, Scheme::kCan, &make<Scheme>, text);
 }
 
-template <class Scheme> constexpr IntegratorEntry entry(std::string_view summary,
-                                                        IntegratorEntry::Make make_it = &make<Scheme>,
-                                                        IntegratorEntry::MakeSpatial make_spatial = nullptr) {
+template <class Scheme> IntegratorEntry entry(std::string_view summary,
+                                              const IntegratorEntry::Make& make_it = &make<Scheme>,
+                                              IntegratorEntry::MakeSpatial make_spatial = nullptr) {
   return {Scheme::kName, summary, make_it, make_spatial, &list_options<typename Scheme::Options>, Scheme::kCan};
 }
 
-constexpr IntegratorEntry kIntegrators[] = {
-    entry<MoreauJean>("theta stepping at velocity level; order 1 with impacts, 2 on smooth motion", &make<MoreauJean>,
-                      &make_in_space<MoreauJeanOf<Spatial>>),
-    entry<StewartTrinkle>("the linearized gap at the end of the step is unilateral; order 1", &make<StewartTrinkle>,
-                          &make_in_space<StewartTrinkleOf<Spatial>>),
-    entry<AnitescuPotra>("as stewart-trinkle, with convex relaxed friction; order 1"),
-    entry<PaoliSchatzman>("three positions, restitution between the outer two; order 1", &make<PaoliSchatzman>,
-                          &make_in_space<PaoliSchatzmanOf<Spatial>>),
-    entry<GeneralizedAlpha>("joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs",
-                            &make<GeneralizedAlpha>, &make_in_space<GeneralizedAlphaOf<Spatial>>),
-    entry<Rattle>("joints and gaps at both levels, symplectic; order 2 on smooth motion"),
-    entry<Adaptive>("to a tolerance: located events, dense output; no answer depends on the output step",
-                    &make_by_contacts<Adaptive>),
-    entry<EventDriven>("Runge-Kutta of order 8 between located events; for references", &make_by_contacts<EventDriven>),
-};
+std::vector<IntegratorEntry> built_in() {
+  return {
+      entry<MoreauJean>("theta stepping at velocity level; order 1 with impacts, 2 on smooth motion", &make<MoreauJean>,
+                        &make_in_space<MoreauJeanOf<Spatial>>),
+      entry<StewartTrinkle>("the linearized gap at the end of the step is unilateral; order 1", &make<StewartTrinkle>,
+                            &make_in_space<StewartTrinkleOf<Spatial>>),
+      entry<AnitescuPotra>("as stewart-trinkle, with convex relaxed friction; order 1"),
+      entry<PaoliSchatzman>("three positions, restitution between the outer two; order 1", &make<PaoliSchatzman>,
+                            &make_in_space<PaoliSchatzmanOf<Spatial>>),
+      entry<GeneralizedAlpha>("joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs",
+                              &make<GeneralizedAlpha>, &make_in_space<GeneralizedAlphaOf<Spatial>>),
+      entry<Rattle>("joints and gaps at both levels, symplectic; order 2 on smooth motion"),
+      entry<Adaptive>("to a tolerance: located events, dense output; no answer depends on the output step",
+                      &make_by_contacts<Adaptive>),
+      entry<EventDriven>("Runge-Kutta of order 8 between located events; for references",
+                         &make_by_contacts<EventDriven>),
+  };
+}
 
 std::vector<IntegratorEntry>& integrator_rows() {
-  static std::vector<IntegratorEntry> rows(std::begin(kIntegrators), std::end(kIntegrators));
+  static std::vector<IntegratorEntry> rows = built_in();
   return rows;
 }
 
@@ -85,7 +88,7 @@ std::unique_ptr<IntegratorOf<Spatial>> make_integrator(std::string_view spec, co
   const auto [name, options] = Spec::parse(spec);
   std::string known;
   bool planar = false;
-  for (const IntegratorEntry& entry : kIntegrators) {
+  for (const IntegratorEntry& entry : integrators()) {
     planar = planar || entry.name == name;
     if (entry.make_spatial == nullptr) continue;
     if (entry.name == name) return entry.make_spatial(system, options);

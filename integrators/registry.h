@@ -4,6 +4,7 @@
 #include <orthant/core/support/option_list.h>
 #include <orthant/integrators/integrator.h>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,12 +15,12 @@ namespace orthant {
 
 struct IntegratorEntry {
   std::string_view name, summary;
-  using Make = std::unique_ptr<Integrator> (*)(const System& system, std::string_view options);
+  using Make = std::function<std::unique_ptr<Integrator>(const System& system, std::string_view options)>;
   Make make;
   using MakeSpatial = std::unique_ptr<IntegratorOf<Spatial>> (*)(const SystemOf<Spatial>& system,
                                                                  std::string_view options);
-  MakeSpatial make_spatial;               // null: takes planar scenes only
-  std::vector<OptionEntry> (*options)();  // with defaults and ranges
+  MakeSpatial make_spatial;                           // null: takes planar scenes only
+  std::function<std::vector<OptionEntry>()> options;  // with defaults and ranges
   Capabilities can;
 };
 

@@ -27,18 +27,18 @@ template <class Space> class Recording {
     if (!record_) return;
     const auto begin = WallClock::now();
     take(integrator);
-    if (steps % every_ == 0 || last) write(x, report, integrator.gaps());
+    if (steps % every_ == 0 || last) write(x, report, integrator.gaps(), integrator.pairs());
     seconds += std::chrono::duration<double>(WallClock::now() - begin).count();
   }
   /// Where a failed step left the run, if that is not there already.
   void end(bool moved, const State& x, const StepReport& report, const Integrator& integrator) {
     if (!record_ || x.t == written_) return;
     if (moved) take(integrator);
-    write(x, report, integrator.gaps());
+    write(x, report, integrator.gaps(), moved ? integrator.pairs() : std::span<const Pair>());
   }
-  void write(const State& x, const StepReport& report, const Eigen::VectorXd& gaps) {
+  void write(const State& x, const StepReport& report, const Eigen::VectorXd& gaps, std::span<const Pair> pairs = {}) {
     if (!record_) return;
-    record_({x, report, gaps, sum_, friction_, events_});
+    record_({x, report, gaps, sum_, friction_, events_, pairs});
     written_ = x.t;
     events_.clear();
     std::fill(sum_.begin(), sum_.end(), Impulse{});

@@ -47,6 +47,7 @@ template <class Space> struct MomentOf {
   const std::vector<ImpulseOf<Space>>& impulses;  // one per contact [N s]
   const std::vector<double>& frictions;           // one per dry friction in joints [N m s, N s]
   std::span<const Event> events;                  // located, in order of time
+  std::span<const Pair> pairs = {};  // of the last step: behind the listed contacts, where collisions are searched
 };
 using Moment = MomentOf<Planar>;
 

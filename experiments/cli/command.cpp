@@ -9,6 +9,7 @@
 #include "../support/printable.h"
 
 #include <orthant/core/support/file.h>
+#include <orthant/solvers/proof/farkas_simplex.h>
 #include <orthant/solvers/registry.h>
 
 #include <algorithm>
@@ -35,6 +36,7 @@ nlohmann::ordered_json version() {
   const auto problem = orthant::Lcp::standard(orthant::DenseMatrix(Eigen::MatrixXd::Identity(1, 1)), {-1});
   for (const char* backend : {"ipopt", "nlopt"})
     m["backends"][backend] = orthant::make_solver(backend)->why_not(problem).empty();
+  m["backends"]["clp"] = orthant::has_simplex();
   return m;
 }
 

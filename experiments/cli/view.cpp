@@ -5,6 +5,7 @@
 #include "../support/drawing.h"
 #include "../support/event_table.h"
 #include "../support/page_server.h"
+#include "../support/printable.h"
 #include "../support/status_line.h"
 #include "../support/stop_signal.h"
 #include "../support/trajectory.h"
@@ -42,6 +43,8 @@ struct Viewed {
   Status status = Status::solved;
 };
 
+std::string name_of(const ViewArguments& a) { return printable(std::filesystem::path(a.input).stem().string()); }
+
 std::string words_of(const ViewArguments& a, const Run& run, double step) {
   std::ostringstream text;
   text.precision(4);
@@ -59,26 +62,31 @@ template <class Space> Viewed of_system(const ViewArguments& a, const SystemOf<S
               .duration = a.duration.value_or(scene.duration),
               .time_limit = a.time_limit.value_or(kInf),
               .cancel = StopSignal::flag()};
-  clock.every = std::max(1L, std::lround(clock.duration / clock.step / kRecords));
-  RecordedRun record{trajectory_columns(scene), {}, {}, {}};
+  std::conditional_t<kPlanar<Space>, std::optional<PushLog>, std::monostate> pushes;
+  bool pushing = false;  // each step is recorded then
+  if constexpr (kPlanar<Space>) pushes.emplace(system), pushing = PushLog::wanted(system, clock);
+  if (!pushing) clock.every = std::max(1L, std::lround(clock.duration / clock.step / kRecords));
+  RecordedRun record{trajectory_columns(scene), {}, {}, {}, {}};
   std::vector<Event> events;
   const StopSignal stop;
   Run run;
   with_elapsed_line("view", [&] {
     run = simulate(*integrator, *solver, clock, [&](const MomentOf<Space>& moment) {
       append_row(system, moment, record.table);
-      if constexpr (kPlanar<Space>) append_events(system, moment.events, events);
+      if constexpr (kPlanar<Space>) {
+        append_events(system, moment.events, events);
+        if (pushing) pushes->add(moment);
+      }
     });
   });
   if constexpr (kPlanar<Space>) {
+    record.pushes = pushes->pushes();
     const auto names = event_contacts(scene);
     for (const Event& e : events)
       record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
                                names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
   }
-  return {
-      view_data(std::filesystem::path(a.input).stem().string(), words_of(a, run, clock.step), record, drawing(scene)),
-      run.status};
+  return {view_data(name_of(a), words_of(a, run, clock.step), record, drawing(scene)), run.status};
 }
 
 Viewed of_scene(ViewArguments a) {
@@ -111,7 +119,7 @@ Viewed of_file(const ViewArguments& a) {
     shown = drawing_of_scene(a, run);
   else if (run.drawing.empty())
     std::cerr << "orthant: note: a CSV file holds no drawing: bodies are shown as points. --scene SCENE draws them\n";
-  return {view_data(std::filesystem::path(a.input).stem().string(), "recorded in " + a.input, run, shown)};
+  return {view_data(name_of(a), "recorded in " + printable(a.input), run, shown)};
 }
 
 std::string output_of(const ViewArguments& a) {

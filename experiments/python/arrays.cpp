@@ -1,6 +1,8 @@
 #include "arrays.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 namespace orthant::python {
@@ -123,12 +125,61 @@ bool ascending_rows(const RowSparse& A) {
   return true;
 }
 
-/// A sound compressed matrix of SciPy, by rows or columns, without a call of SciPy's. False: anything else, which the
-/// slower way takes or refuses.
+/// A sound block matrix of SciPy, as read_compressed().
+bool read_blocks(py::handle from, RowSparse& to) {
+  const Places start(from.attr("indptr")), index(from.attr("indices"));
+  const py::object data = from.attr("data");
+  if (!start.good() || !index.good() || !py::isinstance<py::array_t<double, py::array::c_style>>(data)) return false;
+  const auto values = py::reinterpret_borrow<py::array_t<double>>(data);
+  const auto shape = from.attr("shape").cast<std::pair<Index, Index>>();
+  if (values.ndim() != 3 || values.shape(1) < 1 || values.shape(2) < 1) return false;
+  const auto R = static_cast<Index>(values.shape(1)), C = static_cast<Index>(values.shape(2));
+  const Index rows = shape.first / R, cols = shape.second / C;
+  if (shape.first % R != 0 || shape.second % C != 0 || start.size() != static_cast<std::size_t>(rows) + 1 ||
+      start[0] != 0)
+    return false;
+  for (std::size_t i = 0; i + 1 < start.size(); ++i)
+    if (start[i + 1] < start[i]) return false;
+  const auto count = static_cast<std::size_t>(start[start.size() - 1]);
+  if (count > index.size() || count > static_cast<std::size_t>(values.shape(0)) ||
+      static_cast<double>(count) * static_cast<double>(R * C) > std::numeric_limits<int>::max())
+    return false;
+  for (std::size_t k = 0; k < count; ++k)
+    if (index[k] < 0 || index[k] >= cols) return false;
+  const double* const entries = values.data();
+  const std::size_t size = count * static_cast<std::size_t>(R * C);
+  for (std::size_t k = 0; k < size; ++k)
+    if (!std::isfinite(entries[k])) return false;
+  to.rows = shape.first, to.cols = shape.second;
+  to.start.assign(1, 0), to.start.reserve(static_cast<std::size_t>(to.rows) + 1);
+  to.column.resize(size), to.value.resize(size);
+  std::size_t next = 0;
+  std::vector<int> order;  // the blocks of a row by their columns: SciPy's own are often in another order
+  for (Index i = 0; i < rows; ++i) {
+    const int begin = start[static_cast<std::size_t>(i)], end = start[static_cast<std::size_t>(i) + 1];
+    const auto column = [&](int k) { return index[static_cast<std::size_t>(k)]; };
+    order.resize(static_cast<std::size_t>(end - begin));
+    std::iota(order.begin(), order.end(), begin);
+    std::sort(order.begin(), order.end(), [&](int x, int y) { return column(x) < column(y); });
+    for (Index r = 0; r < R; ++r) {
+      for (const int k : order)
+        for (Index c = 0; c < C; ++c, ++next) {
+          to.column[next] = static_cast<int>(column(k) * C + c);
+          to.value[next] = entries[(k * R + r) * C + c];
+        }
+      to.start.push_back(static_cast<int>(next));
+    }
+  }
+  return ascending_rows(to);
+}
+
+/// A sound compressed matrix of SciPy, by rows, columns or blocks, without a call of SciPy. False: anything else, which
+/// the slower way takes or refuses.
 bool read_compressed(py::handle from, RowSparse& to) {
   const py::object format = py::getattr(from, "format", py::none());
   if (!py::isinstance<py::str>(format)) return false;
   const auto kind = format.cast<std::string>();
+  if (kind == "bsr") return read_blocks(from, to);
   const bool by_rows = kind == "csr";
   if (!by_rows && kind != "csc") return false;
   const Places start(from.attr("indptr")), index(from.attr("indices"));

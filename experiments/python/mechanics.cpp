@@ -1,6 +1,6 @@
 // Scenes come as TOML text, the one format; runs go out as one table.
 #include "arrays.h"
-#include "custom_contact.h"
+#include "custom_elements.h"
 #include "interrupt.h"
 #include "module.h"
 
@@ -9,6 +9,7 @@
 #include "../support/check.h"
 #include "../support/drawing.h"
 #include "../support/event_table.h"
+#include "../support/pushes.h"
 #include "../support/solids.h"
 #include "../support/trajectory.h"
 #include "../support/trajectory_files.h"
@@ -35,21 +36,20 @@ struct MadeScene {
   std::optional<std::string> text;  // TOML; none: a built-in scene
   std::string name;                 // the built-in one's, or what messages call the text
   std::vector<std::string> sets;
-  std::vector<py::tuple> customs;  // contacts written in Python
+  std::vector<py::dict> customs;  // joints and contacts written in Python
   AnyScene scene;
 };
 
 template <class Scene> using SpaceOf = std::conditional_t<std::is_same_v<Scene, orthant::Scene>, Planar, Spatial>;
 
 MadeScene make(const std::optional<std::string>& text, const std::string& name, const std::vector<std::string>& sets,
-               const std::vector<py::tuple>& customs) {
+               const std::vector<py::dict>& customs) {
   MadeScene made{text, name, sets, customs, text ? parse_any_scene(*text, sets, name) : make_any_scene(name, sets)};
   if (customs.empty()) return made;
   auto* planar = std::get_if<Scene>(&made.scene);
   if (planar == nullptr)
-    throw std::invalid_argument("contact \"" + custom_spec(customs.front()).name +
-                                "\": type = \"custom\": must be in a planar scene");
-  for (const py::tuple& custom : customs) add_custom_contact(custom_spec(custom), *planar);
+    throw std::invalid_argument("type = \"custom\": joints and contacts written in Python must be in a planar scene");
+  for (const py::dict& custom : customs) add_custom_element(custom, *planar);
   check(*planar);
   return made;
 }
@@ -97,6 +97,36 @@ std::vector<Event> events_of(const py::tuple& columns) {
   return events;
 }
 
+/// Rows t, collision, shapes a and b, point; x, y [m], normal, impulse [N s].
+py::array_t<double> push_table(const std::vector<Push>& pushes) {
+  py::array_t<double> table({static_cast<py::ssize_t>(pushes.size()), py::ssize_t{10}});
+  double* row = table.mutable_data();
+  for (const Push& p : pushes) {
+    const std::array<double, 10> entries = {p.t,
+                                            static_cast<double>(p.pair.collision),
+                                            static_cast<double>(p.pair.a),
+                                            static_cast<double>(p.pair.b),
+                                            static_cast<double>(p.pair.point),
+                                            p.point.x(),
+                                            p.point.y(),
+                                            p.normal.x(),
+                                            p.normal.y(),
+                                            p.impulse};
+    row = std::copy(entries.begin(), entries.end(), row);
+  }
+  return table;
+}
+
+std::vector<Push> pushes_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& table) {
+  std::vector<Push> pushes;
+  for (py::ssize_t i = 0; table.ndim() == 2 && table.shape(1) == 10 && i < table.shape(0); ++i) {
+    const double* x = table.data(i, 0);
+    const auto whole = [&](int k) { return static_cast<int>(x[k]); };
+    pushes.push_back({x[0], {whole(1), whole(2), whole(3), whole(4)}, {x[5], x[6]}, {x[7], x[8]}, x[9]});
+  }
+  return pushes;
+}
+
 struct Wanted {
   std::string integrator, solver;
   Clock clock;
@@ -108,6 +138,7 @@ template <class Space> struct Kept {
   std::vector<double> table, joints;  // by rows; coordinates of joints in space
   std::vector<Event> events;
   std::vector<std::string> joint_columns;
+  std::vector<Push> pushes;  // of searched collisions in the plane
   Run run;
   std::optional<CheckedRun> checked;
   std::optional<Lcp> unsolved;
@@ -121,14 +152,21 @@ Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, cons
   for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
   if constexpr (!kPlanar<Space>) kept.joint_columns = coordinates.emplace(system).names();
+  std::conditional_t<kPlanar<Space>, std::optional<PushLog>, std::monostate> pushes;
+  if constexpr (kPlanar<Space>)
+    if (PushLog::wanted(system, wanted.clock)) pushes.emplace(system);
   const py::gil_scoped_release others_may_run;
   kept.run = simulate(*integrator, *solver, wanted.clock, [&](const MomentOf<Space>& moment) {
     append_row(system, moment, kept.table);
-    if constexpr (kPlanar<Space>)
+    if constexpr (kPlanar<Space>) {
       append_events(system, moment.events, kept.events);
-    else
+      if (pushes) pushes->add(moment);
+    } else {
       for (const double value : coordinates->at(moment.state)) kept.joints.push_back(value);
+    }
   });
+  if constexpr (kPlanar<Space>)
+    if (pushes) kept.pushes = pushes->pushes();
   if (wanted.check && kept.run.status == Status::solved)
     kept.checked = check_run(system, wanted.integrator, wanted.solver, wanted.clock, kept.run);
   if (kept.run.status != Status::solved && integrator->problem().size() > 0) kept.unsolved = integrator->problem();
@@ -156,7 +194,8 @@ template <class Scene> py::tuple run_in(const Scene& scene, Wanted wanted, std::
   if (kept.checked) d["check"] = check_of(*kept.checked);
   const py::object unsolved = kept.unsolved ? py::cast(*kept.unsolved) : py::none();
   return py::make_tuple(columns, by_rows(kept.table, columns.size()), d, unsolved, event_columns(kept.events),
-                        interruption, kept.joint_columns, by_rows(kept.joints, kept.joint_columns.size()));
+                        interruption, kept.joint_columns, by_rows(kept.joints, kept.joint_columns.size()),
+                        push_table(kept.pushes));
 }
 
 /// Without a solver: lemke, in space auto, which takes friction discs.
@@ -201,8 +240,9 @@ nlohmann::ordered_json drawing_of(const AnyScene& any) {
 }
 
 std::string page_of(const std::string& title, const std::string& note, const MadeScene& made,
-                    const std::vector<std::string>& columns, const RunTable& table, const py::tuple& events) {
-  RecordedRun run{columns, {table.data(), table.data() + table.size()}, {}, {}};
+                    const std::vector<std::string>& columns, const RunTable& table, const py::tuple& events,
+                    const RunTable& pushes) {
+  RecordedRun run{columns, {table.data(), table.data() + table.size()}, {}, {}, pushes_of(pushes)};
   const auto names = contacts_of_any(made.scene);
   for (const Event& e : events_of(events))
     run.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
@@ -240,7 +280,7 @@ py::list surfaces_of(const MadeScene& made) {
 void add_mechanics(py::module_& m) {
   py::class_<MadeScene>(m, "_Scene")
       .def(py::init(&make), py::arg("text"), py::arg("name"), py::arg("sets"),
-           py::arg("customs") = std::vector<py::tuple>())
+           py::arg("customs") = std::vector<py::dict>())
       .def_readonly("text", &MadeScene::text)
       .def_readonly("name", &MadeScene::name)
       .def_readonly("sets", &MadeScene::sets)
@@ -271,10 +311,15 @@ void add_mechanics(py::module_& m) {
   m.def("_write_trajectory", &write_run);
   m.def("_view_page", &page_of);
   m.def("_set_folder_of_parts", &set_folder_of_parts);
-  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary) {
-    parse_scene(text, {}, name);  // a mistake is said now
+  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary,
+                              const std::vector<py::dict>& customs) {
+    make(text, name, {}, customs);                          // a mistake is said now
+    const auto* kept = new std::vector<py::dict>(customs);  // as long as the process lives, longer than the interpreter
     register_scene({name, summary,
-                    [name, text](std::span<const std::string> sets) { return parse_scene(text, sets, name); },
+                    [name, text, kept](std::span<const std::string> sets) {
+                      const py::gil_scoped_acquire lock;
+                      return make(text, name, {sets.begin(), sets.end()}, *kept).scene;
+                    },
                     [] { return std::vector<OptionEntry>(); }});
   });
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());

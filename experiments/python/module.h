@@ -5,9 +5,10 @@
 
 namespace orthant::python {
 
-void add_problems(pybind11::module_& m);   // Problem, Solver, Result, analyse, enumerate_solutions
-void add_nonlinear(pybind11::module_& m);  // mixed complementarity problems by callbacks, bimatrix games
-void add_mechanics(pybind11::module_& m);  // scenes, simulate
-void add_sweeps(pybind11::module_& m);     // sweeps into SQLite
+void add_problems(pybind11::module_& m);     // Problem, Solver, Result, analyse, enumerate_solutions
+void add_nonlinear(pybind11::module_& m);    // mixed complementarity problems by callbacks, bimatrix games
+void add_mechanics(pybind11::module_& m);    // scenes, simulate
+void add_integrators(pybind11::module_& m);  // integrators written in Python
+void add_sweeps(pybind11::module_& m);       // sweeps into SQLite
 
 }  // namespace orthant::python

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <set>
 
 namespace orthant {
@@ -16,6 +17,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostFrames = 1200, kFewestFrames = 100;
 constexpr std::size_t kMostNumbers = 150'000;        // about 1.3 MB of text
 constexpr std::size_t kMostNumbersInSpace = 90'000;  // there three.js takes 570 kB of the page
+constexpr std::size_t kMostPushes = 12'000;          // 500 kB
 constexpr std::size_t kMostListed = 2000;            // 100 kB
 
 /// Digits of a drawing and of a plot; of times more, for frames lie close.
@@ -59,6 +61,33 @@ bool is_spatial(const Json& drawing) {
   return drawing.is_object() && dimension != drawing.end() && *dimension == 3;
 }
 
+/// By frame the pairs that pushed since the one before, each once: where it was last, impulses summed. Frames end at
+/// `times`.
+Json pushes_by_frame(const std::vector<Push>& pushes, const std::vector<double>& times) {
+  Json frames = Json::array();
+  const std::size_t most = std::max<std::size_t>(8, kMostPushes / std::max<std::size_t>(1, times.size()));
+  auto next = pushes.begin();
+  for (const double time : times) {
+    std::map<Pair, Push> at;
+    for (; next != pushes.end() && next->t <= time; ++next) {
+      Push& sum = at.try_emplace(next->pair, Push{.impulse = 0}).first->second;
+      const double impulse = sum.impulse + next->impulse;
+      sum = *next, sum.impulse = impulse;
+    }
+    std::vector<Push> frame;
+    for (const auto& [pair, push] : at) frame.push_back(push);
+    std::sort(frame.begin(), frame.end(), [](const Push& a, const Push& b) { return a.impulse > b.impulse; });
+    Json list = Json::array();
+    for (std::size_t i = 0; i < std::min(most, frame.size()); ++i) {
+      const Push& p = frame[i];
+      list.push_back({digits_of(p.point.x(), 5), digits_of(p.point.y(), 5), digits_of(p.normal.x(), 4),
+                      digits_of(p.normal.y(), 4), digits_of(p.impulse, 4)});
+    }
+    frames.push_back(std::move(list));
+  }
+  return frames;
+}
+
 /// The drawing of a file: a stranger's, so that only what the page expects is let through.
 Json drawing_of(const RecordedRun& run) {
   if (run.drawing.empty()) return points_only(run.columns);
@@ -82,6 +111,9 @@ nlohmann::ordered_json view_data(const std::string& name, const std::string& not
       std::clamp((in_space ? kMostNumbersInSpace : kMostNumbers) / width, kFewestFrames, kMostFrames);
   const std::size_t every = std::max<std::size_t>(1, (rows + frames - 1) / frames);
   Json values = Json::object();
+  std::vector<double> times;  // of the frames
+  for (std::size_t i = 0; i < rows; ++i)
+    if (i % every == 0 || i + 1 == rows) times.push_back(run.table[i * width]);
   for (std::size_t c = 0; c < width; ++c) {
     Json& column = values[run.columns[c]] = Json::array();
     const bool sum = is_sum(run.columns[c]);
@@ -108,7 +140,8 @@ nlohmann::ordered_json view_data(const std::string& name, const std::string& not
           {"columns", run.columns},
           {"values", values},
           {"events", events},
-          {"event_count", run.events.size()}};
+          {"event_count", run.events.size()},
+          {"pushes", run.pushes.empty() ? Json::array() : pushes_by_frame(run.pushes, times)}};
 }
 
 std::string view_page(const nlohmann::ordered_json& data) {

@@ -3,7 +3,8 @@
 //   run → view_data(): JSON → view_page(): view.html with style, plotting library, scripts and data put in.
 //   JSON  name, note; dimension: 2 or 3; scene: drawing.h; columns: names; values: numbers by column, of at most 1200
 //         frames (impulses summed over a frame, of others the last); events: [t, kind, contact, normal, tangential];
-//         event_count
+//         event_count; pushes: [[x, y, nx, ny, impulse] of each pair of searched collisions that pushed, in the plane]
+//         by frame, the strongest
 #pragma once
 
 #include "experiments/support/recorded_run.h"

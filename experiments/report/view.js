@@ -118,30 +118,42 @@ class Stage extends Film {
     const frames = this.film.frames,
       back = Math.max(1, Math.round(kFade * frames.length)),
       longest = 0.16 * this.canvas.clientWidth;
+    const most = Math.max(this.strongest, this.pushed());
+    const draw = (place, size, age) => {
+      const [x, y] = at(place[0]),
+        [nx, ny] = place[1],
+        length = Math.max(6, longest * Math.sqrt(size / most)),
+        [ex, ey] = [x + length * nx, y - length * ny];
+      c.globalAlpha = 1 - age;
+      c.strokeStyle = c.fillStyle = colour("--c1");
+      c.lineWidth = 2.5;
+      c.beginPath();
+      c.moveTo(x, y);
+      c.lineTo(ex, ey);
+      c.stroke();
+      c.beginPath();
+      c.moveTo(ex + 7 * nx, ey - 7 * ny);
+      c.lineTo(ex - 4.5 * ny, ey - 4.5 * nx);
+      c.lineTo(ex + 4.5 * ny, ey + 4.5 * nx);
+      c.fill();
+    };
     this.scene.contacts.forEach((contact, i) => {
       for (let j = Math.max(0, k - back + 1); j <= k; ++j) {
         const size = this.impulse(frames[j], i);
         const place = size > 1e-9 * this.strongest && this.forceAt(frames[k], contact);
         if (!place) continue;
-        const [x, y] = at(place[0]),
-          [nx, ny] = place[1],
-          length = Math.max(6, longest * Math.sqrt(size / this.strongest)),
-          [ex, ey] = [x + length * nx, y - length * ny];
-        c.globalAlpha = 1 - (k - j) / back;
-        c.strokeStyle = c.fillStyle = colour("--c1");
-        c.lineWidth = 2.5;
-        c.beginPath();
-        c.moveTo(x, y);
-        c.lineTo(ex, ey);
-        c.stroke();
-        c.beginPath();
-        c.moveTo(ex + 7 * nx, ey - 7 * ny);
-        c.lineTo(ex - 4.5 * ny, ey - 4.5 * nx);
-        c.lineTo(ex + 4.5 * ny, ey + 4.5 * nx);
-        c.fill();
+        draw(place, size, (k - j) / back);
       }
-      c.globalAlpha = 1;
     });
+    for (const [x, y, nx, ny, size] of data.pushes[k] ?? []) // of searched collisions: where they are now
+      if (size > 1e-9 * most) draw([[x, y], [nx, ny]], size, 0);
+    c.globalAlpha = 1;
+  }
+
+  /** The largest impulse of a searched collision's pair. */
+  pushed() {
+    this.largest ??= data.pushes.reduce((most, frame) => frame.reduce((m, push) => Math.max(m, push[4]), most), 0);
+    return this.largest;
   }
 
   /** The paths of the bodies' centres up to now. */

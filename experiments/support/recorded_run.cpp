@@ -1,6 +1,7 @@
 #include "recorded_run.h"
 
 #include "event_table.h"
+#include "printable.h"
 
 #include <orthant/core/lcp/files/hdf5_input.h>
 #include <orthant/core/support/file.h>
@@ -8,6 +9,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -125,6 +128,23 @@ RecordedRun read_hdf5(const fs::path& file) {
   return run;
 }
 
+/// Files of strangers: names are text and differ, time does not run back.
+void require_sound(RecordedRun& run, const std::string& file) {
+  std::set<std::string> seen;
+  for (std::string& column : run.columns) {
+    column = printable(column);
+    if (!seen.insert(column).second) throw std::runtime_error(file + ": column " + column + ": is there twice");
+  }
+  for (RecordedEvent& event : run.events) event.kind = printable(event.kind), event.contact = printable(event.contact);
+  double before = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < run.rows(); ++i) {
+    const double t = run.table[i * run.columns.size()];
+    if (!std::isfinite(t) || t < before)
+      throw std::runtime_error(file + ": row " + std::to_string(i + 1) + ": t must be finite and must not run back");
+    before = t;
+  }
+}
+
 }  // namespace
 
 bool is_recorded_run(const fs::path& file) {
@@ -137,6 +157,7 @@ RecordedRun read_run(const fs::path& file) {
   RecordedRun run = file.extension() == ".csv" ? read_csv(file) : read_hdf5(file);
   if (run.columns.empty() || run.columns.front() != "t" || run.table.empty())
     throw std::runtime_error(file.string() + ": must be a trajectory: a column t and others, with a row at least");
+  require_sound(run, file.string());
   return run;
 }
 

@@ -1,6 +1,8 @@
 // experiments/support/recorded_run.h — a run as its trajectory file holds it: CSV or HDF5 (trajectory_files.h), read.
 #pragma once
 
+#include "pushes.h"
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,7 +19,8 @@ struct RecordedRun {
   std::vector<std::string> columns;  // t first
   std::vector<double> table;         // row by row
   std::vector<RecordedEvent> events;
-  std::string drawing;  // JSON (drawing.h) of an HDF5 file; empty: none
+  std::string drawing;            // JSON (drawing.h) of an HDF5 file; empty: none
+  std::vector<Push> pushes = {};  // of searched collisions, in order of time; no file holds them
 
   std::size_t rows() const { return table.size() / columns.size(); }
 };

@@ -22,7 +22,7 @@ struct Skew {
 
 bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
   if (problem.size() == 0) return false;
-  if (problem.size() > kTableau) return propose_by_simplex(problem, budget, u);
+  if (problem.size() > (has_simplex() ? kTableau : kTableauAlone)) return propose_by_simplex(problem, budget, u);
   const Lcp& pure = pyramid_.pure(problem);
   const Index n = pure.size();
   const auto& M = std::get<DenseMatrix>(pure.A);

@@ -5,7 +5,8 @@
 //     w_z = c − Mᵀu ⊥ z,   w_u = M z + q ⊥ u,   c = 1 (0 on free rows),
 //   whose matrix is skew, so that Lemke's method ends on a solution (feasible) or on a ray whose u is the proof.
 //   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it sees what is infeasible by a rounding.
-//   Beyond, and where the tableau goes round in a circle, a sparse dual simplex method (farkas_simplex.h).
+//   Beyond, and where the tableau goes round in a circle, a sparse dual simplex method (farkas_simplex.h). A build
+//   without CLP has none: there the tableau takes up to 400 rows, and larger problems get no proof.
 //   certify.h judges what is found, as always.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
 #pragma once
@@ -21,7 +22,8 @@ namespace orthant {
 
 class Farkas {  // reuse it: the second problem of a size allocates nothing, up to 100 rows
  public:
-  static constexpr Index kTableau = 100;  // rows that the tableau takes; in pure form up to three times as many
+  static constexpr Index kTableau = 100;       // rows that the tableau takes; in pure form up to three times as many
+  static constexpr Index kTableauAlone = 400;  // likewise in a build without CLP; about a second
 
   /// True when the linear program is infeasible, as far as the arithmetic tells; u is then a proof to be judged.
   bool propose(const Lcp& problem, Vector& u, const Budget& budget = {});

@@ -124,6 +124,8 @@ Eigen::VectorXd polished(const ClpSimplex& clp, const Sparse& L, const Eigen::Ve
 
 }  // namespace
 
+bool has_simplex() { return true; }
+
 bool propose_by_simplex(const Lcp& problem, const Budget& budget, Vector& u) {
   const Index n = problem.size();
   const Program p = program(problem);

@@ -15,6 +15,9 @@
 
 namespace orthant {
 
+/// Whether this build has CLP. Without it propose_by_simplex() proposes nothing.
+bool has_simplex();
+
 /// True when the linear program is infeasible, as far as it can tell; u (n entries) is then a proof to be judged.
 bool propose_by_simplex(const Lcp& problem, const Budget& budget, Vector& u);
 

@@ -175,6 +175,56 @@ def test_without_webgl(page, file):
     check(page.execute_script("return plots.length") == 2, "and has its plots")
     page.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", hide)
     page.get_log("browser")
+STRANGE = "</script><img src=x onerror=window.broken=1>"
+
+
+def test_strangers(page, command, folder):
+    """Files of others: names that are markup, columns that JavaScript knows, and what is no run at all."""
+    body = ("0,1,2,0,0.1,7,7\n", "0.5,1,1,0,0.2,7,7\n", "1,inf,nan,0,0.3,7,7\n")
+    (folder / "strange.csv").write_text("t," + ",".join(f"{STRANGE}.{part}" for part in ("x", "y", "theta", "gap"))
+                                        + ",__proto__,constructor.x\n" + "".join(body))
+    (folder / "strange.events.csv").write_text(f"t,kind,contact,impulse_n,impulse_t\n0.5,{STRANGE},{STRANGE},1,0\n")
+    subprocess.run([command, "view", "strange.csv"], cwd=folder, capture_output=True, check=True)
+    page.get((folder / "strange.html").resolve().as_uri())
+    page.execute_script("plots[0] || plots.push(new TimePlot(columns, [choices[0]]));"
+                        "for (const name of choices) plots[0].columns.push(name); plots[0].draw(); player.go(0.5)")
+    browsing.time.sleep(0.3)
+    check(page.execute_script("return window.broken === undefined && document.images.length === 0"), "names are text, not markup")
+    check(page.execute_script("return document.body.textContent").count("onerror=") > 4, "and they are shown")
+    for entry in page.get_log("browser"):
+        check(entry["level"] != "SEVERE", f"strange: console: {entry['message']}")
+    for name, text, words in (
+            ("empty.csv", "t,a.x\n", "must be a trajectory"), ("word.csv", "t,a.x\n0,1\n1,x\n", "line 3: must hold numbers"),
+            ("short.csv", "t,a.x\n0\n", "has 1 cells: must have 2"), ("back.csv", "t,a.x\n1,1\n0,2\n", "row 2: t must be finite"),
+            ("nan.csv", "t,a.x\nnan,1\n", "row 1: t must be finite"), ("twice.csv", "t,a.x,a.x\n0,1,2\n", "column a.x: is there twice"),
+            ("junk.h5", "junk", "is no HDF5 file")):
+        (folder / name).write_text(text)
+        run = subprocess.run([command, "view", name], cwd=folder, capture_output=True, text=True)
+        check(run.returncode == 1 and words in run.stderr and not (folder / name).with_suffix(".html").exists(),
+              f"{name} is refused: {run.returncode} {run.stderr}")
+    (folder / "bytes.csv").write_bytes(b"t,\xff.x\n0,1\n1,2\n")
+    run = subprocess.run([command, "view", "bytes.csv"], cwd=folder, capture_output=True, text=True)
+    check(run.returncode == 0 and "\\\\xff.x" in (folder / "bytes.html").read_text(), f"a name that is no UTF-8 is shown: {run.stderr}")
+
+
+def test_pile(page, command, folder):
+    """Of searched collisions each pair that pushes has its arrow: their impulses add up to the collision's."""
+    subprocess.run([command, "view", "pile", "--integrator", "moreau-jean", "--step", "2e-3", "--duration", "0.4"], cwd=folder,
+                   capture_output=True, check=True)
+    check((folder / "pile.html").stat().st_size < 2_000_000, "pile: less than 2 MB")
+    page.get((folder / "pile.html").resolve().as_uri())
+    sums = page.execute_script("const c = data.columns.filter(n => n.endsWith('.impulse_n') && !scene.contacts.some(o => n === o.name + '.impulse_n'));"
+                               "return data.pushes.map((frame, k) => [frame.reduce((s, p) => s + p[4], 0), c.reduce((s, n) => s + values[n][k], 0)])")
+    check(any(there > 0 for there, _ in sums), "pairs push")
+    check(all(abs(a - b) <= 1e-3 * b for a, b in sums), "the arrows' impulses add up to the collision's")
+    unit = page.execute_script("return data.pushes.every(f => f.every(p => Math.abs(Math.hypot(p[2], p[3]) - 1) < 1e-3))")
+    check(unit, "along unit normals")
+    shown = page.execute_script("const k = data.pushes.findIndex(f => f.length > 0); player.go(t[k]);"
+                                "const on = player.films[0].canvas.toDataURL(); show.forces.click();"
+                                "const off = player.films[0].canvas.toDataURL(); show.forces.click(); return on !== off")
+    check(shown, "and they are drawn")
+    for entry in page.get_log("browser"):
+        check(entry["level"] != "SEVERE", f"pile: console: {entry['message']}")
 
 
 def browsing_keys():
@@ -222,6 +272,8 @@ def main():
                     check(entry["level"] != "SEVERE", f"console: {entry['message']}")
                 browsing.wrong[before:] = [f"{name}: {words}" for words in browsing.wrong[before:]]
             test_without_webgl(page, folder / "masse.html")
+            test_strangers(page, str(Path(command).resolve()), folder)
+            test_pile(page, str(Path(command).resolve()), folder)
         finally:
             page.quit()
         test_server(str(Path(command).resolve()), folder)

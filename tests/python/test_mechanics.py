@@ -210,22 +210,20 @@ def test_a_contact_written_in_python():
 
 def test_a_custom_contact_that_is_wrong_is_refused():
     def changed(scene, place, value):
-        entries = list(scene._customs[0])
-        entries[place] = value
-        scene._customs[0] = tuple(entries)
+        scene._customs[0][place] = value
         return scene
 
-    wrong = changed(wave(), 4, lambda a, b: [0.2 * np.cos(2 * a[0]), 1, 0, 0, 0, 0])
+    wrong = changed(wave(), "rows", lambda a, b: [0.2 * np.cos(2 * a[0]), 1, 0, 0, 0, 0])
     with pytest.raises(ValueError, match='contact "wave": rows.normal by the x of body 0 is'):
         orthant.simulate(wrong)
     with pytest.raises(ValueError, match="bias of rows.normal is"):
         orthant.simulate(wave(bias=lambda a, b, va, vb: 7.0))
     with pytest.raises(TypeError, match="gap returned no number"):
-        orthant.simulate(changed(wave(), 3, lambda a, b: "far"))
+        orthant.simulate(changed(wave(), "gap", lambda a, b: "far"))
     with pytest.raises(ZeroDivisionError):  # what a callback raises is passed on
-        orthant.simulate(changed(wave(), 3, lambda a, b: a[1] - 0.1 * np.sin(2 * a[0]) if a[1] > 0.3 else 1 // 0))
+        orthant.simulate(changed(wave(), "gap", lambda a, b: a[1] - 0.1 * np.sin(2 * a[0]) if a[1] > 0.3 else 1 // 0))
     with pytest.raises(ValueError, match='bodies: "nobody": must be the name of a body'):
-        orthant.simulate(changed(wave(), 1, "nobody"))
+        orthant.simulate(changed(wave(), "a", ["nobody"]))
     with pytest.raises(TypeError, match="gap = 3: must be a function"):
         orthant.Scene().add("contact", type="custom", bodies=["a", "b"], gap=3, rows=3)
     with pytest.raises(ValueError, match="nu: must be one of"):

@@ -78,7 +78,7 @@ def test_sparse_matrices_that_are_not_plain_are_read_or_refused():
     assert orthant.Problem(unsorted, q).M.toarray().tolist() == [[2, 1], [0, 2]]
     doubled = sparse.csc_matrix((np.array([1.0, 1, 2]), np.array([0, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
     assert orthant.Problem(doubled, q).M.toarray().tolist() == [[2, 0], [0, 2]]
-    for format_of in (sparse.csr_matrix, sparse.csc_matrix):
+    for format_of in (sparse.csr_matrix, sparse.csc_matrix, lambda X: sparse.bsr_matrix(X, blocksize=(1, 1))):
         outside = format_of(M)
         outside.indices[0] = 7
         with pytest.raises(ValueError, match="no sound sparse matrix"):
@@ -91,6 +91,20 @@ def test_sparse_matrices_that_are_not_plain_are_read_or_refused():
             orthant.Problem(format_of(M * np.nan), q)
         with pytest.raises(ValueError, match=r"shape \(1, 2\): must be square"):
             orthant.Problem(format_of(M[:1]), q)
+
+
+@pytest.mark.parametrize("blocksize", [(1, 1), (2, 4), (4, 2), (8, 8), (40, 1)])
+def test_block_matrices_are_read_from_their_own_arrays(blocksize, monkeypatch):
+    sparse = pytest.importorskip("scipy.sparse")
+    A, b = sparse_problem()
+    S = sparse.bsr_matrix(A, blocksize=blocksize)
+    expected = orthant.solve(sparse.csr_matrix(A), b)
+    for name in ("tocsr", "check_format"):
+        monkeypatch.setattr(sparse.bsr_matrix, name, None)
+    P = orthant.Problem(S, b)
+    monkeypatch.undo()
+    assert P.M.toarray().tolist() == A.tolist()
+    np.testing.assert_allclose(orthant.solve(P).z, expected.z, rtol=1e-12, atol=1e-14)
 
 
 class Tensor:

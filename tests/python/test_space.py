@@ -152,7 +152,7 @@ def test_check_claims_no_more_digits_than_agree():
 def test_what_planar_scenes_alone_have_is_said():
     scene = ball()
     scene.add("contact", type="custom", bodies=["ball", "ground"], gap=lambda a, b: 1.0, rows=lambda a, b: [0] * 6)
-    with pytest.raises(ValueError, match="contact \"custom1\": type = \"custom\": must be in a planar scene"):
+    with pytest.raises(ValueError, match="must be in a planar scene"):
         orthant.simulate(scene)
     with pytest.raises(ValueError, match="event-driven"):
         orthant.simulate(ball(), integrator="event-driven")

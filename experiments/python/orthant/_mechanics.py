@@ -6,10 +6,11 @@ import json
 import math
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 from . import _orthant
-from ._orthant import Problem
+from ._custom import custom_element
+from ._orthant import Problem, Step
 from ._pictures import draw_pose, in_frame, plot_columns, svg_of, write_film, write_view
 from ._spec import Entry, options_of, path, regular, seconds, shown, whole, word
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     import pandas
 
 _KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load")
-_CUSTOM_LAW = ("mu", "e_n", "e_t", "mu_static", "belt")
 
 
 def toml_of(name: str, value: Any) -> str:
@@ -68,16 +68,17 @@ class Scene:
     def __init__(self, **keys: Any) -> None:
         self._keys = dict(keys)  # of the scene itself: gravity [m/s^2], duration, step [s], ...
         self._elements: list[tuple[str, dict[str, Any]]] = []
-        self._customs: list[tuple[Any, ...]] = []  # contacts written in Python
+        self._customs: list[dict[str, Any]] = []  # joints and contacts written in Python
         self._read: Optional[_orthant._Scene] = None
 
     def add(self, kind: str, **keys: Any) -> None:
         """One more element: "body", "joint", "contact", ...; keys as in the scene format. `simulate` checks them.
 
-        A contact of type="custom" is written in Python, in planar scenes; custom contacts come behind all others. Its keys:
+        A joint or contact of type="custom" is written in Python, in planar scenes; custom ones come behind all others of their
+        kind. A pose is (x, y, angle), a twist its rate. Keys of a contact:
 
         - bodies=["a", "b"] (one may be "ground");
-        - gap(pose_a, pose_b) -> float [m], > 0: open; a pose is (x, y, angle);
+        - gap(pose_a, pose_b) -> float [m], > 0: open;
         - rows(pose_a, pose_b) -> 6 numbers, d gap / d (x, y, angle) of a, then of b. With friction (2, 6) numbers:
           the second row holds the derivatives of slip;
         - bias(pose_a, pose_b, twist_a, twist_b) -> d/dt of the rates at zero acceleration, one number, or two.
@@ -85,10 +86,23 @@ class Scene:
         - mu, e_n, e_t, mu_static, belt;
         - length [m]: how far bodies may move before the gap's course changes.
 
-        Rows and bias are compared with differences of gap and rows before a run. Each call costs some microseconds.
+        bodies=[["a1", "a2", ...], ["b1", "b2", ...]]: n contacts NAME-1, NAME-2, ... in one call. Poses and twists then
+        hold arrays (n,); gap returns (n,), rows (6, n) or (2, 6, n), bias (n,) or (2, n). Numbers among the six, or in
+        place of an array, count for all.
+
+        Keys of a joint:
+
+        - bodies=["a", "b"]; count: how many equations, 1 to 3, default 1;
+        - residual(pose_a, pose_b) -> count numbers, 0 where the joint is closed;
+        - rows(pose_a, pose_b) -> (count, 6) numbers, its derivatives; bias as of a contact, count numbers;
+        - rate(pose_a, pose_b, t) -> count numbers, of a joint driven in time only: what rows times twists has to be, minus the
+          residual's derivative by t. Then all functions get the time t [s] behind their other arguments.
+
+        Rows and bias are compared with differences of gap, residual and rows before a run. Each call costs some
+        microseconds.
         """
-        if kind == "contact" and keys.get("type") == "custom":
-            self._add_custom(keys)
+        if kind in ("joint", "contact") and keys.get("type") == "custom":
+            self._customs.append(custom_element(kind, keys, len(self._customs)))
             return
         if self._read is not None:
             raise ValueError("this scene was read from a file or by name: change it by keyword overrides there")
@@ -96,26 +110,11 @@ class Scene:
             raise ValueError(f"kind '{kind}': must be one of {', '.join(_KINDS)}")
         self._elements.append((kind, keys))
 
-    def _add_custom(self, keys: dict[str, Any]) -> None:
-        known = {"type", "name", "bodies", "gap", "rows", "bias", "length", *_CUSTOM_LAW}
-        if unknown := [key for key in keys if key not in known]:
-            raise ValueError(f"contact: {unknown[0]}: must be one of {', '.join(sorted(known))}")
-        name = word("name", keys.get("name", f"custom{len(self._customs) + 1}"))
-        bodies = keys.get("bodies")
-        if not isinstance(bodies, (list, tuple)) or len(bodies) != 2:
-            raise TypeError(f"contact \"{name}\": bodies = {shown(bodies)}: must be two names")
-        for key in ("gap", "rows", "bias"):
-            if not callable(keys.get(key)) and not (key == "bias" and keys.get(key) is None):
-                raise TypeError(f"contact \"{name}\": {key} = {shown(keys.get(key))}: must be a function of the poses")
-        law = [float(keys.get(key, 0)) for key in _CUSTOM_LAW]
-        length = None if keys.get("length") is None else float(keys["length"])
-        a, b = (word("bodies", body) for body in bodies)
-        self._customs.append((name, a, b, keys["gap"], keys["rows"], keys.get("bias"), *law, length))
-
     def toml(self) -> str:
         """The scene as a TOML file's text (not of one by name or with overrides)."""
         if self._customs:
-            raise ValueError(f"contact \"{self._customs[0][0]}\" is written in Python: the scene has no text")
+            first = self._customs[0]
+            raise ValueError(f"{first['kind']} \"{first['name']}\" is written in Python: the scene has no text")
         return self._text()
 
     def _text(self) -> str:
@@ -164,7 +163,8 @@ class Scene:
             counts = [(kind, len(names)) for kind, names in kinds]
             origin = [repr(self._read.name)] + ([f"set={self._read.sets}"] if self._read.sets else [])
         else:
-            every = [kind for kind, _ in self._elements] + ["contact"] * len(self._customs)
+            every = [kind for kind, _ in self._elements] + [
+                custom["kind"] for custom in self._customs for _ in custom["a"]]
             counts = [(kind, every.count(kind)) for kind in _KINDS]
             origin = [f"{key}={value!r}" for key, value in self._keys.items()]
         plural = {"body": "bodies"}
@@ -232,10 +232,10 @@ class Trajectory:
 
     def __init__(self, scene: _orthant._Scene, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any],
                  unsolved: Optional[Problem], events: tuple[Any, ...], warned: list[str],
-                 joints: dict[str, npt.NDArray[np.float64]]) -> None:
+                 joints: dict[str, npt.NDArray[np.float64]], pushes: Any = ()) -> None:
         self.columns, self.table, self.summary, self.unsolved = columns, table, summary, unsolved
         self.warnings = warned
-        self._scene, self._events, self._joints = scene, events, joints
+        self._scene, self._events, self._joints, self._pushes = scene, events, joints, pushes
         self._place = {name: i for i, name in enumerate(columns)}
 
     @property
@@ -311,7 +311,7 @@ class Trajectory:
     def _page(self) -> str:
         note = f"{self.status}, {len(self)} rows" + (f"; {self.why}" if self.why else "")
         name = os.path.splitext(os.path.basename(self._scene.name))[0]
-        return _orthant._view_page(name, note, self._scene, self.columns, self.table, self._events)
+        return _orthant._view_page(name, note, self._scene, self.columns, self.table, self._events, self._pushes)
 
     def _repr_html_(self) -> str:
         """In a notebook: the page of view() in a frame."""
@@ -380,12 +380,12 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
         warned.append(words)
         warnings.warn(words, OrthantWarning, stacklevel=3)
 
-    columns, table, summary, unsolved, events, interruption, joints, angles = _orthant._simulate(
+    columns, table, summary, unsolved, events, interruption, joints, angles, pushes = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
         None if solver is None else word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"),
         seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
         warn)
-    trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)))
+    trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)), pushes)
     if isinstance(interruption, KeyboardInterrupt):
         raise Interrupted(trajectory)
     if interruption is not None:
@@ -408,14 +408,30 @@ def integrators() -> list[Entry]:
     return [Entry(*row) for row in _orthant._integrators()]
 
 
+def register_integrator(name: str, function: Callable[[Step], Any], summary: str = "written in Python") -> None:
+    """A scheme of your own under a name, for `simulate` of this process, and for reports of it.
+
+    function(step) -> (q, v) at the end of the step, or (q, v, impulses) with (contacts, 2) impulses, normal and tangential
+    [N s]; None where it gives up. step: t, h [s], q, v; mass, mu, e_n as arrays; step.terms(t, q, v): a dict of the arrays of
+    the equations of motion; step.solve(M, q, ...): a complementarity problem by the run's solver, None where it has no answer.
+    Scenes without searched collisions, dry friction in joints, Poisson's law and sequential impacts are taken. Joints and gaps at
+    the end of each step are measured as of every scheme. An exception ends the run.
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9 and -.
+    """
+    if not callable(function):
+        raise TypeError(f"function = {shown(function)}: must be a function of a Step")
+    _orthant._register_integrator(word("name", name), function, word("summary", summary))
+
+
 def register_scene(name: str, scene: Scene, summary: str = "written in Python") -> None:
     """A scene under a name, for `simulate` and `Scene.named` of this process. Options of it are key paths of the format.
 
+    Joints and contacts written in Python may be in it.
     Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _, and for a scene without a text.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {shown(scene)}: must be a Scene")
-    _orthant._register_scene(word("name", name), scene.toml(), word("summary", summary))
+    _orthant._register_scene(word("name", name), scene._text(), word("summary", summary), scene._customs)
 
 
 def scenes() -> list[Entry]:

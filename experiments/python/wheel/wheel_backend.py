@@ -21,7 +21,7 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import Any, Optional
+from typing import Any, Iterable, Optional
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -48,11 +48,26 @@ HEADERS = ["libeigen3-dev", "nlohmann-json3-dev", "libcli11-dev", "libboost-dev"
 # The manylinux rules leave these to the system; auditwheel decides, this is for the list of licences alone.
 SYSTEM = re.compile(r"(ld-linux.*|lib(c|m|dl|rt|pthread|util|resolv|stdc\+\+|gcc_s|z))\.so")
 
-NOTE = """The wheel contains these libraries besides Orthant (BSD-3-Clause); their licences lie beside this file.
-UMFPACK and CHOLMOD's Supernodal module are under the GPL, GNU MP under the LGPL or GPL, CLP and CoinUtils under the EPL.
-Their source is that of the Debian packages named below.
+ECLIPSE = re.compile(r"lib(Clp|CoinUtils|ipopt)\b")
+
+NOTE = """Orthant itself is under BSD-3-Clause. This wheel also contains the libraries below; their licences lie beside this file.
+UMFPACK and CHOLMOD's Supernodal and MatrixOps modules are under the GPL, version 2 or later; METIS is under Apache-2.0,
+GNU MP under LGPL-3 or GPL-2, NLopt under LGPL-2.1 in part; the others are under permissive licences or, the GCC runtime,
+under the GPL with its exception. """
+WHOLE = """So the wheel as a whole may be used by anybody for anything, and passed on under the terms
+of the GPL, version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named
+below, in these versions.
 
 """
+MIXED = """It also contains libraries under the Eclipse Public
+License (CLP, CoinUtils, Ipopt), whose terms cannot be met together with those of the GPL. The wheel may be used by whoever
+built it, but NOT PASSED ON. Build without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
+
+"""
+
+def terms(libraries: Iterable[str]) -> str:
+    """What may be done with a wheel that holds these libraries."""
+    return MIXED if any(map(ECLIPSE.match, libraries)) else WHOLE
 
 
 def say(words: str) -> None:
@@ -117,7 +132,10 @@ def add_licences(wheel: Path, hdf5: Optional[Path]) -> None:
     texts: dict[str, str] = {}
     lines = []
     packages: dict[str, list[str]] = {}
-    for name, place in libraries_of(wheel).items():
+    libraries = libraries_of(wheel)
+    if terms(libraries) == MIXED:
+        say("warning: this wheel must not be passed on: it holds UMFPACK (GPL) and CLP or Ipopt (Eclipse licence)")
+    for name, place in libraries.items():
         owner = ""
         if shutil.which("dpkg-query"):
             for candidate in (place.resolve(), Path(re.sub("^/usr", "", str(place.resolve()))), place):
@@ -148,7 +166,7 @@ def add_licences(wheel: Path, hdf5: Optional[Path]) -> None:
     lines.append("three.js (script of the pages of scenes in space)\n")
     lines.append(f"pybind11 {importlib.metadata.version('pybind11')} (headers, BSD-3-Clause)\n")
     with zipfile.ZipFile(wheel, "a", zipfile.ZIP_DEFLATED) as archive:  # auditwheel writes the RECORD anew
-        archive.writestr("orthant/licenses/README.txt", NOTE + "".join(lines))
+        archive.writestr("orthant/licenses/README.txt", NOTE + terms(libraries) + "".join(lines))
         for name, text in texts.items():
             archive.writestr(f"orthant/licenses/{name}.txt", text)
 

@@ -1,0 +1,59 @@
+"""Joints and contacts written in Python, checked and brought into one form."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+from ._spec import shown, whole, word
+
+_LAW = ("mu", "e_n", "e_t", "mu_static", "belt")
+_FUNCTIONS = {"contact": ("gap", "rows", "bias"), "joint": ("residual", "rows", "bias", "rate")}
+_OPTIONAL = ("bias", "rate")
+
+
+def custom_element(kind: str, keys: dict[str, Any], place: int) -> dict[str, Any]:
+    """What Scene.add collected, for the compiled side."""
+    functions = _FUNCTIONS[kind]
+    known = {"type", "name", "bodies", *functions, *(("length", *_LAW) if kind == "contact" else ("count",))}
+    if unknown := [key for key in keys if key not in known]:
+        raise ValueError(f"{kind}: {unknown[0]}: must be one of {', '.join(sorted(known))}")
+    name = word("name", keys.get("name", f"custom{place + 1}"))
+    bodies = keys.get("bodies")
+    if not isinstance(bodies, (list, tuple)) or len(bodies) != 2:
+        raise TypeError(f"{kind} \"{name}\": bodies = {shown(bodies)}: must be two names")
+    many = kind == "contact" and all(isinstance(side, (list, tuple)) for side in bodies)
+    sides = [[word("bodies", body) for body in (side if many else [side])] for side in bodies]
+    if len(sides[0]) != len(sides[1]) or not sides[0]:
+        raise ValueError(f"{kind} \"{name}\": bodies = {shown(bodies)}: must be two lists of equal length, not empty")
+    for key in functions:
+        if not callable(keys.get(key)) and not (key in _OPTIONAL and keys.get(key) is None):
+            raise TypeError(f"{kind} \"{name}\": {key} = {shown(keys.get(key))}: must be a function of the poses")
+    made: dict[str, Any] = {"kind": kind, "name": name, "many": many, "a": sides[0], "b": sides[1]}
+    for key in functions:
+        function = keys.get(key)
+        made[key] = Together(function, len(sides[0])) if many and function is not None else function
+    if kind == "joint":
+        made["count"] = whole("count", keys.get("count", 1), 1, 3)
+        return made
+    made.update({key: float(keys.get(key, 0)) for key in _LAW})
+    made["length"] = None if keys.get("length") is None else float(keys["length"])
+    return made
+
+
+class Together:
+    """A function of n contacts at once: numbers in what it returns count for all of them. A class, so that it pickles."""
+
+    def __init__(self, function: Callable[..., Any], n: int) -> None:
+        self.function, self.n = function, n
+
+    def __call__(self, *motion: Any) -> Any:
+        return _filled(self.function(*motion), self.n)
+
+
+def _filled(value: Any, n: int) -> Any:
+    import numpy as np
+
+    if isinstance(value, (list, tuple)):
+        return np.stack([_filled(part, n) for part in value])
+    array = np.asarray(value, dtype=float)
+    return array if array.ndim else np.full(n, float(array))
