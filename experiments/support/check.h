@@ -7,8 +7,8 @@
 //                              share (bodies that pass through each other, a relaxed law) shows there only; in space
 //                              h/4 in its place
 //   error = the largest difference, times 3 for h/2, 4 for 2h/3 (of a scheme of order 1, where its error is 2 and 3
-//   times the difference), 1.5 for h/4 and 2 for a tolerance; never less than a floor, for runs may agree by construction: 1e-12, or
-//   2e-16 times the steps, of the largest coordinate or velocity of the same unit.
+//   times the difference), 1.5 for h/4 and 2 for a tolerance; never less than a floor, for runs may agree by
+//   construction: 1e-12, or 2e-16 times the steps, of the largest coordinate or velocity of the same unit.
 //   digits = ⌊−log10(error / |value|)⌋, 0 to 15: significant decimal digits of the value.
 //   Limits: what all repetitions get wrong alike is not seen. Each repetition may take 20 times as long as the run, and
 //   10 s;

@@ -1,8 +1,8 @@
 // integrators/step/spatial_tunnelling.h — tunnelling detection in space: shapes that pass through each other within one
 // step.
 //
-//   As in the plane (tunnelling.h): two shapes have passed if their gap is smaller on the way between than at both ends,
-//   and than 0, by 1/20 of the thinner one; or if they overlap by that at the end and the normal has turned round since
+//   As in the plane (tunnelling.h): two shapes have passed if their gap is smaller on the way than at both ends, and
+//   than 0, by 1/20 of the thinner one; or if they overlap by that at the end and the normal has turned round since
 //   they met. The gap is followed along the way, no farther at a time than it is wide or than 1/16 of the thinner one.
 //   The way: centres of mass go straight, bodies turn evenly about one axis, by less than half a turn.
 //   Looked at: sphere-sphere contacts and searched collisions. Half-spaces cannot be passed unseen.
