@@ -70,7 +70,7 @@ Json simulate() {
                            {"check_error?", by_name(maybe(number()), "of --check: estimated errors by column")},
                            {"check_digits?", by_name(number(), "of --check: digits that agree, by column")},
                            {"warnings", list(text())},
-                           {"event_table", list(object({{"t", number("[s]")},
+                           {"event_table?", list(object({{"t", number("[s]")},
                                                         {"kind", {{"enum", kEventNames}}},
                                                         {"contact", text("name of a contact or collision")},
                                                         {"impulse_n", number("[N s]")},
@@ -169,6 +169,7 @@ Json list_of_names() {
   return object({{"solvers?", entries({})},
                  {"integrators?", entries({{"can", object(can, "what scenes it takes")}})},
                  {"scenes?", entries({})},
+                 {"spatial_scenes?", entries({})},
                  {"summary?", list(object({{"name", text()}, {"unit", text()}, {"meaning", text()}}))}});
 }
 

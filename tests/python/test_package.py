@@ -37,6 +37,13 @@ def test_everything_public_is_documented():
         assert name.startswith("__") or name in ("revision", "LogEntry") or getattr(orthant, name).__doc__, name
 
 
+@pytest.mark.skipif(not DOCS.exists(), reason="the tests stand alone here")
+def test_everything_public_is_in_the_reference():
+    page = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
+    missing = [name for name in orthant.__all__ if not re.search(rf":: orthant\.{name}\b", page)]
+    assert missing == ["__version__", "revision"]
+
+
 def test_type_hints_hold(tmp_path):
     """mypy, strict, over the sources and the stub of the compiled part; and what the stub promises is there."""
     package = pathlib.Path(orthant.__file__).resolve().parent

@@ -8,6 +8,7 @@ import os
 import struct
 import zipfile
 import zlib
+from tokenize import TokenError
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _orthant
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 # What reading an archive of a stranger may raise.
 _BROKEN = (ValueError, TypeError, EOFError, NotImplementedError, OSError, RuntimeError, MemoryError, OverflowError, KeyError,
-           SyntaxError, struct.error, zipfile.BadZipFile, zlib.error)
+           SyntaxError, TokenError, struct.error, zipfile.BadZipFile, zlib.error)
 _LARGEST_FILE, _LARGEST_ARRAY = 4 << 30, 1 << 30  # [bytes]: as of FCLIB files and their datasets
 _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed: M is square
 
