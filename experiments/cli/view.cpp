@@ -27,7 +27,7 @@ namespace {
 constexpr double kRecords = 4000;  // of a run that is made for a view; a page has at most 1200 frames
 
 struct ViewArguments {
-  std::string input, scene, integrator = "adaptive", solver = "lemke", output;
+  std::string input, scene, integrator = "adaptive", solver = "auto", output;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   std::optional<int> serve;

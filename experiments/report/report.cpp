@@ -33,7 +33,7 @@ double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a 
 Json film(const System& system, const Json& run, double duration, double& patience) {
   const double step = run.contains("step") ? run.at("step").get<double>() : duration / kFrames;
   const auto integrator = make_integrator(run.at("integrator").get<std::string>(), system);
-  const auto solver = make_solver(run.value("solver", "lemke"));
+  const auto solver = make_solver(run.value("solver", "auto"));
   const double aim = duration / kFrames;
   Json frames = Json::array(), events = Json::array();
   std::vector<Event> located;

@@ -90,7 +90,7 @@ void check_animation(const Json& animation, const SceneWith& scene) {
       refuse("animation.runs.step", detail::text_of(run["step"].get<double>()),
              "must make at most a million steps of the animation's " + detail::text_of(duration) + " s");
     make_integrator(run["integrator"].get<std::string>(), system);
-    make_solver(run.value("solver", "lemke"));
+    make_solver(run.value("solver", "auto"));
     const auto is_magnified = [&](const Body& body) { return body.name == animation["magnify"]; };
     if (animation.contains("magnify") && std::ranges::none_of(system.scene().bodies, is_magnified))
       refuse("animation.magnify", animation["magnify"].dump(), "must be a body of the scene");

@@ -255,7 +255,7 @@ class Reader {
     }
     combine("grid.integrator", grid["integrator"],
             [&](Case& c, const Json& value) { c.integrator = word("grid.integrator", value); });
-    combine("grid.solver", grid.value("solver", Json("lemke")),
+    combine("grid.solver", grid.value("solver", Json("auto")),
             [&](Case& c, const Json& value) { c.solver = word("grid.solver", value); });
     if (grid.contains("scene"))
       combine("grid.scene", grid["scene"], [&](Case& c, const Json& value) {

@@ -330,7 +330,7 @@ def _stops(rounded: str) -> bool:
     return rounded == "stop"
 
 
-def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "lemke",
+def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "auto",
              step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
              time_limit: Optional[float] = None, rounded: str = "take", check: bool = False) -> Trajectory:
     """Run a scene: a Scene, a built-in name or a TOML file.
