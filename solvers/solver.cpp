@@ -48,8 +48,13 @@ void Solver::judge_fine_rows(const Lcp& problem, double tolerance, Solution& s) 
   if (!fine_rows_.settle(problem, s.z, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
   if (!has_answer(put_.status)) return;
+  take_put(s);
+}
+
+/// What was last judged in put_ into s; its status only where it is an answer.
+void Solver::take_put(Solution& s) {
   accepted_ = judge_.accepted();
-  s.status = put_.status;
+  if (has_answer(put_.status)) s.status = put_.status;
   s.z = put_.z, s.w = put_.w;
   s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
 }
@@ -64,10 +69,7 @@ void Solver::judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, 
   judge_.certify(problem, tolerance, Claim::stalled, put_);
   const bool nearer = judge_.excess() < excess;
   if (put_.status != Status::solved && (has_answer(s.status) || !(nearer || has_answer(put_.status)))) return;
-  accepted_ = judge_.accepted();
-  if (has_answer(put_.status)) s.status = put_.status;
-  s.z = put_.z, s.w = put_.w;
-  s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
+  take_put(s);
 }
 
 void Solver::seek_proof(const Lcp& problem, Solution& s) {

@@ -83,6 +83,7 @@ class Solver {
   void judge(const Lcp& problem, double tolerance, Claim claim, Solution& s);
   void judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s);
   void judge_fine_rows(const Lcp& problem, double tolerance, Solution& s);
+  void take_put(Solution& s);
   void seek_proof(const Lcp& problem, Solution& s);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
   Solver& with_discs();

@@ -25,8 +25,10 @@ struct AnalyseArguments {
 int run_analyse(const AnalyseArguments& arguments) {
   Budget budget;
   const Matrix A = read_matrix(arguments.problem);
-  budget.start(arguments.time_limit.value_or(kInf), nullptr);
-  const Analysis a = with_elapsed_line("analyse", [&] { return analyse(A, [&] { return budget.exhausted(); }); });
+  const double limit = arguments.time_limit.value_or(kInf);
+  budget.start(limit, nullptr);
+  const auto stop = [&] { return budget.exhausted(); };
+  const Analysis a = with_elapsed_line("analyse", [&] { return analyse(A, stop, limit); });
 
   nlohmann::ordered_json rank = a.rank;
   if (a.rank < 0) rank = name(Verdict::not_decided);

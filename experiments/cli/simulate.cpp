@@ -35,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SimulateArguments {
-  std::string scene, integrator = "moreau-jean", solver, rounded = "take", output, checkpoint, failed_steps;
+  std::string scene, integrator = "moreau-jean", solver = "auto", rounded = "take", output, checkpoint, failed_steps;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
@@ -295,9 +295,7 @@ int run_simulate(SimulateArguments arguments) {
     if (set.find('=') == std::string::npos)
       throw std::invalid_argument("--set '" + set + "': must have the form KEY=VALUE");
   AnyScene scene = make_any_scene(arguments.scene, arguments.sets);
-  const bool planar = std::holds_alternative<Scene>(scene);
-  if (arguments.solver.empty()) arguments.solver = planar ? kPlanarSolver : kSpatialSolver;
-  if (planar) return run_system(arguments, System(std::get<Scene>(std::move(scene))));
+  if (std::holds_alternative<Scene>(scene)) return run_system(arguments, System(std::get<Scene>(std::move(scene))));
   return run_system(arguments, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(scene))));
 }
 
@@ -308,8 +306,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("simulate", "Run a scene: a built-in name or a TOML file");
   command->add_option("scene", arguments->scene, "built-in scene (see `orthant list scenes`) or TOML file")->required();
   command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]; in space the default is auto")
-      ->default_str(kPlanarSolver);
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
   const CLI::Validator given([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
   command->add_option("--step", arguments->step, "step size h [s]; default: the scene's")->check(given);
   command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's")->check(given);

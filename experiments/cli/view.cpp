@@ -31,7 +31,7 @@ constexpr double kRecords = 4000;  // of a run that is made for a view; a page h
 constexpr const char *kPlanarIntegrator = "adaptive", *kSpatialIntegrator = "moreau-jean";
 
 struct ViewArguments {
-  std::string input, scene, integrator, solver, output;
+  std::string input, scene, integrator, solver = "auto", output;
   std::vector<std::string> sets;
   std::optional<double> step, duration, time_limit;
   std::optional<int> serve;
@@ -93,7 +93,6 @@ Viewed of_scene(ViewArguments a) {
   AnyScene any = make_any_scene(a.input, a.sets);
   const bool planar = std::holds_alternative<Scene>(any);
   if (a.integrator.empty()) a.integrator = planar ? kPlanarIntegrator : kSpatialIntegrator;
-  if (a.solver.empty()) a.solver = planar ? kPlanarSolver : kSpatialSolver;
   if (planar) return of_system(a, System(std::get<Scene>(std::move(any))));
   return of_system(a, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(any))));
 }
@@ -166,8 +165,7 @@ void add_view(CLI::App& app, int& exit_code) {
       ->add_option("--integrator", arguments->integrator,
                    "NAME[:option=value,...]; in space the default is moreau-jean")
       ->default_str(kPlanarIntegrator);
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]; in space the default is auto")
-      ->default_str(kPlanarSolver);
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
   command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
   command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
   command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")

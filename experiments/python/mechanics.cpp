@@ -198,12 +198,10 @@ template <class Scene> py::tuple run_in(const Scene& scene, Wanted wanted, std::
                         push_table(kept.pushes));
 }
 
-/// Without a solver: lemke, in space auto, which takes friction discs.
-py::tuple run_scene(const MadeScene& made, const std::string& integrator, const std::optional<std::string>& solver,
+py::tuple run_scene(const MadeScene& made, const std::string& integrator, const std::string& solver,
                     std::optional<double> step, std::optional<double> duration, long every,
                     std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
-  const bool planar = std::holds_alternative<Scene>(made.scene);
-  Wanted wanted{integrator, solver.value_or(planar ? "lemke" : "auto"), {}, check};
+  Wanted wanted{integrator, solver, {}, check};
   wanted.clock.every = every, wanted.clock.time_limit = time_limit.value_or(kInf);
   wanted.clock.rounded = stop_when_rounded ? Rounded::stop : Rounded::take;
   return std::visit([&](const auto& scene) { return run_in(scene, wanted, step, duration, warn); }, made.scene);

@@ -321,7 +321,7 @@ py::dict analysis_of(py::handle M, std::optional<double> time_limit) {
   Watch watch(time_limit);
   {
     const py::gil_scoped_release others_may_run;
-    a = analyse(A, watch.stop());
+    a = analyse(A, watch.stop(), time_limit.value_or(kInf));
   }
   watch.raise();
   py::dict d;

@@ -45,14 +45,14 @@ void append_frame(const SystemOf<Spatial>& system, const MomentOf<Spatial>& mome
   const auto contacts = row.begin() + 1 + 13 * system.bodies();
   for (auto body = row.begin() + 1; body < contacts; body += 13)
     for (auto q = body; q < body + 7; ++q) frame.push_back(rounded(*q));
-  for (auto x = contacts; x < contacts + 4 * system.contacts(); ++x) frame.push_back(rounded(*x));
+  for (auto x = contacts; x < contacts + 4 * system.listed(); ++x) frame.push_back(rounded(*x));
 }
 
 /// One run by frames; its events: t, kind, contact by number, impulses.
 template <class Space> Json film(const SystemOf<Space>& system, const Json& run, double duration, double& patience) {
   const double step = run.contains("step") ? run.at("step").get<double>() : duration / kFrames;
   const auto integrator = make_integrator(run.at("integrator").get<std::string>(), system);
-  const auto solver = make_solver(run.value("solver", kPlanar<Space> ? "lemke" : "auto"));
+  const auto solver = make_solver(run.value("solver", "auto"));
   const double aim = duration / kFrames;
   Json frames = Json::array(), events = Json::array();
   std::vector<Event> located;

@@ -171,5 +171,28 @@ def plot_heat(folder, about):
          handles, low=0.25 / height)
 
 
+def plot_regret(folder, about):
+    """Time of auto over that of the fastest solver, problem by problem."""
+    if not (folder / "regret.csv").exists():
+        return
+    table = read_table(folder / "regret.csv", ["problem", "family", "fastest"], ["n", "seconds", "auto", "regret"])
+    figure, axes = plt.subplots(figsize=(9, 5.2))
+    known = np.isfinite(table["regret"])
+    small = known & (table["seconds"] < 1e-4)
+    axes.axhspan(1, 2, color="#f2f2f2", linewidth=0, zorder=0)
+    for part, colour, label in ((small, GREY, "the fastest takes less than 0.1 ms"), (known & ~small, BLUE, "longer")):
+        axes.plot(table["n"][part], table["regret"][part], "o", markersize=4, alpha=0.6, color=colour, label=label,
+                  markeredgewidth=0)
+    for at in np.flatnonzero(known & ~small)[:6]:
+        if table["regret"][at] > 2:
+            axes.annotate(f"{table['problem'][at]} ({table['fastest'][at]})", (table["n"][at], table["regret"][at]),
+                          (4, 4), textcoords="offset points", fontsize=8)
+    axes.set(xscale="log", yscale="log", xlabel="rows", ylabel="time of auto / time of the fastest solver")
+    axes.set_title(f"{np.sum(table['regret'][known] <= 2)} of {known.size} problems within a factor of 2, "
+                   f"{np.sum(~known)} not solved by auto", fontsize=10)
+    axes.legend(loc="upper right")
+    save(figure, folder / "regret", "Regret of auto", about)
+
+
 if __name__ == "__main__":
-    main(__doc__, "results/lcp_shootout", (plot_profiles, plot_work_precision, plot_heat))
+    main(__doc__, "results/lcp_shootout", (plot_profiles, plot_work_precision, plot_heat, plot_regret))

@@ -6,8 +6,10 @@
 #include <orthant/core/support/options.h>
 #include <orthant/solvers/registry.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <functional>
 #include <iomanip>
 #include <map>
 #include <sstream>
@@ -152,6 +154,32 @@ SolverTable::Cells SolverTable::summary() const {
     std::ostringstream ratio;
     if (!ratios.empty()) ratio << std::setprecision(3) << ratios[ratios.size() / 2];
     line.push_back(ratio.str());
+  }
+  return table;
+}
+
+SolverTable::Cells SolverTable::regret(const std::string& solver) const {
+  const auto place = static_cast<std::size_t>(std::ranges::find(solvers, solver) - solvers.begin());
+  struct Times {
+    double best = kInf, own = kInf;
+    std::size_t fastest = 0;
+  };
+  std::vector<Times> times(problems.size());
+  for (const Row& row : rows) {
+    if (row.result != Result::certified) continue;
+    Times& t = times[row.problem];
+    if (row.solver == place) t.own = row.trial.seconds;
+    if (row.trial.seconds < t.best) t.best = row.trial.seconds, t.fastest = row.solver;
+  }
+  std::vector<std::size_t> order;
+  for (std::size_t p = 0; p < problems.size(); ++p)
+    if (times[p].best < kInf) order.push_back(p);
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t p) { return times[p].own / times[p].best; });
+  Cells table{{"problem", "family", "n", "fastest", "seconds", solver, "regret"}};
+  for (const std::size_t p : order) {
+    const auto& [best, own, fastest] = times[p];
+    table.push_back({problems[p].about.name, problems[p].about.family, std::to_string(problems[p].n),
+                     quoted(solvers[fastest]), number(best), number(own), number(own / best)});
   }
   return table;
 }

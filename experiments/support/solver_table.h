@@ -34,6 +34,9 @@ struct SolverTable {
   std::string paths_csv()
       const;              // what really answered: a method that hands a problem on, or has shortcuts, is seen here
   Cells summary() const;  // a line per solver
+  /// A line per problem that somebody solved: the fastest solver, its time, that of `solver`, and their ratio; the
+  /// largest first, before it those that `solver` does not certify (empty cells).
+  Cells regret(const std::string& solver) const;
 };
 
 struct TrialLimits {

@@ -78,7 +78,7 @@ template <class Scene> void check_run_of(const Json& animation, const Json& run,
     refuse("animation.runs.step", detail::text_of(run["step"].get<double>()),
            "must make at most a million steps of the animation's " + detail::text_of(duration) + " s");
   make_integrator(run["integrator"].get<std::string>(), system);
-  make_solver(run.value("solver", planar ? "lemke" : "auto"));
+  make_solver(run.value("solver", "auto"));
   if (!animation.contains("magnify")) return;
   if (!planar) refuse("animation.magnify", animation["magnify"].dump(), "must be absent where the scene is in space");
   const auto is_magnified = [&](const auto& body) { return body.name == animation["magnify"]; };

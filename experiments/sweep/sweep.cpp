@@ -258,7 +258,7 @@ class Reader {
     }
     combine("grid.integrator", grid["integrator"],
             [&](Case& c, const Json& value) { c.integrator = word("grid.integrator", value); });
-    combine("grid.solver", grid.value("solver", Json("")),  // by the scene's dimension, see set_times()
+    combine("grid.solver", grid.value("solver", Json("auto")),
             [&](Case& c, const Json& value) { c.solver = word("grid.solver", value); });
     if (grid.contains("scene"))
       combine("grid.scene", grid["scene"], [&](Case& c, const Json& value) {
@@ -289,11 +289,7 @@ class Reader {
   /// The scene's own step and duration, where the file has none; every scene is read once, so that bad parameters are
   /// reported before anything runs.
   void set_times(std::vector<Case>& all, const Json& grid) const {
-    struct Own {
-      Clock clock;
-      bool planar = true;
-    };
-    std::map<std::pair<std::string, std::vector<std::string>>, Own> known;
+    std::map<std::pair<std::string, std::vector<std::string>>, Clock> known;
     for (Case& c : all) {
       const auto [at, fresh] = known.try_emplace({c.scene, c.sets()});
       if (fresh) {
@@ -304,16 +300,14 @@ class Reader {
               const auto columns = measures_of(scene);
               if (std::find(columns.begin(), columns.end(), c.measure) == columns.end())
                 fail("measure", '"' + c.measure + '"', "the scene has no such column");
-              at->second = {{.step = scene.step, .duration = scene.duration},
-                            std::is_same_v<decltype(scene), const Scene&>};
+              at->second = {.step = scene.step, .duration = scene.duration};
             },
             any);
       }
-      if (c.solver.empty()) c.solver = at->second.planar ? "lemke" : "auto";  // which takes friction discs
-      c.step = at->second.clock.step;
+      c.step = at->second.step;
       c.duration = grid.contains("duration")    ? number("grid.duration", grid["duration"], 1e-12, 1e9)
                    : root_.contains("duration") ? number("duration", root_["duration"], 1e-12, 1e9)
-                                                : at->second.clock.duration;
+                                                : at->second.duration;
     }
   }
 

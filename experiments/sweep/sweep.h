@@ -15,7 +15,7 @@
 //   scene      = ["chain", "n_four_bar"]  these instead of the above; the name is then a parameter of the rows
 //   duration   = 20                       [s] instead of the above
 //   integrator = ["rattle", "moreau-jean:theta=0.6"]
-//   solver     = ["lemke"]                default
+//   solver     = ["auto"]                 default
 //   step       = {from = 1e-3, to = 1e-6, count = 20, scale = "log"}   [s] moved so that it divides the duration;
 //                                         default: the scene's.  scale: "linear" (default) or "log"
 //   rtol       = [1e-3, 1e-6]             for integrators to a tolerance; atol = max(rtol / 1000, 1e-15)

@@ -157,8 +157,13 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
     diagonal_part.setIdentity();
     V += Eigen::SparseMatrix<double, Eigen::RowMajor>(da_.asDiagonal() * diagonal_part);
     gradient_ = V.transpose() * phi_;
+    const auto affords = [this](const Eigen::SparseMatrix<double>& M) {
+      return !budget().timed() ||
+             budget().affords(factorization_cost(static_cast<int>(M.rows()), M.outerIndexPtr(), M.innerIndexPtr()));
+    };
     if (weight == 0) {
       const Eigen::SparseMatrix<double> columns = V;
+      if (!affords(columns)) return false;
       Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu(columns);
       if (lu.info() != Eigen::Success) return false;
       const Eigen::VectorXd rhs = -phi_;
@@ -167,6 +172,7 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
       Eigen::SparseMatrix<double> normal = V.transpose() * V, identity(p.size(), p.size());
       identity.setIdentity();
       normal += weight * normal.diagonal().maxCoeff() * identity;
+      if (!affords(normal)) return false;
       const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(normal);
       if (cholesky.info() != Eigen::Success) return false;
       const Eigen::VectorXd rhs = -gradient_;

@@ -76,11 +76,11 @@ template <class T> bool Basis<T>::factorize_gathered() {
       klu_value_.push_back(static_cast<double>(value * row_scale_[at(r)] * col_scale_[at(c)]));
     });
     while (static_cast<Index>(klu_start_.size()) <= m) klu_start_.push_back(static_cast<int>(klu_row_.size()));
-    if (klu_.factorize(klu_start_, klu_row_, klu_value_, static_cast<double>(kZero<T>))) {
+    if (klu_.factorize(klu_start_, klu_row_, klu_value_, static_cast<double>(kZero<T>), budget_)) {
       pivot_ratio_ = static_cast<T>(klu_.least_pivot() / klu_.largest_pivot());
       return true;
     }
-    if (m > kDiagnosed) return false;
+    if (m > kDiagnosed || (budget_ != nullptr && budget_->exhausted())) return false;
   }
   typename DenseLu<T>::Dense dense(dense_.reset(m), m, m);
   dense.setZero();

@@ -145,6 +145,7 @@ struct PrincipalBlock::Sparse {
   Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu;
   std::vector<int> position;       // row of A → row of the block, or −1
   std::vector<int> start, column;  // the pattern that `lu` was last analysed for
+  double operations = -1;          // that a factorization of this pattern takes; −1: not predicted yet
   const Budget* budget = nullptr;
   Vector rhs;
 
@@ -181,17 +182,26 @@ struct PrincipalBlock::Sparse {
       if (!placed) put(row, add);
       block.start.push_back(static_cast<int>(block.value.size()));
     }
-    positive = F.empty() || (symmetric && cholesky.factorize(block, zero(block.rows, shift)));
+    positive = F.empty() || (symmetric && cholesky.factorize(block, zero(block.rows, shift), budget));
     if (positive) return true;
     if (over(budget)) return false;
     columns = block.view();
     if (start != block.start || column != block.column) {
+      start.clear(), operations = -1;
+      if (!affordable()) return false;
       lu.analyzePattern(columns);
       if (lu.info() != Eigen::Success) return start.clear(), false;
       start = block.start, column = block.column;
     }
+    if (!affordable()) return false;
     lu.factorize(columns);
     return lu.info() == Eigen::Success;
+  }
+  bool affordable() {
+    if (budget == nullptr || !budget->timed()) return true;
+    if (operations < 0)
+      operations = factorization_cost(static_cast<int>(block.rows), columns.outerIndexPtr(), columns.innerIndexPtr());
+    return budget->affords(operations);
   }
   void solve(const Vector& r, Vector& x, bool refine) {
     x = r;

@@ -20,7 +20,7 @@ SparseCholesky::~SparseCholesky() {
   cholmod_finish(&common_);
 }
 
-bool SparseCholesky::factorize(const RowSparse& A, double zero) {
+bool SparseCholesky::factorize(const RowSparse& A, double zero, const Budget* budget) {
   if (A.rows == 0) return true;
   if (A.value.empty()) return false;
   cholmod_sparse view{};  // compressed rows of a symmetric matrix are its compressed columns; CHOLMOD only reads them
@@ -36,7 +36,9 @@ bool SparseCholesky::factorize(const RowSparse& A, double zero) {
     cholmod_free_factor(&factor_, &common_);
     factor_ = cholmod_analyze(&view, &common_);
     start_ = A.start, column_ = A.column;
+    operations_ = 2 * common_.fl;  // as an LU factorization's
   }
+  if (budget != nullptr && !budget->affords(operations_)) return false;
   return factor_ != nullptr && cholmod_factorize(&view, factor_, &common_) != 0 && common_.status == CHOLMOD_OK &&
          factor_->minor == factor_->n && cholmod_rcond(factor_, &common_) > zero;
 }

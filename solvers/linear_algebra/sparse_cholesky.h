@@ -6,6 +6,7 @@
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
+#include <orthant/solvers/budget.h>
 
 #include <cholmod.h>
 
@@ -19,8 +20,8 @@ class SparseCholesky {
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   /// A symmetric (only its upper triangle is read), columns ascending. False when it is not positive definite, with NaN
-  /// too, or a pivot is ≤ zero times the largest. The pattern is analysed only when it is not that of the last call.
-  bool factorize(const RowSparse& A, double zero);
+  /// too, or a pivot is ≤ zero times the largest, or the budget (null: none) does not afford it. The pattern is analysed only when it is not that of the last call.
+  bool factorize(const RowSparse& A, double zero, const Budget* budget = nullptr);
 
   /// x ← A⁻¹ x, |A| numbers, after a factorize() that was true. False when there is no memory left.
   bool solve(Vector& x);
@@ -29,6 +30,7 @@ class SparseCholesky {
   cholmod_common common_{};
   std::vector<int> start_, column_;  // what factor_ was analysed for
   cholmod_factor* factor_ = nullptr;
+  double operations_ = 0;  // that a factorization takes
   cholmod_dense *solution_ = nullptr, *work1_ = nullptr, *work2_ = nullptr;
 };
 

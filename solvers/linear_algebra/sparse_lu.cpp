@@ -18,7 +18,8 @@ void SparseLu::release() {
   klu_free_symbolic(&symbolic_, &common_);
 }
 
-bool SparseLu::factorize(std::vector<int>& start, std::vector<int>& row, std::vector<double>& value, double zero) {
+bool SparseLu::factorize(std::vector<int>& start, std::vector<int>& row, std::vector<double>& value, double zero,
+                         const Budget* budget) {
   release();
   least_ = largest_ = 1;
   const auto m = static_cast<int>(start.size()) - 1;
@@ -26,6 +27,7 @@ bool SparseLu::factorize(std::vector<int>& start, std::vector<int>& row, std::ve
   if (value.empty()) return false;
   symbolic_ = klu_analyze(m, start.data(), row.data(), &common_);
   if (symbolic_ == nullptr || symbolic_->structural_rank < m) return false;
+  if (budget != nullptr && !budget->affords(symbolic_->est_flops)) return false;
   numeric_ = klu_factor(start.data(), row.data(), value.data(), symbolic_, &common_);
   if (numeric_ == nullptr || common_.status != KLU_OK) return false;
   const auto* pivot = static_cast<const double*>(numeric_->Udiag);

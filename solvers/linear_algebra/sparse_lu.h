@@ -5,6 +5,8 @@
 //   Source: Davis & Palamadai Natarajan, ACM Trans. Math. Softw. 37 (2010), Algorithm 907.
 #pragma once
 
+#include <orthant/solvers/budget.h>
+
 #include <klu.h>
 
 #include <vector>
@@ -18,8 +20,10 @@ class SparseLu {
   SparseLu(const SparseLu&) = delete;
   SparseLu& operator=(const SparseLu&) = delete;
 
-  /// Compressed columns, m × m, every row index once a column. False when singular: a pivot ≤ zero in absolute value.
-  bool factorize(std::vector<int>& start, std::vector<int>& row, std::vector<double>& value, double zero);
+  /// Compressed columns, m × m, every row index once a column. False when singular: a pivot ≤ zero in absolute value;
+  /// and when the budget (null: none) does not afford the operations that the analysis predicts.
+  bool factorize(std::vector<int>& start, std::vector<int>& row, std::vector<double>& value, double zero,
+                 const Budget* budget = nullptr);
 
   void solve(double* x);             // x ← A⁻¹ x
   void solve_transposed(double* x);  // x ← A⁻ᵀ x

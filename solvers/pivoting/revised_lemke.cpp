@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <utility>
 
 namespace orthant::detail {
 
@@ -115,11 +117,18 @@ bool RevisedLemke::factorize() {
   return x_.allFinite();
 }
 
-// The row that z₀ replaces: the least q_i / d_i, the last among equals.
+// The row that z₀ replaces: the least q_i / d_i, and among equals the least of the perturbation: the last.
 bool RevisedLemke::enter_covering() {
-  double least = 0;
+  perturbation_.resize(n_);
+  std::minstd_rand random;  // the same numbers on every machine and in every run
+  for (int i = 0; i < n_; ++i) perturbation_[i] = cover_[i] * (1 + 0x1p-31 * static_cast<double>(random()));
+  second_ = perturbation_;
+  basis_.solve(second_);
+  std::pair<double, double> least{0, kInf};
   for (int i = 0; i < n_; ++i)
-    if (!free_[at(i)] && x_[i] < 0 && x_[i] / cover_[i] <= least) least = x_[i] / cover_[i], leaving_row_ = i;
+    if (!free_[at(i)] && x_[i] < 0)
+      if (const std::pair ratio{x_[i] / cover_[i], second_[i] / cover_[i]}; ratio < least)
+        least = ratio, leaving_row_ = i;
   if (leaving_row_ < 0) return false;
   entering_ = covering();
   u_.resize(n_);
@@ -169,27 +178,18 @@ int RevisedLemke::ratio_test() {
       if (i == covering_row_) return i;
       ties_.push_back(i);
     }
-  return ties_.size() == 1 ? ties_[0] : lexicographic();
+  return ties_.size() == 1 ? ties_[0] : perturbed();
 }
 
-// The lexicographically least row of B⁻¹ / u among the tied; the one found so far when the time is over.
-int RevisedLemke::lexicographic() {
-  const auto inverse_row = [this](int i, Vector& row) {
-    row.resize(n_);
-    row.setZero();
-    row[i] = 1 / u_[i];
-    basis_.solve_transposed(row);
-  };
+// The tied row with the least of (B⁻¹ p)_i / u_i; of those that rounding leaves equal, the largest pivot.
+int RevisedLemke::perturbed() {
+  second_ = perturbation_;
+  basis_.solve(second_);
   int best = ties_[0];
-  inverse_row(best, best_row_);
-  for (std::size_t k = 1; k < ties_.size() && !budget_->exhausted(); ++k) {
-    inverse_row(ties_[k], tied_row_);
-    for (int c = 0; c < n_; ++c) {
-      const double a = tied_row_[c], b = best_row_[c];
-      if (std::abs(a - b) <= kTie * std::max(std::abs(a), std::abs(b))) continue;
-      if (a < b) best = ties_[k], best_row_.swap(tied_row_);
-      break;
-    }
+  for (const int i : ties_) {
+    const double a = second_[i] / u_[i], b = second_[best] / u_[best];
+    const bool equal = std::abs(a - b) <= kTie * std::max(std::abs(a), std::abs(b));
+    if (equal ? u_[i] > u_[best] : a < b) best = i;
   }
   return best;
 }

@@ -5,8 +5,9 @@
 //   itself and the factors. x_B is moved along, and recomputed from the data, refined, at each factorization.
 //   Free rows (w_i = 0) have z_i basic from the start and take no part in ratio tests; where their block is singular,
 //   each is split, z = z⁺ − z⁻ against ±w ≥ 0.
-//   Ratio test: z₀ first; ties lexicographically by the rows of B⁻¹ (one solve with Bᵀ for each tied row); an entry
-//   below 2⁻³⁶ of its column is no pivot, and a constant below 2⁻⁴⁴ of the largest is 0.
+//   Ratio test: z₀ first; ties as if q were q + ε p with ε → 0 and p > 0 at random, of fixed seed: the least of
+//   (B⁻¹ p)_i / u_i, one solve however many rows are tied. An entry below 2⁻³⁶ of its column is no pivot, and a
+//   constant below 2⁻⁴⁴ of the largest is 0.
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4; Tomlin, Math. Prog. Study 7
 //   (1978).
 #pragma once
@@ -58,7 +59,7 @@ class RevisedLemke {  // reuse it
   int exchange();  // entering_ against the basic variable of leaving_row_: what left
   bool price();    // u_ and leaving_row_ (−1: nothing blocks) for entering_
   int ratio_test();
-  int lexicographic();
+  int perturbed();
 
   int n_ = 0, entering_ = 0, leaving_row_ = -1, covering_row_ = -1, iterations_ = 0;
   Index rows_ = 0;                // of the problem; the rest are twins of split free rows
@@ -66,7 +67,7 @@ class RevisedLemke {  // reuse it
   std::vector<double> value_;
   std::vector<char> free_;
   Eigen::VectorXd q_, cover_;
-  Vector x_, u_, residual_, best_row_, tied_row_;
+  Vector x_, u_, residual_, perturbation_, second_;  // second_: B⁻¹ p
   std::vector<int> basic_, ties_, twin_, origin_;
   std::vector<long double> exact_;
   Basis<double> basis_;

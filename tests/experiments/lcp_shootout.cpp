@@ -1,6 +1,7 @@
 // The solver comparison: its table, its judge, what becomes of work that crashes or never ends, its pictures.
 #include "experiments/support/isolated.h"
 #include "experiments/support/lcp_trial.h"
+#include "experiments/support/solver_table.h"
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -165,6 +166,29 @@ TEST_CASE("lcp_shootout: a row per case, certified where answers are known, pict
   for (const char* name : {"performance_profiles", "work_precision", "certified_share"})
     for (const char* kind : {".png", ".svg"})
       CHECK(std::filesystem::file_size(folder.path / "out" / (std::string(name) + kind)) > 10000);
+}
+
+TEST_CASE("regret: the time of one solver over that of the fastest, problems that it does not certify first") {
+  SolverTable table{{"auto", "pgs:omega=1,tolerance=1e-9"}, {}, {}};
+  for (const char* name : {"even", "slow", "open", "nobody"}) {
+    LcpCase about;
+    about.family = "f", about.name = name;
+    table.problems.push_back({about, "own", 7});
+  }
+  const auto add = [&](std::size_t problem, std::size_t solver, double seconds, Result result) {
+    SolverTable::Row row{problem, solver, {}, result};
+    row.trial.seconds = seconds;
+    table.rows.push_back(row);
+  };
+  add(0, 0, 1, Result::certified), add(0, 1, 2, Result::certified);
+  add(1, 0, 12, Result::certified), add(1, 1, 3, Result::certified);
+  add(2, 0, 1, Result::failed), add(2, 1, 5, Result::certified);
+  add(3, 0, 1, Result::failed), add(3, 1, 1, Result::wrong);
+  const SolverTable::Cells expected{{"problem", "family", "n", "fastest", "seconds", "auto", "regret"},
+                                    {"open", "f", "7", "\"pgs:omega=1,tolerance=1e-9\"", "5", "", ""},
+                                    {"slow", "f", "7", "\"pgs:omega=1,tolerance=1e-9\"", "3", "12", "4"},
+                                    {"even", "f", "7", "\"auto\"", "1", "1", "1"}};
+  CHECK(table.regret("auto") == expected);
 }
 
 TEST_CASE("lcp_shootout: out of time is a row, larger problems of the kind are then skipped; bad input is one line") {

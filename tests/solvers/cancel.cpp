@@ -161,6 +161,20 @@ TEST_CASE("every solver ends within a second of its time limit, and of a raised 
   for (const SolverEntry& entry : solvers()) CHECK(std::ranges::count(seen, entry.name) >= 1);
 }
 
+TEST_CASE("a sparse factorization that would pass the time limit is not begun") {
+  const Lcp problem = family_problem("sparse", kSanitized ? 3000 : 20000, 0);  // minutes a factorization, with KLU
+  constexpr double kLimit = 0.3;
+  for (const char* spec : {"path", "lemke", "block-pivot", "newton-min", "newton-fb", "interior-point", "admm"}) {
+    const auto solver = make_solver(spec);
+    INFO(spec);
+    Solution s;
+    const double seconds = limited(*solver, problem, kLimit, s);
+    CHECK(seconds < kLimit + (kSanitized ? 10 : 1.5));
+    CHECK((s.status == Status::time_limit || has_answer(s.status)));
+    MESSAGE(std::string(spec), ": ", seconds, " s, ", name(s.status));
+  }
+}
+
 TEST_CASE("past the time limit, or a raised flag, no solver does more than about one factorization") {
   const Index n = kSanitized ? 200 : 1500;
   for (const auto& [name, problem] : heavy_work(n)) {

@@ -127,3 +127,15 @@ TEST_CASE("path on an obstacle grid begins on coarse ones: a handful of factoriz
   CHECK(s.iterations < 10);
   CHECK(s.factorized_rows < 12.0 * 64 * 64);
 }
+
+TEST_CASE(
+    "auto: a beam on an obstacle, whose signs of w rounding turns, takes the work of interior-point and a few blocks") {
+  Solution s, other;
+  for (const Index n : {512, 2048}) {
+    const Lcp beam = find_family("beam")->make(n, 0, 1).problem;
+    REQUIRE(make_solver("interior-point")->solve(beam, other).status == Status::solved);
+    CHECK(make_solver("auto")->solve(beam, s).status == Status::solved);
+    CHECK(s.factorizations <= other.factorizations + 60);  // block-pivot by itself: 10 000
+    CHECK((s.z - other.z).lpNorm<Eigen::Infinity>() < 1e-6);
+  }
+}

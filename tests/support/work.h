@@ -49,6 +49,20 @@ inline auto solves_of(const Lcp& problem, const std::string& spec) {
   };
 }
 
+/// tridiagonal(−1, 4, −1) z − e: rows tied in each of Lemke's ratio tests.
+inline Lcp tied_problem(int n) {
+  RowSparse M{n, n, {0}, {}, {}};
+  for (int i = 0; i < n; ++i) {
+    for (const int j : {i - 1, i, i + 1})
+      if (j >= 0 && j < n) M.column.push_back(j), M.value.push_back(j == i ? 4 : -1);
+    M.start.push_back(static_cast<int>(M.column.size()));
+  }
+  Vector q;
+  q.resize(n);
+  q.setConstant(-1);
+  return Lcp::standard(M, q);
+}
+
 inline std::vector<Work> watched_work() {
   Random random(1);
   const Lcp ten = random_spd_problem(10, random), hundred = random_spd_problem(100, random);
@@ -58,7 +72,8 @@ inline std::vector<Work> watched_work() {
           {"pile", "step of 30 discs", 200, 300, steps_of(pile({.discs = 30}), 1e-3)},
           {"spd_10", "solve by auto", 20, 40, solves_of(ten, "auto")},
           {"friction_12", "solve by auto", 20, 40, solves_of(rubbing, "auto")},
-          {"spd_100", "solve by Lemke's tableau", 2, 4, solves_of(hundred, "lemke:form=tableau")}};
+          {"spd_100", "solve by Lemke's tableau", 2, 4, solves_of(hundred, "lemke:form=tableau")},
+          {"ties_400", "solve by Lemke's revised form", 1, 2, solves_of(tied_problem(400), "lemke:form=revised")}};
 }
 
 }  // namespace orthant

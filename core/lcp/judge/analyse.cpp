@@ -2,12 +2,14 @@
 
 #include <orthant/core/lcp/judge/definite.h>
 #include <orthant/core/lcp/judge/exact.h>
+#include <orthant/core/support/factorization_cost.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -122,6 +124,24 @@ void ask(const std::function<bool()>& stop) {
   if (stop && stop()) throw Late{};
 }
 
+class Deadline {
+ public:
+  explicit Deadline(double seconds) : seconds_(seconds) {}
+  bool affords(double operations) const {
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - begin_;
+    return operations <= kOperationsPerSecond * (seconds_ - gone.count());
+  }
+  /// A sparse LU factorization, or a Cholesky factorization.
+  bool affords(const Sparse& A) const {
+    return seconds_ == kInf ||
+           affords(factorization_cost(static_cast<int>(A.rows()), A.outerIndexPtr(), A.innerIndexPtr()));
+  }
+
+ private:
+  double seconds_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
 template <class Visit>  // not ∅; visit returns false to end
 void for_each_subset(std::size_t n, const std::function<bool()>& stop, Visit&& visit) {
   std::vector<std::size_t> rows;
@@ -222,7 +242,7 @@ Sign quadratic(const Formed& S, const Eigen::VectorXd& x) {
 }
 
 // A direction with xᵀS x < 0 that has been checked.
-bool surely_not_semidefinite(const Formed& S) {
+bool surely_not_semidefinite(const Formed& S, const Deadline& deadline) {
   const Index n = S.value.rows();
   Eigen::VectorXd x = Eigen::VectorXd::Unit(n, 0);
   const Eigen::VectorXd diagonal = S.value.diagonal();
@@ -237,7 +257,8 @@ bool surely_not_semidefinite(const Formed& S) {
       x[j] = 1;
       if (quadratic(S, x) == Sign::negative) return true;
     }
-  if (n <= kDense) {
+  const auto size = static_cast<double>(n);
+  if (n <= kDense && deadline.affords(10 * size * size * size)) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen{Eigen::MatrixXd(S.value)};
     return eigen.info() == Eigen::Success && quadratic(S, eigen.eigenvectors().col(0)) == Sign::negative;
   }
@@ -280,8 +301,31 @@ Verdict dominant(const Formed& A) {
   return result;
 }
 
+double as_condition(double value, bool regular) {
+  return regular || value * std::numeric_limits<double>::epsilon() < 1 ? value : kInf;
+}
+
+// The same of a regular matrix that is singular to working precision.
+double exact_condition(const exact::Table& A) {
+  const std::size_t n = A.size();
+  exact::Table B = A;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) B[i].push_back(i == j ? 1 : 0);
+  eliminate(B);
+  const auto norm = [n](const exact::Table& table, std::size_t first) {
+    Rational largest = 0;
+    for (std::size_t j = first; j < first + n; ++j) {
+      Rational sum = 0;
+      for (std::size_t i = 0; i < n; ++i) sum += abs(table[i][j]);
+      if (sum > largest) largest = sum;
+    }
+    return largest;
+  };
+  return static_cast<double>(Rational(norm(A, 0) * norm(B, n)));
+}
+
 // ‖A⁻¹‖₁ from below by Hager's method, a few solves.
-double condition(const Sparse& A) {
+double condition(const Sparse& A, bool regular) {
   const Index n = A.rows();
   double norm = 0;
   for (Index j = 0; j < n; ++j) {
@@ -305,8 +349,7 @@ double condition(const Sparse& A) {
     z.cwiseAbs().maxCoeff(&j);
     x = Eigen::VectorXd::Unit(n, j);
   }
-  const double result = norm * estimate;
-  return result * std::numeric_limits<double>::epsilon() < 1 ? result : kInf;
+  return as_condition(norm * estimate, regular);
 }
 
 // Diagonal entries, then blocks of two: the cheap witnesses.
@@ -330,7 +373,7 @@ void small_minors(const Formed& A, Analysis& result) {
 }
 
 /// Fills in one answer after the other: what stands there when it is stopped holds.
-void decide(const Matrix& A, const std::function<bool()>& stop, Analysis& result) {
+void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& deadline, Analysis& result) {
   const Index n = result.n;
   const auto is_yes = [](Verdict v) { return v == Verdict::yes; };
   const auto settle = [](Verdict& v, Verdict to) {
@@ -394,14 +437,15 @@ void decide(const Matrix& A, const std::function<bool()>& stop, Analysis& result
     exact::Table copy = exactly;
     result.rank = static_cast<Index>(exact::reduce(copy, at(n)).size());
   } else {
-    if (surely_definite(S))
+    const bool dominates = is_yes(result.diagonally_dominant) && diagonal_positive;
+    if ((dominates && is_yes(result.symmetric)) || (deadline.affords(S.value) && surely_definite(S)))
       result.positive_definite = result.positive_semidefinite = Verdict::yes;
     else if (delassus)
       result.positive_semidefinite = Verdict::yes;  // W M⁻¹ Wᵀ + R with M⁻¹, R ≥ 0
-    else if (surely_not_semidefinite(S))
+    else if (surely_not_semidefinite(S, deadline))
       result.positive_definite = result.positive_semidefinite = Verdict::no;
     ask(stop);
-    if (diagonal_positive && surely_h_matrix(f))
+    if (dominates || (diagonal_positive && deadline.affords(f.value) && surely_h_matrix(f)))
       result.h_plus = Verdict::yes;
     else if (!delassus && !diagonal_positive)
       result.h_plus = Verdict::no;
@@ -437,7 +481,10 @@ void decide(const Matrix& A, const std::function<bool()>& stop, Analysis& result
   }
   if (result.rank < 0 && (is_yes(result.p) || is_yes(result.positive_definite))) result.rank = n;
   ask(stop);
-  result.condition = condition(f.value);
+  const bool regular = result.rank == n;
+  if (!deadline.affords(f.value)) return;
+  result.condition = condition(f.value, regular && exactly.empty());
+  if (result.condition == kInf && regular && !exactly.empty()) result.condition = exact_condition(exactly);
 }
 
 }  // namespace
@@ -446,7 +493,8 @@ std::string_view name(Verdict verdict) {
   return verdict == Verdict::yes ? "yes" : verdict == Verdict::no ? "no" : "not decided";
 }
 
-Analysis analyse(const Matrix& A, const std::function<bool()>& stop) {
+Analysis analyse(const Matrix& A, const std::function<bool()>& stop, double time_limit) {
+  const Deadline deadline(time_limit);
   Lcp whole;
   whole.A = A;
   whole.b.resize(order(A));
@@ -458,7 +506,7 @@ Analysis analyse(const Matrix& A, const std::function<bool()>& stop) {
   result.n = order(A);
   result.condition = std::numeric_limits<double>::quiet_NaN();
   try {
-    decide(A, stop, result);
+    decide(A, stop, deadline, result);
   } catch (const Late&) {
   }
   return result;

@@ -11,7 +11,8 @@
 //     copositive          xᵀA x ≥ 0 for x ≥ 0: no principal block B of the symmetric part has B⁻¹e < 0
 //     column sufficient   x∘(A x) ≤ 0 ⇒ x∘(A x) = 0: sign by sign, by the generators of { x ≥ 0, ±A x ≤ 0 }; row: of Aᵀ
 //   Implications used: PD ⇒ P;  H₊ ⇒ P;  PSD ⇒ P₀, sufficient, copositive;  P ⇒ sufficient ⇒ P₀;  A ≥ 0 ⇒ copositive.
-//   Cost: exact parts up to about a second; else a sparse Cholesky and an LU factorization.
+//   Cost: exact parts up to about a second; else a sparse Cholesky and an LU factorization, left out where the pattern
+//   predicts (factorization_cost.h) that the time left does not suffice.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 3.
 #pragma once
 
@@ -38,11 +39,13 @@ struct Analysis {
   std::vector<Index> not_p;          // rows of a principal minor ≤ 0, when p is no and one is known
   Index rank = -1;                   // −1: not decided
   double smallest = 0, largest = 0;  // |A_ij|, zeros left out
-  double condition = kInf;  // estimate of ‖A‖₁ ‖A⁻¹‖₁; kInf: singular to working precision, NaN: not estimated
+  // Estimate of ‖A‖₁ ‖A⁻¹‖₁; kInf: singular, or to working precision where no rank is known; NaN: not estimated.
+  double condition = kInf;
 };
 
-/// `stop` is polled; once it says true, what is open stays so (condition: NaN).
+/// `stop` is polled; once it says true, what is open stays so (condition: NaN). No factorization is begun that
+/// would go on for longer than `time_limit` [s] after the call.
 /// Throws std::invalid_argument when A is not square or not finite.
-Analysis analyse(const Matrix& A, const std::function<bool()>& stop = {});
+Analysis analyse(const Matrix& A, const std::function<bool()>& stop = {}, double time_limit = kInf);
 
 }  // namespace orthant

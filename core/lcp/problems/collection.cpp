@@ -286,6 +286,26 @@ Lcp random_spd_problem(Index n, Random& random) {
   return Lcp::standard(DenseMatrix(B.transpose() * B + MatrixXd::Identity(n, n)), Vector(q));
 }
 
+Lcp random_sparse_problem(Index n, Random& random) {
+  const auto rows = static_cast<int>(n);
+  std::vector<Eigen::Triplet<double>> entries;
+  Vector q;
+  q.resize(n);
+  for (int i = 0; i < rows; ++i) {
+    if (i > 0) entries.emplace_back(i, i - 1, -1);
+    entries.emplace_back(i, i, 4);
+    if (i + 1 < rows) entries.emplace_back(i, i + 1, -1);
+    for (int more = random.integer(1, 2); more > 0; --more) {
+      const int j = random.integer(0, rows - 1);
+      if (std::abs(j - i) > 1) entries.emplace_back(i, j, random.uniform(-1, 1));
+    }
+    q[i] = random.normal();
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> M(n, n);
+  M.setFromTriplets(entries.begin(), entries.end());
+  return Lcp::standard(RowSparse::from(M), q);
+}
+
 Lcp random_contact_problem(Index contacts, Index dof, double mu, Random& random) {
   const Index n = 2 * contacts;
   MatrixXd W(n, dof);

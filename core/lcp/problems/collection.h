@@ -74,6 +74,10 @@ Known planted_problem(Index n, Index rank, Index strict, Random& random);
 /// BᵀB + I with normal numbers in B, q normal: symmetric positive definite.
 Lcp random_spd_problem(Index n, Random& random);
 
+/// tridiagonal(−1, 4, −1) and one or two entries in (−1, 1) a row, anywhere in it, q normal: strictly diagonally dominant
+/// and unsymmetric; the factors of large ones fill in.
+Lcp random_sparse_problem(Index n, Random& random);
+
 /// `contacts` planar contacts of bodies with normal entries in W, as a Delassus operator, friction coefficient mu:
 /// rows N₁ T₁ N₂ T₂ …, dof coordinates with masses in [0.5, 2].
 Lcp random_contact_problem(Index contacts, Index dof, double mu, Random& random);

@@ -172,11 +172,17 @@ Known wall(Index n, double ratio, std::uint64_t) {
 Index side(Index n) { return std::max<Index>(static_cast<Index>(std::lround(std::sqrt(static_cast<double>(n)))), 2); }
 Known string(Index n, double, std::uint64_t) { return known(string_on_obstacle(n + 1), Answer::unique); }
 Known ball(Index n, double, std::uint64_t) { return known(ball_obstacle(side(n) + 1).problem, Answer::unique); }
+Known beam(Index n, double, std::uint64_t) { return known(beam_on_obstacle(n / 2), Answer::unique); }
 Known journal(Index n, double, std::uint64_t) { return known(journal_bearing(side(n), side(n)), Answer::unique); }
 Known put(Index n, double, std::uint64_t) {  // the first step from the kink
   AmericanPut option;
   option.nodes = n;
   return known(american_put_step(option, option.payoff(), 0.005, 1), Answer::unique);
+}
+
+Known sparse(Index n, double, std::uint64_t seed) {
+  Random random(seed);
+  return known(random_sparse_problem(n, random), Answer::unique);
 }
 
 Known bimatrix(Index n, double, std::uint64_t seed) {  // positive costs
@@ -312,9 +318,25 @@ const std::vector<Family>& families() {
        spatial_table},
       {"wall", "brick wall on a slope", "PSD, friction", kOneOf, "mass ratio", {1, 1e4}, {36, 144, 400}, wall},
       {"string", "string on an obstacle", "K", kUnique, "", {0}, {63, 255, 4095, 65535}, string},
+      {"beam",
+       "beam on an obstacle, cubic elements",
+       "SPD, ill conditioned",
+       kUnique,
+       "",
+       {0},
+       {32, 512, 8192, 65536},
+       beam},
       {"ball", "membrane over a ball", "K", kUnique, "", {0}, {225, 961, 16129, 65025, 261121}, ball},
       {"journal", "journal bearing, stretched grid", "K", kUnique, "", {0}, {225, 961, 16384, 65536, 262144}, journal},
       {"american", "first time step of an American put", "K, nonsymmetric", kUnique, "", {0}, {199, 1999, 19999}, put},
+      {"sparse",
+       "tridiagonal and random entries, factors fill in",
+       "P, sparse, nonsymmetric",
+       kUnique,
+       "",
+       {0},
+       {40, 1600, 10000, 100000, 1000000},
+       sparse},
       {"bimatrix", "equilibria of random games", "copositive", kOneOf, "", {0}, {10, 40, 100}, bimatrix},
   };
   return all;

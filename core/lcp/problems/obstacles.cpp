@@ -35,6 +35,29 @@ Lcp string_on_obstacle(Index intervals, double gap) {
   return assemble(entries, q);
 }
 
+Lcp beam_on_obstacle(Index elements, double gap) {
+  const double h = 1 / static_cast<double>(elements), stiffness = 1 / (h * h * h), load = 384.0 / 5 * h;
+  const Eigen::Matrix4d element{{12, 6, -12, 6}, {6, 4, -6, 2}, {-12, -6, 12, -6}, {6, 2, -6, 4}};
+  const Eigen::Vector4d share(1.0 / 2, 1.0 / 12, 1.0 / 2, -1.0 / 12);
+  const auto n = static_cast<int>(2 * elements), last = n + 1;
+  const auto row = [&](int place) {  // of u, h u′ of node 0, 1, …; −1: u at an end
+    return place == 0 || place == last - 1 ? -1 : place == last ? n - 1 : place - 1;
+  };
+  Triplets entries;
+  Vector q = zeros(n);
+  for (int e = 0; e < n; e += 2)
+    for (int i = 0; i < 4; ++i) {
+      if (row(e + i) < 0) continue;
+      q[row(e + i)] += load * share[i];
+      for (int j = 0; j < 4; ++j)
+        if (row(e + j) >= 0) entries.emplace_back(row(e + i), row(e + j), stiffness * element(i, j));
+    }
+  Lcp problem = assemble(entries, q);
+  for (int place = 1; place <= last; ++place)
+    if (row(place) >= 0) problem.lo[row(place)] = place % 2 == 0 ? -gap : -kInf;
+  return problem;
+}
+
 BallObstacle ball_obstacle(Index intervals) {
   constexpr double rim = 0.69796514822337356642;  // r*
   const double h = 4 / static_cast<double>(intervals);

@@ -13,6 +13,11 @@ namespace orthant {
 /// In contact on [a, 1 − a], a = √(gap)/2, z = 4 (x − a)² left of it: the discrete answer too, where a is a node.
 Lcp string_on_obstacle(Index intervals, double gap = 0.25);
 
+/// A beam u on (0, 1), supported at both ends, bent by a uniform load onto a floor: E I u⁗ + 384/5 ≥ 0, E I = 1,
+/// u ≥ −gap; without the floor its middle sinks by 1. Cubic Hermite elements, h = 1/elements: rows u and h u′ of each
+/// node, u first, without u at the ends; n = 2 elements. Slopes are free rows. M is SPD, condition ~ elements⁴.
+Lcp beam_on_obstacle(Index elements, double gap = 0.5);
+
 /// Δu ≤ 0 on (−2, 2)² above the upper half ball, ψ = √(1 − r²) for r ≤ 1, else −1; five-point differences of −Δ, at
 /// (intervals − 1)² nodes, row by row. At the boundary u is the exact answer: in contact for r ≤ r*, outside
 ///   u = −r*² ln(r/2) / √(1 − r*²),   r*² (1 − ln(r*/2)) = 1.

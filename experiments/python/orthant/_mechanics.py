@@ -357,13 +357,12 @@ def _stops(rounded: str) -> bool:
     return rounded == "stop"
 
 
-def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean",
-             solver: Optional[str] = None, step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
+def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "auto",
+             step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
              time_limit: Optional[float] = None, rounded: str = "take", check: bool = False) -> Trajectory:
     """Run a scene in the plane or in space: a Scene, a built-in name or a TOML file.
 
-    integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". solver by default: "lemke", in space "auto",
-    which takes friction discs. step, duration: [s], default the
+    integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
     scene's. every: record every so many steps. time_limit: [s] of wall time; what is done by then is kept, with the status
     'time_limit'. The interpreter's lock is released meanwhile; Ctrl-C raises Interrupted, whose `run` is what is done by then.
     rounded: what to do with a step whose problem is 'rounded' only, "take" (counted in summary["rounded_steps"], with a
@@ -382,7 +381,7 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
 
     columns, table, summary, unsolved, events, interruption, joints, angles, pushes = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
-        None if solver is None else word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"),
+        word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"),
         seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
         warn)
     trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)), pushes)

@@ -3,12 +3,15 @@
 #include <orthant/core/lcp/judge/definite.h>
 #include <orthant/core/lcp/judge/exact.h>
 #include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/lcp/problems/families.h>
 
 #include <doctest/doctest.h>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
+
+#include "experiments/benchmarks/clock.h"
 
 using namespace orthant;
 using exact::Rational;
@@ -207,6 +210,47 @@ TEST_CASE("Cholesky with a margin: proves what holds, never what does not") {
       CHECK_FALSE(surely_definite(S, 1.1 * least));
     }
   }
+}
+
+TEST_CASE("strict diagonal dominance with a positive diagonal decides H+, P and, symmetric, definiteness") {
+  Random random(3);
+  const Analysis a = analyse(random_sparse_problem(3000, random).A, {}, 0);  // no time: no factorization
+  CHECK(a.diagonally_dominant == yes);
+  CHECK(a.h_plus == yes);
+  CHECK(a.p == yes);
+  CHECK(a.p0 == yes);
+  CHECK(a.rank == 3000);
+  CHECK(a.positive_definite == open);
+  CHECK(std::isnan(a.condition));
+  const Matrix string = find_family("string")->make(100, 0, 1).problem.A;
+  DenseMatrix A;
+  to_dense(string, A);
+  A.diagonal().array() *= 1.01;
+  CHECK(analyse(A, {}, 0).positive_definite == yes);
+  A(0, 0) *= -1;
+  CHECK(analyse(A).h_plus == no);
+}
+
+TEST_CASE("a time limit is kept where one factorization would take minutes") {
+  Random random(3);
+  const Matrix A = random_sparse_problem(30000, random).A;
+  const double begin = rival::processor_time();
+  const Analysis a = analyse(A, {}, 0.5);
+  CHECK(rival::processor_time() - begin < 5);
+  CHECK(a.p == yes);
+  CHECK(std::isnan(a.condition));
+}
+
+TEST_CASE("condition: of a regular matrix a number, however large") {
+  const Analysis scaled = analyse(dense({1, 0, 0, 0, 0x1p-80, 0, 0, 0, 1}));
+  CHECK(scaled.positive_definite == yes);
+  CHECK(scaled.rank == 3);
+  CHECK(scaled.condition == 0x1p80);
+  const double e = 0x1p-52;  // floating-point elimination finds a singular matrix
+  const Analysis close = analyse(dense({1, 1, 0, 1, 1 + e, e / 3, 0, e / 3, 1}));
+  CHECK(close.rank == 3);
+  CHECK(close.condition == doctest::Approx(4 / e).epsilon(1e-6));
+  CHECK(analyse(dense({1, 1, 1, 1})).condition == kInf);
 }
 
 TEST_CASE("analyse refuses unsuitable matrices with a reason") {

@@ -2,6 +2,7 @@
 #include <orthant/core/lcp/problems/american_put.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/families.h>
+#include <orthant/core/lcp/problems/obstacles.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
@@ -47,6 +48,20 @@ TEST_CASE("families: well formed, the same from the same seed, and what is said 
     }
   }
   CHECK(find_family("no such family") == nullptr);
+}
+
+TEST_CASE("beam on an obstacle: sinks by the load's exact bending, or rests in the middle") {
+  const auto solver = make_solver("interior-point");
+  Solution s;
+  REQUIRE(solver->solve(beam_on_obstacle(32, 2), s).status == Status::solved);
+  CHECK(s.z.minCoeff() < -0.999);  // cubic elements: exact at the nodes under a uniform load
+  for (Index i = 1; i < 32; ++i) {
+    const double x = static_cast<double>(i) / 32;
+    CHECK(s.z[2 * i - 1] == doctest::Approx(-3.2 * (x - 2 * x * x * x + x * x * x * x)).epsilon(1e-9));
+  }
+  REQUIRE(solver->solve(beam_on_obstacle(32), s).status == Status::solved);
+  CHECK(s.z[31] == -0.5);
+  CHECK(s.w[31] == doctest::Approx(384.0 / 5 * 5 / 8 * (1 - 0.5)).epsilon(1e-9));  // of the middle support's 5/8
 }
 
 TEST_CASE("contact piles: rows a contact, redundancy, forces that carry the weight") {
