@@ -74,8 +74,8 @@ Known planted_problem(Index n, Index rank, Index strict, Random& random);
 /// BᵀB + I with normal numbers in B, q normal: symmetric positive definite.
 Lcp random_spd_problem(Index n, Random& random);
 
-/// tridiagonal(−1, 4, −1) and one or two entries in (−1, 1) a row, anywhere in it, q normal: strictly diagonally dominant
-/// and unsymmetric; the factors of large ones fill in.
+/// tridiagonal(−1, 4, −1) and one or two entries in (−1, 1) a row, anywhere in it, q normal: strictly diagonally
+/// dominant and unsymmetric; the factors of large ones fill in.
 Lcp random_sparse_problem(Index n, Random& random);
 
 /// `contacts` planar contacts of bodies with normal entries in W, as a Delassus operator, friction coefficient mu:
