@@ -311,12 +311,13 @@ void add_mechanics(py::module_& m) {
   m.def("_set_folder_of_parts", &set_folder_of_parts);
   m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary,
                               const std::vector<py::dict>& customs) {
-    make(text, name, {}, customs);                          // a mistake is said now
+    if (!std::holds_alternative<Scene>(make(text, name, {}, customs).scene))  // a mistake is said now
+      throw std::invalid_argument("scene \"" + name + "\": dimension = 3: must be 2 for a scene under a name");
     const auto* kept = new std::vector<py::dict>(customs);  // as long as the process lives, longer than the interpreter
     register_scene({name, summary,
                     [name, text, kept](std::span<const std::string> sets) {
                       const py::gil_scoped_acquire lock;
-                      return make(text, name, {sets.begin(), sets.end()}, *kept).scene;
+                      return std::get<Scene>(make(text, name, {sets.begin(), sets.end()}, *kept).scene);
                     },
                     [] { return std::vector<OptionEntry>(); }});
   });

@@ -20,8 +20,8 @@ class SparseCholesky {
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   /// A symmetric (only its upper triangle is read), columns ascending. False when it is not positive definite, with NaN
-  /// too, or a pivot is ≤ zero times the largest, or the budget (null: none) does not afford it. The pattern is analysed
-  /// only when it is not that of the last call.
+  /// too, or a pivot is ≤ zero times the largest, or the budget (null: none) cannot afford it. A is analysed
+  /// only where its pattern is not that of the last call.
   bool factorize(const RowSparse& A, double zero, const Budget* budget = nullptr);
 
   /// x ← A⁻¹ x, |A| numbers, after a factorize() that was true. False when there is no memory left.
