@@ -55,12 +55,13 @@ UMFPACK and CHOLMOD's Supernodal and MatrixOps modules are under the GPL, versio
 libquadmath and a part of NLopt under the LGPL, version 2.1 or later; GNU MP under LGPL-3 or GPL-2; METIS under Apache-2.0;
 Eigen under MPL-2.0; the GCC runtime under the GPL with its exception; the others under permissive licences.
 """
-WHOLE = """So the wheel as a whole may be used by anybody for anything, and passed on under the terms of the GPL, version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named
-below, in these versions.
+WHOLE = """So the wheel as a whole may be used by anybody for anything, and passed on under the terms of the GPL,
+version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named below, in
+these versions.
 
 """
-MIXED = """It also contains libraries under the Eclipse Public License (CLP, CoinUtils, Ipopt), whose terms cannot be met together with those of the GPL. The wheel may be used by whoever
-built it, but NOT PASSED ON. Build without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
+MIXED = """It also contains libraries under the Eclipse Public License (CLP, CoinUtils, Ipopt), whose terms cannot be met
+together with those of the GPL. The wheel may be used by whoever built it, but NOT PASSED ON. Build without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
 
 """
 
