@@ -51,19 +51,20 @@ SYSTEM = re.compile(r"(ld-linux.*|lib(c|m|dl|rt|pthread|util|resolv|stdc\+\+|gcc
 ECLIPSE = re.compile(r"lib(Clp|CoinUtils|ipopt)\b")
 
 NOTE = """Orthant itself is under BSD-3-Clause. This wheel also contains the libraries below; their licences lie beside this file.
-UMFPACK and CHOLMOD's Supernodal and MatrixOps modules are under the GPL, version 2 or later; METIS is under Apache-2.0,
-GNU MP under LGPL-3 or GPL-2, NLopt under LGPL-2.1 in part; the others are under permissive licences or, the GCC runtime,
-under the GPL with its exception. """
-WHOLE = """So the wheel as a whole may be used by anybody for anything, and passed on under the terms
-of the GPL, version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named
-below, in these versions.
+UMFPACK and CHOLMOD's Supernodal and MatrixOps modules are under the GPL, version 2 or later; KLU, BTF, CHOLMOD's other modules,
+libquadmath and a part of NLopt under the LGPL, version 2.1 or later; GNU MP under LGPL-3 or GPL-2; METIS under Apache-2.0;
+Eigen under MPL-2.0; the GCC runtime under the GPL with its exception; the others under permissive licences.
+"""
+WHOLE = """So the wheel as a whole may be used by anybody for anything, and passed on under the terms of the GPL,
+version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named below, in
+these versions.
 
 """
-MIXED = """It also contains libraries under the Eclipse Public
-License (CLP, CoinUtils, Ipopt), whose terms cannot be met together with those of the GPL. The wheel may be used by whoever
-built it, but NOT PASSED ON. Build without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
+MIXED = """It also contains libraries under the Eclipse Public License (CLP, CoinUtils, Ipopt), whose terms cannot be met
+together with those of the GPL. The wheel may be used by whoever built it, but NOT PASSED ON. Build without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
 
 """
+
 
 def terms(libraries: Iterable[str]) -> str:
     """What may be done with a wheel that holds these libraries."""
