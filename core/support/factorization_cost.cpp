@@ -8,7 +8,7 @@
 namespace orthant {
 
 double factorization_cost(int n, const int* start, const int* index) {
-  if (n == 0) return 0;
+  if (n == 0 || start[n] == 0) return 0;  // amd_order refuses a pattern without entries
   std::vector<int> order(static_cast<std::size_t>(n));
   double info[AMD_INFO];
   if (amd_order(n, start, index, order.data(), nullptr, info) < 0) return std::numeric_limits<double>::infinity();

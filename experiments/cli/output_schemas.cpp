@@ -71,10 +71,10 @@ Json simulate() {
                            {"check_digits?", by_name(number(), "of --check: digits that agree, by column")},
                            {"warnings", list(text())},
                            {"event_table?", list(object({{"t", number("[s]")},
-                                                        {"kind", {{"enum", kEventNames}}},
-                                                        {"contact", text("name of a contact or collision")},
-                                                        {"impulse_n", number("[N s]")},
-                                                        {"impulse_t", number("[N s]")}}))}});
+                                                         {"kind", {{"enum", kEventNames}}},
+                                                         {"contact", text("name of a contact or collision")},
+                                                         {"impulse_n", number("[N s]")},
+                                                         {"impulse_t", number("[N s]")}}))}});
   return object(keys);
 }
 

@@ -70,34 +70,34 @@ std::vector<Long> long_work() {
     polyhedron.b[i] = 100 - 3 * normal.sum();
   }
   polyhedron.lo.tail(kDimension).setConstant(-kInf);
-  const Lcp large = family_problem("spd", 1000, 1e6), grid = family_problem("ball", 65025, 0);
-  return {
-      {"auto", family_problem("nonsymmetric", 1000, 10)},
-      {"lemke:max_pivots=1000000000", murty_problem(40)},
-      {"lemke:max_pivots=1000000000", family_problem("spd", 2000, 1e6)},  // of 1000 rows it is done within the limit
-      {"path", large},
-      {"path", grid},
-      {"pgs:max_sweeps=1000000000", blocks},
-      {"psor:max_sweeps=1000000000", grid},
-      {"sgs:max_sweeps=1000000000", blocks},
-      {"jacobi:max_iterations=1000000000", blocks},
-      {"nncg:max_sweeps=1000000000", grid},
-      {"apgd", grid},
-      {"mprgp", grid},
-      {"admm", grid},
-      {"dantzig", large},
-      {"murty:max_pivots=1000000000", murty_problem(40, true)},
-      {"block-pivot", grid},
-      {"newton-min", grid},
-      {"newton-fb", grid},
-      {"interior-point", grid},
-      {"ipopt", family_problem("spd", 700, 1e6)},
-      {"nlopt:max_evaluations=1000000000", large},
-      {"lemke-howson", family_problem("bimatrix", 1000, 0)},
-      {"enumerate", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
-      {"prox:max_outer=1000000", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
-      {"newton-ac:max_steps=1000000", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
-      {"enumerate", polyhedron}};
+  const Lcp large = family_problem("spd", 1000, 1e6), larger = family_problem("spd", 2000, 1e6),
+            grid = family_problem("ball", 65025, 0);
+  return {{"auto", family_problem("nonsymmetric", 1000, 10)},
+          {"lemke:max_pivots=1000000000", murty_problem(40)},
+          {"lemke:max_pivots=1000000000", larger},  // of 1000 rows it is done within the limit
+          {"path", larger},
+          {"path", grid},
+          {"pgs:max_sweeps=1000000000", blocks},
+          {"psor:max_sweeps=1000000000", grid},
+          {"sgs:max_sweeps=1000000000", blocks},
+          {"jacobi:max_iterations=1000000000", blocks},
+          {"nncg:max_sweeps=1000000000", grid},
+          {"apgd", grid},
+          {"mprgp", grid},
+          {"admm", grid},
+          {"dantzig", large},
+          {"murty:max_pivots=1000000000", murty_problem(40, true)},
+          {"block-pivot", grid},
+          {"newton-min", grid},
+          {"newton-fb", grid},
+          {"interior-point", grid},
+          {"ipopt", family_problem("spd", 700, 1e6)},
+          {"nlopt:max_evaluations=1000000000", large},
+          {"lemke-howson", family_problem("bimatrix", 1000, 0)},
+          {"enumerate", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
+          {"prox:max_outer=1000000", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
+          {"newton-ac:max_steps=1000000", Lcp::standard(DenseMatrix(skew), Vector(Eigen::VectorXd::Constant(20, -1)))},
+          {"enumerate", polyhedron}};
 }
 
 /// Dense problems in which a solver meets its first O(n³) before its first iteration.
