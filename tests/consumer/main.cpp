@@ -18,7 +18,7 @@ int main() {
     if (make_solver(name)->why_not(problem).find("install") == std::string::npos ||
         make_solver(name)->solve(problem, solution).status != Status::unsupported)
       return 2;
-  const Lcp none = Lcp::standard(DenseMatrix(-Eigen::MatrixXd::Identity(150, 150)), Vector(150, -1));  // without CLP
+  const Lcp none = Lcp::standard(DenseMatrix(-Eigen::MatrixXd::Identity(150, 150)), Eigen::VectorXd::Constant(150, -1));
   if (make_solver("lemke")->solve(none, solution).status != Status::infeasible) return 3;
 #endif
 
