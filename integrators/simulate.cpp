@@ -147,20 +147,6 @@ template <class Space, class Watch> void remember(const Clock& clock, Run& run, 
   memory(recording, integrator, watch);
 }
 
-/// In space: nothing is watched.
-struct NoWatch {
-  NoWatch(const IntegratorOf<Spatial>& /*integrator*/, const State& /*start*/, const Eigen::VectorXd& /*gaps*/) {}
-  static bool measures_work() { return false; }
-  static bool admits(const State&, const State&, double, const StepReport&, bool) { return true; }
-  static bool explains(const State&, double, Status) { return false; }
-  static bool jammed() { return false; }
-  static Status status() { return Status::solved; }
-  static std::string why() { return {}; }
-  static Admissibility motion() { return {}; }
-  void remember(Memory& /*memory*/) {}
-};
-template <class Space> using WatchOf = std::conditional_t<kPlanar<Space>, MotionWatch, NoWatch>;
-
 /// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that
 /// keeps them to 1e-9 stays as it is; so does one from which they cannot be closed, for the first step to say so.
 template <class Space> void close_joints(const SystemOf<Space>& system, TermsOf<Space>& terms, State& x) {
@@ -219,9 +205,9 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
 
   Recording<Space> recording(record, clock.every, system);
   set_poses(system, x.t, x.q, start.at);
-  if constexpr (kPlanar<Space>) BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), start);
+  BroadPhaseOf<Space>(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
-  WatchOf<Space> watch(integrator, x, start.gap);
+  MotionWatchOf<Space> watch(integrator, x, start.gap);
   if (restart.from.empty()) {
     recording.write(x, {}, start.gap);
   } else {

@@ -2,10 +2,12 @@
 #include <orthant/core/scenes/arch.h>
 #include <orthant/core/scenes/bennett.h>
 #include <orthant/core/scenes/bouncing_ball.h>
+#include <orthant/core/scenes/boxes.h>
 #include <orthant/core/scenes/bricard.h>
 #include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/coulomb_decay.h>
 #include <orthant/core/scenes/cradle.h>
+#include <orthant/core/scenes/euler_disc.h>
 #include <orthant/core/scenes/flyball.h>
 #include <orthant/core/scenes/grain_column.h>
 #include <orthant/core/scenes/impact_oscillator.h>
@@ -15,6 +17,7 @@
 #include <orthant/core/scenes/painleve_rod.h>
 #include <orthant/core/scenes/pendulum.h>
 #include <orthant/core/scenes/pile.h>
+#include <orthant/core/scenes/rattleback.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/rocking_block.h>
 #include <orthant/core/scenes/rod_drop.h>
@@ -99,7 +102,19 @@ constexpr SpatialSceneEntry kSpatialScenes[] = {
     {"flyball", "a flyball governor on stiff springs", &make<Flyball, flyball>, &list_options<Flyball>},
     {"spatial_slider_crank", "a slider-crank with a spherical and a Hooke joint",
      &make<SpatialSliderCrank, spatial_slider_crank>, &list_options<SpatialSliderCrank>},
+    {"slider_crank_clearance", "the spatial slider-crank, a ball in a socket in place of its rod's joint to the slider",
+     &make<SliderCrankClearance, slider_crank_clearance>, &list_options<SliderCrankClearance>},
     {"masse", "a ball on a rough table: slides on a parabola, then rolls", &make<Masse, masse>, &list_options<Masse>},
+    {"rattleback", "a stone of askew inertia: turns back when spun the wrong way", &make<Rattleback, rattleback>,
+     &list_options<Rattleback>},
+    {"euler_disc", "Euler's disc: a coin rolls around on its edge, its centre at rest", &make<EulerDisc, euler_disc>,
+     &list_options<EulerDisc>},
+    {"dominoes", "a row of dominoes, the first one pushed", &make<Dominoes, dominoes>, &list_options<Dominoes>},
+    {"card_house", "a house of cards at rest", &make<CardHouse, card_house>, &list_options<CardHouse>},
+    {"kapla_tower", "layers of two planks, crosswise, at rest", &make<KaplaTower, kapla_tower>,
+     &list_options<KaplaTower>},
+    {"box_pyramid", "a pyramid of cubes at rest", &make<BoxPyramid, box_pyramid>, &list_options<BoxPyramid>},
+    {"capsules", "capsules fall on each other", &make<Capsules, capsules>, &list_options<Capsules>},
 };
 
 /// The scene of that name in the table, or an empty one; `known`: names.

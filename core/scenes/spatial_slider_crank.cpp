@@ -37,4 +37,13 @@ spatial::Scene spatial_slider_crank(const SpatialSliderCrank& p) {
   return s;
 }
 
+spatial::Scene slider_crank_clearance(const SliderCrankClearance& p) {
+  spatial::Scene s = spatial_slider_crank({p.omega, p.rod_spin});
+  s.joints.erase(s.joints.begin() + 2);
+  s.step = 1e-4;
+  s.contact(
+      spatial::Socket{"socket", 1, {0.15, 0, 0}, p.ball, 2, {0, 0, 0}, p.ball + p.clearance, {.mu = p.mu, .e = p.e}});
+  return s;
+}
+
 }  // namespace orthant

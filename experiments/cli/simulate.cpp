@@ -252,9 +252,8 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   Reached reached;
   const Clock clock = clock_of(arguments, scene.step, scene.duration, reached);
   check_output(arguments);
-  if constexpr (kPlanar<Space>)
-    for (const Remark& remark : remarks_on_start(system))
-      std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
+  for (const Remark& remark : remarks_on_start(system))
+    std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
 
   Kept kept{trajectory_columns(scene), {}, {}, {}};
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
@@ -274,17 +273,15 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   const Run run = simulate(*integrator, *solver, clock, record, restart);
   line.end();
   write_kept(arguments, scene, kept);
-  std::vector<std::string> warnings;
-  if constexpr (kPlanar<Space>) warnings = warnings_of(system, run, arguments.integrator, clock.step);
+  const std::vector<std::string> warnings = warnings_of(system, run, arguments.integrator, clock.step);
   for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
   const int exit_code = report_end(arguments, *integrator, run);
 
   if constexpr (!kPlanar<Space>)
     kept.columns.insert(kept.columns.end(), coordinates->names().begin(), coordinates->names().end());
   auto json = summary(run, kept);
-  if constexpr (kPlanar<Space>)
-    if (arguments.check && run.status == Status::solved)
-      add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
+  if (arguments.check && run.status == Status::solved)
+    add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
   if (arguments.json) {
     json["warnings"] = warnings;
     if constexpr (kPlanar<Space>) json["event_table"] = events_to_json(scene, kept.events);
@@ -301,7 +298,6 @@ int run_simulate(SimulateArguments arguments) {
   const bool planar = std::holds_alternative<Scene>(scene);
   if (arguments.solver.empty()) arguments.solver = planar ? kPlanarSolver : kSpatialSolver;
   if (planar) return run_system(arguments, System(std::get<Scene>(std::move(scene))));
-  if (arguments.check) throw std::invalid_argument("--check: takes planar scenes only");
   return run_system(arguments, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(scene))));
 }
 

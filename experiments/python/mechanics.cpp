@@ -118,8 +118,7 @@ Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, cons
   Kept<Space> kept;
   const auto integrator = make_integrator(wanted.integrator, system);
   const auto solver = make_solver(wanted.solver);
-  if constexpr (kPlanar<Space>)
-    for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
+  for (const Remark& remark : remarks_on_start(system)) warn((remark.warning ? "" : "note: ") + remark.words);
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
   if constexpr (!kPlanar<Space>) kept.joint_columns = coordinates.emplace(system).names();
   const py::gil_scoped_release others_may_run;
@@ -130,9 +129,8 @@ Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, cons
     else
       for (const double value : coordinates->at(moment.state)) kept.joints.push_back(value);
   });
-  if constexpr (kPlanar<Space>)
-    if (wanted.check && kept.run.status == Status::solved)
-      kept.checked = check_run(system, wanted.integrator, wanted.solver, wanted.clock, kept.run);
+  if (wanted.check && kept.run.status == Status::solved)
+    kept.checked = check_run(system, wanted.integrator, wanted.solver, wanted.clock, kept.run);
   if (kept.run.status != Status::solved && integrator->problem().size() > 0) kept.unsolved = integrator->problem();
   return kept;
 }
@@ -146,16 +144,13 @@ py::array_t<double> by_rows(const std::vector<double>& table, std::size_t column
 template <class Scene> py::tuple run_in(const Scene& scene, Wanted wanted, std::optional<double> step,
                                         std::optional<double> duration, const py::function& warn) {
   using Space = SpaceOf<Scene>;
-  if (!kPlanar<Space> && wanted.check) throw std::invalid_argument("check: takes planar scenes only");
   const SystemOf<Space> system(scene);
   const Interruptible interruptible;
   wanted.clock.step = step.value_or(scene.step), wanted.clock.duration = duration.value_or(scene.duration);
   wanted.clock.cancel = interruptible.flag();
   const Kept<Space> kept = run_system(system, wanted, warn);
   const py::object interruption = interruptible.raised();
-  if constexpr (kPlanar<Space>)
-    for (const std::string& warning : warnings_of(system, kept.run, wanted.integrator, wanted.clock.step))
-      warn(warning);
+  for (const std::string& warning : warnings_of(system, kept.run, wanted.integrator, wanted.clock.step)) warn(warning);
   const auto columns = trajectory_columns(scene);
   py::dict d = summary(kept.run);
   if (kept.checked) d["check"] = check_of(*kept.checked);
@@ -193,6 +188,7 @@ std::vector<std::string> contacts_of(const Scene& scene) { return event_contacts
 std::vector<std::string> contacts_of(const spatial::Scene& scene) {
   std::vector<std::string> names;
   for (const auto& contact : scene.contacts) names.push_back(std::visit([](const auto& c) { return c.name; }, contact));
+  for (const auto& collision : scene.collisions) names.push_back(collision.name);
   return names;
 }
 

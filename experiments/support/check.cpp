@@ -1,11 +1,14 @@
 #include "experiments/support/check.h"
 
+#include "experiments/support/trajectory.h"
+
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive/adaptive.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orthant {
@@ -46,18 +49,21 @@ template <class Options> Repetition other_tolerance(const Spec& spec, double ste
   return {with_tolerances(spec, options), step, 2};
 }
 
-std::vector<Repetition> repetitions(std::string_view integrator, double step) {
+template <class Space> std::vector<Repetition> repetitions(std::string_view integrator, double step) {
   const Spec spec = Spec::parse(integrator);
   if (spec.name == "adaptive") return {other_tolerance<AdaptiveOptions>(spec, step, 1e-10, 1e-15)};
   if (spec.name == "event-driven") return {other_tolerance<EventDrivenOptions>(spec, step, 1e-13, 1e-16)};
-  return {{std::string(integrator), step / 2, 3},
-          {std::string(integrator), step * 2 / 3, 4},
-          {std::string(kJudge), step, 1}};
+  std::vector<Repetition> all{{std::string(integrator), step / 2, 3}, {std::string(integrator), step * 2 / 3, 4}};
+  if (kPlanar<Space>)
+    all.push_back({std::string(kJudge), step, 1});
+  else
+    all.push_back({std::string(integrator), step / 4, 1.5});
+  return all;
 }
 
 /// The end of a repetition; empty q: it failed, `why` has the words.
-State repeat(const System& system, const Repetition& repetition, std::string_view solver, Clock clock,
-             std::string& why) {
+template <class Space> State repeat(const SystemOf<Space>& system, const Repetition& repetition,
+                                    std::string_view solver, Clock clock, std::string& why) {
   try {
     const auto integrator = make_integrator(repetition.integrator, system);
     const auto lcp = make_solver(solver);
@@ -73,32 +79,31 @@ State repeat(const System& system, const Repetition& repetition, std::string_vie
 
 std::string list_with(std::string list, const std::string& item) { return list.empty() ? item : list + "; " + item; }
 
-/// Largest |entry| of the unit of entry i of q or v: translations, or angles.
-double size_of(const Eigen::VectorXd& x, Index i) {
-  double size = 0;
-  for (Index k = 0; k < x.size(); ++k)
-    if ((k % 3 == 2) == (i % 3 == 2)) size = std::max(size, std::abs(x[k]));
-  return size;
+/// What a column of a body is measured in, by its place among the columns of the body.
+template <class Space> int unit_of(std::size_t column) {
+  const std::size_t k = column % kBodyColumns<Space>;
+  if constexpr (kPlanar<Space>)
+    return static_cast<int>(k == 2) + 2 * static_cast<int>(k > 2) + static_cast<int>(k == 5);
+  else
+    return k < 3 ? 0 : k < 7 ? 1 : k < 10 ? 2 : 3;
 }
 
 }  // namespace
 
-CheckedRun check_run(const System& system, std::string_view integrator, std::string_view solver, const Clock& clock,
-                     const Run& run) {
+template <class Space> CheckedRun check_run(const SystemOf<Space>& system, std::string_view integrator,
+                                            std::string_view solver, const Clock& clock, const Run& run) {
   CheckedRun checked;
   const double floor = std::max(kFloor, kRounded * static_cast<double>(run.accepted));
-  const auto visit = [&](const auto& take) {  // column, its value, and those of the same kind
-    std::size_t column = 0;
-    for (std::size_t body = 0; body < system.scene().bodies.size(); ++body)
-      for (const auto& [vector, names] : {std::pair{&State::q, std::array{".x", ".y", ".theta"}},
-                                          std::pair{&State::v, std::array{".vx", ".vy", ".omega"}}})
-        for (std::size_t k = 0; k < 3; ++k)
-          take(column++, system.scene().bodies[body].name + names[k], vector, static_cast<Index>(3 * body + k));
-  };
-  visit([&](std::size_t, std::string name, Eigen::VectorXd State::*x, Index i) {
-    checked.columns.push_back({std::move(name), (run.final.*x)[i], 0, 0});
-  });
-  for (const Repetition& repetition : repetitions(integrator, clock.step)) {
+  const std::vector<std::string> names = body_columns(system.scene());
+  std::vector<double> values, others;
+  append_bodies(system, run.final, values);
+  std::array<double, 4> size{};  // the largest |value| of each unit
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    double& most = size[static_cast<std::size_t>(unit_of<Space>(i))];
+    most = std::max(most, std::abs(values[i]));
+    checked.columns.push_back({names[i], values[i], 0, 0});
+  }
+  for (const Repetition& repetition : repetitions<Space>(integrator, clock.step)) {
     Clock patient = clock;
     patient.every = 1000000000, patient.time_limit = std::max(kLeastLimit, kSlower * run.seconds);
     std::string why;
@@ -110,11 +115,13 @@ CheckedRun check_run(const System& system, std::string_view integrator, std::str
       continue;
     }
     checked.against = list_with(checked.against, label);
-    visit([&](std::size_t column, const std::string&, Eigen::VectorXd State::*x, Index i) {
-      double& error = checked.columns[column].error;
-      error = std::max(
-          {error, repetition.factor * std::abs((run.final.*x)[i] - (end.*x)[i]), floor * size_of(run.final.*x, i)});
-    });
+    others.clear();
+    append_bodies(system, end, others);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      double& error = checked.columns[i].error;
+      error = std::max({error, repetition.factor * std::abs(values[i] - others[i]),
+                        floor * size[static_cast<std::size_t>(unit_of<Space>(i))]});
+    }
   }
   for (CheckedColumn& c : checked.columns) {
     if (checked.against.empty()) c.error = kInf;
@@ -123,5 +130,8 @@ CheckedRun check_run(const System& system, std::string_view integrator, std::str
   }
   return checked;
 }
+
+template CheckedRun check_run(const SystemOf<Planar>&, std::string_view, std::string_view, const Clock&, const Run&);
+template CheckedRun check_run(const SystemOf<Spatial>&, std::string_view, std::string_view, const Clock&, const Run&);
 
 }  // namespace orthant

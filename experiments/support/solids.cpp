@@ -18,14 +18,22 @@ constexpr std::size_t kMostCorners = 60;
 constexpr double kThin = 0.008;    // thickness of a link, of the scene's size
 constexpr double kLargestBox = 4;  // edge of a box of inertia, of the scene's size
 
-/// A point of each direction of a spiral over the sphere; corners of a hull.
-Points extreme_points(const Points& points) {
-  std::set<std::size_t> kept;
+/// Unit vectors on a spiral over the sphere.
+Points spiral() {
+  Points all;
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0));  // the golden angle
   for (std::size_t i = 0; i < kMostCorners; ++i) {
     const double z = 1 - (2 * static_cast<double>(i) + 1) / kMostCorners, r = std::sqrt(1 - z * z);
     const double a = turn * static_cast<double>(i);
-    const Vector3d d(r * std::cos(a), r * std::sin(a), z);
+    all.emplace_back(r * std::cos(a), r * std::sin(a), z);
+  }
+  return all;
+}
+
+/// A point of each direction of the spiral; corners of a hull.
+Points extreme_points(const Points& points) {
+  std::set<std::size_t> kept;
+  for (const Vector3d& d : spiral()) {
     const auto farther = [&](const Vector3d& p, const Vector3d& q) { return d.dot(p) < d.dot(q); };
     kept.insert(static_cast<std::size_t>(std::max_element(points.begin(), points.end(), farther) - points.begin()));
   }
@@ -111,6 +119,31 @@ class SolidSketch {
     if (!known(c.b, c.centre_b, c.radius_b)) all_.push_back({c.b, drawn::Sphere{c.centre_b, c.radius_b, true}});
     link(c.b, c.centre_b);
   }
+  void operator()(const spatial::EllipsoidPlane& c) {
+    const Matrix3d R = quaternions::matrix_of(c.orientation);
+    for (const Vector3d& d : spiral()) corners_[c.a].push_back(c.centre + R * c.semi_axes.cwiseProduct(d));
+    reach(c.a, c.centre, c.semi_axes.maxCoeff()), shape(c.a);
+    planes_.push_back({c.b, c.plane_point, c.normal});
+  }
+  void operator()(const spatial::RimPlane& c) {
+    if (c.phase != 0) return;  // the same circle
+    const Vector3d x = spatial::perpendicular(c.axis);
+    add_ring(c.centre, x, c.axis.cross(x), c.radius, corners_[c.a]);
+    reach(c.a, c.centre, c.radius), shape(c.a);
+    planes_.push_back({c.b, c.plane_point, c.normal});
+  }
+  void operator()(const spatial::Collision& c) {
+    for (const spatial::Shape& s : c.shapes) {
+      for (const Vector3d& corner : s.corners) reach(s.body, corner, s.radius);
+      shape(s.body);
+      if (s.sphere())
+        sphere(s.body, s.corners[0], s.radius);
+      else if (s.capsule())
+        all_.push_back({s.body, drawn::Capsule{s.corners[0], s.corners[1], s.radius}});
+      else
+        all_.push_back({s.body, drawn::Polytope{convex_hull(s.corners)}}), whole_.insert(s.body);
+    }
+  }
   void operator()(const spatial::Limit&) {}
   template <class Joint>
     requires requires(const Joint& j) { j.point_a; }
@@ -119,7 +152,8 @@ class SolidSketch {
 
   std::vector<DrawnSolid> finish() {
     const double size = size_ > 0 ? size_ : 1, thin = kThin * size;
-    for (const auto& [body, points] : corners_) hull(body, points, thin);
+    for (const auto& [body, points] : corners_)
+      if (!whole_.contains(body)) hull(body, points, thin);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
       if (!shaped_[i]) box_of_inertia(static_cast<BodyId>(i), size, thin);
     for (const auto& [body, point] : links_)
@@ -219,6 +253,7 @@ class SolidSketch {
   std::vector<std::pair<BodyId, Vector3d>> links_;
   std::vector<Wall> planes_;
   std::map<BodyId, Points> corners_;
+  std::set<BodyId> whole_;                                 // drawn as a polytope of a collision
   std::map<BodyId, std::pair<Matrix3d, Vector3d>> boxes_;  // of inertia: principal axes, half edges
 };
 
@@ -257,6 +292,7 @@ std::vector<DrawnSolid> solids(const spatial::Scene& scene) {
   SolidSketch sketch(scene);
   for (const spatial::Joint& j : scene.joints) std::visit(sketch, j);
   for (const spatial::Contact& c : scene.contacts) std::visit(sketch, c);
+  for (const spatial::Collision& c : scene.collisions) sketch(c);
   return sketch.finish();
 }
 

@@ -16,12 +16,17 @@ std::vector<std::string> trajectory_columns(const Scene& scene);
 void append_row(const System& system, const Moment& moment, std::vector<double>& table);
 
 /// In space: t, then x, y, z [m] of the centre of mass, qw, qx, qy, qz (unit quaternion, body → world), vx, vy, vz
-/// [m/s],
-/// wx, wy, wz [rad/s] in the world, of each body, then gap, impulse_n, impulse_t1, impulse_t2 of each contact (t1 and
-/// t2
-/// of spatial/contact_rows.h), then as in the plane.
+/// [m/s], wx, wy, wz [rad/s] in the world, of each body, then gap, impulse_n, impulse_t1, impulse_t2 of each contact
+/// (t1 and t2 of spatial/contact_rows.h), then as in the plane.
 std::vector<std::string> trajectory_columns(const spatial::Scene& scene);
 void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, std::vector<double>& table);
+
+/// The part of the columns and of a row that belongs to the bodies.
+template <class Space> inline constexpr std::size_t kBodyColumns = kPlanar<Space> ? 6 : 13;
+std::vector<std::string> body_columns(const Scene& scene);
+std::vector<std::string> body_columns(const spatial::Scene& scene);
+void append_bodies(const System& system, const State& x, std::vector<double>& row);
+void append_bodies(const SystemOf<Spatial>& system, const State& x, std::vector<double>& row);
 
 /// The free coordinates of joints in space: NAME.angle [rad], followed through full turns from record to record, and
 /// NAME.displacement [m].

@@ -22,7 +22,7 @@ bool along_an_angle(const Contact& contact) {
   return limit != nullptr && std::holds_alternative<Angle>(limit->of.kind());
 }
 
-void add_energy(const Scene& scene, const Run& run, std::vector<std::string>& to) {
+template <class Scene> void add_energy(const Scene& scene, const Run& run, std::vector<std::string>& to) {
   if (run.energy_rises == 0) return;
   to.push_back(words_of("impacts raised the energy in ", run.energy_rises, run.energy_rises == 1 ? " step" : " steps",
                         ", at most by ", run.max_energy_rise, " J at t = ", run.max_energy_rise_time, " s: ",
@@ -32,7 +32,7 @@ void add_energy(const Scene& scene, const Run& run, std::vector<std::string>& to
                         "; so can steps in which bodies move as far as they are wide"));
 }
 
-void add_passages(const Scene& scene, const Run& run, std::vector<std::string>& to) {
+template <class Scene> void add_passages(const Scene& scene, const Run& run, std::vector<std::string>& to) {
   if (run.passages == 0) return;
   const auto name = [&](BodyId body) {
     return body < 0 ? "the ground" : "\"" + scene.bodies[static_cast<std::size_t>(body)].name + "\"";
@@ -55,38 +55,82 @@ void add_rounded(const Run& run, std::vector<std::string>& to) {
 
 }  // namespace
 
-std::vector<Remark> remarks_on_start(const System& system) {
-  constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
+namespace {
+
+constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
+
+OffMost joint_off_most(const System& system, const State& x, const Terms& /*at_x*/) {
+  return off_most(system, x.t, x.q);
+}
+OffMost joint_off_most(const SystemOf<Spatial>& system, const State& /*x*/, const TermsOf<Spatial>& at_x) {
+  OffMost most;
+  const auto& joints = system.scene().joints;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    for (int row = system.first_row(i); row < system.first_row(i) + row_count(joints[i]); ++row)
+      if (const double off = std::abs(at_x.phi[row]); off > most.off)
+        most = {off, std::visit([](const auto& j) { return j.name; }, joints[i])};
+  return most;
+}
+
+bool limits_an_angle(const Contact& contact) { return along_an_angle(contact); }
+bool limits_an_angle(const spatial::Contact& contact) {
+  const auto* limit = std::get_if<spatial::Limit>(&contact);
+  return limit != nullptr && limit->of.angle();
+}
+
+template <class Space> std::vector<Remark> wrong_at_start(const SystemOf<Space>& system, const char* moved_onto) {
   std::vector<Remark> remarks;
   const State x = system.initial_state();
-  Terms terms(system);
+  TermsOf<Space> terms(system);
   set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_residual(system, terms);
   evaluate_joint_rows(system, terms);
-  BroadPhase(system).find(Eigen::VectorXd::Zero(system.dof()), terms);
+  BroadPhaseOf<Space>(system).find(Eigen::VectorXd::Zero(system.dof()), terms);
   evaluate_gaps(system, terms);
   double rate = 0;
   for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
   const auto warn = [&](const char* what, double size, const char* unit, const char* then) {
     remarks.push_back({true, words_of("at the start ", what, " by ", size, " ", unit, ": ", then)});
   };
-  if (const OffMost most = off_most(system, x.t, x.q); most.off > kSmall)
-    warn("joints are off", most.off, ("m or rad, \"" + most.joint + "\" most").c_str(),
-         "the bodies are moved onto them, except with joints=none (assemble = true in the scene: by the least motion)");
-  if (rate > kSmall * (1 + x.v.lpNorm<Eigen::Infinity>()))
+  if (const OffMost most = joint_off_most(system, x, terms); most.off > kSmall)
+    warn("joints are off", most.off, ("m or rad, \"" + most.joint + "\" most").c_str(), moved_onto);
+  if (rate > kSmall * (1 + x.v.template lpNorm<Eigen::Infinity>()))
     warn("velocities break joints", rate, "m/s or rad/s", "they are changed to keep them");
   Index deepest = 0;
   if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff(&deepest) : 0; deep > kSmall) {
     const bool listed = deepest < system.listed();
-    const bool turns = listed && along_an_angle(system.scene().contacts[static_cast<std::size_t>(deepest)]);
+    const bool turns = listed && limits_an_angle(system.scene().contacts[static_cast<std::size_t>(deepest)]);
     warn("contacts penetrate", deep, turns ? "rad" : "m",
          "moreau-jean leaves it, paoli-schatzman throws them apart, the others differ");
   }
+  return remarks;
+}
+
+}  // namespace
+
+std::vector<Remark> remarks_on_start(const System& system) {
+  std::vector<Remark> remarks = wrong_at_start(
+      system,
+      "the bodies are moved onto them, except with joints=none (assemble = true in the scene: by the least motion)");
   constexpr int kMostRows = 600;  // more would take longer than a word is worth
   if (system.joint_rows() > kMostRows) return remarks;
-  if (const std::string words = describe(find_redundancy(system, x.q), system); !words.empty())
+  if (const std::string words = describe(find_redundancy(system, system.initial_state().q), system); !words.empty())
     remarks.push_back({false, "at the start " + words});
   return remarks;
+}
+
+std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system) {
+  return wrong_at_start(system, "the bodies are moved onto them");
+}
+
+std::vector<std::string> warnings_of(const SystemOf<Spatial>& system, const Run& run, std::string_view /*integrator*/,
+                                     double /*step*/) {
+  std::vector<std::string> all;
+  add_energy(system.scene(), run, all);
+  add_passages(system.scene(), run, all);
+  add_rounded(run, all);
+  for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
+  return all;
 }
 
 std::vector<std::string> warnings_of(const System& system, const Run& run, std::string_view integrator, double step) {

@@ -38,7 +38,7 @@ Adaptive::Adaptive(const System& system, const Options& options)
       smooth_(impulses_.size()) {
   if (system.joint_rows() > 0) joints_.emplace(system);
   if (system.swing() > 0) longest_ = kSwing / system.swing();
-  if (WorkMeter::needed(system)) meter_.emplace(system);
+  if (has_work(system)) meter_.emplace(system);
   events_.reserve(64), pending_.reserve(64);
 }
 

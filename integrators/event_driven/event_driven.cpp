@@ -42,7 +42,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
   Substitute::refuse(system, name);
   events_.reserve(64 * impulses_.size());
   for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));
-  if (WorkMeter::needed(system)) meter_.emplace(system);
+  if (has_work(system)) meter_.emplace(system);
   std::fill(watch_.slow.begin(), watch_.slow.end(), options.atol);
 }
 

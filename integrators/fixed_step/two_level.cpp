@@ -56,14 +56,13 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
   move<Space>(x.q, path, q_end_);
   far_.measure(
       [&](Index i) { return std::max(largest_coordinate<Space>(x.q, i), largest_coordinate<Space>(q_end_, i)); });
-  if constexpr (kPlanar<Space>)
-    if (broad_phase_.any()) {  // contacts add to the path no more than the longest: bodies do not overlap deeper
-      set_poses(system_, x.t + h, q_end_, end_.at);
-      if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
-      if (!broad_phase_.find(2 * path, end_, BroadPhase::Reach::farthest))
-        return fail(report, Status::numerical_error, broad_phase_.why());
-      start_.pairs = end_.pairs;
-    }
+  if (broad_phase_.any()) {  // contacts add to the path no more than the longest: bodies do not overlap deeper
+    set_poses(system_, x.t + h, q_end_, end_.at);
+    if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
+    if (!broad_phase_.find(2 * path, end_, BroadPhaseOf<Space>::Reach::farthest))
+      return fail(report, Status::numerical_error, broad_phase_.why());
+    start_.pairs = end_.pairs;
+  }
   start_.closed.clear();
   std::fill(has_rows_.begin(), has_rows_.end(), false);
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
@@ -241,7 +240,7 @@ template <class Space> void TwoLevelOf<Space>::arrive(double h, Eigen::VectorXd&
     report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
-  if constexpr (kPlanar<Space>) report.passage = passing_.find(x.q, q_end_, end_);
+  report.passage = passing_.find(x.q, q_end_, end_);
   x.t += h;
   x.q.swap(q_end_);
   x.v.swap(v);

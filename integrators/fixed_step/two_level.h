@@ -22,6 +22,7 @@
 #include <orthant/integrators/step/impact.h>
 #include <orthant/integrators/step/in_plane.h>
 #include <orthant/integrators/step/magnitudes.h>
+#include <orthant/integrators/step/spatial_tunnelling.h>
 
 namespace orthant {
 
@@ -94,8 +95,8 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
-  InPlane<Space, BroadPhase> broad_phase_;
-  InPlane<Space, Passing> passing_;
+  BroadPhaseOf<Space> broad_phase_;
+  PassingOf<Space> passing_;
   Formulation positions_, velocities_;
   const Formulation* shown_;  // by problem()
   double stiffness_weight_ = 0, damping_weight_ = 0;

@@ -79,7 +79,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   if constexpr (!kPlanar<Space>) to_end_axes(system_, frames(h), x.v, v_new_);
   move<Space>(x.q, h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v), q_new_);
   if (!settle(x.t + h, report)) return report;
-  if constexpr (kPlanar<Space>) report.passage = passing_.find(x.q, q_new_, terms_);
+  report.passage = passing_.find(x.q, q_new_, terms_);
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
@@ -244,19 +244,13 @@ template <class Space> void VelocitySteppingOf<Space>::measure(double h, const S
   });
 }
 
-template <class Space> bool VelocitySteppingOf<Space>::find_pairs([[maybe_unused]] double h,
-                                                                  [[maybe_unused]] const State& x,
-                                                                  [[maybe_unused]] StepReport& report) {
-  if constexpr (!kPlanar<Space>)
-    return true;
-  else {
-    if (!broad_phase_.any()) return true;
-    double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
-    for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
-    reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
-    reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
-    return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
-  }
+template <class Space> bool VelocitySteppingOf<Space>::find_pairs(double h, const State& x, StepReport& report) {
+  if (!broad_phase_.any()) return true;
+  double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
+  for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
+  reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
+  reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
+  return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
 
 template <class Space>

@@ -28,6 +28,7 @@
 #include <orthant/integrators/step/magnitudes.h>
 #include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/step/sleep.h>
+#include <orthant/integrators/step/spatial_tunnelling.h>
 
 #include <array>
 #include <optional>
@@ -142,9 +143,9 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   ProjectionOf<Space> projection_;
   ImpactOf<Space> impact_;
   Extents near_;  // [m]
-  InPlane<Space, BroadPhase> broad_phase_;
+  BroadPhaseOf<Space> broad_phase_;
   InPlane<Space, Sleep> sleep_;
-  InPlane<Space, Passing> passing_;
+  PassingOf<Space> passing_;
   FormulationOf<Space> formulation_;
   const FormulationOf<Space>* shown_;            // by problem()
   std::vector<Taken> taken_;                     // by contacts that the scheme pushed

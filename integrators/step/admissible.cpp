@@ -40,11 +40,66 @@ std::string words_of(const std::string& contact, const std::string& overlap, Ove
          (scale == OverlapScale::clearance ? "the clearance is " : "the thinner body's half width is ") + length + " m";
 }
 
-struct Walled {  // a contact with a wall: its normal at the start, in the world
+double half_width(const spatial::Shape& s) {
+  if (!s.polytope()) return s.radius;
+  double least = kInf;
+  for (const spatial::Hull::Face& face : s.hull->faces) {
+    double high = 0;
+    for (const Vector3d& corner : s.hull->corners) high = std::max(high, face.offset - face.normal.dot(corner));
+    least = std::min(least, high / 2);
+  }
+  return least;
+}
+double half_width(const Shape& s) { return s.corners.empty() ? s.radius : half_width(s.corners); }
+
+/// [m] Root mean square distance of the masses from the axis, or from the centre.
+double gyration(const Body& b) { return std::sqrt(b.inertia / b.mass); }
+double gyration(const spatial::Body& b) { return std::sqrt(b.inertia.trace() / (2 * b.mass)); }
+
+template <class Space> struct Walled {  // a contact with a wall: its normal at the start, in the world
   int contact;
-  Vector2d normal;
+  typename Space::Vector normal;
   double gap;
 };
+
+/// The length of a contact that has one of its own, and the normal of its wall.
+template <class Vector> struct Measured {
+  double size = kInf;  // infinity: none of its own
+  OverlapScale scale = OverlapScale::body;
+  std::optional<Vector> wall = {};  // in b's frame
+};
+Measured<Vector2d> measured(const Contact& contact) {
+  if (const auto* journal = std::get_if<Journal>(&contact))
+    return {journal->radius_b - journal->radius_a, OverlapScale::clearance};
+  if (const auto* d = std::get_if<DiscDisc>(&contact)) return {std::min(d->radius_a, d->radius_b)};
+  if (const auto* w = std::get_if<DiscWall>(&contact)) return {w->radius, OverlapScale::body, w->normal};
+  if (const auto* c = std::get_if<CornerWall>(&contact)) return {kInf, OverlapScale::body, c->normal};
+  if (const auto* p = std::get_if<DiscPolygon>(&contact)) return {std::min(p->radius, half_width(p->corners))};
+  if (const auto* pp = std::get_if<PolygonPolygon>(&contact))
+    return {std::min(half_width(pp->corners_a), half_width(pp->corners_b))};
+  if (const auto* limit = std::get_if<Limit>(&contact))
+    if (std::holds_alternative<Angle>(limit->of.kind())) return {1, OverlapScale::angle};
+  return {};
+}
+Measured<Vector3d> measured(const spatial::Contact& contact) {
+  if (const auto* socket = std::get_if<spatial::Socket>(&contact))
+    return {socket->radius_b - socket->radius_a, OverlapScale::clearance};
+  if (const auto* s = std::get_if<spatial::SphereSphere>(&contact)) return {std::min(s->radius_a, s->radius_b)};
+  if (const auto* s = std::get_if<spatial::SpherePlane>(&contact))
+    return {s->radius > 0 ? s->radius : kInf, OverlapScale::body, s->normal};
+  if (const auto* e = std::get_if<spatial::EllipsoidPlane>(&contact)) return {e->semi_axes.minCoeff()};
+  if (const auto* limit = std::get_if<spatial::Limit>(&contact))
+    if (limit->of.angle()) return {1, OverlapScale::angle};
+  return {};
+}
+
+Vector2d turned(const Scene& scene, BodyId b, const Vector2d& n) {
+  const double angle = b < 0 ? 0 : scene.bodies[at(b)].angle;
+  return Pose{{0, 0}, angle, std::cos(angle), std::sin(angle)}.turn(n);
+}
+Vector3d turned(const spatial::Scene& scene, BodyId b, const Vector3d& n) {
+  return b < 0 ? n : Vector3d(quaternions::matrix_of(scene.bodies[at(b)].orientation) * n);
+}
 
 }  // namespace
 
@@ -72,13 +127,14 @@ std::vector<std::string> warnings_of(const Admissibility& motion) {
   return all;
 }
 
-MotionWatch::MotionWatch(const Integrator& integrator, const State& start, const Eigen::VectorXd& gaps)
+template <class Space> MotionWatchOf<Space>::MotionWatchOf(const IntegratorOf<Space>& integrator, const State& start,
+                                                           const Eigen::VectorXd& gaps)
     : integrator_(integrator), system_(integrator.system()), terms_(system_) {
-  const Scene& scene = system_.scene();
-  if (WorkMeter::needed(system_)) meter_.emplace(system_);
+  const auto& scene = system_.scene();
+  if (has_work(system_)) meter_.emplace(system_);
   every_ = meter_ ? 1 : scene.springs.empty() ? 8 : 16;
   const auto keeps = [](const ContactLaw& law) { return !law.frictional() && law.e == 1; };
-  const auto damped = [](const Spring& spring) {
+  const auto damped = [](const auto& spring) {
     return std::visit([](const auto& s) { return s.damping != 0; }, spring);
   };
   conserves_ = std::ranges::all_of(system_.laws(), keeps) && std::ranges::none_of(scene.springs, damped) &&
@@ -91,51 +147,31 @@ MotionWatch::MotionWatch(const Integrator& integrator, const State& start, const
   if (deepest > 0) {  // taking that back is work, against forces whose size is known
     set_poses(system_, start.t, start.q, terms_.at);
     evaluate_forces(system_, start.t, start.v, terms_);
-    kick_ = 2 * deepest * terms_.f.lpNorm<1>();
+    kick_ = 2 * deepest * terms_.f.template lpNorm<1>();
   }
 }
 
 /// Lengths of listed contacts, the smallest clearance and the overlap that no look is needed for.
-void MotionWatch::measure_lengths(const Eigen::VectorXd& gaps) {
-  const Scene& scene = system_.scene();
+template <class Space> void MotionWatchOf<Space>::measure_lengths(const Eigen::VectorXd& gaps) {
+  const auto& scene = system_.scene();
   floor_ = gaps.head(system_.listed()).cwiseMin(0);
   double far = 0;
-  for (const Body& body : scene.bodies) far = std::max(far, body.position.norm());
-  const auto body_size = [&](BodyId b) {  // radius of gyration
-    return b < 0 ? kInf : std::sqrt(scene.bodies[at(b)].inertia / scene.bodies[at(b)].mass);
-  };
-  std::map<std::pair<BodyId, BodyId>, std::vector<Walled>> walls;
+  for (const auto& body : scene.bodies) far = std::max(far, body.position.norm());
+  const auto body_size = [&](BodyId b) { return b < 0 ? kInf : gyration(scene.bodies[at(b)]); };
+  std::map<std::pair<BodyId, BodyId>, std::vector<Walled<Space>>> walls;
   for (int i = 0; i < system_.listed(); ++i) {
-    const Contact& contact = scene.contacts[at(i)];
+    const auto& contact = scene.contacts[at(i)];
     const auto [a, b] = std::visit([](const auto& c) { return bodies_of(c); }, contact);
-    Length& of = lengths_.emplace_back(Length{std::min(body_size(a), body_size(b))});
-    const auto turned = [&, b = b](const Vector2d& n) {
-      const double angle = b < 0 ? 0 : scene.bodies[at(b)].angle;
-      return Pose{{0, 0}, angle, std::cos(angle), std::sin(angle)}.turn(n);
-    };
-    if (const auto* journal = std::get_if<Journal>(&contact)) {
-      of = {journal->radius_b - journal->radius_a, OverlapScale::clearance};
-    } else if (const auto* d = std::get_if<DiscDisc>(&contact)) {
-      of.size = std::min(d->radius_a, d->radius_b);
-    } else if (const auto* w = std::get_if<DiscWall>(&contact)) {
-      of.size = w->radius;
-      walls[{a, b}].push_back({i, turned(w->normal), gaps[i]});
-    } else if (const auto* c = std::get_if<CornerWall>(&contact)) {
-      walls[{a, b}].push_back({i, turned(c->normal), gaps[i]});
-    } else if (const auto* p = std::get_if<DiscPolygon>(&contact)) {
-      of.size = std::min(p->radius, half_width(p->corners));
-    } else if (const auto* pp = std::get_if<PolygonPolygon>(&contact)) {
-      of.size = std::min(half_width(pp->corners_a), half_width(pp->corners_b));
-    } else if (const auto* limit = std::get_if<Limit>(&contact)) {
-      if (std::holds_alternative<Angle>(limit->of.kind())) of = {1, OverlapScale::angle};
-    }
+    const auto of = measured(contact);
+    lengths_.push_back({of.size < kInf ? of.size : std::min(body_size(a), body_size(b)), of.scale});
+    if (of.wall) walls[{a, b}].push_back({i, turned(scene, b, *of.wall), gaps[i]});
   }
   constexpr std::size_t kMostWalls = 64;
   constexpr double kOpposite = -0.999, kNoPlay = 1e-12;  // less is rounding of the places
   for (const auto& [pair, group] : walls) {
     if (group.size() > kMostWalls) continue;
-    for (const Walled& one : group)
-      for (const Walled& other : group) {
+    for (const auto& one : group)
+      for (const auto& other : group) {
         const double play = (one.gap + other.gap) / 2;  // on either side, wherever the body is between them
         if (one.normal.dot(other.normal) > kOpposite || !(play > kNoPlay * (far + lengths_[at(one.contact)].size)))
           continue;
@@ -145,9 +181,9 @@ void MotionWatch::measure_lengths(const Eigen::VectorXd& gaps) {
   }
   for (const Length& of : lengths_)
     if (of.clearance()) motion_.smallest_clearance = std::min(motion_.smallest_clearance, of.size);
-  for (const Collision& c : scene.collisions) {
+  for (const auto& c : scene.collisions) {
     double least = kInf;
-    for (const Shape& s : c.shapes) least = std::min(least, s.corners.empty() ? s.radius : half_width(s.corners));
+    for (const auto& shape : c.shapes) least = std::min(least, half_width(shape));
     widths_.push_back(least);
   }
   const auto quick = [&](const Length& of) {
@@ -157,58 +193,75 @@ void MotionWatch::measure_lengths(const Eigen::VectorXd& gaps) {
   for (const double width : widths_) quick({width});
 }
 
-MotionWatch::Length MotionWatch::length(int contact) const {
+template <class Space> typename MotionWatchOf<Space>::Length MotionWatchOf<Space>::length(int contact) const {
   if (contact < system_.listed()) return lengths_[at(contact)];
   const Pair& pair = integrator_.pairs()[at(contact - system_.listed())];
   return pair.none() ? Length{} : Length{widths_[at(pair.collision)]};
 }
 
-double MotionWatch::potential(const State& x) {
-  double sum = -system_.weight().dot(x.q);
+template <class Space> double MotionWatchOf<Space>::potential(const State& x) {
+  double sum = potential_of_weight(system_, x.q);
   if (system_.scene().springs.empty()) return sum;
   set_poses(system_, x.t, x.q, terms_.at);
-  for (const Spring& spring : system_.scene().springs)
+  for (const auto& spring : system_.scene().springs)
     sum += std::visit([&](const auto& s) { return s.evaluate(terms_.at, x.v.data()).energy; }, spring);
   return sum;
 }
 
 /// [J] of the velocities that the applied forces, and rounding of the places, give within h: no scheme knows an energy
 /// better.
-double MotionWatch::kick(const State& x, double h) {
+template <class Space> double MotionWatchOf<Space>::kick(const State& x, double h) {
   if (integrator_.controls_step()) h = std::min(h, kCrossing);
   double mass = 0;
-  for (const Body& body : system_.scene().bodies) mass += body.mass;
-  const double rounding = kOfPlaces * x.q.lpNorm<Eigen::Infinity>() / h;  // [m/s]
+  for (const auto& body : system_.scene().bodies) mass += body.mass;
+  const double rounding = kOfPlaces * x.q.template lpNorm<Eigen::Infinity>() / h;  // [m/s]
   set_poses(system_, x.t, x.q, terms_.at);
   evaluate_forces(system_, x.t, x.v, terms_);
   return h * h / 2 * terms_.f.dot(system_.inverse_mass().cwiseProduct(terms_.f)) + mass / 2 * rounding * rounding;
 }
 
 /// [m/s, rad/s] Of a contact's surfaces at the end of a step, with what the step's impulses took from it.
-double MotionWatch::surface_speed(const State& x, int contact) {
+template <class Space> double MotionWatchOf<Space>::surface_speed(const State& x, int contact) {
   set_poses(system_, x.t, x.q, terms_.at);
   terms_.pairs.assign(integrator_.pairs().begin(), integrator_.pairs().end());
   terms_.closed.clear();
   add_closed(system_, contact, terms_);
-  const Impulse& impulse = integrator_.impulses()[at(contact)];
-  const auto along = [&](const Row& row, double by) {
+  const auto& impulse = integrator_.impulses()[at(contact)];
+  const auto along = [&](const RowOf<Space>& row, double by) {
     return std::abs(apply(row, x.v.data())) + coupling(row, row, system_.inverse_mass()) * std::abs(by);
   };
-  const ContactRows& rows = terms_.closed[0].rows;
-  return along(rows.normal, impulse.normal) + along(rows.tangent, impulse.tangent);
+  const ContactRowsOf<Space>& rows = terms_.closed[0].rows;
+  double speed = along(rows.normal, impulse.normal);
+  for (std::size_t k = 0; k < Space::kTangents; ++k)
+    speed += along(row_of_tangent(rows, k), tangent_part(impulse.tangent, k));
+  return speed;
 }
 
-bool MotionWatch::end(Status status, std::string why) {
+template <class Space> bool MotionWatchOf<Space>::end(Status status, std::string why) {
   status_ = status, why_ = std::move(why);
   return false;
 }
 
-JamSearch& MotionWatch::search() {
-  if (!search_) search_ = std::make_unique<JamSearch>(system_);
-  return *search_;
+template <class Space> std::optional<Jam> MotionWatchOf<Space>::jam(const State& x, double until) {
+  if constexpr (kPlanar<Space>) {
+    if (!search_) search_ = std::make_unique<JamSearch>(system_);
+    return search_->find(x, until);
+  } else {
+    return std::nullopt;
+  }
 }
 
-bool MotionWatch::admits(const State& before, const State& after, double h, const StepReport& report, bool last) {
+template <class Space> bool MotionWatchOf<Space>::fits(double t, Eigen::VectorXd q) {
+  if constexpr (kPlanar<Space>) {
+    if (!search_) search_ = std::make_unique<JamSearch>(system_);
+    return search_->fits(t, q);
+  } else {
+    return true;
+  }
+}
+
+template <class Space> bool MotionWatchOf<Space>::admits(const State& before, const State& after, double h,
+                                                         const StepReport& report, bool last) {
   if (report.penetration > quick_ && !looks_fine(before, after, h)) return false;
   if (meter_) {
     const double work = report.work ? *report.work
@@ -220,7 +273,7 @@ bool MotionWatch::admits(const State& before, const State& after, double h, cons
   return (!regular && report.lcp_solves < 2) || balances(after, h, regular);
 }
 
-bool MotionWatch::looks_fine(const State& before, const State& after, double h) {
+template <class Space> bool MotionWatchOf<Space>::looks_fine(const State& before, const State& after, double h) {
   const Eigen::VectorXd& gaps = integrator_.gaps();
   double worst = 0, share = 0;  // o / L; in units of what ends a run
   int deepest = -1;
@@ -235,14 +288,13 @@ bool MotionWatch::looks_fine(const State& before, const State& after, double h) 
   const Length of = length(deepest);
   if (worst * motion_.overlap_length > motion_.max_overlap * of.size || motion_.max_overlap == 0) {
     motion_.max_overlap = worst, motion_.overlap_length = of.size, motion_.overlap_time = after.t;
-    motion_.overlap_contact = contact_name(system_, integrator_.pairs(), deepest);
+    motion_.overlap_contact = contact_name<Space>(system_, integrator_.pairs(), deepest);
     motion_.overlap_scale = of.scale;
   }
   if (system_.driven() && worst > kLook * of.size && (worst > kGrown * looked_ || steps_ >= looked_at_ + kLooks)) {
     looked_ = worst, looked_at_ = steps_;
-    Eigen::VectorXd q = after.q;
-    if (!search().fits(after.t, q))
-      if (const auto jam = search().find(before, after.t)) return end(Status::infeasible, words(*jam));
+    if (!fits(after.t, after.q))
+      if (const auto found = jam(before, after.t)) return end(Status::infeasible, words(*found));
   }
   const bool fixed = !integrator_.controls_step();
   if (fixed && of.clearance()) fastest_ = std::max(fastest_, surface_speed(after, deepest));
@@ -262,14 +314,14 @@ bool MotionWatch::looks_fine(const State& before, const State& after, double h) 
       words_of(motion_.overlap_contact, detail::text_of(worst), of.scale, detail::text_of(of.size)) + since(after.t));
 }
 
-double MotionWatch::Rise::add(double D) {
+template <class Space> double MotionWatchOf<Space>::Rise::add(double D) {
   const double rise = D - lowest;
   lowest = std::min(lowest, std::max({D, last[0], last[1]}));  // an impact may take two steps, and dip between them
   last[1] = last[0], last[0] = D;
   return rise;
 }
 
-bool MotionWatch::balances(const State& after, double h, bool regular) {
+template <class Space> bool MotionWatchOf<Space>::balances(const State& after, double h, bool regular) {
   const double kinetic = after.v.dot(system_.mass().cwiseProduct(after.v)) / 2, now = potential(after);
   peak_kinetic_ = std::max(peak_kinetic_, kinetic), least_potential_ = std::min(least_potential_, now);
   const double D = kinetic + now - motion_.work - start_energy_;
@@ -288,20 +340,23 @@ bool MotionWatch::balances(const State& after, double h, bool regular) {
              "the energy rose by " + detail::text_of(ends) + " J, which nothing in the scene put in" + since(after.t));
 }
 
-bool MotionWatch::explains(const State& x, double h, Status status) {
+template <class Space> bool MotionWatchOf<Space>::explains(const State& x, double h, Status status) {
   if (status == Status::time_limit || status == Status::cancelled) return false;
   if (!system_.driven()) return false;
   // It may begin at the very end of the step, by rounding; friction may hold the mechanism somewhat before.
   const double soon = std::max(3 * h, kSoon * x.t);
-  const auto jam = search().find(x, x.t + soon);
-  if (!jam) return false;
-  return !end(Status::infeasible, words(*jam));
+  const auto found = jam(x, x.t + soon);
+  if (!found) return false;
+  return !end(Status::infeasible, words(*found));
 }
 
-void MotionWatch::remember(Memory& memory) {
+template <class Space> void MotionWatchOf<Space>::remember(Memory& memory) {
   memory(motion_, looked_, steps_, looked_at_, start_energy_, start_kinetic_, start_potential_, least_potential_,
          peak_kinetic_, fastest_, effort_, rise_.lowest, rise_.last, between_.lowest, between_.last, kick_, floor_);
   if (meter_) meter_->forget();
 }
+
+template class MotionWatchOf<Planar>;
+template class MotionWatchOf<Spatial>;
 
 }  // namespace orthant

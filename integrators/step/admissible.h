@@ -7,8 +7,8 @@
 //   of a body, if that is more than 3 h v, too: a scheme of fixed step may overlap by the way h v of a step. v is the
 //   speed of the lighter body at the peak kinetic energy; in a clearance that of the surfaces against each other, with
 //   what impulses took from it, the largest so far. Driven scenes: from L_i / 20 on a jam is searched for (jam.h),
-//   which ends the run at the step before.
-//   Energy: D = E − W must not rise, W the work of work_meter.h. The defect is the largest rise of D above its least
+//   which ends the run at the step before; in space none is searched for.
+//   Energy: D = E − W must not rise, W the work of step_work.h. The defect is the largest rise of D above its least
 //   value before; where nothing dissipates (no friction, no dampers, all e = 1) the largest change. Its scale is the
 //   kinetic energy of the start, the potential energy released, Σ |W| and ½ h² f M⁻¹ f, what the forces of a step do.
 //   A run is reported from 5 % of it on; it ends where D rises by all of it. Steps with several complementarity
@@ -19,7 +19,7 @@
 
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/jam.h>
-#include <orthant/integrators/step/work_meter.h>
+#include <orthant/integrators/step/step_work.h>
 
 #include <array>
 #include <memory>
@@ -56,10 +56,10 @@ struct Admissibility {
 /// In words, each limit that the motion came near to or passed.
 std::vector<std::string> warnings_of(const Admissibility& motion);
 
-class MotionWatch {
+template <class Space> class MotionWatchOf {
  public:
   /// Both must outlive this. start: of the run, with its gaps.
-  MotionWatch(const Integrator& integrator, const State& start, const Eigen::VectorXd& gaps);
+  MotionWatchOf(const IntegratorOf<Space>& integrator, const State& start, const Eigen::VectorXd& gaps);
 
   /// Whether admits() reads the state before each step.
   bool measures_work() const { return meter_.has_value(); }
@@ -92,16 +92,17 @@ class MotionWatch {
   double surface_speed(const State& x, int contact);
   double kick(const State& x, double h);
   bool end(Status status, std::string why);
-  JamSearch& search();
+  std::optional<Jam> jam(const State& x, double until);
+  bool fits(double t, Eigen::VectorXd q);
 
-  const Integrator& integrator_;
-  const System& system_;
-  std::optional<WorkMeter> meter_;
+  const IntegratorOf<Space>& integrator_;
+  const SystemOf<Space>& system_;
+  std::optional<StepWorkOf<Space>> meter_;
   std::unique_ptr<JamSearch> search_;
   std::vector<Length> lengths_;  // of listed contacts
   std::vector<double> widths_;   // of each collision its thinnest shape's half [m]
   Eigen::VectorXd floor_;        // f of listed contacts
-  Terms terms_;                  // for springs, in kick() and surface_speed()
+  TermsOf<Space> terms_;         // for springs, in kick() and surface_speed()
   Admissibility motion_;
   bool conserves_ = false;
   int every_ = 1;
@@ -120,5 +121,9 @@ class MotionWatch {
   Status status_ = Status::solved;
   std::string why_;
 };
+
+extern template class MotionWatchOf<Planar>;
+extern template class MotionWatchOf<Spatial>;
+using MotionWatch = MotionWatchOf<Planar>;
 
 }  // namespace orthant

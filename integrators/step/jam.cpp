@@ -52,16 +52,19 @@ std::string since(double t) {
   return std::string("; since t = ") + digits;
 }
 
-std::string contact_name(const System& system, std::span<const Pair> pairs, int contact) {
-  const Scene& scene = system.scene();
+template <class Space>
+std::string contact_name(const SystemOf<Space>& system, std::span<const Pair> pairs, int contact) {
+  const auto& scene = system.scene();
   const auto i = static_cast<std::size_t>(contact);
   if (i < scene.contacts.size()) return quoted(std::visit([](const auto& x) { return x.name; }, scene.contacts[i]));
-  const Collision& of = scene.collisions[static_cast<std::size_t>(pairs[i - scene.contacts.size()].collision)];
+  const auto& of = scene.collisions[static_cast<std::size_t>(pairs[i - scene.contacts.size()].collision)];
   const auto body = [&](BodyId b) { return b < 0 ? "the ground" : quoted(scene.bodies[at(b)].name); };
   const Pair& pair = pairs[i - scene.contacts.size()];
   const BodyId a = of.shapes[at(pair.a)].body, b = of.shapes[at(pair.b)].body;
   return "of collision " + quoted(of.name) + " between " + body(a) + " and " + body(b);
 }
+template std::string contact_name(const SystemOf<Planar>&, std::span<const Pair>, int);
+template std::string contact_name(const SystemOf<Spatial>&, std::span<const Pair>, int);
 
 JamSearch::JamSearch(const System& system)
     : system_(of_one_mass(system.scene())),
@@ -184,7 +187,7 @@ Jam JamSearch::participants(double t) {
       if (!(over_[i] > kShare * worst_)) continue;
       add_closed(system_, i, terms_);
       apply_transposed(terms_.closed.back().rows.normal, over_[i] / worst_, force_.data());
-      jam.contacts.push_back(contact_name(system_, terms_.pairs, i));
+      jam.contacts.push_back(contact_name<Planar>(system_, terms_.pairs, i));
     }
     if (!basic_.factorize(system_, terms_)) return jam;
     const double all = std::sqrt(force_.dot(system_.inverse_mass().cwiseProduct(force_)));

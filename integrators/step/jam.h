@@ -34,7 +34,8 @@ std::string words(const Jam& jam);
 std::string since(double t);
 
 /// A contact's name in quotes; of a searched pair its collision and bodies.
-std::string contact_name(const System& system, std::span<const Pair> pairs, int contact);
+template <class Space>
+std::string contact_name(const SystemOf<Space>& system, std::span<const Pair> pairs, int contact);
 
 class JamSearch {
  public:

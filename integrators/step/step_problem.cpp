@@ -23,7 +23,8 @@ bool centred_journal(const Scene& scene, int contact) {
   return c < scene.contacts.size() && std::holds_alternative<Journal>(scene.contacts[c]);
 }
 bool centred_journal(const spatial::Scene& scene, int contact) {
-  return std::holds_alternative<spatial::Socket>(scene.contacts[static_cast<std::size_t>(contact)]);
+  const auto c = static_cast<std::size_t>(contact);
+  return c < scene.contacts.size() && std::holds_alternative<spatial::Socket>(scene.contacts[c]);
 }
 
 /// z or w at the tangent rows from `first` on.

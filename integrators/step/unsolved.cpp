@@ -10,7 +10,7 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
                          const Solution& solution, const RankDeficiency& deficiency) {
   const std::string when = deficiency.time() ? " at t = " + detail::text_of(*deficiency.time()) + " s" : "";
   if (problem.no_normal() >= 0)
-    return "contact " + contact_name(system, pairs, problem.no_normal()) +
+    return "contact " + contact_name<Planar>(system, pairs, problem.no_normal()) +
            " has no normal: its centres, or points, are in one place";
   const auto& u = solution.certificate;
   const Status status = solution.status;
@@ -23,7 +23,7 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   Jam jam;
   problem.each_contact([&](Index i, Index edge, Index, const StepProblem::Contact& c) {
     if (std::abs(u[i]) > least || (edge >= 0 && std::abs(u[edge]) > least))
-      jam.contacts.push_back(contact_name(system, pairs, c.index));
+      jam.contacts.push_back(contact_name<Planar>(system, pairs, c.index));
   });
   jam.joints = jam.contacts.empty();
   if ((deficiency.undecided() || deficiency.relaxed()) && !jam.joints) {
@@ -39,18 +39,13 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   return words(jam);
 }
 
-std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair>& /*pairs*/,
+std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair>& pairs,
                          const StepProblemOf<Spatial>& problem, const Solution& solution,
                          const SpatialRankDeficiency& deficiency) {
   const std::string when = deficiency.time() ? " at t = " + detail::text_of(*deficiency.time()) + " s" : "";
-  const auto name_of = [&](int contact) {
-    return "\"" +
-           std::visit([](const auto& c) { return c.name; },
-                      system.scene().contacts[static_cast<std::size_t>(contact)]) +
-           "\"";
-  };
   if (problem.no_normal() >= 0)
-    return "contact " + name_of(problem.no_normal()) + " has no normal: its centres, or points, are in one place";
+    return "contact " + contact_name<Spatial>(system, pairs, problem.no_normal()) +
+           " has no normal: its centres, or points, are in one place";
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
   return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +

@@ -1,6 +1,7 @@
 // orthant simulate of scenes in space: columns, joint coordinates, checkpoints, what is refused.
 #include "tests/support/cli.h"
 
+#include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
 
 #include <doctest/doctest.h>
@@ -62,8 +63,57 @@ TEST_CASE("a scene in space from a file, and what planar scenes alone have") {
     return reply.err;
   };
   CHECK(refusal("spin.toml --integrator rattle").find("takes planar scenes only") != std::string::npos);
-  CHECK(refusal("spin.toml --check").find("takes planar scenes only") != std::string::npos);
   CHECK(refusal("spin.toml --set body.b.mass=0").find("body \"b\": mass = 0: must be > 0") != std::string::npos);
   for (const std::string output : {"run.h5", "run.pvd", "run.csv"})
     CHECK(folder.orthant("simulate spin.toml --output " + output).exit_code == 0);
+}
+
+TEST_CASE("every built-in scene in space runs, and none is warned of an energy that nothing put in") {
+  const Cli folder;
+  for (const orthant::SpatialSceneEntry& scene : orthant::spatial_scenes()) {
+    CAPTURE(scene.name);
+    const Reply a = folder.orthant("simulate " + std::string(scene.name) + " --duration 0.05");
+    CHECK(a.exit_code == 0);
+    CHECK(a.err.find("energy") == std::string::npos);
+  }
+}
+
+TEST_CASE("collisions and solids in a file: what they say, what is refused") {
+  const Cli folder;
+  const std::string pile =
+      "dimension = 3\nduration = 0.5\nstep = 1e-3\ngravity = [0, 0, -9.81]\n"
+      "[[body]]\nname = 'box'\nsolid = {box = [0.2, 0.2, 0.1]}\ndensity = 700\nposition = [0, 0, 0.05]\n"
+      "[[body]]\nname = 'ball'\nsolid = {sphere = 0.1}\nmass = 2\nposition = [0, 0, 0.2]\n"
+      "[[body]]\nname = 'log'\nsolid = {capsule = [0.05, 0.3]}\nmass = 1\nposition = [1, 0, 0.05]\n"
+      "[[collision]]\nname = 'all'\nmu = 0.4\nwalls = [{normal = [0, 0, 1]}]\nshapes = [\n"
+      "  {body = 'box', size = [0.2, 0.2, 0.1]},\n  {body = 'ball', radius = 0.1},\n"
+      "  {body = 'log', radius = 0.05, ends = [[-0.15, 0, 0], [0.15, 0, 0]]},\n]\n";
+  folder.write("pile.toml", pile);
+  const Reply run = folder.orthant("simulate pile.toml --json --output run.csv");
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const auto last = nlohmann::json::parse(run.out).at("final");
+  CHECK(std::abs(last.at("ball.z").get<double>() - 0.2) < 1e-9);
+  CHECK(std::abs(last.at("box.z").get<double>() - 0.05) < 1e-9);
+  CHECK(std::abs(last.at("all.impulse_n").get<double>() - 2 * 9.81e-3) < 1e-6);
+  CHECK(slurp(folder / "run.csv").find(",all.gap,all.impulse_n,all.impulse_t,") != std::string::npos);
+  const auto refusal = [&](const std::string& from, const std::string& to) {
+    std::string wrong = pile;
+    wrong.replace(wrong.find(from), from.size(), to);
+    folder.write("wrong.toml", wrong);
+    const Reply reply = folder.orthant("simulate wrong.toml");
+    CHECK(reply.exit_code == 1);
+    CHECK(lines(reply.err) == 1);
+    return reply.err;
+  };
+  CHECK(refusal("density = 700", "").find("body \"box\": solid: needs either \"mass\" or \"density\"") !=
+        std::string::npos);
+  CHECK(refusal("sphere = 0.1}", "sphere = -1}").find("solid.sphere = -1: must be of lengths > 0") !=
+        std::string::npos);
+  CHECK(refusal("ends = [[-0.15, 0, 0], [0.15, 0, 0]]", "ends = [[0, 0, 0]]").find("two points") != std::string::npos);
+  CHECK(refusal("size = [0.2, 0.2, 0.1]},\n", "size = [0.2, 0.2]},\n").find("size") != std::string::npos);
+  CHECK(refusal("radius = 0.1}", "corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]}")
+            .find("must not lie in one plane") != std::string::npos);
+  CHECK(refusal("mu = 0.4", "mu = -1").find("mu = -1: must be >= 0") != std::string::npos);
+  CHECK(refusal("mu = 0.4", "mu = 0.4\nneighbours = 0").find("neighbours = 0: must be > 0") != std::string::npos);
 }

@@ -11,11 +11,22 @@ namespace {
 constexpr double kLarge = 100;   // cells of a shape
 constexpr double kSlack = 1e-9;  // of a box: rounding
 
-double radius_about_body(const Shape& s) {
-  if (s.corners.empty()) return s.centre.norm() + s.radius;
+bool is_round(const Shape& s) { return s.corners.empty(); }
+bool is_round(const spatial::Shape& s) { return s.sphere(); }
+/// By how much the shape is larger than the hull of its points.
+double grown_by(const Shape& s) { return s.corners.empty() ? s.radius : 0; }
+double grown_by(const spatial::Shape& s) { return s.radius; }
+/// The points whose hull the shape is, but for its radius.
+std::span<const Vector2d> points_of(const Shape& s) {
+  if (s.corners.empty()) return {&s.centre, 1};
+  return s.corners;
+}
+std::span<const Vector3d> points_of(const spatial::Shape& s) { return s.corners; }
+
+template <class Shape> double radius_about_body(const Shape& s) {
   double most = 0;
-  for (const Vector2d& corner : s.corners) most = std::max(most, corner.norm());
-  return most;
+  for (const auto& point : points_of(s)) most = std::max(most, point.norm());
+  return most + grown_by(s);
 }
 
 std::int64_t cell_of(double x, double width) {
@@ -25,11 +36,11 @@ std::int64_t cell_of(double x, double width) {
 
 }  // namespace
 
-BroadPhase::BroadPhase(const System& system) : system_(system) {
+template <class Space> BroadPhaseOf<Space>::BroadPhaseOf(const SystemOf<Space>& system) : system_(system) {
   std::size_t most = 0;
-  for (const Collision& c : system.scene().collisions) {
+  for (const auto& c : system.scene().collisions) {
     auto& radius = radius_.emplace_back();
-    for (const Shape& s : c.shapes) radius.push_back(radius_about_body(s));
+    for (const auto& s : c.shapes) radius.push_back(radius_about_body(s));
     most = std::max(most, c.shapes.size());
   }
   boxes_.reserve(most), widths_.reserve(most), cells_.reserve(most), large_.reserve(most), near_.reserve(most);
@@ -37,7 +48,7 @@ BroadPhase::BroadPhase(const System& system) : system_(system) {
   start_.resize(any() ? std::bit_ceil(4 * most) + 1 : 1);
 }
 
-bool BroadPhase::find(const Eigen::VectorXd& way, Terms& terms, Reach reach) {
+template <class Space> bool BroadPhaseOf<Space>::find(const Eigen::VectorXd& way, TermsOf<Space>& terms, Reach reach) {
   std::fill(terms.pairs.begin(), terms.pairs.end(), Pair{});
   for (int c = 0; c < static_cast<int>(radius_.size()); ++c) {
     set_boxes(c, terms.at, way, reach);
@@ -47,36 +58,39 @@ bool BroadPhase::find(const Eigen::VectorXd& way, Terms& terms, Reach reach) {
   return true;
 }
 
-void BroadPhase::set_boxes(int collision, const Kinematics& at, const Eigen::VectorXd& way, Reach reach) {
+template <class Space> void BroadPhaseOf<Space>::set_boxes(int collision, const KinematicsOf<Space>& at,
+                                                           const Eigen::VectorXd& way, Reach reach) {
   const auto c = static_cast<std::size_t>(collision);
   const auto& shapes = system_.scene().collisions[c].shapes;
   boxes_.clear(), widths_.clear();
   double farthest = 0;
   const auto travel = [&](std::size_t i) {
     const BodyId body = shapes[i].body;
-    return body < 0
-               ? 0
-               : std::hypot(way[kBlock * body], way[kBlock * body + 1]) + radius_[c][i] * std::abs(rotation(way, body));
+    if (body < 0) return 0.0;
+    if constexpr (kPlanar<Space>)
+      return std::hypot(way[kBlock * body], way[kBlock * body + 1]) + radius_[c][i] * std::abs(rotation(way, body));
+    else
+      return translation<Space>(way, body).norm() + radius_[c][i] * rotation<Space>(way, body).norm();
   };
   for (std::size_t i = 0; reach == Reach::farthest && i < shapes.size(); ++i) farthest = std::max(farthest, travel(i));
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const Shape& s = shapes[i];
-    const Pose& pose = at.at(s.body);
-    const bool disc = s.corners.empty();
-    Vector2d low = pose.x + pose.turn(disc ? s.centre : s.corners[0]), high = low;
-    for (const Vector2d& corner : s.corners) {
-      const Vector2d p = pose.x + pose.turn(corner);
+    const auto& s = shapes[i];
+    const auto& pose = at.at(s.body);
+    const auto points = points_of(s);
+    typename Space::Vector low = pose.x + pose.turn(points[0]), high = low;
+    for (const auto& point : points.subspan(1)) {
+      const typename Space::Vector p = pose.x + pose.turn(point);
       low = low.cwiseMin(p), high = high.cwiseMax(p);
     }
-    const double grow = std::max(farthest, travel(i)) + (disc ? s.radius : 0) + kSlack * radius_[c][i];
-    boxes_.push_back({s.body, disc, low.array() - grow, high.array() + grow});
+    const double grow = std::max(farthest, travel(i)) + grown_by(s) + kSlack * radius_[c][i];
+    boxes_.push_back({s.body, is_round(s), low.array() - grow, high.array() + grow});
     widths_.push_back((high - low).maxCoeff() + 2 * grow);
   }
 }
 
-bool BroadPhase::find(int collision, Terms& terms) {
+template <class Space> bool BroadPhaseOf<Space>::find(int collision, TermsOf<Space>& terms) {
   const auto c = static_cast<std::size_t>(collision);
-  const Collision& of = system_.scene().collisions[c];
+  const auto& of = system_.scene().collisions[c];
   auto next = static_cast<std::size_t>(system_.pairs()[c]);
   const auto end = static_cast<std::size_t>(system_.pairs()[c + 1]);
   bool fits = true;
@@ -95,44 +109,57 @@ bool BroadPhase::find(int collision, Terms& terms) {
   return fits;
 }
 
-void BroadPhase::sort_into_cells() {
+template <class Space> template <class What> void BroadPhaseOf<Space>::each_cell(const Cells& cells, What&& what) {
+  const auto& [low, high] = cells;
+  if constexpr (kPlanar<Space>) {
+    for (auto x = low[0]; x <= high[0]; ++x)
+      for (auto y = low[1]; y <= high[1]; ++y) what({x, y});
+  } else {
+    for (auto x = low[0]; x <= high[0]; ++x)
+      for (auto y = low[1]; y <= high[1]; ++y)
+        for (auto z = low[2]; z <= high[2]; ++z) what({x, y, z});
+  }
+}
+
+template <class Space> void BroadPhaseOf<Space>::sort_into_cells() {
   const std::size_t n = boxes_.size();
   cells_.clear(), large_.clear(), seen_.assign(n, -1);
   std::fill(start_.begin(), start_.end(), 0);
   if (n == 0) return;
   std::nth_element(widths_.begin(), widths_.begin() + static_cast<std::ptrdiff_t>(n / 2), widths_.end());
   const double width = widths_[n / 2];
-  const auto each_cell = [&](const Cells& cells, auto&& what) {
-    for (auto x = cells.x0; x <= cells.x1; ++x)
-      for (auto y = cells.y0; y <= cells.y1; ++y) what(slot(x, y));
-  };
   for (std::size_t i = 0; i < n; ++i) {
     const Box& box = boxes_[i];
-    Cells cells{cell_of(box.low.x(), width), cell_of(box.high.x(), width), cell_of(box.low.y(), width),
-                cell_of(box.high.y(), width)};
+    Cells cells;
+    for (std::size_t k = 0; k < cells.low.size(); ++k) {
+      const auto direction = static_cast<Eigen::Index>(k);
+      cells.low[k] = cell_of(box.low[direction], width), cells.high[k] = cell_of(box.high[direction], width);
+    }
     if (cells.count() > kLarge) {
       large_.push_back(static_cast<int>(i));
-      cells = {0, -1, 0, -1};
+      cells.low.fill(0), cells.high.fill(-1);
     }
     cells_.push_back(cells);
-    each_cell(cells, [&](std::size_t s) { ++start_[s + 1]; });
+    each_cell(cells, [&](const Cell& cell) { ++start_[slot(cell) + 1]; });
   }
   for (std::size_t s = 1; s < start_.size(); ++s) start_[s] += start_[s - 1];
   member_.resize(static_cast<std::size_t>(start_.back()));
   for (std::size_t i = n; i-- > 0;)  // from behind, each slot's end moves down to its start
-    each_cell(cells_[i],
-              [&](std::size_t s) { member_[static_cast<std::size_t>(--start_[s + 1])] = static_cast<int>(i); });
+    each_cell(cells_[i], [&](const Cell& cell) {
+      member_[static_cast<std::size_t>(--start_[slot(cell) + 1])] = static_cast<int>(i);
+    });
   std::rotate(start_.begin(), start_.begin() + 1, start_.end());
   start_.back() = static_cast<int>(member_.size());
 }
 
-std::size_t BroadPhase::slot(std::int64_t x, std::int64_t y) const {
-  const auto mix =
-      static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15U ^ static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FU;
+template <class Space> std::size_t BroadPhaseOf<Space>::slot(const Cell& cell) const {
+  constexpr std::array<std::uint64_t, 3> kMix = {0x9E3779B97F4A7C15U, 0xC2B2AE3D27D4EB4FU, 0x165667B19E3779F9U};
+  std::uint64_t mix = 0;
+  for (std::size_t k = 0; k < cell.size(); ++k) mix ^= static_cast<std::uint64_t>(cell[k]) * kMix[k];
   return static_cast<std::size_t>(mix ^ (mix >> 32)) & (start_.size() - 2);
 }
 
-void BroadPhase::meet(int i) {
+template <class Space> void BroadPhaseOf<Space>::meet(int i) {
   const Box& box = boxes_[static_cast<std::size_t>(i)];
   near_.clear();
   const auto look = [&](int j) {
@@ -141,24 +168,26 @@ void BroadPhase::meet(int i) {
     if (j <= i || seen == i || other.body == box.body) return;
     seen = i;
     if ((box.low.array() > other.high.array()).any() || (other.low.array() > box.high.array()).any()) return;
-    if (box.disc && other.disc) {
+    if (box.round && other.round) {
       const double sum = (box.high.x() - box.low.x() + other.high.x() - other.low.x()) / 2;
       if ((box.low + box.high - other.low - other.high).squaredNorm() / 4 > sum * sum * (1 + kSlack)) return;
     }
     near_.push_back(j);
   };
   const Cells& cells = cells_[static_cast<std::size_t>(i)];
-  if (cells.x1 < cells.x0) {  // a large one
+  if (cells.high[0] < cells.low[0]) {  // a large one
     for (int j = i + 1; j < static_cast<int>(boxes_.size()); ++j) look(j);
     return;
   }
-  for (auto x = cells.x0; x <= cells.x1; ++x)
-    for (auto y = cells.y0; y <= cells.y1; ++y) {
-      const std::size_t s = slot(x, y);
-      for (int k = start_[s]; k < start_[s + 1]; ++k) look(member_[static_cast<std::size_t>(k)]);
-    }
+  each_cell(cells, [&](const Cell& cell) {
+    const std::size_t s = slot(cell);
+    for (int k = start_[s]; k < start_[s + 1]; ++k) look(member_[static_cast<std::size_t>(k)]);
+  });
   for (const int j : large_) look(j);
   std::sort(near_.begin(), near_.end());
 }
+
+template class BroadPhaseOf<Planar>;
+template class BroadPhaseOf<Spatial>;
 
 }  // namespace orthant

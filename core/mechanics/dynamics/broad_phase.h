@@ -2,8 +2,8 @@
 //
 //   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median
 //   box, take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap
-//   (discs:
-//   their circles). Cells are hashed into a table of a fixed size, so that bodies far away cost nothing.
+//   (discs and
+//   spheres: these themselves). Cells are hashed into a table of a fixed size, so that bodies far away cost nothing.
 //   A shape of more than kLarge cells is held against all others instead.
 //   The candidates stand in the order of the pairs, whatever the grid: a step with them is the step with all pairs
 //   listed.
@@ -14,45 +14,52 @@
 
 #include <orthant/core/mechanics/dynamics/terms.h>
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 namespace orthant {
 
-class BroadPhase {
+template <class Space> class BroadPhaseOf {
  public:
-  explicit BroadPhase(const System& system);
+  explicit BroadPhaseOf(const SystemOf<Space>& system);
 
   bool any() const { return !system_.scene().collisions.empty(); }
 
   enum class Reach { own, farthest };
 
-  /// Sets terms.pairs: all that can touch while no coordinate moves farther from the poses terms.at than `way`, one
-  /// entry a coordinate [m, m, rad] of either sign. Reach::farthest: any shape moves as far as the one that moves the
-  /// farthest.
+  /// Sets terms.pairs: all that can touch while no body moves farther from the poses terms.at than `way`, a velocity
+  /// times a time [m, rad] whose entries may have either sign. Reach::farthest: any shape moves as far as the one that
+  /// moves the farthest.
   /// False: there are more than the scene has room for, see why().
-  bool find(const Eigen::VectorXd& way, Terms& terms, Reach reach = Reach::own);
+  bool find(const Eigen::VectorXd& way, TermsOf<Space>& terms, Reach reach = Reach::own);
 
   std::string why() const { return why_; }
 
  private:
   struct Box {
     BodyId body;
-    bool disc;
-    Vector2d low, high;
+    bool round;  // a disc or a sphere
+    typename Space::Vector low, high;
   };
-  struct Cells {  // x0 … x1 × y0 … y1
-    std::int64_t x0, x1, y0, y1;
-    double count() const { return (static_cast<double>(x1 - x0) + 1) * (static_cast<double>(y1 - y0) + 1); }
+  using Cell = std::array<std::int64_t, Space::kTranslations>;
+  struct Cells {
+    Cell low, high;
+    double count() const {
+      double product = 1;
+      for (std::size_t k = 0; k < low.size(); ++k) product *= static_cast<double>(high[k] - low[k]) + 1;
+      return product;
+    }
   };
-  bool find(int collision, Terms& terms);
-  void set_boxes(int collision, const Kinematics& at, const Eigen::VectorXd& way, Reach reach);
+  bool find(int collision, TermsOf<Space>& terms);
+  void set_boxes(int collision, const KinematicsOf<Space>& at, const Eigen::VectorXd& way, Reach reach);
   void sort_into_cells();
-  std::size_t slot(std::int64_t x, std::int64_t y) const;
+  template <class What> static void each_cell(const Cells& cells, What&& what);
+  std::size_t slot(const Cell& cell) const;
   /// The cells of shape i, into near_: the shapes behind it that its box meets, ascending.
   void meet(int i);
 
-  const System& system_;
+  const SystemOf<Space>& system_;
   std::vector<std::vector<double>> radius_;  // [m] of each shape about its body's centre
   std::vector<Box> boxes_;
   std::vector<double> widths_;
@@ -62,11 +69,14 @@ class BroadPhase {
   std::vector<int> seen_, near_;
   std::string why_;
 };
+extern template class BroadPhaseOf<Planar>;
+extern template class BroadPhaseOf<Spatial>;
+using BroadPhase = BroadPhaseOf<Planar>;
 
 /// Values, one per contact of the system, from the pairs `was` to the pairs `is`; a new pair's is T{}. `old` is
 /// scratch.
-template <class T> void carry(const System& system, std::span<const Pair> was, std::span<const Pair> is,
-                              std::vector<T>& values, std::vector<T>& old) {
+template <class T, class Space> void carry(const SystemOf<Space>& system, std::span<const Pair> was,
+                                           std::span<const Pair> is, std::vector<T>& values, std::vector<T>& old) {
   old.assign(values.begin() + system.listed(), values.end());
   std::size_t k = 0;
   for (std::size_t i = 0; i < is.size(); ++i) {

@@ -22,7 +22,11 @@ void prepare(spatial::Scene& scene) {
     body.axes = spatial::principal(body.inertia).axes;
     body.to_axes = quaternions::matrix_of(body.axes).transpose();
   }
+  for (spatial::Collision& collision : scene.collisions) spatial::set_hulls(collision);
 }
+
+/// Contacts of a shape that is near one other.
+int most_points(const Collision& /*c*/) { return 1; }  // `neighbours` counts the two points of polygons as two
 
 void set_mass(Eigen::VectorXd& mass, int i, const Body& body) { block(mass, i) << body.mass, body.mass, body.inertia; }
 void set_mass(Eigen::VectorXd& mass, int i, const spatial::Body& body) {
@@ -58,14 +62,13 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene) : scene_(std::move
   assembly_ = groups.first();
   for (const auto& contact : scene_.contacts) std::visit(connect, contact);
   for (const auto& friction : scene_.frictions) connect(friction);
-  if constexpr (kPlanar<Space>)
-    for (const Collision& collision : scene_.collisions) {
-      BodyId last = kGround;
-      for (const Shape& shape : collision.shapes) {
-        join(last, shape.body);
-        if (shape.body >= 0) last = shape.body;
-      }
+  for (const auto& collision : scene_.collisions) {
+    BodyId last = kGround;
+    for (const auto& shape : collision.shapes) {
+      join(last, shape.body);
+      if (shape.body >= 0) last = shape.body;
     }
+  }
   cluster_ = groups.first();
   mass_.resize(dof());
   weight_.setZero(dof());
@@ -86,15 +89,15 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene) : scene_(std::move
     }
   }
   for (const auto& contact : scene_.contacts) laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
-  if constexpr (kPlanar<Space>)
-    for (const Collision& c : scene_.collisions) {
-      const auto shapes = static_cast<double>(c.shapes.size());
-      const double most =
-          std::ceil(std::min(c.neighbours * shapes, shapes * (shapes - 1)));  // all pairs, two points each
-      if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
-      pairs_.push_back(pairs_.back() + static_cast<int>(most));
-      laws_.resize(static_cast<std::size_t>(contacts()), c.law);
-    }
+  for (const auto& c : scene_.collisions) {
+    const auto shapes = static_cast<double>(c.shapes.size());
+    const double pairs = std::min(c.neighbours * shapes, kPlanar<Space> ? shapes * (shapes - 1)  // of two points each
+                                                                        : shapes * (shapes - 1) / 2);
+    const double most = std::ceil(pairs * most_points(c));
+    if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
+    pairs_.push_back(pairs_.back() + static_cast<int>(most));
+    laws_.resize(static_cast<std::size_t>(contacts()), c.law);
+  }
   for (const auto& load : scene_.loads) {
     breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());
     swing_ = std::max(swing_, load.omega);

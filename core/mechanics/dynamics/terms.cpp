@@ -121,18 +121,37 @@ namespace {
 
 /// Calls what(contact) with the listed one, or with what the pair is at the moment.
 template <class Space, class What>
-decltype(auto) with_contact(const SystemOf<Space>& system, [[maybe_unused]] const std::vector<Pair>& pairs,
-                            [[maybe_unused]] const KinematicsOf<Space>& at, int contact, What&& what) {
-  if (!kPlanar<Space> || contact < system.listed())
-    return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
-  if constexpr (kPlanar<Space>) {
-    const Pair& pair = pairs[static_cast<std::size_t>(contact - system.listed())];
-    return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, at, what);
-  }
+decltype(auto) with_contact(const SystemOf<Space>& system, const std::vector<Pair>& pairs,
+                            const KinematicsOf<Space>& at, int contact, What&& what) {
+  if (contact < system.listed()) return std::visit(what, system.scene().contacts[static_cast<std::size_t>(contact)]);
+  const Pair& pair = pairs[static_cast<std::size_t>(contact - system.listed())];
+  return as_contact(system.scene().collisions[static_cast<std::size_t>(pair.collision)], pair, at, what);
 }
 template <class Space, class What>
 decltype(auto) with_contact(const SystemOf<Space>& system, const TermsOf<Space>& terms, int contact, What&& what) {
   return with_contact(system, terms.pairs, terms.at, contact, what);
+}
+
+void pair_gaps(const System& system, Terms& terms, Index i) {
+  for (const Pair& pair : terms.pairs) {
+    terms.gap[i] = pair.none() ? std::numeric_limits<double>::infinity()
+                               : gap_of(system, terms.pairs, static_cast<int>(i), terms.at);
+    ++i;
+  }
+}
+
+/// The points of a pair stand one behind the other: its touch is found once.
+void pair_gaps(const SystemOf<Spatial>& system, TermsOf<Spatial>& terms, Index i) {
+  const auto& collisions = system.scene().collisions;
+  spatial::TouchPoints points;
+  for (const Pair& pair : terms.pairs) {
+    terms.gap[i] = std::numeric_limits<double>::infinity();
+    if (!pair.none()) {
+      if (pair.point == 0) points = touch(collisions[static_cast<std::size_t>(pair.collision)], pair, terms.at);
+      terms.gap[i] = points.at(pair.point).gap;
+    }
+    ++i;
+  }
 }
 
 }  // namespace
@@ -141,11 +160,7 @@ template <class Space> void evaluate_gaps(const SystemOf<Space>& system, TermsOf
   Index i = 0;
   for (const auto& contact : system.scene().contacts)
     terms.gap[i++] = std::visit([&](const auto& c) { return c.gap(terms.at); }, contact);
-  for (const Pair& pair : terms.pairs) {
-    terms.gap[i] = pair.none() ? std::numeric_limits<double>::infinity()
-                               : gap_of(system, terms.pairs, static_cast<int>(i), terms.at);
-    ++i;
-  }
+  pair_gaps(system, terms, i);
 }
 
 template <class Space> double gap_of(const SystemOf<Space>& system, const std::vector<Pair>& pairs, int contact,
@@ -160,12 +175,8 @@ std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>& system, const std::ve
   if (i < listed.size()) return std::visit([](const auto& c) { return bodies_of(c); }, listed[i]);
   const Pair& pair = pairs[i - listed.size()];
   if (pair.none()) return {kGround, kGround};
-  if constexpr (kPlanar<Space>) {
-    const auto& shapes = system.scene().collisions[static_cast<std::size_t>(pair.collision)].shapes;
-    return {shapes[static_cast<std::size_t>(pair.a)].body, shapes[static_cast<std::size_t>(pair.b)].body};
-  } else {
-    return {kGround, kGround};
-  }
+  const auto& shapes = system.scene().collisions[static_cast<std::size_t>(pair.collision)].shapes;
+  return {shapes[static_cast<std::size_t>(pair.a)].body, shapes[static_cast<std::size_t>(pair.b)].body};
 }
 
 template <class Space> void evaluate_closed(const SystemOf<Space>& system, double threshold, TermsOf<Space>& terms) {

@@ -5,6 +5,7 @@
 //   the contacts of the system behind the listed ones, numbered again each step.
 #pragma once
 
+#include <orthant/core/mechanics/pair.h>
 #include <orthant/core/mechanics/planar/disc_polygon.h>
 #include <orthant/core/mechanics/planar/polygon_polygon.h>
 
@@ -23,13 +24,6 @@ struct Collision {
   std::vector<Shape> shapes;  // a body may have several, which do not meet each other
   ContactLaw law;
   double neighbours = 6;  // > 0; room for so many pairs a shape that are near each other at a time, on the average
-};
-
-/// One contact of a collision: shapes a < b, and which of the two points of two polygons.
-struct Pair {
-  int collision = 0, a = -1, b = -1, point = 0;  // a < 0: none
-  bool none() const { return a < 0; }
-  auto operator<=>(const Pair&) const = default;
 };
 
 /// Calls what(pair) for the pair's contacts: two polygons have two.

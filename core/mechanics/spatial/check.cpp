@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 
 namespace orthant::spatial {
@@ -126,9 +127,15 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
     e.not_negative("stiffness", x.stiffness), e.not_negative("damping", x.damping), e.finite("rest", x.rest);
   }
   if constexpr (std::is_same_v<T, JointFriction>) e.not_negative("bound", x.bound);
-  if constexpr (std::is_same_v<T, SpherePlane>) {
-    e.finite("centre", x.centre), e.not_negative("radius", x.radius);
-    e.finite("plane_point", x.plane_point), e.unit("normal", x.normal);
+  if constexpr (requires { x.plane_point; }) {
+    e.finite("centre", x.centre), e.finite("plane_point", x.plane_point), e.unit("normal", x.normal);
+  }
+  if constexpr (std::is_same_v<T, SpherePlane>) e.not_negative("radius", x.radius);
+  if constexpr (std::is_same_v<T, RimPlane>)
+    e.positive("radius", x.radius), e.not_negative("tube", x.tube), e.finite("phase", x.phase);
+  if constexpr (std::is_same_v<T, EllipsoidPlane>) {
+    e.finite("semi_axes", x.semi_axes);
+    e.require(x.semi_axes.minCoeff() > 0, "semi_axes", e.text(x.semi_axes), "> 0");
   }
   if constexpr (requires { x.radius_a; }) {
     e.finite("centre_a", x.centre_a), e.finite("centre_b", x.centre_b);
@@ -152,6 +159,30 @@ void examine(const SpatialElement& e, const Load& l) {
     e.finite("breakpoints", l.breakpoints[i]);
     e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", e.text(l.breakpoints[i]), "ascending");
   }
+}
+
+void examine(const SpatialElement& e, const Collision& c) {
+  for (std::size_t i = 0; i < c.shapes.size(); ++i) {
+    const Shape& s = c.shapes[i];
+    const std::string field = "shapes[" + std::to_string(i) + "].";
+    e.exists(s.body);
+    if (s.corners.empty()) e.fail(field + "corners", field + "corners: must be at least one point");
+    for (const Vector3d& corner : s.corners) e.finite(field + "corners", corner);
+    if (s.polytope()) {
+      e.require(s.radius == 0, field + "radius", e.text(s.radius), "0: a polytope is not rounded");
+      try {
+        static_cast<void>(hull_of(s.corners));
+      } catch (const std::invalid_argument& wrong) {
+        e.fail(field + "corners", field + "corners: " + wrong.what());
+      }
+    } else {
+      e.positive(field + "radius", s.radius);
+      if (s.capsule() && s.corners.front() == s.corners.back())
+        e.fail(field + "corners", field + "corners: must be two different points, the ends of a capsule");
+    }
+  }
+  e.law(c.law), e.positive("neighbours", c.neighbours);
+  e.require(c.neighbours <= 1e6, "neighbours", e.text(c.neighbours), "<= 1e6");
 }
 
 template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
@@ -182,6 +213,7 @@ void check(const Scene& scene) {
   examine_all(scene, "body", scene.bodies);
   examine_all(scene, "joint", scene.joints);
   examine_all(scene, "contact", scene.contacts);
+  examine_all(scene, "collision", scene.collisions);
   examine_all(scene, "friction", scene.frictions);
   examine_all(scene, "spring", scene.springs);
   examine_all(scene, "load", scene.loads);

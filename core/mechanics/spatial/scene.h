@@ -1,5 +1,5 @@
-// core/mechanics/spatial/scene.h — mechanism in space as plain data: bodies, joints, contacts, springs, loads. SI
-// units.
+// core/mechanics/spatial/scene.h — mechanism in space as plain data: bodies, joints, contacts, collisions, springs,
+// loads. SI units.
 //
 //   spatial::Scene s;
 //   const auto top = s.body({.name = "top", .mass = .5, .inertia = Vector3d(2e-3, 2e-3, 8e-4).asDiagonal()});
@@ -9,9 +9,11 @@
 #pragma once
 
 #include <orthant/core/mechanics/scene/impact_law.h>
+#include <orthant/core/mechanics/spatial/collision.h>
 #include <orthant/core/mechanics/spatial/cylindrical.h>
 #include <orthant/core/mechanics/spatial/distance.h>
 #include <orthant/core/mechanics/spatial/drive.h>
+#include <orthant/core/mechanics/spatial/ellipsoid_plane.h>
 #include <orthant/core/mechanics/spatial/fixed.h>
 #include <orthant/core/mechanics/spatial/inertia.h>
 #include <orthant/core/mechanics/spatial/joint_friction.h>
@@ -22,6 +24,7 @@
 #include <orthant/core/mechanics/spatial/point_on_line.h>
 #include <orthant/core/mechanics/spatial/prismatic.h>
 #include <orthant/core/mechanics/spatial/revolute.h>
+#include <orthant/core/mechanics/spatial/rim_plane.h>
 #include <orthant/core/mechanics/spatial/socket.h>
 #include <orthant/core/mechanics/spatial/sphere_plane.h>
 #include <orthant/core/mechanics/spatial/sphere_sphere.h>
@@ -51,7 +54,7 @@ struct Body {
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,
                            PointInPlane, PointOnLine>;
-using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit>;
+using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane>;
 using Spring = std::variant<PointSpring, JointSpring>;
 
 struct Scene {
@@ -59,6 +62,7 @@ struct Scene {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<Contact> contacts;
+  std::vector<Collision> collisions;
   std::vector<JointFriction> frictions;
   std::vector<Spring> springs;
   std::vector<Load> loads;
@@ -76,6 +80,7 @@ struct Scene {
   template <class Set> void contact_set(const Set& contacts_of_it) {
     for (const auto& c : contacts_of_it) contact(c);
   }
+  void collision(Collision c) { add(collisions, std::move(c), "collision"); }
   void friction(JointFriction f) { add(frictions, std::move(f), "friction"); }
   void spring(Spring s) { add(springs, std::move(s), "spring"); }
   void load(Load l) { add(loads, std::move(l), "load"); }
@@ -96,7 +101,8 @@ struct Scene {
 /// Throws SceneError (scene/scene.h) naming element, field, value and rule: masses > 0, inertia tensors symmetric with
 /// positive moments that a body can have (no one larger than the sum of the others), unit quaternions and directions,
 /// finite numbers, two different bodies that exist, radii > 0 (of a sphere against a plane ≥ 0), a socket wider than
-/// its ball, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at least one body, names
+/// its ball, shapes that are a sphere, a capsule of some length or a polytope of some volume without a
+/// radius, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at least one body, names
 /// distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 

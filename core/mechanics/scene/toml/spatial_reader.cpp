@@ -2,6 +2,10 @@
 
 #include "reader.h"
 
+#include <orthant/core/mechanics/spatial/solid.h>
+
+#include <optional>
+
 namespace orthant::scene_file {
 
 namespace {
@@ -31,6 +35,7 @@ spatial::Scene SpatialReader::scene() {
   pose_bodies();
   each(top, "joint", [&](Fields& f) { joint(f); });
   each(top, "contact", [&](Fields& f) { contact(f); });
+  each(top, "collision", [&](Fields& f) { collision(f); });
   each(top, "friction", [&](Fields& f) { friction(f); });
   each(top, "spring", [&](Fields& f) { spring(f); });
   each(top, "load", [&](Fields& f) { load(f); });
@@ -55,13 +60,18 @@ template <class Read> void SpatialReader::each(Fields& top, std::string_view kin
     Fields fields(*table, std::string(kind) + " " + in_quotes(given_name_) + ": ", file_);
     read(fields);
     fields.done();
-    if (kind == "contact") written_.resize(scene_.contacts.size(), i);
+    written_.resize(scene_.contacts.size(), {kind, i});
   }
 }
 
 void SpatialReader::body(Fields& f) {
   spatial::Body b;
-  f.need("name", b.name), f.need("mass", b.mass), f.need("inertia", b.inertia);
+  f.need("name", b.name);
+  if (const toml::table* table = f.inner("solid")) {
+    solid(f, *table, b);
+  } else {
+    f.need("mass", b.mass), f.need("inertia", b.inertia);
+  }
   f.maybe("position", b.position);
   const bool written = f.maybe("orientation", b.orientation);
   if (written && b.orientation.isZero(0))
@@ -76,6 +86,35 @@ void SpatialReader::body(Fields& f) {
   f.maybe("velocity", b.velocity), f.maybe("omega", b.omega);
   if (b.name.empty()) f.refuse("name", *f.table().get("name"), "of letters, digits, _ and -");
   ids_.emplace(b.name, scene_.body(b));
+}
+
+/// Mass and inertia of a homogeneous body from its shape, and from `mass` or `density`.
+void SpatialReader::solid(Fields& f, const toml::table& table, spatial::Body& b) const {
+  Fields g = f.fields("solid", table);
+  std::optional<spatial::Solid> solid;
+  const auto positive = [&](const char* key, double least) {
+    if (!(least > 0)) g.refuse(key, *table.get(key), "of lengths > 0");
+    if (solid) g.fail(table, "solid: must be one shape");
+  };
+  Vector3d size(0, 0, 0);
+  Vector2d round(0, 0);
+  double radius = 0;
+  if (g.maybe("box", size)) positive("box", size.minCoeff()), solid = spatial::box(size);
+  if (g.maybe("ellipsoid", size)) positive("ellipsoid", size.minCoeff()), solid = spatial::ellipsoid(size);
+  if (g.maybe("sphere", radius)) positive("sphere", radius), solid = spatial::sphere(radius);
+  for (const auto& [key, make] : {std::pair{"cylinder", &spatial::cylinder}, std::pair{"capsule", &spatial::capsule},
+                                  std::pair{"cone", &spatial::cone}})
+    if (g.maybe(key, round)) positive(key, round.minCoeff()), solid = make(round.x(), round.y());
+  g.done();
+  if (!solid) g.fail(table, "solid: must be {box = …}, sphere, ellipsoid, cylinder, capsule or cone");
+  double density = 0;
+  const bool has_density = f.maybe("density", density);
+  if (has_density == f.maybe("mass", b.mass)) f.fail(f.table(), "solid: needs either \"mass\" or \"density\"");
+  if (has_density) {
+    if (!(density > 0)) f.refuse("density", *f.table().get("density"), "> 0");
+    b.mass = density * solid->volume;
+  }
+  b.inertia = b.mass * solid->inertia;
 }
 
 void SpatialReader::pose_bodies() {
@@ -249,16 +288,76 @@ spatial::Coordinate SpatialReader::free_at(Fields& f, const toml::node& joint) c
   f.refuse("joint", joint, "the name of a joint written before");
 }
 
-void SpatialReader::wall(Fields& f, spatial::SpherePlane& c) const {
+template <class T> void SpatialReader::wall(Fields& f, T& c) const {
   c.a = body_of(f);
   const toml::table* table = f.inner("wall");
   if (table == nullptr) f.fail(f.table(), "missing key \"wall\"");
   Fields w = f.fields("wall", *table);
+  half_space(w, c);
+  w.done();
+  read_law(f, c.law);
+}
+
+template <class T> void SpatialReader::half_space(Fields& w, T& c) const {
   if (const toml::node* node = w.find("body")) c.b = id(w, "body", *node);
   w.maybe("point", c.plane_point);
   if (!w.direction("normal", c.normal)) w.miss("normal");
-  w.done();
-  read_law(f, c.law);
+}
+
+template <class Read> void SpatialReader::each_table(Fields& f, std::string_view key, Read&& read) const {
+  const toml::node* node = f.find(key);
+  if (node == nullptr) return;
+  const toml::array* tables = node->as_array();
+  const auto refuse = [&](const toml::node& wrong) { f.refuse(key, wrong, "a list of tables {…}"); };
+  if (tables == nullptr) refuse(*node);
+  for (std::size_t i = 0; i < tables->size(); ++i) {
+    const toml::table* table = tables->get(i)->as_table();
+    if (table == nullptr) refuse(*tables->get(i));
+    Fields g = f.fields(std::string(key) + "[" + std::to_string(i) + "]", *table);
+    read(g);
+    g.done();
+  }
+}
+
+/// A sphere: `radius`, `centre`; a capsule: `radius`, `ends`; a box: `size`, `centre`; a polytope: `corners`.
+void SpatialReader::shape(Fields& f, spatial::Collision& c) const {
+  spatial::Shape s{.body = kGround, .corners = {}};
+  s.body = body_of(f);
+  Vector3d size(0, 0, 0), centre(0, 0, 0);
+  const bool box = f.maybe("size", size), ends = f.maybe("ends", s.corners), polytope = f.maybe("corners", s.corners);
+  if (static_cast<int>(box) + static_cast<int>(ends) + static_cast<int>(polytope) > 1)
+    f.fail(f.table(), "size, ends, corners: must be one of them, or radius alone: a sphere");
+  if (box || (!ends && !polytope)) f.maybe("centre", centre);
+  if (box && !(size.minCoeff() > 0)) f.refuse("size", *f.table().get("size"), "three lengths > 0");
+  if (ends && s.corners.size() != 2) f.refuse("ends", *f.table().get("ends"), "two points [[x, y, z], [x, y, z]]");
+  if (polytope && s.corners.size() < 4)
+    f.refuse("corners", *f.table().get("corners"), "at least four points [x, y, z]");
+  if (box)
+    for (const Vector3d& corner : spatial::box_corners(size / 2)) s.corners.push_back(centre + corner);
+  if (!box && !ends && !polytope) s.corners = {centre};
+  if (!box && !polytope) f.need("radius", s.radius);
+  c.shapes.push_back(s);
+}
+
+void SpatialReader::collision(Fields& f) {
+  spatial::Collision c{.name = given_name_, .shapes = {}, .law = {}};
+  std::string name;
+  if (f.maybe("name", name)) c.name = name;
+  f.maybe("neighbours", c.neighbours), read_law(f, c.law);
+  each_table(f, "shapes", [&](Fields& g) { shape(g, c); });
+  std::vector<spatial::SpherePlane> walls;
+  each_table(f, "walls", [&](Fields& g) { half_space(g, walls.emplace_back()); });
+  if (walls.empty() && std::all_of(c.shapes.begin(), c.shapes.end(),
+                                   [&](const spatial::Shape& s) { return s.body == c.shapes.front().body; }))
+    f.fail(f.table(), "shapes: must be of two bodies at least, or there must be walls: nothing can meet");
+  int count = 0;
+  for (spatial::SpherePlane wall : walls)
+    for (const spatial::Shape& s : c.shapes) {
+      if (s.body == wall.b) continue;
+      wall.name = c.name + "_wall_" + std::to_string(++count), wall.a = s.body, wall.law = c.law;
+      for (const spatial::SpherePlane& one : spatial::shape_plane(wall, s)) scene_.contact(one);
+    }
+  scene_.collision(c);
 }
 
 void SpatialReader::contact(Fields& f) {
@@ -286,6 +385,15 @@ void SpatialReader::contact(Fields& f) {
     wall(f, c), f.need("corners", corners);
     if (corners.empty()) f.refuse("corners", *f.table().get("corners"), "at least one point [x, y, z]");
     scene_.contact_set(spatial::corners_plane(c, corners));
+  } else if (type == "rim-wall" || type == "cylinder-wall" || type == "cone-wall") {
+    rims(f, type, name);
+  } else if (type == "ellipsoid-wall") {
+    spatial::EllipsoidPlane c{.name = name};
+    wall(f, c), f.maybe("centre", c.centre), f.need("semi_axes", c.semi_axes);
+    if (f.maybe("orientation", c.orientation) && c.orientation.isZero(0))
+      f.refuse("orientation", *f.table().get("orientation"), "a quaternion [w, x, y, z], not zero");
+    c.orientation.normalize();
+    scene_.contact(c);
   } else if (type == "sphere-sphere" || type == "socket") {
     const auto read = [&](auto c) {
       points_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
@@ -304,8 +412,30 @@ void SpatialReader::contact(Fields& f) {
     scene_.contact(c);
   } else {
     f.refuse("type", *f.table().get("type"),
-             "sphere-wall, corner-wall, box-wall, polytope-wall, sphere-sphere, socket, limit or rope");
+             "sphere-wall, corner-wall, box-wall, polytope-wall, rim-wall, cylinder-wall, cone-wall, ellipsoid-wall, "
+             "sphere-sphere, socket, limit or rope");
   }
+}
+
+/// A circle; the two rims of a cylinder about its centre; the rim of a cone's base, and its apex at height along axis.
+void SpatialReader::rims(Fields& f, const std::string& type, const std::string& name) {
+  spatial::RimPlane c{.name = name};
+  double height = 0;
+  wall(f, c), f.maybe("centre", c.centre), f.direction("axis", c.axis), f.need("radius", c.radius);
+  if (type == "rim-wall") {
+    f.maybe("tube", c.tube);
+    return scene_.contact(c);
+  }
+  f.need("height", height);
+  if (!(height > 0)) f.refuse("height", *f.table().get("height"), "> 0");
+  if (type == "cone-wall") {
+    scene_.contact_set(spatial::standing_rim(c));
+    return scene_.contact(
+        spatial::SpherePlane{name + "_4", c.a, c.centre + height * c.axis, 0, c.b, c.plane_point, c.normal, c.law});
+  }
+  const Vector3d half = height / 2 * c.axis, centre = c.centre;
+  c.centre = centre - half, scene_.contact_set(spatial::standing_rim(c, 1));
+  c.centre = centre + half, scene_.contact_set(spatial::standing_rim(c, 4));
 }
 
 void SpatialReader::limit(Fields& f, const std::string& name) {
@@ -369,8 +499,9 @@ const toml::node& SpatialReader::find(const SceneError& error) const {
     const toml::node* key = root_.get(error.field);
     return key != nullptr ? *key : root_;
   }
-  const std::size_t index = error.kind == "contact" ? written_[error.index] : error.index;
-  const toml::table& element = *root_.get(error.kind)->as_array()->get(index)->as_table();
+  const auto [kind, index] =
+      error.kind == "contact" ? written_[error.index] : std::pair{std::string_view(error.kind), error.index};
+  const toml::table& element = *root_.get(kind)->as_array()->get(index)->as_table();
   const toml::node* key = element.get(error.field == "moment" ? "torque" : error.field);
   return key != nullptr ? *key : element;
 }

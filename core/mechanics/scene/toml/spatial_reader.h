@@ -19,6 +19,7 @@ class SpatialReader {
  private:
   template <class Read> void each(Fields& top, std::string_view kind, Read&& read);
   void body(Fields& f);
+  void solid(Fields& f, const toml::table& table, spatial::Body& b) const;
   void pose_bodies();
 
   BodyId id(const Fields& f, std::string_view key, const toml::node& node) const;
@@ -32,8 +33,13 @@ class SpatialReader {
   spatial::Coordinate free_at(Fields& f, const toml::node& joint) const;
 
   void contact(Fields& f);
-  void wall(Fields& f, spatial::SpherePlane& c) const;
+  template <class T> void wall(Fields& f, T& c) const;
   void limit(Fields& f, const std::string& name);
+  template <class T> void half_space(Fields& w, T& c) const;
+  void rims(Fields& f, const std::string& type, const std::string& name);
+  void shape(Fields& f, spatial::Collision& c) const;
+  void collision(Fields& f);
+  template <class Read> void each_table(Fields& f, std::string_view key, Read&& read) const;
   void friction(Fields& f);
   void spring(Fields& f);
   void load(Fields& f);
@@ -44,8 +50,9 @@ class SpatialReader {
   std::string file_;
   spatial::Scene scene_;
   spatial::Kinematics initial_;
-  std::string given_name_;            // of the element being read, or by its place
-  std::vector<std::size_t> written_;  // of each contact, which element of the file it comes from
+  std::string given_name_;  // of the element being read, or by its place
+  /// Of each contact, which element of the file it comes from.
+  std::vector<std::pair<std::string_view, std::size_t>> written_;
   std::map<std::string, BodyId, std::less<>> ids_;
 };
 

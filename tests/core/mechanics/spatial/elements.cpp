@@ -101,6 +101,9 @@ TEST_CASE("normal rows of spatial contacts are the derivatives of their gaps, ta
       SpherePlane{"corner", 0, some(1), 0, kGround, some(2), some(3).normalized(), {.mu = 0.5}},
       SphereSphere{"spheres", 0, some(4), 0.3, 1, some(5), 0.4, {.mu = 0.5}},
       Socket{"socket", 1, some(6), 0.3, 0, some(7), 0.4, {.mu = 0.5}},
+      EllipsoidPlane{
+          "ellipsoid", 0, some(1), {0.3, 0.5, 0.2}, orientation(4), 1, some(2), some(3).normalized(), {.mu = 0.5}},
+      RimPlane{"rim", 1, some(6), some(5).normalized(), 0.4, 0.05, 0, 0, some(2), some(3).normalized(), {.mu = 0.5}},
       spatial::Limit{"rope", spatial::Span{0, 1, some(8), some(9)}, spatial::Limit::Side::upper, 1, {}}};
   for (const spatial::Contact& contact : contacts) {
     CAPTURE(std::visit([](const auto& c) { return c.name; }, contact));
@@ -130,7 +133,13 @@ TEST_CASE("normal rows of spatial contacts are the derivatives of their gaps, ta
       rotation<Spatial>(common, i) = at.at(i).axes.transpose() * omega;
     }
     if (rows.normal.a < 0 || rows.normal.b < 0) continue;
-    const double gap = std::holds_alternative<SpherePlane>(contact) ? 0 : f.at(f.x.q).gap[0];
+    const double gap = std::visit(
+                           [](const auto& c) {
+                             return requires { c.plane_point; };
+                           },
+                           contact)
+                           ? 0
+                           : f.at(f.x.q).gap[0];
     const Vector3d expected = omega.cross(gap * n);
     CHECK(size_of(slip_rate(rows, common.data()) - Tangents{expected.dot(t1), expected.dot(t2)}) < 1e-13);
   }

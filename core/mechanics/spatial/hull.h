@@ -1,0 +1,39 @@
+// core/mechanics/spatial/hull.h — convex hull of a few points: corners, faces, edges.
+#pragma once
+
+#include <orthant/core/mechanics/blocks.h>
+
+#include <vector>
+
+namespace orthant::spatial {
+
+struct Hull {
+  struct Face {
+    Vector3d normal;           // unit, outwards
+    double offset = 0;         // [m] normal · x = offset on the face
+    std::vector<int> corners;  // counter-clockwise, seen from outside
+    std::vector<int> edges;    // from each corner to the next
+    bool covered = false;      // a neighbour in the same body lies on all of it: nothing can touch it
+  };
+  struct Edge {
+    int from = 0, to = 0;     // corners
+    int left = 0, right = 0;  // faces; `left` runs through the edge from `from` to `to`
+    bool covered = false;     // one of its faces is
+  };
+  std::vector<Vector3d> corners;  // [m] those of the hull, in the order of the points
+  std::vector<Face> faces;
+  std::vector<Edge> edges;
+  bool any_covered = false;
+  double size = 0;  // [m] largest |coordinate| about the mean of the corners
+
+  /// The largest of normal · p − offset over the faces: < 0 inside.
+  double depth_of(const Vector3d& p) const;
+};
+
+inline constexpr std::size_t kMostHullPoints = 64;
+
+/// Points are one plane's corners when they lie within 1e-9 of the hull's size of it; points inside are dropped.
+/// Throws std::invalid_argument: fewer than 4 points or more than kMostHullPoints, points of one plane.   O(n⁴)
+Hull hull_of(const std::vector<Vector3d>& points);
+
+}  // namespace orthant::spatial

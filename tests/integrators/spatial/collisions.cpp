@@ -1,0 +1,188 @@
+// Searched collisions, rims and ellipsoids in space: motions against exact ones, the search against all pairs.
+#include "tests/support/spatial.h"
+
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/spatial/solid.h>
+#include <orthant/core/scenes/boxes.h>
+#include <orthant/core/scenes/euler_disc.h>
+#include <orthant/core/scenes/rattleback.h>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <random>
+
+using namespace orthant;
+
+namespace {
+
+// generalized-alpha stops and says so: the points of faces change while its position stage iterates.
+constexpr std::string_view kStackers[] = {"moreau-jean", "stewart-trinkle", "paoli-schatzman"};
+
+BodyId add_box(spatial::Scene& s, const Vector3d& size, const Vector3d& position,
+               const Vector3d& velocity = {0, 0, 0}) {
+  return s.body({.mass = size.prod(),
+                 .inertia = size.prod() * spatial::box(size).inertia,
+                 .position = position,
+                 .velocity = velocity});
+}
+spatial::Shape box_shape(BodyId body, const Vector3d& size) { return {body, spatial::box_corners(size / 2), 0}; }
+
+/// The largest way of any body from its start.
+double moved(const SpatialSystem& system, const State& x) {
+  return between<Spatial>(system.initial_state().q, x.q).lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace
+
+TEST_CASE("the search finds the pairs that a look at all of them finds, spheres, capsules and boxes of any size") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> of(-1, 1);
+  for (int round = 0; round < 20; ++round) {
+    spatial::Scene s;
+    spatial::Collision c{.name = "all", .shapes = {}, .law = {}, .neighbours = 100};
+    for (int i = 0; i < 40; ++i) {
+      const double size = i % 13 == 0 ? 1.5 : 0.2;
+      const double x = of(random), y = of(random);
+      const BodyId body = add_box(s, Vector3d::Constant(size), Vector3d(1.2 * x, 1.2 * y, 1.2 * of(random)));
+      spatial::Shape shape = box_shape(body, Vector3d::Constant(size));
+      if (i % 3 == 1) shape = {body, {{0, 0, 0}}, size / 2};
+      if (i % 3 == 2) shape = {body, {{-size, 0, 0}, {size, 0, 0}}, size / 4};
+      c.shapes.push_back(shape);
+    }
+    s.collision(c);
+    const SpatialSystem system(s);
+    TermsOf<Spatial> terms(system);
+    const State x = system.initial_state();
+    set_poses(system, 0, x.q, terms.at);
+    BroadPhaseOf<Spatial> search(system);
+    REQUIRE(search.find(Eigen::VectorXd::Constant(system.dof(), 0.01), terms));
+    std::vector<Pair> found, all;
+    for (const Pair& pair : terms.pairs)
+      if (!pair.none() && pair.point == 0) found.push_back(pair);
+    const auto& shapes = system.scene().collisions[0].shapes;
+    for (int a = 0; a < 40; ++a)
+      for (int b = a + 1; b < 40; ++b) {
+        const Pair pair{0, a, b, 0};
+        const spatial::TouchPoints points = touch(system.scene().collisions[0], pair, terms.at);
+        for (int i = 0; i < points.count; ++i)
+          if (points.points[static_cast<std::size_t>(i)].gap <= 0) {
+            all.push_back(pair);
+            break;
+          }
+      }
+    CHECK(std::is_sorted(found.begin(), found.end()));
+    for (const Pair& pair : all) CHECK(std::binary_search(found.begin(), found.end(), pair));
+    CHECK(all.size() > 10);
+    CHECK(found.size() < shapes.size() * (shapes.size() - 1) / 2);
+  }
+}
+
+TEST_CASE("a searched pair of spheres moves as a listed one") {
+  const auto scene = [](bool searched) {
+    spatial::Scene s;
+    s.gravity = {0, 0, -9.81};
+    const Eigen::Matrix3d J = Vector3d::Constant(0.4 * 0.01).asDiagonal();
+    s.body({.name = "low", .inertia = J, .position = {0, 0, 0.1}});
+    s.body({.name = "high", .inertia = J, .position = {0.05, 0.02, 0.5}, .omega = {3, 1, 2}});
+    for (int i = 0; i < 2; ++i)
+      s.contact(spatial::SpherePlane{
+          "floor" + std::to_string(i), i, {0, 0, 0}, 0.1, kGround, {0, 0, 0}, {0, 0, 1}, {.mu = 0.4, .e = 0.3}});
+    const ContactLaw law{.mu = 0.3, .e = 0.5};
+    if (searched)
+      s.collision({.name = "touch", .shapes = {{0, {{0, 0, 0}}, 0.1}, {1, {{0, 0, 0}}, 0.1}}, .law = law});
+    else
+      s.contact(spatial::SphereSphere{"touch", 0, {0, 0, 0}, 0.1, 1, {0, 0, 0}, 0.1, law});
+    return SpatialSystem(s);
+  };
+  for (const std::string_view scheme : {"moreau-jean", "stewart-trinkle"}) {
+    const Run one = run_in_space(scene(true), scheme, 1e-3, 1), other = run_in_space(scene(false), scheme, 1e-3, 1);
+    CHECK((one.final.q - other.final.q).lpNorm<Eigen::Infinity>() < 1e-11);
+    CHECK((one.final.v - other.final.v).lpNorm<Eigen::Infinity>() < 1e-11);
+  }
+}
+
+TEST_CASE("what is stacked stays: a tower of planks, a pyramid of cubes, a house of cards") {
+  for (const auto& [scene, name] :
+       {std::pair{kapla_tower(), "tower"}, std::pair{box_pyramid(), "pyramid"}, std::pair{card_house(), "house"}})
+    for (const std::string_view scheme : kStackers) {
+      CAPTURE(name);
+      CAPTURE(scheme);
+      const SpatialSystem system(scene);
+      const Run run = run_in_space(system, scheme, scene.step, 0.1);
+      CHECK(moved(system, run.final) < 1e-4);
+      CHECK(run.max_penetration < 1e-5);
+    }
+}
+
+TEST_CASE("a box slides on over the seam of two tiles: no ghost collision") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> of(0, 1);
+  for (const double mu : {0.0, 0.1})
+    for (int i = 0; i < 12; ++i) {
+      const double speed = 0.5 + 4 * of(random), size = 0.05 + 0.3 * of(random), start = -0.3 * of(random);
+      const double turn = i % 3 == 0 ? 0 : of(random);
+      CAPTURE(i);
+      spatial::Scene s;
+      s.gravity = {0, 0, -10};
+      const BodyId box = add_box(s, Vector3d::Constant(size), {start, 0, size / 2}, {speed, 0, 0});
+      s.bodies[0].orientation = quaternions::exponential(Vector3d(0, 0, turn)).normalized();
+      spatial::Shape left = box_shape(kGround, {4, 4, 1}), right = left;
+      for (Vector3d& p : left.corners) p += Vector3d(-2, 0, -0.5);
+      for (Vector3d& p : right.corners) p += Vector3d(2, 0, -0.5);
+      s.collision(
+          {.name = "tiles", .shapes = {box_shape(box, Vector3d::Constant(size)), left, right}, .law = {.mu = mu}});
+      const SpatialSystem system(s);
+      const Run run = run_in_space(system, "moreau-jean", 1e-3, 0.2);
+      CHECK(std::abs(run.final.q[0] - (start + speed * 0.2 - mu * 5 * 0.04)) < 1e-5);
+      CHECK(std::abs(run.final.v[0] - (speed - mu * 10 * 0.2)) < 1e-8);
+    }
+}
+
+TEST_CASE("Euler's disc goes round at its tilt, with the period of the closed form") {
+  const EulerDisc p{.mu = 10};
+  const double tilt = p.tilt * std::numbers::pi / 180, Omega = std::sqrt(4 * p.g / (p.radius * std::sin(tilt)));
+  const double period = 2 * std::numbers::pi / Omega;
+  double before = 0;
+  for (const double steps : {400.0, 800.0}) {
+    const SpatialSystem system(euler_disc(p));
+    const Run run = run_in_space(system, "moreau-jean", period / steps, period);
+    const double height = std::abs(run.final.q[2] - p.radius * std::sin(tilt)) / p.radius;
+    const Vector3d axis = poses_of(system, run.final).at(0).turn(Vector3d::UnitZ());
+    const Vector3d start(-std::sin(tilt), 0, std::cos(tilt));
+    const double off = (axis - start).norm() + height;
+    CHECK(off < 4e-2);
+    if (before > 0) CHECK(off < 0.6 * before);
+    before = off;
+  }
+}
+
+TEST_CASE("a rattleback turns back when spun the wrong way, and only then") {
+  for (const double spin : {-5.0, 5.0}) {
+    const SpatialSystem system(rattleback({.spin = spin}));
+    double least = spin, most = spin;
+    const auto note = [&](const SpatialMoment& moment) {
+      const double now = world_omega(system, moment.state, 0).z();
+      least = std::min(least, now), most = std::max(most, now);
+    };
+    const Run run = run_in_space(system, "moreau-jean", 1e-4, 8, note);
+    CHECK(run.energy_final < run.energy_initial * (1 + 1e-3));
+    if (spin < 0)
+      CHECK(most > 2);
+    else
+      CHECK(least > 0);
+  }
+}
+
+TEST_CASE("a cylinder stands, a cone and a capsule lie still; rows of rims keep their gaps") {
+  spatial::Scene s;
+  s.gravity = {0, 0, -9.81};
+  const spatial::Solid can = spatial::cylinder(0.1, 0.4);
+  const auto body = s.body({.name = "can", .inertia = can.inertia, .position = {0, 0, 0.2}});
+  spatial::RimPlane rim{.name = "rim", .a = body, .centre = {0, 0, -0.2}, .radius = 0.1, .law = {.mu = 0.3}};
+  s.contact_set(spatial::standing_rim(rim));
+  const SpatialSystem system(s);
+  const Run run = run_in_space(system, "moreau-jean", 1e-3, 0.5);
+  CHECK(moved(system, run.final) < 1e-9);
+}
