@@ -45,7 +45,7 @@ void append_frame(const SystemOf<Spatial>& system, const MomentOf<Spatial>& mome
   const auto contacts = row.begin() + 1 + 13 * system.bodies();
   for (auto body = row.begin() + 1; body < contacts; body += 13)
     for (auto q = body; q < body + 7; ++q) frame.push_back(rounded(*q));
-  for (auto x = contacts; x < contacts + 4 * system.listed(); ++x) frame.push_back(rounded(*x));
+  for (auto x = contacts; x < contacts + 4 * system.listed(); ++x) frame.push_back(rounded(*x));  // no searched pairs
 }
 
 /// One run by frames; its events: t, kind, contact by number, impulses.

@@ -176,7 +176,7 @@ class SpaceFilm extends Shots {
       group.add(mesh);
       return mesh;
     };
-    if (s.kind === "sphere") add(octants(new THREE.SphereGeometry(s.radius, 48, 24)), { vertexColors: true });
+    if (s.kind === "sphere") add(octants(new THREE.SphereGeometry(s.radius, ...(this.scene.solids.length > 100 ? [16, 8] : [48, 24]))), { vertexColors: true });
     if (s.kind === "socket")
       add(new THREE.SphereGeometry(s.radius, 32, 16), { transparent: true, opacity: 0.22, depthWrite: false, side: THREE.DoubleSide });
     if (s.centre) group.position.set(...s.centre);
