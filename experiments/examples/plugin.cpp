@@ -1,10 +1,13 @@
-// A plugin: a solver and a scene of your own under names, for the command, sweeps and the shoot-out.
+// A plugin: a solver, an integrator and a scene of your own under names, for the command, sweeps and the shoot-out.
 //   c++ -std=c++20 -O2 -shared -fPIC plugin.cpp -o plugin.so $(pkg-config --cflags orthant)
 //   orthant --plugin ./plugin.so solve problem.json --solver mine:omega=1.2
+#include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/scenes/registry.h>
+#include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace {
 
@@ -39,6 +42,31 @@ class Mine final : public orthant::Solver {
   Options options_;
 };
 
+/// Symplectic Euler of free bodies: v += h f / M, then q += h v.
+class FreeEuler final : public orthant::Integrator {
+ public:
+  FreeEuler(const orthant::System& system, std::string_view name)
+      : orthant::Integrator(system, name, orthant::Capabilities{}), terms_(system) {
+    if (system.contacts() > 0 || system.joint_rows() > 0)
+      throw std::invalid_argument(std::string(name) + ": takes bodies without contacts and joints only");
+  }
+  orthant::StepReport step(double h, orthant::Solver&, orthant::State& x) override {
+    set_poses(system_, x.t, x.q, terms_.at);
+    set_twists(system_, x.v, terms_.at);
+    evaluate_forces(system_, x.t, x.v, terms_);
+    x.v += h * system_.inverse_mass().cwiseProduct(terms_.f);
+    x.q += h * x.v;
+    x.t += h;
+    return {};
+  }
+  void remember(orthant::Memory&) override {}  // nothing is kept from step to step
+  const orthant::Lcp& problem() const override { return none_; }
+
+ private:
+  orthant::Terms terms_;
+  orthant::Lcp none_;
+};
+
 orthant::Scene falling_disc(std::span<const std::string>) {
   orthant::Scene s{.gravity = {0, -9.81}};
   const auto disc = s.body({.name = "disc", .mass = 1, .inertia = 0.005, .position = {0, 0.5}});
@@ -50,6 +78,14 @@ orthant::Scene falling_disc(std::span<const std::string>) {
 
 extern "C" void orthant_plugin() {
   orthant::register_solver<Mine>("mine", "projected Gauss-Seidel of our own; dense, positive diagonal");
+  orthant::register_integrator(
+      {.name = "free-euler",
+       .summary = "symplectic Euler of free bodies",
+       .make = [](const orthant::System& system,
+                  std::string_view) { return std::make_unique<FreeEuler>(system, "free-euler"); },
+       .make_spatial = nullptr,
+       .options = [] { return std::vector<orthant::OptionEntry>(); },
+       .can = {}});
   orthant::register_scene(
       {"falling-disc", "a disc falls on a floor", &falling_disc, [] { return std::vector<orthant::OptionEntry>(); }});
 }

@@ -1,4 +1,4 @@
-// Plugins: a solver and a scene of a shared library are known to the command, to sweeps and to the shoot-out.
+// Plugins: a solver, an integrator and a scene of a shared library are known to the command, sweeps and the shoot-out.
 #include "tests/support/cli.h"
 
 #include <doctest/doctest.h>
@@ -9,7 +9,7 @@
 
 using orthant::Cli, orthant::Reply, orthant::slurp;
 
-TEST_CASE("plugins: their solvers and scenes have names everywhere") {
+TEST_CASE("plugins: their solvers, integrators and scenes have names everywhere") {
   const Cli folder;
   const std::string include = std::filesystem::path(ORTHANT_CLI).parent_path().string() + "/include";
   const Reply built = folder.run("c++ -std=c++20 -O0 -shared -fPIC -I'" + include +
@@ -34,6 +34,13 @@ TEST_CASE("plugins: their solvers and scenes have names everywhere") {
   const Reply run = folder.orthant("simulate falling-disc --plugin ./mine.so --solver mine --step 1e-3 --json");
   CHECK(run.exit_code == 0);
   CHECK(nlohmann::json::parse(run.out).at("lcp_solves").get<int>() > 10);
+  folder.write("free.toml", "gravity = [0, -10]\nduration = 1\n[[body]]\nname = \"a\"\nmass = 2\ninertia = 1\n");
+  const Reply free = folder.orthant("simulate free.toml --plugin ./mine.so --integrator free-euler --step 0.1 --json");
+  CHECK_MESSAGE(free.exit_code == 0, free.err);  // y = −g h² (1 + 2 + … + 10)
+  CHECK(nlohmann::json::parse(free.out).at("final").at("a.y").get<double>() == doctest::Approx(-5.5).epsilon(1e-12));
+  CHECK(folder.orthant("list integrators --plugin ./mine.so").out.find("  free-euler\n") != std::string::npos);
+  CHECK(folder.orthant("simulate falling-disc --plugin ./mine.so --integrator free-euler")
+            .err.find("without contacts and joints") != std::string::npos);
   folder.write("mine.sweep.toml",
                "question = \"?\"\nscene = \"falling-disc\"\nduration = 0.5\nmeasure = \"disc.y\"\n[[grid]]\nintegrator "
                "= [\"moreau-jean\"]\nsolver = \"mine\"\nstep = [1e-2, 1e-3]\n");
