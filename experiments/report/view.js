@@ -17,8 +17,9 @@ function add(parent, tag, text, properties = {}) {
   return element;
 }
 
-/** The place of the last frame that is not after a time. */
+/** The place of the last frame that is not after a time, but for rounding. */
 function frameAt(time) {
+  time += 1e-12 * Math.abs(time);
   let [low, high] = [0, t.length - 1];
   while (low < high) {
     const middle = (low + high + 1) >> 1;
@@ -295,7 +296,7 @@ class Player extends Animation {
 
   step(count) {
     if (this.playing) this.toggle();
-    this.go(t[Math.min(t.length - 1, Math.max(0, frameAt(this.time * (1 + 1e-12)) + count))]);
+    this.go(t[Math.min(t.length - 1, Math.max(0, frameAt(this.time) + count))]);
   }
 
   draw() {

@@ -58,6 +58,9 @@ def test_view(page, events, drawn):
     browsing.time.sleep(0.2)
     check(page.execute_script("return player.time") == time, "and pauses")
     page.execute_script("player.seconds /= 8")
+    missed = page.execute_script("const now = player.position, missed = t.filter((when, k) => { player.position = when / last;"
+                                 "return frameAt(player.time) !== k; }); player.position = now; return missed.length")
+    check(missed == 0, f"a frame's own time shows it; {missed} do not")
     frame = page.execute_script("return frameAt(player.time)")
     body.send_keys(browsing_keys().ARROW_RIGHT)
     check(page.execute_script("return frameAt(player.time)") == frame + 1, "an arrow key steps by one frame")
