@@ -12,9 +12,6 @@
 
 namespace orthant {
 
-/// Default solvers of `simulate` and `view`; in space it must take friction discs.
-inline constexpr const char *kPlanarSolver = "lemke", *kSpatialSolver = "auto";
-
 void add_solve(CLI::App& app, int& exit_code);
 void add_analyse(CLI::App& app, int& exit_code);
 void add_enumerate(CLI::App& app, int& exit_code);
