@@ -16,7 +16,7 @@ bool is_round(const spatial::Shape& s) { return s.sphere(); }
 /// By how much the shape is larger than the hull of its points.
 double grown_by(const Shape& s) { return s.corners.empty() ? s.radius : 0; }
 double grown_by(const spatial::Shape& s) { return s.radius; }
-/// The points whose hull the shape is, but for its radius.
+/// Points of a shape. The shape is their hull, grown by grown_by().
 std::span<const Vector2d> points_of(const Shape& s) {
   if (s.corners.empty()) return {&s.centre, 1};
   return s.corners;

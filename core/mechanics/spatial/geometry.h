@@ -33,7 +33,7 @@ struct Twist {
 
 template <> struct KinematicsOf<Spatial> {
   std::vector<spatial::Pose> pose;    // bodies + 1; the last is the ground
-  std::vector<spatial::Twist> twist;  // likewise; filled when velocities are asked for
+  std::vector<spatial::Twist> twist;  // likewise; set_twists() fills it
   double t = 0;                       // [s] what driving constraints read
   const spatial::Pose& at(BodyId i) const { return i < 0 ? pose.back() : pose[static_cast<std::size_t>(i)]; }
   const spatial::Twist& rate(BodyId i) const { return i < 0 ? twist.back() : twist[static_cast<std::size_t>(i)]; }

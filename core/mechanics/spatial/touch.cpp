@@ -46,7 +46,7 @@ TouchPoint grown(const Vector3d& p, double radius_p, const Vector3d& r, double r
 }
 
 bool inside(double s) { return s > 0 && s < 1; }
-/// Whether x stands beside the segment, ends included.
+/// Whether the foot of the perpendicular from x lies on the segment, ends included.
 bool beside(const Segment& a, const Vector3d& x) {
   constexpr double kEnd = 1e-9;
   const double s = (x - a.p).dot(a.q - a.p) / (a.q - a.p).squaredNorm();
@@ -154,9 +154,9 @@ using Corners = std::array<Vector3d, kMostHullPoints>;
 
 struct Axis {
   double gap = -kInf;
-  int face = -1;  // of the hull that was asked
+  int face = -1;  // of the first hull
   const Hull::Edge *ours = nullptr, *theirs = nullptr;
-  Vector3d n{0, 0, 0};  // outwards from the hull that was asked
+  Vector3d n{0, 0, 0};  // outwards from the first hull
 };
 
 /// Whether the direction n, in the frame of `hull`, meets a covered face.
