@@ -6,9 +6,11 @@
 //   is no solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
 //     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to
 //                          1500 rows of a dense matrix, 600 of an operator, 100 in sparse storage
+//     friction             to 400 rows, with a start value or beyond 100 rows: path without restarts
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
-//     obstacles (sparse Z) block-pivot and newton-min from coarse grids
-//     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0; interior-point
+//     obstacles (sparse Z) 10 iterations of block-pivot, newton-min, from coarse grids
+//     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0, 50 iterations or,
+//                          sparse, 10; interior-point
 //     large, sparse, unsymmetric   200 sweeps of pgs, path without restarts, then as the others
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix

@@ -175,6 +175,14 @@ TEST_CASE("a sparse factorization that would pass the time limit is not begun") 
   }
 }
 
+TEST_CASE("predicted cost of a factorization: exact for a tridiagonal matrix, 0 without entries") {
+  CHECK(factorization_cost(0, nullptr, nullptr) == 0);
+  const int empty[] = {0, 0, 0};
+  CHECK(factorization_cost(2, empty, nullptr) == 0);
+  const RowSparse A = std::get<RowSparse>(family_problem("string", 63, 0).A);
+  CHECK(factorization_cost(63, A.start.data(), A.column.data()) == 62 * 3);  // a division, a product, a difference
+}
+
 TEST_CASE("past the time limit, or a raised flag, no solver does more than about one factorization") {
   const Index n = kSanitized ? 200 : 1500;
   for (const auto& [name, problem] : heavy_work(n)) {

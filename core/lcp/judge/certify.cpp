@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace orthant {
 namespace {
 
 using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRounding;
-constexpr double kRoundings = 20;                 // units in the last place that `rounded` may change
+constexpr double kRoundings = 20;  // units in the last place that `rounded` may change
+constexpr double kMost = std::numeric_limits<double>::max();
 constexpr double kCoarsest = 1e-4;                // of β_P: a larger violation is no answer, whatever z is
 constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
 constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
@@ -162,7 +164,7 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   for (Index i = 0; i < n; ++i) {
     const long double w = problem.b[i] + g_[at(i)], terms = std::abs(problem.b[i]) + g_abs_[at(i)];
     const long double wrong = wrong_by(s.z[i], w, lower_[i], upper_[i]);
-    const auto sum = static_cast<double>(terms), by = static_cast<double>(wrong);
+    const auto by = static_cast<double>(wrong), sum = std::min(static_cast<double>(terms), kMost);  // not infinite
     s.w[i] = static_cast<double>(w);
     size = std::max(size, sum), residual = std::max(residual, by);
     const double beta = data_[i];
@@ -178,7 +180,8 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
         detail::sum_rows(problem.A, beta_, beta_, zero_w_, floor_, inner_, inner_abs_);
       }
       const double least = std::min(kLeastNormal * floor_[i], kProducts);
-      rounded = kSure * kRoundings * kEpsilon * std::max(sum, least);
+      // A w that is 0 in long double passes, though the bound of its error may exceed the part's data.
+      rounded = std::max(rounded, kSure * kRoundings * kEpsilon * (by == 0 ? std::max(sum, least) : least));
     }
     const Miss miss{i, against(s.z[i], lower_[i], upper_[i]), by, solved, tolerance};
     const auto ratio = [by](double limit) { return limit > 0 && by < kInf ? by / limit : kInf; };

@@ -50,11 +50,14 @@ Lcp beam_on_obstacle(Index elements, double gap) {
       if (row(e + i) < 0) continue;
       q[row(e + i)] += load * share[i];
       for (int j = 0; j < 4; ++j)
-        if (row(e + j) >= 0) entries.emplace_back(row(e + i), row(e + j), stiffness * element(i, j));
+        if (row(e + j) >= 0)
+          entries.emplace_back(row(e + i), row(e + j), stiffness * element(i, j));
+        else  // z = gap at the ends
+          q[row(e + i)] += gap * stiffness * element(i, j);
     }
   Lcp problem = assemble(entries, q);
   for (int place = 1; place <= last; ++place)
-    if (row(place) >= 0) problem.lo[row(place)] = place % 2 == 0 ? -gap : -kInf;
+    if (place % 2 == 1) problem.lo[row(place)] = -kInf;
   return problem;
 }
 

@@ -552,3 +552,18 @@ TEST_CASE("only a proof stays in the certificate, and a claimed ray becomes one 
   CHECK(s.status == Status::infeasible);
   CHECK(s.certificate.size() == 2);
 }
+
+TEST_CASE("rounded is bounded by 1e-4 of the part's data also among the smallest and the largest numbers") {
+  Judge judge;
+  const auto status = [&](double a, double b, double z0, double z1) {
+    const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{a, -a}, {-a, a}}), Vector{b, -b});
+    Solution s;
+    s.z = Vector{z0, z1};
+    judge.certify(p, 1e-10, Claim::candidate, s);
+    return s.status;
+  };
+  CHECK(status(1e-300, -7e-301, 0x1p50 + 1, 0x1p50) == Status::stalled);  // 20 ε s = 1e-299, but β_P = 7e-301
+  CHECK(status(1, -0.7, 0x1p50 + 1, 0x1p50) == Status::stalled);          // the same in other units
+  // s = 3e308 is no double; the violation 1e299 is far above 20 ε s = 1e294, though not above 1e-4 β_P = 1e300.
+  CHECK(status(1e308, -1e304, 1.5, 1.5 - 1e-4 * (1 - 1e-5)) == Status::stalled);
+}
