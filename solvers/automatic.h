@@ -5,10 +5,13 @@
 //   problem must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there
 //   is no solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
 //     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to
-//                          1500 rows of a dense matrix, 600 of an operator, 100 in sparse storage
-//     friction             to 400 rows, with a start value or beyond 100 rows: path without restarts
+//                          1500 rows of a dense matrix, 600 of an operator, 100 with friction or in sparse storage;
+//                          frictionless to 6 rows then dantzig
+//     friction             symmetric from 60 rows on: psor and mprgp, both given up once they do not get on; to 400
+//                          rows, with a start value or beyond 100 rows: path without restarts
+//     pyramids             unsymmetric, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not the guess
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
-//     obstacles (sparse Z) 10 iterations of block-pivot, newton-min, from coarse grids
+//     obstacles (sparse Z) psor on grids to 2000 rows, 10 iterations of block-pivot, newton-min, from coarse grids
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0, 50 iterations or,
 //                          sparse, 10; interior-point
 //     large, sparse, unsymmetric   200 sweeps of pgs, path without restarts, then as the others

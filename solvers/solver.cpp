@@ -79,7 +79,8 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error && !contested &&
       !(cheap && s.status == Status::iteration_limit))
     return;
-  if (!proof_search_ || !(seeks_proof() || contested) || budget_.exhausted()) return;
+  if (!proof_search_ || proof_sought_ || !(seeks_proof() || contested) || budget_.exhausted()) return;
+  proof_sought_ = true;
   Budget share;  // a quarter of what is left
   share.start(budget_.remaining() / 4, budget_.cancel());
   if (problem.discs()) {
@@ -158,6 +159,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
     return s;
   }
   begin();
+  proof_sought_ = false;
   const Effort before = effort();
   Claim claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());

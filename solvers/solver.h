@@ -99,7 +99,7 @@ class Solver {
   double accepted_ = 0;
   Vector scratch_, proof_, before_;
   Farkas farkas_;
-  bool proof_search_ = true;
+  bool proof_search_ = true, proof_sought_ = false;
   Budget budget_;
   double time_limit_ = kInf;
   const std::atomic<bool>* cancel_ = nullptr;

@@ -20,6 +20,7 @@ constexpr int kMost = 12;          // factorizations
 constexpr Index kFromInside = 20;  // rows from which a start with all of them inside may be worth its factorization
 constexpr int kMostLayers = 24;    // of a Z-matrix: a string may have as many layers as rows
 constexpr int kPasses = 3;         // of them that make nothing better
+constexpr Index kDear = 200;       // rows from which one such pass is enough
 constexpr Index kSingly = 8;       // rows up to which one at a time is tried then; beyond, pivoting does that for less
 constexpr double kMissed = 1e-9;
 constexpr double kRoundings = 16;  // roundings of its terms by which a w_i = 0 may look wrong
@@ -293,7 +294,8 @@ bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Bud
     return true;
   };
   Index least = n + 1;
-  for (Index k = 0, patience = kPasses; k < (monotone ? kMostLayers : kMost); ++k) {
+  const Index passes = n < kDear ? kPasses : 1;
+  for (Index k = 0, patience = passes; k < (monotone ? kMostLayers : kMost); ++k) {
     if ((k > 0 && budget.exhausted()) || !newton(z)) return false;
     const Index wrong = mend(z, patience < 0 && !monotone);
     if (wrong == 0) {
@@ -310,7 +312,7 @@ bool Attempt<N>::solve(const Lcp& problem, double* z, int& iterations, const Bud
       return sum == 0;
     }
     if (wrong < least)
-      least = wrong, patience = kPasses;
+      least = wrong, patience = passes;
     else if (--patience < 0 && n > kSingly && !monotone)
       return false;
   }

@@ -11,8 +11,8 @@ Claim FirstOrder::run(const Lcp& problem, Solution& s, Start start) {
   load(problem, s.z);  // in any case: what a solver allocates, it allocates at the first problem of a size
   if (passes(problem, s) && start == Start::warm) return Claim::candidate;  // cold: 0 may pass where units differ
   double mark = accepted();
-  double least = kInf;
-  int least_at = 0;
+  double least = kInf, before = kInf;  // least violation, and what it was at the last look ahead
+  int least_at = 0, look_at = first_look_ahead();
   while (s.iterations < max_iterations()) {
     ++s.iterations;
     last_ = s.z;
@@ -34,6 +34,12 @@ Claim FirstOrder::run(const Lcp& problem, Solution& s, Start start) {
     }
     if (step.violation < (1 - 1e-9) * least) least = step.violation, least_at = s.iterations;
     if (s.iterations >= kPatience && s.iterations / 8 >= least_at) return Claim::stalled;
+    if (s.iterations == look_at) {
+      const double digits = std::log(least / mark), won = std::log(before / least);  // won in the last half
+      if (digits > 0 && !(digits * s.iterations / 2 <= won * (max_iterations() - s.iterations)))
+        return Claim::iteration_limit;
+      before = least, look_at *= 2;
+    }
     if (budget().exhausted()) return Claim::time_limit;
   }
   return Claim::iteration_limit;

@@ -8,7 +8,8 @@
 //   16384
 //   iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;
 //   iterations
-//   used up → iteration_limit.  The last z is kept.
+//   used up → iteration_limit, with stop_early once they would not do at the rate of the last half,
+//   which is looked at after 128, 256, 512, ... iterations (mprgp: from 512 on).  The last z is kept.
 #pragma once
 
 #include <orthant/solvers/solver.h>
@@ -36,6 +37,7 @@ class FirstOrder : public Solver {
   virtual void load(const Lcp& problem, Vector& z) = 0;
   virtual Step advance(const Lcp& problem, Vector& z) = 0;
   virtual int max_iterations() const = 0;
+  virtual int first_look_ahead() const { return 0; }  // iterations; 0: none (stop_early)
   Claim run(const Lcp& problem, Solution& s, Start start) final;
   Vector last_;  // z before the step: what is reported when a step is not finite
 };

@@ -30,10 +30,12 @@ namespace orthant {
 struct MprgpOptions {
   double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   int max_iterations = 100000;
-  double gamma = 1;  // Γ: how unbalanced ‖β‖ may get
-  double step = 1;   // ᾱ λ_max
+  bool stop_early = false;  // as soon as max_iterations would not do (first_order.h)
+  double gamma = 1;         // Γ: how unbalanced ‖β‖ may get
+  double step = 1;          // ᾱ λ_max
   template <class V> void visit(V&& v) {
-    v("tolerance", tolerance, 0.0, 1.0), v("max_iterations", max_iterations, 1, 1000000000);
+    v("tolerance", tolerance, 0.0, 1.0), v("max_iterations", max_iterations, 1, 1000000000),
+        v("stop_early", stop_early);
     v("gamma", gamma, 1e-3, 1e6), v("step", step, 1e-3, 2.0);
   }
 };
@@ -53,6 +55,7 @@ class Mprgp final : public FirstOrder {
   void move(Vector& z, double t, const Vector& p) const;  // z ← z − t p
   void curvature(const Lcp& problem, const Vector& p);    // A p, pᵀAp, and λ_max
   int max_iterations() const override { return options_.max_iterations; }
+  int first_look_ahead() const override { return options_.stop_early ? 256 : 0; }
   double tolerance() const override { return options_.tolerance; }
 
   Options options_;

@@ -18,9 +18,11 @@ namespace orthant {
 struct PsorOptions {
   double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   int max_sweeps = 100000;
-  double omega = 0;  // relaxation ω; 0: found while running
+  bool stop_early = false;  // as soon as max_sweeps would not do (first_order.h)
+  double omega = 0;         // relaxation ω; 0: found while running
   template <class V> void visit(V&& v) {
-    v("tolerance", tolerance, 0.0, 1.0), v("max_sweeps", max_sweeps, 1, 1000000000), v("omega", omega, 0.0, 1.9999);
+    v("tolerance", tolerance, 0.0, 1.0), v("max_sweeps", max_sweeps, 1, 1000000000), v("stop_early", stop_early),
+        v("omega", omega, 0.0, 1.9999);
   }
 };
 
@@ -34,6 +36,7 @@ class Psor final : public SweepSolver {
   Step advance(const Lcp& problem, Vector& z) override;
   void adapt(const Sweeps::Change& change);
   int max_iterations() const override { return options_.max_sweeps; }
+  int first_look_ahead() const override { return options_.stop_early ? 64 : 0; }
   double tolerance() const override { return options_.tolerance; }
   std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
 

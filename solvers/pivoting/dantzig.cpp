@@ -177,7 +177,7 @@ Claim Dantzig::run(const Lcp& problem, Solution& s, Start) {
 }
 
 bool Dantzig::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
-  if (problem.size() == 0 || claim == Claim::iteration_limit) return false;
+  if (!options_.rescue || problem.size() == 0 || claim == Claim::iteration_limit) return false;
   if (++work_->precision > (problem.size() <= 100 ? 2 : 1)) return false;
   claim = work_->attempt(*this, s);
   return true;

@@ -30,8 +30,9 @@ namespace orthant {
 struct DantzigOptions {
   double tolerance = 1e-10;  // accepted residual relative to ‖b‖∞; rounding level is accepted in any case
   int max_pivots = 0;        // 0: 20000 + 100 n
+  bool rescue = true;        // more digits for a rejected z
   template <class V> void visit(V&& v) {
-    v("tolerance", tolerance, 0.0, 1.0), v("max_pivots", max_pivots, 0, 1000000000);
+    v("tolerance", tolerance, 0.0, 1.0), v("max_pivots", max_pivots, 0, 1000000000), v("rescue", rescue);
   }
 };
 

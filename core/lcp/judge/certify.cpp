@@ -1,6 +1,7 @@
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
+#include <orthant/core/lcp/judge/exact.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,6 +37,25 @@ double limit_of_solved(double tolerance, double s, double beta) { return toleran
 
 /// The limit of v_i for rounded.   s = 1e9, β_P = 1: 4.4e-6.   s = 1e12: 1e-4, where 20 ε s is 4.4e-3.
 double limit_of_rounded(double s, double part) { return std::min(kRoundings * kEpsilon * s, kCoarsest * part); }
+
+/// v_i ≤ limit in rationals. Entries of an operator are not given: false.
+bool exactly_within(const Lcp& problem, Index i, const Vector& z, double lo, double hi, double limit) {
+  exact::Rational w = problem.b[i];
+  const auto add = [&](double a, Index j) {
+    if (a != 0 && z[j] != 0) w += exact::Rational(a) * exact::Rational(z[j]);
+  };
+  if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
+    for (Index j = 0; j < z.size(); ++j) add((*dense)(i, j), j);
+  } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
+    for (std::size_t k = at(rows->start[at(i)]); k < at(rows->start[at(i) + 1]); ++k)
+      add(rows->value[k], rows->column[k]);
+  } else {
+    return false;
+  }
+  if (lo == hi) return true;
+  const exact::Rational wrong = z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w));
+  return wrong <= exact::Rational(limit);
+}
 
 Miss::Against against(double z, double lo, double hi) {
   return !(lo <= z && z <= hi && std::abs(z) < kInf) ? Miss::Against::outside
@@ -180,12 +200,13 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
         detail::sum_rows(problem.A, beta_, beta_, zero_w_, floor_, inner_, inner_abs_);
       }
       const double least = std::min(kLeastNormal * floor_[i], kProducts);
-      // A w that is 0 in long double passes, though the bound of its error may exceed the part's data.
-      rounded = std::max(rounded, kSure * kRoundings * kEpsilon * (by == 0 ? std::max(sum, least) : least));
+      rounded = std::max(rounded, kSure * kRoundings * kEpsilon * least);
     }
     const Miss miss{i, against(s.z[i], lower_[i], upper_[i]), by, solved, tolerance};
     const auto ratio = [by](double limit) { return limit > 0 && by < kInf ? by / limit : kInf; };
-    if (wrong + unit * terms <= rounded) {
+    // A w that is 0 in long double: the bound of its error may exceed the limit where its true value does not.
+    if (wrong + unit * terms <= rounded ||
+        (by == 0 && exactly_within(problem, i, s.z, lower_[i], upper_[i], rounded))) {
       if (pass == Pass::solved) pass = Pass::rounded;
       if (ratio(solved) >= worst_solved) worst_solved = ratio(solved), solved_miss = miss;
     } else {
