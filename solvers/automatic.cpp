@@ -26,21 +26,13 @@ struct Step {
   bool (*when)(const Look&);
 };
 
-constexpr Index kHandful = 6;  // rows up to which another look costs more than principal pivoting does
-constexpr Index kDriven = 12;  // rows from which a look at all entries costs little
-constexpr Index kTiny = 40;    // rows up to which a tableau is quickest with friction, too
-constexpr Index kSmall = 400;  // rows up to which a tableau is quickest
-constexpr Index kSwept = 60;   // rows from which first-order methods are quicker than a tableau, where they converge
-constexpr Index kGrid = 2000;  // rows up to which sweeps over a grid are quicker than its factors
-
-bool always(const Look&) { return true; }
-bool smooth(const Look& p) { return !p.friction; }
-bool quadratic_friction(const Look& p) { return p.friction && p.symmetric && p.positive_diagonal; }
-bool sweeps(const Look& p) { return quadratic_friction(p) && p.n > kSwept; }
-bool gradients(const Look& p) { return quadratic_friction(p) && p.n > (p.warm ? kDriven : kSwept); }
-bool pyramids(const Look& p) {
-  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && p.n > kDriven && p.n <= kSmall;
-}
+constexpr Index kHandful = 6;    // rows up to which another look costs more than principal pivoting does
+constexpr Index kDriven = 12;    // rows from which a look at all entries costs little
+constexpr Index kTiny = 40;      // rows up to which a tableau is quickest with friction, too
+constexpr Index kSmall = 400;    // rows up to which a tableau is quickest
+constexpr Index kSwept = 60;     // rows from which first-order methods are quicker than a tableau, where they converge
+constexpr Index kResumed = 150;  // the same from a start value, from which path is quick, too
+constexpr Index kGrid = 2000;    // rows up to which sweeps over a grid are quicker than its factors
 
 // Rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick; at 1000, dense, 3 to 9
 // times.
@@ -53,6 +45,16 @@ constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 
 constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
 
 constexpr Index kCells = 100;  // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
+
+bool always(const Look&) { return true; }
+bool smooth(const Look& p) { return !p.friction; }
+bool quadratic_friction(const Look& p) { return p.friction && p.symmetric && p.positive_diagonal; }
+bool sweeps(const Look& p) { return quadratic_friction(p) && p.n > (p.warm ? kResumed : kSwept); }
+bool resumed(const Look& p) { return quadratic_friction(p) && p.warm && p.n > kDriven && p.n <= kResumed; }
+bool followed(const Look& p) { return p.friction && p.n > (p.warm ? kTiny : kBoldRows) && p.n <= kSmall; }
+bool pyramids(const Look& p) {
+  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && p.n > kDriven && p.n <= kSmall;
+}
 
 // Where the driving variable does not end soon it seldom ends.
 constexpr const char* kDrive = "dantzig:rescue=false,max_pivots=250";
@@ -76,16 +78,16 @@ constexpr Step kSteps[] = {
     {"lemke-howson", "no diagonal: a game?", [](const Look& p) { return smooth(p) && p.no_diagonal && p.n > 1; }},
     // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of them.
     {"psor:max_sweeps=6000,stop_early=true", "friction, symmetric, cheap sweeps", sweeps},
-    // Stacks and tables with 240 to 324 rows: 1 to 6 ms, path 8 to 31 ms. An arch of ten stones, 44 rows, from the last
-    // step's impulses: 0.11 ms a step of stewart-trinkle, path 35 ms, Lemke's tableau 31 ms.
-    {"mprgp:max_iterations=4000,stop_early=true", "friction, symmetric", gradients},
+    // Stacks and tables with 240 to 324 rows: 1 to 6 ms, path 8 to 31 ms.
+    {"mprgp:max_iterations=4000,stop_early=true", "friction, symmetric", sweeps},
+    // An arch of ten stones, 44 rows: 0.1 ms a step of stewart-trinkle, path 35 ms, Lemke's tableau 31 ms.
+    {"mprgp:max_iterations=200", "friction, symmetric, from the start value", resumed},
     // Stewart and Trinkle's form: random contacts with 80 rows 0.11 to 0.15 ms, Lemke's tableau 0.31 to 0.42 ms; 318 rows
     // of a stack: 3 ms and 19 ms.
     {kDrive, "unsymmetric, a zero on the diagonal", pyramids},
     // Ten bricks, 64 rows, from the last step's impulses: 0.3 ms a solve, Lemke's tableau 1.5 ms.
     // Cold, steps of an arch and random contacts up to 84 rows: Lemke's tableau is 1.3 to 40 times as quick.
-    {"path:restarts=0", "friction, from the start value or large",
-     [](const Look& p) { return p.friction && p.n > (p.warm ? kTiny : kBoldRows) && p.n <= kSmall; }},
+    {"path:restarts=0", "friction, from the start value or large", followed},
     {kTableau, "small", [](const Look& p) { return p.n <= kSmall; }},
     {"path:restarts=0", "friction", [](const Look& p) { return p.friction && p.n > kTiny && p.n <= kSmall; }},
     {"lemke:rescue=false,max_pivots=10000", "dense",
@@ -280,7 +282,7 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   claim = handed_on(work.inner, s);
   s.iterations = work.iterations += work.inner.iterations;
   const auto when = kSteps[k].when;
-  const bool tried = when == &sweeps || when == &gradients || when == &pyramids;
+  const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids;
   const bool in_vain = tried && !has_answer(work.inner.status) && work.inner.status != Status::infeasible;
   if (logging())
     log(attempt, work.inner.residual, 0,
