@@ -103,6 +103,26 @@ def shootout(folder):
         yield "solvers", ["solver", *counted, "time"], table
 
 
+def regret(name):
+    """Of each problem its fastest solver, the time of `auto` over that one's, and the seconds of every solver."""
+    def read(folder):
+        seconds, n = {}, {}
+        for row in rows_of(folder / "shootout.csv"):
+            n[row["problem"]] = int(row["n"])
+            taken = digits(float(row["seconds"]), 2) if row["result"] == "certified" else NONE
+            seconds.setdefault(row["problem"], {})[row["solver"]] = taken
+        rows = {row["problem"]: row for row in rows_of(folder / "regret.csv")}
+        solvers = sorted({solver for times in seconds.values() for solver in times} - NOT_COUNTED - {"auto"})
+        table = []
+        for problem, times in sorted(seconds.items()):
+            row = rows.get(problem, {"fastest": NONE, "regret": ""})
+            factor = digits(float(row["regret"]), 3) if row["regret"] else NONE
+            table.append([problem, n[problem], row["fastest"], factor,
+                          *(times.get(solver, NONE) for solver in ("auto", *solvers))])
+        yield name, ["problem", "rows", "fastest", "regret", "auto", *solvers], table
+    return read
+
+
 def with_rivals(folder):
     """`auto` relative to the fastest right rival of each problem, and the count of right answers of each."""
     rows = rows_of(folder / "shootout.csv")
@@ -209,6 +229,11 @@ MEASUREMENTS = [
     (("joints",), "paper/results", joints, "paper/data"),
     (("solvers_by_group", "solvers"), "./experiments/run shootout --largest 100 --time-limit 1 "
      "--scenes slider_crank n_four_bar tower pile", shootout, "results/lcp_shootout"),
+    (("regret",), "./experiments/run shootout --largest 330 --time-limit 0.5 "
+     "--scenes slider_crank n_four_bar tower pile arch", regret("regret"), "results/lcp_shootout"),
+    (("regret_sparse",), PROGRAMS + "lcp_shootout --families sparse string beam ball journal american --time-limit 20 "
+     "--memory 6 --solvers auto path pgs psor interior-point block-pivot newton-min mprgp --output results/sparse",
+     regret("regret_sparse"), "results/sparse"),
     (("virtual_best", "right"), PROGRAMS + "lcp_shootout --largest 300 --time-limit 1 --solvers auto "
      "--rivals build/peers/lcp --output results/rivals", with_rivals, "results/rivals"),
     (("step", "error"), PROGRAMS + "step_race --finest 1e-7", step_race, None),
@@ -272,10 +297,52 @@ def pages(to, tables=None):
         write("integrators", ["integrator", *(f"to {source['columns'][i]}" for i in shown)],
               [[f"`{row[0]}`", *(digits(row[i], 2) if row[i] != NONE else NONE for i in shown)]
                for row in source["rows"] if any(row[i] != NONE for i in shown)], source)
+    for name in ("regret", "regret_sparse"):
+        if source := tables.get(name):
+            write(f"{name}_whole", source["columns"], source["rows"], source)
+            write(name, *regret_by_family(source), source)
+            if name == "regret":
+                regret_picture(to / "regret.svg", source)
     if source := tables.get("solvers_by_group"):
         write("solvers", source["columns"],
               [[f"`{cell}`" if i in (2, 5, 8) and cell else cell for i, cell in enumerate(row)]
                for row in source["rows"]], source)
+
+
+def regret_by_family(source):
+    """Head and rows: of each family how often `auto` takes at most twice the time of the fastest, and the worst."""
+    families = {}
+    for problem, n, fastest, times, *_ in source["rows"]:
+        family = problem.split("-")[0] if "-" in problem else "known"
+        families.setdefault(family, []).append((problem, n, fastest, times))
+    rows = []
+    for family, part in sorted(families.items()):
+        answered = [row for row in part if row[3] != NONE]
+        if not answered:
+            continue
+        worst = max(answered, key=lambda row: row[3])
+        open_ = sum(row[2] != NONE and row[3] == NONE for row in part)
+        least, most = min(row[1] for row in part), max(row[1] for row in part)
+        rows.append([family, f"{least} to {most}", len(answered), sum(row[3] <= 2 for row in answered),
+                     digits(worst[3], 2), f"`{worst[0]}`", f"`{worst[2]}`", open_])
+    return ["family", "rows", "problems", "within 2", "worst", "of", "fastest there", "open"], rows
+
+
+def regret_picture(file, source):
+    """Time of `auto` over that of the fastest solver, problem by problem."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    shown = [row for row in source["rows"] if row[3] != NONE]
+    figure, axes = pyplot.subplots(figsize=(7.5, 4))
+    axes.axhspan(1, 2, color="#e8e8e8", linewidth=0)
+    axes.plot([row[1] for row in shown], [row[3] for row in shown], "o", markersize=3.5, alpha=0.6, markeredgewidth=0)
+    for row in sorted(shown, key=lambda row: -row[3])[:6]:
+        axes.annotate(f"{row[0]} ({row[2]})", (row[1], row[3]), (4, 3), textcoords="offset points", fontsize=7)
+    axes.set(xscale="log", yscale="log", xlabel="rows", ylabel="time of auto / time of the fastest")
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+    pyplot.close(figure)
 
 
 def measure(names, state, result, file):

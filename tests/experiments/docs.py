@@ -24,6 +24,7 @@ SETS_UP = {
     "./experiments/scripts/setup release": "what the tests were built by",
     "pip wheel --no-deps .": "tests/wheel does it: minutes, and the package index",
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
+    "experiments/docs/figures.py quiet regret regret_sparse": "half an hour, likewise",
     "experiments/docs/figures.py quiet solvers": "seven minutes, on a machine that does nothing else",
     "experiments/docs/figures.py quiet time_to_error": "two minutes, likewise",
     "experiments/scripts/plot_run.py four_bar.csv rocker.theta B.gap B.impulse_n --output four_bar.png":
