@@ -13,6 +13,7 @@ struct Capabilities {
   bool loaded_friction = true;         // dry friction in a joint by its load, mu ≠ 0
   bool error_control = false;          // divides the step that it is given, to a tolerance
   bool threads = true;                 // solves islands of bodies at the same time
+  bool space = false;                  // dimension = 3; set by the registry
 
   /// v(name, field, words) over all of them.
   template <class V> void visit(V&& v) const {
@@ -21,6 +22,7 @@ struct Capabilities {
     v("loaded_friction", loaded_friction, "joint friction by load");
     v("error_control", error_control, "controls its step");
     v("threads", threads, "threads");
+    v("space", space, "`dimension = 3`");
   }
 };
 

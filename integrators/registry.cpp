@@ -37,7 +37,9 @@ template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const Syste
 template <class Scheme> IntegratorEntry entry(std::string_view summary,
                                               const IntegratorEntry::Make& make_it = &make<Scheme>,
                                               IntegratorEntry::MakeSpatial make_spatial = nullptr) {
-  return {Scheme::kName, summary, make_it, make_spatial, &list_options<typename Scheme::Options>, Scheme::kCan};
+  Capabilities can = Scheme::kCan;
+  can.space = make_spatial != nullptr;
+  return {Scheme::kName, summary, make_it, make_spatial, &list_options<typename Scheme::Options>, can};
 }
 
 std::vector<IntegratorEntry> built_in() {
@@ -46,12 +48,14 @@ std::vector<IntegratorEntry> built_in() {
                         &make_in_space<MoreauJeanOf<Spatial>>),
       entry<StewartTrinkle>("the linearized gap at the end of the step is unilateral; order 1", &make<StewartTrinkle>,
                             &make_in_space<StewartTrinkleOf<Spatial>>),
-      entry<AnitescuPotra>("as stewart-trinkle, with convex relaxed friction; order 1"),
+      entry<AnitescuPotra>("as stewart-trinkle, with convex relaxed friction; order 1", &make<AnitescuPotra>,
+                           &make_in_space<AnitescuPotraOf<Spatial>>),
       entry<PaoliSchatzman>("three positions, restitution between the outer two; order 1", &make<PaoliSchatzman>,
                             &make_in_space<PaoliSchatzmanOf<Spatial>>),
       entry<GeneralizedAlpha>("joints and gaps at both levels, implicit; order 2 on smooth motion, damps stiff springs",
                               &make<GeneralizedAlpha>, &make_in_space<GeneralizedAlphaOf<Spatial>>),
-      entry<Rattle>("joints and gaps at both levels, symplectic; order 2 on smooth motion"),
+      entry<Rattle>("joints and gaps at both levels, symplectic; order 2 on smooth motion", &make<Rattle>,
+                    &make_in_space<RattleOf<Spatial>>),
       entry<Adaptive>("to a tolerance: located events, dense output; no answer depends on the output step",
                       &make_by_contacts<Adaptive>),
       entry<EventDriven>("Runge-Kutta of order 8 between located events; for references",

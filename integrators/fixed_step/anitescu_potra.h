@@ -8,6 +8,8 @@
 //   their rows are evaluated for all contacts of the scene, O(contacts) a step. With e > 0 an impact with slip rebounds
 //   at e |γ_N⁻| + μ |γ_T|, whatever h: restitution and relaxed friction do not go together, take another scheme. Static
 //   friction above kinetic holds what sticks at the step's start, not what comes to rest within it.
+// In space the cone is a pyramid of eight edges, the first one along the slip of free flight: it turns with the scene,
+// and a body that slides straight on has the relaxed disc's motion.
 // Order 1 for e = 0, as Stewart–Trinkle.
 // Source: Anitescu & Potra, Nonlinear Dynamics 14 (1997) 231-247; Anitescu & Hart, Math. Program. 101 (2004) 57-91;
 // Anitescu, Math. Program. 105 (2006) 113-143.
@@ -17,12 +19,15 @@
 
 namespace orthant {
 
-class AnitescuPotra final : public StewartTrinkle {
+template <class Space> class AnitescuPotraOf final : public StewartTrinkleOf<Space> {
  public:
+  using System = SystemOf<Space>;
+  using Options = VelocitySteppingOptions;
   static constexpr std::string_view kName = "anitescu-potra";
   static constexpr Capabilities kCan{.impact_laws = false};
-  explicit AnitescuPotra(const System& system, const Options& options = {})
-      : StewartTrinkle(system, options, Cone::relaxed, kName, kCan) {}
+  explicit AnitescuPotraOf(const System& system, const Options& options = {})
+      : StewartTrinkleOf<Space>(system, options, Cone::relaxed, kName, kCan) {}
 };
+using AnitescuPotra = AnitescuPotraOf<Planar>;
 
 }  // namespace orthant

@@ -2,14 +2,21 @@
 
 namespace orthant {
 
-Rattle::Rattle(const System& system, const Options& /*options*/)
-    : TwoLevel(system, kName, kCan), path_(system.dof()), v_(system.dof()) {}
+template <class Space> RattleOf<Space>::RattleOf(const System& system, const Options& /*options*/)
+    : TwoLevelOf<Space>(system, kName, kCan), path_(system.dof()), v_(system.dof()), wanted_rate_(system.joint_rows()) {
+  if constexpr (!kPlanar<Space>) {
+    half_force_.setZero(system.dof()), turning_.setZero(system.dof()), next_.setZero(system.dof());
+    scale_ = system.inverse_mass().cwiseSqrt();
+    carried_.resize(static_cast<std::size_t>(system.contacts()));
+  }
+}
 
-StepReport Rattle::step(double h, Solver& solver, State& x) {
+template <class Space> StepReport RattleOf<Space>::step(double h, Solver& solver, State& x) {
   StepReport report;
   begin();
-  if (!half_kick(h, x, report) || !reach(h, x, path_, solver, report)) return report;
+  if (!half_kick(h, x, report) || !reach_turning(h, x, solver, report)) return report;
   v_ = path_ / h;
+  note_carried();
   hand_over(x);
   if (!other_half(h, x, report) || !strike(v_, solver, report)) return report;
   arrive(h, v_, x, report);
@@ -18,7 +25,7 @@ StepReport Rattle::step(double h, Solver& solver, State& x) {
   return report;
 }
 
-bool Rattle::half_kick(double h, const State& x, StepReport& report) {
+template <class Space> bool RattleOf<Space>::half_kick(double h, const State& x, StepReport& report) {
   const bool factorized = factorized_there_ && x.q == last_;  // where the step before ended: nothing to do again
   factorized_there_ = false;
   if (factorized)
@@ -32,31 +39,123 @@ bool Rattle::half_kick(double h, const State& x, StepReport& report) {
   // A guess at G u that leaves Φ = O(h³): u is tangent half a step ahead. Any other would end at the same q⁺.
   start_.closed.clear();
   evaluate_biases(system_, start_);
-  rate_ = start_.joint_rate - h / 2 * start_.joint_bias;
+  wanted_rate_ = start_.joint_rate - h / 2 * start_.joint_bias;
   force_ = h / 2 * start_.f;
-  basic_.solve_change(start_.G, force_.data(), x.v.data(), rate_.data(), path_.data(), lambda_.data());
-  if (geometric_.possible()) {
-    const bool before = stiffened_;
-    added_.setZero();
-    stiffened_ = geometric_.raise(start_, lambda_.data(), h / 2, h * h, 1, added_) &&
-                 geometric_.swings(basic_, added_, before ? 0.5 : 1);
-    if (stiffened_ || before) {
-      if (!factorize(start_, 0, h / 2, report)) return false;
-      basic_.solve_change(start_.G, force_.data(), x.v.data(), rate_.data(), path_.data(), lambda_.data());
+  if constexpr (kPlanar<Space>) {
+    predict(h, x);
+    if (geometric_.possible()) {
+      const bool before = stiffened_;
+      added_.setZero();
+      stiffened_ = geometric_.raise(start_, lambda_.data(), h / 2, h * h, 1, added_) &&
+                   geometric_.swings(basic_, added_, before ? 0.5 : 1);
+      if (stiffened_ || before) {
+        if (!factorize(start_, 0, h / 2, report)) return false;
+        predict(h, x);
+      }
     }
+    return true;
+  } else {
+    return predict_turning(h, x, report);
   }
-  path_ = h * (x.v + path_);
-  return true;
 }
 
-bool Rattle::other_half(double h, const State& x, StepReport& report) {
+template <class Space> void RattleOf<Space>::predict(double h, const State& x) {
+  basic_.solve_change(start_.G, force_.data(), x.v.data(), wanted_rate_.data(), path_.data(), lambda_.data());
+  path_ = h * (x.v + path_);
+}
+
+template <class Space> bool RattleOf<Space>::turn_again([[maybe_unused]] double h, [[maybe_unused]] int pass) {
+  if constexpr (!kPlanar<Space>) {
+    constexpr int kPlain = 8;          // passes before the acceleration
+    constexpr double kSame = 5e-16;    // of the momenta, over √M
+    constexpr double kNearly = 1e-12;  // likewise, where constraints magnify rounding
+    v_ = path_ / h;
+    fits_ = half_turning_impulse(system_, h, v_, Half::first, next_);
+    const double change = (next_ - turning_).cwiseProduct(scale_).template lpNorm<Eigen::Infinity>();
+    const double size = v_.cwiseQuotient(scale_).template lpNorm<Eigen::Infinity>();
+    const bool same = change <= kSame * size || (pass > kPlain && change <= kNearly * size);
+    if (same) return true;
+    if (pass < kPlain) {
+      turning_.swap(next_);
+      anderson_.restart();
+    } else {
+      anderson_.next(turning_, next_, scale_);
+    }
+    force_ = half_force_ + turning_;
+    return false;
+  } else {
+    return true;
+  }
+}
+
+template <class Space> bool RattleOf<Space>::check_turn(bool found, StepReport& report) {
+  return (found && fits_) ||
+         fail(report, Status::numerical_error,
+              "bodies turn too far in a step for their gyroscopic moments: a shorter step converges");
+}
+
+template <class Space> bool RattleOf<Space>::predict_turning(double h, const State& x, StepReport& report) {
+  constexpr int kPasses = 100;
+  half_force_ = force_;
+  if constexpr (!kPlanar<Space>) half_turning_impulse(system_, h, x.v, Half::first, turning_);
+  force_ += turning_;
+  int pass = 0;
+  do predict(h, x);
+  while (!turn_again(h, pass) && ++pass < kPasses);
+  return check_turn(pass < kPasses, report);
+}
+
+template <class Space>
+bool RattleOf<Space>::reach_turning(double h, const State& x, Solver& solver, StepReport& report) {
+  if constexpr (kPlanar<Space>) {
+    return reach(h, x, path_, solver, report);
+  } else {
+    constexpr int kPasses = 100;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      if (!reach(h, x, path_, solver, report)) return false;
+      if (turn_again(h, pass)) return check_turn(true, report);
+      predict(h, x);
+    }
+    return check_turn(false, report);
+  }
+}
+
+namespace {
+
+/// The world direction of a contact's row, from b to a.
+Vector3d direction_of(const RowOf<Spatial>& row) {
+  return row.a >= 0 ? push_on(row, row.a) : Vector3d(-push_on(row, row.b));
+}
+
+}  // namespace
+
+template <class Space> void RattleOf<Space>::note_carried() {
+  if constexpr (!kPlanar<Space>)
+    for (const ClosedContact& c : start_.closed) {
+      const auto contact = static_cast<std::size_t>(c.contact);
+      const Tangents& carried = impulses_[contact].tangent;
+      carried_[contact] =
+          carried.first * direction_of(c.rows.tangents[0]) + carried.second * direction_of(c.rows.tangents[1]);
+    }
+}
+
+template <class Space> bool RattleOf<Space>::other_half(double h, const State& x, StepReport& report) {
   evaluate_forces(system_, x.t + h, v_, end_);
   if (!factorize(end_, 0, 0, report)) return false;
   force_ = h / 2 * end_.f;
+  if constexpr (!kPlanar<Space>) {
+    half_turning_impulse(system_, h, v_, Half::second, next_);
+    force_ += next_;
+  }
   for (const ClosedContact& c : end_.closed) {
     const Impulse& carried = impulses_[static_cast<std::size_t>(c.contact)];  // [kg m]
     apply_transposed(c.rows.normal, -carried.normal / h, force_.data());
-    apply_transposed(c.rows.tangent, -carried.tangent / h, force_.data());
+    if constexpr (kPlanar<Space>)
+      apply_transposed(c.rows.tangent, -carried.tangent / h, force_.data());
+    else
+      for (const auto& tangent : c.rows.tangents)
+        apply_transposed(tangent, -carried_[static_cast<std::size_t>(c.contact)].dot(direction_of(tangent)) / h,
+                         force_.data());
   }
   for (std::size_t i = 0; i < system_.scene().frictions.size(); ++i)
     apply_transposed(system_.scene().frictions[i].of.row(end_.at), -friction_carried(i) / h, force_.data());
@@ -64,5 +163,8 @@ bool Rattle::other_half(double h, const State& x, StepReport& report) {
   v_ += path_;
   return true;
 }
+
+template class RattleOf<Planar>;
+template class RattleOf<Spatial>;
 
 }  // namespace orthant

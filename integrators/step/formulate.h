@@ -24,6 +24,7 @@
 //   relaxed  the cone's edges n ± μ t are the rows, impulses β± ≥ 0:  0 ≤ β± ⊥ (γ_N − target_N) ± μ (γ_T − target_T) ≥
 //            0, Λ_N = β₊ + β₋, Λ_T = μ (β₊ − β₋). A is symmetric positive semidefinite, the problem a convex program;
 //            its price: a contact that slides opens at the speed μ |γ_T|.
+//            In space the edges n + μ t_j, j = 1 … 8, t_1 along the slip of free flight.
 // Source: Brogliato & Acary (2008), ch. 10; Glocker, Set-Valued Force Laws (2001); Anitescu, Math. Program. 105 (2006).
 #pragma once
 

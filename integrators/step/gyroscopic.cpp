@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace orthant {
 namespace {
@@ -52,6 +54,27 @@ void gyroscopic_impulse(const SystemOf<Spatial>& system, const StepFrames& frame
     rotation<Spatial>(g, i) =
         J.cwiseProduct(after) - momentum - J.cwiseProduct(omega) + turned_by(back, J.cwiseProduct(omega));
   }
+}
+
+bool half_turning_impulse(const SystemOf<Spatial>& system, double h, const Eigen::VectorXd& u, Half half,
+                          Eigen::VectorXd& g) {
+  bool fits = true;
+  for (Eigen::Index i = 0; i < system.bodies(); ++i) {
+    const Vector3d J = rotation<Spatial>(system.mass(), i), xi = h * rotation<Spatial>(u, i);
+    if (J[0] == J[1] && J[1] == J[2]) {
+      rotation<Spatial>(g, i).setZero();
+      continue;
+    }
+    const Vector3d momentum = J.cwiseProduct(rotation<Spatial>(u, i));
+    const double square = xi.squaredNorm(), angle = std::sqrt(square);
+    // Below 1e-2 the next term of the series is below 1e-16 of it.
+    const double c = square < 1e-4 ? 1.0 / 12 + square / 720 + square * square / 30240
+                                   : (1 - angle / 2 / std::tan(angle / 2)) / square;
+    const Vector3d across = xi.cross(momentum), twice = c * xi.cross(across);
+    rotation<Spatial>(g, i) = -across / 2 + (half == Half::first ? -twice : twice);
+    fits = fits && angle < 2 * std::numbers::pi;
+  }
+  return fits;
 }
 
 void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace orthant {
 namespace {
@@ -27,6 +28,18 @@ bool centred_journal(const spatial::Scene& scene, int contact) {
   return c < scene.contacts.size() && std::holds_alternative<spatial::Socket>(scene.contacts[c]);
 }
 
+/// μ times the unit vector of edge j of n, the first one along `along`, as parts along the two tangents.
+Tangents edge_of(double mu, const Tangents& along, Index j, Index n) {
+  const double angle = 2 * std::numbers::pi * static_cast<double>(j) / static_cast<double>(n);
+  const double c = mu * std::cos(angle), s = mu * std::sin(angle);
+  return {c * along.first - s * along.second, s * along.first + c * along.second};
+}
+/// The direction of a slip; any, where there is none.
+Tangents direction_of_slip(const Tangents& slip) {
+  const double size = size_of(slip);
+  return size > kStickSpeed ? Tangents(slip.first / size, slip.second / size) : Tangents(1, 0);
+}
+
 /// z or w at the tangent rows from `first` on.
 template <class Space> Tangent<Space> tangent_at(const Vector& x, Index first) {
   if constexpr (kPlanar<Space>)
@@ -41,7 +54,8 @@ template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system,
     : system_(system),
       form_(form),
       cone_(cone),
-      most_((1 + Space::kTangents) * system.contacts() + std::ssize(system.scene().frictions) + joint_rows()),
+      most_((cone == Cone::coulomb || kPlanar<Space> ? 1 + Space::kTangents : kEdges) * system.contacts() +
+            std::ssize(system.scene().frictions) + joint_rows()),
       inverse_mass_(system.inverse_mass()) {
   const auto contacts = static_cast<std::size_t>(system.contacts()), most = static_cast<std::size_t>(most_);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
@@ -127,6 +141,13 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
     if constexpr (kPlanar<Space>) {
       rows_.push_back(edges ? combined(c.rows.normal, mu, c.rows.tangent) : c.rows.normal);
       if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
+    } else if (edges) {
+      Contact& contact = contacts_.back();
+      contact.along = direction_of_slip(wanted[k].free_slip);
+      for (Index j = 0; j < kEdges; ++j) {
+        const auto [one, other] = edge_of(mu, contact.along, j, kEdges);
+        rows_.push_back(combined(combined(c.rows.normal, one, c.rows.tangents[0]), other, c.rows.tangents[1]));
+      }
     } else {
       rows_.push_back(c.rows.normal);
     }
@@ -179,6 +200,9 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wan
     if constexpr (kPlanar<Space>) {
       hold_against(want.normal + mu * want.tangent);
       if (mu > 0) hold_against(want.normal - mu * want.tangent);
+    } else if (mu > 0) {
+      for (Index j = 0; j < kEdges; ++j)
+        hold_against(want.normal + inner(edge_of(mu, c.along, j, kEdges), want.tangent));
     } else {
       hold_against(want.normal);
     }
@@ -277,6 +301,14 @@ void StepProblemOf<Space>::advance(const Vector& z, Eigen::VectorXd& v, std::vec
       const double other = z[i++];  // of the edge n − μ t
       impulse.tangent = c.mu * (impulse.normal - other);
       impulse.normal += other;
+    } else {
+      const double first = impulse.normal;
+      impulse.tangent = edge_of(first * c.mu, c.along, 0, kEdges);
+      for (Index j = 1; j < kEdges; ++j) {
+        const Tangents push = edge_of(z[i] * c.mu, c.along, j, kEdges);
+        impulse.normal += z[i++];
+        impulse.tangent.first += push.first, impulse.tangent.second += push.second;
+      }
     }
   }
   if (cone_ == Cone::coulomb)

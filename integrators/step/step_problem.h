@@ -14,6 +14,7 @@
 #include <array>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace orthant {
@@ -36,15 +37,18 @@ template <class Space> class StepProblemOf {
 
   static constexpr std::size_t kFormedRows = 64;  // up to here a dense A costs less than the operator, applied often
 
+  struct NoDirection {};
+  using Along = std::conditional_t<kPlanar<Space>, NoDirection, Tangents>;
   struct Contact {           // a closed one, in the order of its normal row
     int index = 0;           // in the scene
     std::size_t closed = 0;  // among the closed ones
     const ContactLaw* law = nullptr;
     double mu = 0;
     Tangent<Space> slip{};
-    bool frictional = false;      // has tangent rows (coulomb)
-    const Row* jammed = nullptr;  // its normal, where the joints drive it inwards: its own row is zero then
-    double rebound = 0;           // of its target, what restitution asks for
+    bool frictional = false;            // has tangent rows (coulomb)
+    [[no_unique_address]] Along along;  // unit vector of the first edge's tangent (relaxed, space)
+    const Row* jammed = nullptr;        // its normal, where the joints drive it inwards: its own row is zero then
+    double rebound = 0;                 // of its target, what restitution asks for
   };
   /// Matrix and vectors of some of the rows; one worker's.
   struct Block {
@@ -92,15 +96,17 @@ template <class Space> class StepProblemOf {
   Index tangent_row(std::size_t k) const { return places_[k].tangent; }
   bool immobile(std::size_t k) const { return k < collected_ && places_[k].normal < 0; }
 
-  /// f(place of the normal's row, of the second edge or −1, of the tangent or −1, contact).
+  /// f(place of the normal's row, of the edge across from it or −1, of the tangent or −1, contact).
   template <class F> void each_contact(F&& f) const {
     Index i = joint_rows();
     for (const Contact& c : contacts_) {
-      const bool two = has_edges(c);
-      f(i, two ? i + 1 : -1, places_[c.closed].tangent, c);
-      i += two ? 2 : 1;
+      const bool edges = has_edges(c);
+      f(i, edges ? i + kEdges / 2 : -1, places_[c.closed].tangent, c);
+      i += edges ? kEdges : 1;
     }
   }
+  /// Of a contact with friction, relaxed: opposite ones kEdges / 2 places apart.
+  static constexpr Index kEdges = kPlanar<Space> ? 2 : 8;
   bool has_edges(const Contact& c) const { return cone_ == Cone::relaxed && c.mu > 0; }
 
   const Lcp& whole() const;
