@@ -13,6 +13,7 @@ namespace orthant {
 namespace {
 
 constexpr double kShiftOfLeastNorm = 1e-6;  // α
+constexpr double kShiftOfMonotone = 1e-7;   // δ
 
 Eigen::SparseMatrix<double> identity_rows(Index n) {
   Eigen::SparseMatrix<double> unit(n, n);
@@ -93,7 +94,7 @@ ActiveSystem::ActiveSystem(ActiveSystem&&) noexcept = default;
 ActiveSystem& ActiveSystem::operator=(ActiveSystem&&) noexcept = default;
 
 void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, const Eigen::VectorXd& D) {
-  unknowns_ = D.size(), extra_ = 0, singular_ = false, rcond_ = 1;
+  unknowns_ = D.size(), extra_ = 0, singular_ = monotone_ = false, rcond_ = 1;
   factors_ = std::make_unique<Factors>();
   if (unknowns_ == 0) return;
   Sparse diagonal_part(unknowns_, unknowns_);
@@ -101,29 +102,34 @@ void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, 
   diagonal_part.diagonal() = D;
   dense_ = std::holds_alternative<DenseMatrix>(A);
   if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    Eigen::MatrixXd columns(dense->rows(), unknowns_);  // A E: most columns have one entry
-    for (Index j = 0; j < unknowns_; ++j) {
-      Sparse::InnerIterator it(E, j);
-      columns.col(j) = it.value() * dense->col(it.row());
-      for (++it; it; ++it) columns.col(j) += it.value() * dense->col(it.row());
-    }
     full_.resize(unknowns_, unknowns_);
-    std::vector<Index> row(at(unknowns_));
+    std::vector<Index> row(at(unknowns_));  // of P's columns, where each has a single 1
     bool plain = true;
     for (Index i = 0; i < unknowns_; ++i) {
       Sparse::InnerIterator it(P, i);
       row[at(i)] = it.row();
       plain = plain && it.value() == 1 && !(++it);
     }
-    for (Index j = 0; j < unknowns_; ++j)
+    Eigen::VectorXd column;  // A E_j
+    for (Index j = 0; j < unknowns_; ++j) {
+      Sparse::InnerIterator it(E, j);
+      const Index k = it.row();
+      const double factor = it.value();
+      const double* from = dense->col(k).data();
+      if (++it || factor != 1) {
+        column = factor * dense->col(k);
+        for (; it; ++it) column += it.value() * dense->col(it.row());
+        from = column.data();
+      }
       for (Index i = 0; i < unknowns_; ++i)
         if (plain) {
-          full_(i, j) = columns(row[at(i)], j);
+          full_(i, j) = from[row[at(i)]];
         } else {
           double sum = 0;
-          for (Sparse::InnerIterator it(P, i); it; ++it) sum += it.value() * columns(it.row(), j);
+          for (Sparse::InnerIterator part(P, i); part; ++part) sum += part.value() * from[part.row()];
           full_(i, j) = sum;
         }
+    }
     full_.diagonal() += D;
   } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
     const Sparse columns = sparse->view() * E;
@@ -165,6 +171,25 @@ void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, 
   rcond_ = f.kind == Kind::none ? 0 : estimate_condition();
   if (rcond_ > noise) return;
   singular_ = true;
+  if (definite || (extra_ > 0 && (E - P).norm() == 0)) {  // positive semidefinite, or nearly
+    if (dense_) {
+      Eigen::MatrixXd shifted = full_;
+      shifted.diagonal().array() += kShiftOfMonotone;
+      f.cholesky.compute(shifted);
+      if (f.cholesky.info() == Eigen::Success) f.kind = Kind::dense_cholesky, monotone_ = true;
+    } else {
+      Sparse shift = kShiftOfMonotone * identity_rows(n);
+      shift.diagonal().head(extra_).setZero();
+      const Sparse shifted = rows_ + shift;
+      if (extra_ > 0)
+        monotone_ = factorize_sparse(f.sparse_lu, shifted), f.kind = Kind::sparse_lu;
+      else
+        monotone_ =
+            f.sparse_cholesky.factorize(RowSparse::from(Eigen::SparseMatrix<double, Eigen::RowMajor>(shifted)), 0),
+        f.kind = Kind::sparse_cholesky;
+    }
+    if (monotone_) return;
+  }
   if (dense_) {
     f.orthogonal.setThreshold(noise);
     f.orthogonal.compute(full_);
@@ -284,10 +309,16 @@ double ActiveSystem::least_norm(Eigen::VectorXd& x, bool transposed) const {
   Eigen::VectorXd both(2 * n), left = r;
   double before = kInf;
   for (int pass = 0; pass < 20; ++pass) {
-    both.setZero();  // forward [r − B y; 0] → (·, step); transposed [0; r − Bᵀ y] → (step, ·)
-    (transposed ? both.tail(n) : both.head(n)) = left;
-    f.sparse_lu.solve(both.data());
-    const Eigen::VectorXd trial = x + (transposed ? both.head(n) : both.tail(n));
+    Eigen::VectorXd trial = left;
+    if (monotone_) {
+      apply_inverse(trial, transposed);
+    } else {
+      both.setZero();  // forward [r − B y; 0] → (·, step); transposed [0; r − Bᵀ y] → (step, ·)
+      (transposed ? both.tail(n) : both.head(n)) = left;
+      f.sparse_lu.solve(both.data());
+      trial = transposed ? both.head(n) : both.tail(n);
+    }
+    trial += x;
     left = residual(trial);
     const double now = left.lpNorm<Eigen::Infinity>();
     if (!(now < 0.9 * before)) break;

@@ -8,9 +8,11 @@
 //   Rows and columns are scaled by their largest entries first. Singular means: 1-norm condition, estimated, above
 //   1 / (16 ε √n). Then y is the solution of least norm of the scaled system, and of the least residual where there is
 //   no solution:
-//     dense        by a complete orthogonal decomposition;
-//     the others   by proximal steps y ← y + (BᵀB + α² I)⁻¹ Bᵀ (r − B y) from 0, α = 1e-6, through the sparse LU of
-//                  [ α I  B ; Bᵀ  −α I ].
+//     A symmetric, E = P   proximal steps y ← y + (B + δ I)⁻¹ (r − B y) from 0, δ = 1e-7, by the factorizations above
+//     else, dense          a complete orthogonal decomposition
+//     else                 proximal steps y ← y + (BᵀB + α² I)⁻¹ Bᵀ (r − B y) from 0, α = 1e-6, by the sparse LU of
+//                          [ α I  B ; Bᵀ  −α I ]
+//   The steps end where the residual falls no longer by a tenth.
 //   Sources: Golub & Van Loan, Matrix Computations (4th ed., 2013), ch. 5.4, 6.1; Higham, Accuracy and Stability of
 //   Numerical Algorithms (2nd ed., 2002), algorithm 15.1 (condition estimate).
 #pragma once
@@ -50,6 +52,7 @@ class ActiveSystem {
 
   Index unknowns_ = 0, extra_ = 0;  // y, and the u before it
   bool dense_ = true, singular_ = false;
+  bool monotone_ = false;  // the factors are those of B + δ I
   double rcond_ = 1;
   Eigen::MatrixXd full_;          // scaled
   Sparse rows_;                   // scaled
