@@ -82,7 +82,7 @@ Eigen::VectorXd Sensitivity::transposed(const Eigen::VectorXd& x) const {
   return times(x);  // symmetric
 }
 
-Tangent Sensitivity::tangent(const Perturbation& change, Eigen::VectorXd& at_rest) const {
+SolutionTangent Sensitivity::tangent(const Perturbation& change, Eigen::VectorXd& at_rest) const {
   const Index n = problem_.size();
   check_part("b", change.b.size(), n), check_part("lo", change.lo.size(), n), check_part("hi", change.hi.size(), n);
   check_part("mu", change.mu.size(), static_cast<Index>(problem_.friction.size()));
@@ -95,19 +95,19 @@ Tangent Sensitivity::tangent(const Perturbation& change, Eigen::VectorXd& at_res
   if (!p.isZero(0)) w += times(p);
   Eigen::VectorXd y = pattern_.P.transpose() * w;
   y = -y;
-  Tangent t;
+  SolutionTangent t;
   t.consistent = system_.solve(y) <= 1e-6;
   t.z = p + pattern_.E * y;
   t.w = times(t.z) + at_rest;
   return t;
 }
 
-Tangent Sensitivity::jvp(const Perturbation& change) const {
+SolutionTangent Sensitivity::jvp(const Perturbation& change) const {
   Eigen::VectorXd at_rest;
   return tangent(change, at_rest);
 }
 
-Gradient Sensitivity::vjp(const Vector& g, const Vector& h) const {
+DataGradient Sensitivity::vjp(const Vector& g, const Vector& h) const {
   const Index n = problem_.size();
   if (g.size() != n || (h.size() != 0 && h.size() != n))
     throw std::invalid_argument("vjp: g has " + std::to_string(g.size()) + " entries, h " + std::to_string(h.size()) +
@@ -115,7 +115,7 @@ Gradient Sensitivity::vjp(const Vector& g, const Vector& h) const {
   Eigen::VectorXd a = g;
   if (h.size() > 0) a += transposed(h);
   Eigen::VectorXd lambda = pattern_.E.transpose() * a;
-  Gradient gradient;
+  DataGradient gradient;
   gradient.consistent = system_.solve_transposed(lambda) <= 1e-6;
   const Eigen::VectorXd spread = pattern_.P * lambda;
   gradient.b = -spread;
@@ -124,9 +124,9 @@ Gradient Sensitivity::vjp(const Vector& g, const Vector& h) const {
   return gradient;
 }
 
-Tangent Sensitivity::directional(const Perturbation& change) const {
+SolutionTangent Sensitivity::directional(const Perturbation& change) const {
   Eigen::VectorXd at_rest;
-  Tangent t = tangent(change, at_rest);
+  SolutionTangent t = tangent(change, at_rest);
   const Index m = pattern_.E_weak.cols();
   if (m == 0) return t;
   Eigen::MatrixXd Z(problem_.size(), m), W(problem_.size(), m);  // ż and ẇ of u_j = 1
@@ -167,7 +167,7 @@ Tangent Sensitivity::directional(const Perturbation& change) const {
   return t;
 }
 
-Matrix gradient_of_matrix(const Sensitivity& of, const Gradient& gradient) {
+Matrix gradient_of_matrix(const Sensitivity& of, const DataGradient& gradient) {
   const Matrix& A = of.problem().A;
   const Vector& z = of.z();
   if (std::holds_alternative<DenseMatrix>(A)) return DenseMatrix(gradient.b * z.transpose());

@@ -36,13 +36,13 @@ struct Perturbation {
   Vector mu;         // one a friction
 };
 
-struct Tangent {
+struct SolutionTangent {
   Vector z, w;             // n
   bool consistent = true;  // false: the redundant rows part, and there is no derivative
 };
 
 /// Of a scalar with respect to the data. With respect to A_ij it is b_i z_j: gradient_of_matrix().
-struct Gradient {
+struct DataGradient {
   Vector b, lo, hi, mu;
   bool consistent = true;  // false: the scalar depends on the choice among solutions, and has no derivative
 };
@@ -69,17 +69,17 @@ class Sensitivity {
   const SensitivityReport& report() const { return report_; }
 
   /// (1). Parts of other sizes than the problem's throw std::invalid_argument.
-  Tangent jvp(const Perturbation& change) const;
+  SolutionTangent jvp(const Perturbation& change) const;
   /// (2) of gᵀ ż + hᵀ ẇ; an empty h is 0.
-  Gradient vjp(const Vector& g, const Vector& h = {}) const;
+  DataGradient vjp(const Vector& g, const Vector& h = {}) const;
   /// (3): the one-sided derivative along the change. Throws std::runtime_error where (3) is not solved.
-  Tangent directional(const Perturbation& change) const;
+  SolutionTangent directional(const Perturbation& change) const;
 
   const Lcp& problem() const { return problem_; }
   const Vector& z() const { return z_; }
 
  private:
-  Tangent tangent(const Perturbation& change, Eigen::VectorXd& at_rest) const;
+  SolutionTangent tangent(const Perturbation& change, Eigen::VectorXd& at_rest) const;
   Eigen::VectorXd transposed(const Eigen::VectorXd& x) const;  // Aᵀ x
   Vector times(const Vector& x) const;                         // A x
 
@@ -93,7 +93,7 @@ class Sensitivity {
 inline Sensitivity sensitivity(const Lcp& problem, const Solution& solution) { return {problem, solution}; }
 
 /// ∂/∂A of the gradient's scalar, stored as A: dense, on the pattern of a sparse A, or the parts of a Delassus operator.
-Matrix gradient_of_matrix(const Sensitivity& of, const Gradient& gradient);
+Matrix gradient_of_matrix(const Sensitivity& of, const DataGradient& gradient);
 
 /// Ȧ x for a change of A as Perturbation has it.
 Vector multiply_change(const Matrix& A, const Matrix& change, const Vector& x);

@@ -164,13 +164,13 @@ Perturbation random_change(const Lcp& p, Random& random) {
   return change;
 }
 
-// Tangent against differences, adjoint against tangent.
+// SolutionTangent against differences, adjoint against tangent.
 void compare(const Lcp& p, const Solution& s, Random& random, double tolerance) {
   const Sensitivity of = sensitivity(p, s);
   REQUIRE(of.report().differentiable());
   REQUIRE(!of.report().redundant);
   const Perturbation change = random_change(p, random);
-  const Tangent t = of.jvp(change);
+  const SolutionTangent t = of.jvp(change);
   const Difference d = difference(p, s.z, change);
   REQUIRE(d.found);
   const double size_z = 1 + d.z.lpNorm<Eigen::Infinity>(), size_w = 1 + d.w.lpNorm<Eigen::Infinity>();
@@ -178,7 +178,7 @@ void compare(const Lcp& p, const Solution& s, Random& random, double tolerance) 
   CHECK((t.w - d.w).lpNorm<Eigen::Infinity>() <= tolerance * size_w * size_z);
 
   const Vector g = normals(random, p.size()), h = normals(random, p.size());
-  const Gradient back = of.vjp(g, h);
+  const DataGradient back = of.vjp(g, h);
   double along = back.b.dot(change.b) + back.lo.dot(change.lo) + back.hi.dot(change.hi) + back.mu.dot(change.mu);
   const Matrix by_A = gradient_of_matrix(of, back);
   if (const auto* dense = std::get_if<DenseMatrix>(&by_A)) {
@@ -305,7 +305,7 @@ void compare_directional(const Lcp& p, const Solution& s, std::size_t weak, Rand
     Perturbation change = random_change(p, random);
     const Difference d = difference(p, s.z, change, true);
     if (!d.found) continue;  // Newton's method may cycle
-    const Tangent t = of.directional(change);
+    const SolutionTangent t = of.directional(change);
     CHECK((t.z - d.z).lpNorm<Eigen::Infinity>() <= 1e-8 * (1 + d.z.lpNorm<Eigen::Infinity>()));
     CHECK((t.w - d.w).lpNorm<Eigen::Infinity>() <= 1e-8 * (1 + d.w.lpNorm<Eigen::Infinity>()));
   }
@@ -451,7 +451,7 @@ TEST_CASE("sensitivity: redundant contacts give the derivative of the motion, wh
           }
           const Sensitivity of = sensitivity(p, s);
           if (of.report().redundant) ++redundant;
-          const Tangent t = of.directional(now);
+          const SolutionTangent t = of.directional(now);
           CHECK(t.consistent);
           CHECK((t.w - d.w).lpNorm<Eigen::Infinity>() <= 1e-7 * (1 + d.w.lpNorm<Eigen::Infinity>()));
           const Eigen::VectorXd moved = table.W.transpose() * t.z;
@@ -469,7 +469,7 @@ TEST_CASE("sensitivity: a sparse obstacle problem of 2000 rows, by its rows and 
   const Sensitivity of = sensitivity(p, s);
   Perturbation change;
   change.b = p.b;
-  const Tangent t = of.directional(change);
+  const SolutionTangent t = of.directional(change);
   double out = 0;  // the rows of the tangent's own problem
   for (Index i = 0; i < p.size(); ++i)
     if (of.report().margin[i] > of.report().threshold)
