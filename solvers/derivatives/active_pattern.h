@@ -8,8 +8,8 @@
 //     weakly active            0 ≤ u ⊥ e·ẇ ≥ 0, u the way from the bound along e
 //   All of it is ż = p + E y + E_D u,  Pᵀ ẇ + D y = 0,  0 ≤ u ⊥ P_Dᵀ ẇ ≥ 0: E has the unknowns' directions, with the
 //   friction that a normal force drags along; P has them without it. Without friction at a bound E = P.
-//   Weakly active: both w and the distance to the bound are 0 up to t = max(residual, 20 ρ) (judge/active_set.h); a disc
-//   on its edge without slip; friction without slip of a contact that is weakly active itself.
+//   Weakly active: both w and the distance to the bound are 0 up to t = max(residual, 20 ρ) (judge/active_set.h); a
+//   disc on its edge without slip; friction without slip of a contact that is weakly active itself.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

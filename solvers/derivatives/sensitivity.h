@@ -1,4 +1,4 @@
-// solvers/derivatives/sensitivity.h — derivatives of a solution with respect to the data: tangents, adjoints, one-sided.
+// solvers/derivatives/sensitivity.h — derivatives of a solution with respect to the data.
 //
 //   z(A, b, lo, hi, μ) solves the problem; w = A z + b. With ẇ₀ = Ȧ z + ḃ, the change of w at a fixed z, the active
 //   pattern (active_pattern.h: E, P, D, p) gives
@@ -10,10 +10,10 @@
 //   bounds: one of the limits of nearby derivatives. directional() lets them choose: u of
 //     0 ≤ u ⊥ S u + s ≥ 0,   S = P_Dᵀ A (E_D − E B⁻¹ Pᵀ A E_D),  s = P_Dᵀ ẇ of (1)                                (3)
 //   (with Coulomb's law where a contact without force or slip has friction), positively homogeneous in the data.
-//   Redundant rows (B singular, as of contacts that hold a body more than once): z is not unique. Given is the ż of least
-//   norm of the scaled system; only what all solutions share, ẇ or the velocities M⁻¹ Wᵀ ż, is a derivative. It exists
-//   for changes that keep the redundancy (`consistent`). Discs that slide on redundant contacts share their load as the
-//   given z does: there the motion itself may depend on that choice.
+//   Redundant rows (B singular, as of contacts that hold a body more than once): z is not unique. Given is the ż of
+//   least norm of the scaled system; only what all solutions share, ẇ or the velocities M⁻¹ Wᵀ ż, is a derivative. It
+//   exists for changes that keep the redundancy (`consistent`). Discs that slide on redundant contacts share their load
+//   as the given z does: there the motion itself may depend on that choice.
 //   A contact that is open and has no slip keeps z_T = 0, and bounds that coincide move together: changes against this
 //   have one-sided derivatives, which are not given.
 //   Sources: Robinson, Math. Oper. Res. 5 (1980) 43-62; Facchinei & Pang, Finite-Dimensional Variational Inequalities
@@ -92,7 +92,7 @@ class Sensitivity {
 
 inline Sensitivity sensitivity(const Lcp& problem, const Solution& solution) { return {problem, solution}; }
 
-/// ∂/∂A of the gradient's scalar, stored as A: dense, on the pattern of a sparse A, or the parts of a Delassus operator.
+/// ∂/∂A of the gradient's scalar, stored as A: dense, on the pattern of a sparse A, or the parts of an operator.
 Matrix gradient_of_matrix(const Sensitivity& of, const DataGradient& gradient);
 
 /// Ȧ x for a change of A as Perturbation has it.

@@ -15,25 +15,25 @@ using namespace orthant;
 
 namespace {
 
-using Long =
+using Bits256 =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<256, boost::multiprecision::digit_base_2>,
                                   boost::multiprecision::et_off>;
-using LongMatrix = Eigen::Matrix<Long, Eigen::Dynamic, Eigen::Dynamic>;
-using LongVector = Eigen::Matrix<Long, Eigen::Dynamic, 1>;
+using Bits256Matrix = Eigen::Matrix<Bits256, Eigen::Dynamic, Eigen::Dynamic>;
+using Bits256Vector = Eigen::Matrix<Bits256, Eigen::Dynamic, 1>;
 
 // The data at step · change, in 256 bits.
-struct LongProblem {
-  LongMatrix A;
-  LongVector b, lo, hi, mu;
+struct Bits256Problem {
+  Bits256Matrix A;
+  Bits256Vector b, lo, hi, mu;
   std::vector<Friction> friction;
 
-  LongProblem(const Lcp& p, const Perturbation& change, const Long& step, const Long& regularization) {
-    const auto wide = [](const auto& x) { return x.template cast<Long>().eval(); };
+  Bits256Problem(const Lcp& p, const Perturbation& change, const Bits256& step, const Bits256& regularization) {
+    const auto wide = [](const auto& x) { return x.template cast<Bits256>().eval(); };
     if (const auto* operator_ = std::get_if<Delassus>(&p.A)) {
       const auto* parts = change.A ? &std::get<Delassus>(*change.A) : nullptr;
-      LongMatrix W = wide(Eigen::MatrixXd(operator_->W.view()));
-      LongVector inverse_mass = wide(operator_->inverse_mass);
-      LongVector R = LongVector::Zero(p.size());
+      Bits256Matrix W = wide(Eigen::MatrixXd(operator_->W.view()));
+      Bits256Vector inverse_mass = wide(operator_->inverse_mass);
+      Bits256Vector R = Bits256Vector::Zero(p.size());
       if (operator_->regularization.size() > 0) R = wide(operator_->regularization);
       if (parts != nullptr && parts->W.rows > 0) W += step * wide(Eigen::MatrixXd(parts->W.view()));
       if (parts != nullptr && parts->inverse_mass.size() > 0) inverse_mass += step * wide(parts->inverse_mass);
@@ -48,7 +48,7 @@ struct LongProblem {
     }
     for (Index i = 0; i < p.size(); ++i) A(i, i) += regularization;
     const auto moved = [&](const Vector& at, const Vector& by) {
-      LongVector x = wide(at);
+      Bits256Vector x = wide(at);
       if (by.size() > 0) x += step * wide(by);
       return x;
     };
@@ -61,20 +61,20 @@ struct LongProblem {
 };
 
 // Semismooth Newton's method on the natural map, from `start`: no pattern is given to it. False: no convergence.
-bool solve_long(const LongProblem& p, LongVector& z, LongVector& w) {
+bool solve_in_256_bits(const Bits256Problem& p, Bits256Vector& z, Bits256Vector& w) {
   const Index n = p.b.size();
   std::vector<int> friction_of(at(n), -1);
   for (std::size_t k = 0; k < p.friction.size(); ++k)
     for (Index i = 0; i < p.friction[k].rows; ++i) friction_of[at(p.friction[k].first + i)] = static_cast<int>(k);
-  LongMatrix J(n, n);
-  LongVector F(n);
+  Bits256Matrix J(n, n);
+  Bits256Vector F(n);
   for (int iteration = 0; iteration < 60; ++iteration) {
     w = p.A * z + p.b;
     for (Index i = 0; i < n; ++i) {
       const int k = friction_of[at(i)];
-      const Long d = p.A(i, i) > 0 ? p.A(i, i) : Long(1);
+      const Bits256 d = p.A(i, i) > 0 ? p.A(i, i) : Bits256(1);
       if (k < 0) {
-        const Long x = z[i] - w[i] / d;
+        const Bits256 x = z[i] - w[i] / d;
         if (x > p.lo[i] && x < p.hi[i]) {
           F[i] = w[i], J.row(i) = p.A.row(i);
         } else {
@@ -85,9 +85,9 @@ bool solve_long(const LongProblem& p, LongVector& z, LongVector& w) {
       }
       const Friction& f = p.friction[static_cast<std::size_t>(k)];
       if (f.first != i) continue;
-      const Long mu = p.mu[k], radius = z[f.normal] > 0 ? Long(mu * z[f.normal]) : Long(0);
-      LongVector x = z.segment(i, f.rows) - w.segment(i, f.rows) / d;
-      const Long length = x.norm();
+      const Bits256 mu = p.mu[k], radius = z[f.normal] > 0 ? Bits256(mu * z[f.normal]) : Bits256(0);
+      Bits256Vector x = z.segment(i, f.rows) - w.segment(i, f.rows) / d;
+      const Bits256 length = x.norm();
       if (length <= radius) {
         F.segment(i, f.rows) = w.segment(i, f.rows);
         J.middleRows(i, f.rows) = p.A.middleRows(i, f.rows);
@@ -95,43 +95,43 @@ bool solve_long(const LongProblem& p, LongVector& z, LongVector& w) {
       }
       x /= length;
       F.segment(i, f.rows) = z.segment(i, f.rows) - radius * x;
-      LongMatrix across = -x * x.transpose();
-      across.diagonal().array() += Long(1);
+      Bits256Matrix across = -x * x.transpose();
+      across.diagonal().array() += Bits256(1);
       across *= radius / length;
-      LongMatrix move = LongMatrix::Zero(f.rows, n);
+      Bits256Matrix move = Bits256Matrix::Zero(f.rows, n);
       for (Index r = 0; r < f.rows; ++r) move(r, i + r) = 1;
       J.middleRows(i, f.rows) = move - across * (move - p.A.middleRows(i, f.rows) / d);
       if (z[f.normal] > 0) J.middleRows(i, f.rows).col(f.normal) -= mu * x;
     }
-    if (F.cwiseAbs().maxCoeff() < Long("1e-60")) return true;
+    if (F.cwiseAbs().maxCoeff() < Bits256("1e-60")) return true;
     z -= J.partialPivLu().solve(F);
   }
   return false;
 }
 
-struct Difference {
+struct Difference256 {
   Eigen::VectorXd z, w;
   bool found = true;
 };
 
 // (z(ε) − z(−ε)) / 2ε; one-sided: (z(ε) − z(0)) / ε.
-Difference difference(const Lcp& p, const Vector& z0, const Perturbation& change, bool one_sided = false,
-                      double regularization = 0) {
-  const Long step = ldexp(Long(1), -80);
-  LongVector z[2], w[2];
-  Difference d;
+Difference256 difference_256(const Lcp& p, const Vector& z0, const Perturbation& change, bool one_sided = false,
+                             double regularization = 0) {
+  const Bits256 step = ldexp(Bits256(1), -80);
+  Bits256Vector z[2], w[2];
+  Difference256 d;
   for (int k = 0; k < 2; ++k) {
-    z[k] = z0.cast<Long>();
-    const Long at = k == 1 ? step : one_sided ? Long(0) : Long(-step);
-    d.found = solve_long(LongProblem(p, change, at, Long(regularization)), z[k], w[k]) && d.found;
+    z[k] = z0.cast<Bits256>();
+    const Bits256 at = k == 1 ? step : one_sided ? Bits256(0) : Bits256(-step);
+    d.found = solve_in_256_bits(Bits256Problem(p, change, at, Bits256(regularization)), z[k], w[k]) && d.found;
   }
-  const Long over = one_sided ? step : Long(2 * step);
-  d.z = LongVector((z[1] - z[0]) / over).cast<double>();
-  d.w = LongVector((w[1] - w[0]) / over).cast<double>();
+  const Bits256 over = one_sided ? step : Bits256(2 * step);
+  d.z = Bits256Vector((z[1] - z[0]) / over).cast<double>();
+  d.w = Bits256Vector((w[1] - w[0]) / over).cast<double>();
   return d;
 }
 
-Vector normals(Random& random, Index n) {
+Vector normal_vector(Random& random, Index n) {
   Vector x(Eigen::VectorXd::Zero(n));
   for (Index i = 0; i < n; ++i) x[i] = random.normal();
   return x;
@@ -154,30 +154,30 @@ Perturbation random_change(const Lcp& p, Random& random) {
     change.A = redrawn(*sparse);
   } else {
     const auto& parts = std::get<Delassus>(p.A);
-    change.A = Delassus{redrawn(parts.W), normals(random, parts.W.cols), normals(random, n)};
+    change.A = Delassus{redrawn(parts.W), normal_vector(random, parts.W.cols), normal_vector(random, n)};
   }
-  change.b = normals(random, n), change.lo = normals(random, n), change.hi = normals(random, n);
+  change.b = normal_vector(random, n), change.lo = normal_vector(random, n), change.hi = normal_vector(random, n);
   for (Index i = 0; i < n; ++i)
     if (p.lo[i] == p.hi[i]) change.hi[i] = change.lo[i];
   for (const Friction& f : p.friction) change.lo[f.normal] = 0;  // z_n ≥ 0 stays
-  change.mu = normals(random, static_cast<Index>(p.friction.size()));
+  change.mu = normal_vector(random, static_cast<Index>(p.friction.size()));
   return change;
 }
 
 // SolutionTangent against differences, adjoint against tangent.
-void compare(const Lcp& p, const Solution& s, Random& random, double tolerance) {
+void compare_tangents(const Lcp& p, const Solution& s, Random& random, double tolerance) {
   const Sensitivity of = sensitivity(p, s);
   REQUIRE(of.report().differentiable());
   REQUIRE(!of.report().redundant);
   const Perturbation change = random_change(p, random);
   const SolutionTangent t = of.jvp(change);
-  const Difference d = difference(p, s.z, change);
+  const Difference256 d = difference_256(p, s.z, change);
   REQUIRE(d.found);
   const double size_z = 1 + d.z.lpNorm<Eigen::Infinity>(), size_w = 1 + d.w.lpNorm<Eigen::Infinity>();
   CHECK((t.z - d.z).lpNorm<Eigen::Infinity>() <= tolerance * size_z);
   CHECK((t.w - d.w).lpNorm<Eigen::Infinity>() <= tolerance * size_w * size_z);
 
-  const Vector g = normals(random, p.size()), h = normals(random, p.size());
+  const Vector g = normal_vector(random, p.size()), h = normal_vector(random, p.size());
   const DataGradient back = of.vjp(g, h);
   double along = back.b.dot(change.b) + back.lo.dot(change.lo) + back.hi.dot(change.hi) + back.mu.dot(change.mu);
   const Matrix by_A = gradient_of_matrix(of, back);
@@ -225,7 +225,7 @@ TEST_CASE("sensitivity: boxes and free rows, dense and sparse, symmetric or not,
     }
     Solution s;
     REQUIRE(has_answer(make_solver("auto")->solve(p, s).status));
-    compare(p, s, random, 1e-9);
+    compare_tangents(p, s, random, 1e-9);
   }
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("sensitivity: friction discs that stick, slide on the cone and are ope
       const double slip = s.w.segment(f.first, f.rows).norm();
       ++(s.z[f.normal] == 0 ? open : slip > 1e-8 ? sliding : sticking);
     }
-    compare(known.problem, s, random, 1e-8);
+    compare_tangents(known.problem, s, random, 1e-8);
   }
   CHECK((sliding > 10 && sticking > 10 && open > 10));
 }
@@ -262,7 +262,7 @@ TEST_CASE("sensitivity: planar friction, dense and as an operator that is not fo
     parts.inverse_mass = Eigen::VectorXd::Constant(freedoms, 1.0);
     for (Index j = 0; j < freedoms; ++j) parts.inverse_mass[j] = random.uniform(0.1, 2.0);
     parts.regularization = Eigen::VectorXd::Constant(n, 0.05);
-    Lcp p = Lcp::standard(parts, normals(random, n));
+    Lcp p = Lcp::standard(parts, normal_vector(random, n));
     for (Index k = 0; k < contacts; ++k) {
       p.friction.push_back({2 * k, 2 * k + 1, 1, random.uniform(0.1, 0.6)});
       p.lo[2 * k + 1] = -kInf;
@@ -274,7 +274,7 @@ TEST_CASE("sensitivity: planar friction, dense and as an operator that is not fo
     }
     Solution s;
     if (!has_answer(make_solver("auto")->solve(p, s).status)) continue;
-    compare(p, s, random, 1e-8);
+    compare_tangents(p, s, random, 1e-8);
   }
 }
 
@@ -291,7 +291,7 @@ Lcp exact_problem(const Eigen::VectorXd& z, const Eigen::VectorXd& w, Random& ra
   return Lcp::standard(DenseMatrix(A), Vector(w - A * z));
 }
 
-Solution answer(const Lcp& p, const Eigen::VectorXd& z) {
+Solution exact_answer(const Lcp& p, const Eigen::VectorXd& z) {
   Solution s;
   s.z = z;
   return make_solver("auto")->solve(p, s, Start::warm);
@@ -303,7 +303,7 @@ void compare_directional(const Lcp& p, const Solution& s, std::size_t weak, Rand
   for (int k = 0; k < directions; ++k) {
     INFO("direction ", k);
     Perturbation change = random_change(p, random);
-    const Difference d = difference(p, s.z, change, true);
+    const Difference256 d = difference_256(p, s.z, change, true);
     if (!d.found) continue;  // Newton's method may cycle
     const SolutionTangent t = of.directional(change);
     CHECK((t.z - d.z).lpNorm<Eigen::Infinity>() <= 1e-8 * (1 + d.z.lpNorm<Eigen::Infinity>()));
@@ -327,7 +327,7 @@ TEST_CASE("directional: rows with z = w = 0 choose, as one-sided differences in 
       if (kind == 2) w[i] = random.integer(1, 8) / 4.0;
     }
     const Lcp p = exact_problem(z, w, random, trial % 2 == 1);
-    compare_directional(p, answer(p, z), weak, random, 4);
+    compare_directional(p, exact_answer(p, z), weak, random, 4);
   }
 }
 
@@ -367,7 +367,7 @@ TEST_CASE("directional: friction on its bound without slip, discs on their edge,
     Lcp p = exact_problem(z, w, random, false);
     p.friction = friction;
     for (const Friction& f : friction) p.lo.segment(f.first, f.rows).setConstant(-kInf);
-    Solution s = answer(p, z);
+    Solution s = exact_answer(p, z);
     REQUIRE(has_answer(s.status));
     if ((s.z - z).norm() > 1e-12) continue;  // another solution
     compare_directional(p, s, weak, random, 4);
@@ -378,17 +378,17 @@ namespace {
 
 // A plate on feet × feet feet (planar: feet), more than hold it; rows N T₁ T₂ (planar: N T). Entries are exact in
 // double, and b = W v exactly: the rows stay dependent in 256 bits. v: linear velocity along x and down, turn.
-struct Plate {
+struct FeetPlate {
   Eigen::MatrixXd W;
   Lcp problem;
 };
-Plate plate(int feet, bool spatial, double mu, double vx, double turn) {
+FeetPlate feet_plate(int feet, bool spatial, double mu, double vx, double turn) {
   const double height = 0.5;
   std::vector<std::array<double, 2>> at;
   for (int i = 0; i < feet; ++i)
     for (int j = 0; j < (spatial ? feet : 1); ++j) at.push_back({i - 0.75, spatial ? j - 1.25 : 0.0});
   const Index rows = spatial ? 3 : 2, freedoms = spatial ? 6 : 3, contacts = static_cast<Index>(at.size());
-  Plate result;
+  FeetPlate result;
   result.W.setZero(rows * contacts, freedoms);
   for (Index k = 0; k < contacts; ++k) {
     const auto [x, y] = at[static_cast<std::size_t>(k)];
@@ -425,7 +425,7 @@ TEST_CASE("sensitivity: redundant contacts give the derivative of the motion, wh
       for (const double turn : {0.0, 0.5}) {
         if (spatial && vx > 1) continue;  // the motion depends on how the feet share the load
         INFO("spatial ", spatial, ", vx ", vx, ", turn ", turn);
-        const Plate table = plate(3, spatial, 0.5, vx, turn);
+        const FeetPlate table = feet_plate(3, spatial, 0.5, vx, turn);
         Lcp p = table.problem;
         const Delassus parts = std::get<Delassus>(p.A);
         const Index freedoms = parts.W.cols;
@@ -434,11 +434,11 @@ TEST_CASE("sensitivity: redundant contacts give the derivative of the motion, wh
         // What keeps the redundancy: masses, and velocities, b = W v.
         Perturbation change;
         Delassus masses;
-        masses.inverse_mass = normals(random, freedoms).cwiseProduct(parts.inverse_mass);
+        masses.inverse_mass = normal_vector(random, freedoms).cwiseProduct(parts.inverse_mass);
         Eigen::VectorXd v(freedoms);
         for (Index j = 0; j < freedoms; ++j) v[j] = random.integer(-8, 8) / 8.0;
         change.A = masses, change.b = table.W * v;
-        const Difference d = difference(p, s.z, change, false, 1e-45);
+        const Difference256 d = difference_256(p, s.z, change, false, 1e-45);
         REQUIRE(d.found);
         const Eigen::VectorXd motion = table.W.transpose() * d.z;
         for (const bool formed : {false, true}) {
