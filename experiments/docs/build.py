@@ -41,6 +41,7 @@ FOLDERS = {
     "solvers/first_order": "First-order solvers",
     "solvers/external": "Solvers over Ipopt and NLopt",
     "solvers/proof": "Proofs of infeasibility",
+    "solvers/derivatives": "Derivatives of solutions",
     "solvers/linear_algebra": "Factorizations and kernels",
     "integrators": "Integrator interface, registry, simulation loop",
     "integrators/step": "Parts of one step",

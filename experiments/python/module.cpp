@@ -38,6 +38,7 @@ PYBIND11_MODULE(_orthant, m) {
     return orthant::run_command(static_cast<int>(argv.size()), argv.data());
   });
   orthant::python::add_problems(m);
+  orthant::python::add_derivatives(m);
   orthant::python::add_nonlinear(m);
   orthant::python::add_mechanics(m);
   orthant::python::add_integrators(m);

@@ -6,6 +6,7 @@
 namespace orthant::python {
 
 void add_problems(pybind11::module_& m);     // Problem, Solver, Result, analyse, enumerate_solutions
+void add_derivatives(pybind11::module_& m);  // sensitivities of solutions
 void add_nonlinear(pybind11::module_& m);    // mixed complementarity problems by callbacks, bimatrix games
 void add_mechanics(pybind11::module_& m);    // scenes, simulate
 void add_integrators(pybind11::module_& m);  // integrators written in Python

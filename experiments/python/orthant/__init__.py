@@ -6,12 +6,13 @@
 ('solved', array([1.33333333, 2.33333333]))
 
 `solve`, `analyse`, `enumerate_solutions`, `error_bound`: problems `z in [lower, upper], w = M z + q`, row by row
-complementary. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilibria`: bimatrix games.
+complementary. `sensitivity`: derivatives of a solution. `solve_mcp`: the same with a nonlinear F. `equilibrium`, `equilibria`: bimatrix games.
 `Scene`, `simulate`, `sweep`: planar mechanisms with joints, clearances, impacts and friction.
 Nothing is called solved that an independent judge has not recomputed and accepted.
 """
 
 from . import _pages as _pages  # first: where the parts of pages are
+from ._derivatives import Gradient, Sensitivity, Tangent, WeaklyActive, sensitivity
 from ._files import read_problem, set_largest_input, write_fclib, write_npz, write_problem
 from ._mechanics import Interrupted, OrthantWarning, Scene, Trajectory, integrators, register_integrator, register_scene, scenes, simulate
 from ._nonlinear import McpResult, equilibria, equilibrium, extreme_equilibria, solve_mcp
@@ -20,9 +21,9 @@ from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bou
 from ._sweep import sweep
 
 __all__ = [
-    "Delassus", "Equilibrium", "Face", "Interrupted", "LogEntry", "McpResult", "OrthantWarning", "Problem", "Result", "Scene",
-    "Solutions", "Solver", "Step", "Trajectory", "__version__", "analyse", "enumerate_solutions", "equilibria", "equilibrium",
-    "error_bound", "extreme_equilibria", "integrators", "read_problem", "register_integrator", "register_scene",
-    "register_solver", "revision", "scenes", "set_largest_input", "simulate", "solve", "solve_many", "solve_mcp", "solvers",
-    "sweep", "write_fclib", "write_npz", "write_problem",
+    "Delassus", "Equilibrium", "Face", "Gradient", "Interrupted", "LogEntry", "McpResult", "OrthantWarning", "Problem", "Result",
+    "Scene", "Sensitivity", "Solutions", "Solver", "Step", "Tangent", "Trajectory", "WeaklyActive", "__version__", "analyse",
+    "enumerate_solutions", "equilibria", "equilibrium", "error_bound", "extreme_equilibria", "integrators", "read_problem",
+    "register_integrator", "register_scene", "register_solver", "revision", "scenes", "sensitivity", "set_largest_input",
+    "simulate", "solve", "solve_many", "solve_mcp", "solvers", "sweep", "write_fclib", "write_npz", "write_problem",
 ]

@@ -1,0 +1,84 @@
+"""Derivatives of solutions from Python: against differences of solves, adjoint against tangent, what is refused."""
+
+import numpy as np
+import orthant
+import pytest
+import scipy.sparse as sp
+
+from support import random_problem
+
+
+def moved(M, q, dM, dq, step):
+    return orthant.solve(M + step * dM, q + step * dq, solver="lemke").z
+
+
+@pytest.mark.parametrize("form", [np.asarray, sp.csr_matrix])
+def test_tangents_are_differences_of_solves_and_adjoints_their_transposes(form):
+    M, q = random_problem(8)
+    random = np.random.default_rng(5)
+    problem = orthant.Problem(form(M), q)
+    s = orthant.sensitivity(problem, orthant.solve(problem))
+    assert s.degenerate == [] and not s.redundant and 0 < s.unknowns <= 8
+    dM, dq = random.normal(size=(8, 8)), random.normal(size=8)
+    t = s.jvp(dM=form(dM), dq=dq)
+    step = 1e-6
+    difference = (moved(M, q, dM, dq, step) - moved(M, q, dM, dq, -step)) / (2 * step)
+    assert np.allclose(t.z, difference, atol=1e-7 * (1 + abs(difference).max()))
+    g, h = random.normal(size=8), random.normal(size=8)
+    back = s.vjp(g, h)
+    dense = back.M.toarray() if sp.issparse(back.M) else back.M
+    assert np.isclose((dense * dM).sum() + back.q @ dq, g @ t.z + h @ t.w, rtol=1e-11)
+
+
+def test_bounds_friction_and_the_parts_of_an_operator():
+    W = np.array([[0.0, 1.0, 0.5], [1.0, 0.0, -0.5]])
+    A = orthant.Delassus(sp.csr_matrix(W), np.array([1.0, 2.0, 0.5]), np.array([0.1, 0.1]))
+    problem = orthant.Problem(A, [-1.0, 3.0], friction=[(1, 0, 0.3)])
+    result = orthant.solve(problem)
+    s = orthant.sensitivity(problem, result)
+    assert np.isclose(result.z[1], -0.3 * result.z[0])  # slides
+    d_mass = np.array([0.3, -0.2, 0.1])
+    t = s.jvp(dM=orthant.Delassus(sp.csr_matrix((2, 3)), d_mass), dmu=[0.5])
+
+    def at(step):
+        B = orthant.Delassus(A.W, A.inverse_mass + step * d_mass, A.regularization)
+        return orthant.solve(B, [-1.0, 3.0], friction=[(1, 0, 0.3 + step * 0.5)]).z
+
+    assert np.allclose(t.z, (at(1e-6) - at(-1e-6)) / 2e-6, atol=1e-8)
+    back = s.vjp([0.0, 1.0])
+    assert isinstance(back.M, orthant.Delassus)
+    assert np.isclose(back.M.inverse_mass @ d_mass + back.mu @ [0.5], t.z[1], rtol=1e-10)
+
+
+def test_weakly_active_rows_are_named_and_choose():
+    problem = orthant.Problem(np.diag([2.0, 1.0]), [-2.0, 0.0], 0.0, [5.0, 1.0])
+    s = orthant.sensitivity(problem, orthant.solve(problem))
+    (row,) = s.degenerate
+    assert row.row == 1 and row.distance == 0 and row.w == 0
+    assert "row 1 is weakly active" in str(s)
+    assert s.directional(dq=[0, -3]).z[1] == 3 and s.directional(dq=[0, 3]).z[1] == 0 and s.jvp(dq=[0, -3]).z[1] == 0
+    assert s.directional(dlo=[0, 2]).z[1] == 2
+
+
+def test_redundant_rows_say_what_is_unique():
+    problem = orthant.Problem(np.ones((2, 2)), [-2.0, -2.0])
+    result = orthant.solve(problem, solver="pgs")
+    s = orthant.sensitivity(problem, result)
+    if s.redundant:  # both rows are active
+        assert s.vjp([1, 1]).consistent and not s.vjp([1, -1]).consistent
+    assert np.allclose(s.directional(dq=[1, 1]).w, 0, atol=1e-12)
+
+
+def test_refusals_name_the_argument():
+    problem = orthant.Problem(np.eye(2), [-1.0, 1.0])
+    result = orthant.solve(problem)
+    with pytest.raises(TypeError, match="problem"):
+        orthant.sensitivity(np.eye(2), result)
+    s = orthant.sensitivity(problem, result)
+    with pytest.raises(ValueError, match="dq"):
+        s.jvp(dq=[1.0])
+    with pytest.raises(ValueError, match="g"):
+        s.vjp([1.0, np.nan])
+    other = orthant.solve(-np.eye(2), [-1.0, 1.0])
+    with pytest.raises(ValueError, match="must be solved or rounded"):
+        orthant.sensitivity(problem, other)
