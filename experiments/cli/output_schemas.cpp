@@ -174,19 +174,20 @@ Json list_of_names() {
 }
 
 Json check_scene() {
-  return object({{"bodies", whole()},
+  return object({{"dimension", whole("2, or 3: in space")},
+                 {"bodies", whole()},
                  {"mass", number("[kg]")},
                  {"joints", whole()},
                  {"joint_rows", whole("equations of the joints")},
                  {"contacts", whole()},
                  {"collisions", whole()},
                  {"pairs", whole("of bodies that collisions search")},
-                 {"mobility_gruebler", whole("3 bodies - joint_rows")},
+                 {"mobility_gruebler", whole("3 bodies - joint_rows; in space 6 bodies - joint_rows")},
                  {"mobility_rank?", whole("degrees of freedom by the rank of the joints' rows")},
                  {"rank?", whole("of the joints' rows")},
                  {"redundant_rows?", text("in words, or empty")},
                  {"drives", list(text())},
-                 {"jam", text("drives and stops that contradict each other, or empty")},
+                 {"jam", text("drives and stops that contradict each other, or empty; not looked for in space")},
                  {"clearances", by_name(number(), "[m] by contact")},
                  {"warnings", list(text())},
                  {"suggested_integrator", text()},
