@@ -240,10 +240,12 @@ class Trajectory:
 
     @property
     def status(self) -> str:
+        """'solved', 'time_limit', 'stalled', ...: statuses in the documentation."""
         return str(self.summary["status"])
 
     @property
     def solved(self) -> bool:
+        """status is 'solved': every step up to the duration was."""
         return self.status == "solved"
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import json
 import os
@@ -176,15 +177,13 @@ def _run_case(file: Path, quick: bool, key: str, largest: int) -> list[str]:
 
 
 def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[str], bar: _Bar) -> None:
-    from distributed import Client, as_completed
-
+    distributed: Any = importlib.import_module("distributed")  # untyped in some versions, typed in others
     ours = isinstance(client, str)
-    workers = Client(client) if ours else client  # type: ignore[no-untyped-call]
+    workers = distributed.Client(client) if ours else client
     try:
         futures = [workers.submit(_run_case, file, quick, key, _orthant._largest_input(0), key=f"orthant-{key}", retries=2) for key in missing]
         total, done, lost = len(missing), 0, []
-        future: Any
-        for future in as_completed(futures):  # type: ignore[no-untyped-call]
+        for future in distributed.as_completed(futures):
             if future.status == "finished":
                 for row in future.result():
                     _orthant._keep_row(results, row)
