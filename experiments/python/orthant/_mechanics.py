@@ -9,10 +9,10 @@ import warnings
 from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 from . import _orthant
-from ._custom import custom_element
+from ._custom import custom_element, without_functions
 from ._orthant import Problem, Step
 from ._pictures import draw_pose, in_frame, plot_columns, svg_of, write_film, write_view
-from ._spec import Entry, options_of, path, regular, seconds, shown, whole, word
+from ._spec import Entry, options_of, path, registered, regular, seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -238,6 +238,12 @@ class Trajectory:
         self._scene, self._events, self._joints, self._pushes = scene, events, joints, pushes
         self._place = {name: i for i, name in enumerate(columns)}
 
+    def __getstate__(self) -> dict[str, Any]:
+        state, scene = dict(self.__dict__), self._scene
+        if scene.customs:
+            state["_scene"] = _orthant._Scene(scene.text, scene.name, scene.sets, without_functions(scene.customs))
+        return state
+
     @property
     def status(self) -> str:
         """'solved', 'time_limit', 'stalled', ...: statuses in the documentation."""
@@ -422,17 +428,24 @@ def register_integrator(name: str, function: Callable[[Step], Any], summary: str
     if not callable(function):
         raise TypeError(f"function = {shown(function)}: must be a function of a Step")
     _orthant._register_integrator(word("name", name), function, word("summary", summary))
+    registered.add(("integrator", name))
+
+
+_registered_scenes: dict[str, Scene] = {}
 
 
 def register_scene(name: str, scene: Scene, summary: str = "written in Python") -> None:
-    """A scene under a name, for `simulate` and `Scene.named` of this process. Options of it are key paths of the format.
+    """A scene under a name, for `simulate`, `Scene.named` and `sweep` of this process.
 
-    Joints and contacts written in Python may be in it.
-    Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _, and for a scene without a text.
+    Options of it are key paths of the format; of a scene that is itself Scene.named(...) that one's options. Joints and contacts
+    written in Python may be in it.
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {shown(scene)}: must be a Scene")
-    _orthant._register_scene(word("name", name), scene._text(), word("summary", summary), scene._customs)
+    _orthant._register_scene(word("name", name), scene._checked(), word("summary", summary))
+    _registered_scenes[name] = scene
+    registered.add(("scene", name))
 
 
 def scenes() -> list[Entry]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, NamedTuple, Optional,
 
 from . import _orthant
 from ._orthant import Problem, Result, Solutions
-from ._spec import Entry, flag, seconds, shown, spec, whole, word
+from ._spec import Entry, flag, registered, seconds, shown, spec, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -227,12 +227,13 @@ def register_solver(name: str, function: Callable[[Problem, npt.NDArray[np.float
     """A method of your own under a name, for `solve`, `Solver`, `solve_many` and `simulate` of this process.
 
     function(problem, start) -> z: (n,) numbers, or None where it gives up; start is a guess. The judge decides what is
-    solved. It may be called from any thread, with the interpreter's lock. An exception ends the solve.
+    solved. `sweep` takes it too. It may be called from any thread, with the interpreter's lock. An exception ends the solve.
     Raises ValueError for a name that is taken, or made of other than a-z, 0-9 and -.
     """
     if not callable(function):
         raise TypeError(f"function = {shown(function)}: must be a function of a Problem and a start")
     _orthant._register_solver(word("name", name), function, word("summary", summary))
+    registered.add(("solver", name))
 
 
 def solvers() -> list[Entry]:
