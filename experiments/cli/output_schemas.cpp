@@ -272,6 +272,14 @@ Json version() {
                  {"backends", by_name(flag(), "whether the optional libraries are built in")}});
 }
 
+Json bad_input() {
+  return object({{"error", text("in one line; also on standard error")},
+                 {"where?", text("file and line, element")},
+                 {"field?", text()},
+                 {"value?", text("that was given")},
+                 {"rule?", text("for it")}});
+}
+
 struct Entry {
   const char *name, *command;
   std::function<Json()> schema;
@@ -280,6 +288,7 @@ struct Entry {
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"version", "--version --json", version},
+      {"error", "COMMAND --json with bad input", bad_input},
       {"solve", "solve --json", solve},
       {"analyse", "analyse --json", analyse},
       {"enumerate", "enumerate --json", enumerate},

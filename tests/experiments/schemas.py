@@ -59,6 +59,7 @@ omega = 50
 # schema: the commands, and their exit codes
 COMMANDS = {
     "version": [("--version --json", 0)],
+    "error": [("simulate nothing.toml --json", 1), ("check slider_crank --set mu=-1 --json", 1), ("solve --json --nothing", 1)],
     "solve": [("solve p.json --error-bound --log --json", 0), ("solve none.json --json", 2),
               ("solve disc.json --json", 0), ("solve disc.json --facets 8 --json", 3), ("solve p.json --solver lemke-howson --json", 3),
               ("solve p.json --solver pgs:max_sweeps=1 --json", 3)],
