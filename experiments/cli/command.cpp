@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "commands.h"
+#include "error_object.h"
 
 #include "../support/help_text.h"
 #include "../support/manifest.h"
@@ -17,6 +18,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <string_view>
 
 namespace {
 
@@ -78,6 +80,19 @@ void add_plugin(CLI::App& app) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+[[noreturn]] void refuse_plugin() {
+  throw std::invalid_argument(
+      "--plugin: must be given to an orthant that was built from its sources: the command of the Python package "
+      "exports "
+      "no code");
+}
+
+bool has(int argc, const char* const* argv, std::string_view word) {
+  return std::any_of(argv, argv + argc, [&](std::string_view given) {
+    return given == word || (given.starts_with(word) && given.substr(word.size()).starts_with('='));
+  });
+}
+
 [[noreturn]] void refuse_subcommand(const CLI::App& app, const std::string& given) {
   std::string known;
   for (const CLI::App* command : app.get_subcommands(nullptr)) known += " " + command->get_name();
@@ -99,7 +114,7 @@ int print_subcommands(const CLI::App& app) {
 
 }  // namespace
 
-int orthant::run_command(int argc, const char* const* argv) {
+int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
   CLI::App app("Orthant: linear complementarity problems and nonsmooth mechanics");
   app.footer(
       "Exit codes: 0 solved, 1 bad input, 2 proved infeasible, 3 not solved.\n"
@@ -137,9 +152,15 @@ int orthant::run_command(int argc, const char* const* argv) {
   orthant::add_schema(app, exit_code);
   orthant::add_completion(app, exit_code);
   orthant::add_man(app, exit_code);
-  add_max_input(app), add_plugin(app);
-  for (CLI::App* command : app.get_subcommands(nullptr)) add_max_input(*command), add_plugin(*command);
+  const bool loads = plugins == Plugins::load;
+  add_max_input(app);
+  if (loads) add_plugin(app);
+  for (CLI::App* command : app.get_subcommands(nullptr)) {
+    add_max_input(*command);
+    if (loads) add_plugin(*command);
+  }
   try {
+    if (!loads && has(argc, argv, "--plugin")) refuse_plugin();
     const std::string first = argc > 1 ? argv[1] : "-";
     if (!first.starts_with('-') &&
         app.get_subcommands([&](const CLI::App* c) { return c->get_name() == first; }).empty())
@@ -156,7 +177,9 @@ int orthant::run_command(int argc, const char* const* argv) {
   } catch (const CLI::Success& other) {
     return finish(app.exit(other));
   } catch (const std::exception& error) {  // a bad command line or bad input: one line
-    std::cerr << "orthant: " << orthant::printable(error.what()) << '\n';
+    const std::string words = orthant::printable(error.what());
+    if (has(argc, argv, "--json")) std::cout << orthant::error_object(words).dump() << '\n', finish(1);
+    std::cerr << "orthant: " << words << '\n';
     return 1;
   }
   return finish(exit_code);

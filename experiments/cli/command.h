@@ -3,7 +3,10 @@
 
 namespace orthant {
 
+enum class Plugins { load, refuse };
+
 /// argv as of a program, its name first. Writes to standard output and standard error; returns the exit code.
-int run_command(int argc, const char* const* argv);
+/// Plugins use the code of the program that loads them: where it exports none, they are refused and not offered.
+int run_command(int argc, const char* const* argv, Plugins plugins = Plugins::load);
 
 }  // namespace orthant

@@ -1,6 +1,7 @@
 // orthant completion — completion of subcommands, options, and names of solvers, integrators and scenes; manual pages.
 //   bash, zsh:  source <(orthant completion)           fish:  orthant completion fish | source
 #include "commands.h"
+#include "output_schemas.h"
 
 #include "../support/manifest.h"
 #include "../support/manual.h"
@@ -23,33 +24,71 @@ template <class Entries> std::string names(const Entries& entries) {
   return list;
 }
 
-std::string long_options(const CLI::App& command) {
+/// Of the options that take a value, or of all.
+std::string long_options(const CLI::App& command, bool all = true) {
   std::string list;
   for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) list += (list.empty() ? "--" : " --") + name;
+    for (const std::string& name : option->get_lnames())
+      if (all || option->get_items_expected_max() > 0) list += (list.empty() ? "--" : " --") + name;
   return list;
 }
 
+/// What the first word of a command without dashes may be, beside files.
+std::string arguments_of(const CLI::App& app, const std::string& command) {
+  if (command == "simulate" || command == "view" || command == "check")
+    return names(scenes()) + " " + names(spatial_scenes());
+  if (command == "list") return "solvers integrators scenes summary";
+  if (command == "completion") return "bash zsh fish";
+  if (command == "new") return "mechanism";
+  std::string list;
+  if (command == "schema") {
+    list = "scene";
+    for (const std::string& name : output_schema_names()) list += " " + name;
+  }
+  if (command == "man")
+    for (const CLI::App* one : app.get_subcommands(nullptr)) list += (list.empty() ? "" : " ") + one->get_name();
+  return list;
+}
+
+/// Words before the cursor: the command is the first that is no option nor an option's value; bash makes three words of
+/// --solver=lemke.
 std::string script(const CLI::App& app) {
   std::ostringstream out;
   std::string commands;
   for (const CLI::App* command : app.get_subcommands(nullptr)) commands += command->get_name() + " ";
-  out << "_orthant() {\n"
-         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words= first=1\n"
-         "  [[ ${COMP_WORDS[1]} == --max-input ]] && first=3  # the command is behind it\n"
-         "  (( COMP_CWORD == first )) && before=orthant  # whatever path it was called by\n"
+  out << "_orthant_of() {  # options, those with a value, arguments of a command\n  case $1 in\n";
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    out << "    " << command->get_name() << ") options='" << long_options(*command) << "' valued=' "
+        << long_options(*command, false) << " ' arguments='" << arguments_of(app, command->get_name()) << "' ;;\n";
+  out << "    *) options='" << long_options(app) << "' valued=' " << long_options(app, false) << " ' arguments='"
+      << commands
+      << "' ;;\n  esac\n}\n"
+         "_orthant() {\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} before= command= given=0 i=1 this words= options valued arguments\n"
+         "  _orthant_of ''\n"
+         "  while (( i < COMP_CWORD )); do\n"
+         "    this=${COMP_WORDS[i]} before=\n"
+         "    if [[ $this == --*=* || $this == = ]]; then :\n"
+         "    elif [[ $valued == *\" $this \"* ]]; then\n"
+         "      before=$this\n"
+         "      [[ ${COMP_WORDS[i+1]} == = ]] && (( i + 1 < COMP_CWORD )) && i=$((i+1))\n"
+         "      (( i + 1 < COMP_CWORD )) && i=$((i+1)) before=\n"
+         "    elif [[ $this == -* ]]; then :\n"
+         "    elif [[ -z $command ]]; then command=$this; _orthant_of \"$command\"\n"
+         "    else given=1\n"
+         "    fi\n"
+         "    i=$((i+1))\n"
+         "  done\n"
+         "  [[ $word == = ]] && before=$this word=\n"
          "  case $before in\n"
          "    --solver) words='"
-      << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators()) << "' ;;\n    simulate) words='"
-      << names(scenes()) << " " << names(spatial_scenes()) << "' ;;\n    view|check) words='" << names(scenes())
-      << "' ;;\n    list) words='solvers integrators scenes' ;;\n    orthant) words='" << commands << long_options(app)
-      << "' ;;\n  esac\n"
-         "  if [[ -z $words && $word == -* ]]; then\n"
-         "    case ${COMP_WORDS[first]} in\n";
-  for (const CLI::App* command : app.get_subcommands(nullptr))
-    out << "      " << command->get_name() << ") words='" << long_options(*command) << "' ;;\n";
-  out << "    esac\n"
-         "  fi\n"
+      << names(solvers()) << "' ;;\n    --integrator) words='" << names(integrators()) << "' ;;\n    --scene) words='"
+      << arguments_of(app, "view")
+      << "' ;;\n    '')\n"
+         "      if [[ $word == -* ]]; then words=$options\n"
+         "      elif (( given == 0 )); then words=$arguments\n"
+         "      fi ;;\n"
+         "  esac\n"
          "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"  // zsh and old bash have no mapfile
          "}\n"
          "complete -o default -F _orthant orthant\n";
@@ -81,9 +120,8 @@ std::string fish_script(const CLI::App& app) {
     out << "complete -c orthant -f -n __fish_use_subcommand -a " << command->get_name() << " -d "
         << fish_quoted(command->get_description()) << '\n';
     options(*command, inside);
-    for (const char* of_scenes : {"simulate", "view", "check"})
-      if (command->get_name() == of_scenes)
-        out << "complete -c orthant -n " << fish_quoted(inside) << " -a " << fish_quoted(names(scenes())) << '\n';
+    if (const std::string arguments = arguments_of(app, command->get_name()); !arguments.empty())
+      out << "complete -c orthant -n " << fish_quoted(inside) << " -a " << fish_quoted(arguments) << '\n';
   }
   return out.str();
 }

@@ -174,19 +174,20 @@ Json list_of_names() {
 }
 
 Json check_scene() {
-  return object({{"bodies", whole()},
+  return object({{"dimension", whole("2, or 3: in space")},
+                 {"bodies", whole()},
                  {"mass", number("[kg]")},
                  {"joints", whole()},
                  {"joint_rows", whole("equations of the joints")},
                  {"contacts", whole()},
                  {"collisions", whole()},
                  {"pairs", whole("of bodies that collisions search")},
-                 {"mobility_gruebler", whole("3 bodies - joint_rows")},
+                 {"mobility_gruebler", whole("3 bodies - joint_rows; in space 6 bodies - joint_rows")},
                  {"mobility_rank?", whole("degrees of freedom by the rank of the joints' rows")},
                  {"rank?", whole("of the joints' rows")},
                  {"redundant_rows?", text("in words, or empty")},
                  {"drives", list(text())},
-                 {"jam", text("drives and stops that contradict each other, or empty")},
+                 {"jam", text("drives and stops that contradict each other, or empty; not looked for in space")},
                  {"clearances", by_name(number(), "[m] by contact")},
                  {"warnings", list(text())},
                  {"suggested_integrator", text()},
@@ -271,6 +272,14 @@ Json version() {
                  {"backends", by_name(flag(), "whether the optional libraries are built in")}});
 }
 
+Json bad_input() {
+  return object({{"error", text("in one line; also on standard error")},
+                 {"where?", text("file and line, element")},
+                 {"field?", text()},
+                 {"value?", text("that was given")},
+                 {"rule?", text("for it")}});
+}
+
 struct Entry {
   const char *name, *command;
   std::function<Json()> schema;
@@ -279,6 +288,7 @@ struct Entry {
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"version", "--version --json", version},
+      {"error", "COMMAND --json with bad input", bad_input},
       {"solve", "solve --json", solve},
       {"analyse", "analyse --json", analyse},
       {"enumerate", "enumerate --json", enumerate},

@@ -15,7 +15,9 @@ void add_schema(CLI::App& app, int& exit_code) {
   auto json = std::make_shared<bool>(false);
   auto names = output_schema_names();
   names.insert(names.begin(), "scene");
-  command->add_option("what", *what, "scene: TOML scene files; else a command: what it prints with --json")
+  command
+      ->add_option("what", *what,
+                   "scene: TOML scene files; error: bad input; else a command: what it prints with --json")
       ->required()
       ->check(CLI::IsMember(names));
   command->add_flag("--json", *json, "a schema is JSON: no difference");

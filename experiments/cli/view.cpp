@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <sstream>
 #include <variant>
@@ -111,18 +112,50 @@ nlohmann::ordered_json drawing_of_scene(const ViewArguments& a, const RecordedRu
       make_any_scene(a.scene, a.sets));
 }
 
+/// In words, which numbers of the run are NaN or infinite; empty: none.
+std::string not_finite(const RecordedRun& run) {
+  std::size_t count = 0, first = 0;
+  for (std::size_t i = 0; i < run.table.size(); ++i)
+    if (!std::isfinite(run.table[i])) {
+      const bool gap = run.columns[i % run.columns.size()].ends_with(".gap");  // infinite where no pair is near
+      if (gap && !std::isnan(run.table[i])) continue;
+      if (count++ == 0) first = i;
+    }
+  if (count == 0) return {};
+  return std::to_string(count) + (count == 1 ? " number is" : " numbers are") + " NaN or infinite, the first " +
+         run.columns[first % run.columns.size()] + " in row " + std::to_string(first / run.columns.size() + 1) +
+         ": plots have gaps there, bodies are not drawn";
+}
+
 Viewed of_file(const ViewArguments& a) {
   const RecordedRun run = read_run(a.input);
+  const std::string wrong = not_finite(run);
+  if (!wrong.empty()) std::cerr << "orthant: warning: " << printable(a.input) << ": " << wrong << '\n';
   nlohmann::ordered_json shown;
   if (!a.scene.empty())
     shown = drawing_of_scene(a, run);
   else if (run.drawing.empty())
     std::cerr << "orthant: note: a CSV file holds no drawing: bodies are shown as points. --scene SCENE draws them\n";
-  return {view_data(name_of(a), "recorded in " + printable(a.input), run, shown)};
+  return {view_data(name_of(a), "recorded in " + printable(a.input) + (wrong.empty() ? "" : "; " + wrong), run, shown)};
 }
 
+bool is_view(const std::string& file) {
+  constexpr std::size_t kHead = 4096;  // [bytes]
+  std::string head(kHead, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), kHead);
+  return head.find(kViewMark) != std::string::npos;
+}
+
+/// The page of a run by default, where no other file has that name.
 std::string output_of(const ViewArguments& a) {
-  return a.output.empty() ? std::filesystem::path(a.input).stem().string() + ".html" : a.output;
+  if (!a.output.empty()) return a.output;
+  const std::string file = std::filesystem::path(a.input).stem().string() + ".html";
+  std::error_code error;
+  if (std::filesystem::is_regular_file(file, error) && !is_view(file))
+    throw std::invalid_argument(file +
+                                ": exists, and is no page of orthant view: must be named by --output to be replaced");
+  return file;
 }
 
 int run_view(const ViewArguments& a) {
@@ -155,7 +188,11 @@ void add_view(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ViewArguments>();
   CLI::App* command = app.add_subcommand("view", "One run as one HTML page: motion, forces, columns, events");
   command->add_option("input", arguments->input, "scene (built-in or TOML), or a trajectory: .csv, .h5")->required();
-  command->add_option("--output", arguments->output, "the page; default: the input's name with .html");
+  const CLI::Validator given([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+  command
+      ->add_option("--output", arguments->output,
+                   "the page; default: the input's name with .html, which replaces an earlier page only")
+      ->check(given);
   command->add_option("--scene", arguments->scene, "of a trajectory in CSV: the scene, for its drawing");
   command
       ->add_option("--serve", arguments->serve,

@@ -193,15 +193,15 @@ void register_scheme(const std::string& name, const py::function& function, cons
 void add_integrators(py::module_& m) {
   py::class_<PythonStep, std::shared_ptr<PythonStep>>(
       m, "Step", "A step to be made by a function of register_integrator: from t [s] and (q, v) over h [s].")
-      .def_property_readonly("t", &PythonStep::t)
-      .def_property_readonly("h", &PythonStep::h)
+      .def_property_readonly("t", &PythonStep::t, "[s] at its start")
+      .def_property_readonly("h", &PythonStep::h, "[s] its length")
       .def_property_readonly("q", &PythonStep::q, "(dof,) x, y [m], angle [rad] of each body")
       .def_property_readonly("v", &PythonStep::v, "(dof,) their rates")
       .def_property_readonly("mass", &PythonStep::mass, "(dof,) diagonal of M: mass, mass [kg], inertia [kg m^2]")
       .def_property_readonly(
-          "mu", [](const PythonStep& s) { return s.laws(&ContactLaw::mu); }, "(contacts,)")
+          "mu", [](const PythonStep& s) { return s.laws(&ContactLaw::mu); }, "(contacts,) of friction")
       .def_property_readonly(
-          "e_n", [](const PythonStep& s) { return s.laws(&ContactLaw::e); }, "(contacts,)")
+          "e_n", [](const PythonStep& s) { return s.laws(&ContactLaw::e); }, "(contacts,) of restitution")
       .def("terms", &PythonStep::terms, py::arg("t"), py::arg("q"), py::arg("v"),
            "Of the equations of motion at (t, q, v), as a dict of arrays: f (dof,) forces; G (rows, dof), phi, "
            "joint_rate,\n"

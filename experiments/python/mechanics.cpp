@@ -24,6 +24,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <type_traits>
 #include <variant>
 
@@ -50,7 +51,7 @@ MadeScene make(const std::optional<std::string>& text, const std::string& name, 
   if (planar == nullptr)
     throw std::invalid_argument("type = \"custom\": joints and contacts written in Python must be in a planar scene");
   for (const py::dict& custom : customs) add_custom_element(custom, *planar);
-  check(*planar);
+  if (!customs.front().contains("copied")) check(*planar);  // it would call functions that a copied run does not have
   return made;
 }
 
@@ -221,16 +222,8 @@ void write_run(const std::filesystem::path& file, const MadeScene& made, const s
       made.scene);
 }
 
-std::vector<std::string> contacts_of(const Scene& scene) { return event_contacts(scene); }
-std::vector<std::string> contacts_of(const spatial::Scene& scene) {
-  std::vector<std::string> names;
-  for (const auto& contact : scene.contacts) names.push_back(std::visit([](const auto& c) { return c.name; }, contact));
-  for (const auto& collision : scene.collisions) names.push_back(collision.name);
-  return names;
-}
-
 std::vector<std::string> contacts_of_any(const AnyScene& any) {
-  return std::visit([](const auto& scene) { return contacts_of(scene); }, any);
+  return std::visit([](const auto& scene) { return event_contacts(scene); }, any);
 }
 
 nlohmann::ordered_json drawing_of(const AnyScene& any) {
@@ -282,6 +275,7 @@ void add_mechanics(py::module_& m) {
       .def_readonly("text", &MadeScene::text)
       .def_readonly("name", &MadeScene::name)
       .def_readonly("sets", &MadeScene::sets)
+      .def_readonly("customs", &MadeScene::customs)
       .def_property_readonly("dimension",
                              [](const MadeScene& s) { return std::holds_alternative<Scene>(s.scene) ? 2 : 3; })
       .def_property_readonly("bodies",
@@ -309,17 +303,30 @@ void add_mechanics(py::module_& m) {
   m.def("_write_trajectory", &write_run);
   m.def("_view_page", &page_of);
   m.def("_set_folder_of_parts", &set_folder_of_parts);
-  m.def("_register_scene", [](const std::string& name, const std::string& text, const std::string& summary,
-                              const std::vector<py::dict>& customs) {
-    if (!std::holds_alternative<Scene>(make(text, name, {}, customs).scene))  // a mistake is said now
+  m.def("_register_scene", [](const std::string& name, const MadeScene& scene, const std::string& summary) {
+    if (!std::holds_alternative<Scene>(scene.scene))
       throw std::invalid_argument("scene \"" + name + "\": dimension = 3: must be 2 for a scene under a name");
-    const auto* kept = new std::vector<py::dict>(customs);  // as long as the process lives, longer than the interpreter
-    register_scene({name, summary,
-                    [name, text, kept](std::span<const std::string> sets) {
-                      const py::gil_scoped_acquire lock;
-                      return std::get<Scene>(make(text, name, {sets.begin(), sets.end()}, *kept).scene);
-                    },
-                    [] { return std::vector<OptionEntry>(); }});
+    struct Source {
+      std::optional<std::string> text;
+      std::string name;
+      std::vector<std::string> sets;
+      std::vector<py::dict> customs;
+    };
+    // Kept as long as the process lives, longer than the interpreter.
+    const auto* from = new Source{scene.text, scene.text ? name : scene.name, scene.sets, scene.customs};
+    register_scene(
+        {name, summary,
+         [from](std::span<const std::string> sets) {
+           const py::gil_scoped_acquire lock;
+           const auto key = [](const std::string& set) { return set.substr(0, set.find('=')); };
+           std::vector<std::string> all;  // of two for one key the later
+           for (const std::string& own : from->sets)
+             if (std::none_of(sets.begin(), sets.end(), [&](const auto& set) { return key(set) == key(own); }))
+               all.push_back(own);
+           all.insert(all.end(), sets.begin(), sets.end());
+           return std::get<Scene>(make(from->text, from->name, all, from->customs).scene);
+         },
+         [] { return std::vector<OptionEntry>(); }});
   });
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
   m.def("_integrators", [] {

@@ -35,7 +35,7 @@ PYBIND11_MODULE(_orthant, m) {
     std::vector<const char*> argv;
     for (const std::string& word : words) argv.push_back(word.c_str());
     const pybind11::gil_scoped_release others_may_run;
-    return orthant::run_command(static_cast<int>(argv.size()), argv.data());
+    return orthant::run_command(static_cast<int>(argv.size()), argv.data(), orthant::Plugins::refuse);
   });
   orthant::python::add_problems(m);
   orthant::python::add_derivatives(m);

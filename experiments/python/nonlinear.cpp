@@ -105,12 +105,12 @@ void add_nonlinear(py::module_& m) {
       m, "Equilibrium",
       "Mixed strategies x (m,), y (k,), both players' expected costs, and regret: the most that one of them gains by\n"
       "another strategy, in units of the costs; above 0 by rounding alone, which costs of 1e12 next to 1 make large.")
-      .def_readonly("x", &Equilibrium::x)
-      .def_readonly("y", &Equilibrium::y)
-      .def_readonly("cost_1", &Equilibrium::cost_1)
-      .def_readonly("cost_2", &Equilibrium::cost_2)
-      .def_readonly("regret", &Equilibrium::regret)
-      .def_readonly("label", &Equilibrium::label)
+      .def_readonly("x", &Equilibrium::x, "(m,) the first player's mixed strategy")
+      .def_readonly("y", &Equilibrium::y, "(k,) the second player's")
+      .def_readonly("cost_1", &Equilibrium::cost_1, "x' A y, expected")
+      .def_readonly("cost_2", &Equilibrium::cost_2, "x' B y, expected")
+      .def_readonly("regret", &Equilibrium::regret, "the most that one of them gains by another strategy")
+      .def_readonly("label", &Equilibrium::label, "the path's label; of extreme_equilibria the connected component's")
       .def("__repr__",
            [](const py::object& e) {
              return py::str("Equilibrium(x={}, y={}, cost_1={:g}, cost_2={:g}, regret={:g})")

@@ -83,9 +83,13 @@ void read_bound(py::handle from, std::string_view name, double otherwise, double
       if (row >= 0 && row < n) to[row] = none;
 }
 
-/// M, q, lower, upper, friction of the Python side; None: 0 for lower, ∞ for upper, no friction.
-void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
-  read(M, "M", to.A);
+/// M, q, lower, upper, friction of the Python side; None: 0 for lower, ∞ for upper, no friction. A: M, read before.
+void read_problem_into(Lcp& to, py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction,
+                       const Matrix* A = nullptr) {
+  if (A != nullptr)
+    to.A = *A;
+  else
+    read(M, "M", to.A);
   const Index n = order(to.A);
   if (q.is_none()) throw py::type_error("q is missing: must be (" + std::to_string(n) + ",), or M a Problem");
   read(q, "q", n, Entries::finite, to.b);
@@ -147,9 +151,15 @@ Result result_of(const Lcp& problem, const Solution& s, double seconds, std::str
 }
 
 /// What scipy.optimize calls things, for result["x"] and result.x alike.
-constexpr std::array<const char*, 17> kResultKeys = {
-    "status",  "solved",  "z",   "w",     "certificate", "residual", "rounding", "iterations", "factorizations",
-    "seconds", "why_not", "why", "cells", "log",         "x",        "success",  "message"};
+constexpr std::array<const char*, 20> kResultKeys = {
+    "status",         "solved",  "z",       "w",   "certificate", "residual", "rounding", "iterations",
+    "factorizations", "seconds", "why_not", "why", "cells",       "log",      "x",        "fun",
+    "success",        "message", "nit",     "nfev"};
+
+bool is_result_key(const std::string& key) {
+  return std::find(kResultKeys.begin(), kResultKeys.end(), key) != kResultKeys.end();
+}
+std::vector<std::string> result_keys() { return {kResultKeys.begin(), kResultKeys.end()}; }
 
 std::string message_of(const Result& r) {
   std::ostringstream text;
@@ -197,16 +207,24 @@ void register_callback(const std::string& name, const py::function& function, co
 
 /// Each of many problems by one of the threads, each with its own solver; answers do not depend on how many there are.
 std::vector<Result> solve_many(const std::string& spec, const std::vector<py::tuple>& wanted, int threads,
-                               std::optional<double> time_limit) {
+                               std::optional<double> time_limit, const std::vector<py::object>& starts) {
   std::vector<Lcp> problems(wanted.size());
+  std::vector<Solution> solutions(problems.size());
+  std::vector<Start> from(problems.size(), Start::cold);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     try {
       const py::tuple& one = wanted[i];
+      const bool again =
+          i > 0 && py::object(one[0]).is(py::object(wanted[i - 1][0]));  // one matrix of all is read once
       if (py::isinstance<Lcp>(one[0]))
         problems[i] = py::cast<const Lcp&>(one[0]);
       else
-        read_problem_into(problems[i], one[0], one[1], one[2], one[3], one[4]);
+        read_problem_into(problems[i], one[0], one[1], one[2], one[3], one[4], again ? &problems[i - 1].A : nullptr);
       if (!finite(problems[i])) throw std::invalid_argument("M and q must be finite");
+      if (!starts.empty() && !starts[i].is_none()) {
+        read(starts[i], "start", problems[i].size(), Entries::finite, solutions[i].z);
+        from[i] = Start::warm;
+      }
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("problem " + std::to_string(i) + ": " + error.what());
     }
@@ -219,7 +237,6 @@ std::vector<Result> solve_many(const std::string& spec, const std::vector<py::tu
     solvers.back()->set_time_limit(time_limit.value_or(kInf));
     solvers.back()->set_cancel(interruptible.flag());
   }
-  std::vector<Solution> solutions(problems.size());
   std::vector<double> seconds(problems.size());
   std::vector<std::exception_ptr> thrown(count);
   {
@@ -230,7 +247,7 @@ std::vector<Result> solve_many(const std::string& spec, const std::vector<py::tu
       try {
         for (std::size_t i = next++; i < problems.size(); i = next++) {
           if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
-          seconds[i] = solve_timed(*solvers[thread], problems[i], solutions[i], Start::cold);
+          seconds[i] = solve_timed(*solvers[thread], problems[i], solutions[i], from[i]);
         }
       } catch (...) {
         thrown[thread] = std::current_exception();
@@ -427,31 +444,41 @@ void add_problems(py::module_& m) {
   py::class_<Lcp>(m, "Problem",
                   "A problem kept: z in [lower, upper] with w = M z + q, row by row complementary.\n\n"
                   "friction: list of (row, normal row, mu): |z[row]| <= mu z[normal]; (first row, normal row, mu, 2): "
-                  "a disc of two rows.")
-      .def(py::init([](py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle friction) {
+                  "a disc of two rows. bounds: in place of lower and upper, as in `solve`.")
+      .def(py::init([](py::handle M, py::handle q, py::object lower, py::object upper, py::handle friction,
+                       const py::object& bounds) {
              auto lcp = std::make_unique<Lcp>();
+             if (!bounds.is_none()) {
+               const py::tuple both = py::module_::import("orthant._problems").attr("_bounds")(bounds, lower, upper);
+               lower = both[0], upper = both[1];
+             }
              read_problem_into(*lcp, M, q, lower, upper, friction);
              return lcp;
            }),
            py::arg("M"), py::arg("q") = py::none(), py::arg("lower") = py::none(), py::arg("upper") = py::none(),
-           py::arg("friction") = py::none())
+           py::arg("friction") = py::none(), py::kw_only(), py::arg("bounds") = py::none())
       .def(py::init([](const py::args&, const py::kwargs&) -> std::unique_ptr<Lcp> {  // where the other does not fit
-        throw py::type_error("Problem: must be given M, q and, if need be, lower, upper, friction, nothing else");
+        throw py::type_error(
+            "Problem: must be given M, q and, if need be, lower, upper, friction or bounds, nothing else");
       }))
       .def(py::pickle(&problem_state, &problem_of))
-      .def_property_readonly("M", [](const Lcp& p) { return to_python(p.A); })
-      .def_property_readonly("q", [](const Lcp& p) { return to_numpy(p.b); })
-      .def_property_readonly("lower", [](const Lcp& p) { return to_numpy(p.lo); })
-      .def_property_readonly("upper", [](const Lcp& p) { return to_numpy(p.hi); })
-      .def_property_readonly("friction", &friction_of)
+      .def_property_readonly(
+          "M", [](const Lcp& p) { return to_python(p.A); }, "(n, n) array, scipy.sparse matrix or Delassus, a copy")
+      .def_property_readonly(
+          "q", [](const Lcp& p) { return to_numpy(p.b); }, "(n,)")
+      .def_property_readonly(
+          "lower", [](const Lcp& p) { return to_numpy(p.lo); }, "(n,), -inf: no bound")
+      .def_property_readonly(
+          "upper", [](const Lcp& p) { return to_numpy(p.hi); }, "(n,), inf: no bound")
+      .def_property_readonly("friction", &friction_of, "list of (row, normal row, mu), discs with 2 behind")
       .def("__len__", &Lcp::size)
       .def("__repr__", [](const Lcp& p) { return "Problem(n=" + std::to_string(p.size()) + ")"; });
 
   py::class_<LogEntry>(m, "LogEntry", "What a solver did: iteration, merit, step, and in words where there are some.")
-      .def_readonly("iteration", &LogEntry::iteration)
-      .def_readonly("merit", &LogEntry::merit)
-      .def_readonly("step", &LogEntry::step)
-      .def_readonly("event", &LogEntry::event)
+      .def_readonly("iteration", &LogEntry::iteration, "which one")
+      .def_readonly("merit", &LogEntry::merit, "what the method drives to zero, in its own measure")
+      .def_readonly("step", &LogEntry::step, "length of the step taken, 0 where there is none")
+      .def_readonly("event", &LogEntry::event, "in words, where there are some")
       .def(by_members<LogEntry, &LogEntry::iteration, &LogEntry::merit, &LogEntry::step, &LogEntry::event>())
       .def("__repr__", [](const LogEntry& e) {
         return "LogEntry(iteration=" + std::to_string(e.iteration) + ", event='" + e.event + "')";
@@ -459,15 +486,16 @@ void add_problems(py::module_& m) {
 
   py::class_<Result>(m, "Result",
                      "What a solver gives back; `status` is 'solved' or 'rounded' only where the judge accepted z.")
-      .def_readonly("status", &Result::status)
-      .def_property_readonly("solved", &Result::solved)
+      .def_readonly("status", &Result::status,
+                    "'solved', 'rounded', 'infeasible', 'iteration_limit', ...: statuses in the documentation")
+      .def_property_readonly("solved", &Result::solved, "status is 'solved': the judge accepted z")
       .def_readonly("z", &Result::z, "(n,) the solution, or the last z")
       .def_readonly("w", &Result::w, "(n,) M z + q, recomputed")
       .def_readonly("certificate", &Result::certificate, "(n,) u that proves infeasibility, else None")
       .def_readonly("residual", &Result::residual, "how far a w_i is from what its z_i allows, at most; in units of w")
       .def_readonly("rounding", &Result::rounding, "w cannot be known below this")
-      .def_readonly("iterations", &Result::iterations)
-      .def_readonly("factorizations", &Result::factorizations)
+      .def_readonly("iterations", &Result::iterations, "pivots, Newton steps or sweeps, by the method")
+      .def_readonly("factorizations", &Result::factorizations, "of a matrix, by the solver")
       .def_readonly("seconds", &Result::seconds, "wall time of the solver alone [s]")
       .def_readonly("why_not", &Result::why_not, "why the solver cannot take the problem (status 'unsupported')")
       .def_readonly("why", &Result::why, "in one line why the status is not 'solved', as far as z tells")
@@ -476,16 +504,40 @@ void add_problems(py::module_& m) {
       .def_readonly("log", &Result::log, "list of LogEntry, if requested")
       .def_readonly("x", &Result::z, "z, as scipy.optimize calls it")
       .def_property_readonly("success", &Result::solved, "solved, as scipy.optimize calls it")
+      .def_readonly("fun", &Result::w, "w = M z + q, the function's values, as scipy.optimize calls them")
       .def_readonly("nit", &Result::iterations, "iterations, as scipy.optimize calls it")
+      .def_readonly("nfev", &Result::factorizations, "factorizations: the evaluations that cost, of a linear problem")
       .def_property_readonly("message", &message_of, "the outcome in words")
-      .def_static("keys", [] { return std::vector<std::string>(kResultKeys.begin(), kResultKeys.end()); })
-      .def("__contains__",
-           [](const Result&, const std::string& key) {
-             return std::find(kResultKeys.begin(), kResultKeys.end(), key) != kResultKeys.end();
-           })
+      .def(
+          "keys", [](const Result&) { return result_keys(); }, "the names of what result[name] has")
+      .def(
+          "values",
+          [](const py::object& self) {
+            py::list values;
+            for (const char* key : kResultKeys) values.append(self.attr(key));
+            return values;
+          },
+          "in the order of keys()")
+      .def(
+          "items",
+          [](const py::object& self) {
+            py::list items;
+            for (const char* key : kResultKeys) items.append(py::make_tuple(key, self.attr(key)));
+            return items;
+          },
+          "(name, value) in the order of keys()")
+      .def(
+          "get",
+          [](const py::object& self, const std::string& key, const py::object& otherwise) -> py::object {
+            return is_result_key(key) ? py::object(self.attr(key.c_str())) : otherwise;
+          },
+          py::arg("key"), py::arg("default") = py::none(), "result[key], or default where there is no such name")
+      .def("__iter__", [](const Result&) { return py::iter(py::cast(result_keys())); })
+      .def("__len__", [](const Result&) { return kResultKeys.size(); })
+      .def("__contains__", [](const Result&, const std::string& key) { return is_result_key(key); })
       .def("__getitem__",
            [](const py::object& self, const std::string& key) -> py::object {
-             if (std::find(kResultKeys.begin(), kResultKeys.end(), key) == kResultKeys.end()) throw py::key_error(key);
+             if (!is_result_key(key)) throw py::key_error(key);
              return self.attr(key.c_str());
            })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
@@ -512,15 +564,15 @@ void add_problems(py::module_& m) {
   m.def("_analyse", &analysis_of);
 
   py::class_<Face>(m, "Face", "The hull of `vertices`, plus nonnegative multiples of `directions`, any of `lines`.")
-      .def_readonly("dimension", &Face::dimension)
-      .def_readonly("vertices", &Face::vertices)
-      .def_readonly("directions", &Face::directions)
-      .def_readonly("lines", &Face::lines)
+      .def_readonly("dimension", &Face::dimension, "1: a segment or ray, 2: a polygon, ...")
+      .def_readonly("vertices", &Face::vertices, "list of (n,)")
+      .def_readonly("directions", &Face::directions, "list of (n,)")
+      .def_readonly("lines", &Face::lines, "list of (n,)")
       .def(by_members<Face, &Face::dimension, &Face::vertices, &Face::directions, &Face::lines>())
       .def("__repr__", &Face::repr);
   py::class_<Solutions>(m, "Solutions", "All solutions: isolated points and maximal faces.")
-      .def_readonly("isolated", &Solutions::isolated)
-      .def_readonly("faces", &Solutions::faces)
+      .def_readonly("isolated", &Solutions::isolated, "list of (n,): solutions without others next to them")
+      .def_readonly("faces", &Solutions::faces, "list of Face: maximal ones")
       .def_readonly("complete", &Solutions::complete, "False: the time was over; there may be more")
       .def(by_members<Solutions, &Solutions::isolated, &Solutions::faces, &Solutions::complete>())
       .def("__repr__", &Solutions::repr);

@@ -13,12 +13,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include <string_view>
+
 namespace orthant {
 
 /// `note`: what the page's first line says of the run. `drawing`: of drawing.h; null: the run's own, else bodies as
 /// points.
 nlohmann::ordered_json view_data(const std::string& name, const std::string& note, const RecordedRun& run,
                                  const nlohmann::ordered_json& drawing = nullptr);
+
+/// Near the begin of each page, and of no other file.
+inline constexpr std::string_view kViewMark = "<title>Orthant: a run</title>";
 
 /// The whole page, at most 2 MB of most runs.
 std::string view_page(const nlohmann::ordered_json& data);

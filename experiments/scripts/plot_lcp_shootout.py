@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Draws the solver comparison: reads the table lcp_shootout wrote into a folder; puts PNG and SVG there."""
 import matplotlib.pyplot as plt
 import numpy as np
@@ -77,14 +78,15 @@ def plot_profiles(folder, about):
     friction, own = table["group"] == "friction", table["group"] == "own"
     solvable = table["group"] != "infeasible"
     parts = [(solvable & ~friction & ~own, "Without friction"), (friction, "With friction")]
-    parts += [(own, "Your own files")] if own.any() else []
-    figure, panels = plt.subplots(1, len(parts), figsize=(6.5 * len(parts), 6.2))
-    for axes, (part, title) in zip(panels, parts):
+    parts = [(part, title) for part, title in [*parts, (own, "Your own files")] if part.any()]
+    figure, panels = plt.subplots(1, len(parts), figsize=(6.5 * len(parts), 6.2), squeeze=False)
+    for axes, (part, title) in zip(panels[0], parts):
         draw_profile(axes, select(table, part), look, title)
-    panels[0].set_ylabel("share of problems solved, certified")
-    figure.subplots_adjust(left=0.06, right=0.88, top=0.88, bottom=0.13, wspace=0.42)
-    figure.text(0.06, 0.02, "A curve's left end: how often that solver is the fastest; its right end: how many it "
-                "solves at all (refused problems count as not solved).", fontsize=8.5, color=GREY)
+    panels[0][0].set_ylabel("share of problems solved, certified")
+    left = 0.12 / len(parts)
+    figure.subplots_adjust(left=left, right=1 - 2 * left, top=0.88, bottom=0.15, wspace=0.42)
+    figure.text(left, 0.02, "A curve's left end: how often that solver is the fastest; its right end: how many it solves\n"
+                "at all (refused problems count as not solved).", fontsize=8.5, color=GREY)
     save(figure, folder / "performance_profiles", "Performance profiles: higher and further left is better", about)
 
 

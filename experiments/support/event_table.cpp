@@ -18,6 +18,13 @@ std::string joined_by_commas(const auto& names) {
   return text;
 }
 
+template <class Scene> std::vector<std::string> contact_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const auto& contact : scene.contacts) names.push_back(std::visit([](const auto& c) { return c.name; }, contact));
+  for (const auto& collision : scene.collisions) names.push_back(collision.name);
+  return names;
+}
+
 }  // namespace
 
 void append_events(const System& system, std::span<const Event> from, std::vector<Event>& to) {
@@ -32,13 +39,8 @@ void append_events(const System& system, std::span<const Event> from, std::vecto
   }
 }
 
-std::vector<std::string> event_contacts(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const Contact& contact : scene.contacts)
-    names.push_back(std::visit([](const auto& c) { return c.name; }, contact));
-  for (const Collision& collision : scene.collisions) names.push_back(collision.name);
-  return names;
-}
+std::vector<std::string> event_contacts(const Scene& scene) { return contact_names(scene); }
+std::vector<std::string> event_contacts(const spatial::Scene& scene) { return contact_names(scene); }
 
 std::string events_to_csv(const Scene& scene, const std::vector<Event>& events) {
   const auto names = event_contacts(scene);

@@ -9,6 +9,7 @@
 
 #include <orthant/core/lcp/files/hdf5_image.h>
 #include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/spatial/scene.h>
 #include <orthant/integrators/event.h>
 
 #include <nlohmann/json_fwd.hpp>
@@ -28,6 +29,7 @@ void append_events(const System& system, std::span<const Event> from, std::vecto
 
 /// Names of the listed contacts, then of the collisions.
 std::vector<std::string> event_contacts(const Scene& scene);
+std::vector<std::string> event_contacts(const spatial::Scene& scene);
 
 std::string events_to_csv(const Scene& scene, const std::vector<Event>& events);
 nlohmann::ordered_json events_to_json(const Scene& scene, const std::vector<Event>& events);

@@ -43,22 +43,55 @@ class Socket {
   int number_;
 };
 
-/// Of the request only its first line matters; a browser sends it in one piece.
+/// Whether the request's Host names this machine: a page of another name that has come to mean 127.0.0.1 (DNS
+/// rebinding) must not read the run.
+bool for_this_machine(std::string_view request) {
+  const auto lower = [](std::string_view text) {
+    std::string small(text);
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return small;
+  };
+  int hosts = 0;
+  bool ours = false;
+  for (std::size_t begin = request.find("\r\n"); begin != std::string_view::npos && begin + 2 < request.size();) {
+    begin += 2;
+    const std::size_t end = request.find("\r\n", begin);
+    const std::string line = lower(request.substr(begin, end - begin));
+    begin = end;
+    if (!line.starts_with("host:")) continue;
+    std::string_view host = std::string_view(line).substr(5);
+    while (host.starts_with(' ')) host.remove_prefix(1);
+    while (host.ends_with(' ')) host.remove_suffix(1);
+    host = host.substr(0, host.rfind(':'));  // the port
+    ++hosts, ours = host == "127.0.0.1" || host == "localhost";
+  }
+  return ours && hosts == 1;
+}
+
+/// Of the request its first line matters, and for whom it is.
 std::string answer_to(std::string_view request, const std::string& page) {
   const auto head = [](const char* status, const char* type, std::size_t length) {
     return "HTTP/1.1 " + std::string(status) + "\r\nContent-Type: " + type +
            "\r\nContent-Length: " + std::to_string(length) + "\r\nConnection: close\r\n\r\n";
   };
+  const auto refuse = [&](const char* status, const std::string& words) {
+    return head(status, "text/plain", words.size()) + words;
+  };
+  if (!for_this_machine(request)) return refuse("403 Forbidden", "Host: must be 127.0.0.1 or localhost\n");
   if (request.starts_with("GET / ")) return head("200 OK", "text/html; charset=utf-8", page.size()) + page;
-  return head("404 Not Found", "text/plain", 10) + "not found\n";
+  return refuse("404 Not Found", "not found\n");
 }
 
 void serve_one(const Socket& client, const std::string& page) {
-  char request[kRequest];
-  if (!client.ready(POLLIN)) return;
-  const ssize_t length = recv(client.number(), request, sizeof request, 0);
-  if (length <= 0) return;
-  const std::string answer = answer_to({request, static_cast<std::size_t>(length)}, page);
+  std::string request;
+  while (request.find("\r\n\r\n") == std::string::npos) {  // all of its head
+    char part[kRequest];
+    if (request.size() >= kRequest || !client.ready(POLLIN)) return;
+    const ssize_t length = recv(client.number(), part, sizeof part, 0);
+    if (length <= 0) return;
+    request.append(part, static_cast<std::size_t>(length));
+  }
+  const std::string answer = answer_to(request, page);
   for (std::size_t sent = 0; sent < answer.size();) {
     if (StopSignal::which() != 0) return;
     if (!client.ready(POLLOUT)) continue;

@@ -7,6 +7,7 @@
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/step/jam.h>
+#include <orthant/integrators/step/projection.h>
 
 #include <nlohmann/json.hpp>
 
@@ -27,20 +28,23 @@ template <class Named> std::string name_in(const Named& element) {
   return std::visit([](const auto& x) { return x.name; }, element);
 }
 
-double stiffest_swing(const Scene& scene) {
+double least_moment(const Body& body) { return body.inertia; }
+double least_moment(const spatial::Body& body) { return spatial::principal(body.inertia).moments.minCoeff(); }
+
+template <class Scene> double stiffest_swing(const Scene& scene) {
   double fastest = 0;
-  for (const Spring& one : scene.springs) {
+  for (const auto& one : scene.springs) {
     const auto swing = [&](const auto& spring) {
       double inverse = 0;
       if constexpr (requires { spring.a; }) {
         for (const BodyId b : {spring.a, spring.b})
           if (b >= 0) {
-            const Body& body = scene.bodies[static_cast<std::size_t>(b)];
-            inverse += 1 / (requires { spring.point_a; } ? body.mass : body.inertia);
+            const auto& body = scene.bodies[static_cast<std::size_t>(b)];
+            inverse += 1 / (requires { spring.point_a; } ? body.mass : least_moment(body));
           }
       } else {
-        for (const Body& body : scene.bodies)  // whichever it moves: the lightest
-          inverse = std::max(inverse, 1 / std::min(body.mass, body.inertia));
+        for (const auto& body : scene.bodies)  // whichever it moves: the lightest
+          inverse = std::max(inverse, 1 / std::min(body.mass, least_moment(body)));
       }
       return std::sqrt(spring.stiffness * inverse);
     };
@@ -49,17 +53,24 @@ double stiffest_swing(const Scene& scene) {
   return fastest;
 }
 
-double suggested_step(const System& system) {
-  const Scene& scene = system.scene();
+/// ∫ |r|² dm about the centre of mass.
+double second_moment(const Body& body) { return body.inertia; }
+double second_moment(const spatial::Body& body) { return body.inertia.trace() / 2; }
+
+double speed_of_turn(const Body& body) { return std::abs(body.omega); }
+double speed_of_turn(const spatial::Body& body) { return body.omega.norm(); }
+
+template <class Space> double suggested_step(const SystemOf<Space>& system) {
+  const auto& scene = system.scene();
   double time = scene.duration / kFewestSteps / kShareOfPeriod;
   const auto at_most = [&](double seconds) {
     if (seconds > 0 && std::isfinite(seconds)) time = std::min(time, seconds);
   };
   at_most(1 / stiffest_swing(scene)), at_most(1 / system.swing());
-  for (const Body& body : scene.bodies) {
-    const double radius = std::sqrt(body.inertia / body.mass);
+  for (const auto& body : scene.bodies) {
+    const double radius = std::sqrt(second_moment(body) / body.mass);
     at_most(std::sqrt(radius / scene.gravity.norm()));
-    at_most(radius / body.velocity.norm()), at_most(1 / std::abs(body.omega));
+    at_most(radius / body.velocity.norm()), at_most(1 / speed_of_turn(body));
   }
   const double step = kShareOfPeriod * time, ten = std::pow(10, std::floor(std::log10(step)));
   return step >= 5 * ten ? 5 * ten : step >= 2 * ten ? 2 * ten : ten;  // a round number below it
@@ -81,6 +92,23 @@ void choose_integrator(const System& system, SceneAccount& account) {
   }
 }
 
+void choose_integrator(const SystemOf<Spatial>& system, SceneAccount& account) {
+  const spatial::Scene& scene = system.scene();
+  const bool rolls = std::any_of(scene.contacts.begin(), scene.contacts.end(), [](const spatial::Contact& c) {
+    return std::holds_alternative<spatial::RimPlane>(c) || std::holds_alternative<spatial::EllipsoidPlane>(c);
+  });
+  if (rolls) {
+    account.integrator = "stewart-trinkle";
+    account.why_integrator = "rims and ellipsoids roll: moreau-jean lets them sink by O(h)";
+  } else if (account.contacts + account.pairs == 0 && scene.frictions.empty()) {
+    account.integrator = "generalized-alpha";
+    account.why_integrator = "no contacts: its error falls with the square of the step";
+  } else {
+    account.integrator = "moreau-jean";
+    account.why_integrator = "contacts in space: robust at a fixed step";
+  }
+}
+
 /// The scene with its bodies moved into their joints, where they start off them; nothing, where they do not.
 std::optional<System> in_joints(const System& system) {
   constexpr double kOff = 1e-6;  // [m, rad] what a scene file's digits may leave
@@ -92,36 +120,47 @@ std::optional<System> in_joints(const System& system) {
     return std::nullopt;
   }
 }
+std::optional<SystemOf<Spatial>> in_joints(const SystemOf<Spatial>& /*system*/) { return std::nullopt; }
 
-void find_jam(const System& system, SceneAccount& account) {
-  const Scene& scene = system.scene();
-  for (const Joint& joint : scene.joints)
-    if (driven(joint)) account.driven.push_back(name_in(joint));
-  if (account.driven.empty()) return;
-  account.jam_looked_until = scene.duration;
-  if (const auto jam = JamSearch(system).find(system.initial_state(), scene.duration)) account.jam = words(*jam);
+/// The coordinates at the start; in space moved onto the joints, if they can be.
+Eigen::VectorXd start_of(const System& system) { return system.initial_state().q; }
+Eigen::VectorXd start_of(const SystemOf<Spatial>& system) {
+  const State x = system.initial_state();
+  TermsOf<Spatial> terms(system);
+  Eigen::VectorXd q = x.q;
+  return ProjectionOf<Spatial>(system).position(x.t, terms, q) <= kJointsHold ? q : x.q;
 }
 
-}  // namespace
+template <class Space> void find_jam(const SystemOf<Space>& system, SceneAccount& account) {
+  const auto& scene = system.scene();
+  for (const auto& joint : scene.joints)
+    if (driven(joint)) account.driven.push_back(name_in(joint));
+  if constexpr (kPlanar<Space>) {
+    if (account.driven.empty()) return;
+    account.jam_looked_until = scene.duration;
+    if (const auto jam = JamSearch(system).find(system.initial_state(), scene.duration)) account.jam = words(*jam);
+  }
+}
 
-SceneAccount account_of(const System& given) {
-  const std::optional<System> moved = in_joints(given);
-  const System& system = moved ? *moved : given;
-  const Scene& scene = system.scene();
+template <class Space> SceneAccount account_for(const SystemOf<Space>& given) {
+  const std::optional<SystemOf<Space>> moved = in_joints(given);
+  const SystemOf<Space>& system = moved ? *moved : given;
+  const auto& scene = system.scene();
   SceneAccount account;
+  account.dimension = Space::kTranslations;
   account.bodies = system.bodies(), account.joints = static_cast<int>(scene.joints.size());
   account.joint_rows = system.joint_rows(), account.contacts = system.listed();
   account.collisions = static_cast<int>(scene.collisions.size()), account.pairs = system.pairs().back();
-  for (const Body& body : scene.bodies) account.mass += body.mass;
+  for (const auto& body : scene.bodies) account.mass += body.mass;
   account.gruebler = system.dof() - system.joint_rows();
-  const State x = system.initial_state();
+  const Eigen::VectorXd q = start_of(system);
   account.ranked = system.joint_rows() <= kMostRanked;
   if (account.ranked) {
-    account.redundancy = find_redundancy(system, x.q);
+    account.redundancy = find_redundancy(system, q);
     account.redundant_rows = describe(account.redundancy, system);
   }
-  Terms terms(system);
-  set_poses(system, x.t, x.q, terms.at);
+  TermsOf<Space> terms(system);
+  set_poses(system, system.initial_state().t, q, terms.at);
   const auto names = event_contacts(scene);
   for (int i = 0; i < system.listed(); ++i)
     account.clearances.push_back({names[static_cast<std::size_t>(i)], gap_of(system, {}, i, terms.at)});
@@ -132,6 +171,11 @@ SceneAccount account_of(const System& given) {
   choose_integrator(system, account);
   return account;
 }
+
+}  // namespace
+
+SceneAccount account_of(const System& given) { return account_for(given); }
+SceneAccount account_of(const SystemOf<Spatial>& given) { return account_for(given); }
 
 std::string in_words(const SceneAccount& a) {
   constexpr std::size_t kMostNamed = 12;
@@ -144,7 +188,7 @@ std::string in_words(const SceneAccount& a) {
       << "joints: " << a.joints << " with " << count(a.joint_rows, "row", "rows") << '\n'
       << "contacts: " << a.contacts;
   if (a.collisions > 0) out << "; " << count(a.collisions, "collision", "collisions") << " of " << a.pairs << " pairs";
-  out << "\nmobility: " << a.gruebler << " by Grübler (3 bodies - joint rows)";
+  out << "\nmobility: " << a.gruebler << " by Grübler (" << (a.dimension == 3 ? 6 : 3) << " bodies - joint rows)";
   if (a.ranked) {
     out << ", " << a.redundancy.dof << " by rank (" << a.redundancy.rank << " independent rows)\n";
     out << "redundant rows: " << (a.redundant_rows.empty() ? "none" : a.redundant_rows) << '\n';
@@ -154,7 +198,10 @@ std::string in_words(const SceneAccount& a) {
   if (!a.driven.empty()) {
     out << "drives:";
     for (const std::string& name : a.driven) out << ' ' << name;
-    out << "; " << (a.jam.empty() ? "no jam" : a.jam) << " (looked at until t = " << a.jam_looked_until << " s)\n";
+    if (a.dimension == 3)
+      out << "; jams are looked for in the plane only\n";
+    else
+      out << "; " << (a.jam.empty() ? "no jam" : a.jam) << " (looked at until t = " << a.jam_looked_until << " s)\n";
   }
   if (!a.clearances.empty()) {
     auto sorted = a.clearances;
@@ -171,10 +218,10 @@ std::string in_words(const SceneAccount& a) {
 }
 
 nlohmann::ordered_json as_json(const SceneAccount& a) {
-  nlohmann::ordered_json json = {{"bodies", a.bodies},     {"mass", a.mass},
-                                 {"joints", a.joints},     {"joint_rows", a.joint_rows},
-                                 {"contacts", a.contacts}, {"collisions", a.collisions},
-                                 {"pairs", a.pairs},       {"mobility_gruebler", a.gruebler}};
+  nlohmann::ordered_json json = {
+      {"dimension", a.dimension},   {"bodies", a.bodies},         {"mass", a.mass},
+      {"joints", a.joints},         {"joint_rows", a.joint_rows}, {"contacts", a.contacts},
+      {"collisions", a.collisions}, {"pairs", a.pairs},           {"mobility_gruebler", a.gruebler}};
   if (a.ranked) {
     json["mobility_rank"] = a.redundancy.dof, json["rank"] = a.redundancy.rank;
     json["redundant_rows"] = a.redundant_rows;

@@ -189,6 +189,26 @@ TEST_CASE("orthant enumerate, replay, --version, completion") {
                    "COMP_WORDS=(orthant --max-input 8GiB sol) COMP_CWORD=3; _orthant; echo ${COMPREPLY[@]}\n"
                    "COMP_WORDS=(orthant --max-input 8GiB solve --max) COMP_CWORD=4; _orthant; echo ${COMPREPLY[@]}\n");
   CHECK(folder.run("bash completion.bash").out ==
-        "lemke lemke-howson\nsimulate\n--error-bound\nenumerate\nsolvers scenes\n"
+        "lemke lemke-howson\nsimulate\n--error-bound\nenumerate\nsolvers scenes summary\n"
         "--max-input\nsolve\n--max-input\n");
+  const auto completed = [&](const std::string& words) {  // at the last word
+    folder.write("one.bash", script.out + "COMP_WORDS=(orthant " + words +
+                                 ") COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _orthant; echo ${COMPREPLY[@]}\n");
+    return folder.run("bash one.bash").out;
+  };
+  CHECK(completed("simulate --step 1e-3 --json benn") == "bennett\n");
+  CHECK(completed("simulate --solver lemke slider_crank_s") == "slider_crank_space\n");
+  CHECK(completed("--plugin mine.so check --json benn") == "bennett\n");
+  CHECK(completed("--plugin mine.so --max-input 1GiB sol") == "solve\n");
+  CHECK(completed("simulate --step 1e-3 bennett ben") == "\n");  // one scene
+  CHECK(completed("simulate --step ben") == "\n");               // a value
+  CHECK(completed("simulate --solver = lemke-h") == "lemke-howson\n");
+  CHECK(completed("simulate --solver = lemke benn") == "bennett\n");
+  CHECK(completed("simulate --json --integrator stew") == "stewart-trinkle\n");
+  CHECK(completed("simulate bennett --solver lemke-h") == "lemke-howson\n");
+  CHECK(completed("solve --json --err") == "--error-bound\n");
+  CHECK(completed("view --serve 80 euler_d") == "euler_disc\n");
+  CHECK(completed("view run.csv --scene euler_d") == "euler_disc\n");
+  CHECK(completed("schema --json sim") == "simulate\n");
+  CHECK(completed("man --json sim") == "simulate\n");
 }

@@ -67,10 +67,29 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
     const Reply a = folder.orthant(arguments + " --json");
     CAPTURE(a.err);
     CHECK(a.exit_code == 1);
-    CHECK(a.out.empty());
+    CHECK(lines(a.out) == 1);
+    CHECK("orthant: " + nlohmann::json::parse(a.out).at("error").get<std::string>() + "\n" == a.err);
     CHECK(lines(a.err) == 1);
     CHECK(a.err.starts_with("orthant: "));
     CHECK(a.err.find(word) != std::string::npos);
+  }
+  const std::array<std::pair<const char*, nlohmann::json>, 7> parts = {{
+      {"simulate negative.toml",
+       {{"where", "negative.toml:3: body \"b\""}, {"field", "mass"}, {"value", "-1"}, {"rule", "must be > 0"}}},
+      {"simulate no_such_scene", {{"field", "scene"}, {"value", "no_such_scene"}}},
+      {"simulate slider_crank --set mu=-1", {{"field", "mu"}, {"value", "-1"}}},
+      {"simulate slider_crank --time-limit nan", {{"field", "--time-limit"}, {"value", "nan"}}},
+      {"simulate slider_crank --solver nobody", {{"field", "solver"}, {"value", "nobody"}}},
+      {"solve --matrix nan.mtx --vector q1.mtx", {{"where", "nan.mtx"}, {"field", "entry (1, 1)"}}},
+      {"simulate broken.toml", nlohmann::json::object()},
+  }};
+  for (const auto& [arguments, expected] : parts) {
+    CAPTURE(arguments);
+    const Reply a = folder.orthant(std::string(arguments) + " --json");
+    CAPTURE(a.out);
+    const auto object = nlohmann::json::parse(a.out);
+    for (const auto& [key, value] : expected.items()) CHECK(object.value(key, "") == value);
+    CHECK(folder.orthant(arguments).out.empty());
   }
   for (const char* arguments : {"sing", "simulate", "solve", "list cats"}) {
     CAPTURE(arguments);
@@ -78,6 +97,58 @@ TEST_CASE("bad input: exit code 1, one line that says what and where, nothing ha
     CHECK(a.exit_code == 1);
     CHECK(lines(a.err) == 1);
   }
+}
+
+TEST_CASE("view: a page replaces an earlier page only, and NaN is said") {
+  const Cli folder;
+  folder.write("bouncing_ball.html", "<title>My door</title>");
+  const std::string short_run = "view bouncing_ball --duration 0.1";
+  const Reply kept = folder.orthant(short_run);
+  CHECK(kept.exit_code == 1);
+  CHECK(kept.err.find("bouncing_ball.html: exists, and is no page of orthant view: must be named by --output") !=
+        std::string::npos);
+  CHECK(slurp(folder / "bouncing_ball.html") == "<title>My door</title>");
+  CHECK(folder.orthant(short_run + " --output bouncing_ball.html").exit_code == 0);
+  CHECK(folder.orthant(short_run).exit_code == 0);  // its own page
+  CHECK(folder.orthant(short_run + " --output ''").err.find("--output: must not be empty") != std::string::npos);
+
+  folder.write("run.csv", "t,ball.x,ball.y,ball.theta\n0,0,1,0\n1,0,nan,0\n2,0,inf,0\n");
+  const Reply odd = folder.orthant("view run.csv --json");
+  CHECK(odd.exit_code == 0);
+  CHECK(odd.err.find("orthant: warning: run.csv: 2 numbers are NaN or infinite, the first ball.y in row 2") !=
+        std::string::npos);
+  CHECK(slurp(folder / "run.html").find("2 numbers are NaN or infinite") != std::string::npos);
+  folder.write("run.csv", "t,ball.x,ball.y,ball.theta\n0,0,1,0\n1,0,2,0\n");
+  CHECK(folder.orthant("view run.csv").err.find("NaN") == std::string::npos);
+}
+
+TEST_CASE("view --serve answers requests for this machine only") {
+  const Cli folder;
+  folder.write("serve.py", R"(
+import http.client, re, subprocess, sys
+command = [sys.argv[1], "view", "bouncing_ball", "--duration", "0.1", "--serve", "0"]
+server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+port = int(re.search(":([0-9]+)/", server.stdout.readline())[1])
+for host in (f"127.0.0.1:{port}", "localhost", "LocalHost:1", "evil.example", f"evil.example:{port}",
+             "127.0.0.1.evil.example", "localhost.", "", None):
+    link = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+    link.putrequest("GET", "/", skip_host=True)
+    if host is not None:
+        link.putheader("Host", host)
+    link.endheaders()
+    answer = link.getresponse()
+    print(host, answer.status, b"Orthant" in answer.read())
+link = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+link.request("GET", "/other")
+print(link.getresponse().status)
+server.terminate()
+)");
+  CHECK(folder
+            .run("/usr/bin/python3 -s -E serve.py '" ORTHANT_CLI "' | sed 's/^127[.]0[.]0[.]1:[0-9]* /here /; "
+                 "s/^evil.example:[0-9]*/evil:port/'")
+            .out ==
+        "here 200 True\nlocalhost 200 True\nLocalHost:1 200 True\nevil.example 403 False\nevil:port 403 False\n"
+        "127.0.0.1.evil.example 403 False\nlocalhost. 403 False\n 403 False\nNone 403 False\n404\n");
 }
 
 TEST_CASE("files that are taken for something else are refused, or read as what they say") {

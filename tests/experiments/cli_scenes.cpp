@@ -74,6 +74,56 @@ TEST_CASE("orthant check: mobility by Gruebler and by rank, redundant rows by na
   CHECK(driven.at("jam") == "");
 }
 
+TEST_CASE("orthant check in space: overconstrained linkages move, by rank, and their redundant rows are named") {
+  const Cli folder;
+  // Bennett's linkage: four hinges, rank 17 of 20. Bricard's: six, rank 29 of 30. Hunt (1978), ch. 11; IFToMM A04.
+  const struct {
+    const char* scene;
+    int bodies, rows, gruebler;
+  } known[] = {{"bennett", 3, 20, -2}, {"bricard", 5, 30, 0}, {"spatial_slider_crank", 3, 17, 1}, {"top", 1, 3, 3}};
+  for (const auto& one : known) {
+    CAPTURE(one.scene);
+    const auto account = Tree::parse(folder.orthant(std::string("check ") + one.scene + " --json").out);
+    CHECK(account.at("dimension") == 3);
+    CHECK(account.at("bodies") == one.bodies);
+    CHECK(account.at("joint_rows") == one.rows);
+    CHECK(account.at("mobility_gruebler") == one.gruebler);
+    CHECK(account.at("mobility_rank") == (one.gruebler < 1 ? 1 : one.gruebler));
+    const auto redundant = account.at("redundant_rows").get<std::string>();
+    CHECK(redundant.empty() == (one.gruebler >= 1));
+    CHECK(redundant.find("singular") == std::string::npos);  // in every pose
+    CHECK(account.at("suggested_integrator") == "generalized-alpha");
+  }
+  CHECK(folder.orthant("check bennett").out.find("rows z, tilt 1, tilt 2 of joint \"hinge4\" repeat what") !=
+        std::string::npos);
+
+  // A slider-crank built of spatial bodies has the clearances and the step of the planar one.
+  const auto plane = Tree::parse(folder.orthant("check slider_crank --json").out);
+  const auto space = Tree::parse(folder.orthant("check slider_crank_space --json").out);
+  CHECK(space.at("mobility_rank") == 3);
+  CHECK(space.at("clearances").size() == 4);
+  for (const auto& [name, gap] : plane.at("clearances").items())
+    CHECK(space.at("clearances").at(name).get<double>() == doctest::Approx(gap.get<double>()).epsilon(1e-9));
+  CHECK(space.at("suggested_step") == plane.at("suggested_step"));
+  CHECK(space.at("suggested_integrator") == "moreau-jean");
+  CHECK(Tree::parse(folder.orthant("check euler_disc --json").out).at("suggested_integrator") == "stewart-trinkle");
+
+  // Two hinges on one axis: the second repeats the first.
+  folder.write("door.toml",
+               "dimension = 3\n[[body]]\nname = \"door\"\nmass = 20\ninertia = 5\n[[joint]]\ntype = "
+               "\"revolute\"\nname = \"upper\"\nbodies = [\"ground\", \"door\"]\npoint_a = [0, 0, 1]\npoint_b = [0, 0, "
+               "1]\naxis = [0, 0, 1]\n[[joint]]\ntype = \"revolute\"\nname = \"lower\"\nbodies = [\"ground\", "
+               "\"door\"]\naxis = [0, 0, 1]\n[[joint]]\nname = \"motor\"\ntype = \"drive\"\njoint = \"upper\"\nomega "
+               "= 50\namplitude = 0.1\n");
+  const Reply said = folder.orthant("check door.toml");
+  CHECK(said.out.find("mobility: -5 by Grübler (6 bodies - joint rows), 0 by rank (6 independent rows)") !=
+        std::string::npos);
+  CHECK(said.out.find("rows x, y, z, tilt 1, tilt 2 of joint \"lower\" repeat what joint \"upper\" already says") !=
+        std::string::npos);
+  CHECK(said.out.find("drives: motor; jams are looked for in the plane only") != std::string::npos);
+  CHECK(said.out.find("fixed steps of 0.0002 s") != std::string::npos);  // 0.02 / 50 is 4e-4
+}
+
 TEST_CASE("orthant check: drives that jam are told before a run") {
   const Cli folder;
   folder.write("jam.toml",
@@ -89,8 +139,9 @@ TEST_CASE("orthant check: drives that jam are told before a run") {
 
 TEST_CASE("orthant schema scene has every key that the documented scenes use, and needs none that they lack") {
   const Cli folder;
-  const auto schema = Tree::parse(folder.orthant("schema scene").out);
-  CHECK(schema.at("$schema") == "http://json-schema.org/draft-07/schema#");
+  const auto both = Tree::parse(folder.orthant("schema scene").out);
+  CHECK(both.at("$schema") == "http://json-schema.org/draft-07/schema#");
+  const auto dimension = [](const Tree& scene) { return scene.value("dimension", 2) == 3 ? "space" : "plane"; };
   folder.write("scenes.py", R"(
 import glob, json, re, sys, tomllib
 root = sys.argv[1]
@@ -102,13 +153,18 @@ print(json.dumps([tomllib.loads(text) for text in texts]))
   const Reply scenes = folder.run("/usr/bin/python3 -s -E scenes.py '" ORTHANT_ROOT "'");
   std::vector<std::string> wrong;
   std::set<std::string> seen;
+  std::set<std::string> keys_in_space;
   for (const Tree& scene : Tree::parse(scenes.out)) {
+    const std::string kept = dimension(scene);
+    const Tree& schema = both.at("definitions").at(kept);
     compare_keys(scene, schema, wrong);
     for (const auto& [kind, elements] : scene.items()) {
       if (!elements.is_array() || !elements[0].is_object()) continue;
       for (const Tree& element : elements) {
         const std::string type = element.value("type", "");
-        seen.insert(kind + " " + type);
+        seen.insert(kept + " " + kind + " " + type);
+        if (kept == "space")
+          for (const auto& [key, inner] : element.items()) keys_in_space.insert(kind + " " + type + " " + key);
         const Tree& table = variant(schema.at("properties").at(kind).at("items"), type);
         compare_keys(element, table, wrong);
         for (const auto& [key, inner] : element.items()) {
@@ -122,12 +178,27 @@ print(json.dumps([tomllib.loads(text) for text in texts]))
   CHECK(wrong == std::vector<std::string>());
   CHECK(seen.size() > 20);
   // Every type of the schema is in a documented scene: it is not longer than the format.
-  for (const char* kind : {"joint", "contact", "spring"})
-    for (const Tree& one : schema.at("properties").at(kind).at("items").at("oneOf"))
-      if (const auto type = one.at("properties").at("type").at("const").get<std::string>();
-          !seen.contains(std::string(kind) + " " + type))
-        wrong.push_back(std::string(kind) + " " + type);
+  for (const std::string where : {"plane", "space"})
+    for (const std::string kind : {"joint", "contact", "spring"})
+      for (const Tree& one : both.at("definitions").at(where).at("properties").at(kind).at("items").at("oneOf"))
+        if (const auto type = one.at("properties").at("type").at("const").get<std::string>();
+            !seen.contains(where + " " + kind + " " + type))
+          wrong.push_back(where + " " + kind + " " + type);
+  // In space every key, too.
+  for (const auto& [kind, list] : both.at("definitions").at("space").at("properties").items()) {
+    if (!list.contains("items")) continue;
+    const Tree& items = list.at("items");
+    for (const Tree& one : items.value("oneOf", Tree::array({items}))) {
+      if (!one.contains("properties")) continue;  // of numbers
+      const Tree& type = one.at("properties").value("type", Tree::object());
+      for (const auto& [key, form] : one.at("properties").items())
+        if (const std::string name = kind + " " + type.value("const", "") + " " + key; !keys_in_space.contains(name))
+          wrong.push_back(name);
+    }
+  }
   CHECK(wrong == std::vector<std::string>());
+  const Tree& schema = both.at("definitions").at("plane");
+  CHECK(both.at("definitions").at("space").at("required") == Tree({"dimension"}));
   const Tree& corner = variant(schema.at("properties").at("contact").at("items"), "corner-wall");
   CHECK(corner.at("required") == Tree({"type", "body"}));
   CHECK(corner.at("properties").at("wall").at("required") == Tree({"normal"}));

@@ -59,6 +59,7 @@ omega = 50
 # schema: the commands, and their exit codes
 COMMANDS = {
     "version": [("--version --json", 0)],
+    "error": [("simulate nothing.toml --json", 1), ("check slider_crank --set mu=-1 --json", 1), ("solve --json --nothing", 1)],
     "solve": [("solve p.json --error-bound --log --json", 0), ("solve none.json --json", 2),
               ("solve disc.json --json", 0), ("solve disc.json --facets 8 --json", 3), ("solve p.json --solver lemke-howson --json", 3),
               ("solve p.json --solver pgs:max_sweeps=1 --json", 3)],
@@ -69,7 +70,8 @@ COMMANDS = {
                  ("simulate bouncing_ball --check --json", 0), ("simulate top --duration 0.01 --json", 0),
                  ("simulate slider_crank --step 1e-7 --time-limit 1e-3 --json", 3)],
     "list": [(f"list{what} --json", 0) for what in ("", " solvers", " integrators", " scenes", " summary")],
-    "check": [("check slider_crank --json", 0), ("check jam.toml --json", 0), ("check pile --json", 0)],
+    "check": [("check slider_crank --json", 0), ("check jam.toml --json", 0), ("check pile --json", 0),
+              ("check bennett --json", 0)],
     "sweep-list": [("sweep s.sweep.toml --results s.sqlite --list --json", 0)],
     "sweep": [("sweep s.sweep.toml --results s.sqlite --json", 0)],
     "results": [("results s.sqlite --json", 0)],
@@ -137,6 +139,8 @@ def main():
 
         scene = jsonschema.Draft7Validator(json.loads(orthant(folder, "schema scene")))
         texts = re.findall("```toml\n(.*?)```", (ROOT / "core/scenes/README.md").read_text(), re.S)
+        in_space = (ROOT / "core/scenes/space.md").read_text()
+        texts.append("\n".join(re.findall("^(?:    (.*)|)$", in_space[:in_space.index("## Keys")], re.M)))
         texts += [Path(file).read_text() for files in ("core/scenes/*.toml", "tests/data/*.toml")
                   for file in glob.glob(str(ROOT / files))] + [Path(folder, "m.toml").read_text()]
         assert len(texts) > 20
@@ -144,6 +148,10 @@ def main():
             problems = [f"{'/'.join(map(str, e.path))}: {e.message[:200]}" for e in scene.iter_errors(tomllib.loads(text))]
             assert not problems, text[:200] + "\n" + "\n".join(problems)
         assert not scene.is_valid({"gravityy": [0, 1]}) and not scene.is_valid({"body": [{"name": 3}]})
+        assert sum("dimension = 3" in text for text in texts) == 2
+        body = {"name": "a", "mass": 1, "inertia": 1, "position": [0, 1, 2]}
+        assert scene.is_valid({"dimension": 3, "body": [body]}) and not scene.is_valid({"body": [body]})
+        assert not scene.is_valid({"dimension": 3, "body": [body | {"position": [0, 1]}]})
         print(f"schemas: {seen} outputs and {len(texts)} scenes hold to theirs")
 
 

@@ -249,3 +249,49 @@ def test_repr():
     assert repr(wave()).endswith("1 body, 1 contact)")
     named = orthant.Scene.named("slider_crank", mu=0.1)
     assert repr(named) == "Scene('slider_crank', set=['mu=0.1'], 3 bodies, 4 contacts)"
+
+
+def test_what_is_added_is_checked_at_once_in_the_words_of_the_file_reader(tmp_path):
+    scene = orthant.Scene(gravity=[0, -9.81])
+    scene.add("body", name="b", mass=1, inertia=1)
+    wrong = [("body", dict(name="c", mass=-1, inertia=1), 'body "c": mass = -1: must be > 0'),
+             ("body", dict(name="c", mass=float("nan"), inertia=1), 'body "c": mass = nan: must be finite'),
+             ("body", dict(name="c", mass=1, inertia=1, positon=[0, 1]), 'body "c": unknown key "positon"'),
+             ("contact", dict(type="disc-wall", body="b", radius=-1, wall={"normal": [0, 1]}), 'contact "contact1": radius = -1: must'),
+             ("contact", dict(type="disc-wall", body="b", radius=1, wall={"normal": [0, 0]}), "wall.normal = .* a direction, not zero"),
+             ("joint", dict(type="revolute", name="pin", bodies=["b", "b"]), 'joint "pin": joins body "b" to itself'),
+             ("load", dict(body="b", force=[0, np.nan]), 'load "load1": force = nan: must be finite')]
+    for kind, keys, words in wrong:
+        with pytest.raises(ValueError, match="^" + words if words[0] != "w" else words) as said:
+            scene.add(kind, **keys)
+        assert "scene:" not in str(said.value)
+        if kind == "body":  # a file's error ends with the same words
+            file = tmp_path / "wrong.toml"
+            file.write_text("[[body]]\n" + "\n".join(f"{key} = {value!r}" for key, value in keys.items()), encoding="utf-8")
+            with pytest.raises(ValueError) as read:
+                orthant.Scene.load(file)
+            assert str(read.value).endswith(": " + str(said.value))
+    assert repr(scene).endswith("1 body)")  # nothing wrong was kept
+    scene.add("joint", type="revolute", name="late", bodies=["b", "later"])  # named before it is there
+    scene.add("body", name="later", mass=1, inertia=1)
+    scene.add("friction", joint="late", bound=1)
+    with pytest.raises(ValueError, match='friction "friction2": bound = -1'):
+        scene.add("friction", joint="late", bound=-1)
+    assert orthant.simulate(scene, duration=0.01).solved
+    with pytest.raises(ValueError, match="gravity = nan: must be finite"):
+        orthant.Scene(gravity=[0, np.nan]).add("body", name="b", mass=1, inertia=1)
+    with pytest.raises(ValueError, match='body "b": inertia = .* that of a body'):
+        orthant.Scene(dimension=3).add("body", name="b", mass=1, inertia=[1, 1, 3])
+
+
+def test_a_name_in_place_of_keys_is_told_where_it_belongs():
+    with pytest.raises(TypeError, match=r"Scene\.named\('slider_crank'\)"):
+        orthant.Scene("slider_crank")
+
+
+def test_the_command_of_the_package_offers_no_plugins(capfd):
+    for words in (["--help"], ["solve", "--help"], ["completion"], ["man", "solve"]):
+        assert orthant._orthant._main(["orthant", *words]) == 0
+        assert "plugin" not in capfd.readouterr().out
+    assert orthant._orthant._main(["orthant", "--plugin", "mine.so", "list"]) == 1
+    assert "--plugin: must be given to an orthant that was built from its sources" in capfd.readouterr().err

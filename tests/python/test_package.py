@@ -37,11 +37,49 @@ def test_everything_public_is_documented():
         assert name.startswith("__") or name in ("revision", "LogEntry") or getattr(orthant, name).__doc__, name
 
 
+def test_every_property_and_method_is_documented():
+    bare = [f"{name}.{key}" for name in orthant.__all__ if isinstance(getattr(orthant, name), type)
+            for key, member in vars(getattr(orthant, name)).items()
+            if not key.startswith("_") and (isinstance(member, property) or callable(member)) and not member.__doc__]
+    fields = [f"{one.__name__}.{field}" for one in (orthant.Delassus, orthant.McpResult) for field in one._fields]
+    assert set(bare) <= set(fields)
+    assert len(orthant.Result.nfev.__doc__) > 10
+
+
 @pytest.mark.skipif(not DOCS.exists(), reason="the tests stand alone here")
 def test_everything_public_is_in_the_reference():
     page = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
     missing = [name for name in orthant.__all__ if not re.search(rf":: orthant\.{name}\b", page)]
     assert missing == ["__version__", "revision"]
+
+
+USE = """
+import numpy as np
+import numpy.typing as npt
+import orthant
+
+M, q = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0])
+r = orthant.solve(M, [-5, -6], bounds=[(0, 1), (None, None)])
+reveal_type(r.nit)
+z = r.z + r.x + r.fun
+first = {key: r[key] for key in r}
+p = orthant.Problem(M, q, bounds=(0, np.inf), friction=[(1, 0, 0.5)])
+many = orthant.solve_many([(M, q), p], threads=2)
+reveal_type(orthant.solve_many(M, np.zeros((3, 2)), lower=0.0, start=[None, many[0], q])[0])
+scene = orthant.Scene(gravity=[0, -9.81])
+scene.add("body", name="a", mass=1.0)
+run = orthant.simulate(scene, integrator="adaptive")
+height: npt.NDArray[np.float64] = run["a.y"]
+
+
+def sweeps(problem: orthant.Problem, start: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return start
+
+
+orthant.register_solver("mine", sweeps)
+mcp = orthant.solve_mcp(lambda x: x, lambda x: np.eye(2), [0.0, 0.0])
+print(mcp.x, mcp["fun"], first, height)
+"""
 
 
 def test_type_hints_hold(tmp_path):
@@ -51,6 +89,11 @@ def test_type_hints_hold(tmp_path):
         run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), "-p", "orthant"],
                              cwd=package.parent, capture_output=True, text=True)
         assert run.returncode == 0, run.stdout
+        (tmp_path / "use.py").write_text(USE, encoding="utf-8")
+        run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), str(tmp_path / "use.py")],
+                             cwd=package.parent, capture_output=True, text=True)
+        assert re.findall(r'Revealed type is "(.*)"', run.stdout) == ["builtins.int", "orthant._orthant.Result"], run.stdout
+        assert "error" not in run.stdout, run.stdout
     if package.parts[-3:] == ("experiments", "python", "orthant") and shutil.which("pyright"):
         run = subprocess.run(["pyright", "--pythonpath", sys.executable, "orthant"], cwd=package.parent, capture_output=True,
                              text=True)

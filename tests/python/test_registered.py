@@ -1,5 +1,9 @@
 """Solvers, integrators and scenes registered from Python; joints and contacts written in it."""
 
+import copy
+import pathlib
+import pickle
+
 import numpy as np
 import orthant
 import pytest
@@ -56,6 +60,57 @@ def test_a_scene_has_a_name_and_takes_overrides():
         orthant.register_scene("my_ball", scene)
     with pytest.raises(TypeError, match="must be a Scene"):
         orthant.register_scene("other", "text")
+
+
+def test_a_named_scene_gets_another_name_with_its_options_set():
+    orthant.register_scene("rough_crank", orthant.Scene.named("slider_crank", mu=0.3, e=0.5))
+
+    def final(scene, **options):
+        run = orthant.simulate(orthant.Scene.named(scene, **options), duration=0.02, step=1e-4)
+        return run.table[-1].tolist()
+
+    assert final("rough_crank") == final("slider_crank", mu=0.3, e=0.5) != final("slider_crank")
+    assert final("rough_crank", mu=0.1) == final("slider_crank", mu=0.1, e=0.5)
+    with pytest.raises(ValueError, match="unknown option 'no_such'"):
+        final("rough_crank", no_such=1)
+
+
+def test_names_of_this_process_are_in_its_sweeps(tmp_path):
+    pd = pytest.importorskip("pandas")
+    orthant.register_solver("swept-sweeps", sweeps)
+    orthant.register_integrator("swept-euler", semi_implicit)
+    orthant.register_scene("swept_elbow", double_pendulum(residual=lambda a, b: elbow_residual(a, b), rows=elbow_rows))
+    ask = {"duration": 0.01, "measure": "b.y", "progress": False, "reference": "moreau-jean"}
+    grid = {"integrator": ["moreau-jean", "swept-euler"], "solver": ["lemke", "swept-sweeps"], "step": [1e-3]}
+    frame = orthant.sweep("swept_elbow", results=tmp_path / "e.sqlite", grid=grid, **ask)
+    assert len(frame) == 4 and (frame["status"] == "solved").all(), frame["why"]
+    run = orthant.simulate("swept_elbow", integrator="swept-euler", solver="lemke", duration=0.01, step=1e-3)
+    mine = frame[(frame["integrator"] == "swept-euler") & (frame["solver"] == "lemke")]
+    assert mine["value"].iloc[0] == run.final["b.y"]
+    again = orthant.sweep("swept_elbow", results=tmp_path / "e.sqlite", grid=grid, **ask)
+    assert again["seconds"].equals(frame["seconds"])  # nothing ran
+    with pytest.raises(ValueError, match="'swept-euler': is registered in this process only"):
+        orthant.sweep("swept_elbow", results=tmp_path / "f.sqlite", grid=grid, client="tcp://nowhere:1", **ask)
+    # A scene with a text is a file to the processes of a sweep, so its rows notice a change.
+    ball = orthant.Scene(gravity=[0, -9.81])
+    ball.add("body", name="ball", mass=1, inertia=0.004, position=[0, 1])
+    orthant.register_scene("swept_ball", ball)
+    ask.update(measure="ball.y", grid={"integrator": "moreau-jean", "step": 1e-3, "set": {"body.ball.mass": [1, 2]}})
+    assert len(orthant.sweep("swept_ball", results=tmp_path / "b.sqlite", **ask)) == 2
+    assert (tmp_path / "b.scene.toml").exists() and isinstance(frame, pd.DataFrame)
+
+
+def test_runs_of_scenes_with_lambdas_are_pickled_without_them(tmp_path):
+    scene = double_pendulum(residual=lambda a, b: elbow_residual(a, b), rows=lambda a, b: elbow_rows(a, b))
+    run = orthant.simulate(scene, duration=0.05)
+    for copied in (pickle.loads(pickle.dumps(run)), copy.deepcopy(run)):
+        assert copied.table.tolist() == run.table.tolist() and copied.final == run.final and len(copied.events) == 0
+        copied.write(tmp_path / "run.csv")
+        copied.view(tmp_path / "run.html")
+        assert (tmp_path / "run.html").read_bytes() == pathlib.Path(run.view(tmp_path / "its.html")).read_bytes()
+        with pytest.raises(RuntimeError, match='joint "elbow": rows: a copied run does not keep'):
+            orthant._orthant._simulate(copied._scene, "moreau-jean", "auto", 1e-3, 0.01, 1, None, False, False, print)
+    assert orthant.simulate(scene, duration=0.05).table.tolist() == run.table.tolist()
 
 
 def semi_implicit(step):

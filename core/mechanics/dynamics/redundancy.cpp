@@ -20,14 +20,14 @@ struct Share {
 };
 using Repeats = std::vector<std::vector<Share>>;  // of each row; empty: independent
 
-void evaluate(const System& system, const Eigen::VectorXd& q, Terms& terms) {
+template <class Space> void evaluate(const SystemOf<Space>& system, const Eigen::VectorXd& q, TermsOf<Space>& terms) {
   set_poses(system, system.initial_state().t, q, terms.at);
   evaluate_joint_residual(system, terms);
   evaluate_joint_rows(system, terms);
 }
 
 /// The rows as columns M^(-1/2) Gᵀ.
-Eigen::MatrixXd mass_rows(const System& system, const Terms& terms) {
+template <class Space> Eigen::MatrixXd mass_rows(const SystemOf<Space>& system, const TermsOf<Space>& terms) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system.dof(), system.joint_rows());
   for (Index i = 0; i < columns.cols(); ++i)
     apply_transposed(terms.G[static_cast<std::size_t>(i)], 1.0, columns.col(i).data());
@@ -68,7 +68,8 @@ Repeats dependencies(Eigen::MatrixXd rows, Eigen::MatrixXd& basis) {
 }
 
 /// A pose near q, along a motion that the joints allow; false: there is none.
-bool move_on(const System& system, const Eigen::MatrixXd& basis, Terms& terms, Eigen::VectorXd& q) {
+template <class Space>
+bool move_on(const SystemOf<Space>& system, const Eigen::MatrixXd& basis, TermsOf<Space>& terms, Eigen::VectorXd& q) {
   Eigen::VectorXd u(system.dof());
   for (Index i = 0; i < u.size(); ++i) u[i] = std::cos(static_cast<double>(i * i + 1));  // as good as random
   u -= basis * (basis.transpose() * u);
@@ -76,26 +77,28 @@ bool move_on(const System& system, const Eigen::MatrixXd& basis, Terms& terms, E
   u = system.inverse_mass().cwiseSqrt().cwiseProduct(u);
   double size = 0, turn = 0, shift = 0;
   for (Index i = 0; i < u.size(); ++i) {
-    double& most = is_rotation(i) ? turn : shift;
+    double& most = is_rotation<Space>(i) ? turn : shift;
     most = std::max(most, std::abs(u[i]));
-    if (!is_rotation(i)) size = std::max(size, std::abs(q[i] - q[i % kBlock]));
   }
-  move(q, kMove / std::max(turn, shift / std::max(size, 1e-9)) * u);
-  BasicSystem basic(system);
+  for (Index i = 0; i < system.bodies(); ++i)
+    size = std::max(size, (place_of<Space>(q, i) - place_of<Space>(q, 0)).cwiseAbs().maxCoeff());
+  move<Space>(q, kMove / std::max(turn, shift / std::max(size, 1e-9)) * u);
+  BasicSystemOf<Space> basic(system);
   Eigen::VectorXd step(system.dof()), lambda(system.joint_rows());
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(system.dof());
   for (int i = 0; i < 50; ++i) {
     evaluate(system, q, terms);
-    if (terms.phi.lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + q.lpNorm<Eigen::Infinity>())) return true;
+    if (terms.phi.template lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + q.lpNorm<Eigen::Infinity>())) return true;
     if (!basic.factorize(system, terms)) return false;
     const Eigen::VectorXd back = -terms.phi;
     basic.solve(none.data(), back.data(), step.data(), lambda.data());
-    move(q, step);
+    move<Space>(q, step);
   }
   return false;
 }
 
-std::string row_name(const Joint& joint, int row) {
+/// Φ of each joint in the order of its rows.
+template <class Joint> std::string row_name(const Joint& joint, int row) {
   const auto pick = [&](std::initializer_list<const char*> names) { return std::string(names.begin()[row]); };
   return std::visit(
       [&](const auto& j) -> std::string {
@@ -106,6 +109,19 @@ std::string row_name(const Joint& joint, int row) {
         if constexpr (std::is_same_v<T, Distance>) return pick({"length"});
         if constexpr (std::is_same_v<T, Drive>) return pick({"motion"});
         if constexpr (std::is_same_v<T, CustomJoint>) return std::to_string(row + 1);
+        if constexpr (std::is_same_v<T, spatial::Spherical>) return pick({"x", "y", "z"});
+        if constexpr (std::is_same_v<T, spatial::Revolute>) return pick({"x", "y", "z", "tilt 1", "tilt 2"});
+        if constexpr (std::is_same_v<T, spatial::Cylindrical>)
+          return pick({"across 1", "across 2", "tilt 1", "tilt 2"});
+        if constexpr (std::is_same_v<T, spatial::Universal>) return pick({"x", "y", "z", "square"});
+        if constexpr (std::is_same_v<T, spatial::PlaneJoint>) return pick({"across", "tilt 1", "tilt 2"});
+        if constexpr (std::is_same_v<T, spatial::Prismatic>)
+          return pick({"across 1", "across 2", "turn 1", "turn 2", "turn 3"});
+        if constexpr (std::is_same_v<T, spatial::Fixed>) return pick({"x", "y", "z", "turn 1", "turn 2", "turn 3"});
+        if constexpr (std::is_same_v<T, spatial::PointInPlane>) return pick({"across"});
+        if constexpr (std::is_same_v<T, spatial::PointOnLine>) return pick({"across 1", "across 2"});
+        if constexpr (std::is_same_v<T, spatial::Distance>) return pick({"length"});
+        if constexpr (std::is_same_v<T, spatial::Drive>) return pick({"motion"});
       },
       joint);
 }
@@ -119,10 +135,10 @@ bool Redundancy::singular() const {
   return std::any_of(dependent.begin(), dependent.end(), [](const Repeat& r) { return !r.permanent; });
 }
 
-Redundancy find_redundancy(const System& system, const Eigen::VectorXd& q) {
+template <class Space> Redundancy find_redundancy(const SystemOf<Space>& system, const Eigen::VectorXd& q) {
   Redundancy found{.rows = system.joint_rows(), .rank = 0, .dof = system.dof(), .dependent = {}};
   if (found.rows == 0) return found;
-  Terms terms(system);
+  TermsOf<Space> terms(system);
   evaluate(system, q, terms);
   Eigen::MatrixXd basis;
   const Eigen::MatrixXd rows = mass_rows(system, terms);
@@ -152,7 +168,7 @@ Redundancy find_redundancy(const System& system, const Eigen::VectorXd& q) {
   return found;
 }
 
-std::string describe(const Redundancy& redundancy, const System& system) {
+template <class Space> std::string describe(const Redundancy& redundancy, const SystemOf<Space>& system) {
   if (redundancy.dependent.empty()) return {};
   const auto& joints = system.scene().joints;
   std::vector<std::size_t> joint_of;  // of each row
@@ -187,21 +203,27 @@ std::string describe(const Redundancy& redundancy, const System& system) {
              (permanent ? "" : " in this singular pose");
   }
   // A friction's load is determined unless a joint that is no copy shares it.
-  for (const JointFriction& f : system.scene().frictions) {
-    if (!f.loaded()) continue;
-    const std::vector<int> copies = copies_of(system.scene(), f.joint);
-    const auto of_them = [&](int row) {
-      const auto joint = static_cast<int>(joint_of[static_cast<std::size_t>(row)]);
-      return std::find(copies.begin(), copies.end(), joint) != copies.end();
-    };
-    if (std::any_of(redundancy.dependent.begin(), redundancy.dependent.end(), [&](const Redundancy::Repeat& r) {
-          const auto count = std::count_if(r.repeats.begin(), r.repeats.end(), of_them) + (of_them(r.row) ? 1 : 0);
-          return count > 0 && count <= static_cast<std::ptrdiff_t>(r.repeats.size());
-        }))
-      words += "; so the load of joint " + name(static_cast<std::size_t>(f.joint)) + ", on which friction \"" + f.name +
-               "\" depends, is not determined: the joints share it evenly";
-  }
+  if constexpr (kPlanar<Space>)
+    for (const JointFriction& f : system.scene().frictions) {
+      if (!f.loaded()) continue;
+      const std::vector<int> copies = copies_of(system.scene(), f.joint);
+      const auto of_them = [&](int row) {
+        const auto joint = static_cast<int>(joint_of[static_cast<std::size_t>(row)]);
+        return std::find(copies.begin(), copies.end(), joint) != copies.end();
+      };
+      if (std::any_of(redundancy.dependent.begin(), redundancy.dependent.end(), [&](const Redundancy::Repeat& r) {
+            const auto count = std::count_if(r.repeats.begin(), r.repeats.end(), of_them) + (of_them(r.row) ? 1 : 0);
+            return count > 0 && count <= static_cast<std::ptrdiff_t>(r.repeats.size());
+          }))
+        words += "; so the load of joint " + name(static_cast<std::size_t>(f.joint)) + ", on which friction \"" +
+                 f.name + "\" depends, is not determined: the joints share it evenly";
+    }
   return words;
 }
+
+template Redundancy find_redundancy(const SystemOf<Planar>&, const Eigen::VectorXd&);
+template Redundancy find_redundancy(const SystemOf<Spatial>&, const Eigen::VectorXd&);
+template std::string describe(const Redundancy&, const SystemOf<Planar>&);
+template std::string describe(const Redundancy&, const SystemOf<Spatial>&);
 
 }  // namespace orthant

@@ -32,10 +32,10 @@ struct Redundancy {
 };
 
 /// Looks at the joints at the coordinates q.
-Redundancy find_redundancy(const System& system, const Eigen::VectorXd& q);
+template <class Space> Redundancy find_redundancy(const SystemOf<Space>& system, const Eigen::VectorXd& q);
 
 /// In words, joint by joint: 'row angle of joint "b" repeats (contradicts) what joints "a", "c" already say', and whose
 /// load is not determined by that, where friction depends on it; empty: nothing to say.
-std::string describe(const Redundancy& redundancy, const System& system);
+template <class Space> std::string describe(const Redundancy& redundancy, const SystemOf<Space>& system);
 
 }  // namespace orthant

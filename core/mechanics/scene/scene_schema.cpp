@@ -84,8 +84,77 @@ constexpr std::array kSamples = {
     "[[load]]\nbody = 'a'\nfactor = {type = 'table', times = [0, 1], values = [0, 1]}",
 };
 
+constexpr const char* kTwoInSpace = R"(
+dimension = 3
+[[body]]
+name = "a"
+solid = {box = [1, 2, 3]}
+density = 1
+position = [0, 0, 1]
+angle = 0.1
+axis = [0, 0, 1]
+[[body]]
+name = "b"
+mass = 1
+inertia = 1
+position = [1, 3, 0]
+)";
+
+constexpr const char* kPinInSpace =
+    "[[joint]]\ntype = 'revolute'\nname = 'pin'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\n";
+
+constexpr std::array kSamplesInSpace = {
+    "[[joint]]\ntype = 'spherical'\nbodies = ['a', 'b']",
+    "[[joint]]\ntype = 'revolute'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
+    "[[joint]]\ntype = 'cylindrical'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
+    "[[joint]]\ntype = 'universal'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\naxis_b = [1, 0, 0]",
+    "[[joint]]\ntype = 'planar'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
+    "[[joint]]\ntype = 'prismatic'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
+    "[[joint]]\ntype = 'fixed'\nbodies = ['a', 'b']",
+    "[[joint]]\ntype = 'point-in-plane'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
+    "[[joint]]\ntype = 'point-on-line'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
+    "[[joint]]\ntype = 'distance'\nbodies = ['a', 'b']",
+    "[[joint]]\ntype = 'drive'\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\ntable = {times = [0, 1, 2], "
+    "values = [0, 1, 0]}",
+    "[[joint]]\ntype = 'drive'\nof = 'angle'\nbodies = ['a', 'b']\naxis = [1, 0, 0]",
+    "[[joint]]\ntype = 'drive'\nof = 'distance'\nbodies = ['a', 'b']",
+    "PIN[[joint]]\ntype = 'drive'\njoint = 'pin'",
+    "[[contact]]\ntype = 'sphere-wall'\nbody = 'a'\nradius = 0.1\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'corner-wall'\nbody = 'a'\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'box-wall'\nbody = 'a'\nsize = [1, 1, 1]\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'polytope-wall'\nbody = 'a'\ncorners = [[0, 0, 0]]\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'rim-wall'\nbody = 'a'\nradius = 0.1\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'cylinder-wall'\nbody = 'a'\nradius = 0.1\nheight = 1\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'cone-wall'\nbody = 'a'\nradius = 0.1\nheight = 1\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'ellipsoid-wall'\nbody = 'a'\nsemi_axes = [1, 2, 3]\nwall = {normal = [0, 0, 1]}",
+    "[[contact]]\ntype = 'sphere-sphere'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.1",
+    "[[contact]]\ntype = 'socket'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.2",
+    "PIN[[contact]]\ntype = 'limit'\njoint = 'pin'\nlower = -9",
+    "[[contact]]\ntype = 'limit'\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nupper = 9",
+    "[[contact]]\ntype = 'limit'\nof = 'angle'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nupper = 9",
+    "[[contact]]\ntype = 'limit'\nof = 'distance'\nbodies = ['a', 'b']\nupper = 9",
+    "[[contact]]\ntype = 'rope'\nbodies = ['a', 'b']\nlength = 9",
+    "[[collision]]\nwalls = [{normal = [0, 0, 1]}]\nshapes = [{body = 'a', radius = 1}, {body = 'b', size = [1, 1, "
+    "1]},\n"
+    "{body = 'a', radius = 1, ends = [[0, 0, 0], [1, 0, 0]]},\n"
+    "{body = 'a', corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}]",
+    "PIN[[friction]]\njoint = 'pin'\nbound = 1",
+    "[[friction]]\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nbound = 1",
+    "[[friction]]\nof = 'angle'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nbound = 1",
+    "[[friction]]\nof = 'distance'\nbodies = ['a', 'b']\nbound = 1",
+    "[[spring]]\ntype = 'point'\nbodies = ['a', 'b']",
+    "PIN[[spring]]\ntype = 'joint'\njoint = 'pin'",
+    "[[spring]]\ntype = 'joint'\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]",
+    "[[spring]]\ntype = 'joint'\nof = 'angle'\nbodies = ['a', 'b']\naxis = [1, 0, 0]",
+    "[[spring]]\ntype = 'joint'\nof = 'distance'\nbodies = ['a', 'b']",
+    "[[load]]\nbody = 'a'\nfactor = {type = 'cosine', omega = 1}",
+    "[[load]]\nbody = 'a'\nfactor = {type = 'table', times = [0, 1], values = [0, 1]}",
+};
+
 Json array_of(const Json& items) { return {{"type", "array"}, {"items", items}}; }
-Json two_of(const Json& items) { return {{"type", "array"}, {"items", items}, {"minItems", 2}, {"maxItems", 2}}; }
+Json list_of(int count, const Json& items) {
+  return {{"type", "array"}, {"items", items}, {"minItems", count}, {"maxItems", count}};
+}
 
 Json form_as_json(const FieldRecord& field) {
   const Json number = {{"type", "number"}}, word = {{"type", "string"}};
@@ -99,13 +168,21 @@ Json form_as_json(const FieldRecord& field) {
     case Form::body:
       return word;
     case Form::pair:
-      return two_of(number);
+      return list_of(2, number);
+    case Form::triple:
+      return list_of(3, number);
+    case Form::quadruple:
+      return list_of(4, number);
+    case Form::tensor:
+      return {{"anyOf", {number, list_of(3, number), list_of(3, list_of(3, number))}}};
     case Form::numbers:
       return array_of(number);
+    case Form::points_in_space:
+      return array_of(list_of(3, number));
     case Form::points:
-      return array_of(two_of(number));
+      return array_of(list_of(2, number));
     case Form::bodies:
-      return two_of(word);
+      return list_of(2, word);
     case Form::choice:
       return {{"enum", field.choices}};
     case Form::any:
@@ -139,18 +216,25 @@ Json object_with(const std::vector<FieldRecord>& fields, const std::string& pref
 }
 
 std::vector<FieldRecord> recorded_fields() {
-  FieldRecorder recorder;
+  const FieldRecorder recorder;
   for (const char* sample : kSamples) parse_scene(std::string(kTwoBodies) + sample);
   return recorder.all();
 }
 
-}  // namespace
+std::vector<FieldRecord> recorded_fields_in_space() {
+  const FieldRecorder recorder;
+  for (std::string sample : kSamplesInSpace) {
+    if (sample.starts_with("PIN")) sample.replace(0, 3, kPinInSpace);
+    parse_any_scene(kTwoInSpace + sample);
+  }
+  return recorder.all();
+}
 
-std::string scene_schema() {
+Json scenes_with(const std::vector<FieldRecord>& all) {
   std::vector<std::string> kinds;                                                   // in the order of the format
   std::map<std::string, std::map<std::string, std::vector<FieldRecord>>> elements;  // by kind, by type
   std::vector<FieldRecord> top;
-  for (const FieldRecord& field : recorded_fields()) {
+  for (const FieldRecord& field : all) {
     if (field.element.empty()) {
       top.push_back(field);
       if (field.form == Form::tables) kinds.push_back(field.key);
@@ -168,10 +252,24 @@ std::string scene_schema() {
     }
     schema["properties"][kind] = array_of(variants.size() == 1 ? variants[0] : Json{{"oneOf", variants}});
   }
-  Json all = {{"$schema", "http://json-schema.org/draft-07/schema#"},
-              {"title", "Orthant scene"},
-              {"description", "A planar mechanism: bodies, joints, contacts, friction, springs, loads. SI units."}};
-  all.update(schema);
+  return schema;
+}
+
+}  // namespace
+
+std::string scene_schema() {
+  Json plane = scenes_with(recorded_fields()), space = scenes_with(recorded_fields_in_space());
+  plane["properties"]["dimension"] = {{"const", 2}}, space["properties"]["dimension"] = {{"const", 3}};
+  const Json in_plane = {{"$ref", "#/definitions/plane"}}, in_space = {{"$ref", "#/definitions/space"}};
+  const Json all = {
+      {"$schema", "http://json-schema.org/draft-07/schema#"},
+      {"title", "Orthant scene"},
+      {"description", "A mechanism: bodies, joints, contacts, friction, springs, loads. SI units."},
+      {"if", {{"properties", {{"dimension", {{"const", 3}}}}}, {"required", {"dimension"}}}},
+      {"then", in_space},
+      {"else", in_plane},
+      {"anyOf", {true, in_plane, in_space}},  // refuses nothing: taplo completes from it, and not from then and else
+      {"definitions", {{"plane", plane}, {"space", space}}}};
   return all.dump(2) + "\n";
 }
 

@@ -2,6 +2,7 @@
 //
 // The keys are those that the reader of scenes asks for (toml/field_record.h), recorded while it reads one small scene
 // of each kind and type: what is read and what the schema says cannot part. Rules between keys are left to the reader.
+// Two definitions, "plane" and "space"; dimension = 3 chooses the latter.
 #pragma once
 
 #include <string>

@@ -40,6 +40,25 @@ def custom_element(kind: str, keys: dict[str, Any], place: int) -> dict[str, Any
     return made
 
 
+class Missing:
+    """In place of a function in a run that was copied or pickled: a run needs none, and a lambda has no name to pickle by."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def __call__(self, *motion: Any) -> Any:
+        raise RuntimeError(f"{self.where}: a copied run does not keep the functions of its scene")
+
+
+def without_functions(customs: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The same joints and contacts, for a run that is to be pickled."""
+    def missing(custom: dict[str, Any], key: str) -> bool:
+        return key in _FUNCTIONS[custom["kind"]] and custom[key] is not None
+
+    return [{key: Missing(f"{custom['kind']} \"{custom['name']}\": {key}") if missing(custom, key) else value
+             for key, value in custom.items()} | {"copied": True} for custom in customs]
+
+
 class Together:
     """A function of n contacts at once: numbers in what it returns count for all of them. A class, so that it pickles."""
 

@@ -188,7 +188,7 @@ def write_npz(file: Path, problem: Problem) -> None:
     M = _problem(problem).M
     if hasattr(M, "inverse_mass"):
         raise ValueError("problem: M is a Delassus operator: must be an array or sparse (write_problem keeps it)")
-    fields = {"q": problem.q, "lower": problem.lower, "upper": problem.upper}
+    fields: dict[str, Any] = {"q": problem.q, "lower": problem.lower, "upper": problem.upper}
     if hasattr(M, "indptr"):
         fields.update(M_data=M.data, M_indices=M.indices, M_indptr=M.indptr)
     else:

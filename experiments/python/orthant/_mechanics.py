@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import warnings
 from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 from . import _orthant
-from ._custom import custom_element
+from ._custom import custom_element, without_functions
 from ._orthant import Problem, Step
 from ._pictures import draw_pose, in_frame, plot_columns, svg_of, write_film, write_view
-from ._spec import Entry, options_of, path, regular, seconds, shown, whole, word
+from ._spec import Entry, options_of, path, registered, regular, seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,16 +66,22 @@ class Scene:
     Scene.load("FILE.toml") reads a file, Scene.parse(text) a text, Scene.named("slider_crank", mu=0.1) a built-in one.
     """
 
-    def __init__(self, **keys: Any) -> None:
+    def __init__(self, *given: Any, **keys: Any) -> None:
+        if given:
+            raise TypeError(f"Scene({shown(given[0])}): must be given keys, such as gravity=[0, -9.81]. A built-in scene is "
+                            f"Scene.named({shown(given[0])}), a file Scene.load(\"FILE.toml\"), a text Scene.parse(text)")
         self._keys = dict(keys)  # of the scene itself: gravity [m/s^2], duration, step [s], ...
         self._elements: list[tuple[str, dict[str, Any]]] = []
+        self._places: dict[tuple[str, str], int] = {}  # of bodies and joints by name
+        self._counts = dict.fromkeys(_KINDS, 0)
         self._customs: list[dict[str, Any]] = []  # joints and contacts written in Python
         self._read: Optional[_orthant._Scene] = None
 
     def add(self, kind: str, **keys: Any) -> None:
-        """One more element: "body", "joint", "contact", ...; keys as in the scene format. `simulate` checks them.
+        """One more element: "body", "joint", "contact", ...; keys as in the scene format.
 
-        A joint or contact of type="custom" is written in Python, in planar scenes; custom ones come behind all others of their
+        Keys and values are checked at once, where the bodies and joints that they name are there already, and as a whole by
+        `simulate`. A joint or contact of type="custom" is written in Python, in planar scenes; custom ones come behind all others of their
         kind. A pose is (x, y, angle), a twist its rate. Keys of a contact:
 
         - bodies=["a", "b"] (one may be "ground");
@@ -108,7 +115,48 @@ class Scene:
             raise ValueError("this scene was read from a file or by name: change it by keyword overrides there")
         if word("kind", kind) not in _KINDS:
             raise ValueError(f"kind '{kind}': must be one of {', '.join(_KINDS)}")
+        self._check(kind, keys)
+        self._counts[kind] += 1
+        if isinstance(name := keys.get("name"), str):
+            self._places[kind, name] = len(self._elements)
         self._elements.append((kind, keys))
+
+    def _check(self, kind: str, keys: dict[str, Any]) -> None:
+        """The file reader's words for what is wrong with an element, read with the bodies and joints that it names."""
+        needed: dict[int, None] = {}
+        if not self._gather(keys, needed):
+            return  # named later, maybe
+        parts = [self._elements[place] for place in sorted(needed)]
+        if kind != "body":
+            parts = parts or [("body", {"name": "a", "mass": 1, "inertia": 1})]
+            keys = keys if "name" in keys else {"name": f"{kind}{self._counts[kind] + 1}", **keys}
+        lines = toml_lines(self._keys)
+        for part, given in [*parts, (kind, keys)]:
+            lines += [f"[[{part}]]", *toml_lines(given)]
+        try:
+            _orthant._Scene("\n".join(lines), "scene", [])
+        except ValueError as error:
+            raise ValueError(re.sub(r"^scene(:\d+)?: ", "", str(error))) from None
+
+    def _gather(self, value: Any, needed: dict[int, None]) -> bool:
+        """Places of the bodies and joints that keys name; False: one is not there yet."""
+        if isinstance(value, (list, tuple)):
+            return all(self._gather(one, needed) for one in value if isinstance(one, (dict, list, tuple)))
+        for key, inner in value.items():
+            names = [inner] if key in ("body", "joint") else inner if key == "bodies" else ()
+            for name in names if isinstance(names, (list, tuple)) else ():
+                if name == "ground" or not isinstance(name, str):
+                    continue
+                place = self._places.get(("joint" if key == "joint" else "body", name))
+                if place is None:
+                    return False
+                if place not in needed:
+                    needed[place] = None
+                    if not self._gather(self._elements[place][1], needed):
+                        return False
+            if isinstance(inner, (dict, list, tuple)) and not self._gather(inner, needed):
+                return False
+        return True
 
     def toml(self) -> str:
         """The scene as a TOML file's text (not of one by name or with overrides)."""
@@ -238,12 +286,20 @@ class Trajectory:
         self._scene, self._events, self._joints, self._pushes = scene, events, joints, pushes
         self._place = {name: i for i, name in enumerate(columns)}
 
+    def __getstate__(self) -> dict[str, Any]:
+        state, scene = dict(self.__dict__), self._scene
+        if scene.customs:
+            state["_scene"] = _orthant._Scene(scene.text, scene.name, scene.sets, without_functions(scene.customs))
+        return state
+
     @property
     def status(self) -> str:
+        """'solved', 'time_limit', 'stalled', ...: statuses in the documentation."""
         return str(self.summary["status"])
 
     @property
     def solved(self) -> bool:
+        """status is 'solved': every step up to the duration was."""
         return self.status == "solved"
 
     @property
@@ -420,17 +476,24 @@ def register_integrator(name: str, function: Callable[[Step], Any], summary: str
     if not callable(function):
         raise TypeError(f"function = {shown(function)}: must be a function of a Step")
     _orthant._register_integrator(word("name", name), function, word("summary", summary))
+    registered.add(("integrator", name))
+
+
+_registered_scenes: dict[str, Scene] = {}
 
 
 def register_scene(name: str, scene: Scene, summary: str = "written in Python") -> None:
-    """A scene under a name, for `simulate` and `Scene.named` of this process. Options of it are key paths of the format.
+    """A scene under a name, for `simulate`, `Scene.named` and `sweep` of this process.
 
-    Joints and contacts written in Python may be in it.
-    Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _, and for a scene without a text.
+    Options of it are key paths of the format; of a scene that is itself Scene.named(...) that one's options. Joints and contacts
+    written in Python may be in it.
+    Raises ValueError for a name that is taken, or made of other than a-z, 0-9, - and _.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {shown(scene)}: must be a Scene")
-    _orthant._register_scene(word("name", name), scene._text(), word("summary", summary), scene._customs)
+    _orthant._register_scene(word("name", name), scene._checked(), word("summary", summary))
+    _registered_scenes[name] = scene
+    registered.add(("scene", name))
 
 
 def scenes() -> list[Entry]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class McpResult(NamedTuple):
-    """What `solve_mcp` gives back."""
+    """What `solve_mcp` gives back. It answers to SciPy's names too: result.x, result["fun"], result.get("nit"), ..."""
 
     status: str
     solved: bool
@@ -25,6 +25,46 @@ class McpResult(NamedTuple):
     residual: float  # natural residual in units of F
     iterations: int
     why: str  # of numerical_error: the first entry of F or jacobian that was not finite
+
+    @property
+    def x(self) -> Vector:
+        """(n,) z, as scipy.optimize calls it"""
+        return self.z
+
+    @property
+    def fun(self) -> Vector:
+        """(n,) F(z), as scipy.optimize calls it"""
+        return self.F
+
+    @property
+    def success(self) -> bool:
+        """solved, as scipy.optimize calls it"""
+        return self.solved
+
+    @property
+    def message(self) -> str:
+        """the outcome in words"""
+        return self.status + (f": {self.why}" if self.why else "")
+
+    @property
+    def nit(self) -> int:
+        """iterations, as scipy.optimize calls it"""
+        return self.iterations
+
+    def keys(self) -> list[str]:
+        """The names of what result[name] has."""
+        return [*self._fields, "x", "fun", "success", "message", "nit"]
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """result[key], or default where there is no such name."""
+        return getattr(self, key) if key in self.keys() else default
+
+    def __getitem__(self, key: Any) -> Any:
+        if not isinstance(key, str):
+            return tuple.__getitem__(self, key)
+        if key not in self.keys():
+            raise KeyError(key)
+        return getattr(self, key)
 
 
 def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector], Any], start: npt.ArrayLike,

@@ -16,6 +16,9 @@ class Entry(NamedTuple):
     options: str  # every option with its default and range
 
 
+registered: set[tuple[str, str]] = set()  # ("solver", name), ...: from Python, in this process
+
+
 def shown(value: Any) -> str:
     """As Python writes it, cut where it is long."""
     text = " ".join(repr(value).split())

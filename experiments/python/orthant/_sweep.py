@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import json
 import os
@@ -11,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _orthant
-from ._mechanics import Scene, toml_lines
-from ._spec import flag, path, shown, whole
+from ._mechanics import Scene, _registered_scenes, toml_lines
+from ._spec import flag, path, registered, shown, whole
 
 if TYPE_CHECKING:
     import pandas
@@ -34,6 +35,8 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     retry: run what a time limit or a crash ended once more; what had less time than it gets now is run anyway.
     jobs: processes on this machine, 0: one a core. client: a distributed.Client or its scheduler's address; its workers
     run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
+    Names that this process has registered (register_solver, register_integrator, register_scene) are known to no other: then
+    the cases run in this one, one by one, without time limits, and rows do not notice that a function has changed.
     A case that fails is a row with its status. Raises ValueError naming file, key, value and rule, RuntimeError for a
     file that cannot be read.
     """
@@ -42,10 +45,17 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     progress, results = flag("progress", progress), None if results is None else path("results", results)
     file, results = _files(what, results, keys)
     name, count, missing = _orthant._declare_sweep(file, quick, results, retry)
+    ours = sorted(registered & _orthant._names_in_sweep(file, quick))
+    if ours and client is not None:
+        raise ValueError(f"{ours[0][0]} '{ours[0][1]}': is registered in this process only: must not be in a sweep with a client")
     with _Bar(name, count, progress) as bar:
         bar.at(count - len(missing))
         if not missing:
             pass
+        elif ours:
+            for done, key in enumerate(missing, count - len(missing) + 1):
+                _orthant._run_case_here(file, quick, results, key)
+                bar.at(done)
         elif client is None:
             _by_processes(file, quick, results, jobs, name, bar)
         else:
@@ -54,6 +64,8 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
 
 
 def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
+    if isinstance(what, str) and what in _registered_scenes and not (known := _registered_scenes[what])._customs:
+        what = known if known._read is None or known._read.text and not known._read.sets else what
     text = _text_of(what) if isinstance(what, Scene) else None
     given = Path("scene" if text is not None else path("what", what))
     if given.name.endswith(".sweep.toml"):
@@ -78,7 +90,7 @@ def _text_of(scene: Scene) -> str:
     try:
         return scene.toml()
     except ValueError as error:
-        raise ValueError(f"{error}; sweep takes its name or file, and values in grid={{'set': ...}}") from None
+        raise ValueError(f"{error}; sweep takes its name (register_scene) or file, and values in grid={{'set': ...}}") from None
 
 
 def _write(file: Path, toml: str) -> None:
@@ -176,15 +188,13 @@ def _run_case(file: Path, quick: bool, key: str, largest: int) -> list[str]:
 
 
 def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[str], bar: _Bar) -> None:
-    from distributed import Client, as_completed
-
+    distributed: Any = importlib.import_module("distributed")  # untyped in some versions, typed in others
     ours = isinstance(client, str)
-    workers = Client(client) if ours else client  # type: ignore[no-untyped-call]
+    workers = distributed.Client(client) if ours else client
     try:
         futures = [workers.submit(_run_case, file, quick, key, _orthant._largest_input(0), key=f"orthant-{key}", retries=2) for key in missing]
         total, done, lost = len(missing), 0, []
-        future: Any
-        for future in as_completed(futures):  # type: ignore[no-untyped-call]
+        for future in distributed.as_completed(futures):
             if future.status == "finished":
                 for row in future.result():
                     _orthant._keep_row(results, row)

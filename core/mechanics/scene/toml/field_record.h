@@ -13,7 +13,24 @@
 
 namespace orthant::scene_file {
 
-enum class Form { any, number, boolean, word, pair, numbers, points, table, tables, body, bodies, choice };
+enum class Form {
+  any,
+  number,
+  boolean,
+  word,
+  pair,
+  triple,
+  quadruple,
+  tensor,
+  numbers,
+  points,
+  points_in_space,
+  table,
+  tables,
+  body,
+  bodies,
+  choice
+};
 
 struct FieldRecord {
   std::string element;  // "body", "contact"; empty: the scene itself
@@ -74,7 +91,13 @@ template <class T> constexpr Form form_of() {
   if constexpr (std::is_same_v<T, bool>) return Form::boolean;
   if constexpr (std::is_same_v<T, std::string>) return Form::word;
   if constexpr (std::is_same_v<T, std::vector<double>>) return Form::numbers;
-  if constexpr (requires(const T& t) { t.x(); }) return Form::pair;
+  if constexpr (requires { T::SizeAtCompileTime; }) {
+    constexpr int size = T::SizeAtCompileTime;
+    static_assert(size == 2 || size == 3 || size == 4 || size == 9);
+    return size == 2 ? Form::pair : size == 3 ? Form::triple : size == 4 ? Form::quadruple : Form::tensor;
+  }
+  if constexpr (requires { T::value_type::SizeAtCompileTime; })
+    if (T::value_type::SizeAtCompileTime == 3) return Form::points_in_space;
   return Form::points;
 }
 

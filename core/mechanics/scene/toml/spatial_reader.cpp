@@ -49,7 +49,7 @@ spatial::Scene SpatialReader::scene() {
 }
 
 template <class Read> void SpatialReader::each(Fields& top, std::string_view kind, Read&& read) {
-  const toml::node* list = top.find(kind);
+  const toml::node* list = top.find(kind, Form::tables);
   if (list == nullptr) return;
   if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
   const toml::array& elements = *list->as_array();
@@ -144,7 +144,7 @@ BodyId SpatialReader::body_of(Fields& f) const {
 }
 
 template <class T> void SpatialReader::points_of(Fields& f, T& x) const {
-  const toml::node* node = f.find("bodies");
+  const toml::node* node = f.find("bodies", Form::bodies, true);
   if (node == nullptr) f.fail(f.table(), "missing key \"bodies\"");
   const toml::array* names = node->as_array();
   if (names == nullptr || names->size() != 2) f.refuse("bodies", *node, "two names [\"first\", \"second\"]");
@@ -154,7 +154,7 @@ template <class T> void SpatialReader::points_of(Fields& f, T& x) const {
 
 /// `axis` in a's frame, `axis_b` in b's: left out, it is the same direction in the initial poses.
 template <class T> void SpatialReader::axes_of(Fields& f, T& x) const {
-  if (!f.direction("axis", x.axis_a)) f.miss("axis");
+  if (!f.direction("axis", x.axis_a, true)) f.miss("axis");
   if (!f.direction("axis_b", x.axis_b))
     x.axis_b = initial_.at(x.b).turn_back(initial_.at(x.a).turn(x.axis_a)).normalized();
 }
@@ -198,8 +198,8 @@ void SpatialReader::joint(Fields& f) {
   } else if (type == "universal") {
     spatial::Universal j{.name = name};
     points_of(f, j);
-    if (!f.direction("axis", j.axis_a)) f.miss("axis");
-    if (!f.direction("axis_b", j.axis_b)) f.miss("axis_b");
+    if (!f.direction("axis", j.axis_a, true)) f.miss("axis");
+    if (!f.direction("axis_b", j.axis_b, true)) f.miss("axis_b");
     scene_.joint(j);
   } else if (type == "planar") {
     spatial::PlaneJoint j{.name = name};
@@ -208,7 +208,7 @@ void SpatialReader::joint(Fields& f) {
   } else if (type == "prismatic") {
     spatial::Prismatic j{.name = name};
     points_of(f, j), orientation_of(f, j);
-    if (!f.direction("axis", j.axis)) f.miss("axis");
+    if (!f.direction("axis", j.axis, true)) f.miss("axis");
     scene_.joint(j);
   } else if (type == "fixed") {
     spatial::Fixed j{.name = name};
@@ -217,12 +217,12 @@ void SpatialReader::joint(Fields& f) {
   } else if (type == "point-in-plane") {
     spatial::PointInPlane j{.name = name};
     points_of(f, j);
-    if (!f.direction("axis", j.axis)) f.miss("axis");
+    if (!f.direction("axis", j.axis, true)) f.miss("axis");
     scene_.joint(j);
   } else if (type == "point-on-line") {
     spatial::PointOnLine j{.name = name};
     points_of(f, j);
-    if (!f.direction("axis", j.axis)) f.miss("axis");
+    if (!f.direction("axis", j.axis, true)) f.miss("axis");
     scene_.joint(j);
   } else if (type == "distance") {
     spatial::Distance j{.name = name};
@@ -241,15 +241,15 @@ void SpatialReader::joint(Fields& f) {
 }
 
 spatial::Coordinate SpatialReader::coordinate(Fields& f) const {
-  const toml::node* joint = f.find("joint");
-  const toml::node* of = f.find("of");
+  const toml::node* joint = f.find("joint", Form::word);
+  const toml::node* of = f.find("of", Form::word);
   if (joint != nullptr) return free_at(f, *joint);
   if (of == nullptr) f.fail(f.table(), "missing key \"joint\" or \"of\"");
   const auto kind = of->value_exact<std::string>();
   if (kind == "slide") {
     spatial::Slide c;
     points_of(f, c);
-    if (!f.direction("axis", c.axis)) f.miss("axis");
+    if (!f.direction("axis", c.axis, true)) f.miss("axis");
     return c;
   }
   if (kind != "distance" && kind != "angle")
@@ -270,7 +270,7 @@ spatial::Coordinate SpatialReader::coordinate(Fields& f) const {
 /// The free coordinate of a joint; a cylindrical one has two, `of` says which.
 spatial::Coordinate SpatialReader::free_at(Fields& f, const toml::node& joint) const {
   const auto name = joint.value_exact<std::string>();
-  const toml::node* of = f.find("of");
+  const toml::node* of = f.find("of", Form::word);
   const auto kind = of != nullptr ? of->value_exact<std::string>() : std::nullopt;
   for (const spatial::Joint& one : scene_.joints) {
     if (!name || std::visit([](const auto& j) { return j.name; }, one) != *name) continue;
@@ -299,13 +299,13 @@ template <class T> void SpatialReader::wall(Fields& f, T& c) const {
 }
 
 template <class T> void SpatialReader::half_space(Fields& w, T& c) const {
-  if (const toml::node* node = w.find("body")) c.b = id(w, "body", *node);
+  if (const toml::node* node = w.find("body", Form::word)) c.b = id(w, "body", *node);
   w.maybe("point", c.plane_point);
-  if (!w.direction("normal", c.normal)) w.miss("normal");
+  if (!w.direction("normal", c.normal, true)) w.miss("normal");
 }
 
 template <class Read> void SpatialReader::each_table(Fields& f, std::string_view key, Read&& read) const {
-  const toml::node* node = f.find(key);
+  const toml::node* node = f.find(key, Form::tables);
   if (node == nullptr) return;
   const toml::array* tables = node->as_array();
   const auto refuse = [&](const toml::node& wrong) { f.refuse(key, wrong, "a list of tables {…}"); };
