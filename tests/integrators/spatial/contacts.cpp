@@ -131,6 +131,6 @@ TEST_CASE("integrators that take planar scenes only say so") {
   CHECK_THROWS_WITH_AS(
       static_cast<void>(make_integrator("rattle", system)),
       "integrator rattle: takes planar scenes only: must be one of moreau-jean, stewart-trinkle, paoli-schatzman, "
-      "generalized-alpha for dimension = 3",
+      "generalized-alpha, adaptive for dimension = 3",
       std::invalid_argument);
 }
