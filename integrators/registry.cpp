@@ -1,6 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/core/support/registered.h>
-#include <orthant/integrators/adaptive/adaptive.h>
+#include <orthant/integrators/adaptive/spatial_adaptive.h>
 #include <orthant/integrators/between_events/substitute.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/fixed_step/anitescu_potra.h>
@@ -57,7 +57,7 @@ std::vector<IntegratorEntry> built_in() {
       entry<Rattle>("joints and gaps at both levels, symplectic; order 2 on smooth motion", &make<Rattle>,
                     &make_in_space<RattleOf<Spatial>>),
       entry<Adaptive>("to a tolerance: located events, dense output; no answer depends on the output step",
-                      &make_by_contacts<Adaptive>),
+                      &make_by_contacts<Adaptive>, &make_in_space<SpatialAdaptive>),
       entry<EventDriven>("Runge-Kutta of order 8 between located events; for references",
                          &make_by_contacts<EventDriven>),
   };

@@ -15,9 +15,13 @@
 
 namespace orthant {
 
-class ContactEquations {
+template <class Space> class ContactEquationsOf {
  public:
-  ContactEquations(const System& system, std::size_t most) : dof_(system.dof()), row_(most), force_(most), c_(most) {
+  using System = SystemOf<Space>;
+  using Row = RowOf<Space>;
+  using BasicSystem = BasicSystemOf<Space>;
+
+  ContactEquationsOf(const System& system, std::size_t most) : dof_(system.dof()), row_(most), force_(most), c_(most) {
     const auto n = static_cast<Index>(most);
     columns_.resize(dof_, n), A.resize(n, n), b.resize(n), z.resize(n);
     clear();
@@ -28,7 +32,7 @@ class ContactEquations {
     row_.push_back(row), force_.push_back(force), c_.push_back(c);
   }
   /// The normal row of a contact that slides, its force W_N − sigma_mu W_T.
-  void add_sliding(const ContactRows& rows, double sigma_mu, double c) {
+  void add_sliding(const ContactRowsOf<Space>& rows, double sigma_mu, double c) {
     const bool same = same_bodies(rows.normal, rows.tangent);
     if (!same) besides_.push_back({size(), rows.tangent, -sigma_mu});  // friction acts on other bodies
     add(rows.normal, same ? combined(rows.normal, -sigma_mu, rows.tangent) : rows.normal, c);
@@ -94,5 +98,6 @@ class ContactEquations {
   std::vector<double> c_;
   DenseMatrix columns_;
 };
+using ContactEquations = ContactEquationsOf<Planar>;
 
 }  // namespace orthant

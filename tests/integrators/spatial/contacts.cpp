@@ -131,6 +131,6 @@ TEST_CASE("integrators that take planar scenes only say so") {
   CHECK_THROWS_WITH_AS(
       static_cast<void>(make_integrator("event-driven", system)),
       "integrator event-driven: takes planar scenes only: must be one of moreau-jean, stewart-trinkle, "
-      "anitescu-potra, paoli-schatzman, generalized-alpha, rattle for dimension = 3",
+      "anitescu-potra, paoli-schatzman, generalized-alpha, rattle, adaptive for dimension = 3",
       std::invalid_argument);
 }

@@ -1,0 +1,187 @@
+// integrators/adaptive/spatial_adaptive.h — adaptive in space: event location to a tolerance, at any output step.
+//
+//   Inner steps: a Runge–Kutta method of order 8 in charts of the rotations (chart_runge_kutta.h) while no contact
+//   changes its mode (spatial_motion.h). Each ends with q and v projected onto joints and lasting contacts. Watched are
+//     open contact: g           → closing: cubics through gaps and rates at poses that turn by 1/4 rad at most, halved
+//                                 where they come near zero
+//     lasting ones: λ_N, μ λ_N − |λ_T| → opening, sliding off, by quartics through five values
+//     sliding ones: |γ_T|       → no step is longer than 0.95 of the time that it would take to stop at its present
+//                                 rate; it stops at atol
+//   The first event is landed on by steps from the same start, their length by Newton's or secant steps. Then
+//     a gap that closes at a velocity:  impact of all contacts that touch, by the scene's law, with discs of friction
+//     after every event:                the modes by the problem at acceleration level (spatial_transition.h).
+//   Impacts that come at ever shorter intervals, and no higher than ten times atol of an inner step, end in one without
+//   restitution (impact_series.h).
+//   The states that are called for do not shape the inner steps: a state within one is a Runge–Kutta step from where it
+//   began, of full order, and projected. Neither the motion nor its error depends on the output step or on the end of
+//   the run.
+//   Tolerance: an inner step is held to a thousandth of rtol and atol, 1e-13 and 1e-14 at the least, of each body's
+//   place, velocity and angular velocity (lengths of vectors), and of 1 rad of its orientation. The motion may magnify
+//   errors by more than the thousand: this is not controlled. error_estimate of a run is the sum of the errors of the
+//   inner steps; `--check` of the command measures the final error.
+//   Where events crowd, and at instants without an answer, steps of Moreau–Jean's method of 1e-6 s and more go across,
+//   to first order: they are counted as crossings, and error_estimate has their share.
+//   No inner step is longer than the larger of ten times the one before and the time run so far, nor than a load or
+//   drive needs to swing by 3 rad, nor turns a body by more than 1.5 rad.
+//   Limits: listed contacts only, no dry friction in joints. Of several solutions at acceleration level (Painlevé) the
+//   solver's is taken. A graze shallower than the cubics' error (some 1e-7 of the motion within a step) is overlooked.
+//   Series of impacts that several contacts have in turn end together.
+//   Cost: 12 evaluations an inner step, 3 more where contacts last; each evaluates a lasting contact five times. 12
+//   evaluations a state within an inner step. Some 3 steps an event.
+// Source: see chart_runge_kutta.h, event_driven.h; Pfeiffer & Glocker (1996); Brogliato & Acary (2008), ch. 8.
+#pragma once
+
+#include <orthant/integrators/adaptive/adaptive.h>
+#include <orthant/integrators/adaptive/chart_runge_kutta.h>
+#include <orthant/integrators/between_events/impact_series.h>
+#include <orthant/integrators/between_events/spatial_transition.h>
+
+namespace orthant {
+
+class SpatialAdaptive final : public IntegratorOf<Spatial> {
+ public:
+  static constexpr std::string_view kName = Adaptive::kName;
+  static constexpr Capabilities kCan = Adaptive::kCan;
+  using Options = AdaptiveOptions;
+  using Terms = TermsOf<Spatial>;
+
+  explicit SpatialAdaptive(const System& system, const Options& options = {});
+  StepReport step(double h, Solver& solver, State& x) override;
+  void remember(Memory& memory) override;
+  const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
+  bool controls_step() const override { return kCan.error_control; }
+
+ private:
+  enum class Watch { gap, force, cone, stop };
+  struct Sign {  // of an event
+    Watch watch = Watch::gap;
+    int contact = 0;
+    double x = 1;  // of the step
+  };
+  struct Point {  // of the motion
+    Eigen::VectorXd q, v, a;
+    SpatialWatched w;
+    SpatialMotion::Residual residual;
+    std::vector<Impulse> force;  // [N]
+    double power = 0;            // [W]
+    explicit Point(const System& system);
+  };
+  struct Tolerance {  // of an inner step
+    double rtol = 0, atol = 0;
+  };
+  struct Stride {  // the last inner step: an arc of smooth motion, or a crossing
+    State start;
+    Eigen::VectorXd a;               // at its start
+    std::vector<Impulse> force;      // [N] likewise
+    double power = 0;                // [W] likewise
+    std::vector<SpatialMode> modes;  // on the arc
+    double length = 0;               // [s]
+    bool arc = false;
+    std::vector<Impulse> push;  // [N s] of lasting contacts so far, handed out
+    double work = 0;            // [J] likewise
+  };
+  struct Left {  // what is still to be handed out of the last inner step
+    std::vector<Event> events;
+    std::vector<Impulse> impulses;
+    double work = 0;  // [J]
+  };
+  struct Failure {  // of the inner step that ended at time_
+    Status status = Status::solved;
+    std::string why;
+  };
+  struct Bounces : ImpactSeries {  // a contact's impacts
+    double height = 0;             // [m] bound of the next bounce
+    bool rounding = false;         // the last bounce was of the size of rounding
+    bool over = false;             // accumulated, just now
+  };
+  struct Crowd {  // of events, and its crossing
+    int steps = 0, standstill = 0;
+    double length = 0, end = -kInf;  // [s] of the last crossing
+  };
+  struct Node {  // gaps within a step
+    double x = 0;
+    Eigen::VectorXd gap, rate;
+  };
+
+  bool goes_on(const State& x) const;
+  void restart(const State& x);
+  bool stride(Solver& solver, StepReport& report);
+  void hand_over_all(StepReport& report);
+  void hand_out(double target, State& x, StepReport& report);
+  void hand_out_within(double t, State& x, StepReport& report);
+
+  bool give_up(Status status, std::string why);
+  bool begin(Solver& solver, StepReport& report);
+  bool advance(Solver& solver, StepReport& report);
+  double longest(double rest) const;
+  double first_guess() const;
+  bool integrate(SpatialMotion& motion, double t, const Point& from, double s, Eigen::VectorXd& q, Eigen::VectorXd& v);
+  double attempt(double s);
+  bool observe(Point& p, double t);
+  bool turned() const;
+  void end_departures();
+  void accept(double s, bool at_stop, double stop);
+
+  std::optional<Sign> first_sign(double s);
+  void find_gaps(double s, std::optional<Sign>& first);
+  std::optional<double> closing(int contact, double s, const Node& low, const Node& high, int depth);
+  void between_ends(double s, double x, Eigen::VectorXd& q, Eigen::VectorXd& v);
+  void find_ends(double s, std::optional<Sign>& first);
+  double value(const Sign& sign, const Point& p) const;
+  double slack(const Sign& sign) const;
+  bool land(const Sign& sign, double& s);
+
+  bool change(Solver& solver, const std::optional<Sign>& event, StepReport& report);
+  bool reshare(Solver& solver, const Sign& event, StepReport& report);
+  bool impact(Solver& solver, bool plastic, StepReport& report);
+  bool accumulates();
+  bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
+  bool cross(Solver& solver, StepReport& report);
+  void note_changes(bool touched);
+  void emit(double t, EventKind kind, int contact, const Impulse& impulse = {});
+
+  double gap_zero(int c) const { return 0x1p-52 * now_.w.gap_scale[c]; }
+  double rate_zero(int c) const { return inner_.atol + 1e-12 * now_.w.rate_scale[c]; }
+  double slip_zero(const Point& p) const { return inner_.atol + 10 * motion_.slip_rounding(p.v); }
+  double room(int contact, const Point& p) const;
+
+  Options options_;
+  Tolerance inner_;
+  double swing_ = kInf;  // [s] the longest inner step
+  bool measures_ = false;
+
+  SpatialMotion motion_, between_;  // of inner steps; of states within them
+  SpatialTransition transition_;
+  FormulationOf<Spatial> formulation_;
+  ImpactOf<Spatial> impact_;
+  ChartRungeKutta rk_;
+  MoreauJeanOf<Spatial> stepping_;  // of crossings
+
+  double time_ = 0;                          // [s] where the inner steps are
+  double began_ = 0, reach_ = 0, next_ = 0;  // [s] start of the run; longest next inner step, and its length
+  double stop_ = kInf;                       // [s] forces are not looked at later in this step
+  bool begun_ = false, fresh_ = false;       // the modes are decided; now_ is observed
+  double load_ = 0;                          // [N] the largest normal force since the modes were decided
+  Point now_, trial_;
+  Eigen::VectorXd path_, path_rate_, path_bend_, path_scale_, v_scale_, hermite_;  // φ, φ', φ'' at the step's end
+  std::vector<Impulse> push_;                                                      // [N] mean force of the trial step
+  double mean_power_ = 0;                                                          // [W] likewise
+  Stride stride_;
+  Left left_;
+  Failure failed_;
+  State last_;  // what was returned
+  Crowd crowd_;
+  std::vector<Bounces> bounces_;
+  std::vector<char> touching_, released_;
+  std::vector<Vector3d> slides_;  // contacts that slide off, along this
+  std::vector<SpatialMode> before_;
+  std::vector<WantedOf<Spatial>> wanted_;
+  std::vector<Impulse> struck_;
+  std::vector<int> contacts_;
+  Eigen::VectorXd v_before_, none_, q_within_, v_within_;
+  State crossed_;
+  Terms handed_;                         // for gaps of states handed out
+  const FormulationOf<Spatial>* shown_;  // by problem(); null: the transition
+};
+
+}  // namespace orthant

@@ -1,0 +1,258 @@
+// Events of a SpatialAdaptive integrator: impacts, accumulations, changes of contact modes, crossings of crowds.
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/adaptive/spatial_adaptive.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthant {
+namespace {
+
+constexpr double kTogether = 1e-8;       // of the largest force: contacts this near to their ends end together
+constexpr double kComesBack = 1e-6;      // of the accelerations: a contact let go that comes back faster does not open
+constexpr double kFirstCrossing = 1e-6;  // [s]
+constexpr double kLastCrossing = 1e-4;   // [s]
+
+}  // namespace
+
+void SpatialAdaptive::emit(double t, EventKind kind, int contact, const Impulse& impulse) {
+  left_.events.push_back({t, kind, contact, impulse.normal, size_of(impulse.tangent)});
+}
+
+/// At now_: impacts, then the modes; their events.
+bool SpatialAdaptive::change(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
+  if (event && event->watch != Watch::gap && crowd_.standstill == 0 && reshare(solver, *event, report)) return true;
+  before_ = motion_.modes;
+  std::fill(released_.begin(), released_.end(), false);
+  std::fill(slides_.begin(), slides_.end(), Vector3d::Zero());
+  for (Bounces& b : bounces_) b.over = false;
+  bool struck = false;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    const bool hit = event && event->watch == Watch::gap && event->contact == c, lasts = motion_.modes[i].lasting;
+    touching_[i] = hit || lasts || now_.w.gap[c] <= 256 * gap_zero(c) + inner_.atol;
+    if (!touching_[i] || lasts || now_.w.gap_rate[c] >= -rate_zero(c)) continue;
+    struck = true;
+    Bounces& b = bounces_[i];
+    b.add(time_);
+    const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
+    b.height = height * b.ratio, b.rounding = height <= 16 * gap_zero(c);
+  }
+  if (struck && !impact(solver, accumulates(), report)) return false;
+  next_ = 0;
+  return settle(solver, event, struck, report);
+}
+
+/// Contacts whose forces are not unique share them in the proportions of the last decision. One that comes to its end
+/// by that alone goes on when they are shared as a new decision finds. False: it has come to its end.
+bool SpatialAdaptive::reshare(Solver& solver, const Sign& event, StepReport& report) {
+  if (event.watch == Watch::stop || !motion_.redundant()) return false;
+  const std::vector<SpatialMode> before = motion_.modes;
+  motion_.open_all();
+  if (!observe(now_, time_)) return false;
+  transition_.candidates.clear();
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i].lasting)
+      transition_.candidates.push_back({static_cast<int>(i), before[i].slides, before[i].departs,
+                                        before[i].slides ? now_.w.along[i] : Vector3d(0, 0, 0)});
+  const bool same = transition_.decide(motion_, now_.q, now_.v, solver, report) == Status::solved &&
+                    motion_.modes == before && observe(now_, time_) && value(event, now_) > slack(event);
+  if (same) return true;
+  motion_.modes = before, motion_.modes_changed();
+  observe(now_, time_);
+  return false;
+}
+
+bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
+  Terms& terms = motion_.terms();
+  if (!motion_.accelerations(time_, now_.q, now_.v, now_.a))
+    return give_up(Status::numerical_error, "no accelerations at an impact");
+  contacts_.clear();
+  for (std::size_t i = 0; i < touching_.size(); ++i)
+    if (plastic ? bounces_[i].over || motion_.modes[i].lasting : touching_[i]) contacts_.push_back(static_cast<int>(i));
+  evaluate_closed(system_, contacts_, terms);
+  newtons_law(system_.laws(), terms, now_.v, wanted_);
+  restrict_to_strikes(wanted_);
+  v_before_ = now_.v;
+  shown_ = &impact_.formulation();
+  impact_.anchor(time_, now_.q), formulation_.anchor(time_, now_.q);
+  if (!plastic && !impact_.strike(terms, motion_.basic(), v_before_, wanted_, now_.v, solver, report))
+    return give_up(report.status, impact_.why());
+  if (plastic)
+    for (auto& wanted : wanted_) wanted.normal = 0;
+  formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
+  shown_ = &formulation_;
+  if (!formulation_.solve(solver, report)) {
+    const std::string why = formulation_.contradiction();
+    return give_up(report.status, why.empty() ? "the impact was not solved" : "in an impact " + why);
+  }
+  std::fill(struck_.begin(), struck_.end(), Impulse{});
+  formulation_.advance(now_.v, struck_);
+  if (!plastic) impact_.add_to(struck_);
+  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, struck_));
+  if (system_.driven()) left_.work += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
+  for (const auto& closed : terms.closed) {
+    const auto i = static_cast<std::size_t>(closed.contact);
+    const Impulse& hit = struck_[i];
+    left_.impulses[i].normal += hit.normal, left_.impulses[i].tangent += hit.tangent;
+    if (system_.driven()) {
+      const auto mean = [&](const RowOf<Spatial>& row) {
+        return (apply(row, v_before_.data()) + apply(row, now_.v.data())) / 2;
+      };
+      left_.work -= hit.normal * mean(closed.rows.normal) + hit.tangent.first * mean(closed.rows.tangents[0]) +
+                    hit.tangent.second * mean(closed.rows.tangents[1]);
+    }
+    if (plastic && bounces_[i].over)
+      emit(time_ + bounces_[i].rest, EventKind::accumulation, closed.contact, hit);
+    else if (hit.normal > 0)
+      emit(time_, EventKind::impact, closed.contact, hit);
+  }
+  return true;
+}
+
+/// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
+bool SpatialAdaptive::accumulates() {
+  const auto low = [&](int c) { return std::max(10 * inner_.atol, 256 * gap_zero(c)); };
+  bool any = false;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const Bounces& b = bounces_[static_cast<std::size_t>(c)];
+    any = any || (b.last == time_ && (b.rounding || (b.accumulates() && b.height <= low(c))));
+  }
+  for (int c = 0; any && c < system_.contacts(); ++c) {
+    Bounces& b = bounces_[static_cast<std::size_t>(c)];
+    b.over = (b.rounding || b.accumulates()) && time_ - b.last <= b.interval && now_.w.gap[c] <= low(c);
+    touching_[static_cast<std::size_t>(c)] = touching_[static_cast<std::size_t>(c)] || b.over;
+  }
+  return any;
+}
+
+/// The modes at now_, after an impact or an event of the motion.
+bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
+  if (event && !struck && (event->watch == Watch::force || event->watch == Watch::cone)) {
+    const double zero = kTogether * (1 + 1e3 * crowd_.standstill) * load_;
+    for (const int c : motion_.lasting()) {
+      const auto i = static_cast<std::size_t>(c);
+      if (event->watch == Watch::force) {
+        released_[i] = c == event->contact || now_.w.normal[c] <= zero;
+      } else if (before_[i].sticks && (c == event->contact || room(c, now_) <= zero) && now_.w.tangent[c] > 0) {
+        const auto place = static_cast<std::size_t>(std::find(motion_.lasting().begin(), motion_.lasting().end(), c) -
+                                                    motion_.lasting().begin());
+        const auto& rows = motion_.terms().closed[place].rows;
+        const Tangents force = now_.force[i].tangent;
+        slides_[i] = -(force.first * direction_of(rows.tangents[0]) + force.second * direction_of(rows.tangents[1])) /
+                     now_.w.tangent[c];
+      }
+    }
+  }
+  const double none = slip_zero(now_) * (event && event->watch == Watch::stop ? 100 : 1);
+  for (bool again = true; again;) {
+    motion_.open_all();
+    if (!observe(now_, time_)) return give_up(Status::numerical_error, "no accelerations after an event");
+    transition_.candidates.clear();
+    const auto& terms = motion_.terms();
+    contacts_.clear();
+    for (int c = 0; c < system_.contacts(); ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      if (!touching_[i] || released_[i]) continue;
+      if (now_.w.gap_rate[c] > rate_zero(c) && !bounces_[i].over) continue;
+      contacts_.push_back(c);
+    }
+    evaluate_closed(system_, contacts_, motion_.terms());
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      const auto i = static_cast<std::size_t>(contacts_[k]);
+      SpatialTransition::Candidate candidate{contacts_[k], false, false, slides_[i]};
+      if (system_.law(contacts_[k]).frictional()) {
+        const Tangents slip = slip_rate(terms.closed[k].rows, now_.v.data());
+        const auto& tangents = terms.closed[k].rows.tangents;
+        if (size_of(slip) > none)
+          candidate.direction =
+              (slip.first * direction_of(tangents[0]) + slip.second * direction_of(tangents[1])) / size_of(slip);
+        candidate.slides = candidate.direction.squaredNorm() > 0;
+        candidate.departs = candidate.slides && (size_of(slip) <= none || (before_[i].departs && before_[i].lasting));
+      }
+      transition_.candidates.push_back(candidate);
+    }
+    const Status status = transition_.decide(motion_, now_.q, now_.v, solver, report);
+    if (status != Status::solved) {
+      shown_ = nullptr;
+      return give_up(status, transition_.why() + ", at t = " + detail::text_of(time_));
+    }
+    now_.residual = motion_.project(time_, now_.q, now_.v);
+    if (!observe(now_, time_)) return give_up(Status::numerical_error, "no accelerations after an event");
+    again = false;
+    if (std::find(released_.begin(), released_.end(), true) == released_.end()) break;
+    evaluate_closed(system_, kInf, motion_.terms());
+    for (int c = 0; c < system_.contacts(); ++c) {  // pressed back by what else changes here
+      const auto i = static_cast<std::size_t>(c);
+      if (!released_[i]) continue;
+      const double acceleration =
+          apply(motion_.terms().closed[i].rows.normal, now_.a.data()) + motion_.bias(c, now_.q, now_.v).normal;
+      if (acceleration < -kComesBack * now_.a.lpNorm<Eigen::Infinity>()) released_[i] = false, again = true;
+    }
+    evaluate_closed(system_, motion_.lasting(), motion_.terms());
+  }
+  load_ = 0;
+  note_changes(event.has_value() && !struck);
+  return true;
+}
+
+void SpatialAdaptive::note_changes(bool touched) {
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const SpatialMode &old = before_[static_cast<std::size_t>(c)], &mode = motion_.modes[static_cast<std::size_t>(c)];
+    if (old == mode) continue;
+    if (!mode.lasting)
+      emit(time_, EventKind::release, c);
+    else if (old.lasting)
+      emit(time_, mode.sticks ? EventKind::stick : EventKind::slip, c);
+    else if (touched)
+      emit(time_, EventKind::touch, c);
+  }
+}
+
+/// Where events have no end, or an instant no answer that could be computed: steps of Moreau–Jean's method, each twice
+/// as long as the last one where no calm has come since. Contacts that push in it last, unless they come away faster
+/// than bodies fall within it.
+bool SpatialAdaptive::cross(Solver& solver, StepReport& report) {
+  const Failure reason = failed_;
+  for (bool calm = false; !calm;) {
+    if (stopped(report)) return give_up(report.status, "");
+    crowd_.length =
+        time_ - crowd_.end < 50 * crowd_.length ? std::min(2 * crowd_.length, kLastCrossing) : kFirstCrossing;
+    const double s = crowd_.length;
+    crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
+    const StepReport one = stepping_.step(s, solver, crossed_);
+    report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
+    ++report.accepted, ++report.crossings;
+    if (one.status != Status::solved) return give_up(reason.status, reason.why);
+    if (one.passage.width > 0) {
+      report.passage = one.passage;
+      return give_up(Status::numerical_error, "a crowd of events cannot be crossed at t = " + detail::text_of(time_) +
+                                                  ": bodies would pass through each other");
+    }
+    report.error_estimate += s * (crossed_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
+    now_.q = crossed_.q, now_.v = crossed_.v;
+    time_ += s;
+    crowd_.end = time_, crowd_.steps = crowd_.standstill = 0;
+    stride_.arc = false;
+    motion_.open_all();
+    stop_ = kInf;
+    if (!observe(now_, time_)) return give_up(Status::numerical_error, "no accelerations");
+    const double slow = s * now_.a.lpNorm<Eigen::Infinity>();
+    bool any = false;
+    for (std::size_t i = 0; i < touching_.size(); ++i) {
+      const Impulse& push = stepping_.impulses()[i];
+      left_.impulses[i].normal += push.normal, left_.impulses[i].tangent += push.tangent;
+      bounces_[i] = {};
+      touching_[i] = bounces_[i].over = push.normal > 0 && now_.w.gap_rate[static_cast<Index>(i)] <= slow;
+      any = any || touching_[i];
+    }
+    std::fill(released_.begin(), released_.end(), false);
+    std::fill(slides_.begin(), slides_.end(), Vector3d::Zero());
+    calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    for (Bounces& b : bounces_) b.over = false;
+  }
+  failed_ = {}, next_ = 0;
+  return true;
+}
+
+}  // namespace orthant
