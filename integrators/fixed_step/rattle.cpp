@@ -66,14 +66,14 @@ template <class Space> void RattleOf<Space>::predict(double h, const State& x) {
 
 template <class Space> bool RattleOf<Space>::turn_again([[maybe_unused]] double h, [[maybe_unused]] int pass) {
   if constexpr (!kPlanar<Space>) {
-    constexpr int kPlain = 8;          // passes before the acceleration
-    constexpr double kSame = 5e-16;    // of the momenta, over √M
-    constexpr double kNearly = 1e-12;  // likewise, where constraints magnify rounding
+    constexpr int kPlain = 8;           // passes before the acceleration
+    constexpr double kSettled = 5e-16;  // of the momenta, over √M
+    constexpr double kNearly = 1e-12;   // likewise, where constraints magnify rounding
     v_ = path_ / h;
     fits_ = half_turning_impulse(system_, h, v_, Half::first, next_);
     const double change = (next_ - turning_).cwiseProduct(scale_).template lpNorm<Eigen::Infinity>();
     const double size = v_.cwiseQuotient(scale_).template lpNorm<Eigen::Infinity>();
-    const bool same = change <= kSame * size || (pass > kPlain && change <= kNearly * size);
+    const bool same = change <= kSettled * size || (pass > kPlain && change <= kNearly * size);
     if (same) return true;
     if (pass < kPlain) {
       turning_.swap(next_);

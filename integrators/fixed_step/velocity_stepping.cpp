@@ -117,9 +117,9 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
                                                                       [[maybe_unused]] StepReport& report) {
   if constexpr (!kPlanar<Space>) {
     constexpr int kPasses = 100;
-    constexpr int kPlain = 8;          // before the acceleration
-    constexpr double kSame = 5e-16;    // of the largest velocity
-    constexpr double kNearly = 1e-12;  // likewise: rounding where constraints magnify it
+    constexpr int kPlain = 8;           // before the acceleration
+    constexpr double kSettled = 5e-16;  // of the largest velocity
+    constexpr double kNearly = 1e-12;   // likewise: rounding where constraints magnify it
     if (joined_basic_ && !joined_basic_->factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at))
       return fail(report, Status::numerical_error, "the basic system is not finite");
     const BasicSystem& joined = joined_basic_ ? *joined_basic_ : basic_;
@@ -135,7 +135,7 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
       // In the metric of M: the spin of slender bodies is known to no more digits than their momentum.
       const double change = (change_of_v_ - v_new_).cwiseProduct(scale_).template lpNorm<Eigen::Infinity>();
       const double size = change_of_v_.cwiseProduct(scale_).template lpNorm<Eigen::Infinity>();
-      const bool done = change <= kSame * size || (pass > kPlain && change <= kNearly * size);
+      const bool done = change <= kSettled * size || (pass > kPlain && change <= kNearly * size);
       if (!done && pass == kPasses)
         return fail(report, Status::numerical_error,
                     "bodies turn too far in a step for their gyroscopic moments: a shorter step converges");
@@ -157,13 +157,13 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
 template <class Space>
 bool VelocitySteppingOf<Space>::turn_more([[maybe_unused]] double h, [[maybe_unused]] const State& x) {
   if constexpr (!kPlanar<Space>) {
-    constexpr double kSame = 1e-14;  // of the impulses
+    constexpr double kSettled = 1e-14;  // of the impulses
     change_of_v_ = gyroscopic_;
     gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
     const double change = (gyroscopic_ - change_of_v_).template lpNorm<Eigen::Infinity>();
     const double all = std::max(applied_.template lpNorm<Eigen::Infinity>(),
                                 system_.mass().cwiseProduct(v_new_).template lpNorm<Eigen::Infinity>());
-    if (!(change > kSame * all)) return false;
+    if (!(change > kSettled * all)) return false;
     terms_.f = (applied_ + gyroscopic_) / h;
     fly(h, x);
     return true;
