@@ -76,14 +76,15 @@ constexpr Step kSteps[] = {
     {"newton-min", "sparse, no positive entry off the diagonal",
      [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
     {"lemke-howson", "no diagonal: a game?", [](const Look& p) { return smooth(p) && p.no_diagonal && p.n > 1; }},
-    // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of them.
+    // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of
+    // them.
     {"psor:max_sweeps=6000,stop_early=true", "friction, symmetric, cheap sweeps", sweeps},
     // Stacks and tables with 240 to 324 rows: 1 to 6 ms, path 8 to 31 ms.
     {"mprgp:max_iterations=4000,stop_early=true", "friction, symmetric", sweeps},
     // An arch of ten stones, 44 rows: 0.1 ms a step of stewart-trinkle, path 35 ms, Lemke's tableau 31 ms.
     {"mprgp:max_iterations=200", "friction, symmetric, from the start value", resumed},
-    // Stewart and Trinkle's form: random contacts with 80 rows 0.11 to 0.15 ms, Lemke's tableau 0.31 to 0.42 ms; 318 rows
-    // of a stack: 3 ms and 19 ms.
+    // Stewart and Trinkle's form: random contacts with 80 rows 0.11 to 0.15 ms, Lemke's tableau 0.31 to 0.42 ms; 318
+    // rows of a stack: 3 ms and 19 ms.
     {kDrive, "unsymmetric, a zero on the diagonal", pyramids},
     // Ten bricks, 64 rows, from the last step's impulses: 0.3 ms a solve, Lemke's tableau 1.5 ms.
     // Cold, steps of an arch and random contacts up to 84 rows: Lemke's tableau is 1.3 to 40 times as quick.

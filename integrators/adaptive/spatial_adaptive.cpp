@@ -314,8 +314,8 @@ bool SpatialAdaptive::turned() const {
   });
 }
 
-/// Contacts slide by their slip as soon as that is no longer stiff in the next step, or the turn that a departure leaves
-/// out counts.
+/// Contacts slide by their slip as soon as that is no longer stiff in the next step, or the turn that a departure
+/// leaves out counts.
 void SpatialAdaptive::end_departures() {
   bool any = false;
   for (std::size_t k = 0; k < motion_.lasting().size(); ++k) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <tuple>
 
 namespace orthant {
@@ -38,21 +39,39 @@ double limit_of_solved(double tolerance, double s, double beta) { return toleran
 /// The limit of v_i for rounded.   s = 1e9, β_P = 1: 4.4e-6.   s = 1e12: 1e-4, where 20 ε s is 4.4e-3.
 double limit_of_rounded(double s, double part) { return std::min(kRoundings * kEpsilon * s, kCoarsest * part); }
 
-/// v_i ≤ limit in rationals. Entries of an operator are not given: false.
-bool exactly_within(const Lcp& problem, Index i, const Vector& z, double lo, double hi, double limit) {
+/// w_i in rationals.
+exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
   exact::Rational w = problem.b[i];
-  const auto add = [&](double a, Index j) {
-    if (a != 0 && z[j] != 0) w += exact::Rational(a) * exact::Rational(z[j]);
+  const auto add = [&z](exact::Rational& to, double a, Index j) {
+    if (a != 0 && z[j] != 0) to += exact::Rational(a) * exact::Rational(z[j]);
+  };
+  const auto row = [](const RowSparse& A, Index r, const auto& use) {
+    for (std::size_t k = at(A.start[at(r)]); k < at(A.start[at(r) + 1]); ++k) use(A.column[k], A.value[k]);
   };
   if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
-    for (Index j = 0; j < z.size(); ++j) add((*dense)(i, j), j);
+    for (Index j = 0; j < z.size(); ++j) add(w, (*dense)(i, j), j);
   } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
-    for (std::size_t k = at(rows->start[at(i)]); k < at(rows->start[at(i) + 1]); ++k)
-      add(rows->value[k], rows->column[k]);
+    row(*rows, i, [&](Index j, double value) { add(w, value, j); });
   } else {
-    return false;
+    const auto& [W, inverse_mass, regularization] = std::get<Delassus>(problem.A);
+    std::map<Index, exact::Rational> velocity;  // of the columns that row i has
+    row(W, i, [&](Index k, double) { velocity[k] = 0; });
+    for (Index j = 0; j < z.size(); ++j)
+      row(W, j, [&](Index k, double value) {
+        if (const auto found = velocity.find(k); found != velocity.end()) add(found->second, value, j);
+      });
+    row(W, i, [&, &m = inverse_mass](Index k, double value) {
+      w += exact::Rational(value) * exact::Rational(m[k]) * velocity[k];
+    });
+    if (regularization.size() != 0) add(w, regularization[i], i);
   }
+  return w;
+}
+
+/// v_i ≤ limit in rationals.
+bool exactly_within(const Lcp& problem, Index i, const Vector& z, double lo, double hi, double limit) {
   if (lo == hi) return true;
+  const exact::Rational w = exact_w(problem, i, z);
   const exact::Rational wrong = z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w));
   return wrong <= exact::Rational(limit);
 }

@@ -15,7 +15,8 @@ Lcp string_on_obstacle(Index intervals, double gap = 0.25);
 
 /// A beam u on (0, 1), supported at both ends, bent by a uniform load onto a floor: E I u⁗ + 384/5 ≥ 0, E I = 1,
 /// u ≥ −gap; without the floor its middle sinks by 1. Cubic Hermite elements, h = 1/elements: rows z = u + gap and
-/// h u′ of each node, z first, without z at the ends; n = 2 elements. Slopes are free rows. M is SPD, condition ~ elements⁴.
+/// h u′ of each node, z first, without z at the ends; n = 2 elements. Slopes are free rows. M is SPD, condition
+/// ~ elements⁴.
 Lcp beam_on_obstacle(Index elements, double gap = 0.5);
 
 /// Δu ≤ 0 on (−2, 2)² above the upper half ball, ψ = √(1 − r²) for r ≤ 1, else −1; five-point differences of −Δ, at
