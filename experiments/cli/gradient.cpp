@@ -37,6 +37,7 @@ int run_gradient(const GradientArguments& arguments) {
   if (tangent.run.status != Status::solved) {
     std::cerr << "orthant: the run ended at t = " << tangent.run.final.t << " s: " << name(tangent.run.status)
               << (tangent.run.why.empty() ? "" : ": ") << tangent.run.why << '\n';
+    if (tangent.run.status == Status::cancelled && StopSignal::which() != 0) return 128 + StopSignal::which();
     return exit_code_of(tangent.run.status);
   }
   const std::size_t columns = arguments.of.size(), count = arguments.wrt.size();
@@ -83,7 +84,8 @@ void add_gradient(CLI::App& app, int& exit_code) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]");
   command->footer(
-      "Exit codes: as of simulate.\n"
+      "Exit codes: 0 done, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved, 130 stopped by "
+      "Ctrl-C.\n"
       "Example:\n"
       "  orthant gradient slider_crank --step 1e-4 --duration 0.1 --of crank.theta --wrt mu,e,start.crank.omega");
   command->callback([arguments, &exit_code] { exit_code = run_gradient(*arguments); });
