@@ -11,6 +11,7 @@ namespace orthant {
 
 namespace {
 
+constexpr double kSameStep = 1e-8;   // of x⁺: rounding, and what the projections leave
 constexpr double kStateStep = 3e-6;  // [m, rad], of velocities over 1 m/s + the largest
 
 /// Derivative of f, which fills a vector, at 0 along s by central differences of fourth order: f(s, r), s = ±1, ±2.
@@ -229,6 +230,9 @@ void StepTangent::begin(const State& closed, const std::vector<NearbySystems>& p
     dv.col(j) += (low2.v - 8 * low.v + 8 * high.v - high2.v) / (12 * parameter.step);
   }
   project(closed.t, given.q, given.v, closed, parameters, dq, dv);
+  if (!(missed_ <= kSameStep))
+    throw std::invalid_argument("derivatives of a run: the start breaks the joints, by " + detail::text_of(missed_) +
+                                " more than one projection closes: must keep them");
 }
 
 void StepTangent::advance(const MoreauJean& integrator, const State& x, double h, const State& after,
@@ -326,8 +330,7 @@ void StepTangent::advance(const MoreauJean& integrator, const State& x, double h
   }
   const Eigen::VectorXd q_before = x.q + h * (options_.theta * step.v + (1 - options_.theta) * x.v);
   project(x.t + h, q_before, step.v, after, parameters, dq, dv);
-  constexpr double kSame = 1e-8;  // rounding, and what the projections leave
-  if (!(missed_ <= kSame))
+  if (!(missed_ <= kSameStep))
     throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(x.t) +
                              " s the step is not the plain one of moreau-jean, by " + detail::text_of(missed_));
 }
