@@ -46,6 +46,7 @@ FOLDERS = {
     "integrators": "Integrator interface, registry, simulation loop",
     "integrators/step": "Parts of one step",
     "integrators/fixed_step": "Fixed-step schemes",
+    "integrators/derivatives": "Derivatives of runs",
     "integrators/between_events": "Smooth motion between events",
     "integrators/adaptive": "Adaptive integrator",
     "integrators/event_driven": "Event-driven integrator",

@@ -1,8 +1,12 @@
 // Derivatives of solutions: orthant._Sensitivity, wrapped by orthant/_derivatives.py.
 #include "arrays.h"
+#include "interrupt.h"
 #include "module.h"
 
+#include "../support/run_gradient.h"
+
 #include <orthant/solvers/derivatives/sensitivity.h>
+#include <orthant/solvers/registry.h>
 
 #include <pybind11/stl.h>
 
@@ -72,9 +76,47 @@ class PythonSensitivity {
   Sensitivity of_;
 };
 
+py::array_t<double> table_of_rows(const std::vector<double>& numbers, std::vector<py::ssize_t> shape) {
+  return py::array_t<double>(std::move(shape), numbers.data());
+}
+
+/// t, values (rows × columns), derivatives (rows × columns × parameters), status, why, degenerate steps, inconsistent.
+py::tuple gradient(const std::optional<std::string>& text, const std::string& scene_name,
+                   const std::vector<std::string>& sets, const std::vector<std::string>& of,
+                   const std::vector<std::string>& wrt, const std::string& integrator, const std::string& solver,
+                   std::optional<double> step, std::optional<double> duration, long every) {
+  const SceneSource source{text, scene_name, sets};
+  const Scene scene = source.make();
+  const auto method = make_solver(solver);
+  const Interruptible interruptible;
+  const Clock clock{.step = step.value_or(scene.step),
+                    .duration = duration.value_or(scene.duration),
+                    .every = every,
+                    .cancel = interruptible.flag()};
+  GradientOfRun found;
+  {
+    const py::gil_scoped_release others_may_run;
+    found = gradient_of_run(source, of, wrt, integrator, *method, clock);
+  }
+  interruptible.raise();
+  py::list degenerate;
+  for (const DegenerateStep& one : found.tangent.degenerate) {
+    py::list names;
+    for (const int contact : one.contacts)
+      names.append(std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]));
+    degenerate.append(py::make_tuple(one.t, names));
+  }
+  const auto rows = static_cast<py::ssize_t>(found.t.size()), columns = static_cast<py::ssize_t>(of.size());
+  return py::make_tuple(table_of_rows(found.t, {rows}), table_of_rows(found.value, {rows, columns}),
+                        table_of_rows(found.by, {rows, columns, static_cast<py::ssize_t>(wrt.size())}),
+                        std::string(name(found.tangent.run.status)), found.tangent.run.why, degenerate,
+                        found.tangent.inconsistent);
+}
+
 }  // namespace
 
 void add_derivatives(py::module_& m) {
+  m.def("_gradient", &gradient);
   py::class_<PythonSensitivity>(m, "_Sensitivity")
       .def(py::init<const Lcp&, const std::string&, py::handle, py::handle, double, double>())
       .def("tangent", &PythonSensitivity::tangent)

@@ -63,6 +63,9 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   void remember(Memory& memory) final;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return terms_.pairs; }
+  /// Of the last step, for its derivative: the contacts that were closed, and their problem.
+  const std::vector<ClosedContact>& closed() const { return terms_.closed; }
+  const FormulationOf<Space>& formulation() const { return formulation_; }
 
  protected:
   using IntegratorOf<Space>::system_;

@@ -108,8 +108,8 @@ void ActivePattern::place_friction(const Lcp& problem, const Solution& s) {
       columns.push_back(std::move(column));
     };
     Direction& along = direction_[k];
-    const bool none = f.mu == 0 || ((of_normal == Place::lower || of_normal == Place::weak_lower) &&
-                                    problem.lo[f.normal] == 0);  // z_T = 0: there is no disc
+    const bool open = (of_normal == Place::lower || of_normal == Place::weak_lower) && problem.lo[f.normal] == 0;
+    const bool none = f.mu == 0 || open || !(radius > 0) || !(force > 0 || heavy * radius > threshold);  // no disc
     if (slip > threshold && (none || heavy * (radius - force) <= threshold)) {
       along = {{-w[0] / slip, -w[1] / slip}, true};
       if (f.rows > 1 && !none) add(free_, -w[1] / slip, w[0] / slip, slip / radius);

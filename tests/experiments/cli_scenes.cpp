@@ -232,7 +232,8 @@ TEST_CASE("orthant schema simulate holds for what simulate prints") {
 TEST_CASE("manual pages and completions name every option of the help") {
   const Cli folder;
   const std::string fish = folder.orthant("completion fish").out;
-  for (const std::string command : {"solve", "simulate", "view", "check", "new", "schema", "sweep", "report", "man"}) {
+  for (const std::string command :
+       {"solve", "simulate", "gradient", "view", "check", "new", "schema", "sweep", "report", "man"}) {
     CAPTURE(command);
     const std::string help = folder.orthant(command + " --help").out, page = folder.orthant("man " + command).out;
     CHECK(page.starts_with(".TH ORTHANT\\-"));

@@ -82,3 +82,46 @@ def test_refusals_name_the_argument():
     other = orthant.solve(-np.eye(2), [-1.0, 1.0])
     with pytest.raises(ValueError, match="must be solved or rounded"):
         orthant.sensitivity(problem, other)
+
+
+def central(make, key, value, column, step):
+    high, low = (make(**{key: value + sign * step}) for sign in (1, -1))
+    return (high.final[column] - low.final[column]) / (2 * step)
+
+
+def test_gradients_of_a_run_are_central_differences_of_runs():
+    def run(**options):
+        return orthant.simulate(orthant.Scene.named("slider_crank", **options), step=1e-4, duration=0.05)
+
+    made = run()
+    found = made.gradient("crank.theta", wrt=["mu", "e", "start.crank.omega"])
+    assert found.of == "crank.theta" and found.degenerate == [] and found.inconsistent == 0
+    assert found.t[-1] == 0.05 and found.values[-1] == made.final["crank.theta"] and found.by.shape == (501, 3)
+    assert np.isclose(found.final["mu"], central(run, "mu", 0.01, "crank.theta", 1e-7), rtol=1e-6)
+    assert np.isclose(found.final["e"], central(run, "e", 0.4, "crank.theta", 4e-7), rtol=1e-5)
+    assert found.final["start.crank.omega"] > 0
+    again = orthant.gradient("slider_crank", "crank.theta", "mu", step=1e-4, duration=0.05, every=100)
+    assert again.by[-1, 0] == found.by[-1, 0] and len(again.t) == 6
+
+
+def test_gradients_take_keys_of_texts_and_entries_of_arrays():
+    scene = orthant.Scene(gravity=[0, -9.81], duration=0.6, step=1e-3)
+    scene.add("body", name="ball", mass=1, inertia=0.004, position=[0, 1], velocity=[5, 0])
+    scene.add("contact", name="floor", type="disc-wall", body="ball", radius=0.1, wall={"normal": [0, 1]}, e_n=0.5, mu=0.1)
+    found = orthant.gradient(scene, "ball.vx", ["contact.floor.mu", "body.ball.velocity[0]", "gravity[1]"])
+    ball = orthant.simulate(scene)
+    assert np.isclose(found.final["body.ball.velocity[0]"], 1, rtol=1e-9)  # it slides all the time
+    slowed = ball.final["ball.vx"] - 5
+    assert np.isclose(found.final["contact.floor.mu"], slowed / 0.1, rtol=1e-8)  # proportional to mu
+    assert np.isclose(found.final["gravity[1]"], slowed / -9.81, rtol=1e-8)
+
+
+def test_gradients_refuse_in_words():
+    with pytest.raises(ValueError, match="BODY.COLUMN"):
+        orthant.gradient("slider_crank", "crank.gap", "mu")
+    with pytest.raises(ValueError, match="must be moreau-jean"):
+        orthant.gradient("slider_crank", "crank.theta", "mu", integrator="rattle")
+    with pytest.raises(ValueError, match="parameter 'nu'"):
+        orthant.gradient("slider_crank", "crank.theta", "nu")
+    with pytest.raises(ValueError, match="both sides"):
+        orthant.gradient(orthant.Scene.named("slider_crank", mu=0.0), "crank.theta", "mu", duration=1e-4)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence, Union
 
 from . import _orthant
 from ._orthant import Problem, Result
-from ._spec import shown
+from ._spec import seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -119,3 +119,45 @@ def sensitivity(problem: Problem, result: Result) -> Sensitivity:
     if not isinstance(problem, Problem):
         raise TypeError(f"problem = {shown(problem)}: must be a Problem, such as orthant.Problem(M, q)")
     return Sensitivity(problem, result)
+
+
+class RunGradient(NamedTuple):
+    """Derivatives of one column of a run with respect to parameters, along the run; `final` at its end."""
+
+    of: str
+    wrt: list[str]
+    t: Vector  # (rows,) [s]
+    values: Vector  # (rows,) of the column
+    by: Vector  # (rows, parameters)
+    degenerate: list[tuple[float, list[str]]]  # steps with weakly active contacts: their begin [s], the contacts
+    inconsistent: int  # steps in which a parameter parts redundant contacts: there is no derivative
+
+    @property
+    def final(self) -> dict[str, float]:
+        """The derivatives at the end of the run."""
+        return dict(zip(self.wrt, (float(x) for x in self.by[-1])))
+
+
+def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, integrator: str = "moreau-jean", solver: str = "auto",
+             step: Optional[float] = None, duration: Optional[float] = None, every: int = 1) -> RunGradient:
+    """Derivatives of a run of a planar scene by moreau-jean, step by step: those of the discrete run, impacts included.
+
+    of: a column of a body, "crank.theta", BODY.x, y, theta, vx, vy or omega. wrt: parameters: keys with a number, of a built-in
+    scene its options, "mu", else key paths of the scene's text, "body.rod.mass", "contact.corner1.mu", entries of arrays by
+    their place, "body.rod.position[0]"; and of the start "start.BODY.x", ... "start.BODY.omega".
+    scene, integrator, solver, step, duration, every: as of `simulate`.
+    They hold while the sequence of closed contacts, stick and slip stays as it is; `degenerate` lists steps where it may change.
+    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end.
+    """
+    from ._mechanics import _scene_of
+
+    made = scene if isinstance(scene, _orthant._Scene) else _scene_of(scene)
+    if getattr(scene, "_customs", None):
+        raise ValueError("gradient: joints and contacts written in Python have no derivatives here")
+    parameters = [wrt] if isinstance(wrt, str) else [word("wrt", key) for key in wrt]
+    t, values, by, status, why, degenerate, inconsistent = _orthant._gradient(
+        made.text, made.name, made.sets, [word("of", of)], parameters, word("integrator", integrator), word("solver", solver),
+        seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"))
+    if status != "solved":
+        raise RuntimeError(f"gradient: the run ended as {status}{': ' if why else ''}{why}")
+    return RunGradient(of, parameters, t, values[:, 0], by[:, 0, :], degenerate, inconsistent)

@@ -7,7 +7,7 @@ import math
 import os
 import re
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
 
 from . import _orthant
 from ._custom import custom_element, without_functions
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
     import pandas
+
+    from ._derivatives import RunGradient
 
 _KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load")
 
@@ -285,6 +287,7 @@ class Trajectory:
         self.warnings = warned
         self._scene, self._events, self._joints, self._pushes = scene, events, joints, pushes
         self._place = {name: i for i, name in enumerate(columns)}
+        self._how: Optional[dict[str, Any]] = None  # how simulate made it
 
     def __getstate__(self) -> dict[str, Any]:
         state, scene = dict(self.__dict__), self._scene
@@ -348,6 +351,14 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.table)
+
+    def gradient(self, of: str, wrt: Union[str, Sequence[str]]) -> RunGradient:
+        """Derivatives of a column along this run with respect to parameters, as `orthant.gradient`: the run is repeated."""
+        from ._derivatives import gradient
+
+        if self._how is None:
+            raise ValueError("gradient: must be of a run by simulate in this process, without elements written in Python")
+        return gradient(self._scene, of, wrt, **self._how)
 
     def frame(self) -> pandas.DataFrame:
         """As a pandas frame, indexed by time."""
@@ -441,6 +452,8 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
         seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
         warn)
     trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)), pushes)
+    if not getattr(scene, "_customs", None):
+        trajectory._how = {"integrator": integrator, "solver": solver, "step": step, "duration": duration, "every": every}
     if isinstance(interruption, KeyboardInterrupt):
         raise Interrupted(trajectory)
     if interruption is not None:

@@ -126,6 +126,10 @@ class _Solver:
     def solve(self, M: Any, q: Optional[npt.ArrayLike], lower: Optional[npt.ArrayLike], upper: Optional[npt.ArrayLike],
               friction: Any, start: Optional[npt.ArrayLike], time_limit: Optional[float], log: bool) -> Result: ...
 
+def _gradient(text: Optional[str], name: str, sets: Sequence[str], of: Sequence[str], wrt: Sequence[str], integrator: str,
+              solver: str, step: Optional[float], duration: Optional[float],
+              every: int) -> tuple[_Vector, _Vector, _Vector, str, str, list[tuple[float, list[str]]], int]: ...
+
 class _Sensitivity:
     def __init__(self, problem: Problem, status: str, z: npt.ArrayLike, w: npt.ArrayLike, residual: float,
                  rounding: float) -> None: ...

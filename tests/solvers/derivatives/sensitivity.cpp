@@ -455,6 +455,17 @@ TEST_CASE("sensitivity: redundant contacts give the derivative of the motion, wh
           CHECK(t.consistent);
           CHECK((t.w - d.w).lpNorm<Eigen::Infinity>() <= 1e-7 * (1 + d.w.lpNorm<Eigen::Infinity>()));
           const Eigen::VectorXd moved = table.W.transpose() * t.z;
+          const SolutionTangent held = of.jvp(now);
+          const Vector h = normal_vector(random, p.size()), none(Eigen::VectorXd::Zero(p.size()));
+          const DataGradient back = of.vjp(none, h);
+          CHECK(back.consistent);
+          double along = back.b.dot(now.b);
+          const Matrix by_A = gradient_of_matrix(of, back);
+          if (formed)
+            along += std::get<DenseMatrix>(by_A).cwiseProduct(std::get<DenseMatrix>(*now.A)).sum();
+          else
+            along += std::get<Delassus>(by_A).inverse_mass.dot(masses.inverse_mass);
+          CHECK(std::abs(along - h.dot(held.w)) <= 1e-8 * (1 + h.cwiseAbs().dot(held.w.cwiseAbs())));
           CHECK((moved - motion).lpNorm<Eigen::Infinity>() <= 1e-7 * (1 + motion.lpNorm<Eigen::Infinity>()));
         }
       }

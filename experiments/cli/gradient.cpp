@@ -1,0 +1,94 @@
+// orthant gradient SCENE — derivatives of a run's last state with respect to parameters of the scene and the start.
+#include "commands.h"
+
+#include "../support/run_gradient.h"
+#include "../support/stop_signal.h"
+
+#include <orthant/solvers/registry.h>
+
+#include <iomanip>
+#include <iostream>
+
+namespace orthant {
+namespace {
+
+struct GradientArguments {
+  std::string scene, integrator = "moreau-jean", solver = "auto";
+  std::vector<std::string> sets, of, wrt;
+  std::optional<double> step, duration, time_limit;
+};
+
+std::string name_of_contact(const Scene& scene, int contact) {
+  return std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]);
+}
+
+int run_gradient(const GradientArguments& arguments) {
+  const SceneSource source{{}, arguments.scene, arguments.sets};
+  const Scene scene = source.make();
+  const StopSignal stop;
+  const auto solver = make_solver(arguments.solver);
+  const Clock clock{.step = arguments.step.value_or(scene.step),
+                    .duration = arguments.duration.value_or(scene.duration),
+                    .time_limit = arguments.time_limit.value_or(kInf),
+                    .cancel = StopSignal::flag()};
+  const GradientOfRun gradient =
+      gradient_of_run(source, arguments.of, arguments.wrt, arguments.integrator, *solver, clock);
+  const RunTangent& tangent = gradient.tangent;
+  if (tangent.run.status != Status::solved) {
+    std::cerr << "orthant: the run ended at t = " << tangent.run.final.t << " s: " << name(tangent.run.status)
+              << (tangent.run.why.empty() ? "" : ": ") << tangent.run.why << '\n';
+    if (tangent.run.status == Status::cancelled && StopSignal::which() != 0) return 128 + StopSignal::which();
+    return exit_code_of(tangent.run.status);
+  }
+  const std::size_t columns = arguments.of.size(), count = arguments.wrt.size();
+  std::cout << std::setprecision(12);
+  for (std::size_t i = 0; i < columns; ++i) {
+    std::cout << arguments.of[i] << " = " << gradient.value[gradient.value.size() - columns + i] << '\n';
+    for (std::size_t j = 0; j < count; ++j)
+      std::cout << "d " << arguments.of[i] << " / d " << arguments.wrt[j] << " = "
+                << gradient.by[gradient.by.size() - columns * count + i * count + j] << '\n';
+  }
+  if (!tangent.degenerate.empty()) {
+    const DegenerateStep& first = tangent.degenerate.front();
+    std::cerr << "orthant: warning: " << tangent.degenerate.size()
+              << " steps have weakly active contacts, the first at t = " << first.t << " s ("
+              << name_of_contact(scene, first.contacts.front())
+              << "): only one-sided derivatives exist, these hold such contacts as they are\n";
+  }
+  if (tangent.inconsistent > 0)
+    std::cerr << "orthant: warning: in " << tangent.inconsistent
+              << " steps a parameter parts redundant contacts: there is no derivative\n";
+  return 0;
+}
+
+}  // namespace
+
+void add_gradient(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<GradientArguments>();
+  CLI::App* command =
+      app.add_subcommand("gradient", "Derivatives of a planar moreau-jean run's last state by parameters and start");
+  command->add_option("scene", arguments->scene, "built-in scene or TOML file")->required();
+  command->add_option("--of", arguments->of, "columns, such as crank.theta,crank.omega")->required()->delimiter(',');
+  command
+      ->add_option("--wrt", arguments->wrt,
+                   "keys of --set with a number, such as mu or body.rod.mass, entries of arrays as "
+                   "body.rod.position[0], and start.BODY.x, y, theta, vx, vy, omega")
+      ->required()
+      ->delimiter(',');
+  command->add_option("--integrator", arguments->integrator, "moreau-jean[:option=value,...]")->capture_default_str();
+  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
+  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
+  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
+  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]");
+  command->footer(
+      "Exit codes: 0 done, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved, 130 stopped by "
+      "Ctrl-C.\n"
+      "Example:\n"
+      "  orthant gradient slider_crank --step 1e-4 --duration 0.1 --of crank.theta --wrt mu,e,start.crank.omega");
+  command->callback([arguments, &exit_code] { exit_code = run_gradient(*arguments); });
+}
+
+}  // namespace orthant

@@ -1,0 +1,246 @@
+// Derivatives of runs against central differences of runs, between changes of the contact pattern.
+#include <orthant/core/scenes/registry.h>
+#include <orthant/integrators/derivatives/run_tangent.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/scene_texts.h"
+
+#include <algorithm>
+#include <cstdio>
+
+using namespace orthant;
+
+namespace {
+
+using MakeScene = std::function<Scene(const std::vector<std::string>&)>;
+
+std::string override_text(const std::string& key, double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return key + "=" + text;
+}
+
+struct TangentTrial {
+  std::string key;
+  double value;
+  double step = 1e-6;  // of the value, or by itself: small enough for the pattern, large enough for rounding
+};
+
+// The tangents of all keys, and central differences of runs.
+RunTangent check_tangents(const MakeScene& make, const std::vector<TangentTrial>& trials, const Clock& clock,
+                          double tolerance, const MoreauJeanOptions& options = {}) {
+  std::vector<RunParameter> parameters;
+  for (const TangentTrial& trial : trials)
+    parameters.push_back({trial.key, trial.value, [&](double x) { return make({override_text(trial.key, x)}); }});
+  const System system(make({}));
+  const auto solver = make_solver("auto");
+  RunTangent tangent = differentiate_run(system, parameters, options, *solver, clock);
+  REQUIRE(tangent.run.status == Status::solved);
+  for (std::size_t j = 0; j < trials.size(); ++j) {
+    INFO(trials[j].key);
+    const double step = trials[j].step * (trials[j].value != 0 ? std::abs(trials[j].value) : 1);
+    State end[2];
+    for (int k = 0; k < 2; ++k) {
+      const System other(make({override_text(trials[j].key, trials[j].value + (k == 0 ? -step : step))}));
+      MoreauJean integrator(other, options);
+      const Run run = simulate(integrator, *solver, clock);
+      REQUIRE(run.status == Status::solved);
+      end[k] = run.final;
+    }
+    const Eigen::VectorXd q = (end[1].q - end[0].q) / (2 * step), v = (end[1].v - end[0].v) / (2 * step);
+    const auto column = static_cast<Index>(j);
+    CHECK((q - tangent.q.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * q.lpNorm<Eigen::Infinity>());
+    CHECK((v - tangent.v.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * v.lpNorm<Eigen::Infinity>());
+    CHECK(v.lpNorm<Eigen::Infinity>() > 0);
+  }
+  return tangent;
+}
+
+MakeScene from_text(const std::string& text) {
+  return [text](const std::vector<std::string>& sets) { return parse_scene(text, sets, "scene"); };
+}
+
+}  // namespace
+
+TEST_CASE("tangent of a run: the slider-crank with clearance, by friction and restitution, through its impacts") {
+  const MakeScene make = [](const std::vector<std::string>& sets) { return make_scene("slider_crank", sets); };
+  const RunTangent t =
+      check_tangents(make, {{"mu", 0.01, 1e-5}, {"e", 0.4, 1e-6}}, {.step = 1e-4, .duration = 0.1}, 1e-6);
+  CHECK(t.degenerate.empty());
+  CHECK(t.inconsistent == 0);
+}
+
+TEST_CASE("tangent of a run: masses, inertias, lengths of the slider-crank, by its scene file") {
+  const auto text = scene_texts::contents(scene_texts::kCore / "scenes/slider_crank.toml");
+  check_tangents(from_text(text),
+                 {{"body.rod.mass", 0.038},
+                  {"body.crank.inertia", 7.4e-5},
+                  {"body.crank.omega", 150},
+                  {"contact.corner3.mu", 0.01, 1e-5}},
+                 {.step = 1e-4, .duration = 0.03}, 1e-6);
+}
+
+TEST_CASE(
+    "tangent of a run: springs, dampers, a drive, dry friction in a joint, tangential restitution, a moving belt") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "arm"
+mass = 1.3
+inertia = 0.2
+position = [0.5, 0]
+[[body]]
+name = "ball"
+mass = 0.7
+inertia = 0.03
+position = [1.3, 0.4]
+velocity = [0.4, -1]
+omega = 2
+[[joint]]
+name = "pin"
+type = "revolute"
+bodies = ["ground", "arm"]
+point_b = [-0.5, 0]
+[[spring]]
+name = "coil"
+type = "point"
+bodies = ["arm", "ball"]
+point_a = [0.4, 0]
+stiffness = 30
+damping = 0.6
+rest = 0.5
+[[friction]]
+name = "bearing"
+joint = "pin"
+bound = 0.4
+[[contact]]
+name = "floor"
+type = "disc-wall"
+body = "ball"
+radius = 0.2
+wall = {point = [0, -0.1], normal = [0, 1]}
+mu = 0.1
+e_n = 0.6
+e_t = 0.2
+belt = 1.5
+)";
+  check_tangents(from_text(text),
+                 {{"spring.coil.stiffness", 30},
+                  {"spring.coil.damping", 0.6},
+                  {"spring.coil.rest", 0.5},
+                  {"friction.bearing.bound", 0.4},
+                  {"contact.floor.e_n", 0.6},
+                  {"contact.floor.mu", 0.1},
+                  {"body.arm.mass", 1.3}},
+                 {.step = 1e-3, .duration = 0.8}, 1e-6);
+  const MakeScene rough = [text](std::vector<std::string> sets) {
+    sets.emplace_back("contact.floor.mu=2");
+    return parse_scene(text, sets, "scene");
+  };
+  check_tangents(rough, {{"contact.floor.belt", 1.5}, {"contact.floor.e_t", 0.2}, {"contact.floor.e_n", 0.6}},
+                 {.step = 1e-3, .duration = 0.8}, 1e-6);
+}
+
+TEST_CASE("tangent of a run: a driven crank on a pin with clearance, by its speed, clearance and the start") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "crank"
+mass = 1
+inertia = 0.02
+omega = 8
+[[body]]
+name = "rod"
+mass = 0.5
+inertia = 0.01
+position = [0.45, 0.002]
+velocity = [0, 1.6]
+[[joint]]
+name = "shaft"
+type = "revolute"
+bodies = ["ground", "crank"]
+[[joint]]
+name = "motor"
+type = "drive"
+joint = "shaft"
+offset = 0
+rate = 8
+amplitude = 0.1
+omega = 20
+[[contact]]
+name = "pin"
+type = "journal"
+bodies = ["crank", "rod"]
+centre_a = [0.2, 0]
+centre_b = [-0.25, 0]
+radius_a = 0.01
+radius_b = 0.014
+mu = 0.1
+e_n = 0.3
+)";
+  const RunTangent t = check_tangents(from_text(text),
+                                      {{"joint.motor.rate", 8, 1e-7},
+                                       {"joint.motor.amplitude", 0.1, 1e-6},
+                                       {"contact.pin.radius_b", 0.014, 1e-5},
+                                       {"contact.pin.mu", 0.1, 1e-6},
+                                       {"body.rod.mass", 0.5, 1e-6}},
+                                      {.step = 2e-4, .duration = 0.1}, 1e-6);
+  CHECK(t.degenerate.empty());
+  const System system(from_text(text)({}));
+  const auto solver = make_solver("auto");
+  std::vector<RunParameter> start;  // entries of the start, each against a scene with it
+  for (const Index entry : {3 + 0, 3 + 2, 6 + 4}) start.push_back({"start", 0, {}, entry});
+  const RunTangent along = differentiate_run(system, start, {}, *solver, {.step = 2e-4, .duration = 0.1});
+  std::vector<RunParameter> keys = {
+      {"x", 0.45,
+       [&](double x) {
+         return from_text(text)(
+             {override_text("body.rod.position", 0).substr(0, 18) + "[" + override_text("", x).substr(1) + ", 0.002]"});
+       }},
+      {"angle", 0, [&](double x) { return from_text(text)({override_text("body.rod.angle", x)}); }}};
+  const RunTangent by_scene = differentiate_run(system, keys, {}, *solver, {.step = 2e-4, .duration = 0.1});
+  CHECK((along.q.col(0) - by_scene.q.col(0)).norm() <= 1e-8 * by_scene.q.col(0).norm());
+  CHECK((along.v.col(1) - by_scene.v.col(1)).norm() <= 1e-8 * by_scene.v.col(1).norm());
+  CHECK(along.q.col(2).norm() > 0);
+}
+
+TEST_CASE(
+    "tangent of a run: a contact without force or velocity is named in each step; what is no plain step is refused") {
+  const std::string text = R"(
+gravity = [0, 0]
+[[body]]
+name = "ball"
+mass = 1
+inertia = 1
+position = [0, 1]
+[[contact]]
+name = "floor"
+type = "disc-wall"
+body = "ball"
+radius = 1
+wall = {point = [0, 0], normal = [0, 1]}
+)";
+  const auto solver = make_solver("auto");
+  const Clock clock{.step = 0.01, .duration = 0.1};
+  const auto parameters = [](const std::string& of) {
+    return std::vector<RunParameter>{
+        {"mass", 1, [of](double x) { return from_text(of)({override_text("body.ball.mass", x)}); }}};
+  };
+  const System resting(from_text(text)({}));
+  const RunTangent t = differentiate_run(resting, parameters(text), {}, *solver, clock);
+  REQUIRE(t.degenerate.size() == 10);
+  CHECK(t.degenerate[3].contacts == std::vector<int>{0});
+  CHECK(t.degenerate[3].t == doctest::Approx(0.03));
+
+  const std::string poisson = "restitution = \"poisson\"\n" + text;
+  const System other(from_text(poisson)({"gravity=[0, -9]", "body.ball.velocity=[0, -1]", "contact.floor.e_n=0.5"}));
+  CHECK_THROWS_AS(differentiate_run(other, {}, {}, *solver, clock), std::runtime_error);
+  MoreauJeanOptions full;
+  full.form = Form::full;
+  CHECK_THROWS_AS(differentiate_run(resting, {}, full, *solver, clock), std::invalid_argument);
+  const std::vector<RunParameter> at_its_end = {
+      {"e", 1, [&](double x) { return from_text(text)({override_text("contact.floor.e_n", x)}); }}};
+  CHECK_THROWS_AS(differentiate_run(resting, at_its_end, {}, *solver, clock), std::invalid_argument);
+}
