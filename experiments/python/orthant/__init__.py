@@ -14,15 +14,16 @@ Nothing is called solved that an independent judge has not recomputed and accept
 from . import _pages as _pages  # first: where the parts of pages are
 from ._files import read_problem, set_largest_input, write_fclib, write_npz, write_problem
 from ._mechanics import Interrupted, OrthantWarning, Scene, Trajectory, integrators, register_integrator, register_scene, scenes, simulate
+from ._models import ImportedModel, import_model
 from ._nonlinear import McpResult, equilibria, equilibrium, extreme_equilibria, solve_mcp
 from ._orthant import Equilibrium, Face, LogEntry, Problem, Result, Solutions, Step, __version__, revision
 from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bound, register_solver, solve, solve_many, solvers
 from ._sweep import sweep
 
 __all__ = [
-    "Delassus", "Equilibrium", "Face", "Interrupted", "LogEntry", "McpResult", "OrthantWarning", "Problem", "Result", "Scene",
+    "Delassus", "Equilibrium", "Face", "ImportedModel", "Interrupted", "LogEntry", "McpResult", "OrthantWarning", "Problem", "Result", "Scene",
     "Solutions", "Solver", "Step", "Trajectory", "__version__", "analyse", "enumerate_solutions", "equilibria", "equilibrium",
-    "error_bound", "extreme_equilibria", "integrators", "read_problem", "register_integrator", "register_scene",
+    "error_bound", "extreme_equilibria", "import_model", "integrators", "read_problem", "register_integrator", "register_scene",
     "register_solver", "revision", "scenes", "set_largest_input", "simulate", "solve", "solve_many", "solve_mcp", "solvers",
     "sweep", "write_fclib", "write_npz", "write_problem",
 ]
