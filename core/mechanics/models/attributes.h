@@ -1,5 +1,5 @@
-// core/mechanics/models/attributes.h — attributes of XML elements as numbers and words; errors name file, line, element,
-// attribute, value and rule.
+// core/mechanics/models/attributes.h — attributes of XML elements as numbers and words; errors name file, line,
+// element, attribute, value and rule.
 #pragma once
 
 #include <orthant/core/mechanics/blocks.h>

@@ -1,7 +1,7 @@
 // core/mechanics/spatial/limit.h — joint limit: a bound on a relative coordinate, as a contact; stops and ropes.
-//   lower: g = c − bound,   upper: g = bound − c   [rad or m]. No friction. An upper bound on a Span is a rope. An
-//   angle c is taken within half a turn of middle = bound + beyond: a joint with two bounds has its middle between them, so that it
-//   may turn by almost a full turn. One bound alone is its own middle.
+//   lower: g = c − bound,   upper: g = bound − c   [rad or m]. No friction. An upper bound on a Span is a rope.
+//   An angle c is taken within half a turn of bound + beyond. Where a joint has two bounds that is the middle between
+//   them, so that it may turn by almost a full turn. One bound alone is its own middle.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/contact_rows.h>
