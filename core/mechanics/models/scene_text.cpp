@@ -340,7 +340,6 @@ class SceneText {
       add(j.lower || j.upper, "limits"), add(j.damping != 0, "damping"), add(j.friction != 0, "friction");
       add(j.stiffness != 0, "stiffness");
       if (!left.empty()) note("not taken: " + left + " of joint " + j.name + ", which has no coordinate of its own");
-      if (j.coordinate() && j.start != j.reference) return;
       return;
     }
     if (of.angle && j.lower && j.upper && *j.upper - *j.lower >= kTurn) {
