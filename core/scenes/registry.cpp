@@ -19,6 +19,7 @@
 #include <orthant/core/scenes/pile.h>
 #include <orthant/core/scenes/rattleback.h>
 #include <orthant/core/scenes/registry.h>
+#include <orthant/core/scenes/robot_arm.h>
 #include <orthant/core/scenes/rocking_block.h>
 #include <orthant/core/scenes/rod_drop.h>
 #include <orthant/core/scenes/roll.h>
@@ -115,6 +116,8 @@ constexpr SpatialSceneEntry kSpatialScenes[] = {
      &list_options<KaplaTower>},
     {"box_pyramid", "a pyramid of cubes at rest", &make<BoxPyramid, box_pyramid>, &list_options<BoxPyramid>},
     {"capsules", "capsules fall on each other", &make<Capsules, capsules>, &list_options<Capsules>},
+    {"robot_arm", "an arm from a URDF model sweeps a box over a rough floor", &make<RobotArm, robot_arm>,
+     &list_options<RobotArm>},
 };
 
 /// The scene of that name in the table, or an empty one; `known`: names.

@@ -122,6 +122,7 @@ int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
       "  orthant simulate slider_crank --set mu=0.1 --step 1e-5 --output run.csv\n"
       "  orthant new mechanism --output mine.toml\n"
       "  orthant check mine.toml\n"
+      "  orthant import robot.urdf --output robot.toml\n"
       "  orthant view slider_crank --output view.html\n"
       "  orthant solve --matrix M.mtx --vector q.mtx --solver lemke --json\n"
       "  orthant analyse M.mtx\n"
@@ -150,6 +151,7 @@ int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
   orthant::add_view(app, exit_code);
   orthant::add_check(app, exit_code);
   orthant::add_new(app, exit_code);
+  orthant::add_import(app, exit_code);
   orthant::add_schema(app, exit_code);
   orthant::add_completion(app, exit_code);
   orthant::add_man(app, exit_code);

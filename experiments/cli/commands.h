@@ -25,6 +25,7 @@ void add_report(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_new(CLI::App& app, int& exit_code);
+void add_import(CLI::App& app, int& exit_code);
 void add_schema(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 void add_man(CLI::App& app, int& exit_code);

@@ -314,6 +314,12 @@ const std::vector<Entry>& entries() {
        [] {
          return object({{"scene", text("the file")}});
        }},
+      {"import", "import --json",
+       [] {
+         return object({{"scene?", text("the file, of --output")},
+                        {"toml?", text("its text, otherwise")},
+                        {"notes", list(text(), "what of the model the scene has not, or has in another form")}});
+       }},
       {"completion", "completion --json", [] { return by_name(text(), "the script by shell"); }},
       {"man", "man --json",
        [] {

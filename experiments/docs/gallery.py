@@ -32,6 +32,7 @@ OTHERWISE = {  # by scene
     "flyball": ["--duration", "0.3", "--step", "1e-3", "--every", "100"],
     "spatial_slider_crank": ["--duration", "0.6", "--step", "1e-3", "--every", "200"],
     "masse": ["--duration", "0.9", "--step", "1e-3", "--every", "180"],
+    "robot_arm": ["--duration", "1.5", "--step", "1e-3", "--every", "500"],
     "top": ["--duration", "0.1", "--step", "1e-3", "--every", "100"],
 }
 LIGHT = np.array([0.35, -0.55, 0.76])

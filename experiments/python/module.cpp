@@ -42,5 +42,6 @@ PYBIND11_MODULE(_orthant, m) {
   orthant::python::add_nonlinear(m);
   orthant::python::add_mechanics(m);
   orthant::python::add_integrators(m);
+  orthant::python::add_models(m);
   orthant::python::add_sweeps(m);
 }

@@ -10,6 +10,7 @@ void add_derivatives(pybind11::module_& m);  // sensitivities of solutions
 void add_nonlinear(pybind11::module_& m);    // mixed complementarity problems by callbacks, bimatrix games
 void add_mechanics(pybind11::module_& m);    // scenes, simulate
 void add_integrators(pybind11::module_& m);  // integrators written in Python
+void add_models(pybind11::module_& m);       // import of URDF and MJCF
 void add_sweeps(pybind11::module_& m);       // sweeps into SQLite
 
 }  // namespace orthant::python

@@ -1,10 +1,14 @@
 #include "solids.h"
 
+#include <orthant/core/mechanics/spatial/hull.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 namespace orthant {
@@ -28,43 +32,6 @@ Points spiral() {
     all.emplace_back(r * std::cos(a), r * std::sin(a), z);
   }
   return all;
-}
-
-/// A point of each direction of the spiral; corners of a hull.
-Points extreme_points(const Points& points) {
-  std::set<std::size_t> kept;
-  for (const Vector3d& d : spiral()) {
-    const auto farther = [&](const Vector3d& p, const Vector3d& q) { return d.dot(p) < d.dot(q); };
-    kept.insert(static_cast<std::size_t>(std::max_element(points.begin(), points.end(), farther) - points.begin()));
-  }
-  Points few;
-  for (const std::size_t i : kept) few.push_back(points[i]);
-  return few;
-}
-
-/// Of points in one plane with the normal n: the corners of their hull, counter-clockwise about n.
-std::vector<int> hull_in_plane(const Points& points, std::vector<int> on, const Vector3d& n) {
-  const Vector3d x = spatial::perpendicular(n), y = n.cross(x);
-  const auto at = [&](int i) { return Vector2d(x.dot(points[std::size_t(i)]), y.dot(points[std::size_t(i)])); };
-  std::sort(on.begin(), on.end(), [&](int i, int j) {
-    const Vector2d p = at(i), q = at(j);
-    return p.x() != q.x() ? p.x() < q.x() : p.y() < q.y();
-  });
-  std::vector<int> hull;
-  for (int pass = 0; pass < 2; ++pass) {  // lower chain, then upper; each leaves out its last corner
-    const std::size_t first = hull.size();
-    for (const int i : on) {
-      const auto turns_left = [&] {
-        const Vector2d u = at(hull.back()) - at(hull[hull.size() - 2]), v = at(i) - at(hull.back());
-        return u.x() * v.y() - u.y() * v.x() > 1e-9 * u.norm() * v.norm();
-      };
-      while (hull.size() >= first + 2 && !turns_left()) hull.pop_back();
-      hull.push_back(i);
-    }
-    hull.pop_back();
-    std::reverse(on.begin(), on.end());
-  }
-  return hull;
 }
 
 /// A ring of kAround points about the axis, from the reference x.
@@ -259,32 +226,16 @@ class SolidSketch {
 
 }  // namespace
 
-Faces convex_hull(const std::vector<Vector3d>& given) {
-  Faces all{given.size() > kMostCorners ? extreme_points(given) : given, {}};
-  const Points& p = all.points;
-  const int n = static_cast<int>(p.size());
-  double size = 0;
-  for (const Vector3d& point : p) size = std::max(size, (point - p.front()).norm());
-  std::set<std::vector<int>> seen;  // corners of planes
-  for (int i = 0; i < n; ++i)
-    for (int j = i + 1; j < n; ++j)
-      for (int k = j + 1; k < n; ++k) {
-        const Vector3d& from = p[std::size_t(i)];
-        Vector3d normal = (p[std::size_t(j)] - from).cross(p[std::size_t(k)] - from);
-        if (normal.norm() <= 1e-9 * size * size) continue;
-        normal.normalize();
-        int above = 0, below = 0;
-        std::vector<int> on;
-        for (int l = 0; l < n; ++l) {
-          const double d = normal.dot(p[std::size_t(l)] - from);
-          if (std::abs(d) <= 1e-9 * size)
-            on.push_back(l);
-          else
-            ++(d > 0 ? above : below);
-        }
-        if ((above > 0 && below > 0) || !seen.insert(on).second) continue;
-        all.faces.push_back(hull_in_plane(p, on, above > 0 ? Vector3d(-normal) : normal));
-      }
+Faces convex_hull(const std::vector<Vector3d>& points) {
+  Faces all;
+  try {
+    const spatial::Hull hull = spatial::fit_hull(points, kMostCorners).hull;
+    all.points = hull.corners;
+    for (const spatial::Hull::Face& face : hull.faces) all.faces.push_back(face.corners);
+  } catch (const std::invalid_argument&) {  // flat
+    all.points = spatial::flat_hull(points);
+    if (!all.points.empty()) std::iota(all.faces.emplace_back(all.points.size()).begin(), all.faces.back().end(), 0);
+  }
   return all;
 }
 

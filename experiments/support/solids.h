@@ -53,7 +53,7 @@ std::vector<DrawnSolid> solids(const spatial::Scene& scene);
 Faces surface(const DrawnSolid& solid);
 
 /// Convex hull of points: faces in one plane are one polygon; of points in one plane that polygon alone; of points in
-/// one line no face. More than 60 points are first reduced to those that are extreme in 60 directions.
+/// one line no face. Of more than 60 corners those stay that leave least outside (spatial/hull.h).
 Faces convex_hull(const std::vector<Vector3d>& points);
 
 }  // namespace orthant

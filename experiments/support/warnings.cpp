@@ -120,7 +120,9 @@ std::vector<Remark> remarks_on_start(const System& system) {
 }
 
 std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system) {
-  return wrong_at_start(system, "the bodies are moved onto them");
+  std::vector<Remark> remarks = wrong_at_start(system, "the bodies are moved onto them");
+  for (const std::string& note : system.scene().notes) remarks.push_back({false, note});
+  return remarks;
 }
 
 std::vector<std::string> warnings_of(const SystemOf<Spatial>& system, const Run& run, std::string_view /*integrator*/,

@@ -20,7 +20,7 @@ struct Remark {
   std::string words;
 };
 
-/// Of the start: it breaks joints, contacts penetrate; a note names redundant joints.
+/// Of the start: it breaks joints, contacts penetrate; a note names redundant joints, or what an import left out.
 std::vector<Remark> remarks_on_start(const System& system);
 std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system);
 

@@ -3,7 +3,7 @@ So do the C++, the scene and the commands on built-in scenes and lists of README
 
 A page's blocks share one empty folder. By language:
   python    one after the other in one namespace, by this interpreter; those after a console block run with all before them
-  toml, cpp, cmake   a first line `# file: NAME` or `// file: NAME` writes the file for the blocks that follow; a C++ program
+  toml, cpp, cmake, xml   a first line `# file: NAME`, `// file: NAME`, `<!-- file: NAME -->` writes the file for the blocks that follow; a C++ program
             that no console block of its page builds is built and run here
   console   `$ COMMAND` by bash; the lines below it, if any, are its output, where ... stands for anything
 Any other language is an error, except `text` and `none`, which are not code. SETS_UP lists commands that are not run,
@@ -96,7 +96,7 @@ class Page:
                 self.fail(line, f"$ {command}\nshould say:\n" + "\n".join(expected) + f"\nand says:\n{done.stdout[:2000]}")
 
     def keep(self, line, language, lines):
-        match = re.match(r"(?:#|//) file: (\S+)$", lines[0] if lines else "")
+        match = re.match(r"(?:#|//|<!--) file: (\S+)( -->)?$", lines[0] if lines else "")
         if match:
             (self.folder / match[1]).write_text("\n".join(lines) + "\n", encoding="utf-8")
             if language == "cpp":
@@ -141,10 +141,10 @@ class Page:
             elif language == "console":
                 self.run_python()  # files it writes may be wanted
                 self.console(line, lines)
-            elif language in ("toml", "cpp", "cmake"):
+            elif language in ("toml", "cpp", "cmake", "xml"):
                 self.keep(line, language, lines)
             elif language not in NOT_CODE:
-                self.fail(line, f"language '{language}': must be python, toml, cpp, cmake, console, text or none")
+                self.fail(line, f"language '{language}': must be python, toml, cpp, cmake, xml, console, text or none")
         self.run_python()
         self.build_programs(text)
         return self.done()

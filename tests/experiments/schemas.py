@@ -81,6 +81,7 @@ COMMANDS = {
     "report": [("report s.sqlite --output s.html --json", 0)],
     "view": [("view bouncing_ball --output v.html --json", 0)],
     "new": [("new mechanism --output m.toml --json", 0)],
+    "import": [(f"import {ROOT}/core/scenes/robot_arm.urdf{more} --json", 0) for more in ("", " --output arm.toml")],
     "completion": [(f"completion {shell} --json", 0) for shell in ("bash", "zsh", "fish")],
     "man": [("man --json", 0), ("man solve --json", 0)],
 }

@@ -27,7 +27,9 @@ constexpr Target kTargets[] = {{"matrix_market", fuzz::matrix_market},
                                {"scene", fuzz::scene, "core/scenes", ".toml"},
                                {"sweep", fuzz::sweep, "experiments", ".toml"},
                                {"fclib", fuzz::fclib, "tests/data/fclib", ".hdf5"},
-                               {"options", fuzz::options}};
+                               {"options", fuzz::options},
+                               {"model", fuzz::model},
+                               {"mesh", fuzz::mesh}};
 
 std::vector<std::string> seeds_of(const Target& target) {
   const std::filesystem::path root = ORTHANT_ROOT;

@@ -22,6 +22,8 @@ void scene(std::string_view bytes);
 void sweep(std::string_view bytes);
 void fclib(std::string_view bytes);
 void options(std::string_view bytes);
+void model(std::string_view bytes);
+void mesh(std::string_view bytes);
 
 [[noreturn]] inline void broken(const char* rule, const std::string& found) {
   std::fprintf(stderr, "fuzz: %s: %s\n", rule, found.c_str());

@@ -29,6 +29,18 @@ template <class Shape> double radius_about_body(const Shape& s) {
   return most + grown_by(s);
 }
 
+std::pair<BodyId, BodyId> in_order(BodyId a, BodyId b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Bodies of the collision that do not meet, each pair once, sorted.
+template <class Collision> std::vector<std::pair<BodyId, BodyId>> kept_apart(const Collision& c) {
+  std::vector<std::pair<BodyId, BodyId>> all;
+  if constexpr (requires { c.apart; }) {
+    for (const auto& [a, b] : c.apart) all.push_back(in_order(a, b));
+    std::sort(all.begin(), all.end());
+  }
+  return all;
+}
+
 std::int64_t cell_of(double x, double width) {
   const double cell = std::floor(x / width);
   return static_cast<std::int64_t>(cell > -0x1p50 ? std::min(cell, 0x1p50) : -0x1p50);  // of no number too
@@ -39,6 +51,7 @@ std::int64_t cell_of(double x, double width) {
 template <class Space> BroadPhaseOf<Space>::BroadPhaseOf(const SystemOf<Space>& system) : system_(system) {
   std::size_t most = 0;
   for (const auto& c : system.scene().collisions) {
+    apart_.push_back(kept_apart(c));
     auto& radius = radius_.emplace_back();
     for (const auto& s : c.shapes) radius.push_back(radius_about_body(s));
     most = std::max(most, c.shapes.size());
@@ -95,7 +108,7 @@ template <class Space> bool BroadPhaseOf<Space>::find(int collision, TermsOf<Spa
   const auto end = static_cast<std::size_t>(system_.pairs()[c + 1]);
   bool fits = true;
   for (int i = 0; fits && i < static_cast<int>(boxes_.size()); ++i) {
-    meet(i);
+    meet(i, collision);
     for (const int j : near_)
       each_point(of, {collision, i, j, 0}, [&](const Pair& pair) {
         fits = next < end;
@@ -159,7 +172,8 @@ template <class Space> std::size_t BroadPhaseOf<Space>::slot(const Cell& cell) c
   return static_cast<std::size_t>(mix ^ (mix >> 32)) & (start_.size() - 2);
 }
 
-template <class Space> void BroadPhaseOf<Space>::meet(int i) {
+template <class Space> void BroadPhaseOf<Space>::meet(int i, int collision) {
+  const auto& apart = apart_[static_cast<std::size_t>(collision)];
   const Box& box = boxes_[static_cast<std::size_t>(i)];
   near_.clear();
   const auto look = [&](int j) {
@@ -172,6 +186,7 @@ template <class Space> void BroadPhaseOf<Space>::meet(int i) {
       const double sum = (box.high.x() - box.low.x() + other.high.x() - other.low.x()) / 2;
       if ((box.low + box.high - other.low - other.high).squaredNorm() / 4 > sum * sum * (1 + kSlack)) return;
     }
+    if (!apart.empty() && std::binary_search(apart.begin(), apart.end(), in_order(box.body, other.body))) return;
     near_.push_back(j);
   };
   const Cells& cells = cells_[static_cast<std::size_t>(i)];

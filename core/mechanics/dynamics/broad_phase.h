@@ -57,10 +57,11 @@ template <class Space> class BroadPhaseOf {
   template <class What> static void each_cell(const Cells& cells, What&& what);
   std::size_t slot(const Cell& cell) const;
   /// The cells of shape i, into near_: the shapes behind it that its box meets, ascending.
-  void meet(int i);
+  void meet(int i, int collision);
 
   const SystemOf<Space>& system_;
-  std::vector<std::vector<double>> radius_;  // [m] of each shape about its body's centre
+  std::vector<std::vector<std::pair<BodyId, BodyId>>> apart_;  // of each collision, smaller first, sorted
+  std::vector<std::vector<double>> radius_;                    // [m] of each shape about its body's centre
   std::vector<Box> boxes_;
   std::vector<double> widths_;
   std::vector<Cells> cells_;

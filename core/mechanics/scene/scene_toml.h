@@ -28,7 +28,8 @@ std::string read_scene_text(const std::filesystem::path& file);
 /// `name` stands for the file in error messages.
 Scene parse_scene(std::string_view text, std::span<const std::string> overrides = {}, std::string_view name = "scene");
 
-/// A scene in the plane, or in space where the file (or an override) has dimension = 3.
+/// A scene in the plane, or in space where the file (or an override) has dimension = 3. Text in XML is a model in URDF
+/// or MJCF, a scene in space (mechanics/models/import.h); overrides `model.KEY=VALUE` are options of its import then.
 using AnyScene = std::variant<Scene, spatial::Scene>;
 AnyScene read_any_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 AnyScene parse_any_scene(std::string_view text, std::span<const std::string> overrides = {},

@@ -181,6 +181,7 @@ void examine(const SpatialElement& e, const Collision& c) {
         e.fail(field + "corners", field + "corners: must be two different points, the ends of a capsule");
     }
   }
+  for (const auto& [a, b] : c.apart) e.exists(a), e.exists(b);
   e.law(c.law), e.positive("neighbours", c.neighbours);
   e.require(c.neighbours <= 1e6, "neighbours", e.text(c.neighbours), "<= 1e6");
 }

@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace orthant::spatial {
 
@@ -20,6 +22,7 @@ struct Collision {
   std::vector<Shape> shapes;  // a body may have several, which do not meet each other
   ContactLaw law;
   double neighbours = 6;  // > 0; room for so many pairs a shape that are near each other at a time, on the average
+  std::vector<std::pair<BodyId, BodyId>> apart = {};  // bodies whose shapes do not meet each other
 };
 
 /// What a pair is at the moment, as a contact of its own.

@@ -2,8 +2,12 @@
 
 #include <orthant/core/mechanics/spatial/geometry.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -40,6 +44,32 @@ std::vector<int> rim_of(const std::vector<Vector3d>& points, const std::vector<i
   chain(order.begin(), order.end());
   chain(order.rbegin(), order.rend());
   return rim;
+}
+
+/// Columns: principal directions of the points about their mean, by ascending spread.
+Eigen::Matrix3d spread_of(const std::vector<Vector3d>& points) {
+  Vector3d mean(0, 0, 0);
+  for (const Vector3d& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Vector3d& p : points) sum += (p - mean) * (p - mean).transpose();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors();
+}
+
+/// Of each of 26 directions, and of the points' principal directions, the farthest point: each once.
+std::vector<Vector3d> extreme_points(const std::vector<Vector3d>& points) {
+  std::vector<Vector3d> directions;
+  for (int i = 0; i < 27; ++i)
+    if (i != 13) directions.emplace_back(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+  const Eigen::Matrix3d own = spread_of(points);
+  for (int i = 0; i < 3; ++i) directions.insert(directions.end(), {own.col(i), -own.col(i)});
+  std::set<std::size_t> kept;
+  for (const Vector3d& d : directions) {
+    const auto nearer = [&](const Vector3d& p, const Vector3d& q) { return d.dot(p) < d.dot(q); };
+    kept.insert(static_cast<std::size_t>(std::max_element(points.begin(), points.end(), nearer) - points.begin()));
+  }
+  std::vector<Vector3d> few;
+  for (const std::size_t i : kept) few.push_back(points[i]);
+  return few;
 }
 
 }  // namespace
@@ -112,6 +142,62 @@ Hull hull_of(const std::vector<Vector3d>& points) {
   if (std::any_of(hull.edges.begin(), hull.edges.end(), [](const Hull::Edge& e) { return e.right < 0; }))
     throw std::invalid_argument("must not lie almost in one plane or line");
   return hull;
+}
+
+FittedHull fit_hull(const std::vector<Vector3d>& points, std::size_t most) {
+  if (points.size() < 4) return {hull_of(points)};
+  const auto before = [](const Vector3d& p, const Vector3d& q) {
+    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+  };
+  std::vector<Vector3d> all = points;
+  std::sort(all.begin(), all.end(), before);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  most = std::clamp<std::size_t>(most, 4, kMostHullPoints);
+  std::vector<Vector3d> corners = all.size() <= most ? all : extreme_points(all);
+  if (corners.size() > most) corners.resize(most);
+  FittedHull fit;
+  while (true) {
+    fit.hull = hull_of(corners);
+    struct Beyond {
+      double height;
+      std::size_t point;
+    };
+    std::vector<Beyond> beyond;  // the farthest point of each face
+    for (const Hull::Face& face : fit.hull.faces) {
+      Beyond farthest{kFlat * fit.hull.size, all.size()};
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (const double height = face.normal.dot(all[i]) - face.offset; height > farthest.height)
+          farthest = {height, i};
+      if (farthest.point < all.size()) beyond.push_back(farthest);
+    }
+    std::sort(beyond.begin(), beyond.end(), [](const Beyond& p, const Beyond& q) {
+      return p.height != q.height ? p.height > q.height : p.point < q.point;
+    });
+    fit.outside = beyond.empty() ? 0 : beyond.front().height;
+    corners = fit.hull.corners;
+    if (beyond.empty() || corners.size() >= most) return fit;
+    // Half of the room at once: those added later see where the first ones leave points outside.
+    const std::size_t room = most - corners.size(), end = corners.size() + (room + 1) / 2;
+    std::set<std::size_t> taken;
+    for (const Beyond& one : beyond)
+      if (corners.size() < end && taken.insert(one.point).second) corners.push_back(all[one.point]);
+  }
+}
+
+std::vector<Vector3d> flat_hull(const std::vector<Vector3d>& points) {
+  if (points.size() < 3) return {};
+  const Eigen::Matrix3d own = spread_of(points);
+  double size = 0, width = 0;
+  for (const Vector3d& p : points) {
+    size = std::max(size, (p - points.front()).cwiseAbs().maxCoeff());
+    width = std::max(width, std::abs(own.col(1).dot(p - points.front())));
+  }
+  if (width <= kFlat * size) return {};
+  std::vector<int> on(points.size());
+  std::iota(on.begin(), on.end(), 0);
+  std::vector<Vector3d> rim;
+  for (const int i : rim_of(points, on, own.col(0), kFlat * size)) rim.push_back(points[static_cast<std::size_t>(i)]);
+  return rim;
 }
 
 }  // namespace orthant::spatial

@@ -36,4 +36,17 @@ inline constexpr std::size_t kMostHullPoints = 64;
 /// Throws std::invalid_argument: fewer than 4 points or more than kMostHullPoints, points of one plane.   O(n⁴)
 Hull hull_of(const std::vector<Vector3d>& points);
 
+struct FittedHull {
+  Hull hull;
+  double outside = 0;  // [m] of the points the farthest from the hull, along a face's normal
+};
+/// Hull of any number of points, with at most `most` corners: the hull itself where it has no more. Otherwise corners
+/// are added where points lie farthest outside, until there are that many. Throws std::invalid_argument as hull_of.
+/// Source: Barber, Dobkin & Huhdanpaa, The Quickhull algorithm for convex hulls (1996), sec. 4: the farthest point.
+FittedHull fit_hull(const std::vector<Vector3d>& points, std::size_t most = kMostHullPoints);
+
+/// Of points in one plane, to 1e-9 of their size: the corners of their hull, counter-clockwise about a normal. Empty
+/// where they lie in one line.
+std::vector<Vector3d> flat_hull(const std::vector<Vector3d>& points);
+
 }  // namespace orthant::spatial

@@ -16,6 +16,7 @@ class OrthantLcp < Formula
   depends_on "nlopt"
   depends_on "sqlite"
   depends_on "suite-sparse"
+  depends_on "tinyxml2"
   depends_on "tomlplusplus"
 
   def install

@@ -17,6 +17,7 @@ pkgs.stdenv.mkDerivation {
     cli11
     sqlite
     nlopt
+    tinyxml-2
     python3
     python3Packages.pybind11
   ];

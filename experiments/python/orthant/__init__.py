@@ -15,16 +15,17 @@ from . import _pages as _pages  # first: where the parts of pages are
 from ._derivatives import Gradient, RunGradient, Sensitivity, Tangent, WeaklyActive, gradient, sensitivity
 from ._files import read_problem, set_largest_input, write_fclib, write_npz, write_problem
 from ._mechanics import Interrupted, OrthantWarning, Scene, Trajectory, integrators, register_integrator, register_scene, scenes, simulate
+from ._models import ImportedModel, import_model
 from ._nonlinear import McpResult, equilibria, equilibrium, extreme_equilibria, solve_mcp
 from ._orthant import Equilibrium, Face, LogEntry, Problem, Result, Solutions, Step, __version__, revision
 from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bound, register_solver, solve, solve_many, solvers
 from ._sweep import sweep
 
 __all__ = [
-    "Delassus", "Equilibrium", "Face", "Gradient", "Interrupted", "LogEntry", "McpResult", "OrthantWarning", "Problem", "Result",
-    "RunGradient", "Scene", "Sensitivity", "Solutions", "Solver", "Step", "Tangent", "Trajectory", "WeaklyActive", "__version__",
-    "analyse", "enumerate_solutions", "equilibria", "equilibrium", "error_bound", "extreme_equilibria", "gradient", "integrators",
-    "read_problem", "register_integrator", "register_scene", "register_solver", "revision", "scenes", "sensitivity",
-    "set_largest_input", "simulate", "solve", "solve_many", "solve_mcp", "solvers", "sweep", "write_fclib", "write_npz",
-    "write_problem",
+    "Delassus", "Equilibrium", "Face", "Gradient", "ImportedModel", "Interrupted", "LogEntry", "McpResult", "OrthantWarning",
+    "Problem", "Result", "RunGradient", "Scene", "Sensitivity", "Solutions", "Solver", "Step", "Tangent", "Trajectory",
+    "WeaklyActive", "__version__", "analyse", "enumerate_solutions", "equilibria", "equilibrium", "error_bound",
+    "extreme_equilibria", "gradient", "import_model", "integrators", "read_problem", "register_integrator", "register_scene",
+    "register_solver", "revision", "scenes", "sensitivity", "set_largest_input", "simulate", "solve", "solve_many", "solve_mcp",
+    "solvers", "sweep", "write_fclib", "write_npz", "write_problem",
 ]

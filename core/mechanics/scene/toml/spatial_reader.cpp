@@ -4,6 +4,7 @@
 
 #include <orthant/core/mechanics/spatial/solid.h>
 
+#include <numbers>
 #include <optional>
 
 namespace orthant::scene_file {
@@ -339,12 +340,29 @@ void SpatialReader::shape(Fields& f, spatial::Collision& c) const {
   c.shapes.push_back(s);
 }
 
+/// `apart`: pairs of bodies that do not meet.
+void SpatialReader::apart(Fields& f, spatial::Collision& c) const {
+  const toml::node* node = f.find("apart");
+  if (node == nullptr) return;
+  const toml::array* pairs = node->as_array();
+  const auto refuse = [&](const toml::node& wrong) {
+    f.refuse("apart", wrong, "a list of pairs of bodies [[\"first\", \"second\"], …]");
+  };
+  if (pairs == nullptr) refuse(*node);
+  for (std::size_t i = 0; i < pairs->size(); ++i) {
+    const toml::array* pair = pairs->get(i)->as_array();
+    if (pair == nullptr || pair->size() != 2) refuse(*pairs->get(i));
+    c.apart.emplace_back(id(f, "apart", *pair->get(0)), id(f, "apart", *pair->get(1)));
+  }
+}
+
 void SpatialReader::collision(Fields& f) {
   spatial::Collision c{.name = given_name_, .shapes = {}, .law = {}};
   std::string name;
   if (f.maybe("name", name)) c.name = name;
   f.maybe("neighbours", c.neighbours), read_law(f, c.law);
   each_table(f, "shapes", [&](Fields& g) { shape(g, c); });
+  apart(f, c);
   std::vector<spatial::SpherePlane> walls;
   each_table(f, "walls", [&](Fields& g) { half_space(g, walls.emplace_back()); });
   if (walls.empty() && std::all_of(c.shapes.begin(), c.shapes.end(),
@@ -445,9 +463,13 @@ void SpatialReader::limit(Fields& f, const std::string& name) {
   const bool below = f.maybe("lower", lower), above = f.maybe("upper", upper);
   if (!below && !above) f.fail(f.table(), "missing key \"lower\" or \"upper\"");
   if (below && above && lower >= upper) f.refuse("lower", *f.table().get("lower"), "less than upper");
+  const bool both = below && above && c.of.angle();
+  if (both && upper - lower >= 2 * std::numbers::pi)
+    f.refuse("upper", *f.table().get("upper"), "less than a full turn above lower: an angle is known up to full turns");
   const auto add = [&](spatial::Limit::Side side, double bound, const char* suffix) {
     spatial::Limit one = c;
     one.side = side, one.bound = bound;
+    if (both) one.beyond = (lower + upper) / 2 - bound;
     if (below && above) one.name += suffix;
     scene_.contact(one);
   };

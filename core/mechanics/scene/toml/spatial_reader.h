@@ -39,6 +39,7 @@ class SpatialReader {
   void rims(Fields& f, const std::string& type, const std::string& name);
   void shape(Fields& f, spatial::Collision& c) const;
   void collision(Fields& f);
+  void apart(Fields& f, spatial::Collision& c) const;
   template <class Read> void each_table(Fields& f, std::string_view key, Read&& read) const;
   void friction(Fields& f);
   void spring(Fields& f);
