@@ -156,8 +156,9 @@ constexpr std::array<const char*, 20> kResultKeys = {
     "factorizations", "seconds", "why_not", "why", "cells",       "log",      "x",        "fun",
     "success",        "message", "nit",     "nfev"};
 
-bool is_result_key(const std::string& key) {
-  return std::find(kResultKeys.begin(), kResultKeys.end(), key) != kResultKeys.end();
+bool is_result_key(py::handle key) {  // anything may be asked for, as of a dict
+  return py::isinstance<py::str>(key) &&
+         std::find(kResultKeys.begin(), kResultKeys.end(), key.cast<std::string>()) != kResultKeys.end();
 }
 std::vector<std::string> result_keys() { return {kResultKeys.begin(), kResultKeys.end()}; }
 
@@ -528,17 +529,17 @@ void add_problems(py::module_& m) {
           "(name, value) in the order of keys()")
       .def(
           "get",
-          [](const py::object& self, const std::string& key, const py::object& otherwise) -> py::object {
-            return is_result_key(key) ? py::object(self.attr(key.c_str())) : otherwise;
+          [](const py::object& self, py::handle key, const py::object& otherwise) -> py::object {
+            return is_result_key(key) ? py::object(self.attr(key)) : otherwise;
           },
           py::arg("key"), py::arg("default") = py::none(), "result[key], or default where there is no such name")
       .def("__iter__", [](const Result&) { return py::iter(py::cast(result_keys())); })
       .def("__len__", [](const Result&) { return kResultKeys.size(); })
-      .def("__contains__", [](const Result&, const std::string& key) { return is_result_key(key); })
+      .def("__contains__", [](const Result&, py::handle key) { return is_result_key(key); })
       .def("__getitem__",
-           [](const py::object& self, const std::string& key) -> py::object {
-             if (!is_result_key(key)) throw py::key_error(key);
-             return self.attr(key.c_str());
+           [](const py::object& self, py::handle key) -> py::object {
+             if (!is_result_key(key)) throw py::key_error(py::str(key).cast<std::string>());
+             return self.attr(key);
            })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,

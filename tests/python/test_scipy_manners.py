@@ -66,6 +66,9 @@ def test_results_answer_as_an_optimize_result_does():
     assert result.get("x").tolist() == result.z.tolist() and result.get("jac") is None and result.get("jac", 3) == 3
     assert list(result) == result.keys() == [key for key, _ in result.items()] and len(result.values()) == len(result)
     assert {"x", "fun", "success", "status", "message", "nit", "nfev"} <= set(dict(result)) == set(result.keys())
+    assert 3 not in result and result.get(3) is None and (0, 1) not in result
+    with pytest.raises(KeyError, match="0"):
+        result[0]
     assert {**result}["x"].tolist() == result.z.tolist()
     optimize = pytest.importorskip("scipy.optimize")
     theirs = optimize.root(lambda z: M @ z + q, [0.0, 0.0])

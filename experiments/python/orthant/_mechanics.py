@@ -117,9 +117,11 @@ class Scene:
             raise ValueError("this scene was read from a file or by name: change it by keyword overrides there")
         if word("kind", kind) not in _KINDS:
             raise ValueError(f"kind '{kind}': must be one of {', '.join(_KINDS)}")
+        if isinstance(name := keys.get("name"), str) and (kind, name) in self._places:
+            raise ValueError(f'{kind} "{name}": name = "{name}": must be distinct, is taken')
         self._check(kind, keys)
         self._counts[kind] += 1
-        if isinstance(name := keys.get("name"), str):
+        if isinstance(name, str):
             self._places[kind, name] = len(self._elements)
         self._elements.append((kind, keys))
 
