@@ -50,12 +50,26 @@ template <class Scene> void check_loaded_friction(const Scene& scene, std::strin
              &Capabilities::loaded_friction);
 }
 
+template <class Scene> void check_turning_friction(const Scene& scene, std::string_view integrator) {
+  const auto must_have_none = [&](const std::string& what, const ContactLaw& law) {
+    for (const auto& [field, value] :
+         {std::pair{"rolling", law.surface.rolling}, std::pair{"spinning", law.surface.spinning}})
+      if (value != 0)
+        refuse(integrator, what + " has " + field + " = " + detail::text_of(value) + ":", "0",
+               &Capabilities::turning_friction);
+  };
+  for (const auto& contact : scene.contacts)
+    std::visit([&](const auto& c) { must_have_none("contact \"" + c.name + '"', c.law); }, contact);
+  for (const auto& c : scene.collisions) must_have_none("collision \"" + c.name + '"', c.law);
+}
+
 }  // namespace
 
 template <class Space> void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can) {
   if (!can.impact_laws) check_impact_laws(system.scene(), integrator);
   if (!can.tangential_restitution) check_tangential_restitution(system.scene(), integrator);
   if (!can.loaded_friction) check_loaded_friction(system.scene(), integrator);
+  if (!can.turning_friction) check_turning_friction(system.scene(), integrator);
 }
 
 template void check(const SystemOf<Planar>&, std::string_view, const Capabilities&);

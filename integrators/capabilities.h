@@ -11,6 +11,7 @@ struct Capabilities {
   bool impact_laws = true;             // restitution = "poisson", impacts = "sequential"
   bool tangential_restitution = true;  // e_t ≠ 0
   bool loaded_friction = true;         // dry friction in a joint by its load, mu ≠ 0
+  bool turning_friction = false;       // rolling and spinning friction of contacts, in space
   bool error_control = false;          // divides the step that it is given, to a tolerance
   bool threads = true;                 // solves islands of bodies at the same time
   bool space = false;                  // dimension = 3; set by the registry
@@ -20,6 +21,7 @@ struct Capabilities {
     v("impact_laws", impact_laws, "Poisson's law, sequential impacts");
     v("tangential_restitution", tangential_restitution, "`e_t`");
     v("loaded_friction", loaded_friction, "joint friction by load");
+    v("turning_friction", turning_friction, "rolling, spinning friction");
     v("error_control", error_control, "controls its step");
     v("threads", threads, "threads");
     v("space", space, "`dimension = 3`");

@@ -65,6 +65,7 @@ template <class J> const char* kind_of() {
   using std::is_same_v;
   return is_same_v<J, spatial::Revolute>       ? "revolute"
          : is_same_v<J, spatial::Cylindrical>  ? "cylindrical"
+         : is_same_v<J, spatial::Screw>        ? "cylindrical"
          : is_same_v<J, spatial::Prismatic>    ? "prismatic"
          : is_same_v<J, spatial::PointOnLine>  ? "point-on-line"
          : is_same_v<J, spatial::PlaneJoint>   ? "planar"
@@ -89,6 +90,7 @@ struct JointWords {
     return one;
   }
   Json operator()(const spatial::Drive&) const { return nullptr; }
+  Json operator()(const spatial::Gear&) const { return nullptr; }
 };
 
 template <class Round> Json round_spatial(const Round& c, bool inside) {

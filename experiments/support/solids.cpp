@@ -86,6 +86,11 @@ class SolidSketch {
     if (!known(c.b, c.centre_b, c.radius_b)) all_.push_back({c.b, drawn::Sphere{c.centre_b, c.radius_b, true}});
     link(c.b, c.centre_b);
   }
+  void operator()(const spatial::PinBush& c) {  // the rim, once a body of each
+    const Vector3d x = spatial::perpendicular(c.axis_a), y = c.axis_a.cross(x);
+    add_ring(c.centre_a + c.along * c.axis_a, x, y, c.radius_a, corners_[c.a]);
+    reach(c.a, c.centre_a, c.radius_a), shape(c.a), link(c.a, c.centre_a), link(c.b, c.centre_b);
+  }
   void operator()(const spatial::EllipsoidPlane& c) {
     const Matrix3d R = quaternions::matrix_of(c.orientation);
     for (const Vector3d& d : spiral()) corners_[c.a].push_back(c.centre + R * c.semi_axes.cwiseProduct(d));
@@ -116,6 +121,7 @@ class SolidSketch {
     requires requires(const Joint& j) { j.point_a; }
   void operator()(const Joint& j) { link(j.a, j.point_a), link(j.b, j.point_b); }
   void operator()(const spatial::Drive&) {}
+  void operator()(const spatial::Gear&) {}
 
   std::vector<DrawnSolid> finish() {
     const double size = size_ > 0 ? size_ : 1, thin = kThin * size;

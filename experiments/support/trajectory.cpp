@@ -110,7 +110,9 @@ void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment
   append_bodies(system, x, table);
   for (int i = 0; i < system.listed(); ++i) {
     const auto& impulse = moment.impulses[static_cast<std::size_t>(i)];
-    table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent.first, impulse.tangent.second});
+    const ContactLaw& law = system.law(i);  // of orthotropic friction the second row is scaled
+    const double scale = law.surface.orthotropic() ? law.surface.mu_across / law.mu : 1;
+    table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent.first, scale * impulse.tangent.second});
   }
   append_collisions(system, moment, table);
   table.insert(table.end(), moment.frictions.begin(), moment.frictions.end());

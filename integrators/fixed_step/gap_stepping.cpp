@@ -47,7 +47,7 @@ template <class Space> bool GapSteppingOf<Space>::missed(double h, const State& 
     const ClosedContact c = terms_.closed.back();
     terms_.closed.pop_back();
     const double rate = apply(c.rows.normal, v_new_.data());
-    const auto belt = belt_of<Space>(system_.law(i));
+    const auto belt = belt_of(system_.law(i), c.rows);
     if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
         terms_.gap[i] <= h * (speed<Space>(c.rows, x.v, belt) + speed<Space>(c.rows, flight_, belt)) + nearly(c.rows))
       joined_.push_back(i);

@@ -36,7 +36,7 @@ template <class Space> class MoreauJeanOf final : public VelocitySteppingOf<Spac
   using System = SystemOf<Space>;
   using ClosedContact = ClosedContactOf<Space>;
   static constexpr std::string_view kName = "moreau-jean";
-  static constexpr Capabilities kCan{};
+  static constexpr Capabilities kCan{.turning_friction = true};
   using Options = MoreauJeanOptions;
   explicit MoreauJeanOf(const System& system, const Options& options = {})
       : VelocitySteppingOf<Space>(

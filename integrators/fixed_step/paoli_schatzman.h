@@ -26,7 +26,7 @@ template <class Space> class PaoliSchatzmanOf final : public GapSteppingOf<Space
   using System = SystemOf<Space>;
   using ClosedContact = ClosedContactOf<Space>;
   static constexpr std::string_view kName = "paoli-schatzman";
-  static constexpr Capabilities kCan{.impact_laws = false, .tangential_restitution = false};
+  static constexpr Capabilities kCan{.impact_laws = false, .tangential_restitution = false, .turning_friction = true};
   using Options = VelocitySteppingOptions;
   explicit PaoliSchatzmanOf(const System& system, const Options& options = {})
       : GapSteppingOf<Space>(system, kName, kCan,

@@ -120,22 +120,13 @@ bool RattleOf<Space>::reach_turning(double h, const State& x, Solver& solver, St
   }
 }
 
-namespace {
-
-/// The world direction of a contact's row, from b to a.
-Vector3d direction_of(const RowOf<Spatial>& row) {
-  return row.a >= 0 ? push_on(row, row.a) : Vector3d(-push_on(row, row.b));
-}
-
-}  // namespace
-
 template <class Space> void RattleOf<Space>::note_carried() {
   if constexpr (!kPlanar<Space>)
     for (const ClosedContact& c : start_.closed) {
       const auto contact = static_cast<std::size_t>(c.contact);
       const Tangents& carried = impulses_[contact].tangent;
-      carried_[contact] =
-          carried.first * direction_of(c.rows.tangents[0]) + carried.second * direction_of(c.rows.tangents[1]);
+      carried_[contact] = carried.first * spatial::direction_of(c.rows.tangents[0]) +
+                          carried.second * spatial::direction_of(c.rows.tangents[1]);
     }
 }
 
@@ -153,9 +144,11 @@ template <class Space> bool RattleOf<Space>::other_half(double h, const State& x
     if constexpr (kPlanar<Space>)
       apply_transposed(c.rows.tangent, -carried.tangent / h, force_.data());
     else
-      for (const auto& tangent : c.rows.tangents)
-        apply_transposed(tangent, -carried_[static_cast<std::size_t>(c.contact)].dot(direction_of(tangent)) / h,
-                         force_.data());
+      for (const auto& tangent : c.rows.tangents) {
+        const Vector3d t = spatial::direction_of(tangent),
+                       &carried_there = carried_[static_cast<std::size_t>(c.contact)];
+        if (!t.isZero(0)) apply_transposed(tangent, -carried_there.dot(t) / t.squaredNorm() / h, force_.data());
+      }
   }
   for (std::size_t i = 0; i < system_.scene().frictions.size(); ++i)
     apply_transposed(system_.scene().frictions[i].of.row(end_.at), -friction_carried(i) / h, force_.data());

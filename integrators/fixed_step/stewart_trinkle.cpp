@@ -21,7 +21,7 @@ template <class Space>
 double StewartTrinkleOf<Space>::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
   if (cone_ == Cone::coulomb) return closing(c, h);
   const ContactLaw& law = system_.law(c.contact);
-  const auto slip = slip_rate(c.rows, v.data()) - belt_of<Space>(law);
+  const auto slip = slip_rate(c.rows, v.data()) - belt_of(law, c.rows);
   return closing(c, h) + mu_at(law, slip) * size_of(slip);
 }
 

@@ -21,7 +21,7 @@ template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
   using System = SystemOf<Space>;
   using ClosedContact = ClosedContactOf<Space>;
   static constexpr std::string_view kName = "stewart-trinkle";
-  static constexpr Capabilities kCan{};
+  static constexpr Capabilities kCan{.turning_friction = true};
   using Options = VelocitySteppingOptions;
   explicit StewartTrinkleOf(const System& system, const Options& options = {})
       : StewartTrinkleOf(system, options, Cone::coulomb, kName, kCan) {}

@@ -101,7 +101,7 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
       for (std::size_t k = 0; k < wanted_.size(); ++k) {
         const ClosedContact& c = start_.closed[k];
         wanted_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
-        wanted_[k].tangent = h * belt_of<Space>(system_.law(c.contact));
+        wanted_[k].tangent = h * belt_of(system_.law(c.contact), c.rows);
       }
       if (more)
         positions_.formulate(start_, basic_, wanted_, free_, rate_);
@@ -209,7 +209,11 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   for (std::size_t k = 0; k < wanted_.size(); ++k) {  // the work is that of the rows at the end
     const auto& rows = end_.closed[k].rows;
     wanted_[k].approach = apply(rows.normal, x.v.data());
-    wanted_[k].slip_before = slip_rate(rows, x.v.data()) - belt_of<Space>(*wanted_[k].law);
+    wanted_[k].slip_before = slip_rate(rows, x.v.data()) - belt_of(*wanted_[k].law, rows);
+    if constexpr (!kPlanar<Space>) {  // the surface's motion along the tangents that P acts along
+      wanted_[k].tangent = wanted_[k].tangent - wanted_[k].belt + rows.belt;
+      wanted_[k].belt = rows.belt;
+    }
   }
 }
 

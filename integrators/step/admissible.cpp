@@ -84,6 +84,8 @@ Measured<Vector2d> measured(const Contact& contact) {
 Measured<Vector3d> measured(const spatial::Contact& contact) {
   if (const auto* socket = std::get_if<spatial::Socket>(&contact))
     return {socket->radius_b - socket->radius_a, OverlapScale::clearance};
+  if (const auto* pin = std::get_if<spatial::PinBush>(&contact))
+    return {pin->radius_b - pin->radius_a, OverlapScale::clearance};
   if (const auto* s = std::get_if<spatial::SphereSphere>(&contact)) return {std::min(s->radius_a, s->radius_b)};
   if (const auto* s = std::get_if<spatial::SpherePlane>(&contact))
     return {s->radius > 0 ? s->radius : kInf, OverlapScale::body, s->normal};

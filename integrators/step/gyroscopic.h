@@ -12,9 +12,8 @@
 // after from that of the discrete Lagrangian h u · J u / 2,
 //     J ω + h τ/2 = J u + ξ×Ju/2 + c ξ×(ξ×Ju),   J ω⁺ − h τ⁺/2 = J u − ξ×Ju/2 + c ξ×(ξ×Ju),                    (2)
 //     c = (1 − |ξ|/2 cot(|ξ|/2)) / |ξ|²,   |ξ| < 2π,
-// so that J (u − ω) = h τ/2 + g₁,  J (ω⁺ − u) = h τ⁺/2 + g₂. Angular momentum is exact here, too; energy swings with
-// h². Sources: Bou-Rabee & Marsden, Found. Comput. Math. 9 (2009) 197-219 (2); Simo & Wong, Int. J. Numer. Meth. Engng
-// 31 (1991) 19-52 (the free body).
+// so that J (u − ω) = h τ/2 + g₁,  J (ω⁺ − u) = h τ⁺/2 + g₂. Angular momentum is exact, too; energy swings with h².
+// Source: Simo & Wong, IJNME 31 (1991) 19-52 (the free body); Bou-Rabee & Marsden, FoCM 9 (2009) 197-219 (2).
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

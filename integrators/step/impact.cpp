@@ -35,11 +35,11 @@ template <class Space> bool ImpactOf<Space>::act(const BasicSystem& basic, Solve
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = apply(struck_.G[static_cast<std::size_t>(i)], v_.data());
   const bool phases = restitution_ == Restitution::poisson;
   if (phases)
-    for (Wanted& w : wanted_) w.normal = 0, w.tangent = belt_of<Space>(*w.law);
+    for (Wanted& w : wanted_) w.normal = 0, w.tangent = belt_of(w);
   formulation_.formulate(struck_, basic, wanted_, v_, rate_);
   if (!solve(solver, report)) return false;
   if (!phases) return true;
-  for (Wanted& w : wanted_) w.tangent = belt_of<Space>(*w.law) - w.law->e_t * w.slip;
+  for (Wanted& w : wanted_) w.tangent = belt_of(w) - w.law->e_t * w.slip;
   formulation_.retarget(wanted_, v_, rate_);
   formulation_.release(one_);
   return solve(solver, report);
@@ -152,7 +152,7 @@ void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std
     const auto& rows = terms.closed[k].rows;
     auto& w = wanted[k];
     w.free = apply(rows.normal, v_free.data());
-    if (w.law->frictional()) w.free_slip = slip_rate(rows, v_free.data()) - belt_of<Space>(*w.law);
+    if (w.law->frictional()) w.free_slip = slip_rate(rows, v_free.data()) - belt_of(*w.law, rows);
   }
 }
 
@@ -181,7 +181,7 @@ template <class Space> double energy_rise(const SystemOf<Space>& system, const T
     };
     add(impulse.normal, apply(rows.normal, v.data()), w.free, w.approach);
     if (impulse.tangent != Tangent<Space>{}) {
-      const auto slip = slip_rate(rows, v.data()) - belt_of<Space>(*w.law);
+      const auto slip = slip_rate(rows, v.data()) - belt_of(*w.law, rows);
       for (std::size_t i = 0; i < Space::kTangents; ++i)
         add(tangent_part(impulse.tangent, i), tangent_part(slip, i), tangent_part(w.free_slip, i),
             tangent_part(w.slip_before, i));

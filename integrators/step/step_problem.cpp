@@ -55,7 +55,8 @@ template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system,
       form_(form),
       cone_(cone),
       most_((cone == Cone::coulomb || kPlanar<Space> ? 1 + Space::kTangents : kEdges) * system.contacts() +
-            std::ssize(system.scene().frictions) + joint_rows()),
+            std::ssize(system.scene().frictions) + joint_rows() +
+            3 * std::ranges::count_if(system.laws(), [](const ContactLaw& law) { return law.surface.turns(); })),
       inverse_mass_(system.inverse_mass()) {
   const auto contacts = static_cast<std::size_t>(system.contacts()), most = static_cast<std::size_t>(most_);
   const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
@@ -163,6 +164,8 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
       for (std::size_t i = 0; i < Space::kTangents; ++i)
         rows_.push_back(row_of_tangent(terms.closed[c.closed].rows, i));
     }
+  turning_ = static_cast<Index>(rows_.size());
+  if constexpr (!kPlanar<Space>) add_turning(terms);
   resisted_ = static_cast<Index>(rows_.size());
   if (duration_ > 0)
     for (const auto& f : system_.scene().frictions) rows_.push_back(f.of.row(terms.at));
@@ -174,6 +177,35 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
     const auto k = static_cast<std::size_t>(i - resisted_);
     lcp_.hi[i] = duration_ * system_.scene().frictions[k].bound_at(loads_ != nullptr ? (*loads_)[k] : 0);
     lcp_.lo[i] = -lcp_.hi[i];
+  }
+}
+
+/// Rolling friction bounds the moment across the normal by a disc, spinning friction the one along it. [N m s]
+template <class Space> void StepProblemOf<Space>::add_turning([[maybe_unused]] const Terms& terms) {
+  if constexpr (!kPlanar<Space>) {
+    turn_targets_.clear();
+    for (const Contact& c : contacts_) {
+      const SurfaceLaw& law = c.law->surface;
+      if (!law.turns() || c.jammed != nullptr) continue;
+      const Row& normal = terms.closed[c.closed].rows.normal;
+      const Vector3d n = spatial::direction_of(normal), t = spatial::perpendicular(n);
+      const Vector3d turn = terms.at.at(normal.b).turn(law.omega);
+      const auto add = [&](const Vector3d& axis) {
+        rows_.push_back(spatial::turn_row(terms.at, normal.a, normal.b, axis));
+        turn_targets_.push_back(turn.dot(axis));
+      };
+      const Index at = places_[c.closed].normal;
+      if (law.rolling > 0) {
+        lcp_.friction.push_back(
+            {.normal = at, .first = static_cast<Index>(rows_.size()), .rows = 2, .mu = law.rolling});
+        add(t), add(n.cross(t));
+      }
+      if (law.spinning > 0) {
+        lcp_.friction.push_back(
+            {.normal = at, .first = static_cast<Index>(rows_.size()), .rows = 1, .mu = law.spinning});
+        add(n);
+      }
+    }
   }
 }
 
@@ -210,6 +242,8 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wan
   for (const Contact& c : contacts_)
     if (c.frictional)
       for (std::size_t k = 0; k < Space::kTangents; ++k) hold_against(tangent_part(wanted[c.closed].tangent, k));
+  if constexpr (!kPlanar<Space>)
+    for (const double target : turn_targets_) hold_against(target);
   while (i < lcp_.b.size()) hold_against(0);
 }
 
@@ -226,6 +260,11 @@ template <class Space> void StepProblemOf<Space>::bind() {
 /// Of the first tangent row of a contact; tangent rows stand one after the other.
 template <class Space> const Friction* StepProblemOf<Space>::friction_of(int row) const {
   if (lcp_.friction.empty()) return nullptr;
+  if constexpr (!kPlanar<Space>) {
+    const auto& all = lcp_.friction;
+    const auto found = std::ranges::lower_bound(all, row, {}, [](const Friction& f) { return f.first; });
+    return found != all.end() && found->first == row ? &*found : nullptr;
+  }
   const Index k = row - lcp_.friction.front().first;
   if (k < 0 || k >= Space::kTangents * std::ssize(lcp_.friction) || k % Space::kTangents != 0) return nullptr;
   return &lcp_.friction[static_cast<std::size_t>(k / Space::kTangents)];
@@ -267,6 +306,7 @@ template <class Space> bool StepProblemOf<Space>::regrade(const Vector& z, const
   const Index joints = joint_rows();
   bool any = false;
   for (Friction& friction : lcp_.friction) {
+    if (!kPlanar<Space> && friction.first >= turning_) break;
     const Contact& c = contacts_[static_cast<std::size_t>(friction.normal - joints)];
     if (c.law->mu_static <= c.law->mu) continue;
     const double pressure = z[friction.normal];

@@ -121,6 +121,7 @@ template <class Space> class StepProblemOf {
   struct Place {
     Index normal = -1, tangent = -1;
   };
+  void add_turning(const Terms& terms);
   void fill_dense(DenseMatrix& A) const;
   const Friction* friction_of(int row) const;  // null: none
 
@@ -134,7 +135,9 @@ template <class Space> class StepProblemOf {
   std::vector<Contact> contacts_;
   std::vector<Place> places_;  // of the first collected_ closed contacts
   std::size_t collected_ = 0;
-  Index resisted_ = 0;  // the first row of dry friction in joints
+  Index resisted_ = 0;                // the first row of dry friction in joints
+  Index turning_ = 0;                 // space: the first row of rolling and spinning friction, behind the tangents
+  std::vector<double> turn_targets_;  // likewise, of each such row [rad/s]
   int no_normal_ = -1;
   DenseMatrix columns_;           // dof × n: B Jᵀ, dense storage only
   Eigen::VectorXd inverse_mass_;  // of the Delassus operator

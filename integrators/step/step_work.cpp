@@ -6,7 +6,7 @@ namespace orthant {
 
 template <class Space> bool has_work(const SystemOf<Space>& system) {
   return system.driven() || !system.scene().loads.empty() ||
-         std::ranges::any_of(system.laws(), [](const ContactLaw& law) { return law.belt != 0; });
+         std::ranges::any_of(system.laws(), [](const ContactLaw& law) { return law.belt != 0 || law.surface.moves(); });
 }
 
 template <class Space> StepWorkOf<Space>::StepWorkOf(const SystemOf<Space>& system)
@@ -19,7 +19,8 @@ template <class Space> StepWorkOf<Space>::StepWorkOf(const SystemOf<Space>& syst
       mean_(system.dof()),
       lambda_(system.joint_rows()),
       rate_(system.joint_rows()),
-      none_(Eigen::VectorXd::Zero(system.joint_rows())) {}
+      none_(Eigen::VectorXd::Zero(system.joint_rows())),
+      has_belts_(std::ranges::any_of(system.laws(), [](const ContactLaw& law) { return law.surface.moves(); })) {}
 
 /// terms_.at are the poses at `from`.
 template <> double StepWorkOf<Planar>::of_loads(const State& from, const State& to) {
@@ -62,9 +63,18 @@ double StepWorkOf<Space>::over_step(const State& from, const State& to, const st
   const double h = to.t - from.t, t = from.t + h / 2;
   set_poses(system_, from.t, from.q, terms_.at);
   double sum = of_loads(from, to);
-  if constexpr (kPlanar<Space>)
+  if constexpr (kPlanar<Space>) {
     for (std::size_t i = 0; i < impulses.size(); ++i)
       if (impulses[i].tangent != 0) sum += impulses[i].tangent * system_.laws()[i].belt;
+  } else if (has_belts_) {
+    if (!pairs.empty()) terms_.pairs.assign(pairs.begin(), pairs.end());
+    terms_.closed.clear();
+    for (std::size_t i = 0; i < impulses.size(); ++i) {
+      if (impulses[i].tangent == Tangents{} || !system_.laws()[i].surface.moves()) continue;
+      add_closed(system_, static_cast<int>(i), terms_);
+      sum += inner(impulses[i].tangent, terms_.closed.back().rows.belt);
+    }
+  }
   if (!system_.driven()) return sum;
 
   evaluate_joint_rows(system_, terms_);  // rates at both ends: their mean is right where a drive's rate jumps, too

@@ -36,6 +36,7 @@ template <class Space> class StepWorkOf {
   BasicSystemOf<Space> basic_;
   KinematicsOf<Space> to_;
   Eigen::VectorXd middle_, force_, mean_, lambda_, rate_, none_;
+  bool has_belts_;  // in space
 };
 
 template <> double StepWorkOf<Planar>::of_loads(const State& from, const State& to);

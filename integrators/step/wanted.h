@@ -4,9 +4,15 @@
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
 
+#include <type_traits>
 #include <vector>
 
 namespace orthant {
+
+/// Of contacts in space; planar ones have it in their law.
+struct NoBelt {
+  NoBelt& operator=(double /*law's*/) { return *this; }
+};
 
 /// What a closed contact's rates after the step are held against, its rates before and its law. [m/s]
 template <class Space> struct WantedOf {
@@ -20,8 +26,17 @@ template <class Space> struct WantedOf {
   Tangent<Space> slip_before{};
   double free = 0;
   Tangent<Space> free_slip{};
+  [[no_unique_address]] std::conditional_t<kPlanar<Space>, NoBelt, Tangent<Space>> belt{};  // see belt_of()
 };
 using Wanted = WantedOf<Planar>;
+
+/// The motion of b's surface along the tangent.
+template <class Space> Tangent<Space> belt_of(const WantedOf<Space>& w) {
+  if constexpr (kPlanar<Space>)
+    return w.law->belt;
+  else
+    return w.belt;
+}
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`,
 /// one per contact of the scene: the system's, or others of a scheme's own.

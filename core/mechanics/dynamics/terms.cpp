@@ -195,6 +195,7 @@ void evaluate_closed(const SystemOf<Space>& system, std::span<const int> contact
 template <class Space> void add_closed(const SystemOf<Space>& system, int contact, TermsOf<Space>& terms) {
   terms.closed.push_back(
       {contact, with_contact(system, terms, contact, [&](const auto& c) { return c.rows(terms.at); })});
+  if constexpr (!kPlanar<Space>) spatial::adapt_to_surface(system.law(contact), terms.at, terms.closed.back().rows);
 }
 
 template <class Space> void evaluate_biases(const SystemOf<Space>& system, TermsOf<Space>& terms) {

@@ -9,6 +9,19 @@ namespace orthant {
 
 inline constexpr double kStickSpeed = 1e-9;  // [m/s] a contact whose slip |γ_T| is no larger sticks
 
+/// What contacts in space have besides; vectors stand in b's frame.
+struct SurfaceLaw {
+  double rolling = 0, spinning = 0;  // [m] ≥ 0: moments across and along the normal of up to these times its impulse
+  double mu_across = 0;              // ≥ 0: friction coefficient square to `direction`; 0: mu, as in all directions
+  Vector3d direction{0, 0, 0};       // that mu is for; zero: any
+  Vector3d velocity{0, 0, 0};        // [m/s] of b's surface against b: velocity + omega × (P − centre)
+  Vector3d omega{0, 0, 0}, centre{0, 0, 0};  // [rad/s], [m]
+
+  bool turns() const { return rolling > 0 || spinning > 0; }
+  bool moves() const { return !velocity.isZero(0) || !omega.isZero(0); }
+  bool orthotropic() const { return mu_across > 0; }
+};
+
 /// Coulomb friction and Newton restitution: ξ = γ⁺ + e γ⁻ in the normal and in the tangential direction. The slip γ_T
 /// is taken against b's surface, which may move along itself (a belt): γ_T = rate of the tangent row − belt.
 struct ContactLaw {
@@ -16,7 +29,8 @@ struct ContactLaw {
   double e = 0;          // normal restitution in [0, 1]
   double e_t = 0;        // tangential restitution in [−1, 1]
   double mu_static = 0;  // ≥ mu, of a contact that sticks; 0: the same as mu
-  double belt = 0;       // [m/s] speed of b's surface against b, along the tangent
+  double belt = 0;       // [m/s] speed of b's surface against b, along the tangent; in the plane
+  SurfaceLaw surface{};  // in space
 
   bool frictional() const { return mu > 0 || mu_static > 0; }
   /// The coefficient that bounds friction where the slip is γ_T [m/s].
@@ -43,13 +57,8 @@ inline double slip_rate(const ContactRows& rows, const double* v) { return apply
 inline double size_of(double slip) { return std::abs(slip); }
 inline double mu_at(const ContactLaw& law, double slip) { return law.mu_at(slip); }
 inline double inner(double one, double other) { return one * other; }
-/// The motion of b's surface.
-template <class Space> Tangent<Space> belt_of(const ContactLaw& law) {
-  if constexpr (kPlanar<Space>)
-    return law.belt;
-  else
-    return {};
-}
+/// The motion of b's surface along the tangent.
+inline double belt_of(const ContactLaw& law, const ContactRows& /*rows*/) { return law.belt; }
 /// Tangent row i; its number.
 inline const Row& row_of_tangent(const ContactRows& rows, std::size_t /*i*/) { return rows.tangent; }
 inline double tangent_part(double slip, std::size_t /*i*/) { return slip; }

@@ -67,7 +67,16 @@ class SpatialElement {
     require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", text(law.mu_static), ">= mu = " + text(law.mu));
     require(law.e >= 0 && law.e <= 1, "e_n", text(law.e), "in [0, 1]");
     require(law.e_t >= -1 && law.e_t <= 1, "e_t", text(law.e_t), "in [-1, 1]");
-    require(law.belt == 0, "belt", text(law.belt), "0: surfaces that move along themselves are planar only");
+    require(law.belt == 0, "belt", text(law.belt), "0: in space a surface moves by its velocity and omega");
+    const SurfaceLaw& s = law.surface;
+    not_negative("rolling", s.rolling), not_negative("spinning", s.spinning), not_negative("mu_across", s.mu_across);
+    require(s.mu_across <= kLargestMu, "mu_across", text(s.mu_across), "<= " + text(kLargestMu));
+    if (s.orthotropic()) require(law.mu > 0, "mu", text(law.mu), "> 0 where mu_across is");
+    if (s.orthotropic() || !s.direction.isZero(0)) unit("direction", s.direction);
+    finite("velocity", s.velocity), finite("omega", s.omega), finite("centre", s.centre);
+    require(!s.turns() || (scene_.restitution == Restitution::newton && scene_.impacts == Impacts::simultaneous),
+            s.rolling > 0 ? "rolling" : "spinning", text(s.rolling > 0 ? s.rolling : s.spinning),
+            "0 where restitution is not newton, or impacts are not simultaneous");
   }
 
  private:
@@ -141,7 +150,16 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
     e.finite("centre_a", x.centre_a), e.finite("centre_b", x.centre_b);
     e.positive("radius_a", x.radius_a), e.positive("radius_b", x.radius_b);
   }
-  if constexpr (std::is_same_v<T, Socket>)
+  if constexpr (requires { x.rim_of_pin; }) e.finite("along", x.along);
+  if constexpr (std::is_same_v<T, Screw>) {
+    e.finite("pitch", x.pitch), e.require(x.pitch != 0, "pitch", e.text(x.pitch), "not 0"),
+        e.finite("offset", x.offset);
+  }
+  if constexpr (std::is_same_v<T, Gear>) {
+    examine_coordinate(e, x.first), examine_coordinate(e, x.second);
+    e.finite("offset", x.offset);
+  }
+  if constexpr (std::is_same_v<T, Socket> || std::is_same_v<T, PinBush>)
     e.require(x.radius_b > x.radius_a, "radius_b", e.text(x.radius_b), "> radius_a = " + e.text(x.radius_a));
   if constexpr (requires { x.law.mu_static; }) e.law(x.law);
   if constexpr (std::is_same_v<T, Limit>) {
@@ -183,6 +201,10 @@ void examine(const SpatialElement& e, const Collision& c) {
   }
   for (const auto& [a, b] : c.apart) e.exists(a), e.exists(b);
   e.law(c.law), e.positive("neighbours", c.neighbours);
+  const SurfaceLaw& s = c.law.surface;
+  if (s.moves() || s.orthotropic())
+    e.fail(s.moves() ? "surface" : "mu_across",
+           "surfaces that move, and friction by direction, are for listed contacts: must be left out");
   e.require(c.neighbours <= 1e6, "neighbours", e.text(c.neighbours), "<= 1e6");
 }
 

@@ -9,22 +9,26 @@
 #pragma once
 
 #include <orthant/core/mechanics/scene/impact_law.h>
+#include <orthant/core/mechanics/spatial/block_channel.h>
 #include <orthant/core/mechanics/spatial/collision.h>
 #include <orthant/core/mechanics/spatial/cylindrical.h>
 #include <orthant/core/mechanics/spatial/distance.h>
 #include <orthant/core/mechanics/spatial/drive.h>
 #include <orthant/core/mechanics/spatial/ellipsoid_plane.h>
 #include <orthant/core/mechanics/spatial/fixed.h>
+#include <orthant/core/mechanics/spatial/gear.h>
 #include <orthant/core/mechanics/spatial/inertia.h>
 #include <orthant/core/mechanics/spatial/joint_friction.h>
 #include <orthant/core/mechanics/spatial/limit.h>
 #include <orthant/core/mechanics/spatial/load.h>
+#include <orthant/core/mechanics/spatial/pin_bush.h>
 #include <orthant/core/mechanics/spatial/plane_joint.h>
 #include <orthant/core/mechanics/spatial/point_in_plane.h>
 #include <orthant/core/mechanics/spatial/point_on_line.h>
 #include <orthant/core/mechanics/spatial/prismatic.h>
 #include <orthant/core/mechanics/spatial/revolute.h>
 #include <orthant/core/mechanics/spatial/rim_plane.h>
+#include <orthant/core/mechanics/spatial/screw.h>
 #include <orthant/core/mechanics/spatial/socket.h>
 #include <orthant/core/mechanics/spatial/sphere_plane.h>
 #include <orthant/core/mechanics/spatial/sphere_sphere.h>
@@ -53,8 +57,8 @@ struct Body {
 };
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,
-                           PointInPlane, PointOnLine>;
-using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane>;
+                           PointInPlane, PointOnLine, Screw, Gear>;
+using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane, PinBush>;
 using Spring = std::variant<PointSpring, JointSpring>;
 
 struct Scene {
@@ -102,9 +106,9 @@ struct Scene {
 /// Throws SceneError (scene/scene.h) naming element, field, value and rule: masses > 0, inertia tensors symmetric with
 /// positive moments that a body can have (no one larger than the sum of the others), unit quaternions and directions,
 /// finite numbers, two different bodies that exist, radii > 0 (of a sphere against a plane ≥ 0), a socket wider than
-/// its ball, shapes that are a sphere, a capsule of some length or a polytope of some volume without a
-/// radius, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at least one body, names
-/// distinct within a kind and made of A–Z a–z 0–9 _ -.
+/// its ball, a bush than its pin, a pitch ≠ 0, shapes that are a sphere, a capsule of some length or a polytope of some
+/// volume without a radius, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at least
+/// one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 
 }  // namespace spatial

@@ -2,10 +2,14 @@
 
 #include "reader.h"
 
+#include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/spatial/solid.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 namespace orthant::scene_file {
 
@@ -21,7 +25,22 @@ Vector3d square_to(const Vector3d& u, const Vector3d& near) {
 
 void read_law(Fields& f, ContactLaw& law) {
   f.maybe("mu", law.mu), f.maybe("e_n", law.e), f.maybe("e_t", law.e_t), f.maybe("mu_static", law.mu_static);
+  f.maybe("rolling", law.surface.rolling), f.maybe("spinning", law.surface.spinning);
 }
+
+/// What listed contacts have besides: friction by direction, a surface that moves.
+void read_surface(Fields& f, ContactLaw& law) {
+  SurfaceLaw& s = law.surface;
+  const bool across = f.maybe("mu_across", s.mu_across), along = f.direction("direction", s.direction);
+  if (across != along) f.miss(across ? "direction" : "mu_across");
+  if (const toml::table* table = f.inner("surface")) {
+    Fields g = f.fields("surface", *table);
+    g.maybe("velocity", s.velocity), g.maybe("omega", s.omega), g.maybe("centre", s.centre);
+    g.done();
+  }
+}
+
+void read_contact_law(Fields& f, ContactLaw& law) { read_law(f, law), read_surface(f, law); }
 
 }  // namespace
 
@@ -196,6 +215,13 @@ void SpatialReader::joint(Fields& f) {
     spatial::Cylindrical j{.name = name};
     points_of(f, j), axes_of(f, j), angle_of(f, j);
     scene_.joint(j);
+  } else if (type == "screw") {
+    spatial::Screw j{.name = name};
+    points_of(f, j), axes_of(f, j), angle_of(f, j), f.need("pitch", j.pitch);
+    j.offset = j.displacement().value(initial_) - j.pitch / (2 * std::numbers::pi) * j.angle().value(initial_);
+    scene_.joint(j);
+  } else if (type == "gear" || type == "rack") {
+    gear(f, type, name);
   } else if (type == "universal") {
     spatial::Universal j{.name = name};
     points_of(f, j);
@@ -236,9 +262,68 @@ void SpatialReader::joint(Fields& f) {
     scene_.joint(j);
   } else {
     f.refuse("type", *f.table().get("type"),
-             "spherical, revolute, prismatic, cylindrical, universal, planar, fixed, distance, point-in-plane, "
-             "point-on-line or drive");
+             "spherical, revolute, prismatic, cylindrical, screw, universal, planar, fixed, distance, point-in-plane, "
+             "point-on-line, gear, rack or drive");
   }
+}
+
+/// Two coordinates in a ratio: of `joints`, or of `bodies` about (rack: the second one along) axes of the ground.
+void SpatialReader::gear(Fields& f, const std::string& type, const std::string& name) {
+  const bool rack = type == "rack";
+  const toml::node* joints = f.find("joints");
+  const auto two = [&] {
+    const toml::array* names = joints->as_array();
+    if (names == nullptr || names->size() != 2) f.refuse("joints", *joints, "two names [\"first\", \"second\"]");
+    return std::pair{free_of(f, "joints", *names->get(0), "angle"),
+                     free_of(f, "joints", *names->get(1), rack ? "displacement" : "angle")};
+  };
+  const auto [first, second] = joints != nullptr ? two() : turning(f, rack);
+  double ratio = 0;
+  if (rack) {
+    f.need("radius", ratio);
+    if (!first.angle() || second.angle()) f.fail(f.table(), "must be an angle, then a displacement");
+  } else if (const toml::node* node = f.find("teeth")) {
+    const toml::array* teeth = node->as_array();
+    const auto number = [&](std::size_t i) {
+      const auto value =
+          teeth != nullptr && teeth->size() == 2 ? teeth->get(i)->value_exact<std::int64_t>() : std::nullopt;
+      if (!value || *value == 0 || std::abs(*value) > 1000)
+        f.refuse("teeth", *node, "two whole numbers from 1 to 1000, one < 0 for a wheel with inner teeth");
+      return static_cast<double>(*value);
+    };
+    ratio = -number(0) / number(1);
+    if (f.find("ratio") != nullptr) f.fail(f.table(), "ratio, teeth: must be one of them");
+  } else {
+    f.need("ratio", ratio);
+  }
+  try {
+    spatial::Gear j(name, first, second, ratio);
+    j.offset = j.value(initial_);
+    scene_.joint(j);
+  } catch (const std::invalid_argument& error) {
+    f.fail(f.table(), error.what());
+  }
+}
+
+std::pair<spatial::Coordinate, spatial::Coordinate> SpatialReader::turning(Fields& f, bool rack) const {
+  if (f.find("bodies") == nullptr) f.fail(f.table(), "missing key \"joints\" or \"bodies\"");
+  spatial::Angle pair;
+  points_of(f, pair);
+  Vector3d axis(0, 0, 1), other(0, 0, 1);
+  if (!f.direction("axis", axis)) f.miss("axis");
+  if (!f.direction("axis_b", other)) {
+    if (rack) f.miss("axis_b");
+    other = axis;
+  }
+  const auto about = [&](BodyId body, const Vector3d& u) {
+    spatial::Angle c{.a = kGround, .b = body, .axis_a = u, .axis_b = initial_.at(body).turn_back(u).normalized()};
+    c.reference_a = spatial::perpendicular(u);
+    c.reference_b = square_to(c.axis_b, initial_.at(body).turn_back(c.reference_a));
+    return c;
+  };
+  const spatial::Coordinate first = about(pair.a, axis);
+  if (!rack) return {first, about(pair.b, other)};
+  return {first, spatial::Slide{.a = kGround, .b = pair.b, .axis = other}};
 }
 
 spatial::Coordinate SpatialReader::coordinate(Fields& f) const {
@@ -268,25 +353,39 @@ spatial::Coordinate SpatialReader::coordinate(Fields& f) const {
   return c;
 }
 
-/// The free coordinate of a joint; a cylindrical one has two, `of` says which.
+/// The free coordinate of a joint; cylindrical joints and screws have two, `of` says which.
 spatial::Coordinate SpatialReader::free_at(Fields& f, const toml::node& joint) const {
-  const auto name = joint.value_exact<std::string>();
   const toml::node* of = f.find("of", Form::word);
   const auto kind = of != nullptr ? of->value_exact<std::string>() : std::nullopt;
+  const auto [coordinate, has_both] = coordinate_of(f, "joint", joint, kind.value_or(""));
+  if (!has_both && of != nullptr) f.refuse("of", *of, "left out where \"joint\" says what is meant");
+  return coordinate;
+}
+
+spatial::Coordinate SpatialReader::free_of(const Fields& f, std::string_view key, const toml::node& joint,
+                                           std::string_view kind) const {
+  return coordinate_of(f, key, joint, kind).first;
+}
+
+std::pair<spatial::Coordinate, bool> SpatialReader::coordinate_of(const Fields& f, std::string_view key,
+                                                                  const toml::node& joint,
+                                                                  std::string_view kind) const {
+  const auto name = joint.value_exact<std::string>();
   for (const spatial::Joint& one : scene_.joints) {
     if (!name || std::visit([](const auto& j) { return j.name; }, one) != *name) continue;
-    if (const auto* both = std::get_if<spatial::Cylindrical>(&one)) {
-      if (kind == "angle") return both->angle();
-      if (kind == "displacement") return both->displacement();
-      f.fail(f.table(), "of: must be angle or displacement: a cylindrical joint has both");
-    }
-    if (of != nullptr) f.refuse("of", *of, "left out where \"joint\" says what is meant");
-    if (const auto* pin = std::get_if<spatial::Revolute>(&one)) return pin->angle();
-    if (const auto* rail = std::get_if<spatial::Prismatic>(&one)) return rail->displacement();
-    if (const auto* line = std::get_if<spatial::PointOnLine>(&one)) return line->displacement();
-    f.refuse("joint", joint, "a revolute, prismatic, cylindrical or point-on-line joint: others have no coordinate");
+    const auto of_two = [&](const auto& both) -> std::pair<spatial::Coordinate, bool> {
+      if (kind == "angle") return {both.angle(), true};
+      if (kind == "displacement") return {both.displacement(), true};
+      f.fail(f.table(), "of: must be angle or displacement: a cylindrical joint or a screw has both");
+    };
+    if (const auto* both = std::get_if<spatial::Cylindrical>(&one)) return of_two(*both);
+    if (const auto* both = std::get_if<spatial::Screw>(&one)) return of_two(*both);
+    if (const auto* pin = std::get_if<spatial::Revolute>(&one)) return {pin->angle(), false};
+    if (const auto* rail = std::get_if<spatial::Prismatic>(&one)) return {rail->displacement(), false};
+    if (const auto* line = std::get_if<spatial::PointOnLine>(&one)) return {line->displacement(), false};
+    f.refuse(key, joint, "a revolute, prismatic, cylindrical, screw or point-on-line joint: others have no coordinate");
   }
-  f.refuse("joint", joint, "the name of a joint written before");
+  f.refuse(key, joint, "the name of a joint written before");
 }
 
 template <class T> void SpatialReader::wall(Fields& f, T& c) const {
@@ -296,7 +395,7 @@ template <class T> void SpatialReader::wall(Fields& f, T& c) const {
   Fields w = f.fields("wall", *table);
   half_space(w, c);
   w.done();
-  read_law(f, c.law);
+  read_contact_law(f, c.law);
 }
 
 template <class T> void SpatialReader::half_space(Fields& w, T& c) const {
@@ -415,10 +514,14 @@ void SpatialReader::contact(Fields& f) {
   } else if (type == "sphere-sphere" || type == "socket") {
     const auto read = [&](auto c) {
       points_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
-      f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), read_law(f, c.law);
+      f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), read_contact_law(f, c.law);
       scene_.contact(c);
     };
     type == "socket" ? read(spatial::Socket{.name = name}) : read(spatial::SphereSphere{.name = name});
+  } else if (type == "pin-bush") {
+    pin_bush(f, name);
+  } else if (type == "block-channel") {
+    block_channel(f, name);
   } else if (type == "limit") {
     limit(f, name);
   } else if (type == "rope") {
@@ -431,8 +534,42 @@ void SpatialReader::contact(Fields& f) {
   } else {
     f.refuse("type", *f.table().get("type"),
              "sphere-wall, corner-wall, box-wall, polytope-wall, rim-wall, cylinder-wall, cone-wall, ellipsoid-wall, "
-             "sphere-sphere, socket, limit or rope");
+             "sphere-sphere, socket, pin-bush, block-channel, limit or rope");
   }
+}
+
+/// The rims are those of the shorter one.
+void SpatialReader::pin_bush(Fields& f, const std::string& name) {
+  spatial::PinBush c{.name = name};
+  points_of(f, c), axes_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
+  f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), read_contact_law(f, c.law);
+  double pin = kInf, bush = kInf;
+  const bool of_pin = f.maybe("length_a", pin), of_bush = f.maybe("length_b", bush);
+  if (!of_pin && !of_bush) f.fail(f.table(), "missing key \"length_a\" or \"length_b\"");
+  for (const auto& [key, given, length] : {std::tuple{"length_a", of_pin, pin}, std::tuple{"length_b", of_bush, bush}})
+    if (given && !(length > 0 && length < kInf)) f.refuse(key, *f.table().get(key), "> 0");
+  c.rim_of_pin = pin <= bush;
+  scene_.contact_set(spatial::pin_in_bush(c, std::min(pin, bush)));
+}
+
+void SpatialReader::block_channel(Fields& f, const std::string& name) {
+  spatial::BlockChannel c{.name = name};
+  points_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
+  if (!f.direction("axis", c.axis)) f.miss("axis");
+  if (!f.direction("up", c.up)) f.miss("up");
+  if (std::abs(c.axis.dot(c.up)) > 1e-9) f.refuse("up", *f.table().get("up"), "at right angles to axis");
+  f.need("size", c.size), f.need("width", c.width), f.need("height", c.height), orientation_of(f, c);
+  if (f.table().get("orientation") == nullptr) {  // the block's edges are along the channel's in the initial poses
+    const spatial::Matrix3d to_channel = (spatial::Matrix3d() << c.axis, c.up.cross(c.axis), c.up).finished();
+    const Eigen::Quaterniond edges(initial_.at(c.a).R.transpose() * initial_.at(c.b).R * to_channel);
+    c.orientation = {edges.w(), edges.x(), edges.y(), edges.z()};
+    c.orientation.normalize();
+  }
+  if (!(c.size.minCoeff() > 0)) f.refuse("size", *f.table().get("size"), "three lengths > 0");
+  if (!(c.width >= c.size.y())) f.refuse("width", *f.table().get("width"), ">= the block's");
+  if (!(c.height >= c.size.z())) f.refuse("height", *f.table().get("height"), ">= the block's");
+  read_contact_law(f, c.law);
+  scene_.contact_set(spatial::block_in_channel(c));
 }
 
 /// A circle; the two rims of a cylinder about its centre; the rim of a cone's base, and its apex at height along axis.

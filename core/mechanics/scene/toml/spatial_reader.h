@@ -31,9 +31,19 @@ class SpatialReader {
   void joint(Fields& f);
   spatial::Coordinate coordinate(Fields& f) const;
   spatial::Coordinate free_at(Fields& f, const toml::node& joint) const;
+  /// Of a joint with two coordinates the one of this kind.
+  spatial::Coordinate free_of(const Fields& f, std::string_view key, const toml::node& joint,
+                              std::string_view kind) const;
+  /// Likewise, and whether it has two.
+  std::pair<spatial::Coordinate, bool> coordinate_of(const Fields& f, std::string_view key, const toml::node& joint,
+                                                     std::string_view kind) const;
+  void gear(Fields& f, const std::string& type, const std::string& name);
+  std::pair<spatial::Coordinate, spatial::Coordinate> turning(Fields& f, bool rack) const;
 
   void contact(Fields& f);
   template <class T> void wall(Fields& f, T& c) const;
+  void pin_bush(Fields& f, const std::string& name);
+  void block_channel(Fields& f, const std::string& name);
   void limit(Fields& f, const std::string& name);
   template <class T> void half_space(Fields& w, T& c) const;
   void rims(Fields& f, const std::string& type, const std::string& name);
