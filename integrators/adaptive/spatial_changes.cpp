@@ -138,7 +138,7 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
         const auto place = static_cast<std::size_t>(std::find(motion_.lasting().begin(), motion_.lasting().end(), c) -
                                                     motion_.lasting().begin());
         const auto& rows = motion_.terms().closed[place].rows;
-        const Tangents force = now_.force[i].tangent;
+        const Tangents force{now_.force[3 * c + 1], now_.force[3 * c + 2]};
         slides_[i] = -(force.first * direction_of(rows.tangents[0]) + force.second * direction_of(rows.tangents[1])) /
                      now_.w.tangent[c];
       }
