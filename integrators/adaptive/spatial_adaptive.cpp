@@ -15,6 +15,7 @@ constexpr double kTurnOfNode = 0.25;           // [rad] of a contact's rows betw
 constexpr int kMostNodes = 64, kHalvings = 6;  // looks at gaps in a step; further halvings
 constexpr double kCubicError = 4e-5;           // of what a contact moves between two looks
 constexpr double kStable = 0.5;                // of the time in which the direction of slip returns: a step
+constexpr double kTurnShare = 0.1;             // of rtol: of speeds, and of what friction makes in a second
 constexpr double kStopShare = 0.95;            // of the time until slip stops
 constexpr double kForceRounding = 1e-11;       // of the largest force
 constexpr int kShortInARow = 15, kMostTries = 200;
@@ -62,6 +63,7 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
       bounces_(impulses_.size()),
       touching_(impulses_.size()),
       released_(impulses_.size()),
+      in_turn_(impulses_.size()),
       slides_(impulses_.size(), Vector3d::Zero()),
       struck_(impulses_.size()),
       none_(Eigen::VectorXd::Zero(system.dof())),
@@ -345,8 +347,8 @@ bool SpatialAdaptive::turned() const {
   });
 }
 
-/// Contacts slide by their slip as soon as that is no longer stiff in the next step, or the turn that a departure leaves
-/// out counts.
+/// Contacts slide by their slip as soon as that is no longer stiff in the next step, or the turn that a departure
+/// leaves out counts.
 void SpatialAdaptive::end_departures() {
   bool any = false;
   for (std::size_t k = 0; k < motion_.lasting().size(); ++k) {
@@ -355,7 +357,7 @@ void SpatialAdaptive::end_departures() {
     if (!mode.departs) continue;
     const double grip = motion_.grip(k), slip = now_.w.slip[c];
     const double turned = (now_.w.along[static_cast<std::size_t>(c)] - mode.departure).norm();
-    const double counts = inner_.atol + inner_.rtol * (now_.v.lpNorm<Eigen::Infinity>() + grip);  // grip: in a second
+    const double counts = inner_.atol + kTurnShare * options_.rtol * (now_.v.lpNorm<Eigen::Infinity>() + grip);
     const bool grows = now_.w.slip_change[c] >= 0;
     if (slip <= slip_zero(now_) || (grows && slip < kStable * grip * next_ && slip * turned < counts)) continue;
     mode.departs = false, any = true;

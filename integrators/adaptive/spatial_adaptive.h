@@ -25,7 +25,7 @@
 //   drive needs to swing by 3 rad, nor turns a body by more than 1.5 rad.
 //   Limits: listed contacts only, no dry friction in joints. Of several solutions at acceleration level (Painlevé) the
 //   solver's is taken. A graze shallower than the cubics' error (some 1e-7 of the motion within a step) is overlooked.
-//   Series of impacts that several contacts have in turn end together.
+//   Series of impacts that several contacts have in turn end at one instant, one after the other (impact.h).
 //   Cost: 12 evaluations an inner step, 3 more where contacts last, 16 more where states within it are called for; each
 //   evaluates a lasting contact five times. Some 3 steps an event.
 // Source: see chart_runge_kutta.h, event_driven.h; Pfeiffer & Glocker (1996); Brogliato & Acary (2008), ch. 8.
@@ -136,7 +136,10 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   bool change(Solver& solver, const std::optional<Sign>& event, StepReport& report);
   bool reshare(Solver& solver, const Sign& event, StepReport& report);
   bool impact(Solver& solver, bool plastic, StepReport& report);
+  bool waits(const Bounces& ending) const;
+  bool meets_in_turn(int contact) const;
   bool accumulates();
+  bool ends_in_turn();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool cross(Solver& solver, StepReport& report);
   void note_changes(bool touched);
@@ -146,6 +149,9 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   double rate_zero(int c) const { return inner_.atol + 1e-12 * now_.w.rate_scale[c]; }
   double slip_zero(const Point& p) const { return inner_.atol + 10 * motion_.slip_rounding(p.v); }
   double room(int contact, const Point& p) const;
+  double low_gap(int c) const { return std::max(10 * inner_.atol, 256 * gap_zero(c)); }
+  /// When the contact struck last before now [s].
+  double before_now(const Bounces& b) const { return b.last == time_ ? b.last - b.interval : b.last; }
 
   Options options_;
   Tolerance inner_;
@@ -177,7 +183,7 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   State last_;  // what was returned
   Crowd crowd_;
   std::vector<Bounces> bounces_;
-  std::vector<char> touching_, released_;
+  std::vector<char> touching_, released_, in_turn_;
   std::vector<Vector3d> slides_;  // contacts that slide off, along this
   std::vector<SpatialMode> before_;
   std::vector<WantedOf<Spatial>> wanted_;
