@@ -54,10 +54,8 @@ template <class Space> std::vector<Repetition> repetitions(std::string_view inte
   if (spec.name == "adaptive") return {other_tolerance<AdaptiveOptions>(spec, step, 1e-10, 1e-15)};
   if (spec.name == "event-driven") return {other_tolerance<EventDrivenOptions>(spec, step, 1e-13, 1e-16)};
   std::vector<Repetition> all{{std::string(integrator), step / 2, 3}, {std::string(integrator), step * 2 / 3, 4}};
-  if (kPlanar<Space>)
-    all.push_back({std::string(kJudge), step, 1});
-  else
-    all.push_back({std::string(integrator), step / 4, 1.5});
+  if (!kPlanar<Space>) all.push_back({std::string(integrator), step / 4, 1.5});
+  all.push_back({std::string(kJudge), step, 1});
   return all;
 }
 

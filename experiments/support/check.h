@@ -5,7 +5,7 @@
 //                              large
 //     fixed step h             h/2 and 2h/3, and adaptive at rtol = 1e-9 where it takes the scene: what all step sizes
 //                              share (bodies that pass through each other, a relaxed law) shows there only; in space
-//                              h/4 in its place
+//                              h/4, too
 //   error = the largest difference, times 3 for h/2, 4 for 2h/3 (of a scheme of order 1, where its error is 2 and 3
 //   times the difference), 1.5 for h/4 and 2 for a tolerance; never less than a floor, for runs may agree by
 //   construction: 1e-12, or 2e-16 times the steps, of the largest coordinate or velocity of the same unit.

@@ -15,10 +15,20 @@ constexpr double kTurnOfNode = 0.25;           // [rad] of a contact's rows betw
 constexpr int kMostNodes = 64, kHalvings = 6;  // looks at gaps in a step; further halvings
 constexpr double kCubicError = 4e-5;           // of what a contact moves between two looks
 constexpr double kStable = 0.5;                // of the time in which the direction of slip returns: a step
+constexpr double kTurnShare = 0.1;             // of rtol: of speeds, and of what friction makes in a second
 constexpr double kStopShare = 0.95;            // of the time until slip stops
 constexpr double kForceRounding = 1e-11;       // of the largest force
 constexpr int kShortInARow = 15, kMostTries = 200;
 constexpr double kShortStep = 1e-10;  // [s]
+
+/// Of the lasting contacts, three numbers a contact of the scene.
+template <class Forces> void forces_to(const SpatialMotion& motion, Forces&& to) {
+  for (std::size_t i = 0; i < motion.lasting().size(); ++i) {
+    const Index first = 3 * motion.lasting()[i];
+    const Tangents tangent = motion.tangent_force(i);
+    to[first] = motion.normal_force(i), to[first + 1] = tangent.first, to[first + 2] = tangent.second;
+  }
+}
 
 double time_rounding(double t) { return 0x1p-49 * std::abs(t); }
 
@@ -29,7 +39,7 @@ SpatialAdaptive::Point::Point(const System& system)
       v(system.dof()),
       a(Eigen::VectorXd::Zero(system.dof())),
       w(system.contacts()),
-      force(static_cast<std::size_t>(system.contacts())) {}
+      force(Eigen::VectorXd::Zero(3 * system.contacts() + 1)) {}
 
 SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
     : IntegratorOf<Spatial>(system, kName, kCan),
@@ -48,10 +58,12 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
       trial_(system),
       path_scale_(system.dof()),
       v_scale_(system.dof()),
-      push_(impulses_.size()),
+      stage_force_(3 * system.contacts() + 1, dormand_prince::kAllStages),
+      push_(Eigen::VectorXd::Zero(3 * system.contacts() + 1)),
       bounces_(impulses_.size()),
       touching_(impulses_.size()),
       released_(impulses_.size()),
+      in_turn_(impulses_.size()),
       slides_(impulses_.size(), Vector3d::Zero()),
       struck_(impulses_.size()),
       none_(Eigen::VectorXd::Zero(system.dof())),
@@ -64,18 +76,27 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
   if (!system.scene().collisions.empty()) refuse("searched collisions");
   if (!system.scene().frictions.empty()) refuse("dry friction in joints");
   if (system.swing() > 0) swing_ = kLongestSwing / system.swing();
-  stride_.push.resize(impulses_.size()), stride_.force.resize(impulses_.size());
+  stride_.push = stride_.force = push_;
   left_.impulses.resize(impulses_.size());
   events_.reserve(64), left_.events.reserve(64);
 }
 
 void SpatialAdaptive::remember(Memory& memory) {
   memory(time_, began_, reach_, next_, begun_, load_, now_.q, now_.v, stride_.start, stride_.a, stride_.force,
-         stride_.power, stride_.modes, stride_.length, stride_.arc, stride_.push, stride_.work, left_.events,
-         left_.impulses, left_.work, failed_.status, failed_.why, last_, crowd_.steps, crowd_.standstill, crowd_.length,
-         crowd_.end, bounces_, motion_, between_, transition_, formulation_, impact_, stepping_);
+         stride_.modes, stride_.length, stride_.arc, stride_.push, left_.events, left_.impulses, left_.work,
+         failed_.status, failed_.why, last_, crowd_.steps, crowd_.standstill, crowd_.length, crowd_.end, bounces_,
+         motion_, between_, transition_, formulation_, impact_, stepping_);
   memory(now_.residual.joint, now_.residual.rate, now_.residual.off);
-  fresh_ = false;
+  fresh_ = stride_.fitted = false;
+}
+
+template <class Motion> auto SpatialAdaptive::acceleration_in(Motion& motion) {
+  return [this, &motion](double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
+    t = std::min(t, stop_);
+    if (!motion.accelerations(t, q, v, a)) return false;
+    if (measures_) stage_power_ = motion.power(t, v, a);
+    return true;
+  };
 }
 
 // --- Calls ----------------------------------------------------------------------------------------------------------
@@ -153,27 +174,38 @@ void SpatialAdaptive::hand_out(double target, State& x, StepReport& report) {
   report.penetration = std::max(0.0, -gaps_.minCoeff());
 }
 
-/// At t within the last inner step: by a step of the method from its start, or, within a crossing, from the straight
-/// line between its ends. Impulses and work are those until then.
+/// The method's continuous extension over the last arc. False: there is none.
+bool SpatialAdaptive::fit() {
+  between_.modes = stride_.modes, between_.modes_changed();
+  if (!stride_.arc) return false;
+  const State& from = stride_.start;
+  stop_ = std::nextafter(from.t + stride_.length, -kInf);
+  now_force_ = &stride_.force;
+  bool fits = integrate(between_, from.t, from, stride_.a, stride_.length, q_within_, v_within_) &&
+              rk_.extend(acceleration_in(between_), from.t, from.q, from.v, stride_.a, stride_.length, v_within_,
+                         [&](std::size_t stage) { note_stage(between_, stage); });
+  if (fits) extension_.fit(stride_.length, stride_.force, stage_force_, push_);
+  stop_ = kInf;
+  return fits;
+}
+
+/// At t within the last inner step: on the extension, or, within a crossing, on the straight line between its ends.
+/// Impulses and work are those until then.
 void SpatialAdaptive::hand_out_within(double t, State& x, StepReport& report) {
   const double s = t - stride_.start.t;
-  q_within_ = now_.q, v_within_ = now_.v;
-  between_.modes = stride_.modes, between_.modes_changed();
-  bool inside = stride_.arc;
+  const bool inside = stride_.arc && s <= stride_.length && (stride_.fitted || fit());
+  stride_.fitted = inside;
   if (inside) {
-    Point& from = trial_;
-    from.q = stride_.start.q, from.v = stride_.start.v, from.a = stride_.a;
-    from.force = stride_.force, from.power = stride_.power;
-    stop_ = std::nextafter(time_, -kInf);
-    inside = integrate(between_, stride_.start.t, from, s, q_within_, v_within_);
-  }
-  if (!inside) {
+    rk_.at(s / stride_.length, q_within_, v_within_);
+    move<Spatial>(stride_.start.q, q_within_, x.q);
+    x.v = stride_.start.v + v_within_;
+  } else {
     between_.open_all();
-    move<Spatial>(stride_.start.q, s / (time_ - stride_.start.t) * between<Spatial>(stride_.start.q, now_.q),
-                  q_within_);
-    v_within_ = now_.v;
+    move<Spatial>(stride_.start.q, s / (time_ - stride_.start.t) * between<Spatial>(stride_.start.q, now_.q), x.q);
+    x.v = now_.v;
   }
-  x.q = q_within_, x.v = v_within_, x.t = t;
+  x.t = t;
+  q_within_ = x.q, v_within_ = x.v;
   const SpatialMotion::Residual left = between_.project(t, q_within_, v_within_);
   report.joint_residual = left.joint, report.joint_rate = left.rate;
   if (left.joint < kInf) x.q = q_within_, x.v = v_within_;
@@ -181,17 +213,18 @@ void SpatialAdaptive::hand_out_within(double t, State& x, StepReport& report) {
   events_.insert(events_.end(), left_.events.begin(), later);
   left_.events.erase(left_.events.begin(), later);
   if (!inside) return;
+  extension_.at(s / stride_.length, push_);
+  push_ -= stride_.push;
   for (const int c : between_.lasting()) {
     const auto i = static_cast<std::size_t>(c);
-    const double normal =
-        std::clamp(s * push_[i].normal - stride_.push[i].normal, 0.0, std::max(0.0, left_.impulses[i].normal));
-    const Tangents tangent = s * push_[i].tangent - stride_.push[i].tangent;
-    for (Impulse* to : {&impulses_[i], &stride_.push[i]}) to->normal += normal, to->tangent += tangent;
+    double& normal = push_[3 * c];
+    normal = std::clamp(normal, 0.0, std::max(0.0, left_.impulses[i].normal));
+    const Tangents tangent{push_[3 * c + 1], push_[3 * c + 2]};
+    impulses_[i].normal += normal, impulses_[i].tangent += tangent;
     left_.impulses[i].normal -= normal, left_.impulses[i].tangent += -1 * tangent;
   }
-  if (!measures_) return;
-  const double work = s * mean_power_ - stride_.work;
-  *report.work += work, stride_.work += work, left_.work -= work;
+  if (measures_) *report.work += push_[push_.size() - 1], left_.work -= push_[push_.size() - 1];
+  stride_.push += push_;
 }
 
 // --- Inner steps ----------------------------------------------------------------------------------------------------
@@ -212,13 +245,16 @@ bool SpatialAdaptive::begin(Solver& solver, StepReport& report) {
 
 /// One inner step. False: it failed, and ends at time_.
 bool SpatialAdaptive::stride(Solver& solver, StepReport& report) {
-  stride_.arc = false, stride_.start = {time_, now_.q, now_.v}, stride_.length = 0;
-  std::fill(stride_.push.begin(), stride_.push.end(), Impulse{}), stride_.work = 0;
+  stride_.arc = stride_.fitted = false, stride_.start = {time_, now_.q, now_.v}, stride_.length = 0;
+  stride_.push.setZero();
   const double from = time_;
   stop_ = kInf;
   bool going = begun_ || begin(solver, report);
   if (going && !fresh_) going = observe(now_, time_) || give_up(Status::numerical_error, "no accelerations");
-  if (going && time_ == from) going = advance(solver, report);
+  if (going && time_ == from) {
+    stride_.start = {time_, now_.q, now_.v};
+    going = advance(solver, report);
+  }
   if (time_ > from) reach_ = std::max(10 * (time_ - from), time_ - began_);
   if (going) report.status = Status::solved, why_.clear();
   return going;
@@ -227,11 +263,10 @@ bool SpatialAdaptive::stride(Solver& solver, StepReport& report) {
 /// Accelerations and all that is watched; p.q and p.v are given.
 bool SpatialAdaptive::observe(Point& p, double t) {
   if (!motion_.accelerations(std::min(t, stop_), p.q, p.v, p.a)) return false;
-  p.power = measures_ ? motion_.power(std::min(t, stop_), p.v, p.a) : 0;
+  p.force.setZero();
+  if (measures_) p.force[p.force.size() - 1] = motion_.power(std::min(t, stop_), p.v, p.a);
   motion_.watch(p.q, p.v, p.a, p.w);
-  std::fill(p.force.begin(), p.force.end(), Impulse{});
-  for (std::size_t i = 0; i < motion_.lasting().size(); ++i)
-    p.force[static_cast<std::size_t>(motion_.lasting()[i])] = {motion_.normal_force(i), motion_.tangent_force(i)};
+  forces_to(motion_, p.force);
   if (&p == &now_) fresh_ = true;
   return true;
 }
@@ -257,36 +292,34 @@ double SpatialAdaptive::first_guess() const {
   return std::clamp(0.1 * fast / std::max(now_.a.lpNorm<Eigen::Infinity>(), 1e-10), 1e-6, 1.0);
 }
 
-/// A step of the method in the modes of `motion`; the means of forces and power to push_ and mean_power_.
-bool SpatialAdaptive::integrate(SpatialMotion& motion, double t, const Point& from, double s, Eigen::VectorXd& q,
-                                Eigen::VectorXd& v) {
-  double power = 0;
-  std::fill(push_.begin(), push_.end(), Impulse{});
-  const double first = DormandPrince::first_weight();
-  for (const int c : motion.lasting()) {
-    const auto i = static_cast<std::size_t>(c);
-    push_[i] = {first * from.force[i].normal, first * from.force[i].tangent};
-  }
-  mean_power_ = first * from.power;
-  const auto acceleration = [&](double at, const Eigen::VectorXd& q_at, const Eigen::VectorXd& v_at,
-                                Eigen::VectorXd& a) {
-    at = std::min(at, stop_);
-    if (!motion.accelerations(at, q_at, v_at, a)) return false;
-    if (measures_) power = motion.power(at, v_at, a);
-    return true;
-  };
-  return rk_.step(acceleration, t, from.q, from.v, from.a, s, q, v, [&](double weight) {
-    for (std::size_t k = 0; k < motion.lasting().size(); ++k) {
-      Impulse& push = push_[static_cast<std::size_t>(motion.lasting()[k])];
-      push.normal += weight * motion.normal_force(k), push.tangent += weight * motion.tangent_force(k);
-    }
-    mean_power_ += weight * power;
-  });
+/// Forces and power of a stage that has just been evaluated.
+void SpatialAdaptive::note_stage(const SpatialMotion& motion, std::size_t stage) {
+  auto column = stage_force_.col(static_cast<Index>(stage));
+  column.setZero();
+  forces_to(motion, column);
+  column[column.size() - 1] = stage_power_;
+  column -= *now_force_;
+}
+
+/// A step of the method in the modes of `motion`, the impulses and the work in it to push_. *now_force_: those at its
+/// start.
+bool SpatialAdaptive::integrate(SpatialMotion& motion, double t, const State& from, const Eigen::VectorXd& a, double s,
+                                Eigen::VectorXd& q, Eigen::VectorXd& v) {
+  stage_power_ = 0;
+  if (!rk_.step(acceleration_in(motion), t, from.q, from.v, a, s, q, v,
+                [&](std::size_t stage) { note_stage(motion, stage); }))
+    return false;
+  push_ = *now_force_;
+  for (std::size_t i = 1; i < dormand_prince::kStages; ++i)
+    if (dormand_prince::kB[i] != 0) push_ += dormand_prince::kB[i] * stage_force_.col(static_cast<Index>(i));
+  push_ *= s;
+  return true;
 }
 
 /// A step of s to trial_: its error over the tolerance; infinity: there is none.
 double SpatialAdaptive::attempt(double s) {
-  if (!integrate(motion_, time_, now_, s, trial_.q, trial_.v)) return kInf;
+  now_force_ = &now_.force;
+  if (!integrate(motion_, time_, stride_.start, now_.a, s, trial_.q, trial_.v)) return kInf;
   const auto [rtol, atol] = inner_;
   for (Index i = 0; i < system_.bodies(); ++i) {
     translation<Spatial>(path_scale_, i).setConstant(rtol * place_of<Spatial>(trial_.q, i).norm() + atol);
@@ -324,7 +357,7 @@ void SpatialAdaptive::end_departures() {
     if (!mode.departs) continue;
     const double grip = motion_.grip(k), slip = now_.w.slip[c];
     const double turned = (now_.w.along[static_cast<std::size_t>(c)] - mode.departure).norm();
-    const double counts = inner_.atol + inner_.rtol * (now_.v.lpNorm<Eigen::Infinity>() + grip);  // grip: in a second
+    const double counts = inner_.atol + kTurnShare * options_.rtol * (now_.v.lpNorm<Eigen::Infinity>() + grip);
     const bool grows = now_.w.slip_change[c] >= 0;
     if (slip <= slip_zero(now_) || (grows && slip < kStable * grip * next_ && slip * turned < counts)) continue;
     mode.departs = false, any = true;
@@ -387,7 +420,7 @@ bool SpatialAdaptive::advance(Solver& solver, StepReport& report) {
 
 /// Takes the trial step.
 void SpatialAdaptive::accept(double s, bool at_stop, double stop) {
-  stride_.arc = true, stride_.length = s, stride_.a = now_.a, stride_.force = now_.force, stride_.power = now_.power;
+  stride_.arc = true, stride_.length = s, stride_.a = now_.a, stride_.force = now_.force;
   stride_.modes = motion_.modes;
   for (const int c : motion_.lasting()) load_ = std::max(load_, now_.w.normal[c]);
   std::swap(now_, trial_);
@@ -396,10 +429,10 @@ void SpatialAdaptive::accept(double s, bool at_stop, double stop) {
   crowd_.steps = s < kShortStep ? crowd_.steps + 1 : 0;
   crowd_.standstill = time_ > before ? 0 : crowd_.standstill + 1;
   for (const int c : motion_.lasting()) {
-    const auto i = static_cast<std::size_t>(c);
-    left_.impulses[i].normal += s * push_[i].normal, left_.impulses[i].tangent += s * push_[i].tangent;
+    Impulse& left = left_.impulses[static_cast<std::size_t>(c)];
+    left.normal += push_[3 * c], left.tangent += Tangents{push_[3 * c + 1], push_[3 * c + 2]};
   }
-  left_.work += s * mean_power_;
+  if (measures_) left_.work += push_[push_.size() - 1];
   motion_.forget_overlaps(now_.w);
 }
 

@@ -12,9 +12,9 @@
 //     after every event:                the modes by the problem at acceleration level (spatial_transition.h).
 //   Impacts that come at ever shorter intervals, and no higher than ten times atol of an inner step, end in one without
 //   restitution (impact_series.h).
-//   The states that are called for do not shape the inner steps: a state within one is a Runge–Kutta step from where it
-//   began, of full order, and projected. Neither the motion nor its error depends on the output step or on the end of
-//   the run.
+//   The states that are called for do not shape the inner steps: they, impulses and work come from the continuous
+//   extension of the method, of order 7, and are projected. Neither the motion nor its cost depends on the output step
+//   or on the end of the run.
 //   Tolerance: an inner step is held to a thousandth of rtol and atol, 1e-13 and 1e-14 at the least, of each body's
 //   place, velocity and angular velocity (lengths of vectors), and of 1 rad of its orientation. The motion may magnify
 //   errors by more than the thousand: this is not controlled. error_estimate of a run is the sum of the errors of the
@@ -25,9 +25,9 @@
 //   drive needs to swing by 3 rad, nor turns a body by more than 1.5 rad.
 //   Limits: listed contacts only, no dry friction in joints. Of several solutions at acceleration level (Painlevé) the
 //   solver's is taken. A graze shallower than the cubics' error (some 1e-7 of the motion within a step) is overlooked.
-//   Series of impacts that several contacts have in turn end together.
-//   Cost: 12 evaluations an inner step, 3 more where contacts last; each evaluates a lasting contact five times. 12
-//   evaluations a state within an inner step. Some 3 steps an event.
+//   Series of impacts that several contacts have in turn end at one instant, one after the other (impact.h).
+//   Cost: 12 evaluations an inner step, 3 more where contacts last, 16 more where states within it are called for; each
+//   evaluates a lasting contact five times. Some 3 steps an event.
 // Source: see chart_runge_kutta.h, event_driven.h; Pfeiffer & Glocker (1996); Brogliato & Acary (2008), ch. 8.
 #pragma once
 
@@ -62,8 +62,7 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
     Eigen::VectorXd q, v, a;
     SpatialWatched w;
     SpatialMotion::Residual residual;
-    std::vector<Impulse> force;  // [N]
-    double power = 0;            // [W]
+    Eigen::VectorXd force;  // [N] three a contact, and the power [W]
     explicit Point(const System& system);
   };
   struct Tolerance {  // of an inner step
@@ -72,13 +71,12 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   struct Stride {  // the last inner step: an arc of smooth motion, or a crossing
     State start;
     Eigen::VectorXd a;               // at its start
-    std::vector<Impulse> force;      // [N] likewise
-    double power = 0;                // [W] likewise
+    Eigen::VectorXd force;           // [N, W] likewise
     std::vector<SpatialMode> modes;  // on the arc
     double length = 0;               // [s]
     bool arc = false;
-    std::vector<Impulse> push;  // [N s] of lasting contacts so far, handed out
-    double work = 0;            // [J] likewise
+    bool fitted = false;   // extension_ and that of the method are of it
+    Eigen::VectorXd push;  // [N s, J] of lasting contacts so far, handed out
   };
   struct Left {  // what is still to be handed out of the last inner step
     std::vector<Event> events;
@@ -109,13 +107,17 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   void hand_over_all(StepReport& report);
   void hand_out(double target, State& x, StepReport& report);
   void hand_out_within(double t, State& x, StepReport& report);
+  bool fit();
+  void note_stage(const SpatialMotion& motion, std::size_t stage);
 
   bool give_up(Status status, std::string why);
   bool begin(Solver& solver, StepReport& report);
   bool advance(Solver& solver, StepReport& report);
   double longest(double rest) const;
   double first_guess() const;
-  bool integrate(SpatialMotion& motion, double t, const Point& from, double s, Eigen::VectorXd& q, Eigen::VectorXd& v);
+  template <class Motion> auto acceleration_in(Motion& motion);
+  bool integrate(SpatialMotion& motion, double t, const State& from, const Eigen::VectorXd& a, double s,
+                 Eigen::VectorXd& q, Eigen::VectorXd& v);
   double attempt(double s);
   bool observe(Point& p, double t);
   bool turned() const;
@@ -134,7 +136,10 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   bool change(Solver& solver, const std::optional<Sign>& event, StepReport& report);
   bool reshare(Solver& solver, const Sign& event, StepReport& report);
   bool impact(Solver& solver, bool plastic, StepReport& report);
+  bool waits(const Bounces& ending) const;
+  bool meets_in_turn(int contact) const;
   bool accumulates();
+  bool ends_in_turn();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool cross(Solver& solver, StepReport& report);
   void note_changes(bool touched);
@@ -144,6 +149,9 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   double rate_zero(int c) const { return inner_.atol + 1e-12 * now_.w.rate_scale[c]; }
   double slip_zero(const Point& p) const { return inner_.atol + 10 * motion_.slip_rounding(p.v); }
   double room(int contact, const Point& p) const;
+  double low_gap(int c) const { return std::max(10 * inner_.atol, 256 * gap_zero(c)); }
+  /// When the contact struck last before now [s].
+  double before_now(const Bounces& b) const { return b.last == time_ ? b.last - b.interval : b.last; }
 
   Options options_;
   Tolerance inner_;
@@ -164,15 +172,18 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   double load_ = 0;                          // [N] the largest normal force since the modes were decided
   Point now_, trial_;
   Eigen::VectorXd path_, path_rate_, path_bend_, path_scale_, v_scale_, hermite_;  // φ, φ', φ'' at the step's end
-  std::vector<Impulse> push_;                                                      // [N] mean force of the trial step
-  double mean_power_ = 0;                                                          // [W] likewise
+  Eigen::MatrixXd stage_force_;                 // [N, W] of each stage, less those at the start
+  Eigen::VectorXd push_;                        // [N s, J] of the trial step
+  ContinuousExtension extension_;               // of the impulses and the work
+  double stage_power_ = 0;                      // [W]
+  const Eigen::VectorXd* now_force_ = nullptr;  // [N, W] at the start of the step that is integrated
   Stride stride_;
   Left left_;
   Failure failed_;
   State last_;  // what was returned
   Crowd crowd_;
   std::vector<Bounces> bounces_;
-  std::vector<char> touching_, released_;
+  std::vector<char> touching_, released_, in_turn_;
   std::vector<Vector3d> slides_;  // contacts that slide off, along this
   std::vector<SpatialMode> before_;
   std::vector<WantedOf<Spatial>> wanted_;

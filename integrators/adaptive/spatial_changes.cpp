@@ -76,6 +76,10 @@ bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
   v_before_ = now_.v;
   shown_ = &impact_.formulation();
   impact_.anchor(time_, now_.q), formulation_.anchor(time_, now_.q);
+  const bool in_turn = plastic && ends_in_turn();
+  if (in_turn && !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report))
+    return give_up(report.status, impact_.why());
+  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
   if (!plastic && !impact_.strike(terms, motion_.basic(), v_before_, wanted_, now_.v, solver, report))
     return give_up(report.status, impact_.why());
   if (plastic)
@@ -88,7 +92,7 @@ bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
   }
   std::fill(struck_.begin(), struck_.end(), Impulse{});
   formulation_.advance(now_.v, struck_);
-  if (!plastic) impact_.add_to(struck_);
+  if (in_turn || !plastic) impact_.add_to(struck_);
   report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, struck_));
   if (system_.driven()) left_.work += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
   for (const auto& closed : terms.closed) {
@@ -110,20 +114,61 @@ bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
   return true;
 }
 
-/// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
-bool SpatialAdaptive::accumulates() {
-  const auto low = [&](int c) { return std::max(10 * inner_.atol, 256 * gap_zero(c)); };
-  bool any = false;
+/// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
+bool SpatialAdaptive::waits(const Bounces& ending) const {
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[static_cast<std::size_t>(c)];
-    any = any || (b.last == time_ && (b.rounding || (b.accumulates() && b.height <= low(c))));
+    const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
+    if (between && !motion_.modes[static_cast<std::size_t>(c)].lasting &&
+        !(b.accumulates() && now_.w.gap[c] <= low_gap(c)))
+      return true;
+  }
+  return false;
+}
+
+/// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
+/// intervals.
+bool SpatialAdaptive::meets_in_turn(int c) const {
+  const Bounces& one = bounces_[static_cast<std::size_t>(c)];
+  for (std::size_t k = 0; k < bounces_.size(); ++k) {
+    const Bounces& b = bounces_[k];
+    if (static_cast<int>(k) == c || !touching_[k] || motion_.modes[k].lasting || !b.accumulates()) continue;
+    const bool recent = one.last - b.last <= b.interval;
+    if (recent && std::abs(before_now(b) - before_now(one)) > kInTurn * one.interval) return true;
+  }
+  return false;
+}
+
+/// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
+bool SpatialAdaptive::accumulates() {
+  bool any = false, meet = false;
+  for (int c = 0; c < system_.contacts(); ++c) {
+    const Bounces& b = bounces_[static_cast<std::size_t>(c)];
+    if (b.last != time_) continue;
+    meet = meet || (b.accumulates() && meets_in_turn(c));
+    any = any || meet || b.rounding || (b.accumulates() && b.height <= low_gap(c) && !waits(b));
   }
   for (int c = 0; any && c < system_.contacts(); ++c) {
-    Bounces& b = bounces_[static_cast<std::size_t>(c)];
-    b.over = (b.rounding || b.accumulates()) && time_ - b.last <= b.interval && now_.w.gap[c] <= low(c);
-    touching_[static_cast<std::size_t>(c)] = touching_[static_cast<std::size_t>(c)] || b.over;
+    const auto i = static_cast<std::size_t>(c);
+    Bounces& b = bounces_[i];
+    const bool closed = now_.w.gap[c] <= low_gap(c) || (meet && touching_[i]);
+    b.over = (b.rounding || b.accumulates()) && time_ - b.last <= b.interval && closed;
+    touching_[i] = touching_[i] || b.over;
   }
   return any;
+}
+
+/// Whether several of the series that are over had their impacts in turn: in_turn_.
+bool SpatialAdaptive::ends_in_turn() {
+  double first = kInf, last = -kInf, interval = kInf;
+  for (std::size_t i = 0; i < in_turn_.size(); ++i) {
+    const Bounces& b = bounces_[i];
+    in_turn_[i] = b.over && !motion_.modes[i].lasting;
+    if (!in_turn_[i]) continue;
+    const double before = before_now(b);
+    first = std::min(first, before), last = std::max(last, before), interval = std::min(interval, b.interval);
+  }
+  return last - first > kInTurn * interval;
 }
 
 /// The modes at now_, after an impact or an event of the motion.
@@ -138,7 +183,7 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
         const auto place = static_cast<std::size_t>(std::find(motion_.lasting().begin(), motion_.lasting().end(), c) -
                                                     motion_.lasting().begin());
         const auto& rows = motion_.terms().closed[place].rows;
-        const Tangents force = now_.force[i].tangent;
+        const Tangents force{now_.force[3 * c + 1], now_.force[3 * c + 2]};
         slides_[i] = -(force.first * direction_of(rows.tangents[0]) + force.second * direction_of(rows.tangents[1])) /
                      now_.w.tangent[c];
       }
