@@ -100,6 +100,8 @@ inertia = 1
 position = [1, 3, 0]
 )";
 
+constexpr const char* kSurfaceInSpace = "[[contact]]\nsurface = {velocity = [1, 0, 0]}";
+
 constexpr const char* kPinInSpace =
     "[[joint]]\ntype = 'revolute'\nname = 'pin'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\n";
 
@@ -108,6 +110,13 @@ constexpr std::array kSamplesInSpace = {
     "[[joint]]\ntype = 'revolute'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
     "[[joint]]\ntype = 'cylindrical'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
     "[[joint]]\ntype = 'universal'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\naxis_b = [1, 0, 0]",
+    "[[joint]]\ntype = 'screw'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\npitch = 0.1",
+    "PIN[[joint]]\ntype = 'revolute'\nname = 'other'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\n"
+    "[[joint]]\ntype = 'gear'\njoints = ['pin', 'other']\nratio = 1",
+    "[[joint]]\ntype = 'gear'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nteeth = [20, 60]",
+    "PIN[[joint]]\ntype = 'prismatic'\nname = 'rail'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\n"
+    "[[joint]]\ntype = 'rack'\njoints = ['pin', 'rail']\nradius = 1",
+    "[[joint]]\ntype = 'rack'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\naxis_b = [1, 0, 0]\nradius = 1",
     "[[joint]]\ntype = 'planar'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
     "[[joint]]\ntype = 'prismatic'\nbodies = ['a', 'b']\naxis = [0, 0, 1]",
     "[[joint]]\ntype = 'fixed'\nbodies = ['a', 'b']",
@@ -119,16 +128,19 @@ constexpr std::array kSamplesInSpace = {
     "[[joint]]\ntype = 'drive'\nof = 'angle'\nbodies = ['a', 'b']\naxis = [1, 0, 0]",
     "[[joint]]\ntype = 'drive'\nof = 'distance'\nbodies = ['a', 'b']",
     "PIN[[joint]]\ntype = 'drive'\njoint = 'pin'",
-    "[[contact]]\ntype = 'sphere-wall'\nbody = 'a'\nradius = 0.1\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'corner-wall'\nbody = 'a'\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'box-wall'\nbody = 'a'\nsize = [1, 1, 1]\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'polytope-wall'\nbody = 'a'\ncorners = [[0, 0, 0]]\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'rim-wall'\nbody = 'a'\nradius = 0.1\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'cylinder-wall'\nbody = 'a'\nradius = 0.1\nheight = 1\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'cone-wall'\nbody = 'a'\nradius = 0.1\nheight = 1\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'ellipsoid-wall'\nbody = 'a'\nsemi_axes = [1, 2, 3]\nwall = {normal = [0, 0, 1]}",
-    "[[contact]]\ntype = 'sphere-sphere'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.1",
-    "[[contact]]\ntype = 'socket'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.2",
+    "SURFACE\ntype = 'sphere-wall'\nbody = 'a'\nradius = 0.1\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'corner-wall'\nbody = 'a'\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'box-wall'\nbody = 'a'\nsize = [1, 1, 1]\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'polytope-wall'\nbody = 'a'\ncorners = [[0, 0, 0]]\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'rim-wall'\nbody = 'a'\nradius = 0.1\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'cylinder-wall'\nbody = 'a'\nradius = 0.1\nheight = 1\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'cone-wall'\nbody = 'a'\nradius = 0.1\nheight = 1\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'ellipsoid-wall'\nbody = 'a'\nsemi_axes = [1, 2, 3]\nwall = {normal = [0, 0, 1]}",
+    "SURFACE\ntype = 'sphere-sphere'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.1",
+    "SURFACE\ntype = 'socket'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.2",
+    "SURFACE\ntype = 'pin-bush'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nradius_a = 0.1\nradius_b = 0.2\nlength_a = 1",
+    "SURFACE\ntype = 'block-channel'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nup = [0, 0, 1]\nsize = [1, 1, 1]\nwidth = "
+    "2\nheight = 2",
     "PIN[[contact]]\ntype = 'limit'\njoint = 'pin'\nlower = -9",
     "[[contact]]\ntype = 'limit'\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nupper = 9",
     "[[contact]]\ntype = 'limit'\nof = 'angle'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nupper = 9",
@@ -225,6 +237,7 @@ std::vector<FieldRecord> recorded_fields_in_space() {
   const FieldRecorder recorder;
   for (std::string sample : kSamplesInSpace) {
     if (sample.starts_with("PIN")) sample.replace(0, 3, kPinInSpace);
+    if (sample.starts_with("SURFACE")) sample.replace(0, 7, kSurfaceInSpace);
     parse_any_scene(kTwoInSpace + sample);
   }
   return recorder.all();
