@@ -15,7 +15,7 @@ constexpr double kTurnOfNode = 0.25;           // [rad] of a contact's rows betw
 constexpr int kMostNodes = 64, kHalvings = 6;  // looks at gaps in a step; further halvings
 constexpr double kCubicError = 4e-5;           // of what a contact moves between two looks
 constexpr double kStable = 0.5;                // of the time in which the direction of slip returns: a step
-constexpr double kTurnShare = 0.1;             // of rtol: of speeds, and of what friction makes in a second
+constexpr double kTurnShare = 0.01;            // of rtol: of speeds, and of what friction makes in a second
 constexpr double kStopShare = 0.95;            // of the time until slip stops
 constexpr double kForceRounding = 1e-11;       // of the largest force
 constexpr int kShortInARow = 15, kMostTries = 200;
@@ -347,6 +347,22 @@ bool SpatialAdaptive::turned() const {
   });
 }
 
+/// [m/s] what the turn of a departing contact may leave out of its slip.
+double SpatialAdaptive::left_out(std::size_t k) const {
+  return inner_.atol + kTurnShare * options_.rtol * (now_.v.lpNorm<Eigen::Infinity>() + motion_.grip(k));
+}
+
+/// The trial step is too long for a departure: the turn in it counts.
+bool SpatialAdaptive::overdue() const {
+  for (std::size_t k = 0; k < motion_.lasting().size(); ++k) {
+    const auto i = static_cast<std::size_t>(motion_.lasting()[k]);
+    const SpatialMode& mode = motion_.modes[i];
+    if (mode.departs && trial_.w.slip[motion_.lasting()[k]] * (trial_.w.along[i] - mode.departure).norm() > left_out(k))
+      return true;
+  }
+  return false;
+}
+
 /// Contacts slide by their slip as soon as that is no longer stiff in the next step, or the turn that a departure
 /// leaves out counts.
 void SpatialAdaptive::end_departures() {
@@ -357,7 +373,7 @@ void SpatialAdaptive::end_departures() {
     if (!mode.departs) continue;
     const double grip = motion_.grip(k), slip = now_.w.slip[c];
     const double turned = (now_.w.along[static_cast<std::size_t>(c)] - mode.departure).norm();
-    const double counts = inner_.atol + kTurnShare * options_.rtol * (now_.v.lpNorm<Eigen::Infinity>() + grip);
+    const double counts = left_out(k) / 4;
     const bool grows = now_.w.slip_change[c] >= 0;
     if (slip <= slip_zero(now_) || (grows && slip < kStable * grip * next_ && slip * turned < counts)) continue;
     mode.departs = false, any = true;
@@ -377,7 +393,7 @@ bool SpatialAdaptive::advance(Solver& solver, StepReport& report) {
     error = attempt(s);
     const double factor =
         error < kInf ? std::clamp(0.9 * std::pow(error, -1 / ChartRungeKutta::kErrorOrder), 0.2, 6.0) : 0.2;
-    if (error <= 1 && !turned()) {
+    if (error <= 1 && !turned() && !overdue()) {
       next_ = s < next_ ? std::max(next_, factor * s) : factor * s;
       break;
     }

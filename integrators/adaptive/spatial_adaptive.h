@@ -121,6 +121,8 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   double attempt(double s);
   bool observe(Point& p, double t);
   bool turned() const;
+  double left_out(std::size_t k) const;
+  bool overdue() const;
   void end_departures();
   void accept(double s, bool at_stop, double stop);
 

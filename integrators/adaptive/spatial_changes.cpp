@@ -213,7 +213,8 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
           candidate.direction =
               (slip.first * direction_of(tangents[0]) + slip.second * direction_of(tangents[1])) / size_of(slip);
         candidate.slides = candidate.direction.squaredNorm() > 0;
-        candidate.departs = candidate.slides && (size_of(slip) <= none || (before_[i].departs && before_[i].lasting));
+        candidate.departs =
+            candidate.slides && (size_of(slip) <= none || (!struck && before_[i].departs && before_[i].lasting));
       }
       transition_.candidates.push_back(candidate);
     }
