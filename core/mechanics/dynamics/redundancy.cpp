@@ -122,6 +122,9 @@ template <class Joint> std::string row_name(const Joint& joint, int row) {
         if constexpr (std::is_same_v<T, spatial::PointOnLine>) return pick({"across 1", "across 2"});
         if constexpr (std::is_same_v<T, spatial::Distance>) return pick({"length"});
         if constexpr (std::is_same_v<T, spatial::Drive>) return pick({"motion"});
+        if constexpr (std::is_same_v<T, spatial::Screw>)
+          return pick({"across 1", "across 2", "tilt 1", "tilt 2", "pitch"});
+        if constexpr (std::is_same_v<T, spatial::Gear>) return pick({"ratio"});
       },
       joint);
 }
