@@ -67,7 +67,8 @@ class SpatialElement {
     require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", text(law.mu_static), ">= mu = " + text(law.mu));
     require(law.e >= 0 && law.e <= 1, "e_n", text(law.e), "in [0, 1]");
     require(law.e_t >= -1 && law.e_t <= 1, "e_t", text(law.e_t), "in [-1, 1]");
-    require(law.belt == 0, "belt", text(law.belt), "0: in space a surface moves by its velocity and omega");
+    require(law.belt == 0, "belt", text(law.belt),
+            "0: it is planar only, in space a surface has a velocity and an omega");
     const SurfaceLaw& s = law.surface;
     not_negative("rolling", s.rolling), not_negative("spinning", s.spinning), not_negative("mu_across", s.mu_across);
     require(s.mu_across <= kLargestMu, "mu_across", text(s.mu_across), "<= " + text(kLargestMu));
