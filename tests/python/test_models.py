@@ -19,7 +19,9 @@ def test_a_model_runs_as_it_is_and_as_the_scene_that_it_becomes(tmp_path):
     file = tmp_path / "arm.urdf"
     file.write_text(ARM)
     with pytest.warns(orthant.OrthantWarning, match="not taken: <visual> of <link>"):
-        run = orthant.simulate(file, duration=0.5, **{"model.at.pin": 0.7})
+        run = orthant.simulate(orthant.Scene.load(file, **{"model.at.pin": 0.7}), duration=0.5)
+    with pytest.warns(orthant.OrthantWarning):
+        assert orthant.simulate(file, duration=0.01).solved
     assert run.solved and abs(run["pin.angle"][0] - 0.7) < 1e-14
     energy = 0.5 * (0.2 + 2 * 0.25) * run["rod.wy"] ** 2 + 2 * 9.81 * run["rod.z"]
     assert np.max(np.abs(energy - energy[0])) < 1e-4
@@ -33,7 +35,7 @@ def test_a_model_runs_as_it_is_and_as_the_scene_that_it_becomes(tmp_path):
 def test_wrong_models_say_why(tmp_path):
     file = tmp_path / "arm.urdf"
     file.write_text(ARM.replace("continuous", "hinge"))
-    with pytest.raises(ValueError, match=r'arm.urdf:9: <joint name="pin">: type = \'hinge\': must be one of revolute'):
+    with pytest.raises(ValueError, match=r'arm.urdf:8: <joint name="pin">: type = \'hinge\': must be one of revolute'):
         orthant.import_model(file)
     with pytest.raises(ValueError, match="unknown option model.weight"):
         orthant.import_model(file, weight=3)

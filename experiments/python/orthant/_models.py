@@ -23,7 +23,7 @@ def import_model(file: Union[str, os.PathLike[str]], **options: Any) -> Imported
     options: base="free" (of URDF; default "fixed"), floor (height of a half-space, m), mu, fixed_joints="keep", folder (from
     which meshes may be read; default: the model's), and by ** {"at.JOINT": value} (rad or m at the start).
 
-    `simulate` and `Scene.load` take models as they are: orthant.simulate("arm.urdf", **{"model.at.elbow": 0.5}).
+    `simulate` and `Scene.load` take models as they are: orthant.Scene.load("arm.urdf", **{"model.at.elbow": 0.5}).
     """
     name = path("file", file)
     return ImportedModel(*_orthant._import_model(_text_of_file(name), name, _lines(options)))
