@@ -240,7 +240,9 @@ Faces convex_hull(const std::vector<Vector3d>& points) {
     for (const spatial::Hull::Face& face : hull.faces) all.faces.push_back(face.corners);
   } catch (const std::invalid_argument&) {  // flat
     all.points = spatial::flat_hull(points);
-    if (!all.points.empty()) std::iota(all.faces.emplace_back(all.points.size()).begin(), all.faces.back().end(), 0);
+    if (all.points.empty()) return all;
+    std::vector<int>& polygon = all.faces.emplace_back(all.points.size());
+    std::iota(polygon.begin(), polygon.end(), 0);
   }
   return all;
 }
