@@ -1,7 +1,7 @@
 // core/scenes/robot_arm.h — an arm from a model in URDF (robot_arm.urdf) sweeps a box over a rough floor.
 //
-//   Its base turns from 0 to `sweep` and back, φ = sweep (1 − cos ωt) / 2 with ω = π / time. Springs hold lift and elbow
-//   at 1.2 and 1.6 rad, so that the hand is upright above the floor. The box stands in the way of the hand.
+//   Its base turns from 0 to `sweep` and back, φ = sweep (1 − cos ωt) / 2 with ω = π / time. Springs hold lift and
+//   elbow at 1.2 and 1.6 rad, so that the hand is upright above the floor. The box stands in the way of the hand.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/scene.h>
