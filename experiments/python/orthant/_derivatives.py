@@ -44,40 +44,40 @@ class WeaklyActive(NamedTuple):
 
 
 class Sensitivity:
-    """What `sensitivity` returns: one factorization, a solve for each product.
-
-    degenerate: the weakly active rows; where there are any, z has one-sided derivatives only, which `directional` gives.
-    redundant: the active block is singular, as of contacts that hold a body more than once. Then z is not unique; derivatives
-    are those of what all solutions share, w or the velocities; the z given is one of many.
-    margin: (n,) how far each row is from another pattern, in units of w; nearest: the row with the least one, -1: none.
-    unknowns, reciprocal_condition: of the linear system.
-    """
+    """What `sensitivity` returns: one factorization, a solve for each product."""
 
     def __init__(self, problem: Problem, result: Result) -> None:
         self._of = _orthant._Sensitivity(problem, result.status, result.z, result.w, result.residual, result.rounding)
 
     @property
     def degenerate(self) -> list[WeaklyActive]:
+        """The weakly active rows. Where there are any, z has one-sided derivatives only: see `directional`."""
         return [WeaklyActive(*row) for row in self._of.weakly_active]
 
     @property
     def redundant(self) -> bool:
+        """True: the active block is singular, as of contacts that hold a body more than once. Then z is not unique;
+        derivatives are those of what all solutions share, w or the velocities."""
         return self._of.redundant
 
     @property
     def margin(self) -> Vector:
+        """(n,) in units of w: how far each row is from another pattern."""
         return self._of.margin
 
     @property
     def nearest(self) -> int:
+        """The row with the least margin that is not weakly active; -1: none."""
         return self._of.nearest
 
     @property
     def unknowns(self) -> int:
+        """Size of the linear system."""
         return self._of.unknowns
 
     @property
     def reciprocal_condition(self) -> float:
+        """Of the scaled linear system, estimated in the 1-norm: 1 at best, 0 where it is singular."""
         return self._of.reciprocal_condition
 
     def jvp(self, dM: Any = None, dq: Optional[Array] = None, dlo: Optional[Array] = None, dhi: Optional[Array] = None,
