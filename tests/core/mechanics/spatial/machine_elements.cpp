@@ -239,13 +239,13 @@ height = 0.11
   set_poses(system, 0, system.initial_state().q, terms.at);
   evaluate_gaps(system, terms);
   for (Index i = 2; i < 18; ++i) CHECK(std::abs(terms.gap[i] - 0.005) < 1e-14);
-  const auto& screw = std::get<spatial::Screw>(
+  const auto screw = std::get<spatial::Screw>(
       machine_of("[[joint]]\ntype = 'screw'\nbodies = ['a', 'b']\npoint_a = [-1, 2, -0.3]\naxis = [0, 0, "
                  "1]\nangle = 1\npitch = 0.02\n")
           .joints.at(2));
   CHECK(screw.pitch == 0.02);
   CHECK(std::abs(screw.offset - (0.3 - 0.02 / kTurn)) < 1e-12);
-  const auto& gear =
+  const auto gear =
       std::get<spatial::Gear>(machine_of("[[joint]]\ntype = 'gear'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\naxis_b = "
                                          "[1, 0, 0]\nteeth = [20, 60]\n")
                                   .joints.at(2));
