@@ -33,7 +33,7 @@ std::string long_options(const CLI::App& command, bool all = true) {
   return list;
 }
 
-/// What the first word of a command without dashes may be, beside files.
+/// Words other than files that complete the first positional argument of a command.
 std::string arguments_of(const CLI::App& app, const std::string& command) {
   if (command == "simulate" || command == "view" || command == "check")
     return names(scenes()) + " " + names(spatial_scenes());

@@ -156,7 +156,7 @@ constexpr std::array<const char*, 20> kResultKeys = {
     "factorizations", "seconds", "why_not", "why", "cells",       "log",      "x",        "fun",
     "success",        "message", "nit",     "nfev"};
 
-bool is_result_key(py::handle key) {  // anything may be asked for, as of a dict
+bool is_result_key(py::handle key) {  // any object may be a key, as in a dict
   return py::isinstance<py::str>(key) &&
          std::find(kResultKeys.begin(), kResultKeys.end(), key.cast<std::string>()) != kResultKeys.end();
 }

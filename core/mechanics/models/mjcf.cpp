@@ -521,7 +521,7 @@ class MjcfReader {
     solid.volume = of.volume, solid.inertia = of.inertia;
   }
 
-  // What stands beside the tree.
+  // Elements outside the tree of bodies.
 
   int body_named(const XmlElement& e, const XmlAttribute& a) const {
     if (a.value == "world") return 0;

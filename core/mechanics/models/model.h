@@ -60,7 +60,7 @@ struct ModelLink {
   const XmlElement* element = nullptr;
 };
 
-/// A point or a whole link held to another, beside the tree.
+/// Loop closure: a point of a link, or the whole link, is held to another link.
 struct ModelTie {
   std::string name;
   bool whole = false;

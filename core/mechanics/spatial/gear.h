@@ -19,7 +19,7 @@
 
 namespace orthant::spatial {
 
-/// The smallest q ≤ 1000 for which q x is a whole number but for rounding; 0: there is none.
+/// The smallest q ≤ 1000 for which q x is a whole number up to rounding; 0: there is none.
 inline int whole_multiple(double x) {
   for (int q = 1; q <= 1000; ++q)
     if (std::abs(q * x - std::round(q * x)) <= 1e-13 * q * (1 + std::abs(x))) return q;
