@@ -13,6 +13,19 @@ namespace orthant {
 using SpatialSystem = SystemOf<Spatial>;
 using SpatialMoment = MomentOf<Spatial>;
 
+/// Turns about its middle axis, which is unstable: it tumbles. The tensor is not diagonal in the body's frame.
+inline spatial::Scene tumbling() {
+  const Eigen::Matrix3d R = quaternions::matrix_of(quaternions::exponential(Eigen::Vector3d(0.4, -0.3, 0.9)));
+  spatial::Scene s;
+  s.body({.name = "book",
+          .mass = 2,
+          .inertia = R * Eigen::Vector3d(1, 2, 3).asDiagonal() * R.transpose(),
+          .position = {1, 2, 3},
+          .velocity = {0.3, -0.2, 0.1},
+          .omega = R * Eigen::Vector3d(0.05, 4, 0.1)});
+  return s;
+}
+
 /// One run by solver auto; must end as solved.
 inline Run run_in_space(const SpatialSystem& system, std::string_view integrator, double step, double duration,
                         const RecorderOf<Spatial>& record = {}) {

@@ -10,23 +10,6 @@
 
 using namespace orthant;
 
-namespace {
-
-/// Turns about its middle axis, which is unstable: it tumbles. The tensor is not diagonal in the body's frame.
-spatial::Scene tumbling() {
-  const Eigen::Matrix3d R = quaternions::matrix_of(quaternions::exponential(Vector3d(0.4, -0.3, 0.9)));
-  spatial::Scene s;
-  s.body({.name = "book",
-          .mass = 2,
-          .inertia = R * Vector3d(1, 2, 3).asDiagonal() * R.transpose(),
-          .position = {1, 2, 3},
-          .velocity = {0.3, -0.2, 0.1},
-          .omega = R * Vector3d(0.05, 4, 0.1)});
-  return s;
-}
-
-}  // namespace
-
 TEST_CASE("a free asymmetric body keeps its energy and angular momentum to rounding at any step") {
   const SpatialSystem system(tumbling());
   const State start = system.initial_state();

@@ -15,26 +15,9 @@
 
 using namespace orthant;
 
-namespace {
-
-/// Turns about its middle axis, which is unstable; the tensor is not diagonal in the body's frame.
-spatial::Scene tumbling_for_rattle() {
-  const Eigen::Matrix3d R = quaternions::matrix_of(quaternions::exponential(Vector3d(0.4, -0.3, 0.9)));
-  spatial::Scene s;
-  s.body({.name = "book",
-          .mass = 2,
-          .inertia = R * Vector3d(1, 2, 3).asDiagonal() * R.transpose(),
-          .position = {1, 2, 3},
-          .velocity = {0.3, -0.2, 0.1},
-          .omega = R * Vector3d(0.05, 4, 0.1)});
-  return s;
-}
-
-}  // namespace
-
 TEST_CASE(
     "rattle in space: a free asymmetric body keeps its angular momentum, its energy swings with the step squared") {
-  const SpatialSystem system(tumbling_for_rattle());
+  const SpatialSystem system(tumbling());
   const State start = system.initial_state();
   const Vector3d L = angular_momentum(system, start);
   const auto swing = [&](double h, double duration) {
@@ -57,7 +40,7 @@ TEST_CASE(
 }
 
 TEST_CASE("rattle in space: order 2 of a free asymmetric body's orientation") {
-  const SpatialSystem system(tumbling_for_rattle());
+  const SpatialSystem system(tumbling());
   const Run exact = run_in_space(system, "moreau-jean", 1e-4, 4);
   const Fit fit = fit_order({.coarsest = 0.05, .octaves = 4, .steps_per_octave = 4, .duration = 4}, [&](double h) {
     const Run run = run_in_space(system, "rattle", h, 4);
@@ -230,7 +213,7 @@ TEST_CASE("rattle in space: laws that it does not take, and steps that are much 
   CHECK_THROWS_WITH_AS(static_cast<void>(make_integrator("rattle", sequential)),
                        doctest::Contains("integrator rattle: impacts = \"sequential\": must be \"simultaneous\""),
                        std::invalid_argument);
-  const SpatialSystem system(tumbling_for_rattle());
+  const SpatialSystem system(tumbling());
   const auto scheme = make_integrator("rattle", system);
   const auto solver = make_solver("auto");
   State x = system.initial_state();
