@@ -18,7 +18,7 @@ struct Chain {
   double angle = std::numbers::pi / 2;  // [rad] of every link from downward, counter-clockwise
   double g = kGravity;                  // [m/s²]
 
-  template <class V> void visit(V&& v) { v("links", links, 1, 10000), v("angle", angle, -3.2, 3.2); }
+  template <class V> void visit(V&& v) { v("links", links, 1, 1000000), v("angle", angle, -3.2, 3.2); }
 };
 
 /// The support is the origin, the energy at rest at its height is 0.

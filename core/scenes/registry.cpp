@@ -27,6 +27,8 @@
 #include <orthant/core/scenes/slider_crank_space.h>
 #include <orthant/core/scenes/spatial_slider_crank.h>
 #include <orthant/core/scenes/sphere_bounce.h>
+#include <orthant/core/scenes/spheres.h>
+#include <orthant/core/scenes/spherical_chain.h>
 #include <orthant/core/scenes/stick_slip.h>
 #include <orthant/core/scenes/superball.h>
 #include <orthant/core/scenes/table.h>
@@ -118,6 +120,10 @@ constexpr SpatialSceneEntry kSpatialScenes[] = {
     {"capsules", "capsules fall on each other", &make<Capsules, capsules>, &list_options<Capsules>},
     {"robot_arm", "an arm from a URDF model sweeps a box over a rough floor", &make<RobotArm, robot_arm>,
      &list_options<RobotArm>},
+    {"spheres", "spheres dropped into a square well, all of which may touch each other", &make<Spheres, spheres>,
+     &list_options<Spheres>},
+    {"spherical_chain", "rods joined by balls and sockets, released from the horizontal",
+     &make<SphericalChain, spherical_chain>, &list_options<SphericalChain>},
 };
 
 /// The scene of that name in the table, or an empty one; `known`: names.

@@ -1,6 +1,8 @@
 // BasicSystem: its three ways of solving against the saddle matrix written out and solved in 80-bit arithmetic.
 #include <doctest/doctest.h>
+#include <orthant/core/scenes/chain.h>
 #include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/scenes/spherical_chain.h>
 
 #include <array>
 
@@ -400,6 +402,20 @@ TEST_CASE("a mechanism and its gravity turned together accelerate turned") {
     }
     CHECK(energy(one, {0, x.q, x.v}) == doctest::Approx(energy(other, {0, y.q, y.v})).epsilon(1e-12));
   }
+}
+
+template <class Space> int rank_of(const SystemOf<Space>& system) {
+  TermsOf<Space> terms(system);
+  const State x = system.initial_state();
+  set_poses(system, x.t, x.q, terms.at);
+  evaluate_joint_rows(system, terms);
+  BasicSystemOf<Space> basic(system);
+  return basic.factorize(system, terms) ? basic.rank() : 0;
+}
+
+TEST_CASE("the joints of a chain of 1e5 links are independent, in the plane and in space") {
+  CHECK(rank_of(System(chain({.links = 100000}))) == 100000);
+  CHECK(rank_of(SystemOf<Spatial>(spherical_chain({.links = 100000}))) == 300000);
 }
 
 }  // namespace orthant

@@ -6,6 +6,7 @@
 #include <orthant/core/scenes/boxes.h>
 #include <orthant/core/scenes/euler_disc.h>
 #include <orthant/core/scenes/rattleback.h>
+#include <orthant/core/scenes/spheres.h>
 
 #include <doctest/doctest.h>
 
@@ -185,4 +186,32 @@ TEST_CASE("a cylinder stands, a cone and a capsule lie still; rows of rims keep 
   const SpatialSystem system(s);
   const Run run = run_in_space(system, "moreau-jean", 1e-3, 0.5);
   CHECK(moved(system, run.final) < 1e-9);
+}
+
+TEST_CASE("spheres poured into a well stay in it, and the floor and walls carry their weight in the mean") {
+  const Spheres p{.count = 27};
+  const SpatialSystem system(spheres(p));
+  const auto scheme = make_integrator("moreau-jean", system);
+  const auto solver = make_solver("prox:tolerance=1e-8");
+  State x = system.initial_state();
+  const double momentum = [&] {
+    double sum = 0;
+    for (int i = 0; i < p.count; ++i) sum += system.mass()[6 * i];
+    return sum * p.g;
+  }();
+  const double h = 2e-3;
+  double lifted = 0, counted = 0;  // impulse along z, over the time after the fall
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::VectorXd before = x.v;
+    REQUIRE(scheme->step(h, *solver, x).status == Status::solved);
+    if (k < 150) continue;
+    counted += h;
+    for (int i = 0; i < p.count; ++i) lifted += system.mass()[6 * i] * (x.v[6 * i + 2] - before[6 * i + 2] + p.g * h);
+  }
+  CHECK(lifted / counted == doctest::Approx(momentum).epsilon(0.02));
+  for (int i = 0; i < p.count; ++i) {
+    const double width = 3 * 2.2 * p.radius;
+    for (int k = 0; k < 3; ++k) CHECK(x.q[7 * i + k] > 0.85 * p.radius);
+    for (int k = 0; k < 2; ++k) CHECK(x.q[7 * i + k] < width - 0.85 * p.radius);
+  }
 }
