@@ -7,12 +7,12 @@
 // reaches it. Processor time. Writes a row per case, and performance profiles (Dolan & Moré 2002): the share of
 // problems solved within a factor of the best time, failures kept.
 #include "experiments/benchmarks/clock.h"
+#include "experiments/runs/manifest.h"
+#include "experiments/runs/problem_file.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/independent_judge.h"
 #include "experiments/support/isolated.h"
-#include "experiments/support/manifest.h"
-#include "experiments/support/problem_file.h"
 #include "experiments/support/rivals.h"
 
 #include <orthant/core/support/file.h>

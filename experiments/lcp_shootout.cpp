@@ -3,9 +3,9 @@
 // Every solver of the registry, and whatever rivals there are (experiments/benchmarks), on problem families, known
 // problems, steps of simulations, and files. Writes a row per case (what there is, every minute), a summary per solver,
 // a table of what really answered, the time of auto over the fastest solver's, a manifest. Times are processor time.
+#include "experiments/runs/manifest.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
-#include "experiments/support/manifest.h"
 #include "experiments/support/plugin.h"
 #include "experiments/support/solver_table.h"
 

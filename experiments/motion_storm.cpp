@@ -9,12 +9,12 @@
 // (the scenes of faults, shrunk, for orthant simulate; the first comment says what is wrong). Every run has a process
 // of its own, so that crashes and endless loops are results. Exit code 3 when there is a fault; motion_storm/judge.h
 // says what counts as one.
-#include "motion_storm/scenes.h"
-#include "motion_storm/shrink.h"
-#include "motion_storm/tally.h"
-#include "support/between.h"
-#include "support/chunks.h"
-#include "support/command_line.h"
+#include "experiments/motion_storm/scenes.h"
+#include "experiments/motion_storm/shrink.h"
+#include "experiments/motion_storm/tally.h"
+#include "experiments/support/between.h"
+#include "experiments/support/chunks.h"
+#include "experiments/support/command_line.h"
 
 #include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/support/file.h>

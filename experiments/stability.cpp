@@ -4,9 +4,9 @@
 // with every solver: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the
 // largest kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study,
 // and at its end one of all solvers. Long runs are by some solvers only.
+#include "experiments/runs/manifest.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
-#include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
 #include "experiments/support/retold.h"
 

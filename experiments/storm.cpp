@@ -8,11 +8,11 @@
 // computes only what is missing), storm.csv (kind × solver: how often which outcome), fault_*.json (each fault's
 // problem, shrunk, for orthant replay).
 // Crashes and endless loops end a process of their own. Exit code 3 when there is a fault.
-#include "storm/storm.h"
-#include "storm/shrink.h"
-#include "support/between.h"
-#include "support/chunks.h"
-#include "support/command_line.h"
+#include "experiments/storm/storm.h"
+#include "experiments/storm/shrink.h"
+#include "experiments/support/between.h"
+#include "experiments/support/chunks.h"
+#include "experiments/support/command_line.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/support/file.h>

@@ -4,10 +4,10 @@
 // tolerances, on μ × e; errors of θ₁(0.2 s) against the exact motion,
 // the fastest of the repeats. "Time to ε" is that of the cheapest setting from which on every finer one stays below ε,
 // so that no lucky run counts; the table shows the worst over the cases with e ≤ 0.4. Writes all runs and that table.
+#include "experiments/runs/manifest.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/isolated.h"
-#include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
 #include "experiments/support/rivals.h"
 

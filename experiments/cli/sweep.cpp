@@ -1,8 +1,8 @@
 // orthant sweep — many runs from one file, into one SQLite file; orthant results — what is in there.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../sweep/analysis.h"
-#include "../sweep/run.h"
+#include "experiments/sweep/analysis.h"
+#include "experiments/sweep/run.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>

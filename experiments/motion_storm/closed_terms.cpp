@@ -1,4 +1,4 @@
-#include "closed_terms.h"
+#include "experiments/motion_storm/closed_terms.h"
 
 namespace orthant::motion_storm {
 

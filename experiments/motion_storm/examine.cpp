@@ -1,4 +1,4 @@
-#include "examine.h"
+#include "experiments/motion_storm/examine.h"
 
 #include <orthant/core/support/options.h>
 

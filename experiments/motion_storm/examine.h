@@ -1,8 +1,8 @@
 // experiments/motion_storm/examine.h — a recorded run and what is measured of it, row by row and between rows.
 #pragma once
 
-#include "measure.h"
-#include "trace.h"
+#include "experiments/motion_storm/measure.h"
+#include "experiments/motion_storm/trace.h"
 
 #include <string>
 #include <vector>

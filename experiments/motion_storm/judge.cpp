@@ -1,9 +1,9 @@
-#include "judge.h"
+#include "experiments/motion_storm/judge.h"
 
-#include "examine.h"
-#include "painleve.h"
-#include "shared_load.h"
-#include "twin.h"
+#include "experiments/motion_storm/examine.h"
+#include "experiments/motion_storm/painleve.h"
+#include "experiments/motion_storm/shared_load.h"
+#include "experiments/motion_storm/twin.h"
 
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>

@@ -1,4 +1,4 @@
-#include "maker.h"
+#include "experiments/motion_storm/maker.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "measure.h"
+#include "experiments/motion_storm/measure.h"
 
 #include <algorithm>
 #include <cmath>

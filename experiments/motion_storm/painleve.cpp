@@ -1,6 +1,6 @@
-#include "painleve.h"
+#include "experiments/motion_storm/painleve.h"
 
-#include "closed_terms.h"
+#include "experiments/motion_storm/closed_terms.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

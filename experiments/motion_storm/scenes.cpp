@@ -1,6 +1,6 @@
-#include "scenes.h"
+#include "experiments/motion_storm/scenes.h"
 
-#include "maker.h"
+#include "experiments/motion_storm/maker.h"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Random mechanisms: chains, linkages with clearances, guides and rails, redundant joints, ropes, drives against stops.
-#include "maker.h"
+#include "experiments/motion_storm/maker.h"
 
 #include <cmath>
 #include <numbers>

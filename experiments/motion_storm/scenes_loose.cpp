@@ -1,5 +1,5 @@
 // Random scenes of bodies without joints: dropped, stacked, side by side, spinning, in wedges, on belts and tables.
-#include "maker.h"
+#include "experiments/motion_storm/maker.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
-#include "shared_load.h"
+#include "experiments/motion_storm/shared_load.h"
 
-#include "closed_terms.h"
-#include "measure.h"
+#include "experiments/motion_storm/closed_terms.h"
+#include "experiments/motion_storm/measure.h"
 
 #include <Eigen/LU>
 

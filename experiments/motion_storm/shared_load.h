@@ -7,7 +7,7 @@
 // rows G. Friction is left open where some z, with H = M⁻¹ [N + F; G]ᵀ z, has  [N; G] H = 0  and  H ≠ 0.
 #pragma once
 
-#include "trace.h"
+#include "experiments/motion_storm/trace.h"
 
 namespace orthant::motion_storm {
 

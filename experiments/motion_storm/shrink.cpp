@@ -1,4 +1,4 @@
-#include "shrink.h"
+#include "experiments/motion_storm/shrink.h"
 
 #include <array>
 #include <charconv>

@@ -1,6 +1,6 @@
-#include "tally.h"
+#include "experiments/motion_storm/tally.h"
 
-#include "scenes.h"
+#include "experiments/motion_storm/scenes.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 // experiments/motion_storm/tally.h — counts of results by kind of scene and integrator, faults; tables.
 #pragma once
 
-#include "judge.h"
+#include "experiments/motion_storm/judge.h"
 
 #include <cstdint>
 #include <map>

@@ -1,5 +1,5 @@
 // Scenes as TOML text: what scene_toml.h reads, written.
-#include "scenes.h"
+#include "experiments/motion_storm/scenes.h"
 
 #include <orthant/core/support/options.h>
 

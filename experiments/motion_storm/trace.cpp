@@ -1,4 +1,4 @@
-#include "trace.h"
+#include "experiments/motion_storm/trace.h"
 
 #include "experiments/support/isolated.h"
 

@@ -1,4 +1,4 @@
-#include "twin.h"
+#include "experiments/motion_storm/twin.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,11 +9,11 @@
 //   tolerances  when the finest error is at most 1e-6.
 // Nothing is left out: what does not pass says why.
 #include "experiments/museum/exhibit.h"
+#include "experiments/runs/manifest.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/fit_order.h"
 #include "experiments/support/isolated.h"
-#include "experiments/support/manifest.h"
 #include "experiments/support/progress.h"
 
 #include <orthant/core/support/file.h>

@@ -1,4 +1,4 @@
-#include "exact_judge.h"
+#include "experiments/storm/exact_judge.h"
 
 #include <orthant/core/support/options.h>
 

@@ -1,4 +1,4 @@
-#include "problems.h"
+#include "experiments/storm/problems.h"
 
 #include <orthant/core/lcp/problems/families.h>
 

@@ -1,4 +1,4 @@
-#include "shrink.h"
+#include "experiments/storm/shrink.h"
 
 #include <cmath>
 #include <vector>

@@ -1,6 +1,6 @@
-#include "storm.h"
+#include "experiments/storm/storm.h"
 
-#include "exact_judge.h"
+#include "experiments/storm/exact_judge.h"
 
 #include <orthant/core/lcp/judge/cells.h>
 #include <orthant/solvers/pivoting/enumerate.h>

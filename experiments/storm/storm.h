@@ -1,7 +1,7 @@
 // experiments/storm/storm.h — problems by the thousand through every solver, each verdict looked at again.
 #pragma once
 
-#include "problems.h"
+#include "experiments/storm/problems.h"
 
 #include <array>
 #include <map>

@@ -1,6 +1,6 @@
-#include "lcp_cases.h"
+#include "experiments/support/lcp_cases.h"
 
-#include "problem_file.h"
+#include "experiments/runs/problem_file.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>

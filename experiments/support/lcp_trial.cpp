@@ -1,7 +1,7 @@
-#include "lcp_trial.h"
+#include "experiments/support/lcp_trial.h"
 
 #include "experiments/benchmarks/clock.h"
-#include "independent_judge.h"
+#include "experiments/support/independent_judge.h"
 
 #include <orthant/core/lcp/judge/cells.h>
 #include <orthant/solvers/registry.h>

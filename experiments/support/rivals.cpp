@@ -1,6 +1,6 @@
-#include "rivals.h"
+#include "experiments/support/rivals.h"
 
-#include "independent_judge.h"
+#include "experiments/support/independent_judge.h"
 
 #include <orthant/core/lcp/pyramid.h>
 

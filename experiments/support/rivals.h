@@ -6,7 +6,7 @@
 //   linked; the drivers and how they are built: experiments/benchmarks.
 #pragma once
 
-#include "lcp_trial.h"
+#include "experiments/support/lcp_trial.h"
 
 #include <filesystem>
 #include <vector>
