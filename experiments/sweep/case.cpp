@@ -2,9 +2,9 @@
 
 #include "experiments/sweep/drift.h"
 
-#include "experiments/benchmarks/clock.h"
 #include "experiments/runs/manifest.h"
 #include "experiments/runs/trajectory.h"
+#include "experiments/support/clock.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>
