@@ -1,12 +1,12 @@
 // Verdict storm: random problems of every kind by every solver, each verdict checked in exact arithmetic.
 //
-//   build/release/experiments/verdict_storm --output results/verdict_storm   10⁶ problems in 3 h of a core; resumes
-//   build/release/experiments/verdict_storm --output results/verdict_storm --problems 5000 a share
+//   build/release/experiments/verdict_storm                 10⁶ problems in 3 h of a core; resumes
+//   build/release/experiments/verdict_storm --problems 5000 a share
 //   build/release/experiments/verdict_storm --only 123456   one problem, by its number
 //
-// Writes into the output folder: chunks.jsonl (one line a finished chunk; a run that was killed
-// computes only what is missing), verdict_storm.csv (kind × solver: how often which outcome), fault_*.json (each fault's
-// problem, shrunk, for orthant replay).
+// Files in the output folder: chunks.jsonl (one line per finished chunk; a killed run resumes),
+// verdict_storm.csv (counts of outcomes by kind and solver), fault_*.json (each fault's problem, reduced, for orthant
+// replay).
 // Crashes and endless loops end a process of their own. Exit code 3 when there is a fault.
 #include "experiments/studies/verdict_storm/shrink.h"
 #include "experiments/studies/verdict_storm/verdicts.h"

@@ -1,4 +1,4 @@
-// experiments/studies/motion_storm/maker.h — random bodies, joints and contacts: the parts of which random mechanisms are made.
+// experiments/studies/motion_storm/maker.h — random bodies, joints and contacts for random mechanisms.
 #pragma once
 
 #include <orthant/core/lcp/problems/collection.h>

@@ -1,5 +1,5 @@
-// experiments/studies/motion_storm/measure.h — gaps, joint residuals and energy of recorded states, by code that shares nothing
-// with the kinds of core/mechanics but their fields.
+// experiments/studies/motion_storm/measure.h — gaps, joint residuals and energy of recorded states, without the
+// library's contacts and joints: only their fields are shared.
 //
 //   Gap of two convex polygons: the largest, over the faces of both, of the least distance of the other's corners
 //   beyond that face (separating axis). Negative: the least way out. Positive: at most their distance.

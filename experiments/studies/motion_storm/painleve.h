@@ -1,4 +1,4 @@
-// experiments/studies/motion_storm/painleve.h — Painlevé's paradox, and impacts without a solution: whether a state has them.
+// experiments/studies/motion_storm/painleve.h — test for Painlevé's paradox and for impacts without a solution.
 //
 //   A = J P Jᵀ, P = M⁻¹ − M⁻¹Gᵀ(G M⁻¹Gᵀ)⁺G M⁻¹: what forces at the closed contacts do to their accelerations where the
 //   joints hold (⁺: by eigenvalues, dependent rows left out). Contacts that slide with σ_j = ±1, or stick (0):

@@ -1,4 +1,4 @@
-// experiments/studies/motion_storm/twin.h — metamorphic twins: the same scene mirrored, turned, moved, in other units or order.
+// experiments/studies/motion_storm/twin.h — metamorphic twins: a scene mirrored, turned, moved, in other units.
 //
 //   World points:  x' = λ (R(φ) D x + d),  D = diag(m, 1);  angles  θ' = m θ + φ;  t' = τ t;  masses times κ.
 //   Points in bodies:  p' = λ D p.  m = −1: mirrored, then tangents turn round: a belt's speed changes its sign.

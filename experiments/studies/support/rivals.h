@@ -1,4 +1,4 @@
-// experiments/studies/support/rivals.h — rival programs: other people's solvers and simulators, each in its own process.
+// experiments/studies/support/rivals.h — rival programs: solvers and simulators of others, a process each.
 //
 //   A rival is an executable that, called without arguments, prints a line for each of its methods: the name, then what
 //   it takes. One that cannot be had is an executable that fails with words: it stays in the tables, as absent.

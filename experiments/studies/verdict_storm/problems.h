@@ -1,4 +1,4 @@
-// experiments/studies/verdict_storm/problems.h — random problems of every kind that solvers have been wrong on, n = 1 … 40.
+// experiments/studies/verdict_storm/problems.h — random problems of every kind on which solvers failed, n = 1 … 40.
 //
 //   Problem k of a seed is the same on every machine and does not depend on the others. Small n are more frequent;
 //   dense and sparse storage take turns. Where an answer is known by construction it comes along.

@@ -1,4 +1,4 @@
-// experiments/studies/verdict_storm/verdicts.h — problems by the thousand through every solver, each verdict looked at again.
+// experiments/studies/verdict_storm/verdicts.h — verdicts of every solver on thousands of problems, checked again.
 #pragma once
 
 #include "experiments/studies/verdict_storm/problems.h"
