@@ -1,4 +1,4 @@
-// experiments/studies/motion_storm/judge.h — one random scene by every integrator, each motion judged by independent code.
+// experiments/studies/motion_storm/judge.h — a random scene by every integrator, judged by independent code.
 //
 //   A run that ends `solved` is at fault when
 //     nan           a number in it is not finite

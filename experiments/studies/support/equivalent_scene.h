@@ -1,5 +1,5 @@
-// experiments/studies/support/equivalent_scene.h — equivalent scenes: in another order, place or unit, mirrored. For scenes
-// whose joints are Revolute and whose contacts are CornerWall.
+// experiments/studies/support/equivalent_scene.h — equivalent scenes: in another order, place or unit, mirrored.
+// For scenes whose joints are Revolute and whose contacts are CornerWall.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>
