@@ -1,8 +1,8 @@
 // orthant analyse — what kind of matrix a problem has, so that a method can be chosen.
-#include "commands.h"
-#include "problem_arguments.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/problem_arguments.h"
 
-#include "../support/status_line.h"
+#include "experiments/support/status_line.h"
 
 #include <orthant/core/lcp/judge/analyse.h>
 #include <orthant/solvers/budget.h>

@@ -1,7 +1,7 @@
 // orthant check — a scene explained before it is run.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../support/scene_account.h"
+#include "experiments/runs/scene_account.h"
 
 #include <orthant/core/scenes/registry.h>
 

@@ -1,13 +1,13 @@
 // orthant — the command line over the libraries. Each subcommand is one file here.
-#include "command.h"
+#include "experiments/cli/command.h"
 
-#include "commands.h"
-#include "error_object.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/error_object.h"
 
-#include "../support/help_text.h"
-#include "../support/manifest.h"
-#include "../support/plugin.h"
-#include "../support/printable.h"
+#include "experiments/runs/manifest.h"
+#include "experiments/support/help_text.h"
+#include "experiments/support/plugin.h"
+#include "experiments/support/printable.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/proof/farkas_simplex.h>

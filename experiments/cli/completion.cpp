@@ -1,10 +1,10 @@
 // orthant completion — completion of subcommands, options, and names of solvers, integrators and scenes; manual pages.
 //   bash, zsh:  source <(orthant completion)           fish:  orthant completion fish | source
-#include "commands.h"
-#include "output_schemas.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/output_schemas.h"
 
-#include "../support/manifest.h"
-#include "../support/manual.h"
+#include "experiments/runs/manifest.h"
+#include "experiments/support/manual.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>

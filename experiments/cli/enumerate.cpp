@@ -1,8 +1,8 @@
 // orthant enumerate — every solution of a small problem, exactly.
-#include "commands.h"
-#include "problem_arguments.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/problem_arguments.h"
 
-#include "../support/status_line.h"
+#include "experiments/support/status_line.h"
 
 #include <orthant/solvers/pivoting/enumerate.h>
 

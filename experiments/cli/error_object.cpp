@@ -1,4 +1,4 @@
-#include "error_object.h"
+#include "experiments/cli/error_object.h"
 
 #include <nlohmann/json.hpp>
 

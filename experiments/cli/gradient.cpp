@@ -1,8 +1,8 @@
 // orthant gradient SCENE — derivatives of a run's last state with respect to parameters of the scene and the start.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../support/run_gradient.h"
-#include "../support/stop_signal.h"
+#include "experiments/runs/run_gradient.h"
+#include "experiments/support/stop_signal.h"
 
 #include <orthant/solvers/registry.h>
 

@@ -1,5 +1,5 @@
 // orthant import — a model in URDF or MJCF as a scene file, commented, with a list of what was not taken.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
 #include <orthant/core/mechanics/models/import.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>

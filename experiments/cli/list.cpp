@@ -2,7 +2,7 @@
 //   --json the same for programs; --markdown prints the tables of experiments/README.md (solvers), of
 //   experiments/docs/choose_integrator.md (integrators) and of experiments/docs/statuses.md (summary), which tests
 //   compare.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>

@@ -1,4 +1,4 @@
 // orthant — the program. What it does: command.cpp.
-#include "command.h"
+#include "experiments/cli/command.h"
 
 int main(int argc, char** argv) { return orthant::run_command(argc, argv); }

@@ -1,5 +1,5 @@
 // orthant new — a scene file to begin with, commented.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
 #include <orthant/core/support/file.h>
 

@@ -1,4 +1,4 @@
-#include "output_schemas.h"
+#include "experiments/cli/output_schemas.h"
 
 #include <orthant/core/lcp/solution.h>
 #include <orthant/integrators/capabilities.h>

@@ -1,6 +1,6 @@
-#include "problem_arguments.h"
+#include "experiments/cli/problem_arguments.h"
 
-#include "../support/problem_file.h"
+#include "experiments/runs/problem_file.h"
 
 #include <orthant/core/lcp/files/io.h>
 

@@ -1,8 +1,8 @@
 // orthant replay — one problem, such as that of a failed step, by every solver: who solves it, how well, how fast?
-#include "commands.h"
-#include "problem_arguments.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/problem_arguments.h"
 
-#include "../support/status_line.h"
+#include "experiments/support/status_line.h"
 
 #include <orthant/solvers/registry.h>
 

@@ -1,8 +1,8 @@
 // orthant report — results of sweeps as one HTML page.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../report/report.h"
-#include "../support/status_line.h"
+#include "experiments/report/report.h"
+#include "experiments/support/status_line.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/shortened.h>

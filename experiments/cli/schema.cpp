@@ -1,7 +1,7 @@
 // orthant schema — JSON Schema of scene files, and of the JSON that commands print.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "output_schemas.h"
+#include "experiments/cli/output_schemas.h"
 
 #include <orthant/core/mechanics/scene/scene_schema.h>
 

@@ -1,15 +1,15 @@
 // orthant simulate SCENE — one run: a trajectory as CSV, a summary for people or as JSON.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../support/check.h"
-#include "../support/checkpoint.h"
-#include "../support/event_table.h"
-#include "../support/manifest.h"
-#include "../support/status_line.h"
-#include "../support/stop_signal.h"
-#include "../support/trajectory.h"
-#include "../support/trajectory_files.h"
-#include "../support/warnings.h"
+#include "experiments/runs/check.h"
+#include "experiments/runs/checkpoint.h"
+#include "experiments/runs/event_table.h"
+#include "experiments/runs/manifest.h"
+#include "experiments/runs/trajectory.h"
+#include "experiments/runs/trajectory_files.h"
+#include "experiments/runs/warnings.h"
+#include "experiments/support/status_line.h"
+#include "experiments/support/stop_signal.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>

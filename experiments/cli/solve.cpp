@@ -1,8 +1,8 @@
 // orthant solve — one problem from files: Matrix Market, JSON or FCLIB.
-#include "commands.h"
-#include "problem_arguments.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/problem_arguments.h"
 
-#include "../support/status_line.h"
+#include "experiments/support/status_line.h"
 
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>

@@ -1,8 +1,8 @@
 // orthant sweep — many runs from one file, into one SQLite file; orthant results — what is in there.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../sweep/analysis.h"
-#include "../sweep/run.h"
+#include "experiments/sweep/analysis.h"
+#include "experiments/sweep/run.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
@@ -205,7 +205,7 @@ int run_results(ResultsArguments a) {
 void add_sweep(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SweepArguments>();
   CLI::App* command = app.add_subcommand("sweep", "Run a sweep: many runs of one scene, described by one file");
-  command->add_option("file", arguments->file, "TOML file, see experiments/*.sweep.toml")->required();
+  command->add_option("file", arguments->file, "TOML file, see experiments/studies/*.sweep.toml")->required();
   command->add_option("--results", arguments->results, "SQLite file; default: results/NAME.sqlite");
   command->add_option("--jobs", arguments->jobs, "cases at a time; 0: one a core")
       ->capture_default_str()
@@ -220,7 +220,7 @@ void add_sweep(CLI::App& app, int& exit_code) {
   command->footer(
       "Exit codes: 0 done, whatever the cases' statuses, 1 bad input.\n"
       "Examples:\n"
-      "  orthant sweep experiments/slider_crank.sweep.toml --quick\n"
+      "  orthant sweep experiments/studies/slider_crank.sweep.toml --quick\n"
       "  orthant sweep mine.sweep.toml --results mine.sqlite --jobs 4 --json");
   command->callback([arguments, &exit_code] { exit_code = run_sweep(*arguments); });
 }

@@ -1,14 +1,14 @@
 // orthant view — one run as one HTML page: of a scene, which is run, or of a trajectory file.
-#include "commands.h"
+#include "experiments/cli/commands.h"
 
-#include "../report/view.h"
-#include "../support/drawing.h"
-#include "../support/event_table.h"
-#include "../support/page_server.h"
-#include "../support/printable.h"
-#include "../support/status_line.h"
-#include "../support/stop_signal.h"
-#include "../support/trajectory.h"
+#include "experiments/report/view.h"
+#include "experiments/runs/drawing.h"
+#include "experiments/runs/event_table.h"
+#include "experiments/runs/trajectory.h"
+#include "experiments/support/page_server.h"
+#include "experiments/support/printable.h"
+#include "experiments/support/status_line.h"
+#include "experiments/support/stop_signal.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/file.h>

@@ -1,4 +1,4 @@
-#include "arrays.h"
+#include "experiments/python/arrays.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "custom_elements.h"
+#include "experiments/python/custom_elements.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>

@@ -1,6 +1,6 @@
 // Integrators written in Python: function(step) gives the state at the end of a step.
-#include "arrays.h"
-#include "module.h"
+#include "experiments/python/arrays.h"
+#include "experiments/python/module.h"
 
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/integrators/between_events/substitute.h>

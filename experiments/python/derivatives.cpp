@@ -1,9 +1,9 @@
 // Derivatives of solutions: orthant._Sensitivity, wrapped by orthant/_derivatives.py.
-#include "arrays.h"
-#include "interrupt.h"
-#include "module.h"
+#include "experiments/python/arrays.h"
+#include "experiments/python/interrupt.h"
+#include "experiments/python/module.h"
 
-#include "../support/run_gradient.h"
+#include "experiments/runs/run_gradient.h"
 
 #include <orthant/solvers/derivatives/sensitivity.h>
 #include <orthant/solvers/registry.h>

@@ -1,4 +1,4 @@
-#include "interrupt.h"
+#include "experiments/python/interrupt.h"
 
 #include <pybind11/pybind11.h>
 

@@ -1,19 +1,19 @@
 // Scenes come as TOML text, the one format; runs go out as one table.
-#include "arrays.h"
-#include "custom_elements.h"
-#include "interrupt.h"
-#include "module.h"
+#include "experiments/python/arrays.h"
+#include "experiments/python/custom_elements.h"
+#include "experiments/python/interrupt.h"
+#include "experiments/python/module.h"
 
-#include "../report/parts.h"
-#include "../report/view.h"
-#include "../support/check.h"
-#include "../support/drawing.h"
-#include "../support/event_table.h"
-#include "../support/pushes.h"
-#include "../support/solids.h"
-#include "../support/trajectory.h"
-#include "../support/trajectory_files.h"
-#include "../support/warnings.h"
+#include "experiments/report/parts.h"
+#include "experiments/report/view.h"
+#include "experiments/runs/check.h"
+#include "experiments/runs/drawing.h"
+#include "experiments/runs/event_table.h"
+#include "experiments/runs/pushes.h"
+#include "experiments/runs/solids.h"
+#include "experiments/runs/trajectory.h"
+#include "experiments/runs/trajectory_files.h"
+#include "experiments/runs/warnings.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>

@@ -1,5 +1,5 @@
 // Models in URDF and MJCF as scene files.
-#include "module.h"
+#include "experiments/python/module.h"
 
 #include <orthant/core/mechanics/models/import.h>
 

@@ -1,7 +1,7 @@
-#include "module.h"
+#include "experiments/python/module.h"
 
-#include "../cli/command.h"
-#include "../support/printable.h"
+#include "experiments/cli/command.h"
+#include "experiments/support/printable.h"
 #include "orthant_build.h"
 
 #include <pybind11/stl.h>

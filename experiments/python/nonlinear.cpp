@@ -1,8 +1,8 @@
 // Problems given by callbacks, which run under the interpreter's lock; games of two players.
-#include "arrays.h"
-#include "interrupt.h"
-#include "module.h"
-#include "pickle.h"
+#include "experiments/python/arrays.h"
+#include "experiments/python/interrupt.h"
+#include "experiments/python/module.h"
+#include "experiments/python/pickle.h"
 
 #include <orthant/core/support/options.h>
 #include <orthant/solvers/pivoting/extreme_equilibria.h>

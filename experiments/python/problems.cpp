@@ -1,10 +1,10 @@
 // Linear problems: what the caller gives is read into the solver's own memory, solved without the interpreter's lock.
-#include "arrays.h"
-#include "interrupt.h"
-#include "module.h"
-#include "pickle.h"
+#include "experiments/python/arrays.h"
+#include "experiments/python/interrupt.h"
+#include "experiments/python/module.h"
+#include "experiments/python/pickle.h"
 
-#include "../support/problem_file.h"
+#include "experiments/runs/problem_file.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/lcp/files/io_fclib.h>

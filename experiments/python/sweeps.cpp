@@ -1,7 +1,7 @@
 // Sweeps from Python: the same files, cases and results as those of `orthant sweep`.
-#include "module.h"
+#include "experiments/python/module.h"
 
-#include "../sweep/run.h"
+#include "experiments/sweep/run.h"
 
 #include <orthant/core/support/options.h>
 

@@ -1,4 +1,4 @@
-#include "parts.h"
+#include "experiments/report/parts.h"
 
 #include <orthant/core/support/file.h>
 

@@ -1,9 +1,9 @@
-#include "report.h"
+#include "experiments/report/report.h"
 
 #include "experiments/report/parts.h"
-#include "experiments/support/drawing.h"
-#include "experiments/support/event_table.h"
-#include "experiments/support/trajectory.h"
+#include "experiments/runs/drawing.h"
+#include "experiments/runs/event_table.h"
+#include "experiments/runs/trajectory.h"
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/page.h"
 

@@ -1,6 +1,6 @@
-#include "view.h"
+#include "experiments/report/view.h"
 
-#include "parts.h"
+#include "experiments/report/parts.h"
 
 #include <algorithm>
 #include <cmath>

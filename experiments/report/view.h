@@ -7,7 +7,7 @@
 //         by frame, the strongest
 #pragma once
 
-#include "experiments/support/recorded_run.h"
+#include "experiments/runs/recorded_run.h"
 
 #include <orthant/core/mechanics/scene/scene.h>
 

@@ -4,7 +4,7 @@ Each worker runs `orthant sweep FILE --case KEY`, so it needs the same build and
 folder that all machines share). Rows are kept here, as they come: a worker that dies costs the case that it had, which another
 one gets; stopped here and started again, what is missing is done. Timed cases are timed on workers as busy as they are.
 
-    sweep_dask.py experiments/slider_crank.sweep.toml --results OUT.sqlite [--scheduler tcp://host:8786] [--quick]
+    sweep_dask.py experiments/studies/slider_crank.sweep.toml --results OUT.sqlite [--scheduler tcp://host:8786] [--quick]
 """
 import argparse
 import subprocess

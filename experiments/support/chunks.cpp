@@ -1,7 +1,7 @@
-#include "chunks.h"
+#include "experiments/support/chunks.h"
 
-#include "manifest.h"
-#include "progress.h"
+#include "experiments/runs/manifest.h"
+#include "experiments/support/progress.h"
 
 #include <orthant/core/support/file.h>
 

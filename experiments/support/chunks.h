@@ -4,7 +4,7 @@
 //   kill cut off is dropped. A chunk whose process does not come back is done again by the caller, case by case.
 #pragma once
 
-#include "isolated.h"
+#include "experiments/support/isolated.h"
 
 #include <cstdint>
 #include <filesystem>

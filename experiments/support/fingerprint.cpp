@@ -1,6 +1,6 @@
 #include "experiments/support/fingerprint.h"
 
-#include "experiments/support/manifest.h"
+#include "experiments/runs/manifest.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/support/hash.h>

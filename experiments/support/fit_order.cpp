@@ -1,4 +1,4 @@
-#include "fit_order.h"
+#include "experiments/support/fit_order.h"
 
 #include <algorithm>
 #include <cmath>

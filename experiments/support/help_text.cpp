@@ -1,4 +1,4 @@
-#include "help_text.h"
+#include "experiments/support/help_text.h"
 
 #include <sys/ioctl.h>
 #include <unistd.h>

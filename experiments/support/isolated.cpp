@@ -1,4 +1,4 @@
-#include "isolated.h"
+#include "experiments/support/isolated.h"
 
 #include <poll.h>
 #include <sys/prctl.h>

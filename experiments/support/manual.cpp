@@ -1,4 +1,4 @@
-#include "manual.h"
+#include "experiments/support/manual.h"
 
 #include <algorithm>
 #include <sstream>

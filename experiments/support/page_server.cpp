@@ -1,6 +1,6 @@
-#include "page_server.h"
+#include "experiments/support/page_server.h"
 
-#include "stop_signal.h"
+#include "experiments/support/stop_signal.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

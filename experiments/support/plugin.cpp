@@ -1,4 +1,4 @@
-#include "plugin.h"
+#include "experiments/support/plugin.h"
 
 #include <dlfcn.h>
 

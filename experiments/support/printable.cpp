@@ -1,4 +1,4 @@
-#include "printable.h"
+#include "experiments/support/printable.h"
 
 #include <array>
 #include <cstdio>

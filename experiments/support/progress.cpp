@@ -1,4 +1,4 @@
-#include "progress.h"
+#include "experiments/support/progress.h"
 
 #include <unistd.h>
 

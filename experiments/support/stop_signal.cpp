@@ -1,4 +1,4 @@
-#include "stop_signal.h"
+#include "experiments/support/stop_signal.h"
 
 namespace orthant {
 namespace {

@@ -1,4 +1,4 @@
-#include "analysis.h"
+#include "experiments/sweep/analysis.h"
 
 #include "experiments/support/fit_order.h"
 

@@ -1,7 +1,7 @@
 // experiments/sweep/analysis.h — analysis of a sweep: orders of convergence, the time that an error takes.
 #pragma once
 
-#include "case.h"
+#include "experiments/sweep/case.h"
 
 #include <orthant/core/lcp/problem.h>
 

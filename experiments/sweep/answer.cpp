@@ -1,5 +1,5 @@
 // The answer of a sweep in two sentences: how its runs ended and how errors fall; what that means.
-#include "analysis.h"
+#include "experiments/sweep/analysis.h"
 
 #include <orthant/core/support/options.h>
 

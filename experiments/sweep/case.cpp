@@ -1,10 +1,10 @@
-#include "case.h"
+#include "experiments/sweep/case.h"
 
-#include "drift.h"
+#include "experiments/sweep/drift.h"
 
-#include "experiments/benchmarks/clock.h"
-#include "experiments/support/manifest.h"
-#include "experiments/support/trajectory.h"
+#include "experiments/runs/manifest.h"
+#include "experiments/runs/trajectory.h"
+#include "experiments/support/clock.h"
 
 #include <orthant/core/lcp/files/io.h>
 #include <orthant/core/scenes/registry.h>

@@ -1,4 +1,4 @@
-#include "drift.h"
+#include "experiments/sweep/drift.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "page.h"
+#include "experiments/sweep/page.h"
 
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>

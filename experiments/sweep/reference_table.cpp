@@ -1,4 +1,4 @@
-#include "reference_table.h"
+#include "experiments/sweep/reference_table.h"
 
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>

@@ -6,7 +6,7 @@
 //   are comments.
 #pragma once
 
-#include "case.h"
+#include "experiments/sweep/case.h"
 
 #include <filesystem>
 

@@ -1,6 +1,6 @@
-#include "results.h"
+#include "experiments/sweep/results.h"
 
-#include "experiments/support/manifest.h"
+#include "experiments/runs/manifest.h"
 
 #include <orthant/core/support/shortened.h>
 #include <orthant/integrators/run_fields.h>

@@ -8,7 +8,7 @@
 // Source of the guarantees: https://sqlite.org/wal.html, https://sqlite.org/atomiccommit.html. Not on network drives.
 #pragma once
 
-#include "sweep.h"
+#include "experiments/sweep/sweep.h"
 
 #include <filesystem>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "run.h"
+#include "experiments/sweep/run.h"
 
 #include "experiments/support/isolated.h"
 #include "experiments/support/progress.h"

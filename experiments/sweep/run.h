@@ -5,7 +5,7 @@
 //   done by one of them, and they end when all are done.
 #pragma once
 
-#include "results.h"
+#include "experiments/sweep/results.h"
 
 namespace orthant {
 

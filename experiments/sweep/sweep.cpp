@@ -1,9 +1,9 @@
-#include "sweep.h"
+#include "experiments/sweep/sweep.h"
 
-#include "page.h"
-#include "reference_table.h"
+#include "experiments/sweep/page.h"
+#include "experiments/sweep/reference_table.h"
 
-#include "experiments/support/trajectory.h"
+#include "experiments/runs/trajectory.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>

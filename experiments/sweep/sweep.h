@@ -28,7 +28,7 @@
 // Everything wrong throws std::invalid_argument naming file, key, value and rule.
 #pragma once
 
-#include "case.h"
+#include "experiments/sweep/case.h"
 
 #include <filesystem>
 

@@ -17,7 +17,7 @@ from pathlib import Path
 PAPER = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(PAPER / "scripts"))
 from tables import files  # noqa: E402
-from reduce import EXPERIMENTS, fingerprint  # noqa: E402
+from reduce import STUDIES, fingerprint  # noqa: E402
 
 # Commands whose arguments are names, not text; and lengths and column widths.
 NAMES = re.compile(r"\\(?:R|input|ref|eqref|label|includegraphics|begin|end|citep|citet|cite|bibliography|bibliographystyle|"
@@ -83,7 +83,7 @@ def problems():
     commands = (PAPER / "results").read_text().split("\n")
     for path in sorted((PAPER / "data").glob("*.about.json")):
         about, study = json.loads(path.read_text()), path.name.split(".")[0]
-        sweep = (EXPERIMENTS / f"{study}.sweep.toml").exists()
+        sweep = (STUDIES / f"{study}.sweep.toml").exists()
         if about.get("asked") != fingerprint(study) if sweep else about["command"] not in commands:
             yield f"data/{path.name}: the study has changed since: run paper/results"
     cited = {key.strip() for keys in re.findall(r"\\cite[pt]?(?:\[[^\]]*\])?\{([^}]+)\}", whole) for key in keys.split(",")}

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 from critical import least
 from data import PAPER, load, pick, rows, solved
 
-sys.path.insert(0, str(PAPER.parent / "experiments/scripts"))
+sys.path.insert(0, str(PAPER.parent / "experiments/studies/plots"))
 from plot_friction import COLOURS, draw_modes  # noqa: E402
 from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, STYLE  # noqa: E402
 

@@ -11,7 +11,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
+STUDIES = Path(__file__).resolve().parents[2] / "experiments/studies"
 COLUMNS = {
     "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds slowest "
                     "max_lcp_residual max_joint_residual",
@@ -34,7 +34,7 @@ def rounded(text, digits=5):
 
 def fingerprint(study):
     """Of what the study's file asks for; what its report shows does not matter."""
-    text = (EXPERIMENTS / f"{study}.sweep.toml").read_text()
+    text = (STUDIES / f"{study}.sweep.toml").read_text()
     asked = re.split(r"^\[\[(?:animation|figure)\]\]", text, flags=re.M)[0]
     return hashlib.sha256(asked.encode()).hexdigest()[:16]
 

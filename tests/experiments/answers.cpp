@@ -1,7 +1,7 @@
 // Reports: the effect of a parameter that is followed, who converges slowest, outlines, events; and the
 // references of a sweep that are numbers or tables.
 #include "experiments/report/report.h"
-#include "experiments/support/outlines.h"
+#include "experiments/runs/outlines.h"
 #include "experiments/sweep/analysis.h"
 #include "experiments/sweep/sweep.h"
 

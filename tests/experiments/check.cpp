@@ -1,5 +1,5 @@
 // --check claims no more digits than are true: against scenes with exact answers, by every integrator.
-#include "experiments/support/check.h"
+#include "experiments/runs/check.h"
 #include "tests/support/runs.h"
 
 #include <orthant/core/scenes/bouncing_ball.h>

@@ -88,7 +88,7 @@ class Page:
                     self.environment[name] = self.bash(f'echo "{value}"').stdout.strip()
                 continue
             self.run_count += 1
-            done = self.bash(f"{ROOT}/{command}" if command.startswith("experiments/scripts/plot_") else command)
+            done = self.bash(f"{ROOT}/{command}" if command.startswith("experiments/studies/plots/plot_") else command)
             if done.returncode != 0:
                 self.fail(line, f"$ {command}\nended with {done.returncode}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
             elif expected and not matches(done.stdout, expected):
@@ -166,7 +166,7 @@ class Page:
         self.build_programs(text)
         for number, line in enumerate(text.splitlines(), 1):
             if match := re.match(r"    (?:build/release/(orthant (?:simulate slider_crank|simulate door|list).*)|"
-                                 r"(experiments/scripts/plot_run.py .*))", line):
+                                 r"(experiments/studies/plots/plot_run.py .*))", line):
                 self.run_count += 1
                 done = self.bash(match[1].split("  #")[0] if match[1] else f"{ROOT}/{match[2]}")
                 if done.returncode != 0:

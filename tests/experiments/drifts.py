@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-SCENES = Path(__file__).resolve().parents[2] / "experiments/scenes"
+SCENES = Path(__file__).resolve().parents[2] / "experiments/studies/scenes"
 SWEEP = f"""
 [[grid]]
 scene = "{SCENES}/floating_box.toml"

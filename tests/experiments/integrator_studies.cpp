@@ -49,7 +49,7 @@ TEST_CASE("work_precision: a row an integrator; adaptive and event-driven reach 
     MESSAGE("no matplotlib: pictures not tested");
     return;
   }
-  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_SCRIPTS "/plot_work_precision.py' out");
+  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_PLOTS "/plot_work_precision.py' out");
   CAPTURE(drawn.err);
   CHECK(drawn.exit_code == 0);
   CHECK(std::filesystem::file_size(folder.path / "out/work_precision.png") > 10000);

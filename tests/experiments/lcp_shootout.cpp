@@ -1,7 +1,7 @@
 // The solver comparison: its table, its judge, what becomes of work that crashes or never ends, its pictures.
+#include "experiments/studies/support/lcp_trial.h"
+#include "experiments/studies/support/solver_table.h"
 #include "experiments/support/isolated.h"
-#include "experiments/support/lcp_trial.h"
-#include "experiments/support/solver_table.h"
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -160,7 +160,7 @@ TEST_CASE("lcp_shootout: a row per case, certified where answers are known, pict
     MESSAGE("no matplotlib: pictures not tested");
     return;
   }
-  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_SCRIPTS "/plot_lcp_shootout.py' out");
+  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_PLOTS "/plot_lcp_shootout.py' out");
   CAPTURE(drawn.err);
   CHECK(drawn.exit_code == 0);
   for (const char* name : {"performance_profiles", "work_precision", "certified_share"})
@@ -240,7 +240,7 @@ TEST_CASE("lcp_shootout: own files, Matrix Market among them, have a panel of th
         std::string::npos);
   CHECK(folder.shootout("--problems m.mtx+q3.mtx").err.find("q3.mtx: has 3 entries: must have 2") != std::string::npos);
   if (folder.run("/usr/bin/python3 -s -E -c 'import matplotlib'").exit_code != 0) return;
-  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_SCRIPTS "/plot_lcp_shootout.py' out");
+  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_PLOTS "/plot_lcp_shootout.py' out");
   CAPTURE(drawn.err);
   CHECK(drawn.exit_code == 0);
   CHECK(slurp(folder.path / "out/work_precision.svg").find("axes_7") != std::string::npos);

@@ -1,12 +1,12 @@
 // Storm of motions: its measures see what is wrong, twins and files are the same motion, a share of it runs.
-#include "experiments/motion_storm/examine.h"
-#include "experiments/motion_storm/judge.h"
-#include "experiments/motion_storm/painleve.h"
-#include "experiments/motion_storm/scenes.h"
-#include "experiments/motion_storm/shared_load.h"
-#include "experiments/motion_storm/shrink.h"
-#include "experiments/motion_storm/tally.h"
-#include "experiments/motion_storm/twin.h"
+#include "experiments/studies/motion_storm/examine.h"
+#include "experiments/studies/motion_storm/judge.h"
+#include "experiments/studies/motion_storm/painleve.h"
+#include "experiments/studies/motion_storm/scenes.h"
+#include "experiments/studies/motion_storm/shared_load.h"
+#include "experiments/studies/motion_storm/shrink.h"
+#include "experiments/studies/motion_storm/tally.h"
+#include "experiments/studies/motion_storm/twin.h"
 
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/mechanics/dynamics/terms.h>

@@ -1,6 +1,6 @@
 // Other people's solvers and simulators beside Orthant's: how they are asked and judged, by stand-ins written in shell
 // (none has to be installed); those that are there, whether their drivers still work.
-#include "experiments/support/rivals.h"
+#include "experiments/studies/support/rivals.h"
 
 #include <doctest/doctest.h>
 
@@ -134,7 +134,7 @@ TEST_CASE("peers: rivals are rows of both tables, and of the report and its pict
     MESSAGE("no matplotlib: pictures not tested");
     return;
   }
-  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_SCRIPTS "/plot_peers.py' out");
+  const Reply drawn = folder.run("/usr/bin/python3 -s -E '" ORTHANT_PLOTS "/plot_peers.py' out");
   CAPTURE(drawn.err);
   CHECK(drawn.exit_code == 0);
   const std::string report = slurp(folder.path / "out/report.md");

@@ -190,14 +190,15 @@ TEST_CASE("experiments/run NAME --help sets up and builds nothing") {
   std::filesystem::create_directories(folder / "experiments/benchmarks");
   for (const char* script : {"experiments/run", "experiments/benchmarks/peers"})
     std::filesystem::copy_file(std::string(ORTHANT_ROOT "/") + script, folder / script);
-  for (const std::string name : {"storm", "friction", "shootout", "docs", "peers", "determinism", "slider_crank"}) {
+  for (const std::string name :
+       {"verdict_storm", "friction", "shootout", "docs", "peers", "determinism", "slider_crank"}) {
     CAPTURE(name);
     const Reply a = folder.run("experiments/run " + name + " --quick --help");
     CHECK(a.exit_code == 0);
     CHECK(a.err.empty());
     CHECK(a.out.find(name) != std::string::npos);
   }
-  CHECK(folder.run("experiments/run --help").out.find("\nrun storm ") != std::string::npos);
+  CHECK(folder.run("experiments/run --help").out.find("\nrun verdict_storm ") != std::string::npos);
   CHECK(folder.run("experiments/run nosuch --help").exit_code == 1);
-  CHECK(folder.run("experiments/run storm").exit_code != 0);
+  CHECK(folder.run("experiments/run verdict_storm").exit_code != 0);
 }

@@ -1,6 +1,6 @@
 // Solids that scenes in space are drawn as: convex hulls, surfaces, shapes by contacts, joints and inertias.
-#include "experiments/support/solids.h"
-#include "experiments/support/drawing.h"
+#include "experiments/runs/solids.h"
+#include "experiments/runs/drawing.h"
 
 #include <doctest/doctest.h>
 

@@ -200,7 +200,7 @@ TEST_CASE("a case alone, as other programs ask for it, is the row of the sweep: 
 
 TEST_CASE("the project's own sweeps can be read, whole and quick") {
   const Sweeps folder;
-  const auto experiments = std::filesystem::path(ORTHANT_SCRIPTS).parent_path();
+  const auto experiments = std::filesystem::path(ORTHANT_PLOTS).parent_path();
   int found = 0;
   for (const auto& file : std::filesystem::directory_iterator(experiments)) {
     if (!file.path().filename().string().ends_with(".sweep.toml")) continue;

@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-spec = importlib.util.spec_from_file_location("tolerance", ROOT / "experiments/tolerance.py")
+spec = importlib.util.spec_from_file_location("tolerance", ROOT / "experiments/studies/tolerance.py")
 tolerance = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(tolerance)
 

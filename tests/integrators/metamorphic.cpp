@@ -1,6 +1,6 @@
 // The same motion told otherwise: every integrator has to give the same answer, as exactly as its arithmetic can.
 // Told on the slider-crank's first 20 ms: flight, an accumulation of impacts, sliding contact of two corners.
-#include "experiments/support/retold.h"
+#include "experiments/studies/support/equivalent_scene.h"
 #include "tests/support/runs.h"
 
 #include <doctest/doctest.h>

@@ -10,7 +10,7 @@
 #include <chrono>
 #include <thread>
 
-#include "experiments/benchmarks/clock.h"
+#include "experiments/support/clock.h"
 #include "tests/support/sanitized.h"
 
 using namespace orthant;

@@ -1,6 +1,6 @@
 // The problem families: who must solve all of a kind, judged apart from the solvers' own judge.
-#include "experiments/support/lcp_cases.h"
-#include "experiments/support/lcp_trial.h"
+#include "experiments/studies/support/lcp_cases.h"
+#include "experiments/studies/support/lcp_trial.h"
 
 #include <orthant/core/scenes/pile.h>
 #include <orthant/integrators/registry.h>

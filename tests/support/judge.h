@@ -1,4 +1,4 @@
 // tests/support/judge.h — the second judge, shared with the experiments.
 #pragma once
 
-#include "experiments/support/independent_judge.h"
+#include "experiments/studies/support/independent_judge.h"

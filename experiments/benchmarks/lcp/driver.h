@@ -4,7 +4,7 @@
 //   friction)
 //   DRIVER METHOD PROBLEM ANSWER TOLERANCE     solves
 //
-//   PROBLEM, binary, by experiments/support/rivals.cpp: int64 n, entries, frictions; int64 start[n + 1];
+//   PROBLEM, binary, by experiments/studies/support/rivals.cpp: int64 n, entries, frictions; int64 start[n + 1];
 //   int32 column[entries]; double value[entries], b[n], lo[n], hi[n]; int32 row[f], normal[f]; double mu[f];
 //   int32 rows[f], 2 of a disc.
 //   ANSWER, text: status, iterations, runs, seconds of a solve, a note to the end of the line; then z, a number a line.
@@ -13,7 +13,7 @@
 //   No part of Orthant is included: the rivals' headers would meet ours.
 #pragma once
 
-#include "../clock.h"
+#include "../../support/clock.h"
 
 #include <algorithm>
 #include <cmath>

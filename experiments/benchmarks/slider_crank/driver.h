@@ -6,7 +6,7 @@
 //   The scene: core/scenes/slider_crank.h. Timed is the loop over steps, processor time, once the model is built.
 #pragma once
 
-#include "../clock.h"
+#include "../../support/clock.h"
 
 #include <cmath>
 #include <cstdio>

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/benchmarks/clock.h"
+#include "experiments/support/clock.h"
 
 using namespace orthant;
 using exact::Rational;

@@ -1,5 +1,5 @@
 // Contacts that only the impulses of others close within a step: which ones join does not depend on the frame.
-#include "experiments/motion_storm/twin.h"
+#include "experiments/studies/motion_storm/twin.h"
 #include "tests/support/runs.h"
 
 #include <doctest/doctest.h>

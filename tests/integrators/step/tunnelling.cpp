@@ -1,5 +1,5 @@
 // Steps that are too long for what moves: bodies through each other, thrown out of each other, or one inside the other.
-#include "experiments/motion_storm/measure.h"
+#include "experiments/studies/motion_storm/measure.h"
 #include "tests/support/runs.h"
 
 #include <orthant/core/mechanics/planar/contact_sets.h>

@@ -1,0 +1,191 @@
+#include "experiments/runs/run_gradient.h"
+
+#include "experiments/runs/trajectory.h"
+
+#include <orthant/core/mechanics/scene/scene_toml.h>
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/support/options.h>
+#include <orthant/core/support/shortened.h>
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace orthant {
+namespace {
+
+[[noreturn]] void refuse_parameter(const std::string& key, const std::string& rule) {
+  throw std::invalid_argument("parameter '" + in_one_line(key) + "': " + rule);
+}
+
+std::string exactly(double x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", x);
+  return text;
+}
+
+/// "position[1]" → "position", 1; without a place −1.
+std::pair<std::string, int> split_place(const std::string& key) {
+  const auto open = key.rfind('[');
+  if (open == std::string::npos || key.back() != ']') return {key, -1};
+  int place = -1;
+  const char *from = key.data() + open + 1, *to = key.data() + key.size() - 1;
+  const auto [end, error] = std::from_chars(from, to, place);
+  if (error != std::errc() || end != to || place < 0 || place > 1000)
+    refuse_parameter(key, "must end with a place, such as [0]");
+  return {key.substr(0, open), place};
+}
+
+/// The node at a path of plain keys; null: there is none.
+const toml::node* node_at(const toml::table& root, std::string_view path) {
+  const auto dot = path.find('.');
+  const toml::node* node = root.get(path.substr(0, dot));
+  if (dot == std::string_view::npos || node == nullptr) return node;
+  return node->is_table() ? node_at(*node->as_table(), path.substr(dot + 1)) : nullptr;
+}
+
+/// The value's text, as --set or the scene has it; empty: neither does.
+std::string text_of_value(const SceneSource& source, const std::string& key) {
+  for (const std::string& set : source.sets)
+    if (set.starts_with(key + "=")) return set.substr(key.size() + 1);
+  if (!source.text && is_built_in(source.name)) {
+    for (const SceneEntry& entry : scenes())
+      if (entry.name == source.name)
+        for (const OptionEntry& option : entry.options())
+          if (option.name == key) return option.value;
+    return {};
+  }
+  const toml::table root = toml::parse(source.text ? *source.text : read_scene_text(source.name));  // it has been read
+  const toml::node* node = node_at(root, key);
+  if (node == nullptr) {  // KIND.NAME.KEY
+    const auto dot = key.find('.'), second = key.find('.', dot + 1);
+    if (dot == std::string::npos || second == std::string::npos) return {};
+    const toml::array* elements = root[key.substr(0, dot)].as_array();
+    const std::string name = key.substr(dot + 1, second - dot - 1);
+    for (std::size_t i = 0; elements != nullptr && i < elements->size(); ++i) {
+      const toml::table* element = (*elements)[i].as_table();
+      if (element == nullptr || (*element)["name"].value_or(std::string()) != name) continue;
+      node = node_at(*element, key.substr(second + 1));
+    }
+  }
+  if (node == nullptr) return {};
+  if (const auto number = node->value<double>()) return exactly(*number);
+  const toml::array* array = node->as_array();
+  if (array == nullptr) return {};
+  std::string text = "[";
+  for (const toml::node& entry : *array) {
+    const auto number = entry.value<double>();
+    if (!number) return {};
+    text += (text.size() > 1 ? ", " : "") + exactly(*number);
+  }
+  return text + "]";
+}
+
+std::vector<double> numbers_in(const std::string& text) {
+  std::vector<double> numbers;
+  const char *at = text.data(), *const end = at + text.size();
+  while (at < end) {
+    if (*at == '[' || *at == ']' || *at == ',' || *at == ' ' || *at == '+') {
+      ++at;
+      continue;
+    }
+    double number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return {};
+    numbers.push_back(number), at = next;
+  }
+  return numbers;
+}
+
+/// The place of "crank.theta" in q, or behind q in v; −1: there is none.
+Index place_of(const Scene& scene, const std::string& column) {
+  const std::vector<std::string> columns = body_columns(scene);
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) return -1;
+  const auto k = static_cast<Index>(found - columns.begin());
+  const Index body = k / 6, part = k % 6, dof = 3 * static_cast<Index>(scene.bodies.size());
+  return part < 3 ? 3 * body + part : dof + 3 * body + part - 3;
+}
+
+}  // namespace
+
+Scene SceneSource::make_with(const std::vector<std::string>& other_sets) const {
+  AnyScene made = text ? parse_any_scene(*text, other_sets, name) : make_any_scene(name, other_sets);
+  if (auto* planar = std::get_if<Scene>(&made)) return std::move(*planar);
+  throw std::invalid_argument("gradients: the scene must be planar");
+}
+
+RunParameter parameter_of(const SceneSource& source, const Scene& scene, const std::string& key) {
+  constexpr std::string_view kStart = "start.";
+  if (key.starts_with(kStart)) {
+    const Index place = place_of(scene, key.substr(kStart.size()));
+    if (place < 0) refuse_parameter(key, "must be start.BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega");
+    return {key, 0, {}, place};
+  }
+  const auto [name, place] = split_place(key);
+  const std::string text = text_of_value(source, name);
+  if (text.empty())
+    refuse_parameter(key, "the scene gives it no value: must be a key with a number, or given by KEY=VALUE");
+  std::vector<double> numbers = numbers_in(text);
+  const bool is_array = text.front() == '[';
+  if (numbers.empty() || is_array != (place >= 0) || place >= static_cast<int>(numbers.size()))
+    refuse_parameter(key,
+                     "is " + in_one_line(text) + ": must be a number, or an entry of an array by its place, KEY[0]");
+  const std::size_t entry = place < 0 ? 0 : static_cast<std::size_t>(place);
+  const auto scene_at = [source, name = name, numbers, entry, is_array](double x) {
+    std::vector<std::string> sets;
+    for (const std::string& set : source.sets)
+      if (!set.starts_with(name + "=")) sets.push_back(set);
+    std::string value = is_array ? "[" : "";
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      value += (i > 0 ? ", " : "") + exactly(i == entry ? x : numbers[i]);
+    sets.push_back(name + "=" + value + (is_array ? "]" : ""));
+    return source.make_with(sets);
+  };
+  return {key, numbers[entry], scene_at, -1};
+}
+
+GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
+                              const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
+                              const Clock& clock) {
+  const auto colon = integrator.find(':');
+  if (integrator.substr(0, colon) != MoreauJean::kName)
+    throw std::invalid_argument("gradients: the integrator is '" + std::string(integrator) + "': must be moreau-jean");
+  MoreauJeanOptions options;
+  if (colon != std::string_view::npos) set_options(options, integrator.substr(colon + 1));
+  const Scene scene = source.make();
+  std::vector<Index> places;
+  for (const std::string& column : of) {
+    places.push_back(place_of(scene, column));
+    if (places.back() < 0)
+      throw std::invalid_argument("column '" + in_one_line(column) +
+                                  "': must be BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega");
+  }
+  std::vector<RunParameter> parameters;
+  for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
+  const System system(scene);
+  GradientOfRun gradient;
+  long step = 0;
+  double last = -kInf;
+  const Index dof = system.dof();
+  const auto write = [&](const State& x, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv) {
+    gradient.t.push_back(last = x.t);
+    for (const Index k : places) {
+      gradient.value.push_back(k < dof ? x.q[k] : x.v[k - dof]);
+      for (Index j = 0; j < dq.cols(); ++j) gradient.by.push_back(k < dof ? dq(k, j) : dv(k - dof, j));
+    }
+  };
+  gradient.tangent = differentiate_run(system, parameters, options, solver, clock,
+                                       [&](const State& x, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv) {
+                                         if (step++ % clock.every == 0) write(x, dq, dv);
+                                       });
+  if (gradient.tangent.run.final.t != last && gradient.tangent.run.status == Status::solved)
+    write(gradient.tangent.run.final, gradient.tangent.q, gradient.tangent.v);
+  return gradient;
+}
+
+}  // namespace orthant

@@ -1,0 +1,43 @@
+// experiments/runs/run_gradient.h — gradient of a run's columns by names: of "crank.theta" by "mu", "body.rod.mass".
+//
+// A parameter is a key of --set with a number for a value: of a built-in scene one of its options, of a file a key path
+// ("contact.corner1.mu"), an entry of an array by its place ("body.rod.position[0]"). `start.BODY.COLUMN`, COLUMN of
+// x, y, theta, vx, vy, omega, is the body's initial coordinate or velocity.
+#pragma once
+
+#include <orthant/integrators/derivatives/run_tangent.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace orthant {
+
+/// What a planar scene is made of.
+struct SceneSource {
+  std::optional<std::string> text;  // TOML; none: `name` is a built-in scene or a file
+  std::string name;
+  std::vector<std::string> sets;
+
+  Scene make() const { return make_with(sets); }
+  Scene make_with(const std::vector<std::string>& other_sets) const;
+};
+
+/// Throws std::invalid_argument for a key that is no number of the scene, and names the rule.
+RunParameter parameter_of(const SceneSource& source, const Scene& scene, const std::string& key);
+
+struct GradientOfRun {
+  RunTangent tangent;
+  std::vector<double> t;      // of the rows
+  std::vector<double> value;  // rows × columns
+  std::vector<double> by;     // rows × columns × parameters
+};
+
+/// `of`: columns of bodies, "crank.theta"; integrator: "moreau-jean[:theta=…]"; a row every so many steps, the first
+/// and the last always.
+GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
+                              const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
+                              const Clock& clock);
+
+}  // namespace orthant

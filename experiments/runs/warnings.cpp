@@ -1,0 +1,210 @@
+#include "experiments/runs/warnings.h"
+
+#include <orthant/core/mechanics/dynamics/assemble.h>
+#include <orthant/core/mechanics/dynamics/broad_phase.h>
+#include <orthant/core/mechanics/dynamics/redundancy.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace orthant {
+namespace {
+
+template <class... Words> std::string words_of(const Words&... words) {
+  std::ostringstream text;
+  (text << ... << words);
+  return text.str();
+}
+
+bool along_an_angle(const Contact& contact) {
+  const auto* limit = std::get_if<Limit>(&contact);
+  return limit != nullptr && std::holds_alternative<Angle>(limit->of.kind());
+}
+
+template <class Scene> void add_energy(const Scene& scene, const Run& run, std::vector<std::string>& to) {
+  if (run.energy_rises == 0) return;
+  to.push_back(words_of("impacts raised the energy in ", run.energy_rises, run.energy_rises == 1 ? " step" : " steps",
+                        ", at most by ", run.max_energy_rise, " J at t = ", run.max_energy_rise_time, " s: ",
+                        scene.restitution == Restitution::newton
+                            ? "Newton's law with friction or several e can; restitution = \"poisson\" is safer there"
+                            : "friction with tangential restitution or several e can",
+                        "; so can steps in which bodies move as far as they are wide"));
+}
+
+template <class Scene> void add_passages(const Scene& scene, const Run& run, std::vector<std::string>& to) {
+  if (run.passages == 0) return;
+  const auto name = [&](BodyId body) {
+    return body < 0 ? "the ground" : "\"" + scene.bodies[static_cast<std::size_t>(body)].name + "\"";
+  };
+  const Passage& first = run.first_passage;
+  to.push_back(words_of("bodies passed through each other, unseen, in ", run.passages,
+                        run.passages == 1 ? " step" : " steps", ": first ", name(first.body), " and ",
+                        name(first.other), " at t = ", run.first_passage_time, " s, where the one moved ", first.moved,
+                        " m in a step and the thinner is ", first.width, " m wide: a smaller step sees them"));
+}
+
+void add_rounded(const Run& run, std::vector<std::string>& to) {
+  if (run.rounded_steps == 0) return;
+  to.push_back(words_of("the problems of ", run.rounded_steps, run.rounded_steps == 1 ? " step are" : " steps are",
+                        " rounded only: right for data that differ in their last digits, and no double is known to be "
+                        "better; first at t = ",
+                        run.first_rounded_time, " s: ", run.first_rounded,
+                        ". Smaller mass ratios help; rounded=stop ends the run instead"));
+}
+
+}  // namespace
+
+namespace {
+
+constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
+
+OffMost joint_off_most(const System& system, const State& x, const Terms& /*at_x*/) {
+  return off_most(system, x.t, x.q);
+}
+OffMost joint_off_most(const SystemOf<Spatial>& system, const State& /*x*/, const TermsOf<Spatial>& at_x) {
+  OffMost most;
+  const auto& joints = system.scene().joints;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    for (int row = system.first_row(i); row < system.first_row(i) + row_count(joints[i]); ++row)
+      if (const double off = std::abs(at_x.phi[row]); off > most.off)
+        most = {off, std::visit([](const auto& j) { return j.name; }, joints[i])};
+  return most;
+}
+
+bool limits_an_angle(const Contact& contact) { return along_an_angle(contact); }
+bool limits_an_angle(const spatial::Contact& contact) {
+  const auto* limit = std::get_if<spatial::Limit>(&contact);
+  return limit != nullptr && limit->of.angle();
+}
+
+template <class Space> std::vector<Remark> wrong_at_start(const SystemOf<Space>& system, const char* moved_onto) {
+  std::vector<Remark> remarks;
+  const State x = system.initial_state();
+  TermsOf<Space> terms(system);
+  set_poses(system, x.t, x.q, terms.at);
+  evaluate_joint_residual(system, terms);
+  evaluate_joint_rows(system, terms);
+  BroadPhaseOf<Space>(system).find(Eigen::VectorXd::Zero(system.dof()), terms);
+  evaluate_gaps(system, terms);
+  double rate = 0;
+  for (Index i = 0; i < terms.phi.size(); ++i) rate = std::max(rate, std::abs(terms.missing_rate(i, x.v)));
+  const auto warn = [&](const char* what, double size, const char* unit, const char* then) {
+    remarks.push_back({true, words_of("at the start ", what, " by ", size, " ", unit, ": ", then)});
+  };
+  if (const OffMost most = joint_off_most(system, x, terms); most.off > kSmall)
+    warn("joints are off", most.off, ("m or rad, \"" + most.joint + "\" most").c_str(), moved_onto);
+  if (rate > kSmall * (1 + x.v.template lpNorm<Eigen::Infinity>()))
+    warn("velocities break joints", rate, "m/s or rad/s", "they are changed to keep them");
+  Index deepest = 0;
+  if (const double deep = terms.gap.size() > 0 ? -terms.gap.minCoeff(&deepest) : 0; deep > kSmall) {
+    const bool listed = deepest < system.listed();
+    const bool turns = listed && limits_an_angle(system.scene().contacts[static_cast<std::size_t>(deepest)]);
+    warn("contacts penetrate", deep, turns ? "rad" : "m",
+         "moreau-jean leaves it, paoli-schatzman throws them apart, the others differ");
+  }
+  return remarks;
+}
+
+}  // namespace
+
+std::vector<Remark> remarks_on_start(const System& system) {
+  std::vector<Remark> remarks = wrong_at_start(
+      system,
+      "the bodies are moved onto them, except with joints=none (assemble = true in the scene: by the least motion)");
+  constexpr int kMostRows = 600;  // more would take longer than a word is worth
+  if (system.joint_rows() > kMostRows) return remarks;
+  if (const std::string words = describe(find_redundancy(system, system.initial_state().q), system); !words.empty())
+    remarks.push_back({false, "at the start " + words});
+  return remarks;
+}
+
+std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system) {
+  std::vector<Remark> remarks = wrong_at_start(system, "the bodies are moved onto them");
+  for (const std::string& note : system.scene().notes) remarks.push_back({false, note});
+  return remarks;
+}
+
+std::vector<std::string> warnings_of(const SystemOf<Spatial>& system, const Run& run, std::string_view /*integrator*/,
+                                     double /*step*/) {
+  std::vector<std::string> all;
+  add_energy(system.scene(), run, all);
+  add_passages(system.scene(), run, all);
+  add_rounded(run, all);
+  for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
+  return all;
+}
+
+std::vector<std::string> warnings_of(const System& system, const Run& run, std::string_view integrator, double step) {
+  std::vector<std::string> all;
+  add_energy(system.scene(), run, all);
+  add_passages(system.scene(), run, all);
+  add_rounded(run, all);
+  for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
+  for (std::string& limit : limits_entered(system, run, integrator, step)) all.push_back(std::move(limit));
+  return all;
+}
+
+std::vector<std::string> limits_entered(const System& system, const Run& run, std::string_view integrator,
+                                        double step) {
+  std::vector<std::string> limits;
+  const auto& bodies = system.scene().bodies;
+  const auto at = [](BodyId b) { return static_cast<std::size_t>(b); };
+  std::vector<std::size_t> light(bodies.size()), heavy(bodies.size());  // of each cluster, by its first body
+  for (std::size_t b = 0; b < bodies.size(); ++b) light[b] = heavy[b] = b;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::size_t first = at(system.cluster()[b]);
+    if (bodies[b].mass < bodies[light[first]].mass) light[first] = b;
+    if (bodies[b].mass > bodies[heavy[first]].mass) heavy[first] = b;
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (const double ratio = bodies[heavy[b]].mass / bodies[light[b]].mass; ratio > kMassRatio)
+      limits.push_back(words_of("\"", bodies[heavy[b]].name, "\" has ", ratio, " times the mass of \"",
+                                bodies[light[b]].name, "\": beyond ", kMassRatio,
+                                " contacts between such bodies may not be solved"));
+  if (run.crossings > 0)
+    limits.push_back(words_of("crowds of events were crossed in ", run.crossings,
+                              run.crossings == 1 ? " step" : " steps",
+                              " of first order, whatever the tolerance: the motion may depend on that; they leave ",
+                              run.error_estimate, " m or rad, which it may magnify"));
+  double far = 0, turned = 0;
+  for (const State& x : {system.initial_state(), run.final})
+    for (Index i = 0; i < x.q.size(); ++i) {
+      double& most = i % 3 != 2 ? far : turned;
+      most = std::max(most, std::abs(x.q[i]));
+    }
+  if (far > kFar)
+    limits.push_back(words_of("bodies are ", far, " m from the origin: places are rounded to ", far * 0x1p-52,
+                              " m, rates to that over the step"));
+  if (turned > kFar)
+    limits.push_back(words_of("bodies are turned by ", turned, " rad: angles are rounded to ", turned * 0x1p-52,
+                              " rad, rates to that over the step"));
+  if (integrator.starts_with("adaptive") || integrator.starts_with("event-driven")) return limits;
+
+  const auto swing = [&](const auto& spring) {
+    if constexpr (requires { spring.a; }) {  // others hang between joints
+      constexpr bool turns = !requires { spring.point_a; };
+      const auto inverse = [&](BodyId b) {
+        return b < 0 ? 0 : 1 / (turns ? bodies[at(b)].inertia : bodies[at(b)].mass);
+      };
+      return step * std::sqrt(spring.stiffness * (inverse(spring.a) + inverse(spring.b)));
+    }
+    return 0.0;
+  };
+  for (const Spring& spring : system.scene().springs)
+    if (const double angle = std::visit(swing, spring); angle > kSwing)
+      limits.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring), "\" swings by ",
+                                angle,
+                                " rad in a step: its motion is not resolved, and near contacts energy may rise"));
+  double turn = 0;
+  std::size_t fastest = 0;
+  for (const State& x : {system.initial_state(), run.final})
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (const double by = step * std::abs(x.v[static_cast<Index>(3 * b + 2)]); by > turn) turn = by, fastest = b;
+  if (turn > kTurn)
+    limits.push_back(
+        words_of("\"", bodies[fastest].name, "\" turns by ", turn, " rad in a step: a smaller step is right"));
+  return limits;
+}
+
+}  // namespace orthant

@@ -1,0 +1,193 @@
+#include "experiments/studies/motion_storm/painleve.h"
+
+#include "experiments/studies/motion_storm/closed_terms.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include <cmath>
+
+namespace orthant::motion_storm {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// P as above.
+MatrixXd admittance(const System& system, const Terms& terms) {
+  const Eigen::Index n = system.dof();
+  const MatrixXd free = system.inverse_mass().asDiagonal();
+  MatrixXd G = MatrixXd::Zero(system.joint_rows(), n);
+  for (int i = 0; i < system.joint_rows(); ++i) G.row(i) = dense(terms.G[static_cast<std::size_t>(i)], n);
+  if (G.rows() == 0) return free;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> S(G * free * G.transpose());
+  VectorXd inverse = S.eigenvalues();
+  const double least = 1e-11 * inverse.maxCoeff();
+  for (double& value : inverse) value = value > least ? 1 / value : 0;
+  const MatrixXd H = free * G.transpose() * S.eigenvectors();
+  return free - H * inverse.asDiagonal() * H.transpose();
+}
+
+/// Whether a principal minor of B is negative, B scaled to a unit diagonal.
+bool negative_minor(const MatrixXd& B) {
+  const Eigen::Index k = B.rows();
+  for (int subset = 1; subset < 1 << k; ++subset) {
+    std::vector<Eigen::Index> in;
+    for (Eigen::Index i = 0; i < k; ++i)
+      if ((subset >> i & 1) != 0) in.push_back(i);
+    if (MatrixXd(B(in, in)).determinant() < -1e-9) return true;
+  }
+  return false;
+}
+
+/// Likewise one of order 1 or 2, of any signs σ; entry(i, j, σ_j) of k contacts.
+template <class Entry> bool negative_pair(Eigen::Index k, Entry entry) {
+  for (Eigen::Index i = 0; i < k; ++i)
+    for (const int s : {-1, 0, 1}) {
+      if (entry(i, i, s) < -1e-9) return true;
+      for (Eigen::Index j = 0; j < i; ++j)
+        for (const int t : {-1, 0, 1})
+          if (entry(i, i, s) * entry(j, j, t) - entry(i, j, t) * entry(j, i, s) < -1e-9) return true;
+    }
+  return false;
+}
+
+enum Mode { open, sticks, slides_up, slides_down };
+
+/// Newton's law of impact at k contacts: rows 2i (normal) and 2i + 1 (tangent) of contact i, both scaled so that
+/// A_NN = 1: then rates and impulses are in the same unit.
+class ImpactProblem {
+ public:
+  struct Law {
+    double mu = 0, mu_static = 0;
+    bool optional = false;  // not quite closed
+  };
+
+  ImpactProblem(MatrixXd A, VectorXd b, std::vector<Law> laws)
+      : A_(std::move(A)), b_(std::move(b)), laws_(std::move(laws)) {}
+
+  /// Whether this mode (base 4, a digit a contact) solves it, or may.
+  bool solves(int mode) const {
+    const auto k = static_cast<Eigen::Index>(laws_.size());
+    // Λ = S z: the unknowns z are normal impulses of closed contacts and tangent ones of those that stick.
+    MatrixXd S = MatrixXd::Zero(2 * k, 2 * k);
+    std::vector<Eigen::Index> zero;  // rows of w that vanish, one an unknown
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const Mode m = digit(mode, i);
+      const Law& law = laws_[static_cast<std::size_t>(i)];
+      if (m == open) continue;
+      if (m != sticks && !(std::max(law.mu, law.mu_static) > 0)) return false;
+      S(2 * i, static_cast<Eigen::Index>(zero.size())) = 1;
+      if (m != sticks) S(2 * i + 1, static_cast<Eigen::Index>(zero.size())) = m == slides_up ? -law.mu : law.mu;
+      zero.push_back(2 * i);
+      if (m == sticks && std::max(law.mu, law.mu_static) > 0) {
+        S(2 * i + 1, static_cast<Eigen::Index>(zero.size())) = 1;
+        zero.push_back(2 * i + 1);
+      }
+    }
+    const auto n = static_cast<Eigen::Index>(zero.size());
+    if (n == 0) return admissible(mode, VectorXd::Zero(2 * k));
+    const MatrixXd all = A_ * S.leftCols(n), B = all(zero, Eigen::all);
+    const VectorXd r = -b_(zero);
+    for (const double singular : {kSlack, 1e-12}) {
+      Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr(n, n);
+      qr.setThreshold(singular);
+      qr.compute(B);
+      const VectorXd z = qr.solve(r);  // the least one, of that rank
+      const double most = std::max(b_.lpNorm<Eigen::Infinity>(), z.lpNorm<Eigen::Infinity>());
+      if (qr.rank() < n ? (B * z - r).lpNorm<Eigen::Infinity>() <= kSlack * most : admissible(mode, S.leftCols(n) * z))
+        return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr double kSlack = 1e-6;  // of the fastest rate, the largest impulse and, for ranks, the largest pivot
+
+  static Mode digit(int mode, Eigen::Index i) { return static_cast<Mode>(mode >> (2 * i) & 3); }
+
+  bool admissible(int mode, const VectorXd& impulse) const {
+    const VectorXd w = A_ * impulse + b_;
+    const double slack = kSlack * std::max(b_.lpNorm<Eigen::Infinity>(), impulse.lpNorm<Eigen::Infinity>());
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(laws_.size()); ++i) {
+      const Law& law = laws_[static_cast<std::size_t>(i)];
+      const Mode m = digit(mode, i);
+      const double normal = impulse[2 * i], tangent = impulse[2 * i + 1], slip = w[2 * i + 1];
+      if (m == open && !law.optional && w[2 * i] < -slack) return false;
+      if (m != open && normal < -slack) return false;
+      if (m == sticks && std::abs(tangent) > std::max(law.mu, law.mu_static) * normal + slack) return false;
+      if (m == slides_up && slip < -slack) return false;
+      if (m == slides_down && slip > slack) return false;
+    }
+    return true;
+  }
+
+  MatrixXd A_;
+  VectorXd b_;  // rates without impulses − targets
+  std::vector<Law> laws_;
+};
+
+}  // namespace
+
+bool impact_impossible(const Scene& scene, const State& x, double gap) {
+  constexpr std::size_t kMost = 5;
+  constexpr double kTouching = 1e-9, kStrikes = 1e-9;  // [m], [m/s]
+  if (scene.restitution != Restitution::newton || scene.impacts != Impacts::simultaneous) return false;
+  const System system(scene);
+  const Terms terms = closed_terms(system, x, gap);
+  const std::size_t k = terms.closed.size();
+  if (k == 0 || k > kMost) return false;
+  const MatrixXd P = admittance(system, terms), free = system.inverse_mass().asDiagonal();
+  MatrixXd J = MatrixXd::Zero(static_cast<Eigen::Index>(2 * k), system.dof());
+  VectorXd b(J.rows());
+  std::vector<ImpactProblem::Law> laws;
+  for (const ClosedContact& c : terms.closed) {
+    const auto at = static_cast<Eigen::Index>(2 * laws.size());
+    J.row(at) = dense(c.rows.normal, system.dof()), J.row(at + 1) = dense(c.rows.tangent, system.dof());
+    const VectorXd N = J.row(at);
+    const double square = N.dot(P * N);
+    if (!(square > 1e-9 * N.dot(free * N))) return false;
+    J.middleRows(at, 2) /= std::sqrt(square);
+    const ContactLaw& law = system.law(c.contact);
+    const double belt = law.belt / std::sqrt(square), normal = J.row(at).dot(x.v), slip = J.row(at + 1).dot(x.v) - belt;
+    const bool strikes = normal * std::sqrt(square) < -kStrikes;
+    b[at] = normal + law.e * normal;
+    b[at + 1] = slip + (strikes ? law.e_t * slip : 0);
+    laws.push_back({law.mu, law.mu_static, terms.gap[c.contact] > kTouching});
+  }
+  const ImpactProblem problem(J * P * J.transpose(), b, std::move(laws));
+  for (int mode = 0; mode < 1 << (2 * k); ++mode)
+    if (problem.solves(mode)) return false;
+  return true;
+}
+
+bool painleve_possible(const Scene& scene, const State& x, double gap, bool many) {
+  const System system(scene);
+  const Terms terms = closed_terms(system, x, gap);
+  const MatrixXd P = admittance(system, terms), free = system.inverse_mass().asDiagonal();
+  std::vector<VectorXd> normal, tangent;
+  std::vector<double> mu;
+  for (const ClosedContact& c : terms.closed) {
+    const VectorXd N = dense(c.rows.normal, system.dof()), T = dense(c.rows.tangent, system.dof());
+    const double scale = N.dot(P * N);
+    if (!(scale > 1e-9 * N.dot(free * N))) continue;
+    normal.push_back(N / std::sqrt(scale)), tangent.push_back(T / std::sqrt(scale));
+    mu.push_back(std::max(system.law(c.contact).mu, system.law(c.contact).mu_static));
+  }
+  const auto k = static_cast<Eigen::Index>(normal.size());
+  const auto entry = [&](Eigen::Index i, Eigen::Index j, int sigma) {
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    return normal[a].dot(P * normal[b]) - sigma * mu[b] * normal[a].dot(P * tangent[b]);
+  };
+  if (k > 6) return many || negative_pair(k, entry);
+  for (int sign = 0; sign < static_cast<int>(std::pow(3, k)); ++sign) {
+    MatrixXd B(k, k);
+    for (Eigen::Index i = 0; i < k; ++i)
+      for (Eigen::Index j = 0; j < k; ++j) B(i, j) = entry(i, j, sign / static_cast<int>(std::pow(3, j)) % 3 - 1);
+    if (negative_minor(B)) return true;
+  }
+  return false;
+}
+
+}  // namespace orthant::motion_storm

@@ -1,0 +1,25 @@
+// experiments/studies/verdict_storm/exact_judge.h — a third judge, written apart from certify(): every sum exact.
+//
+//   Claim of `solved` or `rounded`: an inequality a row (judge/certify.h); here every number in it is rational.
+//
+//   Claim of `infeasible`: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
+//   consequence. Exactly; or up to roundings of Aᵀu, where every z that uses them is so large that w is unknown.
+#pragma once
+
+#include <orthant/core/lcp/solution.h>
+
+#include <string>
+
+namespace orthant {
+
+struct Finding {
+  bool holds = false;
+  double error = kInf;  // of a solution: the largest violation over β; of a proof: κ, 0 when it is exact
+  std::string why;      // empty when it holds
+};
+
+/// claimed: solved or rounded.
+Finding examine_solution(const Lcp& problem, const Vector& z, double tolerance, Status claimed = Status::solved);
+Finding examine_proof(const Lcp& problem, const Vector& u);
+
+}  // namespace orthant
