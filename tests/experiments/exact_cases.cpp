@@ -49,7 +49,7 @@ TEST_CASE(
   const Reply drawn = study.run("/usr/bin/python3 -s -E '" ORTHANT_PLOTS "/plot_exact_cases.py' out");
   CAPTURE(drawn.err);
   CHECK(drawn.exit_code == 0);
-  CHECK(std::filesystem::file_size(study.path / "out/study.png") > 10000);
+  CHECK(std::filesystem::file_size(study.path / "out/exact_cases.png") > 10000);
 }
 
 TEST_CASE("exact cases: equivalent mechanisms move alike, by every integrator") {
