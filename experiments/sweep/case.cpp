@@ -250,7 +250,9 @@ std::string Case::key() const {
 std::optional<Case> Case::reference_case() const {
   if (reference.empty() || reference == "exact" || known) return {};
   Case other = *this;
-  other.integrator = reference, other.solver = "lemke", other.reference.clear();
+  // Lemke's method takes no discs.
+  const bool in_space = std::holds_alternative<spatial::Scene>(make_any_scene(scene, sets()));
+  other.integrator = reference, other.solver = in_space ? "auto" : "lemke", other.reference.clear();
   other.rtol.reset(), other.repeats = 0, other.step = duration;
   return other;
 }

@@ -117,3 +117,22 @@ TEST_CASE(
   CAPTURE(seen.err);
   CHECK(seen.exit_code == 0);
 }
+
+TEST_CASE("the second study's sweep: every integrator is compared with adaptive, and errors fall with the step") {
+  Case c = case_of("slider_crank_clearance", "slider.x", 1e-3, 0.1);
+  c.solver = "auto", c.reference = "adaptive:rtol=1e-11", c.parameters = {{"mu", 0.1}, {"e", 0.4}};
+  for (const char* integrator : {"moreau-jean:joints=symmetric", "stewart-trinkle", "rattle"}) {
+    CAPTURE(integrator);
+    c.integrator = integrator;
+    double errors[2];
+    for (const bool fine : {false, true}) {
+      c.step = fine ? 1e-4 : 1e-3;
+      const ResultRow row = run_case(c);
+      CAPTURE(row.dump());
+      REQUIRE(row.at("status") == "solved");
+      errors[fine] = row.at("error").get<double>();
+    }
+    CHECK(errors[1] < errors[0] / 3);
+    CHECK(errors[1] > 0);
+  }
+}
