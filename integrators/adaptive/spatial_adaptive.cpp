@@ -69,6 +69,7 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
       none_(Eigen::VectorXd::Zero(system.dof())),
       handed_(system),
       shown_(&formulation_) {
+  formulation_.refine(), impact_.refine();
   const auto refuse = [](const char* what) {
     throw std::invalid_argument("integrator " + std::string(kName) + ": takes no " + what +
                                 " in space: must be moreau-jean or another integrator of fixed step");

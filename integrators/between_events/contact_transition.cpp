@@ -134,6 +134,7 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   constexpr double kLost = 1e12;        // of all accelerations: forces that make so much of them have lost all digits
   why_.clear(), undecided_ = false;
   for (int pass = 0; pass == 0 || (pass < kPasses && relax()); ++pass) solver.solve(lcp_, solution_);
+  refinement_.improve(lcp_, solution_);
   Proof proved = proof();
   if (!has_answer(solution_.status) && proved == Proof::none) second_.solve(lcp_, solution_), proved = proof();
   if (proved == Proof::paradox)

@@ -19,6 +19,7 @@
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/immobility.h>
 #include <orthant/solvers/pivoting/path.h>
+#include <orthant/solvers/refinement.h>
 
 namespace orthant {
 
@@ -60,6 +61,7 @@ class ContactTransition {
   Lcp lcp_;
   Solution solution_;
   Path second_;
+  Refinement refinement_;
   std::vector<ContactRows> rows_;
   std::string why_;
   bool undecided_ = false;

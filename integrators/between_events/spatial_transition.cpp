@@ -87,6 +87,7 @@ Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q
     do {
       formulate(motion, q, v);
       solver.solve(lcp_, solution_);
+      refinement_.improve(lcp_, solution_);
       const double velocity_residual = report.lcp_residual;  // that one is in m/s, not m/s²
       report.note(lcp_, solution_);
       report.lcp_residual = velocity_residual;

@@ -12,6 +12,7 @@
 
 #include <orthant/integrators/between_events/spatial_motion.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/solvers/refinement.h>
 
 #include <string>
 
@@ -47,6 +48,7 @@ class SpatialTransition {
   ContactEquationsOf<Spatial> equations_;
   Lcp lcp_;
   Solution solution_;
+  Refinement refinement_;
   std::vector<int> contacts_;
   std::vector<ContactRowsOf<Spatial>> rows_;
   std::string why_;

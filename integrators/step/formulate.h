@@ -70,6 +70,9 @@ template <class Space> class FormulationOf {
   /// All rows become equations, w = 0.
   void bind() { problem_.bind(); }
 
+  /// From now on answers are brought to rounding (solvers/refinement.h), for integrators with error control.
+  void refine() { islands_.refine(); }
+
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
   /// with the crew, if there is one: the answer is the same to the last bit.
   bool solve(Solver& solver, StepReport& report, Crew* crew = nullptr);

@@ -64,6 +64,8 @@ template <class Space> class ImpactOf {
   void add_joints_to(Eigen::VectorXd& impulses) const;
 
   /// See Formulation::anchor().
+  /// From now on impulses are brought to rounding (solvers/refinement.h).
+  void refine() { formulation_.refine(); }
   void anchor(double t, const Eigen::VectorXd& q) { formulation_.anchor(t, q); }
 
   void remember(Memory& memory) { memory(formulation_); }

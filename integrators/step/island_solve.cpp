@@ -22,6 +22,7 @@ template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& probl
   const int count = islands_.count();
   if (count == 1) {
     solver.solve(problem.whole(), s, Start::warm);
+    if (refines_) benches_[0].refinement.improve(problem.whole(), s);
     return report.note(problem.whole(), s);
   }
   const Index n = problem.size();
@@ -80,6 +81,7 @@ template <class Space> void IslandSolveOf<Space>::solve_island(const StepProblem
   bench.part.z.resize(block.size());
   for (Index i = 0; i < block.size(); ++i) bench.part.z[i] = guess[rows[static_cast<std::size_t>(i)]];
   const Solution& part = solver.solve(block, bench.part, Start::warm);
+  if (refines_) bench.refinement.improve(block, bench.part);
   Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
   outcome.miss = part.miss;

@@ -6,6 +6,7 @@
 
 #include <orthant/integrators/step/islands.h>
 #include <orthant/integrators/step/step_problem.h>
+#include <orthant/solvers/refinement.h>
 
 namespace orthant {
 
@@ -14,6 +15,9 @@ template <class Space> class IslandSolveOf {
   using StepProblem = StepProblemOf<Space>;
 
   IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem);
+
+  /// From now on answers are brought to rounding (solvers/refinement.h).
+  void refine() { refines_ = true; }
 
   /// From the rows of the problem, each time they change.
   void sort(const StepProblem& problem) { islands_.sort(problem.rows()); }
@@ -25,6 +29,7 @@ template <class Space> class IslandSolveOf {
  private:
   struct Bench {  // of one worker
     typename StepProblem::Block block;
+    Refinement refinement;
     Solution part;
   };
   struct Outcome {  // of an island's solve; its z and w are in found_
@@ -39,6 +44,7 @@ template <class Space> class IslandSolveOf {
   void solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess, Bench& bench);
   bool take(int island, StepReport& report, Solution& s);
 
+  bool refines_ = false;
   Islands islands_;
   std::vector<Bench> benches_;
   std::vector<Outcome> outcomes_;

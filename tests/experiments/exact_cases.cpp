@@ -69,3 +69,15 @@ TEST_CASE("exact cases: bad options are one line of words") {
     CHECK(!b.err.empty());
   }
 }
+
+TEST_CASE("exact cases in space: massé shot, a block across a slope, the plane's slider-crank, a symmetric body") {
+  const ExactCases study;
+  const Reply a = study.look("--dimension 3 --cases S1 S11 S12 S14 --solvers auto pgs --time-limit 60");
+  CAPTURE(a.err);
+  CHECK(a.exit_code == 0);
+  CHECK(a.out.find("| S11 massé shot: slides on a parabola with oblique spin, then rolls | `adaptive` | auto pgs |") !=
+        std::string::npos);
+  const std::string passed = a.out.substr(a.out.find("Passed:"));
+  CHECK(passed.find("| `moreau-jean` | 1 of 1 | 3 of 3 | 3 of 3 |") != std::string::npos);
+  CHECK(passed.find("| `adaptive` | 1 of 1 | 3 of 3 | 3 of 3 |") != std::string::npos);
+}

@@ -1,6 +1,7 @@
 // experiments/studies/exact_cases/exact_case.h — a hard case: a scene, its exact answer, and what counts as an error.
 #pragma once
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/integrators/simulate.h>
 
 #include <functional>
@@ -13,7 +14,7 @@ namespace orthant {
 struct ExactCase {
   std::string id, title;  // "B1", "bouncing ball: ..."
   std::string measure;    // what `error` is, with its unit
-  Scene scene;
+  AnyScene scene;
   double duration = 1, h = 1e-2;  // [s]; h: the coarsest step, halved from there
   /// Against the exact answer, at each recorded moment of one run; may remember what it saw (each run gets a fresh
   /// copy).
@@ -39,9 +40,19 @@ struct ExactCase {
 
   std::vector<std::string> solvers{};  // run with these only; empty: with all
   std::string integrator{};            // likewise
+
+  /// In space, instead of `error`: of one state.
+  std::function<double(const SystemOf<Spatial>&, const State&)> error_in_space{};
+
+  bool in_space() const { return std::holds_alternative<spatial::Scene>(scene); }
+  bool has_contacts() const {
+    return std::visit([](const auto& s) { return !s.contacts.empty(); }, scene);
+  }
 };
 
 /// The planar cases, in the order of their numbers.
 std::vector<ExactCase> exact_cases();
+/// The cases in space, S1, S2, …
+std::vector<ExactCase> exact_cases_in_space();
 
 }  // namespace orthant

@@ -77,9 +77,9 @@ std::vector<Setting> ladder(const ExactCase& exact_case, const std::string& inte
 }
 
 /// What the energy does that it must not [J]: leaves its first value, or rises.
-class EnergyDefect {
+template <class Space> class EnergyDefect {
  public:
-  EnergyDefect(const System& system, ExactCase::Energy kind) : system_(system), kind_(kind) {}
+  EnergyDefect(const SystemOf<Space>& system, ExactCase::Energy kind) : system_(system), kind_(kind) {}
   void see(const State& x) {
     if (kind_ == ExactCase::Energy::driven) return;
     const double e = energy(system_, x);
@@ -91,7 +91,7 @@ class EnergyDefect {
   double value() const { return defect_; }
 
  private:
-  const System& system_;
+  const SystemOf<Space>& system_;
   ExactCase::Energy kind_;
   double least_ = 0, defect_ = 0;
   bool seen_ = false;
@@ -100,29 +100,19 @@ class EnergyDefect {
 /// Bisects until the bracket is a tenth of `exact`; the worst of the runs' reports, the sums of their work.
 Row bisect(const ExactCase& exact_case, const std::string& solver, const Setting& setting);
 
-Row visit(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
-  if (exact_case.family) return bisect(exact_case, solver, setting);
-  const System system(exact_case.scene);
+/// One run; `error` of each recorded moment.
+template <class Space, class Error> Row run_of(const ExactCase& exact_case, const SystemOf<Space>& system,
+                                               const std::string& solver, const Setting& setting, Error&& error) {
   const auto scheme = make_integrator(setting.spec, system);
   const auto lcp = make_solver(solver);
-  const Clock clock{.step = setting.step, .duration = exact_case.duration};
-  auto error = exact_case.error;
-  if (exact_case.original) {
-    const System other(*exact_case.original);
-    const Run twin = simulate(*make_integrator(setting.spec, other),
-                              *make_solver(exact_case.rival.empty() ? solver : exact_case.rival), clock);
-    if (twin.status == Status::solved)
-      error = [&, end = twin.final](const Moment& m) { return exact_case.unlike(m.state, end); };
-    else
-      error = [](const Moment&) { return kInf; };
-  }
-  EnergyDefect defect(system, exact_case.energy);
+  EnergyDefect<Space> defect(system, exact_case.energy);
   double last = 0;
-  const Run run = simulate(*scheme, *lcp, clock, [&](const Moment& m) {
-    const double now = error(m);
-    last = exact_case.throughout ? std::max(last, now) : now;
-    defect.see(m.state);
-  });
+  const Run run =
+      simulate(*scheme, *lcp, {.step = setting.step, .duration = exact_case.duration}, [&](const MomentOf<Space>& m) {
+        const double now = error(m);
+        last = exact_case.throughout ? std::max(last, now) : now;
+        defect.see(m.state);
+      });
   Row row;
   row.status = name(run.status), row.why = run.why;
   row.seconds = run.seconds;
@@ -131,6 +121,28 @@ Row visit(const ExactCase& exact_case, const std::string& solver, const Setting&
   row.residual = run.max_lcp_residual, row.penetration = run.max_penetration;
   row.joint_residual = run.max_joint_residual, row.energy_defect = defect.value();
   return row;
+}
+
+Row visit(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
+  if (exact_case.family) return bisect(exact_case, solver, setting);
+  if (exact_case.in_space()) {
+    const SystemOf<Spatial> system(std::get<spatial::Scene>(exact_case.scene));
+    return run_of(exact_case, system, solver, setting,
+                  [&](const MomentOf<Spatial>& m) { return exact_case.error_in_space(system, m.state); });
+  }
+  const System system(std::get<Scene>(exact_case.scene));
+  auto error = exact_case.error;
+  if (exact_case.original) {
+    const System other(*exact_case.original);
+    const Run twin = simulate(*make_integrator(setting.spec, other),
+                              *make_solver(exact_case.rival.empty() ? solver : exact_case.rival),
+                              {.step = setting.step, .duration = exact_case.duration});
+    if (twin.status == Status::solved)
+      error = [&, end = twin.final](const Moment& m) { return exact_case.unlike(m.state, end); };
+    else
+      error = [](const Moment&) { return kInf; };
+  }
+  return run_of(exact_case, system, solver, setting, error);
 }
 
 Row bisect(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
@@ -180,8 +192,9 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<ExactCase>& all) 
   for (std::size_t i = 0; i < all.size(); ++i)
     for (const IntegratorEntry& entry : integrators()) {
       if (!all[i].integrator.empty() && entry.name != all[i].integrator) continue;
+      if (all[i].in_space() && !entry.can.space) continue;
       std::vector<std::string> solvers = plan.solvers;
-      if (all[i].scene.contacts.empty()) solvers.resize(1);  // there is nothing to solve
+      if (!all[i].has_contacts()) solvers.resize(1);  // there is nothing to solve
       if (!all[i].solvers.empty()) solvers = all[i].solvers;
       for (const std::string& solver : solvers)
         for (const Setting& setting : ladder(all[i], std::string(entry.name), plan.levels))
@@ -317,7 +330,7 @@ void report(const std::filesystem::path& output, const std::vector<ExactCase>& a
     std::vector<bool> told(by_solver.size());
     for (std::size_t i = 0; i < by_solver.size(); ++i) {
       const std::string& solver = by_solver[i].first;
-      const std::string column = exact_case.scene.contacts.empty() ? "no contacts" : solver.substr(0, solver.find(':'));
+      const std::string column = !exact_case.has_contacts() ? "no contacts" : solver.substr(0, solver.find(':'));
       if (std::find(columns.begin(), columns.end(), column) == columns.end()) columns.push_back(column);
       auto& [passed, run] = tally[rows[first].integrator][column];
       ++run, passed += verdict(exact_case, by_solver[i].second) == "pass";
@@ -328,7 +341,7 @@ void report(const std::filesystem::path& output, const std::vector<ExactCase>& a
         told[j] = true;
         names += (names.empty() ? "" : " ") + by_solver[j].first;
       }
-      if (exact_case.scene.contacts.empty()) names = "(none)";
+      if (!exact_case.has_contacts()) names = "(none)";
       const Series& series = by_solver[i].second;
       const Row &coarse = *series.rows.front(), &fine = *series.rows.back();
       const auto worst = [&](double Row::*field) {
@@ -360,9 +373,9 @@ void report(const std::filesystem::path& output, const std::vector<ExactCase>& a
   std::cout << table;
 }
 
-void run(const std::filesystem::path& output, const Plan& plan, const std::string& command_line) {
+void run(const std::filesystem::path& output, const Plan& plan, int dimension, const std::string& command_line) {
   for (const std::string& solver : plan.solvers) make_solver(solver);  // bad names before hours of work
-  std::vector<ExactCase> all = exact_cases();
+  std::vector<ExactCase> all = dimension == 2 ? exact_cases() : exact_cases_in_space();
   if (!plan.only.empty())
     std::erase_if(all, [&](const ExactCase& e) {
       return std::find(plan.only.begin(), plan.only.end(), e.id) == plan.only.end();
@@ -380,11 +393,17 @@ void run(const std::filesystem::path& output, const Plan& plan, const std::strin
 
 int main(int argc, char** argv) {
   std::filesystem::path output = "results/exact_cases";
-  Plan plan{.solvers = {"lemke", "path", "pgs", "newton-fb", "auto"}, .only = {}};
+  Plan plan;
+  int dimension = 2;
   bool quick = false;
   CLI::App app("Hard cases with exact answers: every case by every integrator, compared with its exact answer");
   app.add_option("--output", output, "folder for tables and manifest")->capture_default_str();
-  app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...")->capture_default_str();
+  app.add_option("--dimension", dimension, "2: cases in the plane, 3: in space")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
+  app.add_option(
+      "--solvers", plan.solvers,
+      "NAME[:option=value,...] ...; default: lemke path pgs newton-fb auto, in space auto prox pgs newton-ac");
   app.add_option("--cases", plan.only, "numbers of cases (B1 B13 ...); all when not given");
   app.add_option("--levels", plan.levels, "step sizes, each half of the one before")
       ->check(CLI::Range(1, 12))
@@ -394,11 +413,13 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", quick, "three step sizes, two seconds a run");
   plan.jobs = std::max(1U, std::thread::hardware_concurrency());
   if (const auto end = parse(app, argc, argv)) return *end;
+  if (plan.solvers.empty() && dimension == 2) plan.solvers = {"lemke", "path", "pgs", "newton-fb", "auto"};
+  if (plan.solvers.empty()) plan.solvers = {"auto", "prox", "pgs", "newton-ac"};
   if (quick) plan.levels = std::min(plan.levels, 3), plan.time_limit = std::min(plan.time_limit, 2.0);
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   try {
-    run(output, plan, command_line);
+    run(output, plan, dimension, command_line);
   } catch (const std::exception& error) {
     std::cerr << "exact_cases: " << error.what() << '\n';
     return 1;
