@@ -1,8 +1,10 @@
 #include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/effort.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/solver.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace orthant {
@@ -91,10 +93,26 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
     return;
   }
   if (!judge_.proves_infeasible(problem, proof_) &&
-      !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_)))
+      !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_))) {
+    if (Judge::wants_exact_proof(problem)) search_cells(problem, s, share);
     return;
+  }
   s.certificate = proof_;
   judge_.certify(problem, tolerance(), Claim::stalled, s);
+}
+
+/// Where all but rounding speaks against a solution: every cell, exactly. Its answer, or its proof, into s.
+void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) {
+  Enumerate search({.tolerance = tolerance()});
+  search.set_proof_search(false);
+  search.set_time_limit(share.remaining()), search.set_cancel(share.cancel());
+  Solution found;
+  search.solve(problem, found);
+  const bool better = found.status == Status::infeasible || found.status == Status::solved ||
+                      (found.status == Status::rounded && open(s));
+  if (!better) return;
+  found.iterations = s.iterations;
+  s = std::move(found);
 }
 
 bool Solver::passes(const Lcp& problem, Solution& s) {
@@ -150,6 +168,9 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   if (!finite(problem)) {
     s.w.setConstant(std::numeric_limits<double>::quiet_NaN());
     s.status = Status::numerical_error;
+    multiply(problem.A, s.z, scratch_, put_.w);
+    for (Index i = n; i-- > 0;)  // 0 · ∞ is NaN
+      if (!std::isfinite(scratch_[i] + problem.b[i])) s.miss.row = i, s.miss.by = kInf;
     return s;
   }
   if (!why_not(problem).empty()) {

@@ -1,5 +1,6 @@
 #include <orthant/core/lcp/solution.h>
 
+#include <cmath>
 #include <sstream>
 
 namespace orthant {
@@ -70,10 +71,10 @@ std::string words_of(const Miss& miss) {
     text << value;
     return text.str();
   };
-  if (!(by < kInf)) return which + " is not finite";
+  if (!(std::abs(by) < kInf)) return which + " is not finite";
   static constexpr const char* kPlaces[] = {"inside its bounds", "at its lower bound", "at its upper bound"};
-  return which + " misses by " + digits(by) + ' ' + kPlaces[static_cast<int>(against)] + "; " + digits(tolerance) +
-         " of its data is " + digits(allowed);
+  return which + " misses by " + (by == 0 ? "less than any double" : digits(by)) + ' ' +
+         kPlaces[static_cast<int>(against)] + "; " + digits(tolerance) + " of its data is " + digits(allowed);
 }
 
 }  // namespace orthant

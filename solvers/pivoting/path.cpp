@@ -219,11 +219,12 @@ struct Path::Work {
       columns.each(j, [&](Index i, double value) { gradient[j] += value * right[i]; });
     }
     const double now = merit(z, F), size = gradient.squaredNorm();
-    if (!(size > 0) || !std::isfinite(size)) return false;
+    const double longest = 2 * now / size;  // infinite where the gradient's square is lost to underflow
+    if (!(size > 0) || !std::isfinite(size) || !std::isfinite(longest)) return false;
     const Vector from = z;
-    for (double length = 2 * now / size; length > 1e-14 * now / size; length /= 4) {
+    for (double length = longest; length > 5e-15 * longest && !stop(); length /= 4) {
       scratch = from - length * gradient;
-      if (!visit(scratch)) continue;
+      if (!scratch.allFinite() || !visit(scratch)) continue;
       const double promised = gradient.dot(from - trial_z);
       if (promised > 0 && merit(trial_z, trial_F) <= now - kDescent * promised) {
         lift(trial_z, trial_F, trial_x);

@@ -44,6 +44,7 @@ TEST_CASE("data that are not finite give numerical_error, a malformed problem th
       Lcp p = murty_problem(3);
       p.b[1] = bad;
       CHECK(solver->solve(p, s).status == Status::numerical_error);
+      CHECK(why(s) == "row 1 is not finite");
       p = murty_problem(3);
       std::get<DenseMatrix>(p.A)(2, 0) = bad;
       CHECK(solver->solve(p, s).status == Status::numerical_error);

@@ -16,6 +16,7 @@ using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRoundi
 constexpr double kRoundings = 20;  // units in the last place that `rounded` may change
 constexpr double kMost = std::numeric_limits<double>::max();
 constexpr double kCoarsest = 1e-4;                // of β_P: a larger violation is no answer, whatever z is
+constexpr Index kExactOperator = 400;             // rows of an operator up to which a w_i is summed in rationals
 constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
 constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
 constexpr double kDouble = 0.505 * kEpsilon;      // error of an operation, over its result
@@ -68,12 +69,10 @@ exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
   return w;
 }
 
-/// v_i ≤ limit in rationals.
-bool exactly_within(const Lcp& problem, Index i, const Vector& z, double lo, double hi, double limit) {
-  if (lo == hi) return true;
+/// v_i where it is positive, summed in rationals.
+double exactly_wrong_by(const Lcp& problem, Index i, const Vector& z, double lo, double hi) {
   const exact::Rational w = exact_w(problem, i, z);
-  const exact::Rational wrong = z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w));
-  return wrong <= exact::Rational(limit);
+  return exact::nearest(z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w)));
 }
 
 Miss::Against against(double z, double lo, double hi) {
@@ -196,22 +195,31 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     for (Index i = 0; i < n; ++i) data_[i] = part_data_[part_[at(i)]];
   }
   const long double unit = kLong * (unit_ / kDouble);
+  const bool few_factors = delassus == nullptr || n <= kExactOperator;
   bool floors = false, parts = false;
   Pass pass = Pass::solved;
   double worst = 0, worst_solved = 0, residual = 0, size = 0;
   Miss solved_miss;
   for (Index i = 0; i < n; ++i) {
     const long double w = problem.b[i] + g_[at(i)], terms = std::abs(problem.b[i]) + g_abs_[at(i)];
-    const long double wrong = wrong_by(s.z[i], w, lower_[i], upper_[i]);
-    const auto by = static_cast<double>(wrong), sum = std::min(static_cast<double>(terms), kMost);  // not infinite
+    const auto sum = std::min(static_cast<double>(terms), kMost);  // not infinite
+    long double wrong = wrong_by(s.z[i], w, lower_[i], upper_[i]), off = unit * terms;
+    const auto within = [&](double limit) {  // where rounding leaves it open, rationals decide
+      if (wrong + off > limit && wrong - off <= limit && few_factors) {
+        wrong = exactly_wrong_by(problem, i, s.z, lower_[i], upper_[i]);
+        off = kEpsilon * std::abs(wrong);
+      }
+      return wrong + off <= limit;
+    };
     s.w[i] = static_cast<double>(w);
-    size = std::max(size, sum), residual = std::max(residual, by);
     const double beta = data_[i];
     const double solved = kSure * limit_of_solved(tolerance, sum, beta);
-    if (wrong + unit * terms <= solved) continue;
+    const bool passes = within(solved);
+    size = std::max(size, sum), residual = std::max(residual, static_cast<double>(wrong));
+    if (passes) continue;
     if (!parts) find_part_data(problem), parts = true;
     double rounded = kSure * limit_of_rounded(sum, part_data_[part_[at(i)]]);
-    if (!(wrong + unit * terms <= rounded) && by < kProducts) {
+    if (!within(rounded) && wrong < kProducts) {
       if (!floors) {  // beta_ ← 2⁻¹⁰²² (1 + Σ_j |A_ij|)
         floors = true;
         beta_.resize(n);
@@ -221,11 +229,11 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
       const double least = std::min(kLeastNormal * floor_[i], kProducts);
       rounded = std::max(rounded, kSure * kRoundings * kEpsilon * least);
     }
+    const bool is_rounded = within(rounded);
+    const auto by = static_cast<double>(wrong);
     const Miss miss{i, against(s.z[i], lower_[i], upper_[i]), by, solved, tolerance};
     const auto ratio = [by](double limit) { return limit > 0 && by < kInf ? by / limit : kInf; };
-    // A w that is 0 in long double: the bound of its error may exceed the limit where its true value does not.
-    if (wrong + unit * terms <= rounded ||
-        (by == 0 && exactly_within(problem, i, s.z, lower_[i], upper_[i], rounded))) {
+    if (is_rounded) {
       if (pass == Pass::solved) pass = Pass::rounded;
       if (ratio(solved) >= worst_solved) worst_solved = ratio(solved), solved_miss = miss;
     } else {
@@ -260,7 +268,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   const double data = find_data(problem, s.z);
   const Pass pass =
       data < kInf && !surely_missed(problem, tolerance, s, data) ? weigh(problem, tolerance, s) : Pass::no;
-  if (pass == Pass::no && excess_ == 0) excess_ = kInf;  // data that overflow
+  if (pass == Pass::no && excess_ == 0) excess_ = kInf, s.miss = overflown(problem, s, tolerance);
   const auto disproved = [&] {
     if (s.certificate.size() == n && proves_infeasible(problem, s.certificate)) return true;
     if (claim == Claim::exhausted) return proves_infeasible(problem, s.cells);
@@ -281,6 +289,13 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
     s.status = claim != Claim::candidate            ? status_of(claim)
                : s.z.allFinite() && s.w.allFinite() ? Status::stalled
                                                     : Status::numerical_error;
+}
+
+// The first row with data that overflow.
+Miss Judge::overflown(const Lcp& problem, const Solution& s, double tolerance) const {
+  for (Index i = 0; i < problem.size(); ++i)
+    if (!(data_[i] < kInf)) return {i, against(s.z[i], lower_[i], upper_[i]), kInf, 0, tolerance};
+  return s.miss;
 }
 
 // Discs: certify_cones.h has the rule.

@@ -13,13 +13,14 @@
 //   rounded     v_i ≤ min(20 ε s_i, 1e-4 β_P) in every row, and no proof of infeasibility; β_P is the largest β of the
 //               rows that A connects with row i. z is the exact solution of a problem whose numbers differ from these
 //               by at most 20 units in the last place (Oettli & Prager); how far z is from the solution of this problem
-//               is not claimed. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) passes too: below it doubles have no more digits.
+//               is not claimed. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes too: z has no more digits.
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
 //   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
 //               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
-//                 A = −1, b = −1: u = 1.   Where rounding leaves Aᵀu a slack of at most 32 ε Σ_i |A_ij u_i| on the
-//               wrong side, for every z with s_i ≤ 0.01 β / ε. Or all cells searched: cells.h.
-//   The verdicts hold in exact arithmetic: sums carry bounds of their own rounding, on the wrong side.
+//                 A = −1, b = −1: u = 1.   Or all cells searched: cells.h. Beyond 12 rows or 4096 cells also where
+//               rounding leaves Aᵀu a slack of at most 32 ε Σ_i |A_ij u_i| on the wrong side: then for every z with
+//               s_i ≤ 0.01 β / ε.
+//   The verdicts hold in exact arithmetic: sums with bounds of their rounding, rationals where these leave it open.
 //   Sources: Oettli & Prager, Numer. Math. 6 (1964); Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
 #pragma once
 
@@ -46,6 +47,8 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
   /// True when u proves that no z in the bounds has the signs of w that its rows demand.
   bool proves_infeasible(const Lcp& problem, const Vector& u);
+  /// True when a proof must be exact, since cells could be searched instead: at most 12 rows and 4096 cells.
+  static bool wants_exact_proof(const Lcp& problem);
   /// True when the cells are all that there are, and none of them holds a solution (cells.h).
   bool proves_infeasible(const Lcp& problem, const std::vector<Cell>& cells) const {
     return no_cell_has_a_solution(problem, cells, stop_);
@@ -58,6 +61,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   enum class Pass { solved, rounded, no };
   void prepare(const Lcp& problem);
   void certify_cones(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
+  Miss overflown(const Lcp& problem, const Solution& s, double tolerance) const;
   void find_bounds(const Lcp& problem, const Vector& z);
   double find_data(const Lcp& problem, const Vector& z);
   bool surely_solved(const Lcp& problem, double tolerance, Solution& s);

@@ -1,6 +1,7 @@
 // Farkas' proof: sums with their own rounding, on the wrong side.
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
+#include <orthant/core/lcp/judge/exact.h>
 
 #include <algorithm>
 #include <bit>
@@ -13,6 +14,32 @@ namespace {
 using detail::kEpsilon, detail::kProducts, detail::kRounding;
 // s above this: no z is worth looking for. Between the two nothing is claimed: a z may hold that no double can show.
 double unknowable(double beta) { return 1e-2 / kEpsilon * beta; }
+
+constexpr Index kExactRows = 12;
+constexpr double kExactCells = 4096;
+
+/// The proof in rationals; of u the signs are known to be right.
+bool proves_exactly(const Lcp& p, const Vector& u) {
+  const exact::Table A = exact::table(p.A);
+  exact::Rational most = 0;  // of uᵀ(A z + b)
+  exact::Row g(A.size());
+  for (Index i = 0; i < p.size(); ++i) {
+    const exact::Rational weight = u[i];
+    exact::add_product(most, weight, exact::Rational(p.b[i]));
+    for (std::size_t j = 0; j < g.size(); ++j) exact::add_product(g[j], weight, A[at(i)][j]);
+  }
+  for (const Friction& f : p.friction) {
+    g[at(f.normal)] += exact::Rational(f.mu) * abs(g[at(f.first)]);
+    g[at(f.first)] = 0;
+  }
+  for (Index j = 0; j < p.size(); ++j) {
+    if (g[at(j)].is_zero()) continue;
+    const double bound = g[at(j)] > 0 ? p.hi[j] : p.lo[j];
+    if (std::isinf(bound)) return false;
+    exact::add_product(most, g[at(j)], exact::Rational(bound));
+  }
+  return most < 0;
+}
 
 // Its first 26 bits.
 double head(double value) {
@@ -78,6 +105,10 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
   }
 }
 
+bool Judge::wants_exact_proof(const Lcp& problem) {
+  return problem.size() <= kExactRows && !problem.discs() && count_cells(problem) <= kExactCells;
+}
+
 bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
   const Index n = problem.size();
   if (n == 0 || u.size() != n) return false;
@@ -138,6 +169,7 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
     if (best > -std::numeric_limits<long double>::infinity()) add(best);
   }
   if (!(kappa <= 32 * static_cast<long double>(kEpsilon))) return false;
+  if (kappa > 0 && wants_exact_proof(problem)) return finite(problem) && proves_exactly(problem, u);
 
   long double threshold = terms <= 1 ? 0 : static_cast<long double>(n + 4) * 2 * kRounding * sum_abs;
   if (kappa > 0) {

@@ -24,7 +24,7 @@ class McpResult(NamedTuple):
     F: Vector  # (n,) F(z)
     residual: float  # natural residual in units of F
     iterations: int
-    why: str  # of numerical_error: the first entry of F or jacobian that was not finite
+    why: str  # one line where it is not solved: the row, by how much, or the entry that was not finite
 
     @property
     def x(self) -> Vector:

@@ -57,13 +57,13 @@ TEST_CASE("the judge accepts every known solution, in dense and in sparse storag
   }
 }
 
-TEST_CASE("underflow: data of a few smallest numbers are rounded only, larger ones must be met") {
+TEST_CASE("underflow: what misses data of a few smallest numbers is rounded only, larger ones must be met") {
   constexpr double kLeast = std::numeric_limits<double>::denorm_min();
   const double A = 5.250037499883902, b = -5.857e-319;  // of a step of a mechanism at rest: w = ±kLeast at the best z
   CHECK(verdict(scalar(A, b), Vector{-b / A}) == Status::rounded);
   CHECK(verdict(pair({1, 0, 0, A}, Vector{-1, b}), Vector{1 + 1e-12, -b / A}) == Status::rounded);
   CHECK(verdict(scalar(1, -10 * kLeast), Vector{0.0}) == Status::rounded);
-  CHECK(verdict(scalar(1, -1e-318), Vector{1e-318}) == Status::rounded);
+  CHECK(verdict(scalar(1, -1e-318), Vector{1e-318}) == Status::solved);  // w = 0
   for (const double size : {1e-318, 1e-307, 1e-300}) CHECK(verdict(scalar(1, -size), Vector{0.0}) == Status::stalled);
 }
 
@@ -382,8 +382,37 @@ TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing prov
   const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1e-9}, {}};
   const Lcp contacts = Lcp::standard(A, Vector(W * v));
   CHECK_FALSE(Judge{}.proves_infeasible(contacts, Vector{1, 1, 0}));
-  CHECK(Judge{}.proves_infeasible(Lcp::standard(A, Vector{-1e3, -1e3, 1e3}),
-                                  Vector{1, 1, 0}));  // no digits left of any z
+  CHECK_FALSE(Judge{}.proves_infeasible(Lcp::standard(A, Vector{-1e3, -1e3, 1e3}), Vector{1, 1, 0}));
+  // Of more rows than 12 a proof may have slack where no digits are left of any z.
+  const auto beside_others = [&W](const Vector& b) {
+    Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(13, 12);
+    wide.topLeftCorner(3, 2) = W, wide.bottomRightCorner(10, 10).setIdentity();
+    Vector inverse_mass = Vector::Ones(12), q = Vector::Zero(13);
+    inverse_mass[1] = 1e-9, q.head(3) = b;
+    return Lcp::standard(Delassus{RowSparse::from(wide.sparseView()), inverse_mass, {}}, q);
+  };
+  Vector u = Vector::Zero(13);
+  u[0] = u[1] = 1;
+  CHECK_FALSE(Judge{}.proves_infeasible(beside_others(Vector(W * v)), u));
+  CHECK(Judge{}.proves_infeasible(beside_others(Vector{-1e3, -1e3, 1e3}), u));
+}
+
+TEST_CASE("up to 12 rows a proof is exact: 2^52 (1, 1) solves what (1, 1) speaks against but for a last digit") {
+  const double e = 0x1p-52;
+  const Lcp p = pair({1, -1, -1, 1 + e}, Vector{0, -1});
+  CHECK(verdict(p, Vector{0x1p52, 0x1p52}) == Status::solved);  // w = 0: long double has no digits for it
+  CHECK(verdict_on_proof(p, Vector{1, 1}) == Status::ray);
+  CHECK(verdict_on_proof(as_sparse(p), Vector{1, 1}) == Status::ray);
+  CHECK(verdict_on_proof(pair({1, -1, -1, 1}, Vector{0, -1}), Vector{1, 1}) == Status::infeasible);
+  // Sums that long double does not hold decide, too.
+  CHECK(verdict_on_proof(pair({1 + e, 0, -1 - e, -1e-60}, Vector{0, -1}), Vector{1 + e, 1 + e}) == Status::infeasible);
+  CHECK(verdict_on_proof(pair({1 + e, 0, -1 - e, 1e-60}, Vector{0, -1}), Vector{1 + e, 1 + e}) == Status::ray);
+  Lcp contact = pair({-1, 1, 0, 1}, Vector{-1, 0});  // w_N = −z_N + z_T − 1, |z_T| ≤ μ z_N
+  contact.lo[1] = -kInf;
+  for (const double mu : {1.0, 1 + e}) {
+    contact.friction = {{.normal = 0, .first = 1, .mu = mu}};
+    CHECK(verdict_on_proof(contact, Vector{1, 0}) == (mu > 1 ? Status::ray : Status::infeasible));
+  }
 }
 
 TEST_CASE("a Delassus operator is judged as its dense form is") {
@@ -460,21 +489,25 @@ TEST_CASE("certify: where the rounding of its own sums stands in the way, they a
   s.z = Vector::Ones(n);
   Judge judge;
   judge.certify(problem, 1e-10, Claim::candidate, s);
-  CHECK(s.status == Status::rounded);
-  CHECK(s.residual <= 1e-18);
+  CHECK(s.status == Status::solved);
+  CHECK(s.residual == 0);
   problem.b[0] += 10 * small;  // now it is off by that much
   judge.certify(problem, 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::stalled);
+  // Terms of 2e12, the sum 1e-16: below a last digit of long double's.
+  const double a = 1 + 1e-12, z = 2 / (a - 1);
+  CHECK(verdict(pair({1, -1, -1, a}, Vector{-1, -1}), Vector{z + 1, z}) == Status::solved);
 }
 
-TEST_CASE("certify: an operator's numbers are those of its factors: where these cancel an answer is rounded at best") {
+TEST_CASE("certify: an operator's numbers are those of its factors: where these cancel rationals decide") {
   const double big = 0x1p50;
   Eigen::MatrixXd W(2, 3);
   W << big, 1, big, 1, 1, -1;
   const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1, 1}, {}};
   const Lcp problem = Lcp::standard(A, Vector{-1.0625, -3});
-  CHECK(verdict(problem, Vector{0, 1}) == Status::stalled);  // w_0 = -1/16: more than 1e-4 of the data
-  CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::rounded);
+  CHECK(verdict(problem, Vector{0, 1}) == Status::stalled);                 // w_0 = -1/16: more than 1e-4 of the data
+  CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);  // w_0 = 2^-105
+  CHECK(verdict(problem, Vector{0.0625 * 0x1p-101 * (1 + 1e-8), 1}) == Status::rounded);  // w_0 = 6e-10
 }
 
 TEST_CASE("certify: an overflow in its own measures excuses nothing") {
@@ -517,7 +550,8 @@ TEST_CASE("solved, rounded, stalled: each clause at its limit, from both sides")
   const auto beside = [](double v) {
     return Lcp::standard(DenseMatrix(Eigen::Matrix3d{{1, -1, 0}, {-1, 1, 1}, {0, 1e-9, 0}}), Vector{v, -1, -1});
   };
-  CHECK(verdict(beside(9e-11), Vector{1e9, 1e9, 1}) == Status::rounded);  // 9e-11 is less than a rounding of the sum
+  CHECK(verdict(beside(9.9e-11), Vector{1e9, 1e9, 1}) == Status::solved);  // less than a rounding of the sum
+  CHECK(verdict(beside(1.1e-10), Vector{1e9, 1e9, 1}) == Status::rounded);
   CHECK(verdict(beside(8.8e-6), Vector{1e9, 1e9, 1}) == Status::rounded);
   CHECK(verdict(beside(9e-6), Vector{1e9, 1e9, 1}) == Status::stalled);
 }
@@ -538,6 +572,15 @@ TEST_CASE("what stands in the way of solved is told: the row, by how much, again
   s.z = Vector{0.5, 1.5};
   judge.certify(pair({2, 0, 0, 2}, Vector{-1, -3}), 1e-10, Claim::candidate, s);
   CHECK(why(s).empty());
+  s.z = Vector{0, 1e288};
+  judge.certify(pair({1, 1e300, 0, 1e-288}, Vector{0, -1}), 1e-10, Claim::candidate, s);
+  CHECK(s.status == Status::numerical_error);
+  CHECK(why(s) == "row 0 is not finite");
+  s.z = Vector{0, 1e300};
+  Lcp large = pair({1, 0, 0, 1e300}, Vector{-1, 0});
+  large.lo[1] = large.hi[1] = 1e300;
+  judge.certify(large, 1e-10, Claim::candidate, s);
+  CHECK(why(s) == "row 1 is not finite");
 }
 
 TEST_CASE("only a proof stays in the certificate, and a claimed ray becomes one where it proves") {

@@ -353,3 +353,22 @@ TEST_CASE("F = -exp(-z) has no solution: however small it gets, it is not solved
   Path().solve(p, s);
   CHECK(!has_answer(s.status));
 }
+
+TEST_CASE("F = atan(z) - 2 has no solution: where its slope is less than any number the run ends") {
+  Mcp p = complementarity(
+      1, [](const Vector& z, Vector& F) { F[0] = std::atan(z[0]) - 2; },
+      [](const Vector& z, DenseMatrix& J) { J(0, 0) = 1 / (1 + z[0] * z[0]); });
+  bool finite = true;
+  const auto F = p.F;
+  p.F = [&](const Vector& z, Vector& value) { finite = finite && std::isfinite(z[0]), F(z, value); };
+  for (const double start : {0.0, 3.0, 1e8, 1e80, 1e150}) {
+    Path path;
+    path.set_time_limit(5);
+    Solution s;
+    s.z = Vector{start};
+    const Status status = path.solve(p, s, Start::warm).status;
+    CHECK(!has_answer(status));
+    CHECK(status != Status::time_limit);
+    CHECK(finite);
+  }
+}

@@ -145,3 +145,23 @@ TEST_CASE("no solver calls a z solved by rounding alone where a proof of infeasi
     }
   }
 }
+
+TEST_CASE("up to 12 rows no solver calls infeasible what has a solution, however large: cells decide, exactly") {
+  const double e = 0x1p-52;
+  const Vector b{0, -1};
+  for (const auto& entry : solvers()) {
+    CAPTURE(entry.name);
+    const auto solver = make_solver(std::string(entry.name));
+    solver->set_time_limit(5);
+    Solution s;
+    const auto status = [&](double last) {
+      const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, -1}, {-1, last}}), b);
+      return solver->why_not(p).empty() ? solver->solve(p, s).status : Status::unsupported;
+    };
+    CHECK(status(1 + e) != Status::infeasible);
+    if (has_answer(s.status)) CHECK((s.z - Vector{0x1p52, 0x1p52}).norm() <= 1e-3 * 0x1p52);
+    if (entry.name == "auto" || entry.name == "lemke") CHECK(s.status == Status::solved);
+    status(1 - e);
+    if (entry.name == "auto" || entry.name == "lemke") CHECK(s.status == Status::infeasible);
+  }
+}
