@@ -72,7 +72,7 @@ TEST_CASE("exact cases: bad options are one line of words") {
 
 TEST_CASE("exact cases in space: massé shot, a block across a slope, the plane's slider-crank, a symmetric body") {
   const ExactCases study;
-  const Reply a = study.look("--dimension 3 --cases S1 S11 S12 S14 --solvers auto pgs --time-limit 60");
+  const Reply a = study.visit("--dimension 3 --cases S1 S11 S12 S14 --solvers auto pgs --time-limit 60");
   CAPTURE(a.err);
   CHECK(a.exit_code == 0);
   CHECK(a.out.find("| S11 massé shot: slides on a parabola with oblique spin, then rolls | `adaptive` | auto pgs |") !=
