@@ -14,6 +14,7 @@
 //   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as
 //   touching, so that what is simultaneous stays so. Impacts that come at ever shorter intervals,
 //   and no higher than `accumulation`, end in one without restitution (impact_series.h).
+//   Impacts are refined to rounding (refined_solver.h): the tolerance of solvers for discs would show in what follows.
 //   Sliding off: the direction is that of the solution at acceleration level, until the slip is no longer stiff or
 //   |γ_T| times the turn since reaches ten times rtol of the speeds and of what friction makes in a second.
 //   Crowds: where events go on without end (steps in a row that lead nowhere) or an instant has no answer that could be
@@ -162,7 +163,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   SpatialTransition transition_;
   FormulationOf<Spatial> formulation_;
   ImpactOf<Spatial> impact_;
-  RefinedSolver refined_;  // of impacts: the steps between them have no more digits than these
+  RefinedSolver refined_;  // of impacts
   SpatialFlow flow_;
   MoreauJeanOf<Spatial> stepping_;  // of crossings
 
