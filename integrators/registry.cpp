@@ -3,6 +3,7 @@
 #include <orthant/integrators/adaptive/spatial_adaptive.h>
 #include <orthant/integrators/between_events/substitute.h>
 #include <orthant/integrators/event_driven/event_driven.h>
+#include <orthant/integrators/event_driven/spatial_event_driven.h>
 #include <orthant/integrators/fixed_step/anitescu_potra.h>
 #include <orthant/integrators/fixed_step/generalized_alpha.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
@@ -59,7 +60,7 @@ std::vector<IntegratorEntry> built_in() {
       entry<Adaptive>("to a tolerance: located events, dense output; no answer depends on the output step",
                       &make_by_contacts<Adaptive>, &make_in_space<SpatialAdaptive>),
       entry<EventDriven>("Runge-Kutta of order 8 between located events; for references",
-                         &make_by_contacts<EventDriven>),
+                         &make_by_contacts<EventDriven>, &make_in_space<SpatialEventDriven>),
   };
 }
 

@@ -86,7 +86,7 @@ bool SpatialMotion::accelerations(double t, const Eigen::VectorXd& q, const Eige
 Tangents SpatialMotion::direction(std::size_t i, const Eigen::VectorXd& v) const {
   const Rows& rows = terms_.closed[i].rows;
   const SpatialMode& mode = modes[static_cast<std::size_t>(lasting_[i])];
-  Tangents slip = slip_rate(rows, v.data());
+  Tangents slip = slip_of(rows, v);
   if (mode.departs || size_of(slip) <= slip_rounding(v)) slip = along_tangents(rows, mode.departure);
   const double size = size_of(slip);
   return size > 0 ? 1 / size * slip : Tangents{};
@@ -184,6 +184,7 @@ double SpatialMotion::power(double t, const Eigen::VectorXd& v, const Eigen::Vec
       sum -= normal_[i] * apply(rows.normal, v.data()) + inner(tangent_[i], slip_rate(rows, v.data()));
     }
   }
+  for (std::size_t i = 0; i < lasting_.size(); ++i) sum += inner(tangent_[i], terms_.closed[i].rows.belt);
   step_.setZero();
   for (const spatial::Load& load : system_.scene().loads) load.add(terms_.at, t, step_.data());
   return sum + step_.dot(v);
@@ -192,7 +193,7 @@ double SpatialMotion::power(double t, const Eigen::VectorXd& v, const Eigen::Vec
 double SpatialMotion::pace(int contact, const Eigen::VectorXd& v) const {
   const auto [a, b] = bodies_of(system_, terms_.pairs, contact);
   const auto of = [&](BodyId body) { return body < 0 ? Vector3d(0, 0, 0) : Vector3d(rotation<Spatial>(v, body)); };
-  const double turning = std::max(of(a).norm(), of(b).norm());
+  const double turning = std::max({of(a).norm(), of(b).norm(), system_.law(contact).surface.omega.norm()});
   const auto moving = [&, a = a, b = b](const Vector3d& point_a, const Vector3d& point_b, double length) {
     const auto velocity = [&](BodyId body, const Vector3d& point) -> Vector3d {
       return twist_of(v, body, terms_.at).at(terms_.at.at(body).turn(point));
@@ -229,27 +230,31 @@ SpatialMotion::Bias SpatialMotion::bias(int contact, const Eigen::VectorXd& q, c
   const double turning = pace(contact, v);
   if (!(turning > 0)) return {};
   const auto [a, b] = bodies_of(system_, terms_.pairs, contact);
-  const bool frictional = system_.law(contact).frictional();
+  const ContactLaw& law = system_.law(contact);
+  const bool frictional = law.frictional(), orthotropic = law.surface.orthotropic();
   const double s = kTurnBeside / turning;
   double normal = 0;
   Vector3d slip(0, 0, 0);
+  Tangents change{};
   Rows here;
   std::visit(
       [&, a = a, b = b](const auto& c) {
         if (frictional) here = c.rows(terms_.at);
         for (const auto& [at, weight] : {std::pair{-2.0, 1.0}, {-1.0, -8.0}, {1.0, 8.0}, {2.0, -1.0}}) {
           place(a, q, v, at * s), place(b, q, v, at * s);
-          const Rows rows = c.rows(beside_);
+          Rows rows = c.rows(beside_);
           const double rate = apply(rows.normal, v.data());
           normal += weight * rate;
           if (!frictional) continue;
-          slip += weight * rate * direction_of(rows.normal);
-          for (const auto& tangent : rows.tangents) slip += weight * apply(tangent, v.data()) * direction_of(tangent);
+          spatial::adapt_to_surface(law, beside_, rows);
+          const Tangents along = slip_of(rows, v);
+          change += weight * along;
+          if (!orthotropic) slip += weight * (rate * direction_of(rows.normal) + in_world(rows, along));
         }
       },
       system_.scene().contacts[static_cast<std::size_t>(contact)]);
   Bias found{normal / (12 * s)};
-  if (frictional) found.tangent = 1 / (12 * s) * along_tangents(here, slip);
+  if (frictional) found.tangent = 1 / (12 * s) * (orthotropic ? change : along_tangents(here, slip));
   return found;
 }
 
@@ -263,8 +268,7 @@ void SpatialMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
     if (!modes[static_cast<std::size_t>(c)].slides) continue;
     const Tangents change = slip_rate(rows, a.data()) + bias_[i].tangent;
     w.slip_change[c] = inner(slip_direction_[i], change);
-    w.along[static_cast<std::size_t>(c)] = slip_direction_[i].first * direction_of(rows.tangents[0]) +
-                                           slip_direction_[i].second * direction_of(rows.tangents[1]);
+    w.along[static_cast<std::size_t>(c)] = in_world(rows, slip_direction_[i]);
   }
   evaluate_gaps(system_, terms_);
   evaluate_closed(system_, kInf, terms_);
@@ -272,7 +276,7 @@ void SpatialMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
   for (Index i = 0; i < w.gap.size(); ++i) {
     const auto& [contact, rows] = terms_.closed[static_cast<std::size_t>(i)];
     w.gap_rate[i] = apply(rows.normal, v.data());
-    w.slip[i] = system_.law(contact).frictional() ? size_of(slip_rate(rows, v.data())) : 0;
+    w.slip[i] = system_.law(contact).frictional() ? size_of(slip_of(rows, v)) : 0;
     double far = std::abs(terms_.gap[i]), fast = 0;
     const auto add = [&](BodyId body, const RowOf<Spatial>::Entries& j) {
       for (std::size_t k = 3; k < 6; ++k) far += std::abs(j[k]);
@@ -320,7 +324,8 @@ SpatialMotion::Residual SpatialMotion::project(double t, Eigen::VectorXd& q, Eig
       const Index c = lasting_[i];
       equations_.add(rows.normal, rows.normal, position ? terms_.gap[c] - rest_[c] : apply(rows.normal, v.data()));
       if (position || !modes[static_cast<std::size_t>(c)].sticks) continue;
-      for (const auto& tangent : rows.tangents) equations_.add(tangent, tangent, apply(tangent, v.data()));
+      const Tangents slip = slip_of(rows, v);
+      for (std::size_t k = 0; k < 2; ++k) equations_.add(rows.tangents[k], rows.tangents[k], tangent_part(slip, k));
     }
     share_.resize(equations_.size());
     equations_.assemble(basic_, zero_);

@@ -6,8 +6,9 @@
 //   slip is stiff. A contact that has just begun to slide departs: its direction is the one along which γ̇_T is, by
 //   fixed-point iterations. What that leaves out is |γ_T| times the turn since the departure, or a part of it.
 //   Ẇ v is the derivative of W v along q exp(s v), by differences of fourth order over a turn of 1e-3 rad of what turns
-//   fastest, the bodies or the normal: to about 1e-13 of |v| times the rate of turning. It is taken of the velocity in
-//   the world, since the tangents of a contact may turn about its normal.
+//   fastest, the bodies, the normal or a surface: to about 1e-13 of |v| times the rate of turning. It is taken of the
+//   velocity in the world, since the tangents of a contact may turn about its normal (those of orthotropic friction are
+//   fixed in a body: row by row).
 //   project(): q and v back onto joints, lasting contacts (g = 0, W_N v = 0) and sticking ones (γ_T = 0), in the metric
 //   of M.
 //   Contacts that overlap at the start of a motion have the gap g − g_0 until they are open (rest()).
@@ -73,7 +74,7 @@ class SpatialMotion {
   /// Of the last accelerations(), in the order of lasting() [N].
   double normal_force(std::size_t i) const { return normal_[i]; }
   Tangents tangent_force(std::size_t i) const { return tangent_[i]; }
-  /// Of drives and loads, there [W].
+  /// Of drives, loads and moving surfaces, there [W].
   double power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
   /// The lasting contacts' rows depend on each other: their forces are not unique.
   bool redundant() const { return equations_.dependent; }
@@ -135,9 +136,23 @@ class SpatialMotion {
 inline Vector3d direction_of(const RowOf<Spatial>& row) {
   return row.a >= 0 ? Vector3d(row.ja[0], row.ja[1], row.ja[2]) : Vector3d(-row.jb[0], -row.jb[1], -row.jb[2]);
 }
-/// Of a vector in the world its parts along the two tangents.
+/// Of a tangent row likewise, a unit vector: rows of orthotropic friction are scaled.
+inline Vector3d axis_of(const RowOf<Spatial>& row) {
+  constexpr double kUnit = 1e-9;
+  const Vector3d d = direction_of(row);
+  const double square = d.squaredNorm();
+  return std::abs(square - 1) < kUnit ? d : Vector3d(d / std::sqrt(square));
+}
+/// Slip and forces in the rows of a contact as vectors along its two tangents in the world, and back.
+inline Vector3d in_world(const ContactRowsOf<Spatial>& rows, const Tangents& x) {
+  return x.first * axis_of(rows.tangents[0]) + x.second * axis_of(rows.tangents[1]);
+}
 inline Tangents along_tangents(const ContactRowsOf<Spatial>& rows, const Vector3d& x) {
-  return {direction_of(rows.tangents[0]).dot(x), direction_of(rows.tangents[1]).dot(x)};
+  return {axis_of(rows.tangents[0]).dot(x), axis_of(rows.tangents[1]).dot(x)};
+}
+/// γ_T: against b's surface, which may move.
+inline Tangents slip_of(const ContactRowsOf<Spatial>& rows, const Eigen::VectorXd& v) {
+  return slip_rate(rows, v.data()) - rows.belt;
 }
 /// The coefficient of a contact that sticks.
 inline double static_friction(const ContactLaw& law) { return std::max(law.mu, law.mu_static); }

@@ -1,7 +1,10 @@
+#include <orthant/core/support/options.h>
 #include <orthant/integrators/between_events/spatial_transition.h>
+#include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace orthant {
 
@@ -56,6 +59,139 @@ void SpatialTransition::formulate(SpatialMotion& motion, const Eigen::VectorXd& 
   lcp_.lo.head(normals).setZero();
 }
 
+/// More than one solution, or none, is possible already for one contact by itself.
+bool SpatialTransition::doubtful() const {
+  for (Index i = 0; i < static_cast<Index>(candidates.size()); ++i)
+    if (equations_.A(i, i) <= 0) return true;
+  return std::ranges::any_of(lcp_.friction, [&](const Friction& f) {
+    return equations_.A(f.normal, f.normal) <= f.mu * equations_.A.row(f.normal).segment(f.first, 2).norm();
+  });
+}
+
+/// Whether the certificate stands against rounding of the problem, and what contradicts.
+SpatialTransition::Proof SpatialTransition::proof() const {
+  constexpr double kProof = 1e-8, kStill = 1e-9;
+  const Vector& u = solution_.certificate;
+  if (solution_.status != Status::infeasible || u.size() != lcp_.size() ||
+      lcp_.b.dot(u) >= -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>())
+    return Proof::none;
+  const double moved = (equations_.A.transpose() * u).lpNorm<Eigen::Infinity>();
+  const double most = (equations_.A.cwiseAbs().transpose() * u.cwiseAbs()).lpNorm<Eigen::Infinity>();
+  return moved <= kStill * most ? Proof::immobile : Proof::paradox;
+}
+
+std::string SpatialTransition::names(const Vector& u) const {
+  constexpr double kPart = 1e-6;
+  std::string names;
+  for (std::size_t i = 0; i < candidates.size() && u.size() > 0; ++i)
+    if (std::abs(u[static_cast<Index>(i)]) > kPart * u.lpNorm<Eigen::Infinity>())
+      names += (names.empty() ? "\"" : ", \"") +
+               std::visit([](const auto& c) { return c.name; },
+                          system_.scene().contacts[static_cast<std::size_t>(candidates[i].contact)]) +
+               "\"";
+  return names;
+}
+
+/// All forces of a single contact without slip.
+std::vector<Vector> SpatialTransition::all_of_one() const {
+  constexpr int kDirections = 720, kBisections = 60;
+  const Eigen::Matrix3d A = equations_.A;
+  const Vector3d b = lcp_.b;
+  const double mu = lcp_.friction[0].mu;
+  std::vector<Vector> found;
+  if (b[0] >= 0) found.push_back(Vector::Zero(3));
+  const Vector3d stick = A.fullPivLu().solve(-b);
+  if (stick[0] > 0 && stick.tail<2>().norm() <= mu * stick[0]) found.push_back(stick);
+  const auto across = [&](double angle) {
+    const Eigen::Vector2d d(std::cos(angle), std::sin(angle)), change = b.tail<2>(),
+                                                               by = A.block<2, 1>(1, 0) - mu * A.block<2, 2>(1, 1) * d;
+    const Eigen::Vector2d w = change * (A(0, 0) - mu * A.block<1, 2>(0, 1).dot(d)) - b[0] * by;
+    return d.x() * w.y() - d.y() * w.x();
+  };
+  for (int k = 0; k < kDirections; ++k) {
+    double low = 2 * std::numbers::pi * k / kDirections, high = 2 * std::numbers::pi * (k + 1) / kDirections;
+    const double start = across(low);
+    if (start * across(high) > 0 || across(high) == 0) continue;
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = (low + high) / 2;
+      (start * across(middle) > 0 ? low : high) = middle;
+    }
+    const Eigen::Vector2d d(std::cos(high), std::sin(high));
+    const double push = -b[0] / (A(0, 0) - mu * A.block<1, 2>(0, 1).dot(d));
+    const Eigen::Vector2d w = b.tail<2>() + push * (A.block<2, 1>(1, 0) - mu * A.block<2, 2>(1, 1) * d);
+    if (push > 0 && w.dot(d) > 0) found.push_back(Vector3d(push, -mu * push * d.x(), -mu * push * d.y()));
+  }
+  return found;
+}
+
+/// All solutions with different accelerations. False: they are not looked for.
+bool SpatialTransition::find_all(const Eigen::VectorXd& free, std::vector<Vector>& different) const {
+  constexpr Index kMostRows = 12;
+  constexpr double kSameMotion = 1e-9;  // of what the forces add up to
+  constexpr double kLost = 1e12;        // of all accelerations: forces that make so much of them have lost all digits
+  std::vector<Vector> found;
+  if (lcp_.friction.empty() && lcp_.size() <= kMostRows && finite(lcp_)) {
+    const SolutionSet set = enumerate_solutions(lcp_);
+    found = set.isolated;
+    for (const SolutionFace& face : set.faces) found.insert(found.end(), face.vertices.begin(), face.vertices.end());
+  } else if (candidates.size() == 1 && lcp_.size() == 3 && finite(lcp_)) {
+    found = all_of_one();
+  } else {
+    return false;
+  }
+  Eigen::VectorXd one, other;
+  for (const Vector& z : found) {
+    if ((equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff() > kLost * lcp_.b.lpNorm<Eigen::Infinity>()) continue;
+    const auto same = [&](const Vector& known) {
+      one = free, other = free;
+      equations_.act(known, one), equations_.act(z, other);
+      const double size = free.lpNorm<Eigen::Infinity>() + (equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff();
+      return (one - other).lpNorm<Eigen::Infinity>() <= kSameMotion * size;
+    };
+    if (std::none_of(different.begin(), different.end(), same)) different.push_back(z);
+  }
+  return true;
+}
+
+/// The judge's status, `unsupported` for several solutions; why_ says so in words.
+Status SpatialTransition::examine(const Eigen::VectorXd& free) {
+  constexpr std::string_view kNone =
+      "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
+  if (has_answer(solution_.status) && !doubtful()) return Status::solved;
+  const Proof proved = proof();
+  if (proved == Proof::paradox) why_ = kNone;
+  if (proved == Proof::immobile)
+    why_ = "no motion satisfies contacts " + names(solution_.certificate) +
+           (system_.joint_rows() > 0 ? " together with the joints" : " together");
+  if (proved != Proof::none) return solution_.status;
+  std::vector<Vector> all;
+  const bool complete = find_all(free, all);
+  if (all.size() > 1) {
+    why_ = "several acceleration-level solutions (Painleve), normal forces [N]:";
+    for (const Vector& z : all) {
+      for (std::size_t i = 0; i < candidates.size(); ++i)
+        why_ += (i == 0 ? " (" : ", ") + detail::text_of(z[static_cast<Index>(i)]);
+      why_ += ")";
+    }
+    return Status::unsupported;
+  }
+  if (has_answer(solution_.status)) return Status::solved;
+  if (complete && all.empty()) {
+    why_ = kNone;
+    return Status::infeasible;
+  }
+  if (complete) {  // the solver missed it
+    solution_.z = all.front(), solution_.w = equations_.A * solution_.z + lcp_.b;
+    return Status::solved;
+  }
+  undecided_ = true;
+  why_ = solution_.status == Status::infeasible
+             ? "rounding leaves undecided whether accelerations satisfy contacts " + names(solution_.certificate) +
+                   (system_.joint_rows() > 0 ? " together with the joints" : " together")
+             : "the problem at acceleration level was not solved, nor is it proved that it cannot be";
+  return solution_.status == Status::infeasible ? Status::numerical_error : solution_.status;
+}
+
 /// [m/s²] what rounding makes of accelerations that are zero.
 double SpatialTransition::zero() const {
   return std::max(1e-12 * lcp_.b.lpNorm<Eigen::Infinity>(), 32 * solution_.rounding);
@@ -72,9 +208,8 @@ bool SpatialTransition::slide_off() {
     const double stiff = std::max(equations_.A(f.first, f.first), equations_.A(f.first + 1, f.first + 1));
     if (size_of(slip) <= stiff * std::max(slack, 0.0) + zero) continue;
     Candidate& c = candidates[static_cast<std::size_t>(f.normal)];
-    const auto& tangents = rows_[static_cast<std::size_t>(f.normal)].tangents;
     c.slides = c.departs = true;
-    c.direction = (slip.first * direction_of(tangents[0]) + slip.second * direction_of(tangents[1])) / size_of(slip);
+    c.direction = in_world(rows_[static_cast<std::size_t>(f.normal)], slip) / size_of(slip);
     again = again || system_.law(c.contact).mu != f.mu;
   }
   return again;
@@ -82,7 +217,7 @@ bool SpatialTransition::slide_off() {
 
 Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                  Solver& solver, StepReport& report) {
-  lcp_.b.resize(0), why_.clear();
+  lcp_.b.resize(0), why_.clear(), undecided_ = false;
   if (!candidates.empty()) {
     do {
       formulate(motion, q, v);
@@ -91,12 +226,8 @@ Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q
       const double velocity_residual = report.lcp_residual;  // that one is in m/s, not m/s²
       report.note(lcp_, solution_);
       report.lcp_residual = velocity_residual;
-      if (report.status != Status::solved) {
-        why_ = solution_.status == Status::infeasible
-                   ? "no acceleration-level solution: friction and contact are inconsistent here (Painleve)"
-                   : "the problem at acceleration level was not solved";
-        return report.status;
-      }
+      report.status = examine(motion.free());
+      if (report.status != Status::solved) return report.status;
     } while (slide_off());
   }
   std::fill(motion.modes.begin(), motion.modes.end(), SpatialMode{});
@@ -107,7 +238,8 @@ Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q
     const Candidate& c = candidates[i];
     const double push = equations_.A(row, row) * solution_.z[row];
     SpatialMode& mode = motion.modes[static_cast<std::size_t>(c.contact)];
-    mode.lasting = push > solution_.w[row] && push > zero;
+    const bool rests = most > 0 && std::abs(solution_.w[row]) <= zero && push >= -zero;  // others bear its load
+    mode.lasting = (push > solution_.w[row] && push > zero) || rests;
     if (!mode.lasting) continue;
     mode.slides = c.slides, mode.departs = c.departs, mode.departure = c.direction;
     mode.sticks = !c.slides && static_friction(system_.law(c.contact)) > 0;

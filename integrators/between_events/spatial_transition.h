@@ -3,11 +3,19 @@
 //   Over the contacts that touch and do not separate (g = 0, γ_N = 0), with λ_T = −μ λ_N d put in where they slip along
 //   d, |d| = 1:
 //     0 ≤ λ_N ⊥ W_N a + Ẇ_N v ≥ 0,     γ_T = 0:  |λ_T| ≤ μ λ_N,  inside: γ̇_T = 0,  at the bound: γ̇_T = −κ λ_T, κ ≥ 0.
-//   λ_N > 0: the contact lasts, else it opens. γ_T = 0 with |λ_T| inside its disc: it sticks, else it slides off along
-//   γ̇_T; with a greater static coefficient the problem is then solved again with the kinetic one.
-//   Directions that joints immobilise have no force. With friction there may be no solution, or several (Painlevé):
-//   where the solver finds none, why() says so; several are not looked for.
-//   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 6.
+//   λ_N > 0: the contact lasts, as one does that stays closed while others bear its load; else it opens. γ_T = 0 with
+//   |λ_T| inside its disc: it sticks, else it slides off along γ̇_T; with a greater static coefficient the problem is
+//   then solved again with the kinetic one.
+//   Directions that joints immobilise have no force. With friction there may be no solution or several (Painlevé).
+//   "None" is said where a proof stands that rounding of the problem could not have made, or all modes were tried; what
+//   is neither solved nor proved is undecided(). "Several" is looked for where a contact's own coupling allows it
+//   (W_N B (W_N − μ W_T d)ᵀ ≤ 0 for a direction d that it may take), of at most 12 contacts that all slide or have no
+//   friction, by enumeration, and of a single contact without slip. Its directions of departure are the zeros of
+//     d × γ̇_T (d),   γ̇_T (d) = b_T + λ_N (A_TN − μ A_TT d),   λ_N (d) = −b_N / (A_NN − μ A_NT d),
+//   times A_NN − μ A_NT d a trigonometric polynomial of degree 2; those nearer to each other than half a degree count
+//   as one. Solutions count as one where the accelerations are the same.
+//   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 6; Génot & Brogliato,
+//   European Journal of Mechanics A 18 (1999) 653-677.
 #pragma once
 
 #include <orthant/integrators/between_events/spatial_motion.h>
@@ -37,12 +45,20 @@ class SpatialTransition {
 
   const Lcp& problem() const { return lcp_; }
   const std::string& why() const { return why_; }
+  bool undecided() const { return undecided_; }           // not solved, and not known whether it can be
   void remember(Memory& memory) { memory(solution_.z); }  // the next guess
 
  private:
   void formulate(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   bool slide_off();
   double zero() const;
+  bool doubtful() const;
+  enum class Proof { none, immobile, paradox };  // immobile: of a combination that no force moves
+  Proof proof() const;
+  std::string names(const Vector& u) const;
+  std::vector<Vector> all_of_one() const;
+  bool find_all(const Eigen::VectorXd& free, std::vector<Vector>& different) const;
+  Status examine(const Eigen::VectorXd& free);
 
   const SystemOf<Spatial>& system_;
   ContactEquationsOf<Spatial> equations_;
@@ -52,6 +68,7 @@ class SpatialTransition {
   std::vector<int> contacts_;
   std::vector<ContactRowsOf<Spatial>> rows_;
   std::string why_;
+  bool undecided_ = false;
 };
 
 }  // namespace orthant

@@ -108,8 +108,6 @@ TEST_CASE(
   CHECK(refusal(with(sweep, "mu = [0.1, 0.2]", "nu = 1")).find("nu") != std::string::npos);
   CHECK(refusal(sweep + with(animation, "title = 'Motion'", "title = 'Motion'\nmagnify = 'ball'"))
             .find("must be absent where the scene is in space") != std::string::npos);
-  CHECK(refusal(sweep + with(animation, "'moreau-jean', step", "'event-driven', step"))
-            .find("takes planar scenes only") != std::string::npos);
 
   if (folder.run("/usr/bin/python3 -s -E -c 'import selenium' && test -x /usr/bin/chromedriver").exit_code != 0) return;
   const Reply seen = folder.run("/usr/bin/python3 -s -E '" ORTHANT_TEST_DATA "/../experiments/report.py' m.html");

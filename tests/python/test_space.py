@@ -41,6 +41,13 @@ def test_a_scene_built_here_slides_by_coulombs_law():
     assert list(run.events) == [] and run.warnings == []
 
 
+def test_event_driven_locates_the_instant_from_which_the_ball_rolls():
+    run = orthant.simulate(ball(mu=0.2), integrator="event-driven", step=0.25, duration=1)
+    assert run.solved and [(event.kind, event.contact) for event in run.events] == [("stick", "floor")]
+    assert abs(run.events[0].t - 2 * 5 / (7 * 0.2 * 9.81)) < 1e-10
+    assert abs(np.hypot(run["ball.vx"][-1], run["ball.vy"][-1]) - 5 * 5 / 7) < 1e-10
+
+
 def test_a_built_in_scene_its_joint_coordinates_and_the_planar_motion():
     space = orthant.simulate("slider_crank_space", duration=0.06, step=1e-5, every=100)
     plane = orthant.simulate("slider_crank", duration=0.06, step=1e-5, every=100)
@@ -154,8 +161,9 @@ def test_what_planar_scenes_alone_have_is_said():
     scene.add("contact", type="custom", bodies=["ball", "ground"], gap=lambda a, b: 1.0, rows=lambda a, b: [0] * 6)
     with pytest.raises(ValueError, match="must be in a planar scene"):
         orthant.simulate(scene)
-    with pytest.raises(ValueError, match="event-driven"):
-        orthant.simulate(ball(), integrator="event-driven")
+    orthant.register_integrator("planar-only", lambda step: (step.q, step.v))
+    with pytest.raises(ValueError, match="planar-only: takes planar scenes only: must be one of .*, event-driven"):
+        orthant.simulate(ball(), integrator="planar-only")
     with pytest.raises(ValueError, match="override body.ball.mass=-2: body .ball.: mass = -2: must be > 0"):
         orthant.simulate(orthant.Scene.parse(ball().toml(), **{"body.ball.mass": -2}))
     names = [entry.name for entry in orthant.scenes()]

@@ -41,11 +41,11 @@ TEST_CASE("refinement brings an answer of 1e-10 to rounding, on boxes and on dis
     Solution s;
     make_solver("pgs:tolerance=1e-10")->solve(problem, s);
     REQUIRE(s.status == Status::solved);
-    CHECK(s.residual > 1e-14);
+    CHECK(s.residual > 1e-13);
     Refinement refinement;
     refinement.improve(problem, s);
     CHECK(s.status == Status::solved);
-    CHECK(s.residual < 1e-15);
+    CHECK(s.residual < 1e-14);
     const Vector z = s.z;
     refinement.improve(problem, s);
     CHECK(s.z == z);

@@ -1,6 +1,6 @@
-// Events of a SpatialAdaptive integrator: impacts, accumulations, changes of contact modes, crossings of crowds.
+// Events of a SpatialEventDriven integrator: impacts, accumulations, changes of contact modes, crossings of crowds.
 #include <orthant/core/support/options.h>
-#include <orthant/integrators/adaptive/spatial_adaptive.h>
+#include <orthant/integrators/event_driven/spatial_event_driven.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,44 +8,70 @@
 namespace orthant {
 namespace {
 
-constexpr double kTogether = 1e-8;       // of the largest force: contacts this near to their ends end together
-constexpr double kComesBack = 1e-6;      // of the accelerations: a contact let go that comes back faster does not open
-constexpr double kFirstCrossing = 1e-6;  // [s]
-constexpr double kLastCrossing = 1e-4;   // [s]
+constexpr double kTogether = 1e-8;      // of the largest force: contacts this near to their ends end together
+constexpr double kComesBack = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
+constexpr double kSmallTilt = 1e-9;     // [m] deeper overlaps are no rounding
+constexpr double kLastCrossing = 1e-4;  // [s]
 
 }  // namespace
 
-void SpatialAdaptive::emit(double t, EventKind kind, int contact, const Impulse& impulse) {
-  left_.events.push_back({t, kind, contact, impulse.normal, size_of(impulse.tangent)});
+void SpatialEventDriven::emit(double t, EventKind kind, int contact, const Impulse& impulse) {
+  events_.push_back({t, kind, contact, impulse.normal, size_of(impulse.tangent)});
+}
+
+bool SpatialEventDriven::change_or_cross(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
+  return change(solver, event, report) || ((no_answer_ || options_.go_on) && cross(solver, report));
 }
 
 /// At now_: impacts, then the modes; their events.
-bool SpatialAdaptive::change(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
+bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event, StepReport& report) {
+  no_answer_ = false;
+  if (++crowd_.instants > options_.max_events)
+    return give_up(Status::iteration_limit, "max_events are used up at t = " + detail::text_of(time_));
   if (event && event->watch != Watch::gap && crowd_.standstill == 0 && reshare(solver, *event, report)) return true;
   before_ = motion_.modes;
   std::fill(released_.begin(), released_.end(), false);
   std::fill(slides_.begin(), slides_.end(), Vector3d::Zero());
   for (Bounces& b : bounces_) b.over = false;
-  bool struck = false;
+  int struck = 0;
+  // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and
+  // of the velocities that it left.
+  const double roundings = 256 + 64.0 * flight_.steps, since = flight_.time;
+  flight_ = {};
   for (int c = 0; c < system_.contacts(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     const bool hit = event && event->watch == Watch::gap && event->contact == c, lasts = motion_.modes[i].lasting;
-    touching_[i] = hit || lasts || now_.w.gap[c] <= 256 * gap_zero(c) + inner_.atol;
+    tie_[i] = roundings * gap_zero(c) + options_.touching + since * kSame * now_.w.rate_scale[c];
+    touching_[i] = hit || lasts || now_.w.gap[c] <= tie_[i];
     if (!touching_[i] || lasts || now_.w.gap_rate[c] >= -rate_zero(c)) continue;
-    struck = true;
+    ++struck;
     Bounces& b = bounces_[i];
     b.add(time_);
     const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
     b.height = height * b.ratio, b.rounding = height <= 16 * gap_zero(c);
+    const double blur = 8 * gap_zero(c) / (-now_.w.gap_rate[c] * (1 - b.ratio) * (1 - b.ratio));  // of the end [s]
+    if (!b.accumulates() || !(std::abs(time_ + b.rest - b.end) <= blur)) b.end = time_ + b.rest;
   }
-  if (struck && !impact(solver, accumulates(), report)) return false;
+  if (struck > 1) close_together();
+  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
   next_ = 0;
-  return settle(solver, event, struck, report);
+  return settle(solver, event, struck > 0, report);
+}
+
+/// Contacts that strike together get the gap 0: a tilt that rounding made would grow from impact to impact.
+void SpatialEventDriven::close_together() {
+  for (std::size_t i = 0; i < touching_.size(); ++i)
+    motion_.modes[i].lasting = touching_[i] && now_.w.gap[static_cast<Index>(i)] > -kSmallTilt;
+  motion_.modes_changed();
+  q_within_ = now_.q, v_within_ = now_.v;
+  if (motion_.project(time_, q_within_, v_within_).joint < kInf) now_.q = q_within_;
+  motion_.modes = before_;
+  motion_.modes_changed();
 }
 
 /// Contacts whose forces are not unique share them in the proportions of the last decision. One that comes to its end
 /// by that alone goes on when they are shared as a new decision finds. False: it has come to its end.
-bool SpatialAdaptive::reshare(Solver& solver, const Sign& event, StepReport& report) {
+bool SpatialEventDriven::reshare(Solver& solver, const Sign& event, StepReport& report) {
   if (event.watch == Watch::stop || !motion_.redundant()) return false;
   const std::vector<SpatialMode> before = motion_.modes;
   motion_.open_all();
@@ -63,7 +89,7 @@ bool SpatialAdaptive::reshare(Solver& solver, const Sign& event, StepReport& rep
   return false;
 }
 
-bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
+bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   Terms& terms = motion_.terms();
   if (!motion_.accelerations(time_, now_.q, now_.v, now_.a))
     return give_up(Status::numerical_error, "no accelerations at an impact");
@@ -77,37 +103,45 @@ bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
   shown_ = &impact_.formulation();
   impact_.anchor(time_, now_.q), formulation_.anchor(time_, now_.q);
   const bool in_turn = plastic && ends_in_turn();
-  if (in_turn && !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report))
-    return give_up(report.status, impact_.why());
+  if (in_turn)
+    no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
+  else if (!plastic)
+    no_answer_ = !impact_.strike(terms, motion_.basic(), v_before_, wanted_, now_.v, solver, report);
+  if (no_answer_) return give_up(report.status, impact_.why());
   if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
-  if (!plastic && !impact_.strike(terms, motion_.basic(), v_before_, wanted_, now_.v, solver, report))
-    return give_up(report.status, impact_.why());
   if (plastic)
     for (auto& wanted : wanted_) wanted.normal = 0;
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
   shown_ = &formulation_;
-  if (!formulation_.solve(solver, report)) {
+  no_answer_ = !formulation_.solve(solver, report);
+  if (no_answer_) {
     const std::string why = formulation_.contradiction();
-    return give_up(report.status, why.empty() ? "the impact was not solved" : "in an impact " + why);
+    if (!why.empty()) return give_up(report.status, "in an impact " + why);
+    return give_up(report.status,
+                   report.status == Status::infeasible
+                       ? "Newton's law of impact has no solution here: friction and restitution contradict each other "
+                         "(jamming)"
+                       : "the impact was not solved");
   }
   std::fill(struck_.begin(), struck_.end(), Impulse{});
   formulation_.advance(now_.v, struck_);
   if (in_turn || !plastic) impact_.add_to(struck_);
   report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, struck_));
-  if (system_.driven()) left_.work += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
+  if (system_.driven()) work_ += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
   for (const auto& closed : terms.closed) {
     const auto i = static_cast<std::size_t>(closed.contact);
     const Impulse& hit = struck_[i];
-    left_.impulses[i].normal += hit.normal, left_.impulses[i].tangent += hit.tangent;
+    impulses_[i].normal += hit.normal, impulses_[i].tangent += hit.tangent;
+    work_ += inner(hit.tangent, closed.rows.belt);
     if (system_.driven()) {
       const auto mean = [&](const RowOf<Spatial>& row) {
         return (apply(row, v_before_.data()) + apply(row, now_.v.data())) / 2;
       };
-      left_.work -= hit.normal * mean(closed.rows.normal) + hit.tangent.first * mean(closed.rows.tangents[0]) +
-                    hit.tangent.second * mean(closed.rows.tangents[1]);
+      work_ -= hit.normal * mean(closed.rows.normal) + hit.tangent.first * mean(closed.rows.tangents[0]) +
+               hit.tangent.second * mean(closed.rows.tangents[1]);
     }
     if (plastic && bounces_[i].over)
-      emit(time_ + bounces_[i].rest, EventKind::accumulation, closed.contact, hit);
+      emit(std::max(time_, bounces_[i].end), EventKind::accumulation, closed.contact, hit);
     else if (hit.normal > 0)
       emit(time_, EventKind::impact, closed.contact, hit);
   }
@@ -115,7 +149,7 @@ bool SpatialAdaptive::impact(Solver& solver, bool plastic, StepReport& report) {
 }
 
 /// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
-bool SpatialAdaptive::waits(const Bounces& ending) const {
+bool SpatialEventDriven::waits(const Bounces& ending) const {
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[static_cast<std::size_t>(c)];
     const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
@@ -128,7 +162,7 @@ bool SpatialAdaptive::waits(const Bounces& ending) const {
 
 /// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
 /// intervals.
-bool SpatialAdaptive::meets_in_turn(int c) const {
+bool SpatialEventDriven::meets_in_turn(int c) const {
   const Bounces& one = bounces_[static_cast<std::size_t>(c)];
   for (std::size_t k = 0; k < bounces_.size(); ++k) {
     const Bounces& b = bounces_[k];
@@ -140,7 +174,7 @@ bool SpatialAdaptive::meets_in_turn(int c) const {
 }
 
 /// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
-bool SpatialAdaptive::accumulates() {
+bool SpatialEventDriven::accumulates() {
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[static_cast<std::size_t>(c)];
@@ -159,7 +193,7 @@ bool SpatialAdaptive::accumulates() {
 }
 
 /// Whether several of the series that are over had their impacts in turn: in_turn_.
-bool SpatialAdaptive::ends_in_turn() {
+bool SpatialEventDriven::ends_in_turn() {
   double first = kInf, last = -kInf, interval = kInf;
   for (std::size_t i = 0; i < in_turn_.size(); ++i) {
     const Bounces& b = bounces_[i];
@@ -172,7 +206,7 @@ bool SpatialAdaptive::ends_in_turn() {
 }
 
 /// The modes at now_, after an impact or an event of the motion.
-bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
+bool SpatialEventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
   if (event && !struck && (event->watch == Watch::force || event->watch == Watch::cone)) {
     const double zero = kTogether * (1 + 1e3 * crowd_.standstill) * load_;
     for (const int c : motion_.lasting()) {
@@ -184,8 +218,7 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
                                                     motion_.lasting().begin());
         const auto& rows = motion_.terms().closed[place].rows;
         const Tangents force{now_.force[3 * c + 1], now_.force[3 * c + 2]};
-        slides_[i] = -(force.first * direction_of(rows.tangents[0]) + force.second * direction_of(rows.tangents[1])) /
-                     now_.w.tangent[c];
+        slides_[i] = -in_world(rows, force) / now_.w.tangent[c];
       }
     }
   }
@@ -207,11 +240,8 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
       const auto i = static_cast<std::size_t>(contacts_[k]);
       SpatialTransition::Candidate candidate{contacts_[k], false, false, slides_[i]};
       if (system_.law(contacts_[k]).frictional()) {
-        const Tangents slip = slip_rate(terms.closed[k].rows, now_.v.data());
-        const auto& tangents = terms.closed[k].rows.tangents;
-        if (size_of(slip) > none)
-          candidate.direction =
-              (slip.first * direction_of(tangents[0]) + slip.second * direction_of(tangents[1])) / size_of(slip);
+        const Tangents slip = slip_of(terms.closed[k].rows, now_.v);
+        if (size_of(slip) > none) candidate.direction = in_world(terms.closed[k].rows, slip) / size_of(slip);
         candidate.slides = candidate.direction.squaredNorm() > 0;
         candidate.departs =
             candidate.slides && (size_of(slip) <= none || (!struck && before_[i].departs && before_[i].lasting));
@@ -221,6 +251,7 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
     const Status status = transition_.decide(motion_, now_.q, now_.v, solver, report);
     if (status != Status::solved) {
       shown_ = nullptr;
+      no_answer_ = transition_.undecided();
       return give_up(status, transition_.why() + ", at t = " + detail::text_of(time_));
     }
     now_.residual = motion_.project(time_, now_.q, now_.v);
@@ -242,10 +273,11 @@ bool SpatialAdaptive::settle(Solver& solver, const std::optional<Sign>& event, b
   return true;
 }
 
-void SpatialAdaptive::note_changes(bool touched) {
+void SpatialEventDriven::note_changes(bool touched) {
   for (int c = 0; c < system_.contacts(); ++c) {
     const SpatialMode &old = before_[static_cast<std::size_t>(c)], &mode = motion_.modes[static_cast<std::size_t>(c)];
-    if (old == mode) continue;
+    const bool reversed = old.slides && mode.slides && mode.departs && !old.departs;  // a stop, and off again
+    if (old == mode && !reversed) continue;
     if (!mode.lasting)
       emit(time_, EventKind::release, c);
     else if (old.lasting)
@@ -258,13 +290,17 @@ void SpatialAdaptive::note_changes(bool touched) {
 /// Where events have no end, or an instant no answer that could be computed: steps of Moreau–Jean's method, each twice
 /// as long as the last one where no calm has come since. Contacts that push in it last, unless they come away faster
 /// than bodies fall within it.
-bool SpatialAdaptive::cross(Solver& solver, StepReport& report) {
+bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
   const Failure reason = failed_;
   for (bool calm = false; !calm;) {
     if (stopped(report)) return give_up(report.status, "");
     crowd_.length =
-        time_ - crowd_.end < 50 * crowd_.length ? std::min(2 * crowd_.length, kLastCrossing) : kFirstCrossing;
-    const double s = crowd_.length;
+        time_ - crowd_.end < 50 * crowd_.length ? std::min(2 * crowd_.length, kLastCrossing) : options_.crossing;
+    const double s = std::min(crowd_.length, end_ - time_);
+    if (!(s > time_rounding(time_))) {  // the call ends here: the modes are decided where the next one begins
+      begun_ = false;
+      break;
+    }
     crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
     const StepReport one = stepping_.step(s, solver, crossed_);
     report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
@@ -279,7 +315,7 @@ bool SpatialAdaptive::cross(Solver& solver, StepReport& report) {
     now_.q = crossed_.q, now_.v = crossed_.v;
     time_ += s;
     crowd_.end = time_, crowd_.steps = crowd_.standstill = 0;
-    stride_.arc = false;
+    arc_.length = 0;
     motion_.open_all();
     stop_ = kInf;
     if (!observe(now_, time_)) return give_up(Status::numerical_error, "no accelerations");
@@ -287,15 +323,17 @@ bool SpatialAdaptive::cross(Solver& solver, StepReport& report) {
     bool any = false;
     for (std::size_t i = 0; i < touching_.size(); ++i) {
       const Impulse& push = stepping_.impulses()[i];
-      left_.impulses[i].normal += push.normal, left_.impulses[i].tangent += push.tangent;
+      impulses_[i].normal += push.normal, impulses_[i].tangent += push.tangent;
       bounces_[i] = {};
       touching_[i] = bounces_[i].over = push.normal > 0 && now_.w.gap_rate[static_cast<Index>(i)] <= slow;
       any = any || touching_[i];
     }
     std::fill(released_.begin(), released_.end(), false);
     std::fill(slides_.begin(), slides_.end(), Vector3d::Zero());
+    no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
     for (Bounces& b : bounces_) b.over = false;
+    if (!calm && !no_answer_ && !options_.go_on) return false;
   }
   failed_ = {}, next_ = 0;
   return true;

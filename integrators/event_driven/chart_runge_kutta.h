@@ -1,4 +1,4 @@
-// integrators/adaptive/chart_runge_kutta.h — Runge–Kutta method of order 8 (Dormand & Prince) in charts of the
+// integrators/event_driven/chart_runge_kutta.h — Runge–Kutta method of order 8 (Dormand & Prince) in charts of the
 // rotations.
 //
 //   Within a step from (q, v) the coordinates are q exp φ (move(), blocks.h), and the method is applied to (φ, v):
