@@ -68,7 +68,9 @@ void add_gradient(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("gradient", "Derivatives of a planar moreau-jean run's last row by parameters and start");
   command->add_option("scene", arguments->scene, "built-in scene or TOML file")->required();
-  command->add_option("--of", arguments->of, "columns, such as crank.theta,corner1.gap,corner1.impulse_n")->required()->delimiter(',');
+  command->add_option("--of", arguments->of, "columns, such as crank.theta,corner1.gap,corner1.impulse_n")
+      ->required()
+      ->delimiter(',');
   command
       ->add_option("--wrt", arguments->wrt,
                    "keys of --set with a number, such as mu or body.rod.mass, entries of arrays as "

@@ -72,7 +72,7 @@ template <class List> void list_changed(const List& base, const List& other, std
 
 }  // namespace
 
-ParameterChange changes_of(const RunParameter& parameter, const System& system) {
+ParameterChange changes_of(const RunParameter& parameter, const System& system, double relative_step) {
   ParameterChange change;
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument("derivative with respect to " + parameter.name + ": " + why);
@@ -84,7 +84,7 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system) 
     (velocity ? change.start_v : change.start_q)[parameter.start - (velocity ? system.dof() : 0)] = 1;
   }
   if (!parameter.scene) return change;
-  change.step = parameter.value != 0 ? 1e-3 * std::abs(parameter.value) : 1e-5;
+  change.step = relative_step * (parameter.value != 0 ? std::abs(parameter.value) : 1e-2);
   for (const int k : {-2, -1, 1, 2}) try {
       change.at[static_cast<std::size_t>(k < 0 ? k + 2 : k + 1)] =
           std::make_unique<System>(parameter.scene(parameter.value + k * change.step));

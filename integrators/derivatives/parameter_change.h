@@ -1,6 +1,6 @@
 // integrators/derivatives/parameter_change.h — parameters of a run, and which parts of the scene each one changes.
 //
-//   Scenes at value + k step, k = ±1, ±2, step = 1e-3 |value| (1e-5 at 0), tell the parts. What enters the equations
+//   Scenes at value + k step, k = ±1, ±2, tell the parts; step = 1e-3 |value|, or 1e-5 at 0. What enters the equations
 //   linearly (masses, weights, μ, e, e_T, belts, bounds of dry friction) has one derivative for the whole run. Elements
 //   with other geometry or other laws in time are listed: in each step only these are evaluated, four times.
 #pragma once
@@ -54,6 +54,6 @@ struct ParameterChange {
 
 /// Throws std::invalid_argument for a parameter at the end of its range, where no scene lies on one side, and for a
 /// place of the start that is none.
-ParameterChange changes_of(const RunParameter& parameter, const System& system);
+ParameterChange changes_of(const RunParameter& parameter, const System& system, double relative_step = 1e-3);
 
 }  // namespace orthant

@@ -52,10 +52,9 @@ double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before
   dense_ = joints <= kDenseJoints;
   if (dense_) {
     S_.resize(joints, joints);
-    for (Eigen::Index i = 0; i < joints; ++i)
-      for (Eigen::Index j = 0; j < joints; ++j)
-        S_(i, j) = coupling(after_.G[static_cast<std::size_t>(i)], before_.G[static_cast<std::size_t>(j)],
-                            system_.inverse_mass());
+    double* entry = S_.data();
+    for (const Row& row : after_.G)
+      for (const Row& column : before_.G) *entry++ = coupling(row, column, system_.inverse_mass());
     dense_ = invert();
   }
   if (!dense_ && !basic_.factorize(system_, before_)) throw std::runtime_error("derivatives of a step: not finite");
@@ -95,20 +94,21 @@ double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before
 bool ProjectionLinearization::invert() {
   const Eigen::Index n = S_.rows();
   inverse_.setIdentity(n, n);
-  const double largest = S_.cwiseAbs().maxCoeff();
+  const double smallest = 1e-11 * S_.cwiseAbs().maxCoeff();  // redundant joints leave rounding
   for (Eigen::Index k = 0; k < n; ++k) {
     Eigen::Index p = k;
     for (Eigen::Index i = k + 1; i < n; ++i)
       if (std::abs(S_(i, k)) > std::abs(S_(p, k))) p = i;
-    if (!(std::abs(S_(p, k)) > 1e-11 * largest)) return false;  // redundant joints leave rounding
+    if (!(std::abs(S_(p, k)) > smallest)) return false;
     if (p != k) S_.row(p).swap(S_.row(k)), inverse_.row(p).swap(inverse_.row(k));
-    const double by = 1 / S_(k, k);
-    S_.row(k) *= by, inverse_.row(k) *= by;
+    double *const pivot = S_.data() + n * k, *const unit = inverse_.data() + n * k;
+    const double by = 1 / pivot[k];
+    for (Eigen::Index j = 0; j < n; ++j) pivot[j] *= by, unit[j] *= by;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double factor = S_(i, k);
+      double *const row = S_.data() + n * i, *const to = inverse_.data() + n * i;
+      const double factor = row[k];
       if (i == k || factor == 0) continue;
-      for (Eigen::Index j = k; j < n; ++j) S_(i, j) -= factor * S_(k, j);
-      for (Eigen::Index j = 0; j < n; ++j) inverse_(i, j) -= factor * inverse_(k, j);
+      for (Eigen::Index j = 0; j < n; ++j) row[j] -= factor * pivot[j], to[j] -= factor * unit[j];
     }
   }
   return true;

@@ -45,7 +45,7 @@ class ProjectionLinearization {
   std::vector<RowSlope> slopes_;
   std::vector<Slope> push_slopes_, rate_slopes_;  // of M⁻¹ G*ᵀ λ and, behind, of ν by q*; of G⁺ v⁺ by q⁺
   bool dense_ = true;
-  Eigen::MatrixXd S_, inverse_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> S_, inverse_;
   Eigen::VectorXd force_, off_, x_, left_, none_, unused_, unused_joints_;
 };
 
