@@ -171,31 +171,68 @@ namespace {
 struct Named {
   Named(const SceneSource& source, const std::vector<std::string>& of, const std::vector<std::string>& wrt,
         std::string_view integrator)
-      : scene(source.make()), system(scene) {
-    const auto colon = integrator.find(':');
-    if (integrator.substr(0, colon) != MoreauJean::kName)
-      throw std::invalid_argument("gradients: the integrator is '" + std::string(integrator) +
-                                  "': must be moreau-jean");
-    if (colon != std::string_view::npos) set_options(options, integrator.substr(colon + 1));
+      : method(integrator.substr(0, integrator.find(':'))), scene(source.make()), system(scene) {
+    if (method.size() < integrator.size()) given = integrator.substr(method.size() + 1);
     for (const std::string& column : of) columns.push_back(column_of(scene, column));
     for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
   }
+  MoreauJeanOptions options(const char* others) const {
+    if (method != MoreauJean::kName)
+      throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) + "': must be moreau-jean" +
+                                  others);
+    MoreauJeanOptions options;
+    if (!given.empty()) set_options(options, given);
+    return options;
+  }
+  std::string method, given;
   Scene scene;
   System system;
-  MoreauJeanOptions options;
   std::vector<RunColumn> columns;
   std::vector<RunParameter> parameters;
 };
+
+/// Of the motion itself.
+GradientOfRun gradient_of_motion(const Named& named, Solver& solver, const Clock& clock) {
+  EventDrivenOptions options;
+  if (!named.given.empty()) set_options(options, named.given);
+  ColumnSlopes slopes(named.system, named.columns);
+  if (slopes.any_impulse())
+    throw std::invalid_argument("gradients: by event-driven impulses have none: must be columns of bodies, or gaps");
+  std::vector<ParameterChange> changes;
+  for (const RunParameter& parameter : named.parameters) changes.push_back(changes_of(parameter, named.system));
+  GradientOfRun gradient;
+  const MotionTangent motion = differentiate_motion(
+      named.system, named.parameters, options, solver, clock.duration, clock.step * static_cast<double>(clock.every),
+      [&](const State& x, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv) {
+        gradient.t.push_back(x.t);
+        slopes.set_up(x);
+        for (std::size_t i = 0; i < named.columns.size(); ++i) {
+          gradient.value.push_back(slopes.value(i, x));
+          for (std::size_t j = 0; j < changes.size(); ++j) {
+            const auto column = static_cast<Index>(j);
+            gradient.by.push_back(slopes.push(i, changes[j], dq.col(column).data(), dv.col(column).data()));
+          }
+        }
+      },
+      clock.cancel);
+  if (!motion.none.empty()) throw std::runtime_error("gradients: the motion has no derivative: " + motion.none);
+  gradient.tangent.run.status = motion.status, gradient.tangent.run.why = motion.why;
+  gradient.tangent.run.final = motion.final;
+  gradient.tangent.q = motion.q, gradient.tangent.v = motion.v;
+  return gradient;
+}
 
 }  // namespace
 
 GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
                               const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                               const Clock& clock) {
+  check(clock);
   const Named named(source, of, wrt, integrator);
+  if (named.method == EventDriven::kName) return gradient_of_motion(named, solver, clock);
   GradientOfRun gradient;
   gradient.tangent =
-      differentiate_run(named.system, named.parameters, named.options, solver, clock, named.columns,
+      differentiate_run(named.system, named.parameters, named.options(" or event-driven"), solver, clock, named.columns,
                         [&](double t, const Eigen::VectorXd& value, const Eigen::MatrixXd& by) {
                           gradient.t.push_back(t);
                           for (Index i = 0; i < value.size(); ++i) {
@@ -210,8 +247,8 @@ RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::stri
                           const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                           const Clock& clock, Index scalars, const RecordWeights& weights) {
   const Named named(source, of, wrt, integrator);
-  return differentiate_run_reverse(named.system, named.parameters, named.options, solver, clock, named.columns,
-                                   scalars, weights);
+  return differentiate_run_reverse(named.system, named.parameters, named.options(" in reverse mode"), solver, clock,
+                                   named.columns, scalars, weights);
 }
 
 }  // namespace orthant

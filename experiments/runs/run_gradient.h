@@ -5,6 +5,7 @@
 // x, y, theta, vx, vy, omega, is the body's initial coordinate or velocity.
 #pragma once
 
+#include <orthant/integrators/derivatives/motion_tangent.h>
 #include <orthant/integrators/derivatives/run_adjoint.h>
 #include <orthant/integrators/derivatives/run_tangent.h>
 
@@ -39,8 +40,8 @@ struct GradientOfRun {
 /// std::invalid_argument for what is none of these.
 RunColumn column_of(const Scene& scene, const std::string& name);
 
-/// Forward mode. `of`: columns as above; integrator: "moreau-jean[:theta=…]"; a row every so many steps, the first and
-/// the last always.
+/// Forward mode. `of`: columns as above; integrator: "moreau-jean[:theta=…]", or "event-driven": of the motion itself
+/// (motion_tangent.h), where a row stands every so many times clock.step. The first row and the last always.
 GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
                               const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                               const Clock& clock);

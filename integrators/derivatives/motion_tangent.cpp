@@ -214,7 +214,7 @@ class Variation {
 
 MotionTangent differentiate_motion(const System& system, const std::vector<RunParameter>& parameters,
                                    const EventDrivenOptions& options, Solver& solver, double duration, double every,
-                                   const MotionRecorder& record) {
+                                   const MotionRecorder& record, const std::atomic<bool>* cancel) {
   if (!(duration > 0) || !std::isfinite(duration)) throw std::invalid_argument("duration: must be > 0 and finite");
   if (!(every > 0)) throw std::invalid_argument("every: must be > 0");
   MotionTangent result;
@@ -227,6 +227,10 @@ MotionTangent differentiate_motion(const System& system, const std::vector<RunPa
   for (long row = 1; x.t < duration; ++row) {
     const double end = std::min(static_cast<double>(row) * every, duration);
     while (x.t < end) {
+      if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) {
+        result.status = Status::cancelled;
+        return result;
+      }
       const StepReport report = integrator.stride(end - x.t, solver, x);
       if (report.status != Status::solved) {
         result.status = report.status, result.why = integrator.why();

@@ -18,6 +18,7 @@
 #include <orthant/integrators/derivatives/parameter_change.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -50,6 +51,7 @@ using MotionRecorder = std::function<void(const State&, const Eigen::MatrixXd& d
 /// Newton's.
 MotionTangent differentiate_motion(const System& system, const std::vector<RunParameter>& parameters,
                                    const EventDrivenOptions& options, Solver& solver, double duration,
-                                   double every = kInf, const MotionRecorder& record = {});
+                                   double every = kInf, const MotionRecorder& record = {},
+                                   const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace orthant

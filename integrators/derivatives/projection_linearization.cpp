@@ -101,14 +101,16 @@ bool ProjectionLinearization::invert() {
       if (std::abs(S_(i, k)) > std::abs(S_(p, k))) p = i;
     if (!(std::abs(S_(p, k)) > smallest)) return false;
     if (p != k) S_.row(p).swap(S_.row(k)), inverse_.row(p).swap(inverse_.row(k));
-    double *const pivot = S_.data() + n * k, *const unit = inverse_.data() + n * k;
+    double* const __restrict pivot = S_.data() + n * k, * const __restrict unit = inverse_.data() + n * k;
     const double by = 1 / pivot[k];
-    for (Eigen::Index j = 0; j < n; ++j) pivot[j] *= by, unit[j] *= by;
+    for (Eigen::Index j = k; j < n; ++j) pivot[j] *= by;
+    for (Eigen::Index j = 0; j < n; ++j) unit[j] *= by;
     for (Eigen::Index i = 0; i < n; ++i) {
-      double *const row = S_.data() + n * i, *const to = inverse_.data() + n * i;
+      double* const __restrict row = S_.data() + n * i, * const __restrict to = inverse_.data() + n * i;
       const double factor = row[k];
       if (i == k || factor == 0) continue;
-      for (Eigen::Index j = 0; j < n; ++j) row[j] -= factor * pivot[j], to[j] -= factor * unit[j];
+      for (Eigen::Index j = k; j < n; ++j) row[j] -= factor * pivot[j];
+      for (Eigen::Index j = 0; j < n; ++j) to[j] -= factor * unit[j];
     }
   }
   return true;

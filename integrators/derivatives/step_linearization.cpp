@@ -140,7 +140,7 @@ void StepLinearization::linearize_rows() {
     slopes_of(scene.joints[j], terms_.at, slopes_.data() + system_.first_row(j));
   for (Index i = 0; i < joints; ++i) {
     const Row& row = terms_.G[at(i)];
-    add_row(row, slopes_[at(i)], joint_[i], fixed_, 1 / a - 1, dof + i);
+    add_row(row, slopes_[at(i)], joint_[i], fixed_, 0, dof + i);
   }
   std::array<RowSlope, 2> both;
   for (std::size_t k = 0; k < places_.size(); ++k) {
@@ -209,6 +209,8 @@ void StepLinearization::push(const Part& parameter, double* q, double* v, Impuls
   rho_.head(dof) = -system_.mass().cwiseProduct(dv);
   orthant::apply(by_pose_, q_a_.data(), rho_.data());
   orthant::apply(by_velocity_, v, rho_.data());
+  const double of_mean = 1 / options_.theta - 1;  // of G v in r₂
+  for (Index i = 0; i < joints; ++i) rho_[dof + i] += of_mean * apply(terms_.G[at(i)], v);
   for (const auto& [place, value] : parameter.step) rho_[place] += value;
 
   rho_.head(dof + joints) *= -1;
@@ -272,6 +274,8 @@ void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses
   q_a_.setZero();
   apply_transposed(by_pose_, by_step_.data(), q_a_.data());
   apply_transposed(by_velocity_, by_step_.data(), v);
+  const double of_mean = 1 / options_.theta - 1;
+  for (Index i = 0; i < joints; ++i) apply_transposed(terms_.G[at(i)], of_mean * by_step_[dof + i], v);
   of_q += q_a_;
   of_v += options_.theta * h * q_a_;
 }

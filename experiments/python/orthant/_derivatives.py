@@ -200,7 +200,8 @@ def _words(what: str, names: Union[str, Sequence[str]]) -> list[str]:
 def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto",
              integrator: str = "moreau-jean", solver: str = "auto", step: Optional[float] = None,
              duration: Optional[float] = None, every: int = 1) -> RunGradient:
-    """Derivatives of a run of a planar scene by moreau-jean, step by step: those of the discrete run, impacts included.
+    """Derivatives of a run of a planar scene: by moreau-jean those of the discrete run, step by step, impacts included; by
+    event-driven those of the motion itself (variational equations and saltation; forward, of bodies and gaps).
 
     of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n, impulse_t.
     wrt: parameters: keys with a number, of a built-in scene its options, "mu", else key paths of the scene's text,
@@ -210,7 +211,8 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
     mode: "forward": its cost grows with the parameters; "reverse", not for at="records": it does not; "auto": the cheaper one.
     scene, integrator, solver, step, duration, every: as of `simulate`.
     They hold while the sequence of closed contacts, stick and slip stays as it is; `degenerate` lists steps where it may change.
-    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end.
+    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end, or the motion has
+    no derivative (a graze, contacts that part, a crowd of events).
     """
     call = _Call(scene, integrator, solver, step, duration, every)
     parameters = _words("wrt", wrt)
@@ -218,7 +220,7 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
         raise ValueError(f"at = {shown(at)}: must be 'records', 'end' or 'sum'")
     if mode not in ("auto", "forward", "reverse") or (mode == "reverse" and at == "records"):
         raise ValueError(f"mode = {shown(mode)}: must be 'auto', 'forward' or, with at = 'end' or 'sum', 'reverse'")
-    columns = _words("of", of if isinstance(of, str) else str(of))
+    columns = [word("of", of)]
     if mode == "reverse" or (mode == "auto" and at != "records" and len(parameters) > _REVERSE_FROM):
         end, values, by, degenerate, inconsistent = call.reverse(columns, parameters, None, at == "sum")
         import numpy

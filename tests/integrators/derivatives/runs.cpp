@@ -465,10 +465,12 @@ TEST_CASE("columns of a run: gaps and impulses of contacts, by central differenc
     REQUIRE(high.size() == 11);
     Eigen::MatrixXd difference(3, 11);
     for (std::size_t r = 0; r < 11; ++r) difference.col(static_cast<Index>(r)) = (high[r] - low[r]) / (2 * step);
+    const bool parts = p.name == "corner1.point.y";  // it parts the face's corners, which strike together
+    const Index smooth = parts ? 3 : 11;             // records before the first impact, or all
     for (Index c = 0; c < 3; ++c)
-      CHECK((by.row(c) - difference.row(c)).lpNorm<Eigen::Infinity>() <=
-            1e-5 * difference.row(c).lpNorm<Eigen::Infinity>() + 1e-9);
-    CHECK(difference.row(1).lpNorm<Eigen::Infinity>() > 0);
+      CHECK((by.row(c) - difference.row(c)).head(smooth).lpNorm<Eigen::Infinity>() <=
+            1e-5 * difference.row(c).head(smooth).lpNorm<Eigen::Infinity>() + 1e-9);
+    CHECK(difference.row(parts ? 0 : 1).head(smooth).lpNorm<Eigen::Infinity>() > 0);
   }
   const System system(parse_scene(slider_crank_text(), {}, "scene"));
   CHECK_THROWS_AS(differentiate_run(system, {}, {}, *solver, clock, {{Kind::gap, 4}}), std::invalid_argument);
@@ -476,7 +478,7 @@ TEST_CASE("columns of a run: gaps and impulses of contacts, by central differenc
 
 TEST_CASE(
     "derivatives of the motion: the crank's angle after 0.2 s by mu, e, clearance, speed, by differences of runs") {
-  const double value[] = {0.01, 0.4, 0.001, 150}, step[] = {1e-2, 1e-4, 1e-4, 1e-4};
+  const double value[] = {0.01, 0.4, 0.001, 150}, step[] = {1e-3, 1e-5, 1e-5, 1e-5};
   std::vector<RunParameter> parameters;
   for (int i = 0; i < 4; ++i)
     parameters.push_back({std::to_string(i), value[i], [i](double x) { return crank_with(i, x); }, -1});
@@ -497,7 +499,6 @@ TEST_CASE(
       end[k] = simulate(integrator, *solver, {.step = 0.2, .duration = 0.2}).final.q[2];
     }
     const double difference = (end[0] - 8 * end[1] + 8 * end[2] - end[3]) / (12 * h);
-    MESSAGE(t.q(2, i), " ", difference);
     CHECK(std::abs(t.q(2, i) - difference) <= 1e-6 * std::abs(difference));
   }
 }
