@@ -121,8 +121,7 @@ long records_of_run(const std::optional<std::string>& text, const std::string& s
                     const std::vector<std::string>& sets, std::optional<double> step, std::optional<double> duration,
                     long every) {
   const Scene scene = SceneSource{text, scene_name, sets}.make();
-  const Clock clock{
-      .step = step.value_or(scene.step), .duration = duration.value_or(scene.duration), .every = every};
+  const Clock clock{.step = step.value_or(scene.step), .duration = duration.value_or(scene.duration), .every = every};
   check(clock);
   return RunSteps(clock).records();
 }
