@@ -65,17 +65,21 @@ int run_gradient(const GradientArguments& arguments) {
 
 void add_gradient(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<GradientArguments>();
-  CLI::App* command =
-      app.add_subcommand("gradient", "Derivatives of a planar moreau-jean run's last state by parameters and start");
+  CLI::App* command = app.add_subcommand("gradient", "Derivatives of a planar run's last row by parameters and start");
   command->add_option("scene", arguments->scene, "built-in scene or TOML file")->required();
-  command->add_option("--of", arguments->of, "columns, such as crank.theta,crank.omega")->required()->delimiter(',');
+  command->add_option("--of", arguments->of, "columns, such as crank.theta,corner1.gap,corner1.impulse_n")
+      ->required()
+      ->delimiter(',');
   command
       ->add_option("--wrt", arguments->wrt,
                    "keys of --set with a number, such as mu or body.rod.mass, entries of arrays as "
                    "body.rod.position[0], and start.BODY.x, y, theta, vx, vy, omega")
       ->required()
       ->delimiter(',');
-  command->add_option("--integrator", arguments->integrator, "moreau-jean[:option=value,...]")->capture_default_str();
+  command
+      ->add_option("--integrator", arguments->integrator,
+                   "moreau-jean or event-driven (the motion itself) [:option=value,...]")
+      ->capture_default_str();
   command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
   command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
   command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");

@@ -80,6 +80,17 @@ py::array_t<double> table_of_rows(const std::vector<double>& numbers, std::vecto
   return py::array_t<double>(std::move(shape), numbers.data());
 }
 
+py::list degenerate_of(const Scene& scene, const std::vector<DegenerateStep>& steps) {
+  py::list degenerate;
+  for (const DegenerateStep& one : steps) {
+    py::list names;
+    for (const int contact : one.contacts)
+      names.append(std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]));
+    degenerate.append(py::make_tuple(one.t, names));
+  }
+  return degenerate;
+}
+
 /// t, values (rows × columns), derivatives (rows × columns × parameters), status, why, degenerate steps, inconsistent.
 py::tuple gradient(const std::optional<std::string>& text, const std::string& scene_name,
                    const std::vector<std::string>& sets, const std::vector<std::string>& of,
@@ -99,24 +110,67 @@ py::tuple gradient(const std::optional<std::string>& text, const std::string& sc
     found = gradient_of_run(source, of, wrt, integrator, *method, clock);
   }
   interruptible.raise();
-  py::list degenerate;
-  for (const DegenerateStep& one : found.tangent.degenerate) {
-    py::list names;
-    for (const int contact : one.contacts)
-      names.append(std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]));
-    degenerate.append(py::make_tuple(one.t, names));
-  }
   const auto rows = static_cast<py::ssize_t>(found.t.size()), columns = static_cast<py::ssize_t>(of.size());
   return py::make_tuple(table_of_rows(found.t, {rows}), table_of_rows(found.value, {rows, columns}),
                         table_of_rows(found.by, {rows, columns, static_cast<py::ssize_t>(wrt.size())}),
-                        std::string(name(found.tangent.run.status)), found.tangent.run.why, degenerate,
-                        found.tangent.inconsistent);
+                        std::string(name(found.tangent.run.status)), found.tangent.run.why,
+                        degenerate_of(scene, found.tangent.degenerate), found.tangent.inconsistent);
+}
+
+long records_of_run(const std::optional<std::string>& text, const std::string& scene_name,
+                    const std::vector<std::string>& sets, std::optional<double> step, std::optional<double> duration,
+                    long every) {
+  const Scene scene = SceneSource{text, scene_name, sets}.make();
+  const Clock clock{.step = step.value_or(scene.step), .duration = duration.value_or(scene.duration), .every = every};
+  check(clock);
+  return RunSteps(clock).records();
+}
+
+/// Of the scalar Σ weights (records × columns) · values: t of the last record, value, gradient, status, why, degenerate
+/// steps, inconsistent. Without weights the scalars are the columns at the end, or (sum) over all records.
+py::tuple vjp_of_run(const std::optional<std::string>& text, const std::string& scene_name,
+                     const std::vector<std::string>& sets, const std::vector<std::string>& of,
+                     const std::vector<std::string>& wrt, const std::string& integrator, const std::string& solver,
+                     std::optional<double> step, std::optional<double> duration, long every,
+                     std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> weights, bool sum) {
+  const SceneSource source{text, scene_name, sets};
+  const Scene scene = source.make();
+  const auto method = make_solver(solver);
+  const Interruptible interruptible;
+  const Clock clock{.step = step.value_or(scene.step),
+                    .duration = duration.value_or(scene.duration),
+                    .every = every,
+                    .cancel = interruptible.flag()};
+  check(clock);
+  const auto columns = static_cast<Index>(of.size());
+  RecordWeights weigh = sum ? weigh_all() : weigh_last();
+  if (weights) {
+    const long records = RunSteps(clock).records();
+    if (weights->ndim() != 2 || weights->shape(0) != records || weights->shape(1) != columns)
+      throw std::invalid_argument("vjp: weights must have " + std::to_string(records) +
+                                  " rows, the records of the run, or be a number, of the last one");
+    weigh = [data = weights->data(), columns](long record, bool /*last*/, Eigen::MatrixXd& W) {
+      W = Eigen::Map<const Eigen::VectorXd>(data + record * columns, columns);
+    };
+  }
+  RunAdjoint found;
+  {
+    const py::gil_scoped_release others_may_run;
+    found = adjoint_of_run(source, of, wrt, integrator, *method, clock, weights ? 1 : columns, weigh);
+  }
+  interruptible.raise();
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by = found.gradient;
+  return py::make_tuple(found.run.final.t, to_numpy(Vector(found.value)),
+                        py::array_t<double>({by.rows(), by.cols()}, by.data()), std::string(name(found.run.status)),
+                        found.run.why, degenerate_of(scene, found.degenerate), found.inconsistent);
 }
 
 }  // namespace
 
 void add_derivatives(py::module_& m) {
   m.def("_gradient", &gradient);
+  m.def("_vjp_of_run", &vjp_of_run);
+  m.def("_records_of_run", &records_of_run);
   py::class_<PythonSensitivity>(m, "_Sensitivity")
       .def(py::init<const Lcp&, const std::string&, py::handle, py::handle, double, double>())
       .def("tangent", &PythonSensitivity::tangent)

@@ -149,43 +149,106 @@ RunParameter parameter_of(const SceneSource& source, const Scene& scene, const s
   return {key, numbers[entry], scene_at, -1};
 }
 
+RunColumn column_of(const Scene& scene, const std::string& column) {
+  if (const Index place = place_of(scene, column); place >= 0) return {RunColumn::Kind::state, place};
+  const auto dot = column.rfind('.');
+  const std::string part = dot == std::string::npos ? "" : column.substr(dot + 1);
+  const auto kind = part == "gap"         ? std::optional(RunColumn::Kind::gap)
+                    : part == "impulse_n" ? std::optional(RunColumn::Kind::normal)
+                    : part == "impulse_t" ? std::optional(RunColumn::Kind::tangent)
+                                          : std::nullopt;
+  for (std::size_t i = 0; kind && i < scene.contacts.size(); ++i)
+    if (std::visit([](const auto& c) { return c.name; }, scene.contacts[i]) == column.substr(0, dot))
+      return {*kind, static_cast<Index>(i)};
+  throw std::invalid_argument("column '" + in_one_line(column) +
+                              "': must be BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega, or CONTACT.gap, "
+                              "CONTACT.impulse_n, CONTACT.impulse_t");
+}
+
+namespace {
+
+/// What a call by names stands for.
+struct Named {
+  Named(const SceneSource& source, const std::vector<std::string>& of, const std::vector<std::string>& wrt,
+        std::string_view integrator)
+      : method(integrator.substr(0, integrator.find(':'))), scene(source.make()), system(scene) {
+    if (method.size() < integrator.size()) given = integrator.substr(method.size() + 1);
+    for (const std::string& column : of) columns.push_back(column_of(scene, column));
+    for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
+  }
+  MoreauJeanOptions options(const char* others) const {
+    if (method != MoreauJean::kName)
+      throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) + "': must be moreau-jean" +
+                                  others);
+    MoreauJeanOptions options;
+    if (!given.empty()) set_options(options, given);
+    return options;
+  }
+  std::string method, given;
+  Scene scene;
+  System system;
+  std::vector<RunColumn> columns;
+  std::vector<RunParameter> parameters;
+};
+
+/// Of the motion itself.
+GradientOfRun gradient_of_motion(const Named& named, Solver& solver, const Clock& clock) {
+  EventDrivenOptions options;
+  if (!named.given.empty()) set_options(options, named.given);
+  ColumnSlopes slopes(named.system, named.columns);
+  if (slopes.any_impulse())
+    throw std::invalid_argument("gradients: by event-driven impulses have none: must be columns of bodies, or gaps");
+  std::vector<ParameterChange> changes;
+  for (const RunParameter& parameter : named.parameters) changes.push_back(changes_of(parameter, named.system));
+  GradientOfRun gradient;
+  const MotionTangent motion = differentiate_motion(
+      named.system, named.parameters, options, solver, clock.duration, clock.step * static_cast<double>(clock.every),
+      [&](const State& x, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv) {
+        gradient.t.push_back(x.t);
+        slopes.set_up(x);
+        for (std::size_t i = 0; i < named.columns.size(); ++i) {
+          gradient.value.push_back(slopes.value(i, x));
+          for (std::size_t j = 0; j < changes.size(); ++j) {
+            const auto column = static_cast<Index>(j);
+            gradient.by.push_back(slopes.push(i, changes[j], dq.col(column).data(), dv.col(column).data()));
+          }
+        }
+      },
+      clock.cancel);
+  if (!motion.none.empty()) throw std::runtime_error("gradients: the motion has no derivative: " + motion.none);
+  gradient.tangent.run.status = motion.status, gradient.tangent.run.why = motion.why;
+  gradient.tangent.run.final = motion.final;
+  gradient.tangent.q = motion.q, gradient.tangent.v = motion.v;
+  return gradient;
+}
+
+}  // namespace
+
 GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
                               const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                               const Clock& clock) {
-  const auto colon = integrator.find(':');
-  if (integrator.substr(0, colon) != MoreauJean::kName)
-    throw std::invalid_argument("gradients: the integrator is '" + std::string(integrator) + "': must be moreau-jean");
-  MoreauJeanOptions options;
-  if (colon != std::string_view::npos) set_options(options, integrator.substr(colon + 1));
-  const Scene scene = source.make();
-  std::vector<Index> places;
-  for (const std::string& column : of) {
-    places.push_back(place_of(scene, column));
-    if (places.back() < 0)
-      throw std::invalid_argument("column '" + in_one_line(column) +
-                                  "': must be BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega");
-  }
-  std::vector<RunParameter> parameters;
-  for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
-  const System system(scene);
+  check(clock);
+  const Named named(source, of, wrt, integrator);
+  if (named.method == EventDriven::kName) return gradient_of_motion(named, solver, clock);
   GradientOfRun gradient;
-  long step = 0;
-  double last = -kInf;
-  const Index dof = system.dof();
-  const auto write = [&](const State& x, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv) {
-    gradient.t.push_back(last = x.t);
-    for (const Index k : places) {
-      gradient.value.push_back(k < dof ? x.q[k] : x.v[k - dof]);
-      for (Index j = 0; j < dq.cols(); ++j) gradient.by.push_back(k < dof ? dq(k, j) : dv(k - dof, j));
-    }
-  };
-  gradient.tangent = differentiate_run(system, parameters, options, solver, clock,
-                                       [&](const State& x, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv) {
-                                         if (step++ % clock.every == 0) write(x, dq, dv);
-                                       });
-  if (gradient.tangent.run.final.t != last && gradient.tangent.run.status == Status::solved)
-    write(gradient.tangent.run.final, gradient.tangent.q, gradient.tangent.v);
+  gradient.tangent =
+      differentiate_run(named.system, named.parameters, named.options(" or event-driven"), solver, clock, named.columns,
+                        [&](double t, const Eigen::VectorXd& value, const Eigen::MatrixXd& by) {
+                          gradient.t.push_back(t);
+                          for (Index i = 0; i < value.size(); ++i) {
+                            gradient.value.push_back(value[i]);
+                            for (Index j = 0; j < by.cols(); ++j) gradient.by.push_back(by(i, j));
+                          }
+                        });
   return gradient;
+}
+
+RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::string>& of,
+                          const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
+                          const Clock& clock, Index scalars, const RecordWeights& weights) {
+  const Named named(source, of, wrt, integrator);
+  return differentiate_run_reverse(named.system, named.parameters, named.options(" in reverse mode"), solver, clock,
+                                   named.columns, scalars, weights);
 }
 
 }  // namespace orthant

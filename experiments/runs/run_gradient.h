@@ -5,6 +5,8 @@
 // x, y, theta, vx, vy, omega, is the body's initial coordinate or velocity.
 #pragma once
 
+#include <orthant/integrators/derivatives/motion_tangent.h>
+#include <orthant/integrators/derivatives/run_adjoint.h>
 #include <orthant/integrators/derivatives/run_tangent.h>
 
 #include <optional>
@@ -34,10 +36,19 @@ struct GradientOfRun {
   std::vector<double> by;     // rows × columns × parameters
 };
 
-/// `of`: columns of bodies, "crank.theta"; integrator: "moreau-jean[:theta=…]"; a row every so many steps, the first
-/// and the last always.
+/// "crank.theta": x, y, theta, vx, vy, omega of a body; "corner1.gap", impulse_n, impulse_t of a contact. Throws
+/// std::invalid_argument for what is none of these.
+RunColumn column_of(const Scene& scene, const std::string& name);
+
+/// Forward mode. `of`: columns as above; integrator: "moreau-jean[:theta=…]", or "event-driven": of the motion itself
+/// (motion_tangent.h), where a row stands every so many times clock.step. The first row and the last always.
 GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
                               const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                               const Clock& clock);
+
+/// Reverse mode, of scalars that are weighted sums over the rows and columns.
+RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::string>& of,
+                          const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
+                          const Clock& clock, Index scalars, const RecordWeights& weights);
 
 }  // namespace orthant

@@ -1,48 +1,43 @@
 #include <orthant/integrators/derivatives/run_tangent.h>
 
-#include <cmath>
-#include <stdexcept>
-
 namespace orthant {
-
-namespace {
-
-NearbySystems systems_near(const RunParameter& parameter) {
-  NearbySystems nearby;
-  if (!parameter.scene) return nearby;
-  nearby.step = parameter.value != 0 ? 1e-3 * std::abs(parameter.value) : 1e-5;
-  for (const int k : {-2, -1, 1, 2}) {
-    const double value = parameter.value + k * nearby.step;
-    try {
-      nearby.at[static_cast<std::size_t>(k < 0 ? k + 2 : k + 1)] = std::make_unique<System>(parameter.scene(value));
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("derivative with respect to " + parameter.name +
-                                  ": the scene must exist on both sides of its value: " + error.what());
-    }
-  }
-  return nearby;
-}
-
-}  // namespace
 
 RunTangent differentiate_run(const System& system, const std::vector<RunParameter>& parameters,
                              const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
-                             const TangentRecorder& record) {
-  std::vector<NearbySystems> nearby;
+                             const std::vector<RunColumn>& columns, const TangentRecorder& record) {
+  check(clock);
   const auto count = static_cast<Index>(parameters.size());
+  std::vector<ParameterChange> changes;
+  for (const RunParameter& parameter : parameters) changes.push_back(changes_of(parameter, system));
   RunTangent result;
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
-  for (Index j = 0; j < count; ++j) {
-    const RunParameter& parameter = parameters[at(j)];
-    nearby.push_back(systems_near(parameter));
-    if (parameter.start < 0) continue;
-    if (parameter.start >= 2 * system.dof())
-      throw std::invalid_argument("derivative with respect to " + parameter.name + ": start must be below " +
-                                  std::to_string(2 * system.dof()));
-    (parameter.start < system.dof() ? result.q(parameter.start, j) : result.v(parameter.start - system.dof(), j)) = 1;
-  }
   MoreauJean integrator(system, options);
-  StepTangent tangent(system, options);
+  StepLinearization linear(system, options);
+  ColumnSlopes slopes(system, columns);
+  StepLinearization::Part part;
+  StepTrace trace;
+  ImpulseChange impulses;
+  const auto size = static_cast<Index>(columns.size());
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(size);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(size, count);  // of impulses: since the last record
+  const RunSteps steps(clock);
+  long step = 0;
+  const auto write = [&](const State& x) {
+    slopes.set_up(x);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto row = static_cast<Index>(i);
+      value[row] += slopes.value(i, x);
+      for (Index j = 0; j < count; ++j)
+        by(row, j) += slopes.push(i, changes[at(j)], result.q.col(j).data(), result.v.col(j).data());
+    }
+    record(x.t, value, by);
+    value.setZero(), by.setZero();
+  };
+  const auto each_impulse = [&](auto&& take) {
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      if (columns[i].kind == RunColumn::Kind::normal || columns[i].kind == RunColumn::Kind::tangent)
+        take(static_cast<Index>(i), columns[i].place, columns[i].kind == RunColumn::Kind::normal);
+  };
   State before;
   bool begun = false;
   Clock each = clock;
@@ -50,15 +45,33 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   result.run = simulate(integrator, solver, each, [&](const Moment& moment) {
     if (begun && (!has_answer(moment.report.status) || moment.state.t == before.t)) return;
     if (!begun) {
-      tangent.begin(moment.state, nearby, result.q, result.v);
+      linear.set_up_start(system.initial_state(), moment.state);
+      for (Index j = 0; j < count; ++j) {
+        result.q.col(j) = changes[at(j)].start_q, result.v.col(j) = changes[at(j)].start_v;
+        linear.part_of(changes[at(j)], part);
+        linear.push(part, result.q.col(j).data(), result.v.col(j).data());
+      }
       begun = true;
     } else {
-      tangent.advance(integrator, before, moment.state.t - before.t, moment.state, nearby, result.q, result.v);
-      if (!tangent.degenerate().empty()) result.degenerate.push_back({before.t, tangent.degenerate()});
-      result.inconsistent += !tangent.consistent();
+      trace.take(integrator, before, steps.duration_of(step), moment.state);
+      linear.set_up(trace);
+      for (Index j = 0; j < count; ++j) {
+        linear.part_of(changes[at(j)], part);
+        linear.push(part, result.q.col(j).data(), result.v.col(j).data(), slopes.any_impulse() ? &impulses : nullptr);
+        each_impulse([&](Index row, Index contact, bool normal) {
+          by(row, j) += (normal ? impulses.normal : impulses.tangent)[contact];
+        });
+      }
+      each_impulse([&](Index row, Index contact, bool normal) {
+        const Impulse& impulse = moment.impulses[at(contact)];
+        value[row] += normal ? impulse.normal : impulse.tangent;
+      });
+      if (!linear.degenerate().empty()) result.degenerate.push_back({before.t, linear.degenerate()});
+      result.inconsistent += !linear.consistent();
+      ++step;
     }
     before = moment.state;
-    if (record) record(moment.state, result.q, result.v);
+    if (record && steps.recorded(step)) write(moment.state);
   });
   return result;
 }

@@ -147,13 +147,18 @@ void ActivePattern::collect(const Lcp& problem) {
     for (Index i = 0; i < f.rows; ++i)
       if (const double s = direction_[k].s[i]; s != 0) column->e.push_back({f.first + i, sign * f.mu * s});
   }
+  std::vector<Entry> sorted;
   const auto form = [&](const std::vector<Column>& columns, bool dragged, Sparse& to) {
-    std::vector<Eigen::Triplet<double, int>> entries;
-    for (std::size_t j = 0; j < columns.size(); ++j)
-      for (const Entry& entry : dragged ? columns[j].e : columns[j].p)
-        entries.emplace_back(static_cast<int>(entry.row), static_cast<int>(j), entry.value);
     to.resize(problem.size(), static_cast<Index>(columns.size()));
-    to.setFromTriplets(entries.begin(), entries.end());
+    if (columns.empty()) return;
+    to.reserve(3 * to.cols());
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      sorted = dragged ? columns[j].e : columns[j].p;
+      std::sort(sorted.begin(), sorted.end(), [](const Entry& x, const Entry& y) { return x.row < y.row; });
+      to.startVec(static_cast<Index>(j));
+      for (const Entry& entry : sorted) to.insertBack(entry.row, static_cast<Index>(j)) = entry.value;
+    }
+    to.finalize();
   };
   form(free_, true, E), form(free_, false, P);
   form(weak_columns_, true, E_weak), form(weak_columns_, false, P_weak);

@@ -95,7 +95,7 @@ ActiveSystem& ActiveSystem::operator=(ActiveSystem&&) noexcept = default;
 
 void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, const Eigen::VectorXd& D) {
   unknowns_ = D.size(), extra_ = 0, singular_ = monotone_ = false, rcond_ = 1;
-  factors_ = std::make_unique<Factors>();
+  if (factors_->kind != Factors::Kind::none) factors_ = std::make_unique<Factors>();
   if (unknowns_ == 0) return;
   Sparse diagonal_part(unknowns_, unknowns_);
   diagonal_part.setIdentity();

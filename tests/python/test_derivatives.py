@@ -125,3 +125,55 @@ def test_gradients_refuse_in_words():
         orthant.gradient("slider_crank", "crank.theta", "nu")
     with pytest.raises(ValueError, match="both sides"):
         orthant.gradient(orthant.Scene.named("slider_crank", mu=0.0), "crank.theta", "mu", duration=1e-4)
+
+
+def crank(mu=0.01, e=0.4):
+    return orthant.Scene.named("slider_crank", mu=mu, e=e)
+
+
+HOW = {"step": 1e-4, "duration": 0.02, "every": 20}
+WRT = ["mu", "e", "clearance", "start.crank.omega", "start.slider.vy", "start.rod.theta"]
+
+
+def test_reverse_mode_is_forward_mode():
+    run = orthant.simulate(crank(), **HOW)
+    for column in ("crank.theta", "corner1.gap", "corner2.impulse_n"):
+        rows = run.gradient(column, WRT)
+        end, total = (run.gradient(column, WRT, at=at, mode="reverse") for at in ("end", "sum"))
+        assert np.allclose(end.by[0], rows.by[-1], rtol=1e-8, atol=1e-12)
+        assert np.allclose(total.by[0], rows.by.sum(axis=0), rtol=1e-8, atol=1e-12)
+        assert np.isclose(total.values[0], rows.values.sum()) and end.t[0] == run.t[-1]
+        assert np.allclose(run.gradient(column, WRT, at="end").by, run.gradient(column, WRT, at="end", mode="forward").by, rtol=1e-8)
+    assert abs(run.gradient("corner2.impulse_n", "mu").by).max() > 0
+
+
+def test_products_with_the_jacobian_of_a_run_and_its_transpose():
+    run = orthant.simulate(crank(), **HOW)
+    columns, change = ["crank.theta", "slider.y"], {"mu": 0.3, "e": -2.0}
+    t = run.jvp(columns, change)
+    assert t.change.shape == (len(run), 2) == t.values.shape and np.allclose(t.values[:, 0], run["crank.theta"], rtol=1e-12)
+    weights = np.random.default_rng(3).normal(size=len(run))
+    back = run.vjp({"crank.theta": weights, "slider.y": 2.0}, list(change))
+    assert np.isclose(back.value, weights @ run["crank.theta"] + 2 * run["slider.y"][-1], rtol=1e-12)
+    tangent = weights @ t.change[:, 0] + 2 * t.change[-1, 1]
+    assert np.isclose(sum(back.gradient[key] * value for key, value in change.items()), tangent, rtol=1e-8)
+    with pytest.raises(ValueError, match="one a record"):
+        run.vjp({"crank.theta": weights[:-1]}, "mu")
+    with pytest.raises(ValueError, match="mode"):
+        run.gradient("crank.theta", "mu", mode="reverse")
+
+
+@pytest.mark.parametrize("framework", ["torch", "jax"])
+def test_frameworks_differentiate_through_a_run(framework):
+    library = pytest.importorskip(framework)
+    expected = orthant.gradient(crank(), "crank.theta", ["mu", "e"], at="end", **HOW)
+    if framework == "torch":
+        p = library.tensor([0.01, 0.4], dtype=library.float64, requires_grad=True)
+        run = orthant.as_torch(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
+        (3 * run(p)[0]).backward()
+        found = p.grad.numpy()
+    else:
+        library.config.update("jax_enable_x64", True)
+        run = orthant.as_jax(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
+        found = np.asarray(library.grad(lambda p: 3 * run(p)[0])(library.numpy.array([0.01, 0.4])))
+    assert np.allclose(found, 3 * expected.by[0], rtol=1e-8)

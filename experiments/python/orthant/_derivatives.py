@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Optional, Sequence, Union
 
 from . import _orthant
 from ._orthant import Problem, Result
@@ -122,7 +122,7 @@ def sensitivity(problem: Problem, result: Result) -> Sensitivity:
 
 
 class RunGradient(NamedTuple):
-    """Derivatives of one column of a run with respect to parameters, along the run; `final` at its end."""
+    """Derivatives of one column of a run with respect to parameters: a row a record, or one row (`at`); `final` is the last."""
 
     of: str
     wrt: list[str]
@@ -134,30 +134,143 @@ class RunGradient(NamedTuple):
 
     @property
     def final(self) -> dict[str, float]:
-        """The derivatives at the end of the run."""
+        """The derivatives in the last row."""
         return dict(zip(self.wrt, (float(x) for x in self.by[-1])))
 
 
-def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, integrator: str = "moreau-jean", solver: str = "auto",
-             step: Optional[float] = None, duration: Optional[float] = None, every: int = 1) -> RunGradient:
-    """Derivatives of a run of a planar scene by moreau-jean, step by step: those of the discrete run, impacts included.
+class RunTangent(NamedTuple):
+    """Of columns of a run along a change of parameters, a row a record."""
 
-    of: a column of a body, "crank.theta", BODY.x, y, theta, vx, vy or omega. wrt: parameters: keys with a number, of a built-in
-    scene its options, "mu", else key paths of the scene's text, "body.rod.mass", "contact.corner1.mu", entries of arrays by
-    their place, "body.rod.position[0]"; and of the start "start.BODY.x", ... "start.BODY.omega".
-    scene, integrator, solver, step, duration, every: as of `simulate`.
-    They hold while the sequence of closed contacts, stick and slip stays as it is; `degenerate` lists steps where it may change.
-    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end.
-    """
-    from ._mechanics import _scene_of
+    of: list[str]
+    t: Vector  # (rows,) [s]
+    values: Vector  # (rows, columns)
+    change: Vector  # (rows, columns)
+    degenerate: list[tuple[float, list[str]]]
+    inconsistent: int
 
-    made = scene if isinstance(scene, _orthant._Scene) else _scene_of(scene)
-    if getattr(scene, "_customs", None):
-        raise ValueError("gradient: joints and contacts written in Python have no derivatives here")
-    parameters = [wrt] if isinstance(wrt, str) else [word("wrt", key) for key in wrt]
-    t, values, by, status, why, degenerate, inconsistent = _orthant._gradient(
-        made.text, made.name, made.sets, [word("of", of)], parameters, word("integrator", integrator), word("solver", solver),
-        seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"))
+
+class RunAdjoint(NamedTuple):
+    """Of a weighted sum over rows and columns of a run."""
+
+    value: float
+    gradient: dict[str, float]  # by parameter
+    degenerate: list[tuple[float, list[str]]]
+    inconsistent: int
+
+
+class _Call:
+    """What all derivatives of a run are given: scene, method, time."""
+
+    def __init__(self, scene: Any, integrator: str, solver: str, step: Optional[float], duration: Optional[float],
+                 every: int) -> None:
+        from ._mechanics import _scene_of
+
+        made = scene if isinstance(scene, _orthant._Scene) else _scene_of(scene)
+        if getattr(scene, "_customs", None):
+            raise ValueError("gradient: joints and contacts written in Python have no derivatives here")
+        self.scene = (made.text, made.name, made.sets)
+        self.how = (word("integrator", integrator), word("solver", solver), seconds("step", step),
+                    seconds("duration", duration), whole("every", every, 1, what=" of steps"))
+
+    def records(self) -> int:
+        """Of the run."""
+        return _orthant._records_of_run(*self.scene, *self.how[2:])
+
+    def forward(self, of: list[str], wrt: list[str]) -> tuple[Any, ...]:
+        t, values, by, status, why, degenerate, inconsistent = _orthant._gradient(*self.scene, of, wrt, *self.how)
+        _arrived(status, why)
+        return t, values, by, degenerate, inconsistent
+
+    def reverse(self, of: list[str], wrt: list[str], weights: Any, total: bool) -> tuple[Any, ...]:
+        t, values, by, status, why, degenerate, inconsistent = _orthant._vjp_of_run(
+            *self.scene, of, wrt, *self.how, weights, total)
+        _arrived(status, why)
+        return t, values, by, degenerate, inconsistent
+
+
+def _arrived(status: str, why: str) -> None:
     if status != "solved":
         raise RuntimeError(f"gradient: the run ended as {status}{': ' if why else ''}{why}")
-    return RunGradient(of, parameters, t, values[:, 0], by[:, 0, :], degenerate, inconsistent)
+
+
+def _words(what: str, names: Union[str, Sequence[str]]) -> list[str]:
+    return [word(what, names)] if isinstance(names, str) else [word(what, name) for name in names]
+
+
+def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto",
+             integrator: str = "moreau-jean", solver: str = "auto", step: Optional[float] = None,
+             duration: Optional[float] = None, every: int = 1) -> RunGradient:
+    """Derivatives of a run of a planar scene: by moreau-jean those of the discrete run, step by step, impacts included; by
+    event-driven those of the motion itself (variational equations and saltation; forward, of bodies and gaps).
+
+    of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n, impulse_t.
+    wrt: parameters: keys with a number, of a built-in scene its options, "mu", else key paths of the scene's text,
+    "body.rod.mass", "contact.corner1.mu", entries of arrays by their place, "body.rod.position[0]"; and of the start
+    "start.BODY.x", ... "start.BODY.omega".
+    at: "records": at each of them; "end": at the last one; "sum": of the sum over all of them.
+    mode: "forward": its cost grows with the parameters; "reverse", not for at="records": it does not; "auto": the cheaper one.
+    scene, integrator, solver, step, duration, every: as of `simulate`.
+    They hold while the sequence of closed contacts, stick and slip stays as it is; `degenerate` lists steps where it may change.
+    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end, or the motion has
+    no derivative (a graze, contacts that part, a crowd of events).
+    """
+    call = _Call(scene, integrator, solver, step, duration, every)
+    parameters = _words("wrt", wrt)
+    if at not in ("records", "end", "sum"):
+        raise ValueError(f"at = {shown(at)}: must be 'records', 'end' or 'sum'")
+    if mode not in ("auto", "forward", "reverse") or (mode == "reverse" and at == "records"):
+        raise ValueError(f"mode = {shown(mode)}: must be 'auto', 'forward' or, with at = 'end' or 'sum', 'reverse'")
+    columns = [word("of", of)]
+    if mode == "reverse" or (mode == "auto" and at != "records" and len(parameters) > _REVERSE_FROM):
+        end, values, by, degenerate, inconsistent = call.reverse(columns, parameters, None, at == "sum")
+        import numpy
+
+        return RunGradient(of, parameters, numpy.array([end]), values, by, degenerate, inconsistent)
+    t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
+    values, by = values[:, 0], by[:, 0, :]
+    if at == "end":
+        t, values, by = t[-1:], values[-1:], by[-1:]
+    if at == "sum":
+        t, values, by = t[-1:], values.sum(keepdims=True), by.sum(axis=0, keepdims=True)
+    return RunGradient(of, parameters, t, values, by, degenerate, inconsistent)
+
+
+_REVERSE_FROM = 4  # parameters: up to here forward mode costs less
+
+
+def jvp(scene: Any, of: Union[str, Sequence[str]], change: Mapping[str, float], **how: Any) -> RunTangent:
+    """Derivatives of columns along a change of parameters {name: change}, at each record, by forward mode; see `gradient`."""
+    call = _Call(scene, **{**_HOW, **how})
+    columns, parameters = _words("of", of), [word("change", key) for key in change]
+    t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
+    import numpy
+
+    return RunTangent(columns, t, values, by @ numpy.array([float(x) for x in change.values()]), degenerate, inconsistent)
+
+
+def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], **how: Any) -> RunAdjoint:
+    """Gradient of the sum of weight * value over records and columns, by reverse mode; see `gradient`.
+
+    weights: {column: a number, for the last record, or an array, one a record}.
+    """
+    import numpy
+
+    call = _Call(scene, **{**_HOW, **how})
+    columns, parameters = [word("weights", key) for key in weights], _words("wrt", wrt)
+    given = [numpy.asarray(value, dtype=float) for value in weights.values()]
+    if not columns or any(w.ndim > 1 or not numpy.isfinite(w).all() for w in given):
+        raise ValueError("weights: must be {column: a finite number or an array of them, one a record}")
+    rows = max((len(w) for w in given if w.ndim == 1), default=call.records())
+    table = numpy.zeros((rows, len(columns)))
+    for column, w in enumerate(given):
+        if w.ndim == 0:
+            table[-1, column] = w
+        elif len(w) == rows:
+            table[:, column] = w
+        else:
+            raise ValueError(f"weights[{columns[column]!r}] has {len(w)} entries: must have {rows}, one a record")
+    _, values, by, degenerate, inconsistent = call.reverse(columns, parameters, table, False)
+    return RunAdjoint(float(values[0]), dict(zip(parameters, (float(x) for x in by[0]))), degenerate, inconsistent)
+
+
+_HOW: dict[str, Any] = {"integrator": "moreau-jean", "solver": "auto", "step": None, "duration": None, "every": 1}

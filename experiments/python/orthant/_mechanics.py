@@ -7,7 +7,7 @@ import math
 import os
 import re
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
 from . import _orthant
 from ._custom import custom_element, without_functions
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import pandas
 
-    from ._derivatives import RunGradient
+    from ._derivatives import RunAdjoint, RunGradient, RunTangent
 
 _KINDS = ("body", "joint", "contact", "collision", "friction", "spring", "load")
 
@@ -357,13 +357,31 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.table)
 
-    def gradient(self, of: str, wrt: Union[str, Sequence[str]]) -> RunGradient:
+    def gradient(self, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto") -> RunGradient:
         """Derivatives of a column along this run with respect to parameters, as `orthant.gradient`: the run is repeated."""
         from ._derivatives import gradient
 
+        return gradient(self._scene, of, wrt, at=at, mode=mode, **self._repeated())
+
+    def jvp(self, of: Union[str, Sequence[str]], change: Mapping[str, float]) -> RunTangent:
+        """Derivatives of columns along a change of parameters {name: change}, a row a record: forward mode."""
+        from ._derivatives import jvp
+
+        return jvp(self._scene, of, change, **self._repeated())
+
+    def vjp(self, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]]) -> RunAdjoint:
+        """Gradient of the sum of weight * value over columns and rows, {column: a number, for the last row, or one a row}.
+
+        Reverse mode: the cost does not grow with the parameters. The run is repeated.
+        """
+        from ._derivatives import vjp
+
+        return vjp(self._scene, weights, wrt, **self._repeated())
+
+    def _repeated(self) -> dict[str, Any]:
         if self._how is None:
             raise ValueError("gradient: must be of a run by simulate in this process, without elements written in Python")
-        return gradient(self._scene, of, wrt, **self._how)
+        return self._how
 
     def frame(self) -> pandas.DataFrame:
         """As a pandas frame, indexed by time."""

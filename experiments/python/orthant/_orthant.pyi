@@ -129,6 +129,11 @@ class _Solver:
 def _gradient(text: Optional[str], name: str, sets: Sequence[str], of: Sequence[str], wrt: Sequence[str], integrator: str,
               solver: str, step: Optional[float], duration: Optional[float],
               every: int) -> tuple[_Vector, _Vector, _Vector, str, str, list[tuple[float, list[str]]], int]: ...
+def _vjp_of_run(text: Optional[str], name: str, sets: Sequence[str], of: Sequence[str], wrt: Sequence[str], integrator: str,
+                solver: str, step: Optional[float], duration: Optional[float], every: int, weights: Optional[_Vector],
+                sum: bool) -> tuple[float, _Vector, _Vector, str, str, list[tuple[float, list[str]]], int]: ...
+def _records_of_run(text: Optional[str], name: str, sets: Sequence[str], step: Optional[float], duration: Optional[float],
+                    every: int) -> int: ...
 
 class _Sensitivity:
     def __init__(self, problem: Problem, status: str, z: npt.ArrayLike, w: npt.ArrayLike, residual: float,

@@ -1,0 +1,49 @@
+// integrators/derivatives/nearby_motion.h — the smooth motion, guards and impacts of a scene with its modes given.
+//
+//   The same arc, event functions and impact as those of a motion by event-driven, at another state or of a scene with
+//   another value of a parameter: what motion_tangent.h differentiates.
+#pragma once
+
+#include <orthant/integrators/between_events/contact_motion.h>
+#include <orthant/integrators/event_driven/dormand_prince.h>
+
+#include <vector>
+
+namespace orthant {
+
+/// A contact of an impact, and how it pushes.
+struct Struck {
+  int contact = 0;
+  bool plastic = false;
+  int slides = 0;  // ±1: the sense of the friction impulse, which is at its bound; 0: it sticks, or has no friction
+  bool sticks = false;
+};
+
+class NearbyMotion {
+ public:
+  explicit NearbyMotion(const System& system);
+
+  void set_modes(const std::vector<ContactMode>& modes);
+  /// Onto the joints and lasting contacts.
+  void project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) { motion_.project(t, q, v); }
+  /// One Runge–Kutta step between projections. False: not finite.
+  bool move(double t, double length, Eigen::VectorXd& q, Eigen::VectorXd& v);
+  double gap(int contact, double t, const Eigen::VectorXd& q);
+  double slip(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // γ_T [m/s]
+  /// Their rates of change along (v, a): [m/s], [m/s²].
+  double gap_rate(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  double slip_rate(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
+  /// Newton's law of the struck contacts, each sliding or sticking as it is told.
+  void strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v);
+
+ private:
+  ContactRows rows(int contact, double t, const Eigen::VectorXd& q);
+
+  const System& system_;
+  ContactMotion motion_;
+  DormandPrince step_;
+  Eigen::VectorXd a_, first_, q_end_, v_end_;
+  Kinematics at_;
+};
+
+}  // namespace orthant

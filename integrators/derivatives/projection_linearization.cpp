@@ -1,0 +1,262 @@
+#include <orthant/integrators/derivatives/projection_linearization.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace orthant {
+
+namespace {
+
+constexpr Eigen::Index kDenseJoints = 48;
+
+using MapX = Eigen::Map<Eigen::VectorXd>;
+using ConstMapX = Eigen::Map<const Eigen::VectorXd>;
+
+double relative(const Eigen::VectorXd& left, const Eigen::VectorXd& x) {
+  return left.size() > 0 ? left.lpNorm<Eigen::Infinity>() / (1 + x.lpNorm<Eigen::Infinity>()) : 0;
+}
+
+}  // namespace
+
+ProjectionLinearization::ProjectionLinearization(const System& system)
+    : system_(system),
+      before_(system),
+      after_(system),
+      basic_(system),
+      slopes_(static_cast<std::size_t>(system.joint_rows())),
+      none_(Eigen::VectorXd::Zero(system.dof())),
+      unused_(system.dof()),
+      unused_joints_(system.joint_rows()) {
+  for (auto* x : {&lambda_, &nu_, &off_, &x_, &left_}) x->setZero(system.joint_rows());
+}
+
+void ProjectionLinearization::rates(const std::vector<Row>& rows, const double* x, double* to) const {
+  for (std::size_t i = 0; i < rows.size(); ++i) to[i] = apply(rows[i], x);
+}
+
+void ProjectionLinearization::impulses(const std::vector<Row>& rows, const double* lambda, double* to) const {
+  for (std::size_t i = 0; i < rows.size(); ++i) apply_transposed(rows[i], lambda[i], to);
+}
+
+double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before, const Eigen::VectorXd& v_before,
+                                       const State& after) {
+  const Eigen::Index joints = system_.joint_rows();
+  after_v_ = after.v, moved_ = after.q - q_before, turned_ = after.v - v_before;
+  if (joints == 0) return std::max(relative(moved_, after.q), relative(turned_, after.v));
+  set_poses(system_, t, q_before, before_.at);
+  evaluate_joint_rows(system_, before_);
+  set_poses(system_, t, after.q, after_.at);
+  evaluate_joint_rows(system_, after_);
+  dense_ = joints <= kDenseJoints;
+  if (dense_) {
+    S_.resize(joints, joints);
+    double* entry = S_.data();
+    for (const Row& row : after_.G)
+      for (const Row& column : before_.G) *entry++ = coupling(row, column, system_.inverse_mass());
+    dense_ = invert();
+  }
+  if (!dense_ && !basic_.factorize(system_, before_)) throw std::runtime_error("derivatives of a step: not finite");
+  rates(after_.G, moved_.data(), off_.data());
+  correct(off_.data(), lambda_.data());
+  rates(after_.G, turned_.data(), off_.data());
+  correct(off_.data(), nu_.data());
+  force_.setZero(system_.dof());
+  impulses(before_.G, lambda_.data(), force_.data());
+  force_ = moved_ - force_.cwiseProduct(system_.inverse_mass());
+  double missed = relative(force_, after.q);
+  force_.setZero(system_.dof());
+  impulses(before_.G, nu_.data(), force_.data());
+  force_ = turned_ - force_.cwiseProduct(system_.inverse_mass());
+  missed = std::max(missed, relative(force_, after.v));
+
+  push_slopes_.clear(), rate_slopes_.clear();
+  const auto& scene = system_.scene();
+  const Eigen::Index dof = system_.dof();
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
+    slopes_of(scene.joints[j], before_.at, slopes_.data() + system_.first_row(j));
+  for (Eigen::Index i = 0; i < joints; ++i)
+    for (const Slope& slope : slopes_[static_cast<std::size_t>(i)]) {
+      const double by = slope.value * system_.inverse_mass()[slope.of];
+      push_slopes_.push_back({slope.of, slope.by, lambda_[i] * by});
+      push_slopes_.push_back({dof + slope.of, slope.by, nu_[i] * by});
+    }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
+    slopes_of(scene.joints[j], after_.at, slopes_.data() + system_.first_row(j));
+  for (Eigen::Index i = 0; i < joints; ++i)
+    for (const Slope& slope : slopes_[static_cast<std::size_t>(i)])
+      rate_slopes_.push_back({i, slope.by, slope.value * after.v[slope.of]});
+  return missed;
+}
+
+// Gauss–Jordan with partial pivoting.
+bool ProjectionLinearization::invert() {
+  const Eigen::Index n = S_.rows();
+  inverse_.setIdentity(n, n);
+  const double smallest = 1e-11 * S_.cwiseAbs().maxCoeff();  // redundant joints leave rounding
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Eigen::Index p = k;
+    for (Eigen::Index i = k + 1; i < n; ++i)
+      if (std::abs(S_(i, k)) > std::abs(S_(p, k))) p = i;
+    if (!(std::abs(S_(p, k)) > smallest)) return false;
+    if (p != k) S_.row(p).swap(S_.row(k)), inverse_.row(p).swap(inverse_.row(k));
+    double* const __restrict pivot = S_.data() + n * k, * const __restrict unit = inverse_.data() + n * k;
+    const double by = 1 / pivot[k];
+    for (Eigen::Index j = k; j < n; ++j) pivot[j] *= by;
+    for (Eigen::Index j = 0; j < n; ++j) unit[j] *= by;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      double* const __restrict row = S_.data() + n * i, * const __restrict to = inverse_.data() + n * i;
+      const double factor = row[k];
+      if (i == k || factor == 0) continue;
+      for (Eigen::Index j = k; j < n; ++j) row[j] -= factor * pivot[j];
+      for (Eigen::Index j = 0; j < n; ++j) to[j] -= factor * unit[j];
+    }
+  }
+  return true;
+}
+
+void ProjectionLinearization::correct(const double* off, double* lambda) {
+  constexpr int kPasses = 30;
+  const Eigen::Index joints = system_.joint_rows();
+  MapX to(lambda, joints);
+  if (dense_) {
+    to.noalias() = inverse_ * ConstMapX(off, joints);
+    return;
+  }
+  left_ = ConstMapX(off, joints), to.setZero();
+  double before = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const double now = left_.lpNorm<Eigen::Infinity>();
+    if (!(now < 0.5 * before)) break;
+    before = now;
+    basic_.solve(none_.data(), left_.data(), unused_.data(), x_.data());
+    to += x_;
+    unused_.setZero();
+    impulses(before_.G, lambda, unused_.data());
+    unused_ = unused_.cwiseProduct(system_.inverse_mass()).eval();
+    rates(after_.G, unused_.data(), left_.data());
+    left_ = ConstMapX(off, joints) - left_;
+  }
+}
+
+void ProjectionLinearization::correct_transposed(const double* off, double* lambda) {
+  constexpr int kPasses = 30;
+  const Eigen::Index joints = system_.joint_rows();
+  MapX to(lambda, joints);
+  if (dense_) {
+    to.noalias() = inverse_.transpose() * ConstMapX(off, joints);
+    return;
+  }
+  left_ = ConstMapX(off, joints), to.setZero();
+  double before = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const double now = left_.lpNorm<Eigen::Infinity>();
+    if (!(now < 0.5 * before)) break;
+    before = now;
+    basic_.solve(none_.data(), left_.data(), unused_.data(), x_.data());
+    to += x_;
+    unused_.setZero();
+    impulses(after_.G, lambda, unused_.data());
+    unused_ = unused_.cwiseProduct(system_.inverse_mass()).eval();
+    rates(before_.G, unused_.data(), left_.data());
+    left_ = ConstMapX(off, joints) - left_;
+  }
+}
+
+void ProjectionLinearization::part_of(const ParameterChange& parameter, SparsePart& part) {
+  part.clear();
+  const Eigen::Index dof = system_.dof(), joints = system_.joint_rows();
+  if (joints == 0) return;
+  if (parameter.mass.size() > 0)
+    for (Eigen::Index i = 0; i < dof; ++i)
+      if (const double by = parameter.mass[i] * system_.inverse_mass()[i]; by != 0) {
+        part.emplace_back(i, -by * moved_[i]);
+        part.emplace_back(dof + i, -by * turned_[i]);
+      }
+  const auto add = [&](Eigen::Index place, double value) {
+    if (value != 0) part.emplace_back(place, value);
+  };
+  for (const int joint : parameter.joints) {
+    const auto j = static_cast<std::size_t>(joint);
+    const int first = system_.first_row(j), count = row_count(system_.scene().joints[j]);
+    std::vector<Row> rows(static_cast<std::size_t>(count));
+    std::vector<double> phi(rows.size()), rate(rows.size());
+    for (int i = 0; i < count; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      const Row& here = before_.G[static_cast<std::size_t>(first) + row];
+      const auto d = parameter.derivative<8>([&](const System& s, std::array<double, 8>& x) {
+        std::visit(
+            [&](const auto& other) {
+              other.rows(before_.at, rows.data());
+              const auto entries = entries_of(rows[row]);
+              std::copy(entries.begin(), entries.end(), x.begin());
+              other.residual(after_.at, phi.data());
+              other.rows(after_.at, rows.data());
+              if constexpr (requires(double* r) { other.rate(after_.at, r); }) other.rate(after_.at, rate.data());
+              x[6] = phi[row], x[7] = apply(rows[row], after_v_.data()) - rate[row];
+            },
+            s.scene().joints[j]);
+      });
+      for (int k = 0; k < 6; ++k) {
+        const BodyId body = k < 3 ? here.a : here.b;
+        if (body < 0) continue;
+        const Eigen::Index place = kBlock * body + k % 3;
+        const double by = d[static_cast<std::size_t>(k)] * system_.inverse_mass()[place];
+        add(place, by * lambda_[first + i]), add(dof + place, by * nu_[first + i]);
+      }
+      add(2 * dof + first + i, d[6]), add(2 * dof + joints + first + i, d[7]);
+    }
+  }
+}
+
+void ProjectionLinearization::push(const SparsePart& parameter, double* q, double* v) {
+  const Eigen::Index dof = system_.dof(), joints = system_.joint_rows();
+  if (joints == 0) return;
+  force_.setZero(2 * dof);
+  apply(push_slopes_, q, force_.data());
+  MapX by_q(q, dof), by_v(v, dof);
+  by_q += force_.head(dof), by_v += force_.tail(dof);
+  for (const auto& [place, value] : parameter)
+    if (place < 2 * dof) (place < dof ? by_q[place] : by_v[place - dof]) += value;
+  const auto close = [&](double* x, MapX& to) {  // off_ holds the wanted rates
+    for (Eigen::Index i = 0; i < joints; ++i) off_[i] -= apply(after_.G[static_cast<std::size_t>(i)], x);
+    correct(off_.data(), unused_joints_.data());
+    force_.head(dof).setZero();
+    impulses(before_.G, unused_joints_.data(), force_.data());
+    to += force_.head(dof).cwiseProduct(system_.inverse_mass());
+  };
+  off_.setZero();
+  for (const auto& [place, value] : parameter)
+    if (place >= 2 * dof && place < 2 * dof + joints) off_[place - 2 * dof] -= value;
+  close(q, by_q);
+  off_.setZero();
+  for (const Slope& slope : rate_slopes_) off_[slope.of] -= slope.value * q[slope.by];
+  for (const auto& [place, value] : parameter)
+    if (place >= 2 * dof + joints) off_[place - 2 * dof - joints] -= value;
+  close(v, by_v);
+}
+
+void ProjectionLinearization::pull(double* q, double* v, Eigen::VectorXd& by) {
+  const Eigen::Index dof = system_.dof(), joints = system_.joint_rows();
+  by.setZero(2 * dof + 2 * joints);
+  if (joints == 0) return;
+  MapX of_q(q, dof), of_v(v, dof);
+  const auto open = [&](MapX& x, double* kappa) {  // x ← x − G⁺ᵀ κ
+    force_ = x.cwiseProduct(system_.inverse_mass());
+    rates(before_.G, force_.data(), off_.data());
+    correct_transposed(off_.data(), kappa);
+    for (Eigen::Index i = 0; i < joints; ++i) {
+      apply_transposed(after_.G[static_cast<std::size_t>(i)], -kappa[i], x.data());
+      kappa[i] = -kappa[i];  // the adjoint of the constraint
+    }
+  };
+  double* const of_rate = by.data() + 2 * dof + joints;
+  open(of_v, of_rate);
+  apply_transposed(rate_slopes_, of_rate, q);
+  open(of_q, by.data() + 2 * dof);
+  by.head(dof) = of_q, by.segment(dof, dof) = of_v;
+  apply_transposed(push_slopes_, by.data(), q);
+}
+
+}  // namespace orthant

@@ -1,0 +1,52 @@
+// integrators/derivatives/projection_linearization.h — the step's projection onto the joints, linearized.
+//
+//   q⁺ = q* + M⁻¹ G*ᵀ λ with Φ(q⁺) = 0,   v⁺ = v' + M⁻¹ G*ᵀ ν with G⁺ v⁺ = ṡ                                     (3)
+//   S = G⁺ M⁻¹ G*ᵀ;  u = q̇* + (M⁻¹ G*ᵀ λ)˙,  q̇⁺ = u + M⁻¹ G*ᵀ S⁻¹ (−Φ̇_p − G⁺ u);  likewise v̇⁺ with (G⁺ v⁺ − ṡ)˙
+//   adjoint of q⁺, x̄:  κ = S⁻ᵀ G* M⁻¹ x̄;  that of u is x̄ − G⁺ᵀ κ, that of Φ_p is −κ; then back through q*
+// S is dense and inverted, up to 48 joint rows; beyond, or where joints are redundant, S⁻¹ is the fixed point of the
+// factorization of G* M⁻¹ G*ᵀ (basic_system.h), from which S differs by O(h).
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/basic_system.h>
+#include <orthant/integrators/derivatives/parameter_change.h>
+#include <orthant/integrators/derivatives/row_slope.h>
+
+namespace orthant {
+
+/// A parameter's part in some equations: place and derivative.
+using SparsePart = std::vector<std::pair<Eigen::Index, double>>;
+
+class ProjectionLinearization {
+ public:
+  explicit ProjectionLinearization(const System& system);
+
+  /// At the end of a step: λ, ν and all slopes. Returns what q⁺ and v⁺ miss of (3), relative to 1 + their size.
+  double set_up(double t, const Eigen::VectorXd& q_before, const Eigen::VectorXd& v_before, const State& after);
+
+  /// The part of a parameter: places count M⁻¹ G*ᵀ λ, M⁻¹ G*ᵀ ν, Φ and G⁺ v⁺ − ṡ one behind the other.
+  void part_of(const ParameterChange& parameter, SparsePart& part);
+
+  /// (q̇*, v̇') become (q̇⁺, v̇⁺).
+  void push(const SparsePart& parameter, double* q, double* v);
+  /// (q̄⁺, v̄⁺) become (q̄*, v̄'); `by`: adjoints of the four parts.
+  void pull(double* q, double* v, Eigen::VectorXd& by);
+
+ private:
+  bool invert();                                               // S_, into inverse_; false: singular
+  void correct(const double* off, double* lambda);             // S⁻¹
+  void correct_transposed(const double* off, double* lambda);  // S⁻ᵀ
+  void rates(const std::vector<Row>& rows, const double* x, double* to) const;
+  void impulses(const std::vector<Row>& rows, const double* lambda, double* to) const;  // +=
+
+  const System& system_;
+  Terms before_, after_;  // at q* and q⁺
+  BasicSystem basic_;     // at q*, where `dense_` is not
+  Eigen::VectorXd after_v_, moved_, turned_, lambda_, nu_;
+  std::vector<RowSlope> slopes_;
+  std::vector<Slope> push_slopes_, rate_slopes_;  // of M⁻¹ G*ᵀ λ and, behind, of ν by q*; of G⁺ v⁺ by q⁺
+  bool dense_ = true;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> S_, inverse_;
+  Eigen::VectorXd force_, off_, x_, left_, none_, unused_, unused_joints_;
+};
+
+}  // namespace orthant

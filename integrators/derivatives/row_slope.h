@@ -1,0 +1,51 @@
+// integrators/derivatives/row_slope.h — row slopes: how the entries of a row change with the poses of its two bodies.
+//
+//   ∂j_of / ∂q_by of the places `of` and `by` in stacked vectors; those that are 0 are left out
+// Rows of pins, slides, corners and discs on walls are affine in the places and, of each angle, in its sine and cosine:
+//   ∂f/∂θ = (f(θ + π/2) − f(θ − π/2)) / 2,   ∂f/∂x = (f(x + 1) − f(x − 1)) / 2
+// hold exactly. Rows with a direction between two points (spans, discs, journals, polygons, custom elements) take
+// central differences of fourth order over 3e-6 m (rad): a relative error of about 1e-9 at a radius of 1 mm.
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/terms.h>
+
+#include <Eigen/Core>
+#include <array>
+
+namespace orthant {
+
+/// An entry of a sparse matrix that is only applied: forwards y_of += value x_by, or transposed.
+struct Slope {
+  Eigen::Index of = 0, by = 0;
+  double value = 0;
+};
+
+struct RowSlope {
+  std::array<Slope, 36> entries;
+  std::size_t count = 0;
+  const Slope* begin() const { return entries.data(); }
+  const Slope* end() const { return entries.data() + count; }
+  void add(Eigen::Index of, Eigen::Index by, double value) {
+    if (value != 0) entries[count++] = {of, by, value};
+  }
+};
+
+/// Of all rows of a joint; of normal and tangent of a contact; of one row. `at` is moved and put back.
+void slopes_of(const Joint& joint, Kinematics& at, RowSlope* slopes);
+void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& slopes);
+void slope_of(const Coordinate& coordinate, Kinematics& at, RowSlope& slope);
+void slope_of(const Spring& spring, Kinematics& at, RowSlope& slope);
+
+inline void apply(const std::vector<Slope>& slopes, const double* x, double* y) {
+  for (const Slope& s : slopes) y[s.of] += s.value * x[s.by];
+}
+inline void apply_transposed(const std::vector<Slope>& slopes, const double* y, double* x) {
+  for (const Slope& s : slopes) x[s.by] += s.value * y[s.of];
+}
+
+/// (ja, jb).
+inline std::array<double, 6> entries_of(const Row& row) {
+  return {row.ja[0], row.ja[1], row.ja[2], row.jb[0], row.jb[1], row.jb[2]};
+}
+
+}  // namespace orthant

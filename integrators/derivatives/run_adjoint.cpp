@@ -1,0 +1,195 @@
+#include <orthant/integrators/checkpoint.h>
+#include <orthant/integrators/derivatives/run_adjoint.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace orthant {
+
+namespace {
+
+/// Where a segment of the run begins.
+struct Anchor {
+  State x;
+  std::string memory;  // of the integrator
+};
+
+std::string memory_of(MoreauJean& integrator) {
+  Memory memory;
+  integrator.remember(memory);
+  return memory.bytes();
+}
+
+class Adjoint {
+ public:
+  Adjoint(const System& system, const std::vector<RunParameter>& parameters, const MoreauJeanOptions& options,
+          const Clock& clock, const std::vector<RunColumn>& columns, Index scalars, const RecordWeights& weights)
+      : system_(system),
+        options_(options),
+        clock_(clock),
+        steps_(clock),
+        slopes_(system, columns),
+        weights_(weights),
+        linear_(system, options),
+        W_(static_cast<Index>(columns.size()), scalars) {
+    for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system));
+    parts_.resize(changes_.size());
+    result_.value.setZero(scalars);
+    result_.gradient.setZero(scalars, static_cast<Index>(changes_.size()));
+  }
+
+  RunAdjoint of(Solver& solver) {
+    MoreauJean integrator(system_, options_);
+    forward(integrator, solver);
+    if (result_.run.status == Status::solved) backward(integrator, solver);
+    return std::move(result_);
+  }
+
+ private:
+  void forward(MoreauJean& integrator, Solver& solver) {
+    segment_ = static_cast<long>(std::ceil(std::sqrt(static_cast<double>(steps_.total))));
+    Clock each = clock_;
+    each.every = 1;
+    long step = -1;
+    const auto& columns = slopes_.columns();
+    result_.run = simulate(integrator, solver, each, [&](const Moment& moment) {
+      if (step >= 0 && (!has_answer(moment.report.status) || step == steps_.total)) return;
+      ++step;
+      if (step % segment_ == 0 && step < steps_.total) anchors_.push_back({moment.state, memory_of(integrator)});
+      const bool recorded = steps_.recorded(step);
+      if (!recorded && !slopes_.any_impulse()) return;
+      weigh(steps_.record_of(step));
+      if (recorded) slopes_.set_up(moment.state);
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        double value = recorded ? slopes_.value(i, moment.state) : 0;
+        if (columns[i].kind == RunColumn::Kind::normal) value = moment.impulses[at(columns[i].place)].normal;
+        if (columns[i].kind == RunColumn::Kind::tangent) value = moment.impulses[at(columns[i].place)].tangent;
+        result_.value += value * W_.row(static_cast<Index>(i)).transpose();
+      }
+    });
+    result_.checkpoints = std::ssize(anchors_);
+  }
+
+  void weigh(long record) {
+    if (record == weighed_) return;
+    weighed_ = record;
+    W_.setZero();
+    weights_(record, record == steps_.records() - 1, W_);
+  }
+
+  void backward(MoreauJean& integrator, Solver& solver) {
+    const Index scalars = W_.cols();
+    q_.setZero(system_.dof(), scalars), v_ = q_;
+    std::vector<StepTrace> traces(static_cast<std::size_t>(segment_));
+    for (long s = std::ssize(anchors_) - 1; s >= 0; --s) {
+      const long first = s * segment_, end = std::min(first + segment_, steps_.total);
+      State x = anchors_[static_cast<std::size_t>(s)].x;
+      Memory memory(anchors_[static_cast<std::size_t>(s)].memory);
+      integrator.remember(memory);
+      for (long k = first; k < end; ++k) {
+        before_ = x;
+        if (integrator.step(steps_.duration_of(k), solver, x).status != Status::solved)
+          throw std::runtime_error("gradient of a run: a step that was solved once is not solved again");
+        x.t = steps_.end_of(k);
+        traces[static_cast<std::size_t>(k - first)].take(integrator, before_, steps_.duration_of(k), x);
+      }
+      for (long k = end - 1; k >= first; --k) step_back(k, traces[static_cast<std::size_t>(k - first)]);
+    }
+    const State& start = anchors_.front().x;
+    seed(0, start);
+    linear_.set_up_start(system_.initial_state(), start);
+    for (std::size_t j = 0; j < changes_.size(); ++j) linear_.part_of(changes_[j], parts_[j]);
+    for (Index k = 0; k < scalars; ++k) {
+      pull(k, nullptr);
+      for (std::size_t j = 0; j < changes_.size(); ++j)
+        result_.gradient(k, static_cast<Index>(j)) +=
+            changes_[j].start_q.dot(q_.col(k)) + changes_[j].start_v.dot(v_.col(k));
+    }
+    std::reverse(result_.degenerate.begin(), result_.degenerate.end());
+  }
+
+  // The columns at the end of step k − 1.
+  void seed(long k, const State& x) {
+    weigh(steps_.record_of(k));
+    if (!steps_.recorded(k) || W_.isZero(0)) return;
+    slopes_.set_up(x);
+    for (std::size_t i = 0; i < slopes_.columns().size(); ++i)
+      for (Index scalar = 0; scalar < W_.cols(); ++scalar) {
+        const double weight = W_(static_cast<Index>(i), scalar);
+        if (weight == 0) continue;
+        slopes_.pull(i, weight, q_.col(scalar).data(), v_.col(scalar).data());
+        for (std::size_t j = 0; j < changes_.size() && slopes_.any_gap(); ++j)
+          result_.gradient(scalar, static_cast<Index>(j)) += weight * slopes_.by_parameter(i, changes_[j]);
+      }
+  }
+
+  void step_back(long k, const StepTrace& trace) {
+    seed(k + 1, trace.after);
+    linear_.set_up(trace);
+    for (std::size_t j = 0; j < changes_.size(); ++j) linear_.part_of(changes_[j], parts_[j]);
+    for (Index scalar = 0; scalar < W_.cols(); ++scalar) {
+      if (slopes_.any_impulse()) {
+        impulses_.normal.setZero(system_.contacts()), impulses_.tangent.setZero(system_.contacts());
+        for (std::size_t i = 0; i < slopes_.columns().size(); ++i) {
+          const RunColumn& column = slopes_.columns()[i];
+          const double weight = W_(static_cast<Index>(i), scalar);
+          if (column.kind == RunColumn::Kind::normal) impulses_.normal[column.place] += weight;
+          if (column.kind == RunColumn::Kind::tangent) impulses_.tangent[column.place] += weight;
+        }
+      }
+      pull(scalar, slopes_.any_impulse() ? &impulses_ : nullptr);
+    }
+    if (!linear_.degenerate().empty()) result_.degenerate.push_back({trace.before.t, linear_.degenerate()});
+    result_.inconsistent += !linear_.consistent();
+  }
+
+  void pull(Index scalar, const ImpulseChange* impulses) {
+    linear_.pull(q_.col(scalar).data(), v_.col(scalar).data(), impulses,
+                 [&](const Eigen::VectorXd& by_step, const Eigen::VectorXd& by_projection) {
+                   for (std::size_t j = 0; j < parts_.size(); ++j)
+                     result_.gradient(scalar, static_cast<Index>(j)) +=
+                         StepLinearization::inner(parts_[j].step, by_step) +
+                         StepLinearization::inner(parts_[j].projection, by_projection);
+                 });
+  }
+
+  const System& system_;
+  MoreauJeanOptions options_;
+  Clock clock_;
+  RunSteps steps_;
+  ColumnSlopes slopes_;
+  const RecordWeights& weights_;
+  StepLinearization linear_;
+  std::vector<ParameterChange> changes_;
+  std::vector<StepLinearization::Part> parts_;
+  Eigen::MatrixXd W_;
+  long weighed_ = -1, segment_ = 1;  // the record that W_ is of; steps between two checkpoints
+  std::vector<Anchor> anchors_;
+  Eigen::MatrixXd q_, v_;  // x̄, a column a scalar
+  ImpulseChange impulses_;
+  State before_;
+  RunAdjoint result_;
+};
+
+}  // namespace
+
+RecordWeights weigh_last() {
+  return [](long /*record*/, bool last, Eigen::MatrixXd& W) {
+    if (last) W.setIdentity();
+  };
+}
+
+RecordWeights weigh_all() {
+  return [](long /*record*/, bool /*last*/, Eigen::MatrixXd& W) { W.setIdentity(); };
+}
+
+RunAdjoint differentiate_run_reverse(const System& system, const std::vector<RunParameter>& parameters,
+                                     const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
+                                     const std::vector<RunColumn>& columns, Index scalars,
+                                     const RecordWeights& weights) {
+  check(clock);
+  return Adjoint(system, parameters, options, clock, columns, scalars, weights).of(solver);
+}
+
+}  // namespace orthant

@@ -1,0 +1,283 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/derivatives/step_linearization.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace orthant {
+
+namespace {
+
+constexpr double kSameStep = 1e-8;  // of x⁺: rounding, and what the projections leave
+
+}  // namespace
+
+void StepTrace::take(const MoreauJean& integrator, const State& x, double duration, const State& end) {
+  const System& system = integrator.system();
+  const Formulation& formulation = integrator.formulation();
+  h = duration, before = x, after = end;
+  contacts.clear(), places.clear(), mu_of.clear();
+  rows = formulation.size(), first_friction = rows;
+  if (rows == 0) return;
+  first_friction -= static_cast<Index>(system.scene().frictions.size());
+  problem = formulation.problem(), z = formulation.solution().z;
+  for (std::size_t k = 0; k < integrator.closed().size(); ++k) {
+    contacts.push_back(integrator.closed()[k].contact);
+    places.push_back({formulation.normal_row(k), formulation.tangent_row(k), false});
+  }
+  for (const Friction& f : problem.friction)
+    for (std::size_t k = 0; k < places.size(); ++k)
+      if (places[k].tangent == f.first) mu_of.emplace_back(contacts[k], f.mu != system.law(contacts[k]).mu);
+}
+
+StepLinearization::StepLinearization(const System& system, const MoreauJeanOptions& options)
+    : system_(system),
+      options_(options),
+      terms_(system),
+      basic_(system),
+      projection_(system),
+      slopes_(static_cast<std::size_t>(system.joint_rows())),
+      none_(Eigen::VectorXd::Zero(system.joint_rows())),
+      unused_joints_(system.joint_rows()) {
+  if (options.joints != Joints::symmetric || options.form != Form::reduced)
+    throw std::invalid_argument("derivatives of a step: joints and form must be symmetric and reduced");
+  for (const JointFriction& f : system.scene().frictions)
+    if (f.loaded())
+      throw std::invalid_argument("derivatives of a step: the friction '" + f.name + "' depends on its joint's load");
+  if (!system.scene().collisions.empty())
+    throw std::invalid_argument("derivatives of a step: collisions that are searched have none here");
+  for (auto* x : {&v_new_, &change_, &fixed_, &by_z_, &q_a_, &force_, &unused_}) x->setZero(system.dof());
+}
+
+Eigen::Index StepLinearization::size() const {
+  return system_.dof() + system_.joint_rows() + 2 * step_->rows + std::ssize(step_->mu_of);
+}
+
+void StepLinearization::set_up_start(const State& given, const State& closed) {
+  step_ = nullptr;
+  const double missed = projection_.set_up(closed.t, given.q, given.v, closed);
+  if (!(missed <= kSameStep))
+    throw std::invalid_argument("derivatives of a run: the start breaks the joints, by " + detail::text_of(missed) +
+                                " more than one projection closes: must keep them");
+}
+
+void StepLinearization::set_up(const StepTrace& step) {
+  step_ = &step;
+  const State& x = step.before;
+  const double a = options_.theta, h = step.h;
+  degenerate_.clear(), consistent_ = true;
+  q_a_ = x.q + a * h * x.v;
+  set_poses(system_, x.t + a * h, q_a_, terms_.at);
+  evaluate_forces(system_, x.t + a * h, x.v, terms_);
+  evaluate_joint_rows(system_, terms_);
+  evaluate_closed(system_, std::span<const int>(step.contacts), terms_);
+  if (!basic_.factorize(system_, terms_, h * h * a * options_.theta, h * a))
+    throw std::runtime_error("derivatives of a step: not finite");
+  rows_.resize(at(step.rows));
+  places_ = step.places;
+  bool tangents = false;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    if (places_[k].normal >= 0) rows_[at(places_[k].normal)] = terms_.closed[k].rows.normal;
+    if (places_[k].tangent >= 0) rows_[at(places_[k].tangent)] = terms_.closed[k].rows.tangent, tangents = true;
+  }
+  for (Index i = step.first_friction; i < step.rows; ++i)
+    rows_[at(i)] = system_.scene().frictions[at(i - step.first_friction)].of.row(terms_.at);
+
+  // v' for the z of the step; before, where it matters, v_free, which tells what strikes.
+  force_ = h * terms_.f, fixed_ = x.v / a, unused_joints_ = terms_.joint_rate / a;
+  joint_.setZero(system_.joint_rows());
+  const auto solve = [&] {
+    basic_.solve_change(terms_.G, force_.data(), fixed_.data(), unused_joints_.data(), change_.data(), joint_.data());
+  };
+  if (tangents) solve();
+  for (std::size_t k = 0; k < places_.size() && tangents; ++k) {
+    const double approach = apply(terms_.closed[k].rows.normal, x.v.data());
+    places_[k].strikes = -approach > kRestSpeed + std::abs(apply(terms_.closed[k].rows.normal, change_.data()));
+  }
+  for (Index i = 0; i < step.rows; ++i) apply_transposed(rows_[at(i)], step.z[i], force_.data());
+  solve();
+  v_new_ = x.v + change_;
+
+  sensitivity_.reset();
+  if (step.rows > 0) {
+    solution_ = {};
+    solution_.z = step.z;
+    judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
+    sensitivity_.emplace(step.problem, solution_);
+    for (const WeaklyActive& row : sensitivity_->report().weakly_active)
+      for (std::size_t k = 0; k < places_.size(); ++k)
+        if (places_[k].normal == row.row || places_[k].tangent == row.row) degenerate_.push_back(step.contacts[k]);
+    std::sort(degenerate_.begin(), degenerate_.end());
+    degenerate_.erase(std::unique(degenerate_.begin(), degenerate_.end()), degenerate_.end());
+  }
+  linearize_rows();
+  linearize_springs_and_loads();
+
+  q_a_ = x.q + h * (options_.theta * v_new_ + (1 - options_.theta) * x.v);  // q*
+  const double missed = projection_.set_up(x.t + h, q_a_, v_new_, step.after);
+  if (!(missed <= kSameStep))
+    throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(x.t) +
+                             " s the step is not the plain one of moreau-jean, by " + detail::text_of(missed));
+}
+
+void StepLinearization::add_row(const Row& row, const RowSlope& slope, double force, const Eigen::VectorXd& u,
+                                double by_rate, Index out) {
+  for (const Slope& s : slope) {
+    by_pose_.push_back({s.of, s.by, -force * s.value});
+    by_pose_.push_back({out, s.by, u[s.of] * s.value});
+  }
+  if (by_rate != 0) each_entry(row, [&](Index place, double j) { by_velocity_.push_back({out, place, by_rate * j}); });
+}
+
+void StepLinearization::linearize_rows() {
+  const StepTrace& step = *step_;
+  const Index dof = system_.dof(), joints = system_.joint_rows();
+  const double a = options_.theta;
+  const auto& scene = system_.scene();
+  by_pose_.clear(), by_velocity_.clear();
+  fixed_ = step.before.v / a + change_;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
+    slopes_of(scene.joints[j], terms_.at, slopes_.data() + system_.first_row(j));
+  for (Index i = 0; i < joints; ++i) {
+    const Row& row = terms_.G[at(i)];
+    add_row(row, slopes_[at(i)], joint_[i], fixed_, 0, dof + i);
+  }
+  std::array<RowSlope, 2> both;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const StepTrace::Place& place = places_[k];
+    if (place.normal < 0) continue;
+    slopes_of(scene.contacts[static_cast<std::size_t>(step.contacts[k])], terms_.at, both);
+    const ContactRows& rows = terms_.closed[k].rows;
+    const ContactLaw& law = system_.law(step.contacts[k]);
+    const auto add = [&](const Row& row, const RowSlope& slope, Index z_row, double e) {
+      fixed_ = v_new_ + e * step.before.v;
+      add_row(row, slope, step.z[z_row], fixed_, e, dof + joints + z_row);
+    };
+    add(rows.normal, both[0], place.normal, law.e);
+    if (place.tangent >= 0) add(rows.tangent, both[1], place.tangent, place.strikes ? law.e_t : 0);
+  }
+  for (Index i = step.first_friction; i < step.rows; ++i) {
+    const Row& row = rows_[at(i)];
+    slope_of(scene.frictions[at(i - step.first_friction)].of, terms_.at, both[0]);
+    add_row(row, both[0], step.z[i], v_new_, 0, dof + joints + i);
+  }
+}
+
+void StepLinearization::linearize_springs_and_loads() {
+  const StepTrace& step = *step_;
+  const double a = options_.theta, h = step.h;
+  const auto& scene = system_.scene();
+  RowSlope slope;
+  for (std::size_t i = 0; i < scene.springs.size(); ++i) {
+    const Row& row = terms_.springs[i].row;
+    const auto [k, c] = std::visit([](const auto& s) { return std::pair{s.stiffness, s.damping}; }, scene.springs[i]);
+    const double weight = h * h * a * options_.theta * k + h * a * c;
+    slope_of(scene.springs[i], terms_.at, slope);
+    const double s = h * terms_.springs[i].tension + weight * apply(row, change_.data());  // r₁ has s rowᵀ
+    // r₁˙ = ṡ rowᵀ + s rowᵀ˙,  ṡ = h k row q̇ + row˙ (h c v + weight (v' − v)) + (h c − weight) row v̇
+    for (const Slope& d : slope) {
+      by_pose_.push_back({d.of, d.by, s * d.value});
+      const double of_s = d.value * (h * c * step.before.v[d.of] + weight * change_[d.of]);
+      each_entry(row, [&](Index place, double j) { by_pose_.push_back({place, d.by, j * of_s}); });
+    }
+    each_entry(row, [&](Index place, double j) {
+      each_entry(row, [&](Index other, double l) {
+        by_pose_.push_back({place, other, j * h * k * l});
+        by_velocity_.push_back({place, other, j * (h * c - weight) * l});
+      });
+    });
+  }
+  for (const Load& load : scene.loads) {
+    const double scale = load.factor ? load.factor(terms_.at.t) : 1.0;
+    const double slope_of_torque = scale * cross(perp(terms_.at.at(load.body).turn(load.point)), load.force);
+    const Index turn = kBlock * load.body + 2;
+    if (slope_of_torque != 0) by_pose_.push_back({turn, turn, -h * slope_of_torque});
+  }
+}
+
+void StepLinearization::push(const Part& parameter, double* q, double* v, ImpulseChange* impulses) {
+  if (step_ == nullptr) {
+    projection_.push(parameter.projection, q, v);
+    return;
+  }
+  const StepTrace& step = *step_;
+  const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
+  const double h = step.h;
+  Eigen::Map<Eigen::VectorXd> dq(q, dof), dv(v, dof);
+  rho_.setZero(size());
+  q_a_ = dq + options_.theta * h * dv;
+  rho_.head(dof) = -system_.mass().cwiseProduct(dv);
+  orthant::apply(by_pose_, q_a_.data(), rho_.data());
+  orthant::apply(by_velocity_, v, rho_.data());
+  const double of_mean = 1 / options_.theta - 1;  // of G v in r₂
+  for (Index i = 0; i < joints; ++i) rho_[dof + i] += of_mean * apply(terms_.G[at(i)], v);
+  for (const auto& [place, value] : parameter.step) rho_[place] += value;
+
+  rho_.head(dof + joints) *= -1;
+  basic_.solve(rho_.data(), rho_.data() + dof, fixed_.data(), unused_joints_.data());
+  if (impulses != nullptr) impulses->normal.setZero(system_.contacts()), impulses->tangent.setZero(system_.contacts());
+  if (rows > 0) {
+    data_.b = rho_.segment(dof + joints, rows);
+    for (Index i = 0; i < rows; ++i) data_.b[i] += apply(rows_[at(i)], fixed_.data());
+    if (step.first_friction < rows) {
+      data_.hi = rho_.segment(dof + joints + rows, rows);
+      data_.lo = -data_.hi;
+    } else {
+      data_.hi.resize(0), data_.lo.resize(0);
+    }
+    data_.mu = rho_.tail(std::ssize(step.mu_of));
+    const SolutionTangent t = sensitivity_->jvp(data_);
+    consistent_ = consistent_ && t.consistent;
+    force_.setZero();
+    for (Index i = 0; i < rows; ++i) apply_transposed(rows_[at(i)], t.z[i], force_.data());
+    basic_.solve(force_.data(), none_.data(), by_z_.data(), unused_joints_.data());
+    fixed_ += by_z_;
+    for (std::size_t k = 0; k < places_.size() && impulses != nullptr; ++k) {
+      if (places_[k].normal >= 0) impulses->normal[step.contacts[k]] = t.z[places_[k].normal];
+      if (places_[k].tangent >= 0) impulses->tangent[step.contacts[k]] = t.z[places_[k].tangent];
+    }
+  }
+  dq += h * (options_.theta * fixed_ + (1 - options_.theta) * dv);
+  dv = fixed_;
+  projection_.push(parameter.projection, q, v);
+}
+
+void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses) {
+  projection_.pull(q, v, by_projection_);
+  by_step_.resize(0);
+  if (step_ == nullptr) return;
+  const StepTrace& step = *step_;
+  const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
+  const double h = step.h;
+  Eigen::Map<Eigen::VectorXd> of_q(q, dof), of_v(v, dof);
+  by_step_.setZero(size());
+  of_v += h * options_.theta * of_q;
+  if (rows > 0) {
+    basic_.solve(of_v.data(), none_.data(), by_z_.data(), unused_joints_.data());
+    Vector of_z = Eigen::VectorXd::Zero(rows);
+    for (Index i = 0; i < rows; ++i) of_z[i] = apply(rows_[at(i)], by_z_.data());
+    for (std::size_t k = 0; k < places_.size() && impulses != nullptr; ++k) {
+      if (places_[k].normal >= 0) of_z[places_[k].normal] += impulses->normal[step.contacts[k]];
+      if (places_[k].tangent >= 0) of_z[places_[k].tangent] += impulses->tangent[step.contacts[k]];
+    }
+    const DataGradient by = sensitivity_->vjp(of_z);
+    consistent_ = consistent_ && by.consistent;
+    by_step_.segment(dof + joints, rows) = by.b;
+    by_step_.segment(dof + joints + rows, rows) = by.hi - by.lo;
+    by_step_.tail(std::ssize(step.mu_of)) = by.mu;
+    for (Index i = 0; i < rows; ++i) apply_transposed(rows_[at(i)], by.b[i], of_v.data());
+  }
+  basic_.solve(of_v.data(), none_.data(), by_step_.data(), by_step_.data() + dof);
+  by_step_.head(dof) *= -1;
+
+  of_v = h * (1 - options_.theta) * of_q - system_.mass().cwiseProduct(by_step_.head(dof));
+  q_a_.setZero();
+  apply_transposed(by_pose_, by_step_.data(), q_a_.data());
+  apply_transposed(by_velocity_, by_step_.data(), v);
+  const double of_mean = 1 / options_.theta - 1;
+  for (Index i = 0; i < joints; ++i) apply_transposed(terms_.G[at(i)], of_mean * by_step_[dof + i], v);
+  of_q += q_a_;
+  of_v += options_.theta * h * q_a_;
+}
+
+}  // namespace orthant

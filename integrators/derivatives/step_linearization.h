@@ -1,0 +1,117 @@
+// integrators/derivatives/step_linearization.h — one planar Moreau–Jean step, linearized with its active set fixed.
+//
+//   The step of velocity_stepping.h from x = (q, v) to x⁺, joints symmetric, reduced form, at q_a = q + a h v:
+//     r₁ = M̂ (v' − v) − h f − Gᵀ Λ_G − Jᵀ z = 0,   r₂ = G (v/a + v' − v) − ṡ/a = 0                               (1)
+//     w = r₃ = J v' − target (e, e_T, belt),  z of the complementarity problem                                     (2)
+//     (q* = q + h (θ v' + (1−θ) v), v') → (q⁺, v⁺): the projection (3) of projection_linearization.h
+//   Tangent of (q̇, v̇, ṗ): ρ = (r₁, r₂, r₃)˙ at fixed v', Λ_G, z;
+//     (x, ·) = K⁻¹ (−ρ₁, −ρ₂),  ẇ₀ = J x + ρ₃,  ż by sensitivity (solvers/derivatives/sensitivity.h),  v̇' = x + B Jᵀ ż
+//   with K⁻¹ and B of basic_system.h. Adjoint of v̄' and z̄, in the reverse order:
+//     β, lō, hī, μ̄ of z̄ + J B v̄';  (x, λ) = K⁻¹ (v̄' + Jᵀ β, 0),  ρ̄ = (−x, λ, β)
+//   So impulses, stick and slip, restitution and joints are differentiated implicitly. ρ by state is exact: the rows'
+//   slopes (row_slope.h). ρ by a parameter is exact or by differences (parameter_change.h).
+//   Between changes of the active set the step is smooth, and this is its derivative; where rows are weakly active it
+//   has one-sided ones only (degenerate), of which tangent and adjoint hold the rows at their bounds.
+//   The step is computed again from its impulses; where that does not give x⁺ (impacts by another law than Newton's,
+//   joint friction that depends on loads, sleep, stiffened joints), std::runtime_error says so.
+//   Cost: two factorizations a step, then three solves for a tangent or an adjoint.
+#pragma once
+
+#include <orthant/core/lcp/judge/certify.h>
+#include <orthant/integrators/derivatives/projection_linearization.h>
+#include <orthant/integrators/fixed_step/moreau_jean.h>
+#include <orthant/solvers/derivatives/sensitivity.h>
+
+#include <optional>
+
+namespace orthant {
+
+/// What a step leaves behind for its derivative.
+struct StepTrace {
+  struct Place {
+    Index normal = -1, tangent = -1;  // rows of the problem; −1: none
+    bool strikes = false;
+  };
+  double h = 0;  // [s]
+  State before, after;
+  std::vector<int> contacts;                // closed
+  std::vector<Place> places;                // of them
+  std::vector<std::pair<int, bool>> mu_of;  // of each friction of the problem: its contact, whether μ is the static one
+  Index rows = 0, first_friction = 0;       // of the problem; where dry friction in joints begins
+  Lcp problem;
+  Vector z;
+
+  /// Of the step that `integrator` has done last, from `x` to `after`.
+  void take(const MoreauJean& integrator, const State& x, double h, const State& after);
+};
+
+/// Impulses of contacts: their changes in a tangent, the weights of a scalar in an adjoint. One entry a contact [N s].
+struct ImpulseChange {
+  Eigen::VectorXd normal, tangent;
+};
+
+class StepLinearization {
+ public:
+  /// Throws std::invalid_argument for what has no derivative here.
+  explicit StepLinearization(const System& system, const MoreauJeanOptions& options = {});
+
+  void set_up(const StepTrace& step);
+  /// The start: projected onto the joints from the state `given` to `closed`.
+  void set_up_start(const State& given, const State& closed);
+
+  /// A parameter's part in the equations of the step (of the start: in the projection alone).
+  struct Part {
+    SparsePart step, projection;
+  };
+  void part_of(const ParameterChange& parameter, Part& part);
+
+  /// (q̇, v̇) at the step's begin become those at its end. `impulses`: of the contacts; null: not wanted.
+  void push(const Part& parameter, double* q, double* v, ImpulseChange* impulses = nullptr);
+  /// (q̄, v̄) at the end become those at the begin. `impulses`: the scalar's derivative by the contacts' impulses.
+  /// Calls parameter(adjoint of the step's equations, adjoint of the projection's) for inner products with parts.
+  template <class F> void pull(double* q, double* v, const ImpulseChange* impulses, F&& parameter) {
+    pull(q, v, impulses);
+    parameter(by_step_, by_projection_);
+  }
+  static double inner(const SparsePart& part, const Eigen::VectorXd& by) {
+    double sum = 0;
+    for (const auto& [place, value] : part) sum += value * by[place];
+    return sum;
+  }
+
+  /// Of the last step: contacts with weakly active rows, and whether redundant contacts parted.
+  const std::vector<int>& degenerate() const { return degenerate_; }
+  bool consistent() const { return consistent_; }
+
+ private:
+  void pull(double* q, double* v, const ImpulseChange* impulses);
+  void linearize_rows();
+  void linearize_springs_and_loads();
+  /// A row with the impulse `force` in r₁, and the rate J u + by_rate J v in r at `out`.
+  void add_row(const Row& row, const RowSlope& slope, double force, const Eigen::VectorXd& u, double by_rate,
+               Index out);
+  void contact_parts(const ParameterChange& parameter, SparsePart& part) const;
+  void element_parts(const ParameterChange& parameter, SparsePart& part) const;
+  Eigen::Index size() const;
+
+  const System& system_;
+  MoreauJeanOptions options_;
+  const StepTrace* step_ = nullptr;  // null: the start
+  Terms terms_;                      // at q_a
+  BasicSystem basic_;
+  ProjectionLinearization projection_;
+  std::vector<Row> rows_;                     // of the problem
+  std::vector<StepTrace::Place> places_;      // with what strikes
+  Eigen::VectorXd v_new_, change_, joint_;    // v', v' − v, Λ_G
+  std::vector<Slope> by_pose_, by_velocity_;  // of r by q_a and by v, but for M
+  std::vector<RowSlope> slopes_;
+  std::optional<Sensitivity> sensitivity_;
+  std::vector<int> degenerate_;
+  bool consistent_ = true;
+  Judge judge_;
+  Solution solution_;
+  Eigen::VectorXd rho_, fixed_, by_z_, q_a_, force_, none_, unused_, unused_joints_, by_step_, by_projection_;
+  Perturbation data_;
+};
+
+}  // namespace orthant
