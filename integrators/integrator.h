@@ -38,6 +38,7 @@ struct StepReport {
   double error_estimate =
       0;  // [m, rad] of q: sum over the inner steps of schemes that estimate it; the motion may magnify it
   double energy_rise = 0;  // [J] that impacts added where they should not, see impact.h; 0: they did not
+  int plastic = 0;         // problems that friction and restitution left without a solution, solved with e = 0
   Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
 
   /// Takes one more problem in; true: it has an answer, solved or rounded. `status` is solved in both cases.

@@ -45,6 +45,8 @@ template <class RunType, class Visit> void visit_fields(RunType& run, Visit&& vi
   visit("first_passage_time", "s", "end of the first such step", run.first_passage_time);
   visit("rounded_steps", "", "steps with a problem that is rounded only", run.rounded_steps);
   visit("first_rounded_time", "s", "end of the first such step", run.first_rounded_time);
+  visit("plastic_steps", "", "steps with impacts that friction kept from rebounding", run.plastic_steps);
+  visit("first_plastic_time", "s", "end of the first such step", run.first_plastic_time);
   visit("lcp_solves", "", "problems solved", run.lcp_solves);
   visit("lcp_iterations", "", "iterations of the solver in them", run.lcp_iterations);
 }

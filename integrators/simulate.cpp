@@ -114,6 +114,7 @@ void note(const StepReport& report, Run& run) {
     run.first_passage = report.passage, run.first_passage_time = run.final.t;
   if (report.rounded > 0 && run.rounded_steps++ == 0)
     run.first_rounded = words_of(report.miss), run.first_rounded_time = run.final.t;
+  if (report.plastic > 0 && run.plastic_steps++ == 0) run.first_plastic_time = run.final.t;
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
   if (report.penetration > run.max_penetration) {
     run.max_penetration = report.penetration;

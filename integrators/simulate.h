@@ -27,6 +27,8 @@ struct Run {
   long rounded_steps = 0;            // steps with a problem that is rounded only (Status::rounded)
   double first_rounded_time = kInf;  // [s] the end of the first such step; infinity: there is none
   std::string first_rounded;         // what it misses, in words
+  long plastic_steps = 0;            // steps with impacts that friction kept from rebounding (formulate.h)
+  double first_plastic_time = kInf;  // [s] the end of the first such step; infinity: there is none
   long events = 0;                   // located
   long crossings = 0;                // of crowds of events, see StepReport
   double error_estimate = 0;         // [m, rad] of the final q, see StepReport; 0: the scheme has none

@@ -53,6 +53,14 @@ void add_rounded(const Run& run, std::vector<std::string>& to) {
                         ". Smaller mass ratios help; rounded=stop ends the run instead"));
 }
 
+void add_plastic(const Run& run, std::vector<std::string>& to) {
+  if (run.plastic_steps == 0) return;
+  to.push_back(words_of("friction kept bodies from rebounding in ", run.plastic_steps,
+                        run.plastic_steps == 1 ? " step" : " steps", ", first at t = ", run.first_plastic_time,
+                        " s: Newton's law of impact with friction has no solution there (jamming), these impacts have "
+                        "e_n = e_t = 0"));
+}
+
 }  // namespace
 
 namespace {
@@ -130,7 +138,7 @@ std::vector<std::string> warnings_of(const SystemOf<Spatial>& system, const Run&
   std::vector<std::string> all;
   add_energy(system.scene(), run, all);
   add_passages(system.scene(), run, all);
-  add_rounded(run, all);
+  add_rounded(run, all), add_plastic(run, all);
   for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
   return all;
 }
@@ -139,7 +147,7 @@ std::vector<std::string> warnings_of(const System& system, const Run& run, std::
   std::vector<std::string> all;
   add_energy(system.scene(), run, all);
   add_passages(system.scene(), run, all);
-  add_rounded(run, all);
+  add_rounded(run, all), add_plastic(run, all);
   for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
   for (std::string& limit : limits_entered(system, run, integrator, step)) all.push_back(std::move(limit));
   return all;

@@ -101,7 +101,7 @@ bool Adaptive::stride(Solver& solver, StepReport& report) {
   report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
   report.lcp_rows = std::max(report.lcp_rows, one.lcp_rows);
   report.lcp_residual = std::max(report.lcp_residual, one.lcp_residual);
-  report.energy_rise = std::max(report.energy_rise, one.energy_rise);
+  report.energy_rise = std::max(report.energy_rise, one.energy_rise), report.plastic += one.plastic;
   report.error_estimate += one.error_estimate;
   joint_residual_ = one.joint_residual, joint_rate_ = one.joint_rate;
   pending_.insert(pending_.end(), engine_.events().begin(), engine_.events().end());

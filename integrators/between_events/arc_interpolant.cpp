@@ -8,6 +8,8 @@ namespace {
 
 constexpr int kPasses = 3;
 constexpr double kPassed = 0.1;  // of the tolerance: inner velocities that move less are good enough
+constexpr std::size_t kMostPieces = 32;
+constexpr double kLeastTolerance = 1e-9;  // of impulses: rounding of forces, magnified by mass ratios
 
 }  // namespace
 
@@ -20,7 +22,7 @@ ArcInterpolant::ArcInterpolant(const System& system)
   }
 }
 
-void ArcInterpolant::remember(Memory& memory) { memory(start_, length_, residual_, of_, forces_, motion_); }
+void ArcInterpolant::remember(Memory& memory) { memory(start_, length_, residual_, of_, forces_, pieces_, motion_); }
 
 ArcInterpolant::Quartic ArcInterpolant::through(const Quartic& f) {
   return {f[0], (-25 * f[0] + 48 * f[1] - 36 * f[2] + 16 * f[3] - 3 * f[4]) / 3,
@@ -48,7 +50,7 @@ void ArcInterpolant::fit(const Arc& arc, double tolerance) {
     bend(arc);
     if (renew() <= kPassed * tolerance * fast) break;
   }
-  fit_forces();
+  fit_forces(arc, tolerance);
   residual_ = {};
 }
 
@@ -106,18 +108,57 @@ double ArcInterpolant::renew() {
   return moved;
 }
 
-void ArcInterpolant::fit_forces() {
+void ArcInterpolant::fit_forces(const Arc& arc, double tolerance) {
   forces_.clear();
+  pieces_ = 1;
   if (motion_.lasting().empty()) return;
   for (const std::size_t k : {std::size_t{0}, kPoints - 1}) {
     motion_.accelerations(start_ + (k == 0 ? 0 : length_), q_[k], v_[k], trial_v_);
     note_forces(k);
   }
+  add_piece();
+  while (pieces_ < kMostPieces && !forces_agree(arc, std::max(tolerance, kLeastTolerance)) && divide_forces())
+    ;
+}
+
+/// From the forces at its five points.
+void ArcInterpolant::add_piece() {
   for (std::size_t i = 0; i < motion_.lasting().size(); ++i) {
     Quartic normal, tangent;
     for (std::size_t k = 0; k < kPoints; ++k) normal[k] = push_[k][i].normal, tangent[k] = push_[k][i].tangent;
     forces_.push_back({motion_.lasting()[i], through(normal), through(tangent)});
   }
+}
+
+/// Twice as many pieces. False: there are no forces somewhere, and the pieces stay as they are.
+bool ArcInterpolant::divide_forces() {
+  const std::size_t before = forces_.size(), pieces = 2 * pieces_;
+  for (std::size_t p = 0; p < pieces; ++p) {
+    for (std::size_t k = 0; k < kPoints; ++k) {
+      const double x = (static_cast<double>(p) + static_cast<double>(k) / (kPoints - 1)) / static_cast<double>(pieces);
+      evaluate(x, trial_q_, trial_v_);
+      if (!motion_.accelerations(start_ + x * length_, trial_q_, trial_v_, a_[1])) {
+        forces_.resize(before);
+        return false;
+      }
+      note_forces(k);
+    }
+    add_piece();
+  }
+  forces_.erase(forces_.begin(), forces_.begin() + static_cast<std::ptrdiff_t>(before));
+  pieces_ = pieces;
+  return true;
+}
+
+/// Whether the whole impulses are those of the step.
+bool ArcInterpolant::forces_agree(const Arc& arc, double tolerance) const {
+  for (const int contact : motion_.lasting()) {
+    const Impulse whole = impulse(contact, start_ + length_), &known = arc.push[static_cast<std::size_t>(contact)];
+    const double size = std::abs(known.normal) + std::abs(known.tangent);
+    const double off = std::abs(whole.normal - known.normal) + std::abs(whole.tangent - known.tangent);
+    if (off > tolerance * size) return false;
+  }
+  return true;
 }
 
 void ArcInterpolant::evaluate(double x, Eigen::VectorXd& q, Eigen::VectorXd& v) const {
@@ -137,13 +178,20 @@ void ArcInterpolant::at(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
 }
 
 Impulse ArcInterpolant::impulse(int contact, double t) const {
-  const double x = std::clamp((t - start_) / length_, 0.0, 1.0);
-  const auto integral = [&](const Quartic& f) {
-    return length_ * x * (f[0] + x * (f[1] / 2 + x * (f[2] / 3 + x * (f[3] / 4 + x * f[4] / 5))));
-  };
-  for (const Force& force : forces_)
-    if (force.contact == contact) return {integral(force.normal), integral(force.tangent)};
-  return {};
+  const auto pieces = static_cast<double>(pieces_);
+  const double at = pieces * std::clamp((t - start_) / length_, 0.0, 1.0);
+  const std::size_t lasting = forces_.size() / pieces_;
+  Impulse sum;
+  for (std::size_t p = 0; p < pieces_ && static_cast<double>(p) < at; ++p) {
+    const double x = std::min(1.0, at - static_cast<double>(p));
+    const auto integral = [&](const Quartic& f) {
+      return length_ / pieces * x * (f[0] + x * (f[1] / 2 + x * (f[2] / 3 + x * (f[3] / 4 + x * f[4] / 5))));
+    };
+    for (std::size_t i = p * lasting; i < (p + 1) * lasting; ++i)
+      if (forces_[i].contact == contact)
+        sum.normal += integral(forces_[i].normal), sum.tangent += integral(forces_[i].tangent);
+  }
+  return sum;
 }
 
 }  // namespace orthant

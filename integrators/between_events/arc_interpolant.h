@@ -7,7 +7,8 @@
 //   where δv and δq make v(1) = v₁, q(1) = q₁. The inner accelerations are those of the equations of motion. The first
 //   pass evaluates them at the quintic Hermite polynomial, later passes at the last v(x), q(x). Passes end when these
 //   move by less than a tenth of the tolerance. Each pass gains about one order, up to 6 for v and 7 for q.
-//   Impulses of lasting contacts: the integrals of the quartics through their forces at the same five points.
+//   Impulses of lasting contacts: the integrals of the quartics through their forces at the same five points. Where
+//   they miss the step's own quadrature by more than the tolerance, of 2, 4, … 32 pieces with five points each.
 //   Each state is projected onto the joints and the lasting contacts.
 // Cost: 3 to 9 evaluations of the accelerations an arc; then about 30 operations per coordinate and state,
 // and the projection.
@@ -52,7 +53,7 @@ class ArcInterpolant {
     std::array<double, 7> q{};
     std::array<double, 6> v{};
   };
-  struct Force {
+  struct Force {  // on one piece of the arc
     int contact = 0;
     Quartic normal{}, tangent{};
   };
@@ -62,14 +63,18 @@ class ArcInterpolant {
   void bend(const Arc& arc);
   double renew();
   void note_forces(std::size_t k);
-  void fit_forces();
+  void fit_forces(const Arc& arc, double tolerance);
+  void add_piece();
+  bool divide_forces();
+  bool forces_agree(const Arc& arc, double tolerance) const;
   void evaluate(double x, Eigen::VectorXd& q, Eigen::VectorXd& v) const;
 
   ContactMotion motion_;
   double start_ = 0, length_ = 0;
   ContactMotion::Residual residual_;
   std::vector<Polynomials> of_;
-  std::vector<Force> forces_;
+  std::vector<Force> forces_;  // of the lasting contacts, piece by piece
+  std::size_t pieces_ = 1;
   std::array<Eigen::VectorXd, kPoints> q_, v_, a_;
   std::array<std::vector<Impulse>, kPoints> push_;  // [N] of lasting contacts
   Eigen::VectorXd trial_q_, trial_v_;

@@ -225,7 +225,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     const State before = crossing_.state;
     const StepReport step = stepping_.step(s, solver, crossing_.state);
     report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
-    ++report.accepted, ++report.crossings;
+    ++report.accepted, ++report.crossings, report.plastic += step.plastic;
     if (step.status != Status::solved) return give_up();
     if (step.passage.width > 0) {
       report.passage = step.passage;

@@ -12,6 +12,14 @@ double speed(const ContactRowsOf<Space>& rows, const Eigen::VectorXd& v, const T
   return std::abs(apply(rows.normal, v.data())) + size_of(slip_rate(rows, v.data()) - belt);
 }
 
+/// Σ |J_k| |a_k − b_k| [m/s]: of the velocities without regard to signs.
+template <class Space>
+double largest_change(const RowOf<Space>& row, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  double sum = 0;
+  each_entry(row, [&](Index k, double entry) { sum += std::abs(entry) * std::abs(a[k] - b[k]); });
+  return sum;
+}
+
 }  // namespace
 
 template <class Space> void GapSteppingOf<Space>::close(double h, const State& x) {
@@ -49,7 +57,9 @@ template <class Space> bool GapSteppingOf<Space>::missed(double h, const State& 
     const double rate = apply(c.rows.normal, v_new_.data());
     const auto belt = belt_of(system_.law(i), c.rows);
     if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
-        terms_.gap[i] <= h * (speed<Space>(c.rows, x.v, belt) + speed<Space>(c.rows, flight_, belt)) + nearly(c.rows))
+        terms_.gap[i] <= h * (speed<Space>(c.rows, x.v, belt) + speed<Space>(c.rows, flight_, belt) +
+                              largest_change<Space>(c.rows.normal, flight_, x.v)) +
+                             nearly(c.rows))
       joined_.push_back(i);
   }
   if (joined_.size() == before) return false;

@@ -5,9 +5,10 @@
 // All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of
 // the others may drive them shut: what the solution violates then joins the problem, which is solved again, until
 // nothing is violated. So the answer is that of the whole problem, at the cost of the contacts that take part. What
-// joins is nearer than the two surfaces go against each other by themselves, at v and at v_free: farther away (a row
-// of balls with gaps) a contact that is shut by an impulse is made in the next step, as in the source, so that pairs
-// found by a grid are all there are.
+// joins is nearer than the two surfaces go against each other by themselves, at v and at v_free, and the forces of the
+// step move either: a contact that lasts is open by as much from one step to the next. Farther away (a row of balls
+// with gaps) a contact that is shut by an impulse is made in the next step, as in the source, so that pairs found by a
+// grid are all there are.
 #pragma once
 
 #include <orthant/integrators/fixed_step/velocity_stepping.h>

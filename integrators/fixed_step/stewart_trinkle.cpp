@@ -25,14 +25,36 @@ double StewartTrinkleOf<Space>::least(const ClosedContact& c, double h, const St
   return closing(c, h) + mu_at(law, slip) * size_of(slip);
 }
 
+/// start_.closed: rows at x of the contacts with restitution that approach by the rows at the end of free flight.
+template <class Space> void StewartTrinkleOf<Space>::find_approaches(const State& x) {
+  start_.closed.clear();
+  bool placed = false;
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {
+    const int contact = terms_.closed[k].contact;
+    if (!(system_.law(contact).e > 0) || !(wanted_[k].approach < 0)) continue;
+    if (!placed) start_.pairs = terms_.pairs, set_poses(system_, x.t, x.q, start_.at);
+    placed = true;
+    add_closed(system_, contact, start_);
+  }
+}
+
 template <class Space> void StewartTrinkleOf<Space>::want(double h, const State& x) {
+  find_approaches(x);
+  auto start = start_.closed.begin();
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
     const auto& rows = terms_.closed[k].rows;
     const double pace = kPace * (speed(rows, x.v) + speed(rows, v_new_));
     const double approach = std::min(closing(terms_.closed[k], h), pace);
-    const bool rebounds = system_.law(terms_.closed[k].contact).e > 0;
-    wanted_[k].normal = rebounds ? std::max(wanted_[k].normal, approach) : approach;
+    const double e = system_.law(terms_.closed[k].contact).e;
+    double rebound = e > 0 ? wanted_[k].normal : approach;
+    if (start != start_.closed.end() && start->contact == terms_.closed[k].contact) {
+      const double rate = apply(start->rows.normal, x.v.data());
+      const bool lasts = -rate <= std::abs(wanted_[k].approach - rate);
+      rebound = lasts ? approach : -e * rate;
+      ++start;
+    }
+    wanted_[k].normal = std::max(rebound, approach);
     wanted_[k].least = approach;
   }
 }

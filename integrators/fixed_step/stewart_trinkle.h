@@ -7,7 +7,9 @@
 //   penetration there is (curvature, a start) is taken back in the next step; at a quarter of the surfaces' relative
 //   speeds at the most, lest a start that penetrates is shot off.
 //   Restitution is not in the source. Here a candidate with e > 0 rebounds in the step before the gap is used up:
-//     γ_N⁺ ≥ max(−e γ_N⁻, −g_N/h),  at a gap of up to h |γ_N⁻|.
+//     γ_N⁺ ≥ max(−e γ_N⁻, −g_N/h),  at a gap of up to h |γ_N⁻|,
+//   γ_N⁻ with the rows of the step's start. A curved path changes γ_N by h Ẇ_N v in a step; an approach no faster than
+//   that is a contact that lasts, and does not rebound.
 // Order 1, on smooth motion too (q⁺ uses the velocity at the end).
 // Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996) 2673-2691; Stewart, SIAM Review 42 (2000) 3-39.
 #pragma once
@@ -20,6 +22,7 @@ template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
  public:
   using System = SystemOf<Space>;
   using ClosedContact = ClosedContactOf<Space>;
+  using Terms = TermsOf<Space>;
   static constexpr std::string_view kName = "stewart-trinkle";
   static constexpr Capabilities kCan{.turning_friction = true};
   using Options = VelocitySteppingOptions;
@@ -30,7 +33,8 @@ template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
   StewartTrinkleOf(const System& system, const Options& options, Cone cone, std::string_view name,
                    const Capabilities& can)
       : GapSteppingOf<Space>(system, name, can, {0.5, 1, options.joints, options.form, cone, options.sleep}),
-        cone_(cone) {}
+        cone_(cone),
+        start_(system) {}
 
  private:
   using GapSteppingOf<Space>::system_;
@@ -43,8 +47,10 @@ template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
   double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const final;
   void want(double h, const State& x) final;
   double reach() const final;
+  void find_approaches(const State& x);
 
   Cone cone_;
+  Terms start_;  // rows at the step's start, of what approaches and may rebound
 };
 extern template class StewartTrinkleOf<Planar>;
 extern template class StewartTrinkleOf<Spatial>;

@@ -26,6 +26,7 @@ TwoLevelOf<Space>::TwoLevelOf(const System& system, std::string_view name, const
       velocities_(system),
       shown_(&velocities_),
       free_(system.dof()) {
+  velocities_.let_friction_win();
   if (geometric_.possible()) added_.setZero(system.dof());
   wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
 }

@@ -28,6 +28,7 @@ template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const Syste
       force_(system.dof()),
       rate_(system.joint_rows()),
       lambda_(system.joint_rows()) {
+  formulation_.let_friction_win();
   if constexpr (kPlanar<Space>)
     for (const auto& f : system.scene().frictions)
       if (f.loaded()) joint_loads_.emplace_back(system, f.joint);

@@ -30,10 +30,24 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
   }
   constexpr int kPasses = 10;
   deficiency_.start_solving();
+  bool elastic = friction_wins_;
   for (int pass = 1;; ++pass) {
     const bool solved = solve_once(solver, report, crew) &&
                         (!problem_.regrade(solution_.z, solution_.w) || solve_once(solver, report, crew));
-    if (!deficiency_.give_way(problem_, solution_, solved, report)) return solved;
+    if (!deficiency_.give_way(problem_, solution_, solved, report)) {
+      if (solved) return true;
+      const Status status = report.status;
+      const bool tries = status == Status::infeasible || status == Status::stalled || status == Status::ray;
+      if (elastic && tries && problem_.drop_restitution()) {
+        elastic = false, ++report.plastic;
+        continue;
+      }
+      // Without a combination of rows that contradicts itself it is friction that leaves this step no solution. That
+      // says nothing of the motion, which another step or scheme may find.
+      if (status == Status::infeasible && solution_.certificate.size() != problem_.size())
+        report.status = Status::stalled;
+      return false;
+    }
     if (pass < kPasses) continue;
     if (!solved) deficiency_.note_undecided(), report.status = Status::numerical_error;
     return solved;

@@ -64,6 +64,11 @@ template <class Space> class FormulationOf {
     problem_.retarget(wanted, v_free, joint_rate);
   }
 
+  /// From now on a problem that friction and restitution leave without a solution (jamming), or that is not solved, is
+  /// solved with e = e_T = 0, and overlaps stay as they are: friction holds what would rebound. That always has a
+  /// solution, where nothing is driven.
+  void let_friction_win() { friction_wins_ = true; }
+
   /// Normal impulses are at least e times those of `stored`, one per contact of the scene. Until the next collection.
   void release(const std::vector<Impulse>& stored) { problem_.release(stored); }
 
@@ -110,6 +115,7 @@ template <class Space> class FormulationOf {
   RankDeficiencyOf<Space> deficiency_;
   Solution solution_;
   const Terms* terms_ = nullptr;  // last formulated, for names
+  bool friction_wins_ = false;
 };
 extern template class FormulationOf<Planar>;
 extern template class FormulationOf<Spatial>;

@@ -223,6 +223,11 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wan
   for (Contact& c : contacts_) {
     const Wanted& want = wanted[c.closed];
     c.rebound = std::max(0.0, want.normal) - std::max(0.0, std::min(want.least, want.normal));
+    double plastic = std::min(want.normal, 0.0);
+    if (want.least > -kInf) plastic = std::min(plastic, want.least);
+    if (want.plastic != kInf) plastic = std::min(want.plastic, 0.0);
+    c.elastic = want.normal - plastic;
+    c.elastic_along = want.tangent - belt_of(want);
     if (c.jammed != nullptr) {  // where it comes open all the same no impulse is wanted
       const double rate = apply(*c.jammed, v_free.data()) - want.normal;
       lcp_.b[i++] = rate < 0 ? rate : 1;
@@ -245,6 +250,28 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wan
   if constexpr (!kPlanar<Space>)
     for (const double target : turn_targets_) hold_against(target);
   while (i < lcp_.b.size()) hold_against(0);
+}
+
+template <class Space> bool StepProblemOf<Space>::drop_restitution() {
+  bool any = false;
+  Index i = joint_rows();
+  for (Contact& c : contacts_) {
+    any = any || c.elastic > 0 || c.elastic_along != Tangent<Space>{};
+    if (c.jammed != nullptr) {
+      ++i;
+    } else if (!has_edges(c)) {
+      give(i++, c.elastic);
+    } else if constexpr (kPlanar<Space>) {
+      give(i++, c.elastic + c.mu * c.elastic_along), give(i++, c.elastic - c.mu * c.elastic_along);
+    } else {
+      for (Index j = 0; j < kEdges; ++j)
+        give(i++, c.elastic + inner(edge_of(c.mu, c.along, j, kEdges), c.elastic_along));
+    }
+    for (std::size_t k = 0; c.frictional && k < Space::kTangents; ++k)
+      give(places_[c.closed].tangent + static_cast<Index>(k), tangent_part(c.elastic_along, k));
+    c.rebound = c.elastic = 0, c.elastic_along = {};
+  }
+  return any;
 }
 
 template <class Space> void StepProblemOf<Space>::release(const std::vector<Impulse>& stored) {

@@ -49,6 +49,8 @@ template <class Space> class StepProblemOf {
     [[no_unique_address]] Along along;  // unit vector of the first edge's tangent (relaxed, space)
     const Row* jammed = nullptr;        // its normal, where the joints drive it inwards: its own row is zero then
     double rebound = 0;                 // of its target, what restitution asks for
+    double elastic = 0;  // of its target: what is gone with e = 0 and overlaps left as they are; its tangent's: e_T = 0
+    Tangent<Space> elastic_along{};
   };
   /// Matrix and vectors of some of the rows; one worker's.
   struct Block {
@@ -70,6 +72,8 @@ template <class Space> class StepProblemOf {
   void bind();
   void clear() { lcp_.b.resize(0), collected_ = 0; }
   void clear_rows() { rows_.clear(), contacts_.clear(), clear(), no_normal_ = -1; }
+  /// Contacts are held against e = e_T = 0, and what overlaps need not come apart. False: so they were.
+  bool drop_restitution();
   /// b of row i grows by `by`.
   void give(Index i, double by) { lcp_.b[i] += by; }
   /// Where static friction exceeds kinetic: kinetic for contacts that static friction did not hold, static for those

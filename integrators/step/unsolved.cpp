@@ -15,7 +15,12 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   const auto& u = solution.certificate;
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
-  if (status != Status::infeasible || u.size() != problem.size())
+  if (status == Status::infeasible && u.size() != problem.size())
+    return "friction leaves the step's problem of " + std::to_string(problem.size()) + " rows without a solution" +
+           when +
+           " (every case of open, sticking and sliding contacts was tried): a shorter step, or another scheme, may go "
+           "on";
+  if (status != Status::infeasible)
     return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
            (solution.miss.row >= 0 ? "; " + why(solution) : "") + ": try another solver or a shorter step";

@@ -22,6 +22,7 @@ template <class Space> struct WantedOf {
   const ContactLaw* law = nullptr;  // stays where it is until the step is done
   double approach = 0;              // γ_N⁻
   double least = -kInf;             // of `normal`, whatever the law: asked for by the scheme
+  double plastic = kInf;            // `normal` with e = 0, where a scheme's own law says it
   // For energy_rise(): γ_T⁻ and, with the step's forces, γ_N and γ_T without contacts, see note_forces().
   Tangent<Space> slip_before{};
   double free = 0;

@@ -10,29 +10,33 @@
 //                   (adaptive), 5 % (fixed steps) of its scale, beyond the work of loads and belts and the rises that
 //                   the run reports (fixed steps: the defect, too, that it warns of), where nothing overlaps at the
 //                   start. With drives: points move 100 times as fast as drives, gravity, springs and the start can
-//                   make them, and not in two other schemes with a 32nd of the step or in
-//                   the other precise one
+//                   make them, and not in two other schemes (of fixed step: with a 32nd of it)
+//                   or in the other precise one
 //     output step   the motion depends on the output step (a quarter of the duration instead of a 140th)
 //     twin          the twin's motion is another one, as far as it goes, or the twin is infeasible
 //     astray        it is off the reference's motion by more than 5 % of the size and what friction is left open
-//                   (shared_load.h) can make, a quarter, a 32nd and a 256th of the step do not help, two others of
-//                   fixed step come to that motion, and the run does not warn that its energy is off. Not where shapes
-//                   overlap at the start, nor of schemes with another law of friction: anitescu-potra, and
-//                   paoli-schatzman in impacts, where a contact has restitution, too. adaptive: by more than below,
-//                   where two of fixed step are nearer to the reference
+//                   (shared_load.h) can make, a quarter, a 32nd and a 256th of the step do not help (the last does not
+//                   even halve it), two others of fixed step come to that motion, no two contacts strike one after the
+//                   other within the shortest of these steps, and the run does not warn that its energy is off. Not
+//                   where shapes overlap at the start, nor of schemes with another law: of friction, anitescu-potra,
+//                   and paoli-schatzman in impacts, where a contact has restitution, too; of impacts, stewart-trinkle
+//                   and anitescu-potra where a contact opens at the start as another strikes. adaptive: by more than
+//                   below, where two of fixed step are nearer to the reference, and at rtol = 1e-9, too
 //   any run when it is
 //     infeasible    ended so, or by "Painlevé" where that is not possible (painleve.h), and a second integrator goes on
 //                   admissibly past that time; not where an impact without a solution is proved (painleve.h)
 //     late          more than `grace` seconds of the processor past its limit
 //     crashed       ended by an exception or a signal
-//   With fixed steps, joints, penetration, energy, twin and astray count only where a quarter of the step shows them,
-//   too, at more than half the size: else they are the step's error. Output step, twin and astray count only in motions
-//   that are well conditioned: a reference (event-driven, else adaptive) without crossed crowds, whose masses, gravity
-//   and speeds are off by 1e-9, and places by 1e-10 m, is off by less than 1e-5. Allowed are 1e-6 (event-driven), 1e-3
-//   (adaptive), each with ten times what the nudge makes, or ten times the most that nudges of 1e-9 to 1e-7, both ways,
-//   make with the scheme itself, and what friction that the model leaves open can make there (shared_load.h). Crowds
-//   that event-driven crosses are held to the limits of adaptive. Twin and astray do not count where Painlevé's paradox
-//   is possible in the motion: the model has several motions there. Energy below 1e-8 J/kg is neglected.
+//   With fixed steps, joints, penetration, energy, twin and astray count only where a quarter of the step (energy:
+//   and a 32nd) shows them, too, at more than half the size: else they are the step's error. Output step, twin and
+//   astray count only in motions that are well conditioned: a reference (event-driven, else adaptive) without crossed
+//   crowds, whose masses, gravity and speeds are off by 1e-9, and places by 1e-10 m, is off by less than 1e-5.
+//   Allowed are 1e-6 (event-driven), 1e-3 (adaptive), each with ten times what the nudge makes, or ten times the most
+//   that nudges of 1e-9 to 1e-7 (precise ones: 5e-10 to 1e-8), both ways, make with the scheme itself (event-driven:
+//   and a tighter tolerance), the square of a step's way (fixed steps) and what friction that the model leaves open
+//   can make there (shared_load.h). Crowds that event-driven crosses are held to the limits of adaptive. Twin and
+//   astray do not count where Painlevé's paradox is possible in the motion: the model has several motions there.
+//   Energy below 1e-8 J/kg is neglected.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

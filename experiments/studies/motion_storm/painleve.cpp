@@ -162,24 +162,46 @@ bool impact_impossible(const Scene& scene, const State& x, double gap) {
   return true;
 }
 
-bool painleve_possible(const Scene& scene, const State& x, double gap, bool many) {
-  const System system(scene);
-  const Terms terms = closed_terms(system, x, gap);
-  const MatrixXd P = admittance(system, terms), free = system.inverse_mass().asDiagonal();
+namespace {
+
+/// Rows of the closed contacts that joints do not immobilise, scaled so that N P Nᵀ = 1.
+struct Touching {
+  MatrixXd P;
   std::vector<VectorXd> normal, tangent;
   std::vector<double> mu;
-  for (const ClosedContact& c : terms.closed) {
-    const VectorXd N = dense(c.rows.normal, system.dof()), T = dense(c.rows.tangent, system.dof());
-    const double scale = N.dot(P * N);
-    if (!(scale > 1e-9 * N.dot(free * N))) continue;
-    normal.push_back(N / std::sqrt(scale)), tangent.push_back(T / std::sqrt(scale));
-    mu.push_back(std::max(system.law(c.contact).mu, system.law(c.contact).mu_static));
+
+  Touching(const Scene& scene, const State& x, double gap) {
+    const System system(scene);
+    const Terms terms = closed_terms(system, x, gap);
+    const MatrixXd free = system.inverse_mass().asDiagonal();
+    P = admittance(system, terms);
+    for (const ClosedContact& c : terms.closed) {
+      const VectorXd N = dense(c.rows.normal, system.dof()), T = dense(c.rows.tangent, system.dof());
+      const double scale = N.dot(P * N);
+      if (!(scale > 1e-9 * N.dot(free * N))) continue;
+      normal.push_back(N / std::sqrt(scale)), tangent.push_back(T / std::sqrt(scale));
+      mu.push_back(std::max(system.law(c.contact).mu, system.law(c.contact).mu_static));
+    }
   }
-  const auto k = static_cast<Eigen::Index>(normal.size());
-  const auto entry = [&](Eigen::Index i, Eigen::Index j, int sigma) {
+  /// B_ij, j sliding with σ.
+  double operator()(Eigen::Index i, Eigen::Index j, int sigma) const {
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
     return normal[a].dot(P * normal[b]) - sigma * mu[b] * normal[a].dot(P * tangent[b]);
-  };
+  }
+};
+
+}  // namespace
+
+bool painleve_begins(const Scene& scene, const State& x, double gap) {
+  const Touching B(scene, x, gap);
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(B.normal.size()); ++i)
+    if (std::min(B(i, i, 1), B(i, i, -1)) < 1e-9) return true;
+  return false;
+}
+
+bool painleve_possible(const Scene& scene, const State& x, double gap, bool many) {
+  const Touching entry(scene, x, gap);
+  const auto k = static_cast<Eigen::Index>(entry.normal.size());
   if (k > 6) return many || negative_pair(k, entry);
   for (int sign = 0; sign < static_cast<int>(std::pow(3, k)); ++sign) {
     MatrixXd B(k, k);

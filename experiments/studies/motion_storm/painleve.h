@@ -20,6 +20,9 @@ namespace orthant::motion_storm {
 /// many: the answer is true without a look.
 bool painleve_possible(const Scene& scene, const State& state, double gap, bool many = true);
 
+/// Whether a contact that slides has B_ii = 0 to 1e-9: there the motion ends with a force without bound (dynamic jam).
+bool painleve_begins(const Scene& scene, const State& state, double gap);
+
 /// Whether it is proved that Newton's law of impact and Coulomb friction leave no velocities after this state. Contacts
 /// take part up to `gap` [m]; those with more than 1e-9 m need not. Not proved: other laws of impact, more than five
 /// such contacts, contacts that joints immobilise.

@@ -25,8 +25,9 @@ class SharedLoad {
   explicit SharedLoad(const Scene& scene) : system_(scene) {}
 
   /// max σμ − min σμ of the contacts whose shares are open at x, and which coordinates move with them; 0: none.
-  double range(const State& x, VectorXd& moves) {
-    collect(x);
+  /// `gap` [m]: contacts no farther open carry.
+  double range(const State& x, double gap, VectorXd& moves) {
+    collect(x, gap);
     double low = kInf, high = -kInf;
     if (constraints_.empty() || slides_ == 0) return 0;
     const Eigen::Index dof = system_.dof(), n = static_cast<Eigen::Index>(constraints_.size());
@@ -52,8 +53,8 @@ class SharedLoad {
   }
 
  private:
-  void collect(const State& x) {
-    const Terms terms = closed_terms(system_, x, kClosed);
+  void collect(const State& x, double gap) {
+    const Terms terms = closed_terms(system_, x, gap);
     constraints_.clear(), forces_.clear(), signed_mu_.clear();
     slides_ = 0;
     const auto add = [&](const VectorXd& constraint, const VectorXd& force, double signed_mu) {
@@ -78,6 +79,24 @@ class SharedLoad {
   int slides_ = 0;
 };
 
+/// The state at the last impact before row r, from there back as in free flight; [m] the error of gaps by that, at the
+/// most. Null: there was none since the row before.
+const Event* last_impact(const Scene& scene, const Measure& measure, const Trace& trace, std::size_t r, State& at,
+                         double& error) {
+  const Event* last = nullptr;
+  for (const Event& e : trace.events)
+    if (e.kind == EventKind::impact && r > 0 && e.t > trace.rows[r - 1].t && e.t <= trace.rows[r].t) last = &e;
+  if (last == nullptr) return nullptr;
+  at = trace.rows[r];
+  const double since = at.t - last->t;
+  at.q -= since * at.v;
+  double acceleration = scene.gravity.norm();
+  for (Eigen::Index b = 0; 3 * b < at.v.size(); ++b)
+    acceleration += measure.reach(static_cast<BodyId>(b)) * at.v[3 * b + 2] * at.v[3 * b + 2];
+  error = acceleration * since * since;
+  return last;
+}
+
 }  // namespace
 
 double friction_left_open(const Scene& scene, const Trace& trace, double size) {
@@ -87,7 +106,11 @@ double friction_left_open(const Scene& scene, const Trace& trace, double size) {
   VectorXd moves;
   for (std::size_t r = 0; r < trace.rows.size(); ++r) {
     if (!(trace.pressed[r] > 0)) continue;
-    const double range = shared.range(trace.rows[r], moves);
+    double range = shared.range(trace.rows[r], kClosed, moves);
+    State struck;
+    double error = 0;
+    if (range == 0 && last_impact(scene, measure, trace, r, struck, error) != nullptr)
+      range = shared.range(struck, kClosed + error, moves);
     double compliance = 0;  // [1/(N s)] of the motion that goes farthest: sizes/s, rad/s
     for (std::size_t b = 0; range > 0 && b < scene.bodies.size(); ++b) {
       const Body& body = scene.bodies[b];

@@ -14,7 +14,8 @@ namespace orthant::motion_storm {
 /// A bound of what two solutions of the model can differ by at the end of the trace: places in sizes, angles in rad.
 /// In each step a normal impulse P [N s] that goes over from one contact to another changes the friction on a body of
 /// mass m by (max σμ − min σμ) P, its speed by that over m, and its place by that speed times the rest of the run.
-/// P is at most the sum of all normal impulses of the step. 0 where friction is determined.
+/// P is at most the sum of all normal impulses of the step. 0 where friction is determined. Contacts of the last
+/// impact between two rows count, too, where the trace has events.
 double friction_left_open(const Scene& scene, const Trace& trace, double size);
 
 }  // namespace orthant::motion_storm

@@ -51,6 +51,9 @@ void all_of(Trace& t, Bytes& bytes) {
   bytes(t.run.energy_rises), bytes(t.run.max_energy_rise), bytes(t.run.passages), bytes(t.run.crossings);
   bytes(t.run.motion.energy_defect), bytes(t.run.motion.energy_scale);
   bytes(t.run.motion.max_overlap), bytes(t.run.motion.overlap_length), bytes(t.run.motion.overlap_scale);
+  std::size_t events = t.events.size();
+  bytes(events), t.events.resize(events);
+  for (Event& event : t.events) bytes(event);
   std::size_t rows = t.rows.size();
   bytes(rows), t.rows.resize(rows), t.belt.resize(rows), t.pressed.resize(rows);
   for (std::size_t r = 0; r < rows; ++r)
@@ -81,6 +84,7 @@ Trace here(const Scene& scene, const std::string& spec, double step, double limi
   try {
     t.run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
       t.rows.push_back(moment.state);
+      t.events.insert(t.events.end(), moment.events.begin(), moment.events.end());
       t.belt.push_back(work += belt_work(system, moment));
       double pressed = 0;
       for (const Impulse& impulse : moment.impulses) pressed += std::abs(impulse.normal);

@@ -17,6 +17,7 @@ struct Trace {
   double seconds = 0;   // of the processor
   Run run;
   std::vector<State> rows;
+  std::vector<Event> events;    // located ones, in order of time
   std::vector<double> belt;     // [J] bound of the work of moving surfaces up to each row
   std::vector<double> pressed;  // [N s] sum of all normal impulses in the step that ends at each row
 

@@ -153,3 +153,25 @@ TEST_CASE("adaptive: states within a crossing lie on the joints, and their resid
   CHECK(worst <= 1e-12);
   CHECK(run.max_joint_residual <= 1e-12);
 }
+
+TEST_CASE("adaptive: the impulses of contacts that last are those of the forces, however long the inner steps are") {
+  // A block rides on a belt under the point that a spring pulls it to: its friction is the spring's force along x.
+  const double speed = -1.9, stiffness = 20, rest = 0.2, duration = 0.35;
+  Scene s{.gravity = {0, -9.81}, .duration = duration};
+  const BodyId b = s.body({.mass = 1, .inertia = 0.004, .position = {0.1, 0.05}, .velocity = {speed, 0}});
+  for (const double x : {-0.1, 0.1})
+    s.contact(CornerWall{{}, b, {x, -0.05}, kGround, {0, 0}, {0, 1}, {.mu = 2, .belt = speed}});
+  s.spring(PointSpring{.a = kGround, .b = b, .point_a = {-0.2, 0.3}, .stiffness = stiffness, .rest = rest});
+  double expected = 0;  // [N s]
+  const int n = 100000;
+  for (int i = 0; i < n; ++i) {
+    const double x = 0.1 + speed * (i + 0.5) * duration / n + 0.2, length = std::hypot(x, 0.25);
+    expected += stiffness * (length - rest) * x / length * duration / n;
+  }
+  for (const double step : {duration / 140, duration / 4, duration}) {
+    CAPTURE(step);
+    const Looked seen = look(s, duration, "adaptive:rtol=1e-8", step);
+    CHECK(std::abs(seen.run.final.v[0] - speed) < 1e-12);
+    CHECK(std::abs(std::abs(seen.sum[0].tangent + seen.sum[1].tangent) - std::abs(expected)) < 1e-6);
+  }
+}
