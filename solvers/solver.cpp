@@ -101,6 +101,15 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   judge_.certify(problem, tolerance(), Claim::stalled, s);
 }
 
+/// Where the last digits of a ray stand in the way of a proof.
+void Solver::take_ray_in_whole_numbers(const Lcp& problem, Solution& s) {
+  if (s.ray.size() != problem.size() || !Judge::wants_exact_proof(problem)) return;
+  proof_ = s.ray;
+  if (!in_whole_numbers(proof_)) return;
+  s.certificate = proof_;
+  judge_.certify(problem, tolerance(), Claim::ray, s);
+}
+
 /// Where all but rounding speaks against a solution: every cell, exactly. Its answer, or its proof, into s.
 void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) {
   Enumerate search({.tolerance = tolerance()});
@@ -185,6 +194,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   Claim claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
   judge(problem, goal_residual, claim, s);
+  if (s.status == Status::ray) take_ray_in_whole_numbers(problem, s);
   if (open(s)) seek_proof(problem, s);
   best_.residual = kInf;
   for (int attempt = 1; open(s) && !budget_.exhausted(); ++attempt) {

@@ -85,6 +85,7 @@ class Solver {
   void judge_fine_rows(const Lcp& problem, double tolerance, Solution& s);
   void take_put(Solution& s);
   void seek_proof(const Lcp& problem, Solution& s);
+  void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
   Solver& with_discs();
