@@ -148,6 +148,38 @@ def with_rivals(folder):
         [[len({row["problem"] for row in rows}), len(right["auto"]), max(rivals.values()), min(wrong), max(wrong)]]
 
 
+def cones(folder):
+    """Of every method and tolerance the problems solved and the mean factor; the profiles, a column a method."""
+    rows = rows_of(folder / "cases.csv")
+    tolerances = sorted({float(row["tolerance"]) for row in rows}, reverse=True)
+    methods = list(dict.fromkeys(row["method"] for row in rows))
+    reached, fastest = {}, {}
+    for row in rows:
+        if float(row["residual"]) <= float(row["tolerance"]):
+            seconds = max(float(row["seconds"]), 1e-6)
+            reached[row["method"], float(row["tolerance"]), row["problem"]] = seconds
+            key = float(row["tolerance"]), row["problem"]
+            fastest[key] = min(fastest.get(key, math.inf), seconds)
+    table = []
+    for method in methods:
+        counts, means = [], []
+        for tolerance in tolerances:
+            factors = [seconds / fastest[tolerance, problem] for (name, t, problem), seconds in reached.items()
+                       if name == method and t == tolerance]
+            counts.append(len(factors))
+            means.append(digits(statistics.geometric_mean(factors), 2) if factors else NONE)
+        table.append([method, len({row["problem"] for row in rows}), *counts, *means])
+    table.sort(key=lambda row: [-count for count in row[2:2 + len(tolerances)]])
+    yield "cones", ["method", "problems", *(f"to {t:g}" for t in tolerances), *(f"time, {t:g}" for t in tolerances)], \
+        table
+    shares = {}
+    for row in rows_of(folder / "profiles.csv"):
+        shares.setdefault((float(row["tolerance"]), float(row["factor"])), {})[row["method"]] = float(row["share"])
+    yield "cone_profiles", ["tolerance", "factor", *methods], \
+        [[tolerance, digits(factor, 4), *(digits(share.get(method, 0), 3) for method in methods)]
+         for (tolerance, factor), share in sorted(shares.items())]
+
+
 def markdown(text):
     """The Markdown tables of a program's output: (head, rows)."""
     lines = [[cell.strip().strip("`") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] if line.startswith("|") else None
@@ -236,6 +268,9 @@ MEASUREMENTS = [
      regret("regret_sparse"), "results/sparse"),
     (("virtual_best", "right"), PROGRAMS + "lcp_shootout --largest 300 --time-limit 1 --solvers auto "
      "--rivals build/peers/lcp --output results/rivals", with_rivals, "results/rivals"),
+    (("cones", "cone_profiles"), "./experiments/run cone --problems build/fclib --rivals build/peers/cone",
+     cones, "results/cone_shootout"),
+    (("facets",), PROGRAMS + "facets", printed("facets"), None),
     (("step", "error"), PROGRAMS + "step_race --finest 1e-7", step_race, None),
     (("content",), PROGRAMS + "scene_content", printed("content"), None),
     (("pivots",), PROGRAMS + "time_per_pivot --solvers lemke:form=tableau --sizes 64 128 256 512 1000",
@@ -303,6 +338,11 @@ def pages(to, tables=None):
             write(name, *regret_by_family(source), source)
             if name == "regret":
                 regret_picture(to / "regret.svg", source)
+    for name in ("cones", "facets"):
+        if source := tables.get(name):
+            write(name, source["columns"], source["rows"], source)
+    if source := tables.get("cone_profiles"):
+        cone_picture(to / "cone_profiles.svg", source)
     if source := tables.get("solvers_by_group"):
         write("solvers", source["columns"],
               [[f"`{cell}`" if i in (2, 5, 8) and cell else cell for i, cell in enumerate(row)]
@@ -342,6 +382,28 @@ def regret_picture(file, source):
         axes.annotate(f"{row[0]} ({row[2]})", (row[1], row[3]), (-4 if left else 4, 3), textcoords="offset points",
                       fontsize=7, ha="right" if left else "left")
     axes.set(xscale="log", yscale="log", xlabel="rows", ylabel="time of auto / time of the fastest")
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+    pyplot.close(figure)
+
+
+def cone_picture(file, source):
+    """Share of the problems that a method solves within a factor of the best time, one picture a tolerance."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    methods = source["columns"][2:]
+    tolerances = sorted({row[0] for row in source["rows"]}, reverse=True)
+    figure, axes = pyplot.subplots(1, len(tolerances), figsize=(4 * len(tolerances), 4), sharey=True, squeeze=False)
+    for axis, tolerance in zip(axes[0], tolerances):
+        rows = [row for row in source["rows"] if row[0] == tolerance]
+        for i, method in enumerate(methods):
+            axis.semilogx([row[1] for row in rows], [row[2 + i] for row in rows], drawstyle="steps-post", label=method,
+                          linestyle="--" if "/" in method else "-", linewidth=2.5 if method == "auto" else 1)
+        axis.set(title=f"residual ≤ {tolerance:g}", xlabel="time / best time", ylim=(0, 1.02))
+        axis.grid(alpha=0.3)
+    axes[0][0].set_ylabel("share of problems solved")
+    axes[0][-1].legend(fontsize="x-small", loc="lower right")
     figure.tight_layout()
     figure.savefig(file, metadata={"Date": None})
     pyplot.close(figure)
