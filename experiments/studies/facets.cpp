@@ -7,10 +7,10 @@
 // number of sides; writes a row for each case into --output. A pyramid without an answer is a row as well.
 #include "experiments/runs/manifest.h"
 #include "experiments/runs/problem_file.h"
+#include "experiments/studies/support/independent_judge.h"
 #include "experiments/support/between.h"
 #include "experiments/support/clock.h"
 #include "experiments/support/command_line.h"
-#include "experiments/studies/support/independent_judge.h"
 
 #include <orthant/core/lcp/cones/contact.h>
 #include <orthant/core/lcp/problems/disc_contacts.h>

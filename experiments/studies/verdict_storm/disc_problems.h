@@ -1,9 +1,9 @@
-// experiments/studies/verdict_storm/disc_problems.h — random contact problems with friction discs, of every kind, 1 to 60 contacts.
+// experiments/studies/verdict_storm/disc_problems.h — random contact problems with friction discs.
 //
-//   Solutions planted (open, stick and slip contacts), redundant, degenerate, jammed, badly scaled (units to 1e±12),
-//   unsymmetric, rolling; proved infeasible by construction; infeasible or not by a few last digits; nothing known;
-//   discs next to intervals, boxes and free rows; operators; contacts that occur twice; numbers from 2^-300 to 2^300;
-//   μ = 0 and large. Problem k of a seed is the same on every machine.
+//   1 to 60 contacts. Solutions planted (open, stick and slip contacts), redundant, degenerate, jammed, badly scaled
+//   (units to 1e±12), unsymmetric, rolling; proved infeasible by construction; infeasible or not by a few last
+//   digits; nothing known; discs next to intervals, boxes and free rows; operators; contacts that occur twice;
+//   numbers from 2^-300 to 2^300; μ = 0 and large. Problem k of a seed is the same on every machine.
 #pragma once
 
 #include "experiments/studies/verdict_storm/problems.h"

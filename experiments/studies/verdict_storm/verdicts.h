@@ -44,7 +44,7 @@ struct StormSolver {
 /// Every solver of the registry; those that take milliseconds a problem meet fewer.
 std::vector<StormSolver> storm_solvers();
 
-/// Those that take friction discs, and two of those that answer by facets.
+/// Those that take friction discs; answers by facets are held to 1e-8 only, and are tested elsewhere.
 std::vector<StormSolver> disc_solvers();
 
 struct StormChoice {
