@@ -293,6 +293,15 @@ TEST_CASE("cones: one disc opens, sticks or slides at once: what the closed form
   }
 }
 
+TEST_CASE("cones: a negative normal impulse is no answer, whatever signs cancel in the diagonal") {
+  Lcp p = point_mass(1, 1.25, {-6, 1, -3});
+  p.A = DenseMatrix(Eigen::Matrix3d(Eigen::Vector3d(-100, 24.5, std::nextafter(75.5, 76)).asDiagonal()));
+  Solution s;
+  s.z = {-0.1, 0, 0}, s.w.resize(3);
+  ConeJudge judge;
+  CHECK(!judge.passes(p, 1e-10, s));
+}
+
 TEST_CASE("cones: a time limit and a flag end a run") {
   const Lcp p = box_column(40, {.mu = 0.4, .spatial = true, .discs = true});
   const auto solver = make_solver("admm");

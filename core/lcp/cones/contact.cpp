@@ -54,7 +54,7 @@ void Blocks::scale(const Matrix& A, Vector& d) const {
     const auto row = rows(b);
     const auto set = [&](int first, int count) {
       double sum = 0;
-      for (int r = first; r < first + count; ++r) sum += d[row[at(r)]];
+      for (int r = first; r < first + count; ++r) sum += std::abs(d[row[at(r)]]);  // signs must not cancel
       const double mean = sum / count;
       const double value = 1 / std::sqrt(mean > 0 && mean < kInf ? mean : largest);
       for (int r = first; r < first + count; ++r) d[row[at(r)]] = value;

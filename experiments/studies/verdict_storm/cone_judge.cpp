@@ -75,7 +75,7 @@ Finding examine_cones(const Lcp& p, const Vector& z, double tolerance, Status cl
   std::vector<double> diagonal(at(n), 0);
   for (Index i = 0; i < n; ++i)
     for (const ConeEntry& e : rows[at(i)])
-      if (e.column == i) diagonal[at(i)] = static_cast<double>(e.value);
+      if (e.column == i) diagonal[at(i)] = std::abs(static_cast<double>(e.value));
   double largest = 0;
   for (const double a : diagonal)
     if (a < kInf) largest = std::max(largest, std::abs(a));

@@ -86,7 +86,7 @@ Lcp shrink(Lcp problem, const std::function<bool(const Lcp&)>& shows) {
     for (Index i = 0; i < problem.size(); ++i) {
       if (problem.lo[i] == 0 && problem.hi[i] == kInf) continue;
       Lcp candidate = problem;
-      std::erase_if(candidate.friction, [i](const Friction& f) { return f.first == i; });
+      std::erase_if(candidate.friction, [i](const Friction& f) { return f.first <= i && i < f.first + f.rows; });
       candidate.lo[i] = 0, candidate.hi[i] = kInf;
       smaller = take(std::move(candidate)) || smaller;
     }
