@@ -32,6 +32,30 @@ BEST = 3
 TARGETS = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9")  # errors of θ₁(0.2 s) [rad]
 WELL = 0.4  # restitution up to which the motion of the slider-crank is well conditioned
 OURS = ("auto", "lemke")
+CONES = """\
+Contact problems with friction discs: two files of FCLIB and time steps of five scenes in space, by Orthant's solvers, by
+Siconos (`siconos/…`) and by Pinocchio. One measure for all: the scale-free residual
+(`core/lcp/judge/certify_cones.h`), recomputed by independent code. A method is run with its own tolerance at the
+residual, then tenfold lower until the residual is met. The time is that of the loosest run that meets it.
+
+![Share of problems solved within a factor of the best time](data/cone_profiles.svg)
+
+{table}
+
+*to 1e-8* counts the problems solved to that residual. *time* is the geometric mean of the method's time over the
+fastest method's, on these problems. Problems that a method fails are kept in the picture: its curve ends below 1.
+
+"""
+FACETS = """\
+### Pyramids instead of cones
+
+Methods of linear problems take a pyramid of $n$ sides. Its strength lies between $\\cos(\\pi/n)$ and 1 times µ, by
+direction. The error is that of the velocities, relative to the data, on random problems of full rank with a unique
+velocity. The time is relative to that of `auto` with discs.
+
+{table}
+
+"""
 NONE = "–"  # not reached
 
 
@@ -148,6 +172,38 @@ def with_rivals(folder):
         [[len({row["problem"] for row in rows}), len(right["auto"]), max(rivals.values()), min(wrong), max(wrong)]]
 
 
+def cones(folder):
+    """Of every method and tolerance the problems solved and the mean factor; the profiles, a column a method."""
+    rows = rows_of(folder / "cases.csv")
+    tolerances = sorted({float(row["tolerance"]) for row in rows}, reverse=True)
+    methods = list(dict.fromkeys(row["method"] for row in rows))
+    reached, fastest = {}, {}
+    for row in rows:
+        if float(row["residual"]) <= float(row["tolerance"]):
+            seconds = max(float(row["seconds"]), 1e-6)
+            reached[row["method"], float(row["tolerance"]), row["problem"]] = seconds
+            key = float(row["tolerance"]), row["problem"]
+            fastest[key] = min(fastest.get(key, math.inf), seconds)
+    table = []
+    for method in methods:
+        counts, means = [], []
+        for tolerance in tolerances:
+            factors = [seconds / fastest[tolerance, problem] for (name, t, problem), seconds in reached.items()
+                       if name == method and t == tolerance]
+            counts.append(len(factors))
+            means.append(digits(statistics.geometric_mean(factors), 2) if factors else NONE)
+        table.append([method, len({row["problem"] for row in rows}), *counts, *means])
+    table.sort(key=lambda row: [-count for count in row[2:2 + len(tolerances)]])
+    yield "cones", ["method", "problems", *(f"to {t:g}" for t in tolerances), *(f"time, {t:g}" for t in tolerances)], \
+        table
+    shares = {}
+    for row in rows_of(folder / "profiles.csv"):
+        shares.setdefault((float(row["tolerance"]), float(row["factor"])), {})[row["method"]] = float(row["share"])
+    yield "cone_profiles", ["tolerance", "factor", *methods], \
+        [[tolerance, digits(factor, 4), *(digits(share.get(method, 0), 3) for method in methods)]
+         for (tolerance, factor), share in sorted(shares.items())]
+
+
 def markdown(text):
     """The Markdown tables of a program's output: (head, rows)."""
     lines = [[cell.strip().strip("`") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] if line.startswith("|") else None
@@ -236,6 +292,10 @@ MEASUREMENTS = [
      regret("regret_sparse"), "results/sparse"),
     (("virtual_best", "right"), PROGRAMS + "lcp_shootout --largest 300 --time-limit 1 --solvers auto "
      "--rivals build/peers/lcp --output results/rivals", with_rivals, "results/rivals"),
+    (("cones", "cone_profiles"), "./experiments/run cone --problems tests/data/fclib --scenes kapla_tower:layers=8 "
+     "box_pyramid:base=4 card_house:levels=3 capsules:count=40 dominoes --steps 3 --time-limit 2 "
+     "--rivals build/peers/cone", cones, "results/cone_shootout"),
+    (("facets",), PROGRAMS + "facets", printed("facets"), None),
     (("step", "error"), PROGRAMS + "step_race --finest 1e-7", step_race, None),
     (("content",), PROGRAMS + "scene_content", printed("content"), None),
     (("pivots",), PROGRAMS + "time_per_pivot --solvers lemke:form=tableau --sizes 64 128 256 512 1000",
@@ -303,6 +363,17 @@ def pages(to, tables=None):
             write(name, *regret_by_family(source), source)
             if name == "regret":
                 regret_picture(to / "regret.svg", source)
+    texts = ["## Coulomb's cone\n"]
+    for name, text in (("cones", CONES), ("facets", FACETS)):
+        if source := tables.get(name):
+            write(name, source["columns"], source["rows"], source)
+            texts.append(text.format(table=f"```{{csv-table}}\n:file: data/{name}.csv\n:header-rows: 1\n```") +
+                         where_and_when(source))
+    if source := tables.get("cone_profiles"):
+        cone_picture(to / "cone_profiles.svg", source)
+    if len(texts) == 1:
+        texts.append("Not measured yet.\n")
+    (to / "cones.md").write_text("\n".join(texts), encoding="utf-8")
     if source := tables.get("solvers_by_group"):
         write("solvers", source["columns"],
               [[f"`{cell}`" if i in (2, 5, 8) and cell else cell for i, cell in enumerate(row)]
@@ -342,6 +413,28 @@ def regret_picture(file, source):
         axes.annotate(f"{row[0]} ({row[2]})", (row[1], row[3]), (-4 if left else 4, 3), textcoords="offset points",
                       fontsize=7, ha="right" if left else "left")
     axes.set(xscale="log", yscale="log", xlabel="rows", ylabel="time of auto / time of the fastest")
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+    pyplot.close(figure)
+
+
+def cone_picture(file, source):
+    """Share of the problems that a method solves within a factor of the best time, one picture a tolerance."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    methods = source["columns"][2:]
+    tolerances = sorted({row[0] for row in source["rows"]}, reverse=True)
+    figure, axes = pyplot.subplots(1, len(tolerances), figsize=(4 * len(tolerances), 4), sharey=True, squeeze=False)
+    for axis, tolerance in zip(axes[0], tolerances):
+        rows = [row for row in source["rows"] if row[0] == tolerance]
+        for i, method in enumerate(methods):
+            axis.semilogx([row[1] for row in rows], [row[2 + i] for row in rows], drawstyle="steps-post", label=method,
+                          linestyle="--" if "/" in method else "-", linewidth=2.5 if method == "auto" else 1)
+        axis.set(title=f"residual ≤ {tolerance:g}", xlabel="time / best time", ylim=(0, 1.02))
+        axis.grid(alpha=0.3)
+    axes[0][0].set_ylabel("share of problems solved")
+    axes[0][-1].legend(fontsize="x-small", loc="lower right")
     figure.tight_layout()
     figure.savefig(file, metadata={"Date": None})
     pyplot.close(figure)

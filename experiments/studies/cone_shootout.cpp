@@ -1,13 +1,15 @@
 // Who solves contact problems with Coulomb's cone, to which accuracy, and how fast?
 //
-// Solvers of the registry and rivals (experiments/benchmarks/cone) on FCLIB files or JSON problems with friction discs.
-// One measure for all: the scale-free residual (core/lcp/judge/certify_cones.h), recomputed by the second judge
-// (support/independent_judge.h). For each tolerance a method is run with its own stopping tolerance at that value, then
-// tenfold lower, until the measure is reached or its time is over: the time counted is that of the loosest run that
-// reaches it. Processor time. Writes a row per case, and performance profiles (Dolan & Moré 2002): the share of
-// problems solved within a factor of the best time, failures kept.
+// Solvers of the registry and rivals (experiments/benchmarks/cone) on FCLIB files, JSON problems, or time steps of
+// scenes (studies/support/contact_steps.h). One measure for all: the scale-free residual
+// (core/lcp/judge/certify_cones.h), recomputed by the second judge (support/independent_judge.h). For each tolerance a
+// method is run with its own stopping tolerance at that value, then tenfold lower, until the measure is reached or its
+// time is over: the time counted is that of the loosest run that reaches it. Processor time. Writes a row per case,
+// and performance profiles (Dolan & Moré 2002): the share of problems solved within a factor of the best time,
+// failures kept.
 #include "experiments/runs/manifest.h"
 #include "experiments/runs/problem_file.h"
+#include "experiments/studies/support/contact_steps.h"
 #include "experiments/studies/support/independent_judge.h"
 #include "experiments/studies/support/rivals.h"
 #include "experiments/support/between.h"
@@ -32,11 +34,12 @@ using namespace orthant;
 namespace {
 
 struct Plan {
-  std::filesystem::path output = "results/cone_shootout", rivals;
-  std::vector<std::string> problems,
+  std::filesystem::path output = "results/cone_shootout", rivals, save;
+  std::vector<std::string> problems, scenes,
       solvers{"auto", "prox", "newton-ac", "newton-min", "newton-fb", "admm", "pgs", "interior-point"};
   std::vector<double> tolerances{1e-4, 1e-8, 1e-12};
-  double time = 10;  // of a solve [s]
+  std::size_t steps = 4;  // of a scene
+  double time = 10;       // of a solve [s]
 };
 
 struct Case {
@@ -128,6 +131,30 @@ std::vector<std::filesystem::path> files_of(const std::vector<std::string>& give
   return files;
 }
 
+/// Files and steps of scenes, by name; the latter saved as FCLIB files with their solutions where a folder is given.
+std::vector<std::pair<std::string, Lcp>> problems_of(const Plan& plan) {
+  std::vector<std::pair<std::string, Lcp>> all;
+  for (const auto& file : files_of(plan.problems)) all.emplace_back(file.stem().string(), read_problem_file(file));
+  for (const std::string& scene : plan.scenes) {
+    int number = 0;
+    for (const ContactProblem& c : contact_steps(scene, plan.steps)) {
+      std::string name = scene + "-" + std::to_string(++number);
+      std::ranges::replace_if(
+          name, [](char x) { return x == ':' || x == '=' || x == ',' || x == '/'; }, '-');
+      all.emplace_back(name, c.problem);
+      if (plan.save.empty()) continue;
+      std::filesystem::create_directories(plan.save);
+      const auto solver = make_solver("auto:tolerance=1e-13");
+      solver->set_time_limit(plan.time);
+      Solution s;
+      solver->solve(c.problem, s);
+      write_fclib(plan.save / (name + ".hdf5"), c, has_answer(s.status) ? &s : nullptr);
+    }
+  }
+  if (all.empty()) throw std::invalid_argument("no problem: name files or scenes");
+  return all;
+}
+
 void run(const Plan& plan, const std::string& command_line) {
   for (const std::string& spec : plan.solvers) make_solver(spec);  // unknown: said at once
   const auto others = plan.rivals.empty() ? std::vector<Rival>() : rivals(plan.rivals);
@@ -137,14 +164,13 @@ void run(const Plan& plan, const std::string& command_line) {
   std::vector<Case> cases;
   std::ostringstream table;
   table << "problem,rows,method,tolerance,status,seconds,residual\n";
-  for (const auto& file : files_of(plan.problems)) {
-    const Lcp problem = read_problem_file(file);
+  for (const auto& [problem_name, problem] : problems_of(plan)) {
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const Rival* rival = m < plan.solvers.size() ? nullptr : &others[m - plan.solvers.size()];
       if (rival != nullptr && !rival->absent.empty()) continue;
       for (const double tolerance : plan.tolerances) {
         Case c = try_to(problem, methods[m], rival, tolerance, plan.time);
-        c.problem = file.stem().string(), c.method = methods[m];
+        c.problem = problem_name, c.method = methods[m];
         table << c.problem << ',' << problem.size() << ',' << c.method << ',' << tolerance << ',' << c.status << ','
               << c.seconds << ',' << c.residual << '\n';
         cases.push_back(c);
@@ -185,7 +211,10 @@ void run(const Plan& plan, const std::string& command_line) {
 int main(int argc, char** argv) {
   Plan plan;
   CLI::App app("Contact problems with Coulomb's cone: who solves them, how exactly, how fast");
-  app.add_option("--problems", plan.problems, "files (.hdf5 of FCLIB, .json), or folders of them")->required();
+  app.add_option("--problems", plan.problems, "files (.hdf5 of FCLIB, .json), or folders of them");
+  app.add_option("--scenes", plan.scenes, "scenes in space, NAME[:option=value,...] ...: problems of their time steps");
+  app.add_option("--steps", plan.steps, "problems of a scene")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--save", plan.save, "folder: the scenes' problems as FCLIB files with their solutions");
   app.add_option("--output", plan.output, "folder for tables and manifest")->capture_default_str();
   app.add_option("--solvers", plan.solvers, "NAME[:option=value,...] ...")->capture_default_str();
   app.add_option("--rivals", plan.rivals, "folder of rivals' drivers; they take part as well");

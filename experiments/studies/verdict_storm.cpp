@@ -3,6 +3,7 @@
 //   build/release/experiments/verdict_storm                 10⁶ problems in 3 h of a core; resumes
 //   build/release/experiments/verdict_storm --problems 5000 a share
 //   build/release/experiments/verdict_storm --only 123456   one problem, by its number
+//   build/release/experiments/verdict_storm --discs --output results/disc_storm   contacts with friction discs
 //
 // Files in the output folder: chunks.jsonl (one line per finished chunk; a killed run resumes),
 // verdict_storm.csv (counts of outcomes by kind and solver), fault_*.json (each fault's problem, reduced, for orthant
@@ -66,7 +67,7 @@ struct Storm {
         tally.add(corner(first, 1, one));
       }
     } else {
-      const std::string kind(storm_problem(choice.seed, first).kind), &solver = choice.solvers[0].spec;
+      const std::string kind(problem_of(choice, first).kind), &solver = choice.solvers[0].spec;
       const auto what = outcome->kind == Outcome::killed ? StormResult::late : StormResult::crashed;
       ++tally.rows[{kind, solver}].count[static_cast<std::size_t>(what)];
       tally.faults.push_back(
@@ -89,7 +90,7 @@ struct Storm {
 
   /// The fault's problem, as small as it gets, in a process of its own at every try.
   void shrink_fault(const StormFault& fault) {
-    const StormProblem p = storm_problem(a.choice.seed, fault.k);
+    const StormProblem p = problem_of(a.choice, fault.k);
     const auto outcome_of = [&](const Lcp& problem) {
       std::string what;
       processes.start(
@@ -153,6 +154,7 @@ int report(const StormTally& all, std::uint64_t problems) {
 }
 
 int run(Arguments a) {
+  if (a.choice.discs) a.choice.solvers = disc_solvers();
   if (!a.specs.empty()) {
     a.choice.solvers.clear();
     for (const std::string& spec : a.specs) make_solver(spec), a.choice.solvers.push_back({spec});  // known ones only
@@ -187,6 +189,7 @@ int main(int argc, char** argv) {
   app.add_option("--output", a.output, "folder")->capture_default_str();
   app.add_option("--problems", a.problems, "how many")->check(kCount)->capture_default_str();
   app.add_option("--seed", a.choice.seed, "")->capture_default_str();
+  app.add_flag("--discs", a.choice.discs, "contact problems with friction discs (Coulomb's cone in space)");
   app.add_option("--solvers", a.specs, "as in orthant list, with options; default: all");
   app.add_option("--only", a.only, "one problem, by its number")->check(kCount);
   app.add_option("--time-limit", a.choice.time_limit, "of a solve [s]")

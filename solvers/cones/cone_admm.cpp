@@ -5,56 +5,136 @@
 #include <cmath>
 
 namespace orthant {
+namespace {
 
-Claim ConeAdmm::iterate(Vector& z, int& iterations) {
-  constexpr double kEta = 1e-8;
-  constexpr int kLook = 20;  // iterations between two looks at ρ
-  const ConeForm& f = form();
-  const Index n = f.size();
-  system_.load(f);
-  for (int c = 0; c < f.blocks(); ++c) {  // E = 0, H = I: the system is A + α I
-    const int m = f.block(c).rows;
+constexpr double kSplittingEta = 1e-8;
+constexpr int kSplittingLook = 20;       // iterations between two looks at ρ
+constexpr double kSplittingSkew = 0.02;  // ‖N‖_∞ up to which N x may lag: ρ starts at 0.1
+
+}  // namespace
+
+void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
+  form_ = &form, budget_ = budget;
+  symmetric_ = true, factorized_ = false, shift_ = 0;
+  const RowSparse& A = form.A;
+  const Index n = form.size();
+  S_.rows = S_.cols = n;
+  S_.start.assign(1, 0), S_.column.clear(), S_.value.clear();
+  N_.clear(), diagonal_.clear();
+  for (int i = 0; i < n && symmetric_; ++i) {
+    const auto begin = A.column.begin() + A.start[at(i)], end = A.column.begin() + A.start[at(i) + 1];
+    double skew = 0;
+    if (std::lower_bound(begin, end, i) == end || *std::lower_bound(begin, end, i) != i) symmetric_ = false;
+    for (auto j = begin; j != end && symmetric_; ++j) {
+      const double value = A.value[at(j - A.column.begin())];
+      double mean = value;
+      if (*j == i) {
+        diagonal_.push_back(static_cast<int>(S_.value.size()));
+      } else {
+        const auto other = A.column.begin() + A.start[at(*j)], last = A.column.begin() + A.start[at(*j) + 1];
+        const auto place = std::lower_bound(other, last, i);
+        symmetric_ = place != last && *place == i;
+        if (!symmetric_) break;
+        mean = 0.5 * (value + A.value[at(place - A.column.begin())]);
+        if (value != mean) N_.push_back({i, *j, value - mean}), skew += std::abs(value - mean);
+      }
+      S_.column.push_back(*j), S_.value.push_back(mean);
+    }
+    S_.start.push_back(static_cast<int>(S_.value.size()));
+    symmetric_ = symmetric_ && skew <= kSplittingSkew;
+  }
+  if (!symmetric_) load_system();
+}
+
+/// E = 0, H = I: the system is A + α I.
+void ConeSplitting::load_system() {
+  system_.load(*form_);
+  for (int c = 0; c < form_->blocks(); ++c) {
+    const int m = form_->block(c).rows;
     std::fill_n(system_.E_of(c), m * m, 0.0), std::fill_n(system_.H_of(c), m * m, 0.0);
     for (int r = 0; r < m; ++r) system_.H_of(c)[r + m * r] = 1;
   }
-  double rho = options_.rho;
-  x_ = z, lambda_ = Eigen::VectorXd::Zero(n), s_.resize(n), before_.resize(n);
+}
+
+void ConeSplitting::start(const Vector& z, double rho) {
+  const Index n = form_->size();
+  if (rho != rho_) factorized_ = false;
+  rho_ = rho, steps_ = 0, primal_ = dual_ = 0;
+  x_ = z, y_ = z, lambda_.resize(n), before_.resize(n), rhs_.resize(n);
+  if (z.isZero(0)) return lambda_.setZero(), void();
+  form_->apply(z, before_);
+  for (int c = 0; c < form_->blocks(); ++c)
+    form_->all().correct(form_->block(c), before_.data() + form_->begin(c), lambda_.data() + form_->begin(c));
+}
+
+bool ConeSplitting::factorize() {
+  if (symmetric_) {
+    const double shift = kSplittingEta + rho_;
+    for (const int place : diagonal_) S_.value[at(place)] += shift - shift_;
+    shift_ = shift;
+    if (factorized_ = cholesky_.factorize(S_, 0, budget_); factorized_) return true;
+    if (budget_ != nullptr && budget_->exhausted()) return false;
+    symmetric_ = false, load_system();  // not positive definite
+  }
   system_.keep_factors(false);
-  std::array<double, cones::kMostRows> corrected{};
-  double primal = 0, dual = 0;
+  return factorized_ = true;
+}
+
+bool ConeSplitting::solve() {
+  if (!factorized_ && !factorize()) return false;
+  if (symmetric_) {
+    for (const auto& [i, j, value] : N_) rhs_[i] -= value * x_[j];
+    x_ = rhs_;
+    return cholesky_.solve(x_);
+  }
+  system_.F = -rhs_;
+  if (!system_.solve(kSplittingEta + rho_)) return false;
+  system_.keep_factors(true);
+  x_ = system_.dz;
+  return true;
+}
+
+bool ConeSplitting::step(bool adapt) {
+  const ConeForm& f = *form_;
+  std::array<double, cones::kMostRows> block{};
+  // λ stands for û, whose first entry holds the correction: the slip is that of λ itself.
+  rhs_ = kSplittingEta * x_ + rho_ * y_ + lambda_ - f.q;
+  for (int c = 0; c < f.blocks(); ++c) {
+    const cones::Block& b = f.block(c);
+    f.all().correct(b, lambda_.data() + b.start, block.data());
+    rhs_[b.start] -= block[0] - lambda_[b.start];
+  }
+  if (!solve()) return false;
+  before_ = y_;
+  for (int c = 0; c < f.blocks(); ++c) {
+    const cones::Block& b = f.block(c);
+    for (int r = 0; r < b.rows; ++r) block[at(r)] = x_[b.start + r] - lambda_[b.start + r] / rho_;
+    f.all().project(b, block.data(), y_.data() + b.start);
+  }
+  lambda_ += rho_ * (y_ - x_);
+  primal_ = std::max(primal_, (x_ - y_).norm()), dual_ = std::max(dual_, rho_ * (y_ - before_).norm());
+  if (!std::isfinite(primal_ + dual_)) return false;
+  if (adapt && ++steps_ % kSplittingLook == 0) {
+    const double ratio = primal_ * rho_ / dual_;  // both in units of w
+    if (ratio > 10 || ratio < 0.1) {
+      rho_ = std::clamp(rho_ * std::clamp(std::sqrt(ratio), 0.2, 5.0), 1e-6, 1e6);
+      factorized_ = false;
+    }
+    primal_ = dual_ = 0;
+  }
+  return true;
+}
+
+Claim ConeAdmm::iterate(Vector& z, int& iterations) {
+  splitting_.load(form(), &budget());
+  splitting_.start(z, options_.rho);
   while (iterations < options_.max_iterations) {
     ++iterations;
-    for (int c = 0; c < f.blocks(); ++c) {
-      const cones::Block& b = f.block(c);
-      f.all().correct(b, lambda_.data() + b.start, corrected.data());
-      s_.segment(b.start, b.rows).setZero();
-      s_[b.start] = corrected[0] - lambda_[b.start];
-    }
-    // λ stands for û, whose first entry holds the correction: the slip is that of λ itself.
-    system_.F = f.q + s_ - kEta * x_ - rho * z - lambda_;
-    if (!system_.solve(kEta + rho)) return Claim::numerical_error;
-    system_.keep_factors(true);
-    x_ = system_.dz;
-    before_ = z;
-    for (int c = 0; c < f.blocks(); ++c) {
-      const cones::Block& b = f.block(c);
-      for (int r = 0; r < b.rows; ++r) corrected[at(r)] = x_[b.start + r] - lambda_[b.start + r] / rho;
-      f.all().project(b, corrected.data(), z.data() + b.start);
-    }
-    lambda_ += rho * (z - x_);
-    primal = std::max(primal, (x_ - z).norm()), dual = std::max(dual, rho * (z - before_).norm());
-    if (!z.allFinite()) return Claim::numerical_error;
+    if (!splitting_.step(options_.adapt)) return Claim::numerical_error;
+    z = splitting_.z();
     const bool end = finished(z);
-    log(iterations, residual(), rho);
+    log(iterations, residual(), splitting_.rho());
     if (end) return Claim::time_limit;
-    if (options_.adapt && iterations % kLook == 0) {
-      const double ratio = primal * rho / dual;  // both in units of w
-      if (ratio > 10 || ratio < 0.1) {
-        rho = std::clamp(rho * std::clamp(std::sqrt(ratio), 0.2, 5.0), 1e-6, 1e6);
-        system_.keep_factors(false);
-      }
-      primal = dual = 0;
-    }
   }
   return Claim::iteration_limit;
 }

@@ -127,6 +127,53 @@ void contact_fixed_point(ContactSearch& s, double rho) {
   }
 }
 
+/// A normal row with one disc, in closed form but for the direction of sliding: Newton on (1) from the direction of the
+/// z given, along the circle's tangent. False where that ends nowhere: z is as it was.
+bool solve_disc(double mu, const double* A, const double* q, double* z) {
+  if (q[0] >= 0) {
+    z[0] = z[1] = z[2] = 0;
+    return true;
+  }
+  const Eigen::Map<const Eigen::Matrix3d> M(A);
+  const Eigen::Vector3d cross = M.col(1).cross(M.col(2)), given(q[0], q[1], q[2]);
+  const double determinant = M.col(0).dot(cross), size = M(0, 0) * M(1, 1) * M(2, 2);
+  if (determinant > 1e-10 * size) {
+    const Eigen::Vector3d stick(-given.dot(cross) / determinant, -given.dot(M.col(2).cross(M.col(0))) / determinant,
+                                -given.dot(M.col(0).cross(M.col(1))) / determinant);
+    if (stick[0] >= 0 && stick[1] * stick[1] + stick[2] * stick[2] <= mu * mu * stick[0] * stick[0]) {
+      z[0] = stick[0], z[1] = stick[1], z[2] = stick[2];
+      return true;
+    }
+  }
+  double c = z[1], s = z[2], length = std::sqrt(c * c + s * s);
+  if (!(length > 0)) c = -q[1], s = -q[2], length = std::sqrt(c * c + s * s);
+  if (!(length > 0)) c = 1, s = 0, length = 1;
+  c /= length, s /= length;
+  const double enough = kContactRounding * given.norm();
+  for (int step = 0; step < 12; ++step) {
+    const double arm = mu * (M(0, 1) * c + M(0, 2) * s), total = M(0, 0) + arm;
+    if (!(total > 1e-10 * M(0, 0))) return false;
+    const double normal = -q[0] / total;
+    const double t1 = M(1, 0) + mu * (M(1, 1) * c + M(1, 2) * s), t2 = M(2, 0) + mu * (M(2, 1) * c + M(2, 2) * s);
+    const double w1 = q[1] + normal * t1, w2 = q[2] + normal * t2;
+    const double f = c * w2 - s * w1, along = c * w1 + s * w2;
+    if (std::abs(f) <= enough) {
+      if (!(along <= 0)) return false;
+      z[0] = normal, z[1] = mu * normal * c, z[2] = mu * normal * s;
+      return true;
+    }
+    const double change = -normal * mu * (M(0, 2) * c - M(0, 1) * s) / total;
+    const double e1 = M(1, 2) * c - M(1, 1) * s, e2 = M(2, 2) * c - M(2, 1) * s;
+    const double slope = -along + c * (change * t2 + normal * mu * e2) - s * (change * t1 + normal * mu * e1);
+    const double turn = std::clamp(-f / slope, -1.0, 1.0);
+    if (!std::isfinite(turn)) return false;
+    const double next_c = c - turn * s, next_s = s + turn * c;
+    length = std::sqrt(next_c * next_c + next_s * next_s);
+    c = next_c / length, s = next_s / length;
+  }
+  return false;
+}
+
 }  // namespace
 
 double solve_contact(const Blocks& blocks, const Block& b, const double* A, const double* q, double* z) {
@@ -136,6 +183,12 @@ double solve_contact(const Blocks& blocks, const Block& b, const double* A, cons
     z[0] = A[0] > 0 ? std::clamp(-q[0] / A[0], b.lo, b.hi) : std::clamp(z[0] - w, b.lo, b.hi);
     const double now = A[0] * z[0] + q[0];
     return blocks.residual(b, z, &now);
+  }
+  if (m == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf && A[0] > 0 && solve_disc(blocks.parts(b)[0].mu, A, q, z)) {
+    const std::array<double, 3> w{A[0] * z[0] + A[3] * z[1] + A[6] * z[2] + q[0],
+                                  A[1] * z[0] + A[4] * z[1] + A[7] * z[2] + q[1],
+                                  A[2] * z[0] + A[5] * z[1] + A[8] * z[2] + q[2]};
+    return blocks.residual(b, z, w.data());
   }
   ContactSearch s{
       .blocks = blocks, .block = b, .A = ContactMatrixMap(A, m, m), .q = Eigen::Map<const Eigen::VectorXd>(q, m)};

@@ -20,10 +20,10 @@ Claim NewtonAc::iterate(Vector& z, int& iterations) {
   newton_.load(form(), &budget());
   double alpha = kLeastAlpha, last = residual();
   while (iterations < options_.max_steps) {
-    const Vector centre = z;
+    centre_ = z;
     const auto out = newton_.solve(
         {.map = options_.map, .alpha = alpha, .max_steps = std::min(kStepsAnAlpha, options_.max_steps - iterations)},
-        centre, z);
+        centre_, z);
     iterations += std::max(out.steps, 1);
     const bool end = finished(z);
     log(iterations, residual(), alpha, out.steps == 0 ? "singular" : "");

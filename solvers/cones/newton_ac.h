@@ -39,6 +39,7 @@ class NewtonAc final : public ConeSolver {
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeNewton newton_;
+  Vector centre_;
   ConeSweeps sweeps_;
 };
 

@@ -42,6 +42,7 @@ class ProximalPoint {
   /// At most `most` outer iterations.
   template <class Finished, class Log> void iterate(Vector& z, int most, const Finished& finished, const Log& log);
   ConeSweeps& sweeps() { return sweeps_; }
+  ConeNewton& newton() { return newton_; }
   void restart() { alpha_ = 0.1; }
 
  private:

@@ -1,9 +1,12 @@
 // The verdict storm: its judge detects faults, its shrinker keeps what matters, a share of it finds no fault.
+#include "experiments/studies/verdict_storm/cone_judge.h"
+#include "experiments/studies/verdict_storm/disc_problems.h"
 #include "experiments/studies/verdict_storm/exact_judge.h"
 #include "experiments/studies/verdict_storm/shrink.h"
 #include "experiments/studies/verdict_storm/verdicts.h"
 
 #include <orthant/core/lcp/files/io.h>
+#include <orthant/core/lcp/problems/disc_contacts.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
@@ -171,4 +174,84 @@ TEST_CASE("a share of the storm: numbers from the least to the largest, solvers 
     ++tried;
     for (const StormFault& f : storm(choice, k, 1).faults) FAIL_CHECK(f.k, " ", f.solver, ": ", f.what, ": ", f.why);
   }
+}
+
+TEST_CASE("the judge of cones takes planted solutions of 1e-12 and none that is off by 1e-6, in any units") {
+  Random random(7);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Known known = disc_contacts({.contacts = 1 + trial % 6,
+                                       .freedoms = 30,
+                                       .mu = 0.1 + 0.1 * (trial % 9),
+                                       .rolling = trial % 3 == 0,
+                                       .unsymmetric = trial % 4 == 1,
+                                       .spread = trial % 2 == 0 ? 1 : 1e10},
+                                      random);
+    CAPTURE(trial);
+    CHECK_MESSAGE(examine_solution(known.problem, known.z, 1e-10).holds,
+                  examine_solution(known.problem, known.z, 1e-10).why);
+    const Vector z = 1.000001 * known.z;
+    if (known.z.norm() > 0) CHECK(!examine_solution(known.problem, z, 1e-10).holds);
+  }
+}
+
+TEST_CASE("a contact problem told again has the image of its solution; the image of another z does not solve it") {
+  Random random(9);
+  for (int trial = 0; trial < 30; ++trial) {
+    const Known known =
+        disc_contacts({.contacts = 1 + trial % 8, .freedoms = 40, .degenerate = trial % 2 == 0}, random);
+    REQUIRE(can_be_retold(known.problem));
+    const Retelling told = retell(known.problem, random);
+    check(told.problem);
+    CHECK(told.problem.size() == known.problem.size() + 3);
+    Vector image = told.of_z * known.z;
+    CHECK(examine_solution(told.problem, image, 1e-9).holds);
+    image[0] += 1e-3 * (1 + std::abs(image[0]));
+    CHECK(!examine_solution(told.problem, image, 1e-9).holds);
+  }
+}
+
+TEST_CASE("problems of discs are the same each time, and all kinds come; those made infeasible are proved to be") {
+  std::set<std::string_view> kinds;
+  int proved = 0;
+  for (std::uint64_t k = 0; k < 300; ++k) {
+    const StormProblem a = disc_problem(3, k), b = disc_problem(3, k);
+    check(a.problem);
+    CHECK(to_json(a.problem) == to_json(b.problem));
+    kinds.insert(a.kind);
+    if (a.kind != "discs-infeasible") continue;
+    Index row = -1;
+    for (Index i = 0; i < a.problem.size(); i += 3) {
+      Vector u(Eigen::VectorXd::Zero(a.problem.size()));
+      u[i] = 1;
+      if (examine_proof(a.problem, u).holds) row = i;
+    }
+    CHECK(row >= 0);
+    ++proved;
+  }
+  CHECK(kinds.size() == disc_kinds().size());
+  CHECK(proved == 20);
+}
+
+TEST_CASE("a share of the storm of discs: no wrong verdict, no crash, nothing late") {
+  StormChoice choice;
+  choice.discs = true, choice.solvers = disc_solvers(), choice.grace = 30;
+  const StormTally tally = storm(choice, 0, kSanitized ? 15 : 75);
+  std::array<long, kStormResults.size()> sum{};
+  for (const auto& [key, row] : tally.rows)
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += row.count[i];
+  for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
+  CHECK(sum[0] > (kSanitized ? 80 : 400));
+  CHECK(sum[2] > (kSanitized ? 2 : 10));
+}
+
+TEST_CASE("a fault of discs is shrunk contact by contact") {
+  Random random(5);
+  Lcp p = disc_contacts({.contacts = 5, .freedoms = 20}, random).problem;
+  p.b[0] = -123.456;
+  const Lcp least = shrink(p, [](const Lcp& q) {
+    check(q);
+    return q.discs() && q.b.minCoeff() < -100;
+  });
+  CHECK(least.size() == 3);
+  CHECK(least.friction.size() == 1);
 }

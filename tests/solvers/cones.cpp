@@ -7,6 +7,7 @@
 #include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/registry.h>
 
+#include "tests/support/allocations.h"
 #include "tests/support/judge.h"
 
 #include <doctest/doctest.h>
@@ -222,6 +223,83 @@ TEST_CASE("cones: what cannot be solved is proved: a body pushed into a wedge of
   const Solution s = disc_solution(p, "auto");
   CHECK(s.status == Status::infeasible);
   CHECK(independent_proof(p, s.certificate));
+}
+
+TEST_CASE("cones: iterations allocate nothing: twice as many of them cost no allocation more") {
+  Random random(61);
+  std::vector<Lcp> problems{box_column(6, {.mu = 0.4, .slope = 0.1, .spatial = true, .discs = true})};
+  for (const bool skew : {false, true})
+    problems.push_back(disc_contacts({.contacts = 30, .freedoms = 60, .unsymmetric = skew}, random).problem);
+  problems.push_back(disc_contacts({.contacts = 6, .freedoms = 20, .rolling = true}, random).problem);
+  const auto count = [](const std::string& spec, const Lcp& p) {
+    const auto solver = make_solver(spec);
+    solver->set_proof_search(false);
+    Solution s;
+    std::size_t before = 0;
+    for (int round = 0; round < 3; ++round) before = AllocationCount::now(), solver->solve(p, s);
+    CHECK(s.iterations > 0);
+    return AllocationCount::now() - before;
+  };
+  for (const char* spec : {"pgs:max_sweeps", "psor:max_sweeps", "sgs:max_sweeps", "admm:max_iterations",
+                           "apgd:max_iterations", "prox:max_outer", "newton-ac:max_steps", "newton-min:max_iterations"})
+    for (const Lcp& p : problems) {
+      if (std::string_view(spec).starts_with("apgd") && &p == &problems[2]) continue;  // symmetric ones only
+      // One contact with two discs: Eigen's LU of a size known at run time.
+      if (std::string_view(spec).find("sweeps") != std::string_view::npos && &p == &problems[3]) continue;
+      CAPTURE(std::string(spec));
+      CAPTURE(p.size());
+      const std::string options = "tolerance=1e-30,";  // so that none is the last
+      const auto at = [&](const char* many) {
+        std::string whole(spec);
+        return count(whole.insert(whole.find(':') + 1, options) + '=' + many, p);
+      };
+      CHECK(at("20") == at("40"));
+    }
+}
+
+TEST_CASE("cones: admm's factors are of the symmetric part where little is missing, else of all") {
+  Random random(71);
+  for (const double skew : {0.0, 1e-13, 1e-3, 0.3}) {
+    CAPTURE(skew);
+    Known known = disc_contacts({.contacts = 8, .freedoms = 60}, random);
+    auto& A = std::get<DenseMatrix>(known.problem.A);
+    const Eigen::MatrixXd before = A;
+    for (Index i = 0; i < A.rows(); ++i)
+      for (Index j = 0; j < i; ++j) {
+        const double s = skew * random.normal() * std::sqrt(A(i, i) * A(j, j) / static_cast<double>(A.rows()));
+        A(i, j) += s, A(j, i) -= s;
+      }
+    known.problem.b = Eigen::VectorXd(known.problem.b + (before - A) * known.z);  // the same solution
+    const Solution s = disc_solution(known.problem, "admm:tolerance=1e-11");
+    CHECK(s.status == Status::solved);
+    CHECK(independent_scale_free(known.problem, s.z) <= 1e-10);
+  }
+}
+
+TEST_CASE("cones: one disc opens, sticks or slides at once: what the closed form gives is exact") {
+  Random random(81);
+  for (int trial = 0; trial < 3000; ++trial) {
+    Eigen::Matrix3d B;
+    for (double& value : B.reshaped()) value = random.normal();
+    const Eigen::Matrix3d A = B * B.transpose() + (trial % 2 == 0 ? 1e-8 : 0.1) * Eigen::Matrix3d::Identity();
+    Lcp p = point_mass(1, trial % 5 == 0 ? 0 : random.uniform(0, 2),
+                       Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
+    p.A = DenseMatrix(A);
+    cones::Blocks blocks;
+    blocks.load(p);
+    Eigen::Vector3d z(random.uniform(), random.normal(), random.normal());  // a start as of the last sweep
+    solve_contact(blocks, blocks[0], A.data(), p.b.data(), z.data());
+    CHECK(independent_scale_free(p, Vector(z)) <= 1e-9);
+  }
+}
+
+TEST_CASE("cones: a negative normal impulse is no answer, whatever signs cancel in the diagonal") {
+  Lcp p = point_mass(1, 1.25, {-6, 1, -3});
+  p.A = DenseMatrix(Eigen::Matrix3d(Eigen::Vector3d(-100, 24.5, std::nextafter(75.5, 76)).asDiagonal()));
+  Solution s;
+  s.z = {-0.1, 0, 0}, s.w.resize(3);
+  ConeJudge judge;
+  CHECK(!judge.passes(p, 1e-10, s));
 }
 
 TEST_CASE("cones: a time limit and a flag end a run") {

@@ -6,7 +6,11 @@
 namespace orthant::cones {
 namespace {
 
-double slip_length(const double* t, int rows) { return rows == 1 ? std::abs(t[0]) : std::hypot(t[0], t[1]); }
+double slip_length(const double* t, int rows) {
+  if (rows == 1) return std::abs(t[0]);
+  const double square = t[0] * t[0] + t[1] * t[1];
+  return square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(t[0], t[1]);  // a fifth of the time
+}
 
 }  // namespace
 
@@ -50,7 +54,7 @@ void Blocks::scale(const Matrix& A, Vector& d) const {
     const auto row = rows(b);
     const auto set = [&](int first, int count) {
       double sum = 0;
-      for (int r = first; r < first + count; ++r) sum += d[row[at(r)]];
+      for (int r = first; r < first + count; ++r) sum += std::abs(d[row[at(r)]]);  // signs must not cancel
       const double mean = sum / count;
       const double value = 1 / std::sqrt(mean > 0 && mean < kInf ? mean : largest);
       for (int r = first; r < first + count; ++r) d[row[at(r)]] = value;
@@ -151,13 +155,15 @@ void Blocks::correct(const Block& b, const double* w, double* corrected) const {
 }
 
 double Blocks::residual(const Block& b, const double* z, const double* w) const {
-  static thread_local std::vector<double> x, y;
-  x.resize(at(b.rows)), y.resize(at(b.rows));
-  correct(b, w, x.data());
-  for (int r = 0; r < b.rows; ++r) x[at(r)] = z[r] - x[at(r)];
-  project(b, x.data(), y.data());
+  std::array<double, kMostRows> few_x, few_y;
+  static thread_local std::vector<double> many;
+  double *x = few_x.data(), *y = few_y.data();
+  if (b.rows > kMostRows) many.resize(at(2 * b.rows)), x = many.data(), y = x + b.rows;
+  correct(b, w, x);
+  for (int r = 0; r < b.rows; ++r) x[r] = z[r] - x[r];
+  project(b, x, y);
   double sum = 0;
-  for (int r = 0; r < b.rows; ++r) sum += (z[r] - y[at(r)]) * (z[r] - y[at(r)]);
+  for (int r = 0; r < b.rows; ++r) sum += (z[r] - y[r]) * (z[r] - y[r]);
   return std::sqrt(sum);
 }
 

@@ -11,8 +11,8 @@
 //     z_{T_j} = P_disc(μ_j a)(x_{T_j}).
 //   With one disc on [0, ∞) that is P(x) = x in K, 0 in its polar cone, else a = (x_n + μ s)/(1 + μ²).
 //   Units: z' = D⁻¹ z, w' = D w with one positive number a row; the numbers of a disc are equal, and so K stays a cone
-//   of the same kind, μ'_j = μ_j d_n / d_{T_j}.  scale(): d = (mean A_ii of the normal and its first friction)^−½ for
-//   these rows, (mean A_ii)^−½ for each further friction (moments have another unit than forces). Then A' has unit
+//   of the same kind, μ'_j = μ_j d_n / d_{T_j}.  scale(): d = (mean |A_ii| of the normal and its first friction)^−½ for
+//   these rows, (mean |A_ii|)^−½ for each further friction (moments have another unit than forces). Then A' has unit
 //   diagonal blocks on average, and whatever is measured in z', w' does not depend on units.
 //   Source: De Saxcé & Feng, Math. Comput. Modelling 28 (1998); Acary, Brémond & Huber, Advanced Topics in Nonsmooth
 //   Dynamics (2018), ch. 9.

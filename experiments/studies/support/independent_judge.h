@@ -82,7 +82,7 @@ inline double independent_scale_free(const Lcp& problem, const Vector& z) {
   const auto n = static_cast<std::size_t>(problem.size());
   std::vector<long double> diagonal(n, 0), d(n, 0);
   each_entry(problem.A, [&](Index i, Index j, double a) {
-    if (i == j) diagonal[static_cast<std::size_t>(i)] = a;
+    if (i == j) diagonal[static_cast<std::size_t>(i)] = std::abs(static_cast<long double>(a));
   });
   std::vector<std::vector<const Friction*>> of(n);
   std::vector<char> tangential(n, 0);

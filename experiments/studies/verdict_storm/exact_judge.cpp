@@ -1,5 +1,7 @@
 #include "experiments/studies/verdict_storm/exact_judge.h"
 
+#include "experiments/studies/verdict_storm/cone_judge.h"
+
 #include <orthant/core/support/options.h>
 
 #include <boost/multiprecision/gmp.hpp>
@@ -69,7 +71,8 @@ template <class T> struct Copy {
       };
       for (Index i = 0; i < p.size(); ++i)
         for (const Entry& entry : rows[at(i)]) join(i, entry.column);
-      for (const Friction& f : p.friction) join(f.first, f.normal);
+      for (const Friction& f : p.friction)
+        for (Index r = 0; r < f.rows; ++r) join(f.first + r, f.normal);
     }
   }
 };
@@ -82,6 +85,16 @@ Rational runaway(const Rational& beta) {
   return least_of<Rational>(Rational(1e-6) * (1 + beta), Rational(1e-4) * beta);
 }
 
+/// ‖x_T‖; of a disc to 100 digits, exact where it is a double.
+Rational length(const std::vector<Rational>& x, const Friction& f) {
+  if (f.rows == 1) return abs(x[at(f.first)]);
+  using Wide = mp::number<mp::gmp_float<100>, mp::et_off>;
+  const Rational square = x[at(f.first)] * x[at(f.first)] + x[at(f.first + 1)] * x[at(f.first + 1)];
+  const Wide root = sqrt(Wide(square));
+  const Rational rounded(static_cast<double>(root));
+  return rounded * rounded == square ? rounded : Rational(root);
+}
+
 std::string row_says(Index i, const char* what, double value) {
   return "row " + std::to_string(i) + ": " + what + " = " + detail::text_of(value);
 }
@@ -89,6 +102,7 @@ std::string row_says(Index i, const char* what, double value) {
 }  // namespace
 
 Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status claimed) {
+  if (p.discs()) return examine_cones(p, z, tolerance, claimed);
   if (z.size() != p.size() || !z.allFinite()) return {.why = "z is not finite, or of another size"};
   if (claimed != Status::solved && claimed != Status::rounded) return {.why = "no answer is claimed"};
   const Copy<Rational> copy(p);
@@ -161,7 +175,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   };
   if (u.size() != n || !u.allFinite()) return refuse("u is not finite, or of another size");
   std::vector<char> friction(at(n));
-  for (const Friction& f : p.friction) friction[at(f.first)] = 1;
+  for (const Friction& f : p.friction)
+    for (Index r = 0; r < f.rows; ++r) friction[at(f.first + r)] = 1;
   const Copy<Rational> copy(p);
   std::vector<Rational> g(at(n)), terms(at(n)),
       sizes(at(n));  // sizes: of an operator's terms, at least those of its sums
@@ -195,7 +210,7 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
   // since Σ_t |g_t z_t| > −g_n z_n needs a z_t off its bound, as large as the gain compared with g_n + Σ μ |g_t|.
   std::vector<Rational> least(at(n), Rational(-1)), push(at(n));
   for (const Friction& f : p.friction) {
-    const Rational share = Rational(f.mu) * abs(g[at(f.first)]), term = Rational(f.mu) * terms[at(f.first)];
+    const Rational share = Rational(f.mu) * length(g, f), term = Rational(f.mu) * length(terms, f);
     if (share == 0) continue;
     push[at(f.normal)] += share;
     if (least[at(f.normal)] < 0 || term < least[at(f.normal)]) least[at(f.normal)] = term;

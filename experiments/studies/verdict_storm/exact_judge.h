@@ -1,6 +1,7 @@
 // experiments/studies/verdict_storm/exact_judge.h — a third judge, written apart from certify(): every sum exact.
 //
-//   Claim of `solved` or `rounded`: an inequality a row (judge/certify.h); here every number in it is rational.
+//   Claim of `solved` or `rounded`: an inequality a row (judge/certify.h); here every number in it is rational. With
+//   friction discs: cone_judge.h.
 //
 //   Claim of `infeasible`: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
 //   consequence. Exactly; or up to roundings of Aᵀu, where every z that uses them is so large that w is unknown.

@@ -7,6 +7,14 @@ namespace orthant {
 namespace {
 
 Lcp without(const Lcp& p, Index gone) {
+  for (const Friction& f : p.friction)  // discs go as a whole
+    if (f.rows == 2 && (gone == f.first || gone == f.first + 1 || gone == f.normal)) {
+      Lcp q = p;
+      std::erase_if(q.friction, [&](const Friction& g) { return g.first == f.first; });
+      for (Index row = f.first; row < f.first + 2; ++row) q.lo[row] = q.hi[row] = 0;
+      if (q.size() <= 2) return q;
+      return without(without(q, f.first + 1), f.first);
+    }
   const Index n = p.size() - 1;
   const auto from = [gone](Index i) { return i < gone ? i : i + 1; };
   const auto& A = std::get<DenseMatrix>(p.A);
@@ -55,7 +63,8 @@ Lcp shrink(Lcp problem, const std::function<bool(const Lcp&)>& shows) {
   }
   for (bool smaller = true; smaller;) {
     smaller = false;
-    for (Index i = problem.size(); i-- > 0 && problem.size() > 1;) smaller = take(without(problem, i)) || smaller;
+    for (Index i = problem.size(); i-- > 0 && problem.size() > 1;)
+      if (i < problem.size()) smaller = take(without(problem, i)) || smaller;
     const auto simplify = [&](auto&& entry) {  // entry(lcp) → double&
       const double now = entry(problem);
       for (const double value : {0.0, 1.0, -1.0, digits(now, 1), digits(now, 4), digits(now, 12), digits(now, 30)}) {
@@ -77,7 +86,7 @@ Lcp shrink(Lcp problem, const std::function<bool(const Lcp&)>& shows) {
     for (Index i = 0; i < problem.size(); ++i) {
       if (problem.lo[i] == 0 && problem.hi[i] == kInf) continue;
       Lcp candidate = problem;
-      std::erase_if(candidate.friction, [i](const Friction& f) { return f.first == i; });
+      std::erase_if(candidate.friction, [i](const Friction& f) { return f.first <= i && i < f.first + f.rows; });
       candidate.lo[i] = 0, candidate.hi[i] = kInf;
       smaller = take(std::move(candidate)) || smaller;
     }

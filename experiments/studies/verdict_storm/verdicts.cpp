@@ -1,8 +1,11 @@
 #include "experiments/studies/verdict_storm/verdicts.h"
 
+#include "experiments/studies/verdict_storm/cone_judge.h"
+#include "experiments/studies/verdict_storm/disc_problems.h"
 #include "experiments/studies/verdict_storm/exact_judge.h"
 
 #include <orthant/core/lcp/judge/cells.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/registry.h>
 
@@ -146,13 +149,57 @@ std::vector<StormSolver> storm_solvers() {
   return all;
 }
 
+std::vector<StormSolver> disc_solvers() {
+  std::vector<StormSolver> all;
+  for (const char* spec : {"auto", "prox", "prox:path=true", "newton-ac", "newton-ac:map=jean-moreau", "newton-min",
+                           "newton-fb", "admm", "apgd", "pgs", "psor", "sgs", "interior-point"})
+    all.push_back({spec});
+  return all;
+}
+
+StormProblem problem_of(const StormChoice& choice, std::uint64_t k) {
+  return choice.discs ? disc_problem(choice.seed, k) : storm_problem(choice.seed, k);
+}
+
+namespace {
+
+constexpr double kRetold = 1e-8;  // of an answer within 1e-10, told again: half a z, and μ up to 1e6
+
+/// Why the claims of a solver on a problem and on the same in other words contradict; empty: they do not.
+std::string contradiction(const Lcp& p, const Solution& s, Runner& runner, double limit, std::uint64_t k) {
+  Random random(k + 1);
+  const Retelling told = retell(p, random);
+  if (s.status == Status::solved) {
+    const Vector image = told.of_z * s.z;
+    const Finding finding = examine_cones(told.problem, image, kRetold, Status::solved);
+    if (!finding.holds) return "told again, the same z: " + finding.why;
+    Solution same;
+    same.z = image, same.w.resize(image.size());
+    ConeJudge judge;
+    if (!judge.passes(told.problem, kRetold, same) || judge.rounded())
+      return "told again, the judge refuses the same z";
+  }
+  const bool solved = s.status == Status::solved, infeasible = s.status == Status::infeasible;
+  runner.solve(told.problem, limit);
+  const Solution& again = runner.solution;
+  if (again.status == Status::solved) {
+    const Finding finding = examine_cones(told.problem, again.z, kTolerance, Status::solved);
+    if (!finding.holds) return "told again: " + finding.why;
+  }
+  if ((solved && again.status == Status::infeasible) || (infeasible && again.status == Status::solved))
+    return std::string(name(s.status)) + ", told again " + std::string(name(again.status));
+  return {};
+}
+
+}  // namespace
+
 StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count) {
   StormTally tally;
   std::vector<Runner> runners;
   for (std::uint64_t k = first; k < first + count; ++k) {
-    const StormProblem p = storm_problem(choice.seed, k);
+    const StormProblem p = problem_of(choice, k);
     Verdicts verdicts(p);
-    const auto turn = k / storm_kinds().size();
+    const auto turn = k / (choice.discs ? disc_kinds() : storm_kinds()).size();
     if (runners.empty() || turn % 2 == 0) {  // both have faults of their own: solvers that are new, and that were used
       runners.clear();
       for (const StormSolver& each : choice.solvers) runners.emplace_back(each.spec);
@@ -167,6 +214,11 @@ StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t c
       try {
         const double seconds = runners[i].solve(p.problem, limit);
         result = verdicts.judge(runners[i].solution, seconds, limit + choice.grace, why, row);
+        if (choice.discs && why.empty() && (turn + i) % 8 == 0 && can_be_retold(p.problem)) {
+          const Solution said = runners[i].solution;
+          why = contradiction(p.problem, said, runners[i], limit, k);
+          if (!why.empty()) result = StormResult::wrong;
+        }
       } catch (const std::exception& error) {
         why = error.what();
       }

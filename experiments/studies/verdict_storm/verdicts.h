@@ -1,4 +1,7 @@
 // experiments/studies/verdict_storm/verdicts.h — verdicts of every solver on thousands of problems, checked again.
+//
+//   Problems of discs are told again in other words, too (disc_problems.h): what solves the one must solve the other by
+//   both judges, and the solver must not claim the contrary. A fault of that kind counts as wrong.
 #pragma once
 
 #include "experiments/studies/verdict_storm/problems.h"
@@ -41,12 +44,18 @@ struct StormSolver {
 /// Every solver of the registry; those that take milliseconds a problem meet fewer.
 std::vector<StormSolver> storm_solvers();
 
+/// Those that take friction discs; answers by facets are held to 1e-8 only, and are tested elsewhere.
+std::vector<StormSolver> disc_solvers();
+
 struct StormChoice {
   std::uint64_t seed = 1;
+  bool discs = false;  // disc_problems.h instead of problems.h
   std::vector<StormSolver> solvers = storm_solvers();
   double time_limit = 2;  // [s] of each solve in every 41st turn of all kinds; 0.002 in the others
   double grace = 1;       // [s] past it a solve is late
 };
+
+StormProblem problem_of(const StormChoice& choice, std::uint64_t k);
 
 /// Problems first … first + count − 1. Solvers live through all of them, so what one leaves behind is tried, too. A
 /// crash or an endless loop ends this process: the caller isolates (isolated.h).
