@@ -121,6 +121,7 @@ void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) 
                       (found.status == Status::rounded && open(s));
   if (!better) return;
   found.iterations = s.iterations;
+  if (found.status == Status::infeasible) found.ray = proof_;  // a proof but for rounding
   s = std::move(found);
 }
 

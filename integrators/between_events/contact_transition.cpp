@@ -85,7 +85,7 @@ bool ContactTransition::immobile(const Vector& u) {
 /// light body between heavy ones, whose contacts are out of line by rounding alone.
 ContactTransition::Proof ContactTransition::proof() {
   constexpr double kProof = 1e-8;
-  const Vector& u = solution_.certificate;
+  const Vector& u = solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray;
   if (solution_.status != Status::infeasible || u.size() != lcp_.size() ||  // or searched: no such combination
       lcp_.b.dot(u) >= -kProof * lcp_.b.lpNorm<Eigen::Infinity>() * u.lpNorm<1>())
     return Proof::none;
@@ -140,7 +140,8 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   if (proved == Proof::paradox)
     why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
   if (proved == Proof::immobile)
-    why_ = "no motion satisfies contacts " + names(solution_.certificate) +
+    why_ = "no motion satisfies contacts " +
+           names(solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray) +
            (system_.joint_rows() > 0 ? " together with the joints" : " together");
   if (proved != Proof::none) return solution_.status;
   if (has_answer(solution_.status) && !doubtful()) return Status::solved;
@@ -172,7 +173,8 @@ Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   undecided_ = !has_answer(solution_.status);
   if (undecided_) {
     why_ = solution_.status == Status::infeasible
-               ? "rounding leaves undecided whether accelerations satisfy contacts " + names(solution_.certificate) +
+               ? "rounding leaves undecided whether accelerations satisfy contacts " +
+                     names(solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray) +
                      (system_.joint_rows() > 0 ? " together with the joints" : " together")
                : "the problem at acceleration level was not solved, nor is it proved that it cannot be";
     if (solution_.status == Status::infeasible) return Status::numerical_error;  // by rounding

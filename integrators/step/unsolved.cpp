@@ -12,7 +12,7 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   if (problem.no_normal() >= 0)
     return "contact " + contact_name<Planar>(system, pairs, problem.no_normal()) +
            " has no normal: its centres, or points, are in one place";
-  const auto& u = solution.certificate;
+  const auto& u = solution.certificate.size() > 0 ? solution.certificate : solution.ray;
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
   if (status == Status::infeasible && u.size() != problem.size())
