@@ -187,7 +187,7 @@ Json check_scene() {
                  {"rank?", whole("of the joints' rows")},
                  {"redundant_rows?", text("in words, or empty")},
                  {"drives", list(text())},
-                 {"jam", text("drives and stops that contradict each other, or empty; not looked for in space")},
+                 {"jam", text("drives and stops that contradict each other, or empty")},
                  {"clearances", by_name(number(), "[m] by contact")},
                  {"warnings", list(text())},
                  {"suggested_integrator", text()},

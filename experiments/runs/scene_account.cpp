@@ -135,11 +135,11 @@ template <class Space> void find_jam(const SystemOf<Space>& system, SceneAccount
   const auto& scene = system.scene();
   for (const auto& joint : scene.joints)
     if (driven(joint)) account.driven.push_back(name_in(joint));
-  if constexpr (kPlanar<Space>) {
-    if (account.driven.empty()) return;
-    account.jam_looked_until = scene.duration;
-    if (const auto jam = JamSearch(system).find(system.initial_state(), scene.duration)) account.jam = words(*jam);
-  }
+  if (account.driven.empty()) return;
+  JamSearchOf<Space> search(system);
+  const auto jam = search.find(system.initial_state(), scene.duration);
+  account.jam_looked_until = jam ? scene.duration : search.looked_until();
+  if (jam) account.jam = words(*jam);
 }
 
 template <class Space> SceneAccount account_for(const SystemOf<Space>& given) {
@@ -198,10 +198,7 @@ std::string in_words(const SceneAccount& a) {
   if (!a.driven.empty()) {
     out << "drives:";
     for (const std::string& name : a.driven) out << ' ' << name;
-    if (a.dimension == 3)
-      out << "; jams are looked for in the plane only\n";
-    else
-      out << "; " << (a.jam.empty() ? "no jam" : a.jam) << " (looked at until t = " << a.jam_looked_until << " s)\n";
+    out << "; " << (a.jam.empty() ? "no jam" : a.jam) << " (looked at until t = " << a.jam_looked_until << " s)\n";
   }
   if (!a.clearances.empty()) {
     auto sorted = a.clearances;

@@ -7,7 +7,6 @@
 //               about its centre, v and ω_b its velocities at the start; at most the duration / 100. For fixed steps.
 //   integrator  adaptive where it takes the scene, with at most 30 contacts and pairs; else moreau-jean. In space
 //               stewart-trinkle for rims and ellipsoids, generalized-alpha for motions without contact and friction.
-//   jams        of drives are looked for in the plane only.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/redundancy.h>

@@ -245,21 +245,13 @@ template <class Space> bool MotionWatchOf<Space>::end(Status status, std::string
 }
 
 template <class Space> std::optional<Jam> MotionWatchOf<Space>::jam(const State& x, double until) {
-  if constexpr (kPlanar<Space>) {
-    if (!search_) search_ = std::make_unique<JamSearch>(system_);
-    return search_->find(x, until);
-  } else {
-    return std::nullopt;
-  }
+  if (!search_) search_ = std::make_unique<JamSearchOf<Space>>(system_);
+  return search_->find(x, until);
 }
 
 template <class Space> bool MotionWatchOf<Space>::fits(double t, Eigen::VectorXd q) {
-  if constexpr (kPlanar<Space>) {
-    if (!search_) search_ = std::make_unique<JamSearch>(system_);
-    return search_->fits(t, q);
-  } else {
-    return true;
-  }
+  if (!search_) search_ = std::make_unique<JamSearchOf<Space>>(system_);
+  return search_->fits(t, q);
 }
 
 template <class Space> bool MotionWatchOf<Space>::admits(const State& before, const State& after, double h,

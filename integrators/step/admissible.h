@@ -7,7 +7,7 @@
 //   of a body, if that is more than 3 h v, too: a scheme of fixed step may overlap by the way h v of a step. v is the
 //   speed of the lighter body at the peak kinetic energy; in a clearance that of the surfaces against each other, with
 //   what impulses took from it, the largest so far. Driven scenes: from L_i / 20 on a jam is searched for (jam.h),
-//   which ends the run at the step before; in space none is searched for.
+//   which ends the run at the step before.
 //   Energy: D = E − W must not rise, W the work of step_work.h. The defect is the largest rise of D above its least
 //   value before; where nothing dissipates (no friction, no dampers, all e = 1) the largest change. Its scale is the
 //   kinetic energy of the start, the potential energy released, Σ |W| and ½ h² f M⁻¹ f, what the forces of a step do.
@@ -98,7 +98,7 @@ template <class Space> class MotionWatchOf {
   const IntegratorOf<Space>& integrator_;
   const SystemOf<Space>& system_;
   std::optional<StepWorkOf<Space>> meter_;
-  std::unique_ptr<JamSearch> search_;
+  std::unique_ptr<JamSearchOf<Space>> search_;
   std::vector<Length> lengths_;  // of listed contacts
   std::vector<double> widths_;   // of each collision its thinnest shape's half [m]
   Eigen::VectorXd floor_;        // f of listed contacts

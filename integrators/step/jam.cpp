@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <type_traits>
 
 namespace orthant {
 namespace {
@@ -12,6 +13,8 @@ constexpr double kShortestTime = 1e-10;  // of 1 s + the time: the resolution of
 constexpr double kStart = 1e-7;          // [s] joints hold to 1e-8: what begins sooner begins at the start
 constexpr double kShare = 1e-3;          // of the largest share: takes part
 constexpr double kLargestTurn = 0.3;     // [rad] a longer step of the search might end in another pose of the mechanism
+constexpr double kTurn = 0.1;            // [rad] of a body, in one step in time: a finger's width would be stepped over
+constexpr int kMostPositions = 20000;    // of a search: some seconds
 constexpr Index kMostContacts = 500;     // nearby: more make dense matrices too large
 
 /// `drives "a", "b" and "c"`, or nothing.
@@ -23,11 +26,31 @@ std::string listed(const char* one, const char* many, const std::vector<std::str
   return text;
 }
 
-/// With masses of 1 and the same radii of gyration: ratios of masses would make each pass of the search move light
-/// bodies alone.
-Scene of_one_mass(Scene scene) {
-  for (Body& body : scene.bodies) body.inertia /= body.mass, body.mass = 1;
+/// With masses of 1 (in space from ½ to 1: the principal axes stay the same to the bit) and the same radii of gyration:
+/// ratios of masses would make each pass of the search move light bodies alone.
+template <class Scene> Scene of_one_mass(Scene scene) {
+  for (auto& body : scene.bodies) {
+    double by = body.mass;
+    if constexpr (!std::is_same_v<Scene, orthant::Scene>) {
+      int power = 0;
+      std::frexp(body.mass, &power);
+      by = std::ldexp(1, power);
+    }
+    body.inertia /= by, body.mass /= by;
+  }
   return scene;
+}
+
+/// [kg m²] The largest principal moment of a body; [rad] of a step, the angle that it turns by.
+double largest_moment(const System& system, Index i) { return rotation(system.mass(), i); }
+double largest_moment(const SystemOf<Spatial>& system, Index i) {
+  return rotation<Spatial>(system.mass(), i).maxCoeff();
+}
+template <class Space> double turn_of(const Eigen::VectorXd& step, Index i) {
+  if constexpr (kPlanar<Space>)
+    return std::abs(rotation(step, i));
+  else
+    return rotation<Space>(step, i).norm();
 }
 
 std::string quoted(const std::string& name) { return "\"" + name + "\""; }
@@ -66,15 +89,16 @@ std::string contact_name(const SystemOf<Space>& system, std::span<const Pair> pa
 template std::string contact_name(const SystemOf<Planar>&, std::span<const Pair>, int);
 template std::string contact_name(const SystemOf<Spatial>&, std::span<const Pair>, int);
 
-JamSearch::JamSearch(const System& system)
+template <class Space> JamSearchOf<Space>::JamSearchOf(const System& system)
     : system_(of_one_mass(system.scene())),
       terms_(system_),
       broad_phase_(system_),
       projection_(system_),
       basic_(system_),
       floor_(Eigen::VectorXd::Zero(system.contacts())),
-      trial_(system.dof()),
+      trial_(system.coordinates()),
       force_(system.dof()),
+      change_(system.dof()),
       lambda_(system.joint_rows()) {
   const State start = system.initial_state();
   trial_ = start.q;
@@ -83,7 +107,7 @@ JamSearch::JamSearch(const System& system)
   floor_.head(system.listed()) = terms_.gap.head(system.listed()).cwiseMin(0);
 }
 
-bool JamSearch::onto_joints(double t, Eigen::VectorXd& q) {
+template <class Space> bool JamSearchOf<Space>::onto_joints(double t, Eigen::VectorXd& q) {
   constexpr int kPasses = 5;
   double left = kInf;
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -94,7 +118,7 @@ bool JamSearch::onto_joints(double t, Eigen::VectorXd& q) {
   return q.allFinite() && projection_.off(terms_, q) <= kJointsHold;
 }
 
-double JamSearch::overlap() {
+template <class Space> double JamSearchOf<Space>::overlap() {
   evaluate_gaps(system_, terms_);
   over_ = (floor_ - terms_.gap).cwiseMax(0);
   worst_ = over_.size() > 0 ? over_.maxCoeff() : 0;
@@ -102,7 +126,7 @@ double JamSearch::overlap() {
 }
 
 /// Contacts that overlap, or are as near as the largest overlap: their problem without ε.
-bool JamSearch::linearize() {
+template <class Space> bool JamSearchOf<Space>::linearize() {
   constexpr double kNear = 4;
   terms_.closed.clear();
   for (int i = 0; i < system_.contacts(); ++i)
@@ -115,7 +139,7 @@ bool JamSearch::linearize() {
   A.resize(n, n), lcp_.b.resize(n), lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.lo.setZero(), lcp_.hi.setConstant(kInf);
   for (Index j = 0; j < n; ++j) {
-    const ClosedContact& c = terms_.closed[static_cast<std::size_t>(j)];
+    const ClosedContactOf<Space>& c = terms_.closed[static_cast<std::size_t>(j)];
     basic_.solve_row(c.rows.normal, columns_.col(j).data());
     lcp_.b[j] = terms_.gap[c.contact] - floor_[c.contact];
     for (Index i = j; i < n; ++i)
@@ -125,7 +149,7 @@ bool JamSearch::linearize() {
 }
 
 /// One accepted step from q, with the problem of linearize(). False: none makes the overlap less.
-bool JamSearch::improve(double t, Eigen::VectorXd& q, double& sum) {
+template <class Space> bool JamSearchOf<Space>::improve(double t, Eigen::VectorXd& q, double& sum) {
   constexpr double kMostCompliance = 1e6, kLeastCompliance = 1e-10;
   auto& A = std::get<DenseMatrix>(lcp_.A);
   const Vector diagonal = A.diagonal();
@@ -133,9 +157,9 @@ bool JamSearch::improve(double t, Eigen::VectorXd& q, double& sum) {
     A.diagonal() = diagonal.array() + compliance_ * diagonal.maxCoeff();
     if (!has_answer(solver_.solve(lcp_, solution_).status)) continue;
     force_ = columns_ * solution_.z;
-    const double turn = largest_rotation(force_);
+    const double turn = largest_rotation<Space>(force_);
     if (turn > kLargestTurn) continue;
-    move(q, force_, trial_);
+    move<Space>(q, force_, trial_);
     if (!onto_joints(t, trial_)) continue;
     const double next = overlap();
     if (!(next < sum)) continue;
@@ -146,7 +170,7 @@ bool JamSearch::improve(double t, Eigen::VectorXd& q, double& sum) {
   return false;
 }
 
-bool JamSearch::fits(double t, Eigen::VectorXd& q) {
+template <class Space> bool JamSearchOf<Space>::fits(double t, Eigen::VectorXd& q) {
   constexpr int kPasses = 200, kSlow = 5;
   constexpr double kProgress = 1e-6;  // of the overlap, squared: slower passes end the search
   joints_off_ = !onto_joints(t, q);
@@ -168,12 +192,12 @@ bool JamSearch::fits(double t, Eigen::VectorXd& q) {
 }
 
 /// Where fits() ended without success at the time t.
-Jam JamSearch::participants(double t) {
+template <class Space> Jam JamSearchOf<Space>::participants(double t) {
   Jam jam{.since = t, .drives = {}, .contacts = {}, .joints = joints_off_};
   const auto& joints = system_.scene().joints;
   std::vector<char> part(joints.size());
   if (joints_off_) {  // drives of what is tied to the rows that are off
-    const auto group = [&](const Row& row) { return system_.assembly()[at(std::max(row.a, row.b))]; };
+    const auto group = [&](const RowOf<Space>& row) { return system_.assembly()[at(std::max(row.a, row.b))]; };
     for (std::size_t j = 0; j < joints.size(); ++j)
       for (Index i = 0; i < terms_.phi.size(); ++i)
         part[j] |= std::abs(terms_.phi[i]) > kJointsHold &&
@@ -187,12 +211,14 @@ Jam JamSearch::participants(double t) {
       if (!(over_[i] > kShare * worst_)) continue;
       add_closed(system_, i, terms_);
       apply_transposed(terms_.closed.back().rows.normal, over_[i] / worst_, force_.data());
-      jam.contacts.push_back(contact_name<Planar>(system_, terms_.pairs, i));
+      std::string name = contact_name<Space>(system_, terms_.pairs, i);  // that of two polytopes has several points
+      if (std::find(jam.contacts.begin(), jam.contacts.end(), name) == jam.contacts.end())
+        jam.contacts.push_back(std::move(name));
     }
     if (!basic_.factorize(system_, terms_)) return jam;
     const double all = std::sqrt(force_.dot(system_.inverse_mass().cwiseProduct(force_)));
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(lambda_.size());
-    basic_.solve(force_.data(), none.data(), trial_.data(), lambda_.data());
+    basic_.solve(force_.data(), none.data(), change_.data(), lambda_.data());
     for (std::size_t j = 0; j < joints.size(); ++j)
       for (int k = 0; k < row_count(joints[j]); ++k) {
         const int i = system_.first_row(j) + k;
@@ -207,7 +233,19 @@ Jam JamSearch::participants(double t) {
   return jam;
 }
 
-std::optional<Jam> JamSearch::find(const State& x, double until) {
+/// The largest motion of a body, over the longest that a step of the search may have.
+template <class Space> double JamSearchOf<Space>::way(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  const Eigen::VectorXd step = between<Space>(from, to);
+  double most = 0;
+  for (Index i = 0; i < system_.bodies(); ++i) {
+    const double gyration = std::sqrt(largest_moment(system_, i) / system_.mass()[Space::kVelocities * i]);
+    most = std::max({most, translation<Space>(step, i).norm() / gyration, turn_of<Space>(step, i) / kTurn});
+  }
+  return most;
+}
+
+template <class Space> std::optional<Jam> JamSearchOf<Space>::find(const State& x, double until) {
+  looked_until_ = x.t;
   if (!x.q.allFinite() || !(until >= x.t)) return {};
   double low = x.t, step = std::max(until - low, kShortestTime * (1 + std::abs(until)));
   Eigen::VectorXd good = x.q, q = x.q;
@@ -226,16 +264,22 @@ std::optional<Jam> JamSearch::find(const State& x, double until) {
   } else {
     step *= 0x1p-20;
   }
-  if (!system_.driven()) return {};
+  if (!system_.driven()) return looked_until_ = until, std::nullopt;
   good = q;
-  while (low < until) {
+  for (int positions = 0; low < until && positions < kMostPositions; ++positions) {
     step = std::min(step, until - low);
     q = good;
-    if (fits(low + step, q)) {
-      low += step, good = q, step *= 2;
+    const bool there = fits(low + step, q), shortest = step <= kShortestTime * (1 + std::abs(low));
+    const double farther = there ? way(good, q) : 0;
+    if (there && (farther <= 1 || shortest)) {
+      looked_until_ = low += step, good = q, step *= std::min(2.0, 0.8 / farther);
       continue;
     }
-    if (step <= kShortestTime * (1 + std::abs(low))) {
+    if (there) {
+      step *= std::max(0.25, 0.8 / farther);
+      continue;
+    }
+    if (shortest) {
       Jam jam = participants(low + step);
       if (jam.drives.empty()) return {};
       return jam;
@@ -244,5 +288,8 @@ std::optional<Jam> JamSearch::find(const State& x, double until) {
   }
   return {};
 }
+
+template class JamSearchOf<Planar>;
+template class JamSearchOf<Spatial>;
 
 }  // namespace orthant

@@ -2,12 +2,15 @@
 //
 //   Least overlap at the time t, near q:  min ½ Σ o_i²,  o_i = max(0, f_i − g_i(q)),  with Φ(q, t) = 0.
 //   Levenberg–Marquardt steps in the metric of M, ε raised until the overlap falls, B the inverse mass with joints:
-//     0 ≤ μ ⊥ (W B Wᵀ + ε) μ + g − f ≥ 0,   q ← q + B Wᵀ μ,   then onto the joints (projection.h).
+//     0 ≤ μ ⊥ (W B Wᵀ + ε) μ + g − f ≥ 0,   q ← q + B Wᵀ μ (move() of blocks.h),   then onto the joints
+//     (projection.h).
 //   f_i ≤ 0 is the contact's gap at the start of the run if bodies overlap there, else 0.
 //   A least overlap beyond rounding is a jam. There Wᵀ o = Gᵀ λ: contacts with o > 0 and drives with λ ≠ 0 take part.
-//   The search starts at the last good state. Its steps double while positions exist, and shrink where none exists.
+//   The search starts at the last good state. Its steps double while positions exist, and shrink where none exists or
+//   where a body moves by more than its radius of gyration or turns by more than 0.1 rad in one.
 //   Friction is left out. Where it alone holds a mechanism, the problem of the step has no solution (formulate.h).
-// Cost: about 10 factorizations per position, about 50 positions. Only after a failed step or where bodies overlap.
+// Cost: about 10 factorizations per position, about 50 positions, and one per 0.08 rad of turning, 20 000 at the most. Only
+// after a failed step or where bodies overlap, and by `orthant check`.
 // Source: Nocedal & Wright, Numerical Optimization (2006), ch. 10 and 18.
 #pragma once
 
@@ -37,13 +40,17 @@ std::string since(double t);
 template <class Space>
 std::string contact_name(const SystemOf<Space>& system, std::span<const Pair> pairs, int contact);
 
-class JamSearch {
+template <class Space> class JamSearchOf {
  public:
-  explicit JamSearch(const System& system);
+  using System = SystemOf<Space>;
+  explicit JamSearchOf(const System& system);
 
   /// First time after x.t, up to `until` [s], from which on no position near x.q exists. If none exists at x.t, an
   /// earlier time. Empty: positions exist until then, or no drive takes part.
   std::optional<Jam> find(const State& x, double until);
+
+  /// [s] up to where the last find() knows positions: less than `until` where motions are too long to follow.
+  double looked_until() const { return looked_until_; }
 
   /// True: a position near q satisfies all constraints at the time t. q becomes this position.
   bool fits(double t, Eigen::VectorXd& q);
@@ -54,21 +61,26 @@ class JamSearch {
   bool linearize();
   bool improve(double t, Eigen::VectorXd& q, double& sum);
   Jam participants(double t);
+  double way(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
 
   System system_;  // the scene's bodies with masses of 1: places do not depend on them
-  Terms terms_;
-  BroadPhase broad_phase_;
-  Projection projection_;
-  BasicSystem basic_;
+  TermsOf<Space> terms_;
+  BroadPhaseOf<Space> broad_phase_;
+  ProjectionOf<Space> projection_;
+  BasicSystemOf<Space> basic_;
   Lemke solver_;
   Eigen::VectorXd floor_;  // f, one per listed contact; 0 of searched pairs
-  Eigen::VectorXd over_, trial_, force_, lambda_;
+  Eigen::VectorXd over_, trial_, force_, change_, lambda_;
   Eigen::MatrixXd columns_;  // B Wᵀ of the contacts nearby
   Lcp lcp_;
   Solution solution_;
   double worst_ = 0;       // [m, rad] the largest overlap
   double compliance_ = 0;  // ε over the largest W B Wᵀ
   bool joints_off_ = false;
+  double looked_until_ = 0;
 };
+extern template class JamSearchOf<Planar>;
+extern template class JamSearchOf<Spatial>;
+using JamSearch = JamSearchOf<Planar>;
 
 }  // namespace orthant

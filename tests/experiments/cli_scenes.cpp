@@ -120,7 +120,7 @@ TEST_CASE("orthant check in space: overconstrained linkages move, by rank, and t
         std::string::npos);
   CHECK(said.out.find("rows x, y, z, tilt 1, tilt 2 of joint \"lower\" repeat what joint \"upper\" already says") !=
         std::string::npos);
-  CHECK(said.out.find("drives: motor; jams are looked for in the plane only") != std::string::npos);
+  CHECK(said.out.find("drives: motor; no jam (looked at until t = 1 s)") != std::string::npos);
   CHECK(said.out.find("fixed steps of 0.0002 s") != std::string::npos);  // 0.02 / 50 is 4e-4
 }
 
@@ -135,6 +135,18 @@ TEST_CASE("orthant check: drives that jam are told before a run") {
   CHECK(jam.exit_code == 3);
   CHECK(jam.out.find("jammed: drive \"motor\", contact \"stop\"") != std::string::npos);
   CHECK(folder.orthant("check jam.toml --set duration=0.5").exit_code == 0);
+
+  // In space, in a plane that is turned.
+  folder.write("jam3.toml",
+               "dimension = 3\nduration = 2\n[[body]]\nname = \"a\"\nmass = 1\ninertia = 1\n[[joint]]\nname = "
+               "\"rail\"\ntype = \"prismatic\"\nbodies = [\"ground\", \"a\"]\naxis = [1, 2, 2]\n[[joint]]\nname = "
+               "\"motor\"\ntype = \"drive\"\njoint = \"rail\"\nrate = 3\n[[contact]]\nname = \"stop\"\ntype = "
+               "\"corner-wall\"\nbody = \"a\"\nwall = {point = [1, 0, 0], normal = [-1, 0, 0]}\n");
+  const Reply in_space = folder.orthant("check jam3.toml");
+  CHECK(in_space.exit_code == 3);
+  CHECK(in_space.out.find("jammed: drive \"motor\", contact \"stop\" leave no motion; since t = 1") !=
+        std::string::npos);
+  CHECK(folder.orthant("check jam3.toml --set duration=0.9").exit_code == 0);
 }
 
 TEST_CASE("orthant schema scene has every key that the documented scenes use, and needs none that they lack") {
