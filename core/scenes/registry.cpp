@@ -94,7 +94,7 @@ const SceneEntry kScenes[] = {
      &make<NoOptions, ideal>, &list_options<NoOptions>},
 };
 
-constexpr SpatialSceneEntry kSpatialScenes[] = {
+const SpatialSceneEntry kSpatialScenes[] = {
     {"slider_crank_space", "slider_crank built from spatial bodies, turned at will; eight corners where it has a width",
      &make<SliderCrankSpace, slider_crank_space>, &list_options<SliderCrankSpace>},
     {"bricard", "Bricard's linkage of six hinges: one row more than rank in every pose", &make<Bricard, bricard>,
@@ -147,20 +147,26 @@ std::vector<SceneEntry>& scene_rows() {
   static std::vector<SceneEntry> rows(std::begin(kScenes), std::end(kScenes));
   return rows;
 }
+std::vector<SpatialSceneEntry>& spatial_scene_rows() {
+  static std::vector<SpatialSceneEntry> rows(std::begin(kSpatialScenes), std::end(kSpatialScenes));
+  return rows;
+}
 
-}  // namespace
-
-std::span<const SpatialSceneEntry> spatial_scenes() { return kSpatialScenes; }
-
-std::span<const SceneEntry> scenes() { return scene_rows(); }
-
-void register_scene(SceneEntry entry) {
-  entry.name = registered_name("scene", entry.name, scenes(), "_");
+template <class Entry> void append(std::vector<Entry>& rows, Entry entry) {
+  entry.name = registered_name("scene", entry.name, std::span<const Entry>(rows), "_");
   if (is_built_in(entry.name))
     throw std::invalid_argument("scene '" + std::string(entry.name) + "': is registered already");
   entry.summary = kept_text(entry.summary);
-  scene_rows().push_back(std::move(entry));
+  rows.push_back(std::move(entry));
 }
+
+}  // namespace
+
+std::span<const SceneEntry> scenes() { return scene_rows(); }
+std::span<const SpatialSceneEntry> spatial_scenes() { return spatial_scene_rows(); }
+
+void register_scene(SceneEntry entry) { append(scene_rows(), std::move(entry)); }
+void register_scene(SpatialSceneEntry entry) { append(spatial_scene_rows(), std::move(entry)); }
 
 bool is_built_in(std::string_view name) {
   std::string known;

@@ -15,25 +15,22 @@
 
 namespace orthant {
 
-struct SceneEntry {
+template <class Scene> struct SceneEntryOf {
   std::string_view name, summary;
   std::function<Scene(std::span<const std::string> sets)> make;
   std::function<std::vector<OptionEntry>()> options;  // with defaults and ranges
 };
+using SceneEntry = SceneEntryOf<Scene>;
+using SpatialSceneEntry = SceneEntryOf<spatial::Scene>;
 
 std::span<const SceneEntry> scenes();
-
-/// Built-in scenes in space.
-struct SpatialSceneEntry {
-  std::string_view name, summary;
-  spatial::Scene (*make)(std::span<const std::string> sets);
-  std::vector<OptionEntry> (*options)();
-};
 std::span<const SpatialSceneEntry> spatial_scenes();
+
 /// One more row, behind the others: the command, Python and sweeps know its name from then on. Name and summary are
 /// copied. Not while another thread uses the registry. Throws std::invalid_argument for a name that is taken, or of
 /// other than a–z, 0–9, - and _.
 void register_scene(SceneEntry entry);
+void register_scene(SpatialSceneEntry entry);
 
 bool is_built_in(std::string_view name);
 

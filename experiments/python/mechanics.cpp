@@ -304,8 +304,6 @@ void add_mechanics(py::module_& m) {
   m.def("_view_page", &page_of);
   m.def("_set_folder_of_parts", &set_folder_of_parts);
   m.def("_register_scene", [](const std::string& name, const MadeScene& scene, const std::string& summary) {
-    if (!std::holds_alternative<Scene>(scene.scene))
-      throw std::invalid_argument("scene \"" + name + "\": dimension = 3: must be 2 for a scene under a name");
     struct Source {
       std::optional<std::string> text;
       std::string name;
@@ -314,19 +312,24 @@ void add_mechanics(py::module_& m) {
     };
     // Kept as long as the process lives, longer than the interpreter.
     const auto* from = new Source{scene.text, scene.text ? name : scene.name, scene.sets, scene.customs};
-    register_scene(
-        {name, summary,
-         [from](std::span<const std::string> sets) {
-           const py::gil_scoped_acquire lock;
-           const auto key = [](const std::string& set) { return set.substr(0, set.find('=')); };
-           std::vector<std::string> all;  // of two for one key the later
-           for (const std::string& own : from->sets)
-             if (std::none_of(sets.begin(), sets.end(), [&](const auto& set) { return key(set) == key(own); }))
-               all.push_back(own);
-           all.insert(all.end(), sets.begin(), sets.end());
-           return std::get<Scene>(make(from->text, from->name, all, from->customs).scene);
-         },
-         [] { return std::vector<OptionEntry>(); }});
+    const auto made = [from](std::span<const std::string> sets) {
+      const py::gil_scoped_acquire lock;
+      const auto key = [](const std::string& set) { return set.substr(0, set.find('=')); };
+      std::vector<std::string> all;  // of two for one key the later
+      for (const std::string& own : from->sets)
+        if (std::none_of(sets.begin(), sets.end(), [&](const auto& set) { return key(set) == key(own); }))
+          all.push_back(own);
+      all.insert(all.end(), sets.begin(), sets.end());
+      return make(from->text, from->name, all, from->customs).scene;
+    };
+    std::visit(
+        [&](const auto& of_its_kind) {
+          using Kind = std::decay_t<decltype(of_its_kind)>;
+          register_scene(SceneEntryOf<Kind>{
+              name, summary, [made](std::span<const std::string> sets) { return std::get<Kind>(made(sets)); },
+              [] { return std::vector<OptionEntry>(); }});
+        },
+        scene.scene);
   });
   m.attr("_event_kinds") = std::vector<std::string_view>(kEventNames.begin(), kEventNames.end());
   m.def("_integrators", [] {

@@ -29,8 +29,10 @@ py::tuple declare(const Path& file, bool quick, const Path& results, bool retry)
   return py::make_tuple(sweep.name, sweep.cases.size(), missing);
 }
 
-/// All that is missing. Forks: for a process of its own, without threads.
+/// All that is missing. Forks: for a process of its own, without threads. Functions of Python take the lock as they are
+/// called, in the forks, too.
 void run(const Path& file, bool quick, const Path& results, unsigned jobs) {
+  const py::gil_scoped_release forks_may_take_it;
   const Sweep sweep = read_sweep(file, quick);
   Results kept(results);
   run_sweep(sweep, kept, results, jobs);

@@ -1,8 +1,11 @@
 """Solvers, integrators and scenes registered from Python; joints and contacts written in it."""
 
 import copy
+import os
 import pathlib
 import pickle
+import signal
+import time
 
 import numpy as np
 import orthant
@@ -98,6 +101,50 @@ def test_names_of_this_process_are_in_its_sweeps(tmp_path):
     ask.update(measure="ball.y", grid={"integrator": "moreau-jean", "step": 1e-3, "set": {"body.ball.mass": [1, 2]}})
     assert len(orthant.sweep("swept_ball", results=tmp_path / "b.sqlite", **ask)) == 2
     assert (tmp_path / "b.scene.toml").exists() and isinstance(frame, pd.DataFrame)
+
+
+def test_own_names_in_sweeps_run_apart_from_this_process(tmp_path):
+    pytest.importorskip("pandas")
+    here, ran = os.getpid(), []
+
+    def slow_or_dead(problem, start):
+        ran.append(1)  # not seen in this process
+        assert os.getpid() != here
+        if problem.q[0] < -0.15:  # of steps of 0.02 s
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if problem.q[0] < -0.07:
+            time.sleep(1000)
+        return sweeps(problem, start)
+
+    orthant.register_solver("slow-or-dead", slow_or_dead)
+    stone = orthant.Scene(gravity=[0, -9.81])
+    stone.add("body", name="stone", mass=1, inertia=0.004, position=[0, 0.1])
+    stone.add("contact", type="disc-wall", name="floor", body="stone", radius=0.1, wall={"normal": [0, 1]})
+    orthant.register_scene("rolling_stone", stone)
+    begin = time.monotonic()
+    frame = orthant.sweep("rolling_stone", results=tmp_path / "s.sqlite", duration=0.1, measure="stone.y", time_limit=2, progress=False,
+                          grid={"integrator": "moreau-jean", "solver": "slow-or-dead", "step": [0.02, 0.01, 0.005]}, jobs=3)
+    assert time.monotonic() - begin < 60 and ran == []
+    assert dict(zip(frame["step"], frame["status"])) == {0.02: "crashed", 0.01: "time_limit", 0.005: "solved"}, frame["why"]
+
+
+def test_a_scene_in_space_has_a_name(tmp_path):
+    pytest.importorskip("pandas")
+    scene = orthant.Scene(dimension=3, gravity=[0, 0, -9.81], duration=0.1)
+    scene.add("body", name="ball", mass=2, inertia=0.004, position=[0, 0, 1], omega=[1, 2, 3])
+    orthant.register_scene("ball_in_space", scene)
+    run = orthant.simulate("ball_in_space")
+    assert run.final["ball.z"] == orthant.simulate(scene).final["ball.z"] != 1
+    orthant.register_scene("tilted_top", orthant.Scene.named("top"))
+    assert orthant.simulate("tilted_top", duration=0.01).final == orthant.simulate("top", duration=0.01).final
+    for scenes in (scene, orthant.Scene.named("bouncing_ball")):
+        with pytest.raises(ValueError, match="'ball_in_space': is registered already"):
+            orthant.register_scene("ball_in_space", scenes)
+    assert "ball_in_space" in [entry.name for entry in orthant.scenes()]
+    orthant.register_solver("swept-in-space", sweeps)
+    frame = orthant.sweep("ball_in_space", results=tmp_path / "b.sqlite", duration=0.1, measure="ball.z", progress=False,
+                          grid={"integrator": ["moreau-jean", "rattle"], "solver": "swept-in-space", "step": [0.01]})
+    assert (frame["status"] == "solved").all() and (frame["value"] - (1 - 0.04905)).abs().max() < 5e-3
 
 
 def test_runs_of_scenes_with_lambdas_are_pickled_without_them(tmp_path):

@@ -498,7 +498,7 @@ _registered_scenes: dict[str, Scene] = {}
 
 
 def register_scene(name: str, scene: Scene, summary: str = "written in Python") -> None:
-    """A scene under a name, for `simulate`, `Scene.named` and `sweep` of this process.
+    """A scene under a name, for `simulate`, `Scene.named` and `sweep` of this process, in the plane or in space.
 
     Options of it are key paths of the format; of a scene that is itself Scene.named(...) that one's options. Joints and contacts
     written in Python may be in it.

@@ -6,10 +6,13 @@ import importlib
 import importlib.util
 import json
 import os
+import select
+import signal
 import subprocess
 import sys
+import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NoReturn, Optional, Union
 
 from . import _orthant
 from ._mechanics import Scene, _registered_scenes, toml_lines
@@ -35,8 +38,10 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     retry: run what a time limit or a crash ended once more; what had less time than it gets now is run anyway.
     jobs: processes on this machine, 0: one a core. client: a distributed.Client or its scheduler's address; its workers
     run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
-    Names that this process has registered (register_solver, register_integrator, register_scene) are known to no other: then
-    the cases run in this one, one by one, without time limits, and rows do not notice that a function has changed.
+    Names that this process has registered (register_solver, register_integrator, register_scene) are known to no fresh one:
+    then a fork of this process runs the cases, each in a fork of its own, with the same jobs and time limits; where a crash is
+    a row, too. What functions change or print there is lost. Systems without fork run such cases in this process, one by one.
+    Rows do not notice that a function has changed.
     A case that fails is a row with its status. Raises ValueError naming file, key, value and rule, RuntimeError for a
     file that cannot be read.
     """
@@ -47,11 +52,14 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     name, count, missing = _orthant._declare_sweep(file, quick, results, retry)
     ours = sorted(registered & _orthant._names_in_sweep(file, quick))
     if ours and client is not None:
-        raise ValueError(f"{ours[0][0]} '{ours[0][1]}': is registered in this process only: must not be in a sweep with a client")
+        raise ValueError(f"{ours[0][0]} '{ours[0][1]}': is registered in this process only: must not be in a sweep with a client; "
+                         "without one, forks of this process know it")
     with _Bar(name, count, progress) as bar:
         bar.at(count - len(missing))
         if not missing:
             pass
+        elif ours and hasattr(os, "fork"):
+            _by_forks(file, quick, results, jobs, name, bar)
         elif ours:
             for done, key in enumerate(missing, count - len(missing) + 1):
                 _orthant._run_case_here(file, quick, results, key)
@@ -171,11 +179,64 @@ def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, 
         child.terminate()
         child.wait()
         raise
+    _ended(child.returncode, said, results, name, bar)
+
+
+def _ended(code: int, said: str, results: Path, name: str, bar: _Bar) -> None:
     if bar.shown:
         bar.at(len(_orthant._sweep_rows(results, name)))
-    if child.returncode != 0:
+    if code != 0:
         raise RuntimeError(f"sweep {name}: {said.strip().splitlines()[-1] if said.strip() else 'ended'} "
-                           f"(exit code {child.returncode}); called again, it goes on")
+                           f"(exit code {code}); called again, it goes on")
+
+
+def _by_forks(file: Path, quick: bool, results: Path, jobs: int, name: str, bar: _Bar) -> None:
+    """By a fork of this process, which has its functions and one thread, and forks one process a case."""
+    to_read, to_write = os.pipe()
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        stream.flush()  # or the fork would have the text as well
+    with warnings.catch_warnings():  # of Python 3.12 and later, where other threads run: they are not needed in the fork
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if child == 0:
+        _be_a_fork(to_write, lambda: _orthant._run_sweep(file, quick, results, jobs))
+    os.close(to_write)
+    said, ended = b"", False
+    try:
+        while not ended:
+            if select.select([to_read], [], [], _LOOK_AGAIN)[0]:
+                ended = not (more := os.read(to_read, 65536))
+                said += more
+            if bar.shown:
+                bar.at(len(_orthant._sweep_rows(results, name)))
+    except BaseException:  # stopped by hand: what is done stays done
+        os.kill(child, signal.SIGTERM)
+        os.waitpid(child, 0)
+        raise
+    finally:
+        os.close(to_read)
+    _ended(_exit_code(os.waitpid(child, 0)[1]), said.decode(errors="replace"), results, name, bar)
+
+
+def _exit_code(status: int) -> int:
+    return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+
+
+def _be_a_fork(to_write: int, work: Callable[[], object]) -> NoReturn:
+    """Does the work, writes what it raises, and ends without what an interpreter does at its end."""
+    code = 1
+    try:
+        for which in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(which, signal.SIG_DFL)
+        nothing = os.open(os.devnull, os.O_RDWR)
+        for descriptor in (0, 1, 2):
+            os.dup2(nothing, descriptor)
+        work()
+        code = 0
+    except BaseException as error:
+        os.write(to_write, f"{type(error).__name__}: {error}".encode(errors="replace"))
+    finally:
+        os._exit(code)
 
 
 def _run_case(file: Path, quick: bool, key: str, largest: int) -> list[str]:
