@@ -101,9 +101,31 @@ std::string fish_quoted(const std::string& text) {
   return out + "'";
 }
 
+/// A function that reads the words before the cursor as the script for bash does; conditions ask it.
 std::string fish_script(const CLI::App& app) {
   std::ostringstream out;
-  out << "complete -c orthant -e\n";
+  out << "function __orthant_at  # COMMAND [NUMBER]: whether the cursor is there, behind so many arguments\n"
+         "  set -l words (commandline -opc)\n"
+         "  set -l command ''\n"
+         "  set -l given 0\n"
+         "  set -l valued "
+      << long_options(app, false)
+      << "\n"
+         "  set -l value 0\n"
+         "  for word in $words[2..-1]\n"
+         "    if test $value = 1\n      set value 0\n"
+         "    else if contains -- $word $valued\n      set value 1\n"
+         "    else if string match -q -- '-*' $word\n"
+         "    else if test -n \"$command\"\n      set given (math $given + 1)\n"
+         "    else\n"
+         "      set command $word\n"
+         "      switch $command\n";
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    out << "        case " << command->get_name() << "\n          set valued " << long_options(*command, false) << '\n';
+  out << "      end\n    end\n  end\n"
+         "  test \"$command\" = \"$argv[1]\"; and begin; not set -q argv[2]; or test $given = $argv[2]; end\n"
+         "end\n"
+         "complete -c orthant -e\n";
   const auto options = [&](const CLI::App& command, const std::string& where) {
     for (const CLI::Option* option : command.get_options())
       for (const std::string& name : option->get_lnames()) {
@@ -111,17 +133,19 @@ std::string fish_script(const CLI::App& app) {
         if (option->get_items_expected_max() > 0) out << " -r";
         if (name == "solver") out << " -f -a " << fish_quoted(names(solvers()));
         if (name == "integrator") out << " -f -a " << fish_quoted(names(integrators()));
+        if (name == "scene") out << " -a " << fish_quoted(arguments_of(app, "view"));
         out << " -d " << fish_quoted(option->get_description()) << '\n';
       }
   };
-  options(app, "__fish_use_subcommand");
+  const std::string before = "__orthant_at ''";
+  options(app, before);
   for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    const std::string inside = "__fish_seen_subcommand_from " + command->get_name();
-    out << "complete -c orthant -f -n __fish_use_subcommand -a " << command->get_name() << " -d "
+    const std::string inside = "__orthant_at " + command->get_name();
+    out << "complete -c orthant -f -n " << fish_quoted(before) << " -a " << command->get_name() << " -d "
         << fish_quoted(command->get_description()) << '\n';
     options(*command, inside);
     if (const std::string arguments = arguments_of(app, command->get_name()); !arguments.empty())
-      out << "complete -c orthant -n " << fish_quoted(inside) << " -a " << fish_quoted(arguments) << '\n';
+      out << "complete -c orthant -n " << fish_quoted(inside + " 0") << " -a " << fish_quoted(arguments) << '\n';
   }
   return out.str();
 }
