@@ -75,7 +75,7 @@ class Scene:
         self._keys = dict(keys)  # of the scene itself: gravity [m/s^2], duration, step [s], ...
         self._elements: list[tuple[str, dict[str, Any]]] = []
         self._places: dict[tuple[str, str], int] = {}  # of bodies and joints by name
-        self._counts = dict.fromkeys(_KINDS, 0)
+        self._counts: dict[str, int] = dict.fromkeys(_KINDS, 0)
         self._customs: list[dict[str, Any]] = []  # joints and contacts written in Python
         self._read: Optional[_orthant._Scene] = None
 
@@ -267,7 +267,7 @@ class Interrupted(KeyboardInterrupt):
 
     def __init__(self, run: Trajectory) -> None:
         super().__init__(f"the simulation was interrupted at t = {run.summary['t']:g} s; .run keeps it")
-        self.run = run
+        self.run: Trajectory = run
 
 
 class Trajectory:
@@ -285,8 +285,11 @@ class Trajectory:
     def __init__(self, scene: _orthant._Scene, columns: list[str], table: npt.NDArray[np.float64], summary: dict[str, Any],
                  unsolved: Optional[Problem], events: tuple[Any, ...], warned: list[str],
                  joints: dict[str, npt.NDArray[np.float64]], pushes: Any = ()) -> None:
-        self.columns, self.table, self.summary, self.unsolved = columns, table, summary, unsolved
-        self.warnings = warned
+        self.columns: list[str] = columns
+        self.table: npt.NDArray[np.float64] = table
+        self.summary: dict[str, Any] = summary
+        self.unsolved: Optional[Problem] = unsolved
+        self.warnings: list[str] = warned
         self._scene, self._events, self._joints, self._pushes = scene, events, joints, pushes
         self._place = {name: i for i, name in enumerate(columns)}
         self._how: Optional[dict[str, Any]] = None  # how simulate made it
