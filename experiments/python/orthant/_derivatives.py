@@ -160,4 +160,19 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, integrator:
         seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"))
     if status != "solved":
         raise RuntimeError(f"gradient: the run ended as {status}{': ' if why else ''}{why}")
+    _warn(degenerate, inconsistent)
     return RunGradient(of, parameters, t, values[:, 0], by[:, 0, :], degenerate, inconsistent)
+
+
+def _warn(degenerate: list[tuple[float, list[str]]], inconsistent: int) -> None:
+    """What `orthant gradient` warns of."""
+    import warnings
+
+    from ._mechanics import OrthantWarning
+
+    if degenerate:
+        t, contacts = degenerate[0]
+        warnings.warn(f"{len(degenerate)} steps have weakly active contacts, the first at t = {t:g} s ({contacts[0]}): only "
+                      "one-sided derivatives exist, these hold such contacts as they are", OrthantWarning, stacklevel=3)
+    if inconsistent > 0:
+        warnings.warn(f"in {inconsistent} steps a parameter parts redundant contacts: there is no derivative", OrthantWarning, stacklevel=3)
