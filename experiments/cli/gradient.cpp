@@ -6,8 +6,11 @@
 
 #include <orthant/solvers/registry.h>
 
+#include <nlohmann/json.hpp>
+
 #include <iomanip>
 #include <iostream>
+#include <sstream>
 
 namespace orthant {
 namespace {
@@ -16,10 +19,46 @@ struct GradientArguments {
   std::string scene, integrator = "moreau-jean", solver = "auto";
   std::vector<std::string> sets, of, wrt;
   std::optional<double> step, duration, time_limit;
+  bool json = false;
 };
 
 std::string name_of_contact(const Scene& scene, int contact) {
   return std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]);
+}
+
+std::vector<std::string> warnings_of(const RunTangent& tangent, const Scene& scene) {
+  std::vector<std::string> all;
+  if (!tangent.degenerate.empty()) {
+    const DegenerateStep& first = tangent.degenerate.front();
+    std::ostringstream words;
+    words << tangent.degenerate.size() << " steps have weakly active contacts, the first at t = " << first.t << " s ("
+          << name_of_contact(scene, first.contacts.front())
+          << "): only one-sided derivatives exist, these hold such contacts as they are";
+    all.push_back(words.str());
+  }
+  if (tangent.inconsistent > 0)
+    all.push_back("in " + std::to_string(tangent.inconsistent) +
+                  " steps a parameter parts redundant contacts: there is no derivative");
+  return all;
+}
+
+nlohmann::ordered_json as_json(const GradientArguments& arguments, const GradientOfRun& gradient,
+                               const std::vector<std::string>& warnings) {
+  const Run& run = gradient.tangent.run;
+  nlohmann::ordered_json json = {{"status", name(run.status)}};
+  if (!run.why.empty()) json["why"] = run.why;
+  json["t"] = run.final.t;
+  if (run.status == Status::solved) {
+    const std::size_t columns = arguments.of.size(), count = arguments.wrt.size();
+    for (std::size_t i = 0; i < columns; ++i) {
+      json["values"][arguments.of[i]] = gradient.value[gradient.value.size() - columns + i];
+      for (std::size_t j = 0; j < count; ++j)
+        json["derivatives"][arguments.of[i]][arguments.wrt[j]] =
+            gradient.by[gradient.by.size() - columns * count + i * count + j];
+    }
+  }
+  json["warnings"] = warnings;
+  return json;
 }
 
 int run_gradient(const GradientArguments& arguments) {
@@ -34,12 +73,17 @@ int run_gradient(const GradientArguments& arguments) {
   const GradientOfRun gradient =
       gradient_of_run(source, arguments.of, arguments.wrt, arguments.integrator, *solver, clock);
   const RunTangent& tangent = gradient.tangent;
+  const bool solved = tangent.run.status == Status::solved;
+  const std::vector<std::string> warnings = solved ? warnings_of(tangent, scene) : std::vector<std::string>{};
+  if (arguments.json) std::cout << as_json(arguments, gradient, warnings).dump(2) << '\n';
   if (tangent.run.status != Status::solved) {
     std::cerr << "orthant: the run ended at t = " << tangent.run.final.t << " s: " << name(tangent.run.status)
               << (tangent.run.why.empty() ? "" : ": ") << tangent.run.why << '\n';
     if (tangent.run.status == Status::cancelled && StopSignal::which() != 0) return 128 + StopSignal::which();
     return exit_code_of(tangent.run.status);
   }
+  for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
+  if (arguments.json) return 0;
   const std::size_t columns = arguments.of.size(), count = arguments.wrt.size();
   std::cout << std::setprecision(12);
   for (std::size_t i = 0; i < columns; ++i) {
@@ -48,16 +92,6 @@ int run_gradient(const GradientArguments& arguments) {
       std::cout << "d " << arguments.of[i] << " / d " << arguments.wrt[j] << " = "
                 << gradient.by[gradient.by.size() - columns * count + i * count + j] << '\n';
   }
-  if (!tangent.degenerate.empty()) {
-    const DegenerateStep& first = tangent.degenerate.front();
-    std::cerr << "orthant: warning: " << tangent.degenerate.size()
-              << " steps have weakly active contacts, the first at t = " << first.t << " s ("
-              << name_of_contact(scene, first.contacts.front())
-              << "): only one-sided derivatives exist, these hold such contacts as they are\n";
-  }
-  if (tangent.inconsistent > 0)
-    std::cerr << "orthant: warning: in " << tangent.inconsistent
-              << " steps a parameter parts redundant contacts: there is no derivative\n";
   return 0;
 }
 
@@ -87,6 +121,7 @@ void add_gradient(CLI::App& app, int& exit_code) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]");
+  command->add_flag("--json", arguments->json, "values, derivatives and warnings as one JSON object");
   command->footer(
       "Exit codes: 0 done, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved, 130 stopped by "
       "Ctrl-C.\n"

@@ -314,6 +314,15 @@ const std::vector<Entry>& entries() {
        [] {
          return object({{"scene", text("the file")}});
        }},
+      {"gradient", "gradient --json",
+       [] {
+         return object({{"status", status()},
+                        {"why?", text("why the status is not solved")},
+                        {"t", number("[s] reached")},
+                        {"values?", by_name(number(), "by column of --of, at the end")},
+                        {"derivatives?", by_name(by_name(number(), "by parameter of --wrt"), "by column of --of")},
+                        {"warnings", list(text())}});
+       }},
       {"import", "import --json",
        [] {
          return object({{"scene?", text("the file, of --output")},

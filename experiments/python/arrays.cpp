@@ -64,6 +64,9 @@ using Table = Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned, Strides>;
 Table table_of(const py::array_t<double>& a, std::string_view name, Entries entries = Entries::finite) {
   const std::string label(name);
   if (a.ndim() != 2) refuse(label + " has shape " + shape_of(a) + ": must have two dimensions");
+  constexpr double kMostEntries = 0x1p36;  // half a terabyte; a view that repeats its rows may claim more
+  if (static_cast<double>(a.shape(0)) * static_cast<double>(a.shape(1)) > kMostEntries)
+    refuse(label + " has shape " + shape_of(a) + ": must have at most 2^36 entries, or be sparse");
   const Table table(a.data(), a.shape(0), a.shape(1), Strides(step(a, 1), step(a, 0)));
   if (entries == Entries::any || table.allFinite()) return table;
   for (Index i = 0; i < table.rows(); ++i)

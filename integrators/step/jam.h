@@ -9,8 +9,8 @@
 //   The search starts at the last good state. Its steps double while positions exist, and shrink where none exists or
 //   where a body moves by more than its radius of gyration or turns by more than 0.1 rad in one.
 //   Friction is left out. Where it alone holds a mechanism, the problem of the step has no solution (formulate.h).
-// Cost: about 10 factorizations per position, about 50 positions, and one per 0.08 rad of turning, 20 000 at the most. Only
-// after a failed step or where bodies overlap, and by `orthant check`.
+// Cost: about 10 factorizations per position, about 50 positions, and one per 0.08 rad of turning, up to 20 000.
+// Only after a failed step or where bodies overlap, and by `orthant check`.
 // Source: Nocedal & Wright, Numerical Optimization (2006), ch. 10 and 18.
 #pragma once
 

@@ -82,6 +82,8 @@ COMMANDS = {
     "view": [("view bouncing_ball --output v.html --json", 0)],
     "new": [("new mechanism --output m.toml --json", 0)],
     "import": [(f"import {ROOT}/core/scenes/robot_arm.urdf{more} --json", 0) for more in ("", " --output arm.toml")],
+    "gradient": [("gradient slider_crank --duration 0.02 --of crank.theta,slider.x --wrt mu,start.crank.omega --json", 0),
+                 ("gradient slider_crank --duration 1e3 --time-limit 0.05 --of crank.theta --wrt mu --json", 3)],
     "completion": [(f"completion {shell} --json", 0) for shell in ("bash", "zsh", "fish")],
     "man": [("man --json", 0), ("man solve --json", 0)],
 }
@@ -136,7 +138,8 @@ def main():
         commands = re.findall(r"^  ([a-z]+) ", orthant(folder, "--help").split("Subcommands:")[1].split("Exit codes")[0], re.M)
         assert len(commands) > 10
         for command in set(commands) - {"schema"}:  # which prints JSON anyway
-            assert command in COMMANDS or "--json" not in orthant(folder, f"{command} --help"), command
+            assert command in {name.split("-")[0] for name in COMMANDS}, command
+            assert "--json" in orthant(folder, f"{command} --help"), command
 
         scene = jsonschema.Draft7Validator(json.loads(orthant(folder, "schema scene")))
         texts = re.findall("```toml\n(.*?)```", (ROOT / "core/scenes/README.md").read_text(), re.S)

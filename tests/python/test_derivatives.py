@@ -116,6 +116,14 @@ def test_gradients_take_keys_of_texts_and_entries_of_arrays():
     assert np.isclose(found.final["gravity[1]"], slowed / -9.81, rtol=1e-8)
 
 
+def test_gradients_warn_as_the_command_does():
+    ball = orthant.Scene(duration=0.1, step=0.01)
+    ball.add("body", name="ball", mass=2, inertia=1, position=[0, 1])
+    ball.add("contact", type="disc-wall", name="floor", body="ball", radius=1, wall={"normal": [0, 1]})
+    with pytest.warns(orthant.OrthantWarning, match=r"^10 steps have weakly active contacts, the first at t = 0 s \(floor\)"):
+        assert len(orthant.gradient(ball, "ball.y", "body.ball.mass").degenerate) == 10
+
+
 def test_gradients_refuse_in_words():
     with pytest.raises(ValueError, match="BODY.COLUMN"):
         orthant.gradient("slider_crank", "crank.gap", "mu")

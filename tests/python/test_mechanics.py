@@ -63,6 +63,14 @@ def test_what_is_wrong_is_named(tmp_path):
         orthant.simulate(ball(), step=-1)
     with pytest.raises(ValueError, match="every = 0: must be a whole number"):
         orthant.simulate(ball(), every=0)
+    with pytest.raises(TypeError, match=r"step = '1': must be a number \[s\]"):
+        orthant.simulate(ball(), step="1")
+    with pytest.raises(TypeError, match="check = 'no': must be True or False"):
+        orthant.simulate(ball(), check="no")
+    with pytest.raises(ValueError, match="mass = 1000.*must be a whole number of 64 bits"):
+        orthant.Scene().add("body", name="b", mass=10**400, inertia=1)
+    with pytest.raises(ValueError, match=r"M has shape \(1000000, 1000000\): must have at most 2\^36 entries"):
+        orthant.solve(np.broadcast_to(1.0, (10**6, 10**6)), np.ones(10**6))
     for key, bad in (("step", "a"), ("duration", [1]), ("every", 0.5), ("integrator", 3), ("solver", 3)):
         with pytest.raises(TypeError, match=f"{key} = .*: must be"):
             orthant.simulate(ball(), **{key: bad})

@@ -225,6 +225,7 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
         end, values, by, degenerate, inconsistent = call.reverse(columns, parameters, None, at == "sum")
         import numpy
 
+        _warn(degenerate, inconsistent)
         return RunGradient(of, parameters, numpy.array([end]), values, by, degenerate, inconsistent)
     t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
     values, by = values[:, 0], by[:, 0, :]
@@ -232,6 +233,7 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
         t, values, by = t[-1:], values[-1:], by[-1:]
     if at == "sum":
         t, values, by = t[-1:], values.sum(keepdims=True), by.sum(axis=0, keepdims=True)
+    _warn(degenerate, inconsistent)
     return RunGradient(of, parameters, t, values, by, degenerate, inconsistent)
 
 
@@ -274,3 +276,17 @@ def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], 
 
 
 _HOW: dict[str, Any] = {"integrator": "moreau-jean", "solver": "auto", "step": None, "duration": None, "every": 1}
+
+
+def _warn(degenerate: list[tuple[float, list[str]]], inconsistent: int) -> None:
+    """What `orthant gradient` warns of."""
+    import warnings
+
+    from ._mechanics import OrthantWarning
+
+    if degenerate:
+        t, contacts = degenerate[0]
+        warnings.warn(f"{len(degenerate)} steps have weakly active contacts, the first at t = {t:g} s ({contacts[0]}): only "
+                      "one-sided derivatives exist, these hold such contacts as they are", OrthantWarning, stacklevel=3)
+    if inconsistent > 0:
+        warnings.warn(f"in {inconsistent} steps a parameter parts redundant contacts: there is no derivative", OrthantWarning, stacklevel=3)

@@ -13,7 +13,7 @@ from . import _orthant
 from ._custom import custom_element, without_functions
 from ._orthant import Problem, Step
 from ._pictures import draw_pose, in_frame, plot_columns, svg_of, write_film, write_view
-from ._spec import Entry, options_of, path, registered, regular, seconds, shown, whole, word
+from ._spec import Entry, flag, options_of, path, registered, regular, seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +32,8 @@ def toml_of(name: str, value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
+        if not -2**63 <= value < 2**63:
+            raise ValueError(f"{name} = {shown(value)}: must be a whole number of 64 bits, or a float")
         return str(value)
     if isinstance(value, float):
         return "nan" if math.isnan(value) else "inf" if value == math.inf else "-inf" if value == -math.inf else repr(value)
@@ -472,7 +474,7 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
     columns, table, summary, unsolved, events, interruption, joints, angles, pushes = _orthant._simulate(
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
         word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"),
-        seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), bool(check),
+        seconds("step", step), seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit), _stops(rounded), flag("check", check),
         warn)
     trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)), pushes)
     if not getattr(scene, "_customs", None):

@@ -30,8 +30,10 @@ def seconds(name: str, value: Any) -> Optional[float]:
     if value is None:
         return None
     try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name} = {shown(value)}: must be a number [s]") from None
     if not number > 0:
         raise ValueError(f"{name} = {number:g}: must be > 0 [s]")
