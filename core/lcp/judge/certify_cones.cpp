@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 namespace orthant {
 namespace {
@@ -180,11 +181,14 @@ bool ConeJudge::passes(const Lcp& problem, double tolerance, Solution& s) {
       block_w[r] = static_cast<double>(w[at(rows[r])]) * d_[rows[r]];
     }
     const double e = blocks_.residual(blocks_[c], block_z.data(), block_w.data());
+    double square = 0;
+    for (const double each : std::span(block_z).first(rows.size())) square += each * each;
+    const double lost = 4 * kEpsilon * std::sqrt(square);  // of e, by the subtraction in (1)
     s.residual = std::max(s.residual, e / d_[rows[0]]);
     const double scale = beta[at(part[at(c)])], own = std::min(scale, block_norm(rows, terms, d_));
     const double noise = kEpsilon * block_norm(rows, unknown, d_);
     unknown_ = unknown_ || !(noise <= kKnownRounding * scale);
-    rounded_ = rounded_ || !(e <= tolerance * own);
+    rounded_ = rounded_ || !(e + lost <= tolerance * own);
     if (!(e <= kRoundingsOfCone * noise)) {
       passes = passes && e <= tolerance * own;
       reached_ = std::max(reached_, own > 0 ? e / own : kInf);
