@@ -261,8 +261,7 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   if constexpr (!kPlanar<Space>) coordinates.emplace(system);
   const auto record = [&](const MomentOf<Space>& moment) {
     if (!arguments.output.empty()) append_row(system, moment, kept.table);
-    if constexpr (kPlanar<Space>)
-      if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
+    if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
     kept.last.clear();
     append_row(system, moment, kept.last);
     if constexpr (!kPlanar<Space>)
@@ -284,7 +283,7 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
     add_check(check_run(system, arguments.integrator, arguments.solver, clock, run), json);
   if (arguments.json) {
     json["warnings"] = warnings;
-    if constexpr (kPlanar<Space>) json["event_table"] = events_to_json(scene, kept.events);
+    json["event_table"] = events_to_json(scene, kept.events);
   }
   print_summary(arguments, json);
   return exit_code;

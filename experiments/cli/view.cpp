@@ -74,19 +74,16 @@ template <class Space> Viewed of_system(const ViewArguments& a, const SystemOf<S
   with_elapsed_line("view", [&] {
     run = simulate(*integrator, *solver, clock, [&](const MomentOf<Space>& moment) {
       append_row(system, moment, record.table);
-      if constexpr (kPlanar<Space>) {
-        append_events(system, moment.events, events);
+      append_events(system, moment.events, events);
+      if constexpr (kPlanar<Space>)
         if (pushing) pushes->add(moment);
-      }
     });
   });
-  if constexpr (kPlanar<Space>) {
-    record.pushes = pushes->pushes();
-    const auto names = event_contacts(scene);
-    for (const Event& e : events)
-      record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
-                               names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
-  }
+  if constexpr (kPlanar<Space>) record.pushes = pushes->pushes();
+  const auto names = event_contacts(scene);
+  for (const Event& e : events)
+    record.events.push_back({e.t, std::string(kEventNames[static_cast<std::size_t>(e.kind)]),
+                             names[static_cast<std::size_t>(e.contact)], e.normal, e.tangent});
   return {view_data(name_of(a), words_of(a, run, clock.step), record, drawing(scene)), run.status};
 }
 

@@ -373,7 +373,7 @@ def pages(to, tables=None):
         cone_picture(to / "cone_profiles.svg", source)
     if len(texts) == 1:
         texts.append("Not measured yet.\n")
-    (to / "cones.md").write_text("\n".join(texts), encoding="utf-8")
+    (to / "cones.txt").write_text("\n".join(texts), encoding="utf-8")
     if source := tables.get("solvers_by_group"):
         write("solvers", source["columns"],
               [[f"`{cell}`" if i in (2, 5, 8) and cell else cell for i, cell in enumerate(row)]

@@ -159,8 +159,8 @@ Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, cons
   const py::gil_scoped_release others_may_run;
   kept.run = simulate(*integrator, *solver, wanted.clock, [&](const MomentOf<Space>& moment) {
     append_row(system, moment, kept.table);
+    append_events(system, moment.events, kept.events);
     if constexpr (kPlanar<Space>) {
-      append_events(system, moment.events, kept.events);
       if (pushes) pushes->add(moment);
     } else {
       for (const double value : coordinates->at(moment.state)) kept.joints.push_back(value);

@@ -64,7 +64,7 @@ template <class Space> Json film(const SystemOf<Space>& system, const Json& run,
     Json frame = {rounded(moment.state.t)};
     append_frame(system, moment, frame);
     frames.push_back(frame);
-    if constexpr (kPlanar<Space>) append_events(system, moment.events, located);
+    append_events(system, moment.events, located);
   });
   for (const Event& event : located) {
     if (events.size() == kMostEvents) break;

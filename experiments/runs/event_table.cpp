@@ -27,7 +27,8 @@ template <class Scene> std::vector<std::string> contact_names(const Scene& scene
 
 }  // namespace
 
-void append_events(const System& system, std::span<const Event> from, std::vector<Event>& to) {
+template <class Space>
+void append_events(const SystemOf<Space>& system, std::span<const Event> from, std::vector<Event>& to) {
   const int listed = system.listed();
   const auto& first = system.pairs();  // of each collision, counted from the listed contacts
   for (Event event : from) {
@@ -42,7 +43,7 @@ void append_events(const System& system, std::span<const Event> from, std::vecto
 std::vector<std::string> event_contacts(const Scene& scene) { return contact_names(scene); }
 std::vector<std::string> event_contacts(const spatial::Scene& scene) { return contact_names(scene); }
 
-std::string events_to_csv(const Scene& scene, const std::vector<Event>& events) {
+template <class Scene> std::string events_to_csv(const Scene& scene, const std::vector<Event>& events) {
   const auto names = event_contacts(scene);
   std::string text = "t,kind,contact,impulse_n,impulse_t\n";
   for (const Event& event : events)
@@ -53,7 +54,7 @@ std::string events_to_csv(const Scene& scene, const std::vector<Event>& events) 
   return text;
 }
 
-nlohmann::ordered_json events_to_json(const Scene& scene, const std::vector<Event>& events) {
+template <class Scene> nlohmann::ordered_json events_to_json(const Scene& scene, const std::vector<Event>& events) {
   const auto names = event_contacts(scene);
   auto list = nlohmann::ordered_json::array();
   for (const Event& event : events)
@@ -65,7 +66,7 @@ nlohmann::ordered_json events_to_json(const Scene& scene, const std::vector<Even
   return list;
 }
 
-void events_to_hdf5(const Scene& scene, const std::vector<Event>& events, Hdf5Image& to) {
+template <class Scene> void events_to_hdf5(const Scene& scene, const std::vector<Event>& events, Hdf5Image& to) {
   std::vector<double> t, normal, tangent;
   std::vector<int> kind, contact;
   for (const Event& event : events) {
@@ -86,5 +87,14 @@ std::filesystem::path events_file_of(const std::filesystem::path& trajectory) {
   auto file = trajectory;
   return file.replace_extension(".events.csv");
 }
+
+template void append_events(const SystemOf<Planar>&, std::span<const Event>, std::vector<Event>&);
+template void append_events(const SystemOf<Spatial>&, std::span<const Event>, std::vector<Event>&);
+template std::string events_to_csv(const Scene&, const std::vector<Event>&);
+template std::string events_to_csv(const spatial::Scene&, const std::vector<Event>&);
+template nlohmann::ordered_json events_to_json(const Scene&, const std::vector<Event>&);
+template nlohmann::ordered_json events_to_json(const spatial::Scene&, const std::vector<Event>&);
+template void events_to_hdf5(const Scene&, const std::vector<Event>&, Hdf5Image&);
+template void events_to_hdf5(const spatial::Scene&, const std::vector<Event>&, Hdf5Image&);
 
 }  // namespace orthant

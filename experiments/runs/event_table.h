@@ -22,18 +22,19 @@
 namespace orthant {
 
 template <class Space> class SystemOf;
-using System = SystemOf<Planar>;
 
 /// Appends the events, each with the place of its contact among event_contacts().
-void append_events(const System& system, std::span<const Event> from, std::vector<Event>& to);
+template <class Space>
+void append_events(const SystemOf<Space>& system, std::span<const Event> from, std::vector<Event>& to);
 
 /// Names of the listed contacts, then of the collisions.
 std::vector<std::string> event_contacts(const Scene& scene);
 std::vector<std::string> event_contacts(const spatial::Scene& scene);
 
-std::string events_to_csv(const Scene& scene, const std::vector<Event>& events);
-nlohmann::ordered_json events_to_json(const Scene& scene, const std::vector<Event>& events);
-void events_to_hdf5(const Scene& scene, const std::vector<Event>& events, Hdf5Image& to);
+/// Scene: Scene or spatial::Scene.
+template <class Scene> std::string events_to_csv(const Scene& scene, const std::vector<Event>& events);
+template <class Scene> nlohmann::ordered_json events_to_json(const Scene& scene, const std::vector<Event>& events);
+template <class Scene> void events_to_hdf5(const Scene& scene, const std::vector<Event>& events, Hdf5Image& to);
 
 /// Where the events of a trajectory file go that cannot hold them itself: NAME.events.csv for NAME.csv and NAME.pvd.
 std::filesystem::path events_file_of(const std::filesystem::path& trajectory);

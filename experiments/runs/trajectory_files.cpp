@@ -23,8 +23,7 @@ template <class Scene> std::string hdf5_of(const Scene& scene, const std::vector
   }
   out.group("scene");
   out.text("scene/drawing", drawing(scene).dump());
-  if constexpr (std::is_same_v<Scene, orthant::Scene>)
-    if (!events.empty()) events_to_hdf5(scene, events, out);
+  if (!events.empty()) events_to_hdf5(scene, events, out);
   return out.bytes();
 }
 
@@ -36,8 +35,9 @@ void check_trajectory_file(const fs::path& file) {
   throw std::invalid_argument(file.string() + ": must end in .csv, .h5, .hdf5 or .pvd");
 }
 
-void write_trajectory(const fs::path& file, const Scene& scene, const std::vector<std::string>& columns,
-                      const std::vector<double>& table, const std::vector<Event>& events) {
+template <class Scene> void write_trajectory(const fs::path& file, const Scene& scene,
+                                             const std::vector<std::string>& columns, const std::vector<double>& table,
+                                             const std::vector<Event>& events) {
   check_trajectory_file(file);
   const fs::path end = file.extension();
   if (end == ".h5" || end == ".hdf5") return write_whole(file, hdf5_of(scene, columns, table, events));
@@ -48,14 +48,9 @@ void write_trajectory(const fs::path& file, const Scene& scene, const std::vecto
   if (const fs::path beside_it = events_file_of(file); !events.empty() || fs::exists(beside_it))
     write_whole(beside_it, events_to_csv(scene, events));
 }
-
-void write_trajectory(const fs::path& file, const spatial::Scene& scene, const std::vector<std::string>& columns,
-                      const std::vector<double>& table, const std::vector<Event>& events) {
-  check_trajectory_file(file);
-  const fs::path end = file.extension();
-  if (end == ".csv") return write_whole(file, to_csv(columns, table));
-  if (end == ".pvd") return write_vtk(file, scene, columns.size(), table);
-  write_whole(file, hdf5_of(scene, columns, table, events));
-}
+template void write_trajectory(const fs::path&, const Scene&, const std::vector<std::string>&,
+                               const std::vector<double>&, const std::vector<Event>&);
+template void write_trajectory(const fs::path&, const spatial::Scene&, const std::vector<std::string>&,
+                               const std::vector<double>&, const std::vector<Event>&);
 
 }  // namespace orthant

@@ -23,12 +23,9 @@ void check_trajectory_file(const std::filesystem::path& file);
 /// `columns` and `table` as trajectory.h has them. Whole or not at all; throws std::runtime_error, or as above.
 /// `events` are written next to the trajectory (event_table.h): in the HDF5 file itself, else in NAME.events.csv.
 /// Without events there is no such file, and an earlier run's is emptied to its header.
-void write_trajectory(const std::filesystem::path& file, const Scene& scene, const std::vector<std::string>& columns,
-                      const std::vector<double>& table, const std::vector<Event>& events = {});
-
-/// In space: runs have no located events.
-void write_trajectory(const std::filesystem::path& file, const spatial::Scene& scene,
-                      const std::vector<std::string>& columns, const std::vector<double>& table,
-                      const std::vector<Event>& events = {});
+/// Scene: Scene or spatial::Scene.
+template <class Scene> void write_trajectory(const std::filesystem::path& file, const Scene& scene,
+                                             const std::vector<std::string>& columns, const std::vector<double>& table,
+                                             const std::vector<Event>& events = {});
 
 }  // namespace orthant

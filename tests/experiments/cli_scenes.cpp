@@ -256,7 +256,7 @@ TEST_CASE("manual pages and completions name every option of the help") {
       std::string escaped;
       for (const char c : name) escaped += c == '-' ? std::string("\\-") : std::string(1, c);
       CHECK(page.find("\\fB\\-\\-" + escaped) != std::string::npos);
-      CHECK(fish.find("-n '__fish_seen_subcommand_from " + command + "' -l " + name) != std::string::npos);
+      CHECK(fish.find("-n '__orthant_at " + command + "' -l " + name) != std::string::npos);
       ++options;
     }
     CHECK(options > 0);

@@ -217,7 +217,7 @@ TEST_CASE("the project's own sweeps can be read, whole and quick") {
     for (const Case& c : read_sweep(file.path(), false).cases)  // 0.3, and no 0.30000000000000004
       for (const auto& [name, value] : c.parameters) CHECK((value.is_string() || value.dump().size() < 16));
   }
-  CHECK(found == 4);
+  CHECK(found == 5);
 }
 
 TEST_CASE("a figure whose texts are lists is several figures, alike in the rest") {

@@ -25,7 +25,7 @@ struct Target {
 constexpr Target kTargets[] = {{"matrix_market", fuzz::matrix_market},
                                {"problem_json", fuzz::problem_json},
                                {"scene", fuzz::scene, "core/scenes", ".toml"},
-                               {"sweep", fuzz::sweep, "experiments", ".toml"},
+                               {"sweep", fuzz::sweep, "experiments/studies", ".toml"},
                                {"fclib", fuzz::fclib, "tests/data/fclib", ".hdf5"},
                                {"options", fuzz::options},
                                {"model", fuzz::model},

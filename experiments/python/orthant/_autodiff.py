@@ -56,10 +56,11 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
 
     columns, value, pull = _pair(make, of, wrt, how)
 
-    @jax.custom_vjp
-    def run(parameters: Any) -> Any:
+    def primal(parameters: Any) -> Any:
         shape = jax.ShapeDtypeStruct((columns,), parameters.dtype)
         return jax.pure_callback(lambda p: numpy.asarray(value(p), p.dtype), shape, parameters)
+
+    run: Any = jax.custom_vjp(primal)
 
     def forward(parameters: Any) -> tuple[Any, Any]:
         return run(parameters), parameters

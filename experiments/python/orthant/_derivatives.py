@@ -177,13 +177,16 @@ class _Call:
         return _orthant._records_of_run(*self.scene, *self.how[2:])
 
     def forward(self, of: list[str], wrt: list[str]) -> tuple[Any, ...]:
-        t, values, by, status, why, degenerate, inconsistent = _orthant._gradient(*self.scene, of, wrt, *self.how)
+        integrator, solver, step, duration, every = self.how
+        t, values, by, status, why, degenerate, inconsistent = _orthant._gradient(
+            *self.scene, of, wrt, integrator, solver, step, duration, every)
         _arrived(status, why)
         return t, values, by, degenerate, inconsistent
 
     def reverse(self, of: list[str], wrt: list[str], weights: Any, total: bool) -> tuple[Any, ...]:
+        integrator, solver, step, duration, every = self.how
         t, values, by, status, why, degenerate, inconsistent = _orthant._vjp_of_run(
-            *self.scene, of, wrt, *self.how, weights, total)
+            *self.scene, of, wrt, integrator, solver, step, duration, every, weights, total)
         _arrived(status, why)
         return t, values, by, degenerate, inconsistent
 

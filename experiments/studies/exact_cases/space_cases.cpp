@@ -79,7 +79,7 @@ void free_bodies(std::vector<ExactCase>& all) {
                  .motion = Kind::smooth,
                  .energy = Energy::conserved,
                  .error_in_space = [=](const System& system, const State& x) {
-                   // World tensor given, body frame = world frame at the start: R(t) here is exp(…) start exp(…) startᵀ.
+                   // The frame of the body is that of the world at the start: its rotation is exp(…) R₀ exp(…) R₀ᵀ.
                    const Eigen::Matrix3d turn =
                        Eigen::AngleAxisd(L.norm() / across * x.t, L.normalized()).toRotationMatrix() * start *
                        Eigen::AngleAxisd(spin.z() * (1 - along / across) * x.t, Vector3d::UnitZ()).toRotationMatrix();
