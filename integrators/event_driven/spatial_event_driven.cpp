@@ -49,6 +49,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
       none_(Eigen::VectorXd::Zero(system.dof())),
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
+  stepping_.keep_restitution();
   const auto refuse = [&](const char* what) {
     throw std::invalid_argument("integrator " + std::string(name) + ": takes no " + what +
                                 " in space: must be moreau-jean or another integrator of fixed step");

@@ -60,6 +60,8 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   using ClosedContact = ClosedContactOf<Space>;
 
   StepReport step(double h, Solver& solver, State& x) final;
+  /// From now on a step that friction and restitution leave without a solution ends the run (formulate.h).
+  void keep_restitution() { formulation_.let_friction_win(false); }
   void remember(Memory& memory) final;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return terms_.pairs; }

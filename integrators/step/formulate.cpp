@@ -44,8 +44,8 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
       }
       // Without a combination of rows that contradicts itself it is friction that leaves this step no solution. That
       // says nothing of the motion, which another step or scheme may find.
-      const bool by_rows = solution_.certificate.size() == problem_.size() || solution_.ray.size() == problem_.size();
-      if (friction_wins_ && status == Status::infeasible && !by_rows) report.status = Status::stalled;
+      if (friction_wins_ && status == Status::infeasible && solution_.certificate.size() != problem_.size())
+        report.status = Status::stalled;
       return false;
     }
     if (pass < kPasses) continue;

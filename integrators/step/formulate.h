@@ -67,7 +67,7 @@ template <class Space> class FormulationOf {
   /// From now on a problem that friction and restitution leave without a solution (jamming), or that is not solved, is
   /// solved with e = e_T = 0, and overlaps stay as they are: friction holds what would rebound. That always has a
   /// solution, where nothing is driven.
-  void let_friction_win() { friction_wins_ = true; }
+  void let_friction_win(bool wins = true) { friction_wins_ = wins; }
 
   /// Normal impulses are at least e times those of `stored`, one per contact of the scene. Until the next collection.
   void release(const std::vector<Impulse>& stored) { problem_.release(stored); }
