@@ -43,8 +43,8 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
         continue;
       }
       // Without a combination of rows that contradicts itself it is friction that leaves this step no solution. That
-      // says nothing of the motion, which another step or scheme may find.
-      if (friction_wins_ && status == Status::infeasible && solution_.certificate.size() != problem_.size())
+      // says nothing of the motion, which another step or scheme may find; of an exact motion it does.
+      if (!precise_ && status == Status::infeasible && solution_.certificate.size() != problem_.size())
         report.status = Status::stalled;
       return false;
     }

@@ -76,7 +76,7 @@ template <class Space> class FormulationOf {
   void bind() { problem_.bind(); }
 
   /// From now on answers are brought to rounding (solvers/refinement.h), for integrators with error control.
-  void refine() { islands_.refine(); }
+  void refine() { islands_.refine(), precise_ = true; }
 
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
   /// with the crew, if there is one: the answer is the same to the last bit.
@@ -115,7 +115,7 @@ template <class Space> class FormulationOf {
   RankDeficiencyOf<Space> deficiency_;
   Solution solution_;
   const Terms* terms_ = nullptr;  // last formulated, for names
-  bool friction_wins_ = false;
+  bool friction_wins_ = false, precise_ = false;
 };
 extern template class FormulationOf<Planar>;
 extern template class FormulationOf<Spatial>;
