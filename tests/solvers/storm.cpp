@@ -93,7 +93,8 @@ TEST_CASE("random integer problems: path's answers and proofs stand, and few of 
     const Counts tally = storm("path", kinds, 500, ++seed);
     MESSAGE("solved ", tally.solved, ", infeasible ", tally.infeasible, ", honest ", tally.honest,
             " of which solvable ", tally.missed);
-    CHECK(tally.missed <= 1 + 0.03 * tally.solved);  // its restarts are no search of all bases
+    // Its restarts are no search of all bases; of few problems the share scatters.
+    CHECK(tally.missed <= (kSanitized ? 2 : 1) + 0.03 * tally.solved);
     CHECK(tally.solved > share_of(100));
     CHECK(tally.infeasible > share_of(25));
   }

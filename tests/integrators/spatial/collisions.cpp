@@ -1,4 +1,5 @@
 // Searched collisions, rims and ellipsoids in space: motions against exact ones, the search against all pairs.
+#include "tests/support/sanitized.h"
 #include "tests/support/spatial.h"
 
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
@@ -111,7 +112,7 @@ TEST_CASE("what is stacked stays: a tower of planks, a pyramid of cubes, a house
       CAPTURE(name);
       CAPTURE(scheme);
       const SpatialSystem system(scene);
-      const Run run = run_in_space(system, scheme, scene.step, 0.1);
+      const Run run = run_in_space(system, scheme, scene.step, kSanitized ? 0.01 : 0.1);
       CHECK(moved(system, run.final) < 1e-4);
       CHECK(run.max_penetration < 1e-5);
     }
