@@ -41,7 +41,7 @@ struct FacetStudy {
 };
 
 struct Sum {
-  int asked = 0, answered = 0;
+  int problems = 0, answered = 0;
   std::vector<double> errors, residuals, times;
 };
 
@@ -91,7 +91,7 @@ void study(const FacetStudy& plan) {
       const double seconds = seconds_of(pyramid, problem, s);
       if (sums.find(label) == sums.end()) order.push_back(label);
       Sum& sum = sums[label];
-      ++sum.asked;
+      ++sum.problems;
       double error = kInf, residual = kInf;
       if (pyramid.pyramid_status() == Status::solved) {
         error = d.cwiseProduct(s.w - exact.w).norm() / data, residual = independent_scale_free(problem, s.z);
@@ -110,7 +110,7 @@ void study(const FacetStudy& plan) {
       << std::setprecision(2);
   for (const std::string& label : order) {
     const Sum& sum = sums[label];
-    std::cout << "| " << label << " | " << sum.asked << " | " << sum.answered << " | " << median(sum.errors) << " | "
+    std::cout << "| " << label << " | " << sum.problems << " | " << sum.answered << " | " << median(sum.errors) << " | "
               << (sum.errors.empty() ? kInf : *std::max_element(sum.errors.begin(), sum.errors.end())) << " | "
               << median(sum.residuals) << " | " << median(sum.times) << " |\n";
   }

@@ -195,19 +195,19 @@ TEST_CASE("the judge of cones takes planted solutions of 1e-12 and none that is 
   }
 }
 
-TEST_CASE("a contact problem told again has the image of its solution; the image of another z does not solve it") {
+TEST_CASE("a contact problem restated has the image of its solution; the image of another z does not solve it") {
   Random random(9);
   for (int trial = 0; trial < 30; ++trial) {
     const Known known =
         disc_contacts({.contacts = 1 + trial % 8, .freedoms = 40, .degenerate = trial % 2 == 0}, random);
-    REQUIRE(can_be_retold(known.problem));
-    const Retelling told = retell(known.problem, random);
-    check(told.problem);
-    CHECK(told.problem.size() == known.problem.size() + 3);
-    Vector image = told.of_z * known.z;
-    CHECK(examine_solution(told.problem, image, 1e-9).holds);
+    REQUIRE(can_be_restated(known.problem));
+    const Restatement restated = restate(known.problem, random);
+    check(restated.problem);
+    CHECK(restated.problem.size() == known.problem.size() + 3);
+    Vector image = restated.of_z * known.z;
+    CHECK(examine_solution(restated.problem, image, 1e-9).holds);
     image[0] += 1e-3 * (1 + std::abs(image[0]));
-    CHECK(!examine_solution(told.problem, image, 1e-9).holds);
+    CHECK(!examine_solution(restated.problem, image, 1e-9).holds);
   }
 }
 

@@ -175,7 +175,7 @@ StormProblem twice(Random& random) {
   for (;;) {
     StormProblem p = full_rank(random);
     if (p.problem.size() > 90) continue;
-    StormProblem q{{}, retell(p.problem, random).problem, {}};
+    StormProblem q{{}, restate(p.problem, random).problem, {}};
     return q;
   }
 }
@@ -225,7 +225,7 @@ constexpr auto kDiscNames = [] {
 
 }  // namespace
 
-bool can_be_retold(const Lcp& p) {
+bool can_be_restated(const Lcp& p) {
   if (!std::holds_alternative<DenseMatrix>(p.A) || p.size() != 3 * static_cast<Index>(p.friction.size())) return false;
   for (Index k = 0; 3 * k < p.size(); ++k) {
     const Friction& f = p.friction[at(k)];
@@ -235,7 +235,7 @@ bool can_be_retold(const Lcp& p) {
   return true;
 }
 
-Retelling retell(const Lcp& p, Random& random) {
+Restatement restate(const Lcp& p, Random& random) {
   const Index n = p.size(), contacts = n / 3;
   std::vector<Index> order(at(contacts) + 1);
   std::iota(order.begin(), order.end(), Index{0});
@@ -244,8 +244,8 @@ Retelling retell(const Lcp& p, Random& random) {
   for (std::size_t k = order.size(); k-- > 1;) std::swap(order[k], order[at(random.integer(0, static_cast<int>(k)))]);
   const Index rows = n + 3;
   DiscMatrix T = DiscMatrix::Zero(rows, n);  // w of the new problem: T w
-  Retelling told{{}, DiscMatrix::Zero(rows, n)};
-  Lcp& q = told.problem;
+  Restatement restated{{}, DiscMatrix::Zero(rows, n)};
+  Lcp& q = restated.problem;
   q.lo = DiscVector::Constant(rows, -kInf), q.hi = DiscVector::Constant(rows, kInf);
   for (Index k = 0; k <= contacts; ++k) {
     const Index from = order[at(k)];
@@ -254,13 +254,13 @@ Retelling retell(const Lcp& p, Random& random) {
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
     turn.bottomRightCorner(2, 2) << c, -s, s, c;
     T.block(3 * k, 3 * from, 3, 3) = unit * turn;
-    told.of_z.block(3 * k, 3 * from, 3, 3) = (from == twin ? 0.5 : 1) / unit * turn;
+    restated.of_z.block(3 * k, 3 * from, 3, 3) = (from == twin ? 0.5 : 1) / unit * turn;
     q.lo[3 * k] = 0;
     q.friction.push_back({.normal = 3 * k, .first = 3 * k + 1, .rows = 2, .mu = p.friction[at(from)].mu});
   }
   q.A = DenseMatrix(T * std::get<DenseMatrix>(p.A) * T.transpose());
   q.b = T * p.b;
-  return told;
+  return restated;
 }
 
 StormProblem disc_problem(std::uint64_t seed, std::uint64_t k) {

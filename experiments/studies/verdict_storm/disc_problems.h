@@ -16,12 +16,12 @@ std::span<const std::string_view> disc_kinds();
 /// The same problem in other words: tangent planes turned, contacts in another order, each in another unit (powers of
 /// two), one contact twice. z solves p exactly where image(z) solves `problem`, in exact arithmetic; the turn is by an
 /// angle with a rational cosine, rounded.
-struct Retelling {
+struct Restatement {
   Lcp problem;
   Eigen::MatrixXd of_z;  // image(z) = of_z z
 };
 /// Of a dense problem: three rows a contact in order, [0, ∞), one disc each.
-Retelling retell(const Lcp& p, Random& random);
-bool can_be_retold(const Lcp& p);
+Restatement restate(const Lcp& p, Random& random);
+bool can_be_restated(const Lcp& p);
 
 }  // namespace orthant

@@ -163,31 +163,31 @@ StormProblem problem_of(const StormChoice& choice, std::uint64_t k) {
 
 namespace {
 
-constexpr double kRetold = 1e-8;  // of an answer within 1e-10, told again: half a z, and μ up to 1e6
+constexpr double kRestated = 1e-8;  // of an answer within 1e-10, restated: half a z, and μ up to 1e6
 
 /// Why the claims of a solver on a problem and on the same in other words contradict; empty: they do not.
 std::string contradiction(const Lcp& p, const Solution& s, Runner& runner, double limit, std::uint64_t k) {
   Random random(k + 1);
-  const Retelling told = retell(p, random);
+  const Restatement restated = restate(p, random);
   if (s.status == Status::solved) {
-    const Vector image = told.of_z * s.z;
-    const Finding finding = examine_cones(told.problem, image, kRetold, Status::solved);
-    if (!finding.holds) return "told again, the same z: " + finding.why;
+    const Vector image = restated.of_z * s.z;
+    const Finding finding = examine_cones(restated.problem, image, kRestated, Status::solved);
+    if (!finding.holds) return "restated, the same z: " + finding.why;
     Solution same;
     same.z = image, same.w.resize(image.size());
     ConeJudge judge;
-    if (!judge.passes(told.problem, kRetold, same) || judge.rounded())
-      return "told again, the judge refuses the same z";
+    if (!judge.passes(restated.problem, kRestated, same) || judge.rounded())
+      return "restated, the judge refuses the same z";
   }
   const bool solved = s.status == Status::solved, infeasible = s.status == Status::infeasible;
-  runner.solve(told.problem, limit);
+  runner.solve(restated.problem, limit);
   const Solution& again = runner.solution;
   if (again.status == Status::solved) {
-    const Finding finding = examine_cones(told.problem, again.z, kTolerance, Status::solved);
-    if (!finding.holds) return "told again: " + finding.why;
+    const Finding finding = examine_cones(restated.problem, again.z, kTolerance, Status::solved);
+    if (!finding.holds) return "restated: " + finding.why;
   }
   if ((solved && again.status == Status::infeasible) || (infeasible && again.status == Status::solved))
-    return std::string(name(s.status)) + ", told again " + std::string(name(again.status));
+    return std::string(name(s.status)) + ", restated " + std::string(name(again.status));
   return {};
 }
 
@@ -214,7 +214,7 @@ StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t c
       try {
         const double seconds = runners[i].solve(p.problem, limit);
         result = verdicts.judge(runners[i].solution, seconds, limit + choice.grace, why, row);
-        if (choice.discs && why.empty() && (turn + i) % 8 == 0 && can_be_retold(p.problem)) {
+        if (choice.discs && why.empty() && (turn + i) % 8 == 0 && can_be_restated(p.problem)) {
           const Solution said = runners[i].solution;
           why = contradiction(p.problem, said, runners[i], limit, k);
           if (!why.empty()) result = StormResult::wrong;
