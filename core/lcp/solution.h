@@ -65,7 +65,7 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
   double rounding = 0;     // ε max_i (|b_i| + Σ_j |A_ij z_j|): a last digit of the terms of w        [units of w]
   Miss miss;
   int iterations = 0;
-  long factorizations = 0;     // of matrices, by the library's own methods (effort.h)
+  long factorizations = 0;     // of matrices, by the library's own methods (factorization_count.h)
   double factorized_rows = 0;  // their rows in all: over n, the same in units of a whole matrix
   Vector z, w;                 // n; w = A z + b recomputed from the caller's data
   Vector certificate;          // n: u that proves infeasibility; else empty

@@ -59,7 +59,7 @@ class FreeEuler final : public orthant::Integrator {
     x.t += h;
     return {};
   }
-  void remember(orthant::Memory&) override {}  // nothing is kept from step to step
+  void remember(orthant::CheckpointData&) override {}  // nothing is kept from step to step
   const orthant::Lcp& problem() const override { return none_; }
 
  private:

@@ -81,7 +81,7 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
   events_.reserve(64), left_.events.reserve(64);
 }
 
-void SpatialAdaptive::remember(Memory& memory) {
+void SpatialAdaptive::remember(CheckpointData& memory) {
   memory(time_, began_, reach_, next_, begun_, load_, now_.q, now_.v, stride_.start, stride_.a, stride_.force,
          stride_.modes, stride_.length, stride_.arc, stride_.push, left_.events, left_.impulses, left_.work,
          failed_.status, failed_.why, last_, crowd_.steps, crowd_.standstill, crowd_.length, crowd_.end, bounces_,
@@ -119,8 +119,7 @@ void SpatialAdaptive::restart(const State& x) {
 }
 
 StepReport SpatialAdaptive::step(double h, Solver& solver, State& x) {
-  StepReport report;
-  report.accepted = 0;
+  StepReport report = StepReport::begun(0);
   if (measures_) report.work = 0;
   why_.clear(), events_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});

@@ -47,7 +47,7 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
 
   explicit SpatialAdaptive(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override;
+  void remember(CheckpointData& memory) override;
   const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
   bool controls_step() const override { return kCan.error_control; }
 
@@ -188,7 +188,7 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   std::vector<char> touching_, released_, in_turn_;
   std::vector<Vector3d> slides_;  // contacts that slide off, along this
   std::vector<SpatialMode> before_;
-  std::vector<WantedOf<Spatial>> wanted_;
+  std::vector<RateTargetOf<Spatial>> wanted_;
   std::vector<Impulse> struck_;
   std::vector<int> contacts_;
   Eigen::VectorXd v_before_, none_, q_within_, v_within_;

@@ -36,7 +36,7 @@ class SpatialTransition {
 
   const Lcp& problem() const { return lcp_; }
   const std::string& why() const { return why_; }
-  void remember(Memory& memory) { memory(solution_.z); }  // the next guess
+  void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
 
  private:
   void formulate(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v);

@@ -39,7 +39,7 @@ class Substitute {
   /// of other schemes are: those that push or have events first, then by their gaps; what has no room is left out.
   StepReport step(Integrator& scheme, double h, Solver& solver, State& x, Records out);
 
-  void remember(Memory& memory) { memory(state_); }
+  void remember(CheckpointData& memory) { memory(state_); }
 
  private:
   void number_pairs(const Integrator& scheme);
@@ -62,7 +62,7 @@ class SubstituteIntegrator final : public Integrator {
       : Integrator(system, scheme, can), substitute_(system, scheme), scheme_(make(substitute_.system(), options)) {}
 
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override { memory(substitute_, *scheme_); }
+  void remember(CheckpointData& memory) override { memory(substitute_, *scheme_); }
   const Lcp& problem() const override { return scheme_->problem(); }
   bool controls_step() const override { return scheme_->controls_step(); }
 

@@ -47,7 +47,7 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   bool begun = false;
   Clock each = clock;
   each.every = 1;
-  result.run = simulate(integrator, solver, each, [&](const Moment& moment) {
+  result.run = simulate(integrator, solver, each, [&](const RunSample& moment) {
     if (begun && (!has_answer(moment.report.status) || moment.state.t == before.t)) return;
     if (!begun) {
       tangent.begin(moment.state, nearby, result.q, result.v);

@@ -110,7 +110,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   if (no_answer_) return fail(report, report.status, impact_.why());
   if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
   if (plastic)
-    for (Wanted& wanted : wanted_) wanted.normal = 0;
+    for (RateTarget& wanted : wanted_) wanted.normal = 0;
   formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
   shown_ = &formulation_;
   no_answer_ = !formulation_.solve(solver, report);

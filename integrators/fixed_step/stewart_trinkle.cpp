@@ -13,27 +13,27 @@ template <class Rows> double speed(const Rows& rows, const Eigen::VectorXd& v) {
 
 }  // namespace
 
-template <class Space> double StewartTrinkleOf<Space>::reach() const {
-  return cone_ == Cone::coulomb ? nearly() : kInf;
+template <class Space> double StewartTrinkleOf<Space>::reach(const Step& step) const {
+  return cone_ == Cone::coulomb ? step.nearly() : kInf;
 }
 
 template <class Space>
-double StewartTrinkleOf<Space>::least(const ClosedContact& c, double h, const State&, const Eigen::VectorXd& v) const {
-  if (cone_ == Cone::coulomb) return closing(c, h);
-  const ContactLaw& law = system_.law(c.contact);
+double StewartTrinkleOf<Space>::least(const Step& step, const ClosedContact& c, const Eigen::VectorXd& v) const {
+  if (cone_ == Cone::coulomb) return closing(step, c);
+  const ContactLaw& law = step.system.law(c.contact);
   const auto slip = slip_rate(c.rows, v.data()) - belt_of(law, c.rows);
-  return closing(c, h) + mu_at(law, slip) * size_of(slip);
+  return closing(step, c) + mu_at(law, slip) * size_of(slip);
 }
 
-template <class Space> void StewartTrinkleOf<Space>::want(double h, const State& x) {
+template <class Space> void StewartTrinkleOf<Space>::set_targets(Step& step) {
   constexpr double kPace = 0.25;  // at which penetration is pushed out at the most, see the header
-  for (std::size_t k = 0; k < wanted_.size(); ++k) {
-    const auto& rows = terms_.closed[k].rows;
-    const double pace = kPace * (speed(rows, x.v) + speed(rows, v_new_));
-    const double approach = std::min(closing(terms_.closed[k], h), pace);
-    const bool rebounds = system_.law(terms_.closed[k].contact).e > 0;
-    wanted_[k].normal = rebounds ? std::max(wanted_[k].normal, approach) : approach;
-    wanted_[k].least = approach;
+  for (std::size_t k = 0; k < step.targets.size(); ++k) {
+    const ClosedContact& c = step.terms.closed[k];
+    const double pace = kPace * (speed(c.rows, step.x.v) + speed(c.rows, step.v));
+    const double approach = std::min(closing(step, c), pace);
+    const bool rebounds = step.system.law(c.contact).e > 0;
+    step.targets[k].normal = rebounds ? std::max(step.targets[k].normal, approach) : approach;
+    step.targets[k].least = approach;
   }
 }
 

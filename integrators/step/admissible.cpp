@@ -352,7 +352,7 @@ template <class Space> bool MotionWatchOf<Space>::explains(const State& x, doubl
   return !end(Status::infeasible, words(*found));
 }
 
-template <class Space> void MotionWatchOf<Space>::remember(Memory& memory) {
+template <class Space> void MotionWatchOf<Space>::remember(CheckpointData& memory) {
   memory(motion_, looked_, steps_, looked_at_, start_energy_, start_kinetic_, start_potential_, least_potential_,
          peak_kinetic_, fastest_, effort_, rise_.lowest, rise_.last, between_.lowest, between_.last, kick_, floor_);
   if (meter_) meter_->forget();

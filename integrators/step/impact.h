@@ -33,7 +33,7 @@ template <class Space> class ImpactOf {
   using System = SystemOf<Space>;
   using Terms = TermsOf<Space>;
   using Row = RowOf<Space>;
-  using Wanted = WantedOf<Space>;
+  using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
 
@@ -45,10 +45,10 @@ template <class Space> class ImpactOf {
   bool has_law() const { return restitution_ == Restitution::poisson || impacts_ == Impacts::sequential; }
 
   /// Where has_law(): lets the closed contacts of `terms` strike at the velocities `before`, and adds to v what that
-  /// does. wanted (Newton's law on entry): of those that struck, normal becomes what they are left with. False: report
+  /// does. targets (Newton's law on entry): of those that struck, normal becomes what they are left with. False: report
   /// and why() say so.
-  bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before, std::vector<Wanted>& wanted,
-              Eigen::VectorXd& v, Solver& solver, StepReport& report);
+  bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
+              std::vector<RateTarget>& targets, Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
   /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely
   /// many impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a
@@ -66,7 +66,7 @@ template <class Space> class ImpactOf {
   /// See Formulation::anchor().
   void anchor(double t, const Eigen::VectorXd& q) { formulation_.anchor(t, q); }
 
-  void remember(Memory& memory) { memory(formulation_); }
+  void remember(CheckpointData& memory) { memory(formulation_); }
 
   const std::string& why() const { return why_; }
   const FormulationOf<Space>& formulation() const { return formulation_; }
@@ -87,7 +87,7 @@ template <class Space> class ImpactOf {
   Form form_;
   FormulationOf<Space> formulation_;
   Terms struck_;  // poses, joint rows, pairs and closed are used
-  std::vector<Wanted> wanted_;
+  std::vector<RateTarget> targets_;
   std::vector<Impulse> sum_, one_;
   std::vector<double> approach_;
   Eigen::VectorXd v_, rate_, joint_sum_;
@@ -98,12 +98,12 @@ extern template class ImpactOf<Planar>;
 extern template class ImpactOf<Spatial>;
 using Impact = ImpactOf<Planar>;
 
-/// Sets wanted.free and free_slip, from the velocities before contacts act.
+/// Sets targets.free and free_slip, from the velocities before contacts act.
 template <class Space>
-void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<WantedOf<Space>>& wanted);
+void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<RateTargetOf<Space>>& targets);
 
 /// Work [J] of a contact in the last step, less than none; by its pair, or {-1, its number} when it is listed.
-struct Taken {
+struct ContactWork {
   Pair contact;
   double work = 0;
 };
@@ -114,12 +114,12 @@ inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ a
 /// struck and that is a rise: by more than Σ |Λ| |γ_free − γ⁻|, which is what the step's forces may have to do with it,
 /// than `small` of Σ ½ (|γ⁺| + |γ_free|) |Λ|, which is exchanged, and than a tenth of that share (1e-9 at the least) of
 /// all kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted.
-/// A scheme that pushes gaps open (wanted.least) is reported as well, from kOtherRows on: bodies that move as far as
+/// A scheme that pushes gaps open (targets.least) is reported as well, from kOtherRows on: bodies that move as far as
 /// their own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step
 /// before it may give back. `taken` remembers that; null: nothing is remembered.
 template <class Space> double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
-                                          const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                                          const std::vector<RateTargetOf<Space>>& targets, const Eigen::VectorXd& v,
                                           const std::vector<ImpulseOf<Space>>& impulses, double small = kSameRows,
-                                          std::vector<Taken>* taken = nullptr);
+                                          std::vector<ContactWork>* taken = nullptr);
 
 }  // namespace orthant

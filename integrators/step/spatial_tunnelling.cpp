@@ -24,7 +24,7 @@ double width_of(const spatial::Shape& s) {
 
 }  // namespace
 
-SpatialPassing::SpatialPassing(const SystemOf<Spatial>& system)
+SpatialTunnellingDetector::SpatialTunnellingDetector(const SystemOf<Spatial>& system)
     : system_(system),
       collisions_(system.scene().collisions),
       reach_(static_cast<std::size_t>(system.bodies())),
@@ -46,8 +46,8 @@ SpatialPassing::SpatialPassing(const SystemOf<Spatial>& system)
   }
 }
 
-spatial::TouchPoint SpatialPassing::at(const Eigen::VectorXd& q, const spatial::Shape& a, const spatial::Shape& b,
-                                       double s) {
+spatial::TouchPoint SpatialTunnellingDetector::at(const Eigen::VectorXd& q, const spatial::Shape& a,
+                                                  const spatial::Shape& b, double s) {
   const auto posed = [&](BodyId body) {
     spatial::Pose pose;
     if (body < 0) return pose;
@@ -64,7 +64,8 @@ spatial::TouchPoint SpatialPassing::at(const Eigen::VectorXd& q, const spatial::
   return least;
 }
 
-Passage SpatialPassing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const TermsOf<Spatial>& terms) {
+Passage SpatialTunnellingDetector::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end,
+                                        const TermsOf<Spatial>& terms) {
   step_ = between<Spatial>(q, q_end);
   double farthest = 0;
   for (std::size_t i = 0; i < way_.size(); ++i) {
@@ -91,8 +92,8 @@ Passage SpatialPassing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_
   return {};
 }
 
-bool SpatialPassing::passed(const Eigen::VectorXd& q, const spatial::Shape& a, const spatial::Shape& b, double width,
-                            double way) {
+bool SpatialTunnellingDetector::passed(const Eigen::VectorXd& q, const spatial::Shape& a, const spatial::Shape& b,
+                                       double width, double way) {
   if (!(way > kShortWay * width) || !std::isfinite(way)) return false;
   const spatial::TouchPoint end = at(q, a, b, 1), start = at(q, a, b, 0);
   const double met = -kMetDepth * width, deep = std::min({start.gap, end.gap, 0.0}) + met;

@@ -26,7 +26,7 @@ struct Passage {
 
 class Passing {
  public:
-  explicit Passing(const System& system);
+  explicit TunnellingDetector(const System& system);
 
   /// The first of the pairs, listed or in terms.pairs, that passed between q and q_end; terms.gap is at q_end.
   Passage find(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms) {

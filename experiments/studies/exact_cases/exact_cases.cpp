@@ -112,13 +112,13 @@ Row visit(const ExactCase& exact_case, const std::string& solver, const Setting&
     const Run twin = simulate(*make_integrator(setting.spec, other),
                               *make_solver(exact_case.rival.empty() ? solver : exact_case.rival), clock);
     if (twin.status == Status::solved)
-      error = [&, end = twin.final](const Moment& m) { return exact_case.unlike(m.state, end); };
+      error = [&, end = twin.final](const RunSample& m) { return exact_case.unlike(m.state, end); };
     else
-      error = [](const Moment&) { return kInf; };
+      error = [](const RunSample&) { return kInf; };
   }
   EnergyDefect defect(system, exact_case.energy);
   double last = 0;
-  const Run run = simulate(*scheme, *lcp, clock, [&](const Moment& m) {
+  const Run run = simulate(*scheme, *lcp, clock, [&](const RunSample& m) {
     const double now = error(m);
     last = exact_case.throughout ? std::max(last, now) : now;
     defect.see(m.state);
