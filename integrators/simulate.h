@@ -66,7 +66,7 @@ inline constexpr std::array<std::string_view, 2> kRoundedNames = {"take", "stop"
 struct Clock {
   double step = 1e-3;        // h > 0 [s]; the last step is shorter when the duration is no multiple of it
   double duration = 1;       // > 0 [s]
-  long every = 1;            // record every so many steps, besides the first and the last moment
+  long every = 1;            // record every so many steps, and the first and the last moment
   double time_limit = kInf;  // [s] of wall time; past it the run ends with Status::time_limit
   const std::atomic<bool>* cancel = nullptr;  // raised by another thread: the run ends with Status::cancelled
   Rounded rounded = Rounded::take;            // stop: the run ends before such a step, with Status::rounded

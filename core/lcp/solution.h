@@ -10,7 +10,7 @@
 
 namespace orthant {
 
-/// What a method says of its own run. Only the judge (judge/certify.h) makes a status of it.
+/// A method's own account of its run. Only the judge (judge/certify.h) turns it into a status.
 enum class Claim {
   candidate,        // z may be a solution: please judge
   ray,              // ended on a ray; its direction, if known, is in Solution::ray
@@ -76,7 +76,7 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
 /// The same of a miss: "row 12 misses by …".
 std::string words_of(const Miss& miss);
 
-/// In one line why the status is not solved, as far as z tells: "row 12 misses by 3e-9, inside its bounds; 1e-10 of its
+/// In one line why the status is not solved, as far as z shows it: "row 12 misses by 3e-9, inside its bounds; 1e-10 of its
 /// data is 4e-13". Empty for solved.
 std::string why(const Solution& solution);
 

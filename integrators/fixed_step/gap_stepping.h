@@ -27,7 +27,7 @@ template <class Space> class GapSteppingOf : public VelocitySteppingOf<Space> {
   /// The law of what takes part; step.targets is Newton's.
   virtual void set_targets(Step& step) = 0;
 
-  /// [m] Contacts farther open at the end of free flight need not be asked at first.
+  /// [m] Contacts farther open at the end of free flight need not be evaluated at first.
   virtual double reach(const Step& /*step*/) const { return kInf; }
 
   /// γ_N⁺ that just closes the gap at the end of the step, to first order.

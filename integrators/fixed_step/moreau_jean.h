@@ -52,7 +52,7 @@ template <class Space> class MoreauJeanOf final : public VelocitySteppingOf<Spac
   static bool may_slide_off(const typename System::Scene& scene);  // two polygons may meet
 
   void close(Step& step) override;
-  /// Which of the closed contacts k and k + 1 is a point that only slides off an edge; none: the number of all.
+  /// The one of the closed contacts k and k + 1 that only slides off an edge; none: the number of closed contacts.
   static std::size_t slides_off(const Step& step, std::size_t k);
 
   bool polygons_;

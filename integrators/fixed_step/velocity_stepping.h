@@ -136,7 +136,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   StepFrames frames(double h) const;
   /// All of the step's impulses in joints, those that contacts cause too: lambda_.
   void find_joint_impulses(double h, const State& x);
-  /// What the joints' impulses make of stiffness, those that contacts cause too: carried_, for the next one.
+  /// Geometric stiffness by the joints' impulses, those caused by contacts included: carried_, for the next step.
   void note_stiffness(double h, const State& x);
   /// The pairs that can be closed in the step, terms_.at being on its way.
   bool find_pairs(double h, const State& x, StepReport& report);

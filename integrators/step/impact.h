@@ -50,11 +50,11 @@ template <class Space> class ImpactOf {
   bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
               std::vector<RateTarget>& targets, Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
-  /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely
-  /// many impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a
-  /// contact of the scene, strike one after the other, the fastest first, and all other closed contacts each time with
-  /// them. v: before, and after.
-  /// What is struck in turn and not at once keeps another share of its friction, the more the slower the series decays.
+  /// Ends an accumulation of impacts that several contacts strike in turn, at ever shorter intervals. Applies, at one
+  /// instant, those of its infinitely many impacts that approach faster than 1e-10 of the first one (at most 1000).
+  /// The contacts of in_turn (one flag per contact of the scene) strike one after the other, the fastest first. All
+  /// other closed contacts take part each time. v: before, then after.
+  /// Striking at one instant changes the share of friction: the slower the series decays, the more.
   bool strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
                       Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
@@ -102,7 +102,7 @@ using Impact = ImpactOf<Planar>;
 template <class Space>
 void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<RateTargetOf<Space>>& targets);
 
-/// Work [J] of a contact in the last step, less than none; by its pair, or {-1, its number} when it is listed.
+/// Negative work [J] of a contact in the last step. A listed contact has the pair {-1, its number}.
 struct ContactWork {
   Pair contact;
   double work = 0;
@@ -110,13 +110,15 @@ struct ContactWork {
 inline constexpr double kSameRows = 1e-9;   // of what impacts exchange: rounding
 inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ are those of different poses
 
-/// What the impulses of a step did to the kinetic energy, Σ ½ (γ⁺ + γ_free) Λ over the closed contacts, when something
-/// struck and that is a rise: by more than Σ |Λ| |γ_free − γ⁻|, which is what the step's forces may have to do with it,
-/// than `small` of Σ ½ (|γ⁺| + |γ_free|) |Λ|, which is exchanged, and than a tenth of that share (1e-9 at the least) of
-/// all kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted.
-/// A scheme that pushes gaps open (targets.least) is reported as well, from kOtherRows on: bodies that move as far as
-/// their own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step
-/// before it may give back. `taken` remembers that; null: nothing is remembered.
+/// Rise of kinetic energy [J] by the impulses of a step with an impact, Σ ½ (γ⁺ + γ_free) Λ over the closed contacts.
+/// Returns 0 unless the rise exceeds each of three limits:
+///   Σ |Λ| |γ_free − γ⁻|, the possible share of the step's forces;
+///   `small` times the exchanged energy Σ ½ (|γ⁺| + |γ_free|) |Λ|;
+///   a tenth of `small` (at least 1e-9) times the whole kinetic energy.
+/// Slip is relative to the moving surface, so that the work of a belt does not count. From kOtherRows on, schemes that
+/// push gaps open (targets.least) are reported, too: they shoot off bodies that move by their own size in a step.
+/// An impact may need two steps: a contact may return the work that it took in the step before. `taken` stores this
+/// work; null: it is not stored.
 template <class Space> double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
                                           const std::vector<RateTargetOf<Space>>& targets, const Eigen::VectorXd& v,
                                           const std::vector<ImpulseOf<Space>>& impulses, double small = kSameRows,

@@ -14,14 +14,14 @@ struct NoBelt {
   NoBelt& operator=(double /*law's*/) { return *this; }
 };
 
-/// What a closed contact's rates after the step are held against, its rates before and its law. [m/s]
+/// Targets of a closed contact's rates after the step, with its rates before and its law. [m/s]
 template <class Space> struct RateTargetOf {
   double normal = 0;
   Tangent<Space> tangent{};
   Tangent<Space> slip{};            // γ_T⁻, which chooses μ
   const ContactLaw* law = nullptr;  // stays where it is until the step is done
   double approach = 0;              // γ_N⁻
-  double least = -kInf;             // of `normal`, whatever the law: asked for by the scheme
+  double least = -kInf;             // of `normal`, whatever the law: required by the scheme
   // For energy_rise(): γ_T⁻ and, with the step's forces, γ_N and γ_T without contacts, see note_forces().
   Tangent<Space> slip_before{};
   double free = 0;
