@@ -76,8 +76,8 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
 /// The same of a miss: "row 12 misses by …".
 std::string words_of(const Miss& miss);
 
-/// In one line why the status is not solved, as far as z shows it: "row 12 misses by 3e-9, inside its bounds; 1e-10 of its
-/// data is 4e-13". Empty for solved.
+/// Reason in one line why the status is not solved, as far as z shows it: "row 12 misses by 3e-9, inside its bounds;
+/// 1e-10 of its data is 4e-13". Empty for solved.
 std::string why(const Solution& solution);
 
 }  // namespace orthant
