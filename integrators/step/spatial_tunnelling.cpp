@@ -1,4 +1,5 @@
 #include <orthant/integrators/step/spatial_tunnelling.h>
+#include <orthant/integrators/step/width.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,17 +11,6 @@ namespace {
 constexpr double kMetDepth = 0.05;       // of the thinner shape: they met
 constexpr double kWayStride = 1.0 / 16;  // likewise: a stride along the way
 constexpr double kShortWay = 0.4;        // likewise: the ends of a shorter way are at most half of it from its middle
-
-double width_of(const spatial::Shape& s) {
-  if (!s.polytope()) return 2 * s.radius;
-  double least = std::numeric_limits<double>::infinity();
-  for (const spatial::Hull::Face& face : s.hull->faces) {
-    double high = 0;
-    for (const Vector3d& corner : s.hull->corners) high = std::max(high, face.offset - face.normal.dot(corner));
-    least = std::min(least, high);
-  }
-  return least;
-}
 
 }  // namespace
 

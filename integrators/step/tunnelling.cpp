@@ -1,5 +1,6 @@
 #include <orthant/integrators/step/polygon_points.h>
 #include <orthant/integrators/step/tunnelling.h>
+#include <orthant/integrators/step/width.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,19 +18,6 @@ double reach_of(const Polygon& corners) {
   double most = 0;
   for (const Vector2d& corner : corners) most = std::max(most, corner.norm());
   return most;
-}
-
-/// Between parallel lines, the nearest that have the polygon between them.
-double width_of(const Polygon& corners) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vector2d& from = corners[i];
-    const Vector2d n = perp(corners[(i + 1) % corners.size()] - from).normalized();
-    double high = 0;
-    for (const Vector2d& corner : corners) high = std::max(high, std::abs(n.dot(corner - from)));
-    least = std::min(least, high);
-  }
-  return least;
 }
 
 }  // namespace
