@@ -195,6 +195,7 @@ void check(const Clock& clock) {
     refuse("step", detail::text_of(clock.step), "must be at least duration / 1e15");
 }
 
+/// One function: the loop over the steps, with each of its ends.
 template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
                                     const std::type_identity_t<RecorderOf<Space>>& record, const Restart& restart) {
   check(clock);

@@ -17,6 +17,7 @@ bool Pyramid::needed(const Lcp& p) {
   return false;
 }
 
+/// One function: the parts of M and q in the order of the formulas in the header.
 const Lcp& Pyramid::pure(const Lcp& p, Form form) {
   const Index n = p.size();
   form_ = form;

@@ -233,7 +233,8 @@ struct Path::Work {
     return false;
   }
 
-  // One variation from `start`; the result in z.
+  // One variation from `start`; the result in z. One function: the major iteration with its watchdog, restarts and line
+  // search share most of their state.
   Claim iterate(const Variation& v) {
     using End = PathEnd;
     const Index n = model.size();

@@ -68,6 +68,7 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
   }
 }
 
+/// One function: the proof's conditions in the order of the header, each with its bound of rounding.
 bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
   const Index n = problem.size();
   if (n == 0 || u.size() != n) return false;

@@ -269,6 +269,7 @@ std::string number(double x) {
   return std::isfinite(x) ? text : "";
 }
 
+/// One function: a pass over the rows for the CSV file, one over the series for the Markdown table.
 void report(const std::filesystem::path& output, const std::vector<ExactCase>& all, const std::vector<Row>& rows) {
   std::string csv =
       "case,title,motion,measure,integrator,solver,setting,status,error,seconds,lcp_solves,lcp_iterations,lcp_residual,"

@@ -1,4 +1,4 @@
-// core/mechanics/scene/toml/spatial_fields.h — keys common to elements in space: bodies with points, axes, orientations.
+// core/mechanics/scene/toml/spatial_fields.h — common keys of elements in space: bodies, points, axes, orientations.
 #pragma once
 
 #include "spatial_reader.h"
