@@ -1,4 +1,4 @@
-// integrators/step/rate_targets.h — targets of the closed contacts' rates after a step, by impact law.
+// integrators/step/rate_targets.h — Newton's law of restitution: targets of the closed contacts' rates after a step.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
