@@ -1,5 +1,5 @@
 // integrators/step/impact.h — impact laws: Poisson's restitution, and impacts one after the other.
-// Newton's law on all contacts at once needs no stage of its own: rate_targets.h sets −e γ_N⁻ as the target of the step.
+// Newton's law on all contacts at once needs no stage: rate_targets.h sets −e γ_N⁻ as the target of the step.
 //
 //   The impact takes v⁻ to v^E at one instant, before the step's forces act:
 //   newton   γ_N⁺ ≥ −e γ_N⁻ and γ_T⁺ → −e_T γ_T⁻ for the contacts that strike.
