@@ -250,7 +250,7 @@ template <class Space> bool VelocitySteppingOf<Space>::find_pairs(double h, cons
   double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
   for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
   reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
-  reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
+  reach_.array() += 10 * near_.largest();  // what a scheme takes for closed may be open
   return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
 

@@ -24,7 +24,7 @@ struct Passage {
   double moved = 0, width = 0;  // [m] in the step, at its rim; of the thinner shape
 };
 
-class Passing {
+class TunnellingDetector {
  public:
   explicit TunnellingDetector(const System& system);
 
