@@ -126,9 +126,9 @@ double largest_ratio(const Matrix& A, const Vector& d, const Vector& b, Vector& 
 void HeldBounds::load(const Lcp& problem, Vector& z) {
   lo = problem.lo, hi = problem.hi;
   diagonal(problem.A, d);
-  each_entry(problem.A, [&](Index i, Index j, double value) {  // a zero diagonal entry takes the row's largest, negated
+  // A zero diagonal entry takes the row's largest, negated.
+  for_each_entry(problem.A, [&](Index i, Index j, double value) {
     if (i != j && d[i] <= 0) d[i] = std::min(d[i], -std::abs(value));
-    return true;
   });
   for (double& value : d) value = value == 0 ? 1 : std::abs(value);
   hold(problem, z);

@@ -160,7 +160,9 @@ template <class T, Eigen::Index kMost = Eigen::Dynamic> class DenseLu {  // reus
 
 /// The same for at most N rows, N known at compile time: no heap, and bit for bit the pivots, dependent columns and
 /// solutions of the other.
-template <Eigen::Index N> class DenseLu<double, N> {
+template <Eigen::Index N>
+  requires(N > 0)
+class DenseLu<double, N> {
  public:
   using Index = Eigen::Index;
 
