@@ -41,7 +41,7 @@ struct StepReport {
   Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
 
   /// A step that is solved so far.
-  static StepReport begun(int accepted = 1) {
+  static StepReport solved(int accepted = 1) {
     StepReport report;
     report.status = Status::solved, report.accepted = accepted;
     return report;

@@ -216,7 +216,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
   evaluate_gaps(system, start);
   MotionWatchOf<Space> watch(integrator, x, start.gap);
   if (restart.from.empty()) {
-    recording.write(x, StepReport::begun(), start.gap);
+    recording.write(x, StepReport::solved(), start.gap);
   } else {
     CheckpointData memory(restart.from);
     remember(clock, run, recording, integrator, watch, memory);

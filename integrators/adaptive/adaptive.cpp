@@ -64,7 +64,7 @@ void Adaptive::restart(const State& x) {
 }
 
 StepReport Adaptive::step(double h, Solver& solver, State& x) {
-  StepReport report = StepReport::begun(0);
+  StepReport report = StepReport::solved(0);
   if (meter_) report.work = 0;
   why_.clear(), events_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});

@@ -119,7 +119,7 @@ void SpatialAdaptive::restart(const State& x) {
 }
 
 StepReport SpatialAdaptive::step(double h, Solver& solver, State& x) {
-  StepReport report = StepReport::begun(0);
+  StepReport report = StepReport::solved(0);
   if (measures_) report.work = 0;
   why_.clear(), events_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});

@@ -47,7 +47,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
 }
 
 StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
-  StepReport report = StepReport::begun(0);
+  StepReport report = StepReport::solved(0);
   events_.clear(), why_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   formulation_.clear(), shown_ = &formulation_;

@@ -47,7 +47,7 @@ template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const Syste
 }
 
 template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
-  StepReport report = StepReport::begun();
+  StepReport report = StepReport::solved();
   formulation_.clear();
   shown_ = &formulation_;
   why_.clear();
