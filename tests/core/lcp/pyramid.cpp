@@ -167,8 +167,7 @@ TEST_CASE("entries and rows of a matrix are those of its dense form, whatever it
   for (const Matrix* A : {&dense.A, &rows.A}) {
     DenseMatrix room;
     const DenseMatrix& known = dense_of(*A, room);
-    DenseMatrix found(6, 6);
-    found.setZero();
+    DenseMatrix found = Eigen::MatrixXd::Zero(6, 6);
     CHECK(for_each_entry(*A, [&](Index i, Index j, double value) { found(i, j) = value; }));
     CHECK(found == known);
     int seen = 0;
