@@ -1,8 +1,8 @@
 // integrators/checkpoint.h — checkpoint of an integrator: its state between steps, in binary; one list for both ways.
 //
-//   void Scheme::remember(Memory& memory) { memory(last_step_, modes_, formulation_); }
-//   Memory out;  scheme.remember(out);  out.bytes()            the doubles' own bits: what is read back is the same
-//   Memory in(bytes);  other.remember(in);  in.end()           throws std::invalid_argument where they do not fit
+//   void Scheme::remember(CheckpointData& memory) { memory(last_step_, modes_, formulation_); }
+//   CheckpointData out;  scheme.remember(out);  out.bytes()     the doubles' own bits: reading returns the same numbers
+//   CheckpointData in(bytes);  other.remember(in);  in.end()    throws std::invalid_argument where they do not fit
 //
 //   Numbers, enumerations, structs of them, strings, vectors of all these, and whatever has a remember() of its own.
 //   The bytes are this machine's: a checkpoint is for going on, not for keeping.
@@ -20,10 +20,10 @@
 
 namespace orthant {
 
-class Memory {
+class CheckpointData {
  public:
-  Memory() = default;
-  explicit Memory(std::string_view bytes) : reading_(true), left_(bytes) {}
+  CheckpointData() = default;
+  explicit CheckpointData(std::string_view bytes) : reading_(true), left_(bytes) {}
 
   bool reading() const { return reading_; }
   const std::string& bytes() const { return bytes_; }
@@ -58,7 +58,7 @@ class Memory {
   }
 
   template <class T> void item(T& x) {
-    if constexpr (requires(T & y, Memory & memory) { y.remember(memory); }) {
+    if constexpr (requires(T & y, CheckpointData & memory) { y.remember(memory); }) {
       x.remember(*this);
     } else {
       static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);

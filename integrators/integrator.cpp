@@ -17,7 +17,7 @@ bool StepReport::note(int rows, Status status_of_it, double residual, int iterat
 }
 
 template <class Space> void IntegratorOf<Space>::employ(std::vector<std::unique_ptr<Solver>> helpers) {
-  crew_ = std::make_unique<Crew>(std::move(helpers));
+  pool_ = std::make_unique<SolverPool>(std::move(helpers));
 }
 
 template <class Space> bool IntegratorOf<Space>::fail(StepReport& report, Status status, std::string why) {

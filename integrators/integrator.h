@@ -21,9 +21,9 @@ namespace orthant {
 
 /// Of one call of step(): a scheme of fixed step takes it as it is, one that controls its step divides it.
 struct StepReport {
-  Status status = Status::solved;  // of the last complementarity problem; solved when there was none
-  double lcp_residual = 0;         // [m/s] the largest of those solved, as certify() measures it
-  int lcp_rows = 0;                // rows of the largest problem; 0: none was solved
+  Status status = Status::not_run;  // of the last complementarity problem; solved when there was none
+  double lcp_residual = 0;          // [m/s] the largest of those solved, as certify() measures it
+  int lcp_rows = 0;                 // rows of the largest problem; 0: none was solved
   int lcp_solves = 0;
   int rounded = 0;             // problems that are rounded only (Status::rounded)
   Miss miss;                   // of the first of them
@@ -40,6 +40,13 @@ struct StepReport {
   double energy_rise = 0;  // [J] that impacts added where they should not, see impact.h; 0: they did not
   int plastic = 0;         // problems that friction and restitution left without a solution, solved with e = 0
   Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
+
+  /// A step that is solved so far.
+  static StepReport solved(int accepted = 1) {
+    StepReport report;
+    report.status = Status::solved, report.accepted = accepted;
+    return report;
+  }
 
   /// Takes one more problem in; true: it has an answer, solved or rounded. `status` is solved in both cases.
   bool note(const Lcp& problem, const Solution& solution) {
@@ -81,10 +88,11 @@ template <class Space> class IntegratorOf {
   /// All that the scheme remembers from one step to the next, to `memory` or from it (checkpoint.h): a scheme that has
   /// read it goes on bit for bit as this one, which forgets what only saves it work (pivots chosen, matrices
   /// factorized).
-  virtual void remember(Memory& memory) = 0;
+  virtual void remember(CheckpointData& memory) = 0;
 
   /// Polled by schemes that divide their step; null: none. It must outlive the steps.
   void set_budget(const Budget* budget) { budget_ = budget; }
+  const Budget* budget() const { return budget_; }
 
   /// The last complementarity problem, to dump and replay; of size 0 when there was none.
   virtual const Lcp& problem() const = 0;
@@ -117,8 +125,6 @@ template <class Space> class IntegratorOf {
   /// for a step repeatedly.
   static double touching(double far) { return 0x1p-48 * far; }
 
-  const Budget* budget() const { return budget_; }
-
   /// True once the time is over or the caller has cancelled; the report says which.
   bool stopped(StepReport& report) const {
     if (budget_ == nullptr || !budget_->exhausted()) return false;
@@ -130,7 +136,7 @@ template <class Space> class IntegratorOf {
   bool fail(StepReport& report, Status status, std::string why);
 
   /// Worker threads for islands; null: single-threaded.
-  Crew* crew() const { return crew_.get(); }
+  SolverPool* pool() const { return pool_.get(); }
 
   const System& system_;
   Eigen::VectorXd gaps_;
@@ -141,7 +147,7 @@ template <class Space> class IntegratorOf {
 
  private:
   const Budget* budget_ = nullptr;
-  std::unique_ptr<Crew> crew_;
+  std::unique_ptr<SolverPool> pool_;
 };
 extern template class IntegratorOf<Planar>;
 extern template class IntegratorOf<Spatial>;

@@ -45,7 +45,7 @@ template <class Space> class Recording {
     std::fill(friction_.begin(), friction_.end(), 0.0);
   }
 
-  void remember(Memory& memory) { memory(written_, sum_, friction_, events_); }
+  void remember(CheckpointData& memory) { memory(written_, sum_, friction_, events_); }
 
   double seconds = 0;
 
@@ -67,7 +67,8 @@ template <class Space> class Recording {
   std::vector<Event> events_;
 };
 
-/// Time limit and cancellation of a run, handed on to what works in it; free where there is no limit.
+/// Time limit and cancellation of a run, set on its integrator and solver, which get back their own at the end; without
+/// cost where there is no limit.
 template <class Space> class Watchdog {
  public:
   using Integrator = IntegratorOf<Space>;
@@ -75,15 +76,16 @@ template <class Space> class Watchdog {
   Watchdog(const Clock& clock, Integrator& integrator, Solver& solver)
       : on_(clock.time_limit < kInf || clock.cancel != nullptr), integrator_(integrator), solver_(solver) {
     if (!on_) return;
+    budget_before_ = integrator_.budget(), cancel_before_ = solver_.cancel(), time_limit_before_ = solver_.time_limit();
     budget_.start(clock.time_limit, clock.cancel);
     integrator_.set_budget(&budget_);
     solver_.set_cancel(clock.cancel);
   }
   ~Watchdog() {
     if (!on_) return;
-    integrator_.set_budget(nullptr);
-    solver_.set_cancel(nullptr);
-    solver_.set_time_limit(kInf);
+    integrator_.set_budget(budget_before_);
+    solver_.set_cancel(cancel_before_);
+    solver_.set_time_limit(time_limit_before_);
   }
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -102,6 +104,9 @@ template <class Space> class Watchdog {
   Budget budget_;
   Integrator& integrator_;
   Solver& solver_;
+  const Budget* budget_before_ = nullptr;  // the caller's
+  const std::atomic<bool>* cancel_before_ = nullptr;
+  double time_limit_before_ = kInf;  // [s]
 };
 
 void note(const StepReport& report, Run& run) {
@@ -130,14 +135,15 @@ void note(const StepReport& report, Run& run) {
   run.lcp_iterations += report.lcp_iterations;
 }
 
-void remember(Run& run, Memory& memory) {
+void remember(Run& run, CheckpointData& memory) {
   memory(run.final, run.first_passage, run.first_rounded);
   visit_fields(run, [&](const char*, const char*, const char*, auto& value) { memory(value); });
 }
 
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
 template <class Space, class Watch> void remember(const Clock& clock, Run& run, Recording<Space>& recording,
-                                                  IntegratorOf<Space>& integrator, Watch& watch, Memory& memory) {
+                                                  IntegratorOf<Space>& integrator, Watch& watch,
+                                                  CheckpointData& memory) {
   Clock same = clock;
   memory(same.step, same.duration, same.every);
   if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
@@ -159,7 +165,7 @@ template <class Space> void close_joints(const SystemOf<Space>& system, TermsOf<
   evaluate_joint_rows(system, terms);
   Eigen::VectorXd rate(terms.phi.size());
   for (Index i = 0; i < rate.size(); ++i) rate[i] = terms.missing_rate(i, x.v);
-  Extents far(system.assembly());
+  Magnitudes far(system.assembly());
   if (joints_off(terms, x.q, far) <= kClosed && off_by(terms, x.v, rate) <= kClosed) return;
   ProjectionOf<Space> projection(system);
   State closed = x;
@@ -190,6 +196,7 @@ void check(const Clock& clock) {
     refuse("step", detail::text_of(clock.step), "must be at least duration / 1e15");
 }
 
+/// One function: the loop over the steps, with each of its ends.
 template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,
                                     const std::type_identity_t<RecorderOf<Space>>& record, const Restart& restart) {
   check(clock);
@@ -210,9 +217,9 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
   evaluate_gaps(system, start);
   MotionWatchOf<Space> watch(integrator, x, start.gap);
   if (restart.from.empty()) {
-    recording.write(x, {}, start.gap);
+    recording.write(x, StepReport::solved(), start.gap);
   } else {
-    Memory memory(restart.from);
+    CheckpointData memory(restart.from);
     remember(clock, run, recording, integrator, watch, memory);
     memory.end();
     if (x.q.size() != system.coordinates() || x.v.size() != system.dof())
@@ -272,12 +279,13 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
     recording.add(run.steps, run.steps == total, x, report, integrator);
     if (restart.every > 0 && run.steps % restart.every == 0) {
       const auto saving = WallClock::now();
-      Memory memory;
+      CheckpointData memory;
       remember(clock, run, recording, integrator, watch, memory);
       restart.save(memory.bytes());
       recording.seconds += std::chrono::duration<double>(WallClock::now() - saving).count();
     }
   }
+  if (run.status == Status::not_run) run.status = Status::solved;
   run.seconds = seconds_before + std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;
   run.energy_final = energy(system, x);
   run.motion = watch.motion();

@@ -12,7 +12,7 @@
 namespace orthant {
 
 struct Run {
-  Status status = Status::solved;               // of the last step
+  Status status = Status::not_run;              // of the last step; solved: all of them are
   std::string why;                              // in words, where the status does not say it all
   State final;                                  // where the run ended; on failure the state before the failed step
   long steps = 0;                               // completed
@@ -42,7 +42,7 @@ struct Run {
 
 /// A moment of the run. Impulses (of frictions too) and events are those since the moment before, so that none is lost
 /// between records.
-template <class Space> struct MomentOf {
+template <class Space> struct RunSampleOf {
   const State& state;
   const StepReport& report;
   const Eigen::VectorXd& gaps;                    // one per contact [m]
@@ -51,9 +51,9 @@ template <class Space> struct MomentOf {
   std::span<const Event> events;                  // located, in order of time
   std::span<const Pair> pairs = {};  // of the last step: behind the listed contacts, where collisions are searched
 };
-using Moment = MomentOf<Planar>;
+using RunSample = RunSampleOf<Planar>;
 
-template <class Space> using RecorderOf = std::function<void(const MomentOf<Space>&)>;
+template <class Space> using RecorderOf = std::function<void(const RunSampleOf<Space>&)>;
 using Recorder = RecorderOf<Planar>;
 
 /// How far a run has come, for another thread to show.
@@ -68,7 +68,7 @@ inline constexpr std::array<std::string_view, 2> kRoundedNames = {"take", "stop"
 struct Clock {
   double step = 1e-3;        // h > 0 [s]; the last step is shorter when the duration is no multiple of it
   double duration = 1;       // > 0 [s]
-  long every = 1;            // record every so many steps, besides the first and the last moment
+  long every = 1;            // record every so many steps, and the first and the last moment
   double time_limit = kInf;  // [s] of wall time; past it the run ends with Status::time_limit
   const std::atomic<bool>* cancel = nullptr;  // raised by another thread: the run ends with Status::cancelled
   Rounded rounded = Rounded::take;            // stop: the run ends before such a step, with Status::rounded
@@ -85,9 +85,9 @@ struct Restart {
 
 /// Steps from the system's initial state; where that breaks joints, from the nearest state that keeps them, in the
 /// metric of M (projection.h). Throws std::invalid_argument for a bad clock; a step that fails ends the run with its
-/// status, and integrator.problem() is the problem that was not solved. With a time limit or a flag in `clock`, the
-/// solver's own are replaced by them; within a step that looks at them only periodically, the run may end a little
-/// late.
+/// status, and integrator.problem() is the problem that was not solved. With a time limit or a flag in `clock`, they
+/// replace the solver's own during the run; within a step that looks at them only periodically, the run may end a
+/// little late.
 /// With restart.from the moments before it are not recorded again; bytes that do not fit throw std::invalid_argument.
 /// In space overlaps and the energy balance are not watched (Run::motion stays empty).
 template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& solver, const Clock& clock,

@@ -2,13 +2,13 @@
 
 namespace orthant {
 
-Crew::Crew(std::vector<std::unique_ptr<Solver>> helpers) : helpers_(std::move(helpers)) {
+SolverPool::SolverPool(std::vector<std::unique_ptr<Solver>> helpers) : helpers_(std::move(helpers)) {
   threads_.reserve(helpers_.size());
   for (std::size_t i = 0; i < helpers_.size(); ++i)
     threads_.emplace_back([this, i] { serve(*helpers_[i], static_cast<int>(i) + 1); });
 }
 
-Crew::~Crew() {
+SolverPool::~SolverPool() {
   {
     const std::lock_guard lock(mutex_);
     round_ = -1;
@@ -17,7 +17,7 @@ Crew::~Crew() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void Crew::run(int count, Solver& own, Call call, void* context) {
+void SolverPool::run(int count, Solver& own, Call call, void* context) {
   {
     const std::lock_guard lock(mutex_);
     count_ = failed_ = count, call_ = call, context_ = context, thrown_ = nullptr;
@@ -32,7 +32,7 @@ void Crew::run(int count, Solver& own, Call call, void* context) {
   if (thrown_) std::rethrow_exception(thrown_);
 }
 
-void Crew::take(Solver& solver, int worker) {
+void SolverPool::take(Solver& solver, int worker) {
   for (int task = next_++; task < count_; task = next_++) try {
       call_(context_, task, solver, worker);
     } catch (...) {
@@ -41,7 +41,7 @@ void Crew::take(Solver& solver, int worker) {
     }
 }
 
-void Crew::serve(Solver& solver, int worker) {
+void SolverPool::serve(Solver& solver, int worker) {
   for (long seen = 0;;) {
     {
       std::unique_lock lock(mutex_);

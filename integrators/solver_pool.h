@@ -18,13 +18,13 @@
 
 namespace orthant {
 
-class Crew {
+class SolverPool {
  public:
-  Crew() = default;
-  explicit Crew(std::vector<std::unique_ptr<Solver>> helpers);
-  ~Crew();
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  SolverPool() = default;
+  explicit SolverPool(std::vector<std::unique_ptr<Solver>> helpers);
+  ~SolverPool();
+  SolverPool(const SolverPool&) = delete;
+  SolverPool& operator=(const SolverPool&) = delete;
 
   int size() const { return static_cast<int>(helpers_.size()) + 1; }  // with the caller
 

@@ -139,23 +139,15 @@ Look look(const Lcp& problem) {
   } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
     p.sparse = true;
     p.grid = rows->start[static_cast<std::size_t>(p.n)] > 4 * p.n;
-    const auto find = [rows](int i, int j) {
-      const auto begin = rows->column.begin() + rows->start[static_cast<std::size_t>(i)];
-      const auto end = rows->column.begin() + rows->start[static_cast<std::size_t>(i) + 1];
-      const auto place = std::lower_bound(begin, end, j);
-      return place != end && *place == j ? rows->value[static_cast<std::size_t>(place - rows->column.begin())] : 0.0;
-    };
-    for (int i = 0; i < p.n; ++i) {
-      const double diagonal = find(i, i);
+    for (Index i = 0; i < p.n; ++i) {
+      const double diagonal = rows->entry(i, i);
       p.positive_diagonal = p.positive_diagonal && diagonal > 0;
       p.no_diagonal = p.no_diagonal && diagonal == 0;
-      for (int k = rows->start[static_cast<std::size_t>(i)]; k < rows->start[static_cast<std::size_t>(i) + 1]; ++k) {
-        const int j = rows->column[static_cast<std::size_t>(k)];
-        const double value = rows->value[static_cast<std::size_t>(k)];
-        if (j == i) continue;
+      rows->for_each_in_row(i, [&](Index j, double value) {
+        if (j == i) return;
         p.z_matrix = p.z_matrix && value <= 0;
-        p.symmetric = p.symmetric && find(j, i) == value;
-      }
+        p.symmetric = p.symmetric && rows->entry(j, i) == value;
+      });
     }
   } else {
     p.applied = true;
@@ -191,8 +183,7 @@ struct Automatic::Work {
   /// The problem with a dense matrix.
   const Lcp& small(const Lcp& problem) {
     if (std::holds_alternative<DenseMatrix>(problem.A)) return problem;
-    if (!std::holds_alternative<DenseMatrix>(dense.A)) dense.A = DenseMatrix();
-    to_dense(problem.A, std::get<DenseMatrix>(dense.A));
+    to_dense(problem.A, as<DenseMatrix>(dense.A));
     dense.b = problem.b, dense.lo = problem.lo, dense.hi = problem.hi, dense.friction = problem.friction;
     return dense;
   }

@@ -1,4 +1,4 @@
-// solvers/fine_rows.h — rows whose terms are small beside those of other rows, solved to their own scale.
+// solvers/fine_rows.h — rows with terms small compared with those of other rows, solved to their own scale.
 //
 //   Forces of 1e-20 N in a pile of 1 N: a method that stops at the rounding of the largest row leaves such rows with
 //   relative violations far above the judge's limit (judge/certify.h: s_i and β_i are a row's own). Here the rows that
@@ -14,7 +14,7 @@ namespace orthant {
 
 class FineRows {  // reuse it: the members are scratch
  public:
-  /// Room for problems of n rows: settle() then allocates nothing, but for the entries of an operator.
+  /// Room for problems of n rows: settle() then allocates nothing except the entries of an operator.
   void reserve(Index n);
   /// to ← z with the violated rows settled. False: none is violated, too many are, or one has no positive diagonal.
   bool settle(const Lcp& problem, const Vector& z, Vector& to);

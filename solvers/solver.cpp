@@ -1,5 +1,5 @@
 #include <orthant/solvers/cones/facets.h>
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/solver.h>
 
@@ -191,7 +191,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   }
   begin();
   proof_sought_ = false;
-  const Effort before = effort();
+  const FactorizationCount before = factorization_count();
   Claim claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
   judge(problem, goal_residual, claim, s);
@@ -214,8 +214,8 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   }
   if (s.status == Status::rounded) seek_proof(problem, s);
   if (open(s) && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
-  s.factorizations = effort().factorizations - before.factorizations;
-  s.factorized_rows = effort().rows - before.rows;
+  s.factorizations = factorization_count().factorizations - before.factorizations;
+  s.factorized_rows = factorization_count().rows - before.rows;
   return s;
 }
 

@@ -40,9 +40,11 @@ class Solver {
 
   /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
   void set_time_limit(double seconds) { time_limit_ = seconds; }
+  double time_limit() const { return time_limit_; }
   /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive
   /// solves.
   void set_cancel(const std::atomic<bool>* cancel) { cancel_ = cancel; }
+  const std::atomic<bool>* cancel() const { return cancel_; }
   /// Whether a run that ends on a ray, stalled or lost to rounding (small problems: or at its limit) is followed by one
   /// search for a proof that there is no solution (farkas.h: a linear program, which may cost more than the run did).
   /// On at first.

@@ -4,7 +4,7 @@
 //     z_i = lo_i ⇒ F_i(z) ≥ 0,   z_i = hi_i ⇒ F_i(z) ≤ 0,   otherwise F_i(z) = 0.
 //   lo = 0, hi = ∞: a nonlinear complementarity problem; lo = −∞, hi = ∞: a system of equations.
 //   The judge: that of the linear problem A = J(z), b = F(z) − J(z) z, whose w at z is F(z) (judge/certify.h). F_i is
-//   small where it is small beside its terms: F = −e^(−z) at z = 26 is 5e-12, but s = 2.7e-10.
+//   small where it is small compared with its terms: F = −e^(−z) at z = 26 is 5e-12, but s = 2.7e-10.
 //   Source: Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems (2003), ch. 1.
 #pragma once
 

@@ -11,39 +11,11 @@
 //   Methods for Nonsmooth Dynamical Systems (2008), ch. 3.
 #pragma once
 
-#include <orthant/core/support/reusable.h>
+#include <orthant/core/lcp/matrix.h>
 
-#include <Eigen/SparseCore>
-#include <limits>
-#include <variant>
 #include <vector>
 
 namespace orthant {
-
-inline constexpr double kInf = std::numeric_limits<double>::infinity();
-
-/// Compressed rows: row i holds (column[k], value[k]) for start[i] ≤ k < start[i + 1], columns ascending.
-/// Plain vectors, so that a matrix rebuilt at every step keeps its memory.
-struct RowSparse {
-  Index rows = 0, cols = 0;
-  std::vector<int> start{0}, column;
-  std::vector<double> value;
-
-  using View = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>;
-  View view() const {
-    return {rows, cols, static_cast<Index>(value.size()), start.data(), column.data(), value.data()};
-  }
-  static RowSparse from(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix);
-};
-
-/// A = W M⁻¹ Wᵀ + R, applied row by row and never formed (the Delassus operator of contact mechanics).
-struct Delassus {
-  RowSparse W;            // n × m constraint Jacobian
-  Vector inverse_mass;    // m, diagonal of M⁻¹, ≥ 0
-  Vector regularization;  // n, diagonal of R, ≥ 0; empty: none
-};
-
-using Matrix = std::variant<DenseMatrix, RowSparse, Delassus>;
 
 struct Friction {
   Index normal = 0, first = 0;  // rows: z_n, and the first of the friction rows, which are contiguous
@@ -74,27 +46,7 @@ struct Lcp {
 /// normal a row with lo ≥ 0 that is no friction row itself). The entries of A and b are not checked here: see finite().
 void check(const Lcp& problem);
 
-/// The same for a square matrix by itself.
-void check(const Matrix& A);
-
 /// Every number of A and b is finite.
 bool finite(const Lcp& problem);
-
-/// y ← A x, shape n; the sum runs in a fixed order, so equal input gives equal bits.
-/// `scratch` takes what the operator needs in between (Delassus: m numbers).
-void multiply(const Matrix& A, const Eigen::Ref<const Eigen::VectorXd>& x, Vector& y, Vector& scratch);
-
-/// n of an n × n matrix, as stored (check() sees to it that it is square).
-Index order(const Matrix& A);
-
-/// A_ii; diag ← all of them.
-double diagonal(const Matrix& A, Index i);
-void diagonal(const Matrix& A, Vector& diag);
-
-/// A as a dense matrix (the Delassus operator is formed: for direct methods on small problems).
-void to_dense(const Matrix& A, DenseMatrix& dense);
-/// The entries of an operator row by row, columns ascending, sums that are 0 left out. False, and nothing formed, where
-/// that takes more than `most` products.
-bool to_rows(const Delassus& A, RowSparse& rows, double most = kInf);
 
 }  // namespace orthant

@@ -17,6 +17,7 @@ bool Pyramid::needed(const Lcp& p) {
   return false;
 }
 
+/// One function: the parts of M and q in the order of the formulas in the header.
 const Lcp& Pyramid::pure(const Lcp& p, Form form) {
   const Index n = p.size();
   form_ = form;
@@ -36,8 +37,7 @@ const Lcp& Pyramid::pure(const Lcp& p, Form form) {
     size += kind_[at(i)] == friction && form == Form::stewart_trinkle ? 2 : 1;
   }
 
-  if (!std::holds_alternative<DenseMatrix>(pure_.A)) pure_.A = DenseMatrix();
-  auto& M = std::get<DenseMatrix>(pure_.A);
+  auto& M = as<DenseMatrix>(pure_.A);
   Vector& q = pure_.b;
   M.resize(size, size);
   q.resize(size);
@@ -48,12 +48,7 @@ const Lcp& Pyramid::pure(const Lcp& p, Form form) {
   M.setZero();
   q.setZero();
 
-  const auto* stored = std::get_if<DenseMatrix>(&p.A);
-  if (stored == nullptr) {
-    to_dense(p.A, dense_);
-    stored = &dense_;
-  }
-  const DenseMatrix& A = *stored;
+  const DenseMatrix& A = dense_of(p.A, dense_);
   M.topLeftCorner(n, n) = A;
   q.head(n) = p.b;
   for (Index j = 0; j < n; ++j)  // q = b + A shift

@@ -10,7 +10,7 @@
 
 namespace orthant {
 
-/// What a method says of its own run. Only the judge (judge/certify.h) makes a status of it.
+/// A method's own account of its run. Only the judge (judge/certify.h) turns it into a status.
 enum class Claim {
   candidate,        // z may be a solution: please judge
   ray,              // ended on a ray; its direction, if known, is in Solution::ray
@@ -65,7 +65,7 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
   double rounding = 0;     // ε max_i (|b_i| + Σ_j |A_ij z_j|): a last digit of the terms of w        [units of w]
   Miss miss;
   int iterations = 0;
-  long factorizations = 0;     // of matrices, by the library's own methods (effort.h)
+  long factorizations = 0;     // of matrices, by the library's own methods (factorization_count.h)
   double factorized_rows = 0;  // their rows in all: over n, the same in units of a whole matrix
   Vector z, w;                 // n; w = A z + b recomputed from the caller's data
   Vector certificate;          // n: u that proves infeasibility; else empty
@@ -76,8 +76,8 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
 /// The same of a miss: "row 12 misses by …".
 std::string words_of(const Miss& miss);
 
-/// In one line why the status is not solved, as far as z tells: "row 12 misses by 3e-9, inside its bounds; 1e-10 of its
-/// data is 4e-13". Empty for solved.
+/// Reason in one line why the status is not solved, as far as z shows it: "row 12 misses by 3e-9, inside its bounds;
+/// 1e-10 of its data is 4e-13". Empty for solved.
 std::string why(const Solution& solution);
 
 }  // namespace orthant

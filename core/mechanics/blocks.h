@@ -6,7 +6,7 @@
 // Coordinates change by a velocity times a time only through move(), and their difference is taken only by between().
 // In the plane: q + step and q₁ − q₀. In space: x + step, and the quaternion times that of the rotation vector of the
 // step (spatial/rotation.h).
-// What depends on the dimension is a template on one of the two tags; the names without it are those of the plane.
+// Code that depends on the dimension is a template on one of the two tags. Names without a tag are planar.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/rotation.h>

@@ -78,7 +78,7 @@ std::string read_whole(const std::filesystem::path& path, std::uintmax_t most) {
 void write_whole(const std::filesystem::path& file, std::string_view text) {
   check_writable(file);
   const std::filesystem::path path = target_of(file);
-  const std::filesystem::path temporary = beside(path);
+  const std::filesystem::path temporary = temporary_name(path);
   errno = 0;
   std::ofstream out(temporary, std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
@@ -93,7 +93,7 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
   throw std::runtime_error("cannot write " + path.string() + ": " + reason);
 }
 
-std::filesystem::path beside(std::filesystem::path path) { return path += ".tmp" + std::to_string(getpid()); }
+std::filesystem::path temporary_name(std::filesystem::path path) { return path += ".tmp" + std::to_string(getpid()); }
 
 std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& path) {
   const std::string start = path.filename().string() + ".tmp";

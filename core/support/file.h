@@ -28,7 +28,7 @@ std::string read_whole(const std::filesystem::path& path, std::uintmax_t most = 
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
 /// Where this process writes what is to take the place of `path`: NAME.tmp and the process's number.
-std::filesystem::path beside(std::filesystem::path path);
+std::filesystem::path temporary_name(std::filesystem::path path);
 /// Temporary files that killed processes left: their names hold the number of an ended process, or of this one.
 std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& path);
 

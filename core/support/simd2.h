@@ -8,15 +8,15 @@
 
 namespace orthant {
 
-struct Two {
+struct Simd2 {
   using Lanes [[gnu::vector_size(16)]] = double;
   Lanes lanes;
 
-  Two() = default;
-  Two(double both) : lanes{both, both} {}
-  Two(double first, double second) : lanes{first, second} {}
-  static Two load(const double* from) {
-    Two two;
+  Simd2() = default;
+  Simd2(double both) : lanes{both, both} {}
+  Simd2(double first, double second) : lanes{first, second} {}
+  static Simd2 load(const double* from) {
+    Simd2 two;
     std::memcpy(&two.lanes, from, sizeof two.lanes);
     return two;
   }
@@ -24,12 +24,12 @@ struct Two {
 
   double operator[](int i) const { return lanes[i]; }
   double sum() const { return lanes[0] + lanes[1]; }
-  Two& operator+=(Two b) { return lanes += b.lanes, *this; }
-  Two& operator-=(Two b) { return lanes -= b.lanes, *this; }
-  Two& operator*=(Two b) { return lanes *= b.lanes, *this; }
-  friend Two operator+(Two a, Two b) { return a += b; }
-  friend Two operator-(Two a, Two b) { return a -= b; }
-  friend Two operator*(Two a, Two b) { return a *= b; }
+  Simd2& operator+=(Simd2 b) { return lanes += b.lanes, *this; }
+  Simd2& operator-=(Simd2 b) { return lanes -= b.lanes, *this; }
+  Simd2& operator*=(Simd2 b) { return lanes *= b.lanes, *this; }
+  friend Simd2 operator+(Simd2 a, Simd2 b) { return a += b; }
+  friend Simd2 operator-(Simd2 a, Simd2 b) { return a -= b; }
+  friend Simd2 operator*(Simd2 a, Simd2 b) { return a *= b; }
 };
 
 }  // namespace orthant

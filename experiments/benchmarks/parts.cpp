@@ -13,7 +13,7 @@
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/simulate.h>
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/proof/farkas.h>
 #include <orthant/solvers/registry.h>
 
@@ -59,10 +59,11 @@ void block_pivot(benchmark::State& state) {
   const Lcp problem = spd(state.range(0));
   const auto solver = make_solver("block-pivot");
   Solution s;
-  const double before = effort().cubes;
+  const double before = factorization_count().cubes;
   solver->solve(problem, s);
   if (s.status != Status::solved) state.SkipWithError("not solved");
-  const auto rows = static_cast<Index>(std::cbrt((effort().cubes - before) / static_cast<double>(s.factorizations)));
+  const auto rows =
+      static_cast<Index>(std::cbrt((factorization_count().cubes - before) / static_cast<double>(s.factorizations)));
   const Eigen::MatrixXd block = std::get<DenseMatrix>(problem.A).topLeftCorner(rows, rows);
   Eigen::MatrixXd factors;
   double whole = 0, blocks = 0;

@@ -259,7 +259,7 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
   const Restart restart = restart_of(arguments, scene, kept);
   if constexpr (!kPlanar<Space>) coordinates.emplace(system);
-  const auto record = [&](const MomentOf<Space>& moment) {
+  const auto record = [&](const RunSampleOf<Space>& moment) {
     if (!arguments.output.empty()) append_row(system, moment, kept.table);
     if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
     kept.last.clear();

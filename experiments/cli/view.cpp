@@ -72,7 +72,7 @@ template <class Space> Viewed of_system(const ViewArguments& a, const SystemOf<S
   const StopSignal stop;
   Run run;
   with_elapsed_line("view", [&] {
-    run = simulate(*integrator, *solver, clock, [&](const MomentOf<Space>& moment) {
+    run = simulate(*integrator, *solver, clock, [&](const RunSampleOf<Space>& moment) {
       append_row(system, moment, record.table);
       append_events(system, moment.events, events);
       if constexpr (kPlanar<Space>)

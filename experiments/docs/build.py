@@ -26,11 +26,14 @@ PAGES = {
 }
 FOLDERS = {
     "core/lcp": "Problems and solutions",
+    "core/lcp/cones": "Intervals, discs, contacts: projections and residuals",
     "core/lcp/judge": "The judge, error bounds, matrix classes",
     "core/lcp/problems": "Known problems and families",
     "core/lcp/files": "Problem files",
     "core/mechanics": "Rows of Jacobians, blocks of bodies",
     "core/mechanics/planar": "Planar geometry, joints, contacts, springs, loads",
+    "core/mechanics/spatial": "Spatial geometry, joints, contacts, springs, loads",
+    "core/mechanics/models": "Models in URDF and MJCF, meshes",
     "core/mechanics/scene": "Scenes and scene files",
     "core/mechanics/dynamics": "Systems, terms, the basic system",
     "core/scenes": "Built-in scenes",
@@ -39,6 +42,7 @@ FOLDERS = {
     "solvers/pivoting": "Pivoting solvers",
     "solvers/active_set": "Active-set, Newton and interior-point solvers",
     "solvers/first_order": "First-order solvers",
+    "solvers/cones": "Solvers for friction discs",
     "solvers/external": "Solvers over Ipopt and NLopt",
     "solvers/proof": "Proofs of infeasibility",
     "solvers/derivatives": "Derivatives of solutions",
@@ -51,6 +55,7 @@ FOLDERS = {
     "integrators/adaptive": "Adaptive integrator",
     "integrators/event_driven": "Event-driven integrator",
 }
+INTERNAL = {"core/mechanics/scene/toml"}  # not installed
 
 
 def in_environment(environment):
@@ -94,6 +99,10 @@ def write_reference(folder, work):
     index = ["# C++ reference", "", "Every public header: its opening comment, its declarations, its text. The opening comment",
              "explains the algorithm and cites its sources. [All names](names.md).", ""]
     (folder / "names.md").write_text("# All C++ names\n\n```{cpp-names}\n```\n", encoding="utf-8")
+    parts = {str(header.parent.relative_to(ROOT)) for library in ("core", "solvers", "integrators")
+             for header in (ROOT / library).rglob("*.h")}
+    if missing := parts - INTERNAL - set(FOLDERS):
+        raise SystemExit(f"build.py: FOLDERS lacks {', '.join(sorted(missing))}: public headers need a page")
     for part, title in FOLDERS.items():
         target = folder / part.replace("/", "_")
         target.mkdir(parents=True)

@@ -57,9 +57,9 @@ class FreeEuler final : public orthant::Integrator {
     x.v += h * system_.inverse_mass().cwiseProduct(terms_.f);
     x.q += h * x.v;
     x.t += h;
-    return {};
+    return orthant::StepReport::solved();
   }
-  void remember(orthant::Memory&) override {}  // nothing is kept from step to step
+  void remember(orthant::CheckpointData&) override {}  // nothing is kept from step to step
   const orthant::Lcp& problem() const override { return none_; }
 
  private:

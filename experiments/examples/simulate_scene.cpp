@@ -21,7 +21,7 @@ int main() {
   const System system(scene);
   const auto integrator = make_integrator("adaptive:rtol=1e-8", system);
   const auto solver = make_solver("auto");
-  const Run run = simulate(*integrator, *solver, {.step = 0.01, .duration = 1}, [](const Moment& now) {
+  const Run run = simulate(*integrator, *solver, {.step = 0.01, .duration = 1}, [](const RunSample& now) {
     if (now.impulses[0].normal > 0)
       std::cout << "t = " << now.state.t << " s: the wall gives " << now.impulses[0].normal << " N s\n";
   });

@@ -271,13 +271,12 @@ void read(py::handle from, std::string_view name, RowSparse& to, Entries entries
 void read(py::handle from, std::string_view name, Matrix& to, Entries entries) {
   const std::string label(name);
   if (!py::isinstance<py::array>(from) && py::hasattr(from, "indptr")) {
-    if (!std::holds_alternative<RowSparse>(to)) to = RowSparse{};
-    read(from, name, std::get<RowSparse>(to), entries);
-    return require_square(std::get<RowSparse>(to), label);
+    auto& A = as<RowSparse>(to);
+    read(from, name, A, entries);
+    return require_square(A, label);
   }
   if (is_delassus(from)) {
-    if (!std::holds_alternative<Delassus>(to)) to = Delassus{};
-    auto& A = std::get<Delassus>(to);
+    auto& A = as<Delassus>(to);
     read(from.attr("W"), label + ".W", A.W, entries);
     read(from.attr("inverse_mass"), label + ".inverse_mass", A.W.cols, entries, A.inverse_mass);
     A.regularization.resize(0);
@@ -286,16 +285,14 @@ void read(py::handle from, std::string_view name, Matrix& to, Entries entries) {
     return;
   }
   if (is_sparse(from)) {
-    if (!std::holds_alternative<RowSparse>(to)) to = RowSparse{};
-    auto& A = std::get<RowSparse>(to);
+    auto& A = as<RowSparse>(to);
     read(from, name, A, entries);
     return require_square(A, label);
   }
   const auto a = numbers(from, name);
   const Table table = table_of(a, name, entries);
   if (table.rows() != table.cols()) refuse(label + " has shape " + shape_of(a) + ": must be square");
-  if (!std::holds_alternative<DenseMatrix>(to)) to = DenseMatrix{};
-  std::get<DenseMatrix>(to) = table;
+  as<DenseMatrix>(to) = table;
 }
 
 Eigen::MatrixXd read_table(py::handle from, std::string_view name) {

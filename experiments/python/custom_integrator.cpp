@@ -117,7 +117,7 @@ class CallbackIntegrator final : public Integrator {
   }
 
   StepReport step(double h, Solver& solver, State& x) override {
-    StepReport report;
+    StepReport report = StepReport::solved();
     const py::gil_scoped_acquire interpreter;
     problem_ = Lcp{};
     const PythonStep::Work work{system_, solver, terms_, problem_, report};
@@ -138,7 +138,7 @@ class CallbackIntegrator final : public Integrator {
     return report;
   }
 
-  void remember(Memory&) override {}
+  void remember(CheckpointData&) override {}
   const Lcp& problem() const override { return problem_; }
 
  private:

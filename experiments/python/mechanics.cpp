@@ -128,7 +128,7 @@ std::vector<Push> pushes_of(const py::array_t<double, py::array::c_style | py::a
   return pushes;
 }
 
-struct Wanted {
+struct RunRequest {
   std::string integrator, solver;
   Clock clock;
   bool check = false;
@@ -146,7 +146,7 @@ template <class Space> struct Kept {
 };
 
 template <class Space>
-Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, const py::function& warn) {
+Kept<Space> run_system(const SystemOf<Space>& system, const RunRequest& wanted, const py::function& warn) {
   Kept<Space> kept;
   const auto integrator = make_integrator(wanted.integrator, system);
   const auto solver = make_solver(wanted.solver);
@@ -157,7 +157,7 @@ Kept<Space> run_system(const SystemOf<Space>& system, const Wanted& wanted, cons
   if constexpr (kPlanar<Space>)
     if (PushLog::wanted(system, wanted.clock)) pushes.emplace(system);
   const py::gil_scoped_release others_may_run;
-  kept.run = simulate(*integrator, *solver, wanted.clock, [&](const MomentOf<Space>& moment) {
+  kept.run = simulate(*integrator, *solver, wanted.clock, [&](const RunSampleOf<Space>& moment) {
     append_row(system, moment, kept.table);
     append_events(system, moment.events, kept.events);
     if constexpr (kPlanar<Space>) {
@@ -180,7 +180,7 @@ py::array_t<double> by_rows(const std::vector<double>& table, std::size_t column
 }
 
 /// `warn` is called with the words of each warning: before the run of those about its start.
-template <class Scene> py::tuple run_in(const Scene& scene, Wanted wanted, std::optional<double> step,
+template <class Scene> py::tuple run_in(const Scene& scene, RunRequest wanted, std::optional<double> step,
                                         std::optional<double> duration, const py::function& warn) {
   using Space = SpaceOf<Scene>;
   const SystemOf<Space> system(scene);
@@ -202,7 +202,7 @@ template <class Scene> py::tuple run_in(const Scene& scene, Wanted wanted, std::
 py::tuple run_scene(const MadeScene& made, const std::string& integrator, const std::string& solver,
                     std::optional<double> step, std::optional<double> duration, long every,
                     std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
-  Wanted wanted{integrator, solver, {}, check};
+  RunRequest wanted{integrator, solver, {}, check};
   wanted.clock.every = every, wanted.clock.time_limit = time_limit.value_or(kInf);
   wanted.clock.rounded = stop_when_rounded ? Rounded::stop : Rounded::take;
   return std::visit([&](const auto& scene) { return run_in(scene, wanted, step, duration, warn); }, made.scene);

@@ -441,6 +441,7 @@ std::unique_ptr<Lcp> problem_of(const py::tuple& state) {
 
 }  // namespace
 
+/// One table of bindings with their documentation.
 void add_problems(py::module_& m) {
   py::class_<Lcp>(m, "Problem",
                   "A problem kept: z in [lower, upper] with w = M z + q, row by row complementary.\n\n"

@@ -13,7 +13,7 @@ namespace orthant {
 /// fetches the libraries).
 std::string assembled(const std::string& name, const nlohmann::ordered_json& data, bool in_space);
 
-/// Where the parts are, from now on. Otherwise: beside the program where it was installed, else in the source tree.
+/// Where the parts are, from now on. Otherwise: next to the installed program, else in the source tree.
 void set_folder_of_parts(const std::filesystem::path& folder);
 
 }  // namespace orthant

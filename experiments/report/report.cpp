@@ -32,14 +32,14 @@ double rounded(double x) { return std::round(x * 1e7) / 1e7; }  // enough for a 
 template <class S> using SpaceOfScene = std::conditional_t<std::is_same_v<S, Scene>, Planar, Spatial>;
 
 /// After t of a frame: x, y, θ of each body, then gap and normal impulse (since the frame before) of each contact.
-void append_frame(const System&, const Moment& moment, Json& frame) {
+void append_frame(const System&, const RunSample& moment, Json& frame) {
   for (const double q : moment.state.q) frame.push_back(rounded(q));
   for (std::size_t i = 0; i < moment.impulses.size(); ++i)
     frame.push_back(rounded(moment.gaps[static_cast<Index>(i)])), frame.push_back(rounded(moment.impulses[i].normal));
 }
 
 /// In space x, y, z and quaternion of each body, then gap and three impulses: columns of a trajectory.
-void append_frame(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, Json& frame) {
+void append_frame(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& moment, Json& frame) {
   std::vector<double> row;
   append_row(system, moment, row);
   const auto contacts = row.begin() + 1 + 13 * system.bodies();
@@ -60,7 +60,7 @@ template <class Space> Json film(const SystemOf<Space>& system, const Json& run,
                     .duration = duration,
                     .every = std::max(1L, std::lround(aim / step)),
                     .time_limit = std::max(patience, 1e-3)};
-  const Run result = simulate(*integrator, *solver, clock, [&](const MomentOf<Space>& moment) {
+  const Run result = simulate(*integrator, *solver, clock, [&](const RunSampleOf<Space>& moment) {
     Json frame = {rounded(moment.state.t)};
     append_frame(system, moment, frame);
     frames.push_back(frame);

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::string_view kMagic = "orthant checkpoint 2\n", kStart = kMagic.substr(0, 19);  // of any version
 
-void remember(Checkpoint& c, Memory& memory) { memory(c.label, c.table, c.last, c.events, c.run); }
+void remember(Checkpoint& c, CheckpointData& memory) { memory(c.label, c.table, c.last, c.events, c.run); }
 
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& file, Checkpoint checkpoint) {
-  Memory body, sum;
+  CheckpointData body, sum;
   remember(checkpoint, body);
   std::uint64_t check = fnv1a(body.bytes());
   sum(check);
@@ -40,12 +40,12 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   if (!left.starts_with(kMagic) || left.size() < kMagic.size() + sizeof check)
     throw std::runtime_error(file.string() + ": is no checkpoint of this version");
   left.remove_prefix(kMagic.size());
-  Memory(left.substr(0, sizeof check))(check);
+  CheckpointData(left.substr(0, sizeof check))(check);
   left.remove_prefix(sizeof check);
   if (fnv1a(left) != check)
     throw std::runtime_error(file.string() + ": is a damaged checkpoint: its check sum differs");
   Checkpoint checkpoint;
-  Memory memory(left);
+  CheckpointData memory(left);
   remember(checkpoint, memory);
   memory.end();
   return checkpoint;

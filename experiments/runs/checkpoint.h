@@ -1,8 +1,8 @@
 // experiments/runs/checkpoint.h — checkpoint file: the state of a run, from which a killed run continues.
 //
-//   File: one line of text, a check sum of what follows, then the bytes of Memory (integrators/checkpoint.h). Written
-//   whole or not at all (core/support/file.h). Throws std::runtime_error naming the file for what is no checkpoint, or
-//   a damaged one.
+//   File: one line of text, a check sum of the rest, then the bytes of CheckpointData (integrators/checkpoint.h).
+//   Written whole or not at all (core/support/file.h). Throws std::runtime_error, which names the file, if it is not a
+//   checkpoint or is damaged.
 #pragma once
 
 #include <orthant/integrators/event.h>

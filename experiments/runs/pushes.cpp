@@ -21,7 +21,7 @@ template <class C> Vector2d touching_point(const C& c, const Kinematics& k, cons
 
 }  // namespace
 
-void PushLog::add(const Moment& moment) {
+void PushLog::add(const RunSample& moment) {
   constexpr std::size_t kMost = 500'000;  // 48 MB
   if (pushes_.size() > kMost) full_ = true, pushes_.clear(), pushes_.shrink_to_fit();
   if (full_) return;

@@ -27,7 +27,7 @@ class PushLog {
     return system.contacts() > system.listed() && clock.every == 1 && clock.duration / clock.step <= kMostSteps;
   }
   /// Of more than half a million nothing is kept.
-  void add(const Moment& moment);
+  void add(const RunSample& moment);
 
   const std::vector<Push>& pushes() const { return pushes_; }
 

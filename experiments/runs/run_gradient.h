@@ -16,7 +16,7 @@
 
 namespace orthant {
 
-/// What a planar scene is made of.
+/// Elements of a planar scene.
 struct SceneSource {
   std::optional<std::string> text;  // TOML; none: `name` is a built-in scene or a file
   std::string name;

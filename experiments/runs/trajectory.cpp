@@ -12,7 +12,7 @@ double size_of_tangent(const Tangents& impulse) { return size_of(impulse); }
 
 /// Of each collision the least gap, the sums of impulses.
 template <class Space>
-void append_collisions(const SystemOf<Space>& system, const MomentOf<Space>& moment, std::vector<double>& table) {
+void append_collisions(const SystemOf<Space>& system, const RunSampleOf<Space>& moment, std::vector<double>& table) {
   for (std::size_t c = 0; c + 1 < system.pairs().size(); ++c) {
     double gap = kInf, normal = 0, tangent = 0;
     for (int i = system.listed() + system.pairs()[c]; i < system.listed() + system.pairs()[c + 1]; ++i) {
@@ -76,7 +76,7 @@ std::vector<std::string> trajectory_columns(const Scene& scene) {
   return columns;
 }
 
-void append_row(const System& system, const Moment& moment, std::vector<double>& table) {
+void append_row(const System& system, const RunSample& moment, std::vector<double>& table) {
   const State& x = moment.state;
   table.push_back(x.t);
   append_bodies(system, x, table);
@@ -104,7 +104,7 @@ std::vector<std::string> trajectory_columns(const spatial::Scene& scene) {
   return columns;
 }
 
-void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, std::vector<double>& table) {
+void append_row(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& moment, std::vector<double>& table) {
   const State& x = moment.state;
   table.push_back(x.t);
   append_bodies(system, x, table);

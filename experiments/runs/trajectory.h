@@ -13,13 +13,13 @@ namespace orthant {
 std::vector<std::string> trajectory_columns(const Scene& scene);
 
 /// Appends one row in that order.
-void append_row(const System& system, const Moment& moment, std::vector<double>& table);
+void append_row(const System& system, const RunSample& moment, std::vector<double>& table);
 
 /// In space: t, then x, y, z [m] of the centre of mass, qw, qx, qy, qz (unit quaternion, body → world), vx, vy, vz
 /// [m/s], wx, wy, wz [rad/s] in the world, of each body, then gap, impulse_n, impulse_t1, impulse_t2 of each contact
 /// (t1 and t2 of spatial/contact_rows.h), then as in the plane.
 std::vector<std::string> trajectory_columns(const spatial::Scene& scene);
-void append_row(const SystemOf<Spatial>& system, const MomentOf<Spatial>& moment, std::vector<double>& table);
+void append_row(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& moment, std::vector<double>& table);
 
 /// The part of the columns and of a row that belongs to the bodies.
 template <class Space> inline constexpr std::size_t kBodyColumns = kPlanar<Space> ? 6 : 13;

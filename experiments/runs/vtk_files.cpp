@@ -170,7 +170,7 @@ template <class Scene> void write_index_and_moments(const fs::path& file, const 
       throw std::runtime_error("cannot write " + folder.string() + ": is no folder");
     for (const fs::path& path : {index, folder})
       for (const fs::path& left : leftovers_beside(path)) discard(left, folder, stem);
-    const fs::path new_index = beside(index), new_folder = beside(folder);
+    const fs::path new_index = temporary_name(index), new_folder = temporary_name(folder);
     try {
       fs::create_directory(new_folder);
       write_whole(new_index, write_moments(new_folder, stem, scene, width, table));

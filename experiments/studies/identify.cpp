@@ -45,7 +45,7 @@ class Fit {
     EventDriven integrator(system);
     std::vector<double> theta;
     const Run run = simulate(integrator, *solver_, {.step = every_, .duration = duration_},
-                             [&](const Moment& moment) { theta.push_back(moment.state.q[2]); });
+                             [&](const RunSample& moment) { theta.push_back(moment.state.q[2]); });
     if (run.status != Status::solved) throw std::runtime_error("event-driven: " + run.why);
     return Eigen::Map<Eigen::VectorXd>(theta.data(), std::ssize(theta));
   }

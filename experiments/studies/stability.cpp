@@ -100,7 +100,7 @@ Row visit(const Study& study, double value, const std::string& integrator, const
   try {
     const System system(study.scene(value));
     double least = kInf, kinetic = 0, rise = 0;
-    const auto see = [&](const Moment& m) {
+    const auto see = [&](const RunSample& m) {
       const double e = energy(system, m.state);
       kinetic = std::max(kinetic, 0.5 * m.state.v.dot(system.mass().cwiseProduct(m.state.v)));
       least = std::min(least, e), rise = std::max(rise, e - least);

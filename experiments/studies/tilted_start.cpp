@@ -47,7 +47,7 @@ double first_touch(const Scene& scene) {
   const System system(scene);
   const auto scheme = make_integrator("event-driven", system);
   double t = kInf;
-  simulate(*scheme, *make_solver("lemke"), {.step = 4e-3, .duration = 4e-3}, [&](const Moment& moment) {
+  simulate(*scheme, *make_solver("lemke"), {.step = 4e-3, .duration = 4e-3}, [&](const RunSample& moment) {
     if (!moment.events.empty()) t = std::min(t, moment.events.front().t);
   });
   return t;
@@ -58,8 +58,9 @@ double impulse(const Scene& scene, const std::string& integrator, double h, doub
   const System system(scene);
   const auto scheme = make_integrator(integrator, system);
   double sum = 0;
-  const Run run = simulate(*scheme, *make_solver("lemke"), {.step = h, .duration = duration, .every = 1 << 20},
-                           [&](const Moment& moment) { sum += moment.impulses[0].normal + moment.impulses[1].normal; });
+  const Run run =
+      simulate(*scheme, *make_solver("lemke"), {.step = h, .duration = duration, .every = 1 << 20},
+               [&](const RunSample& moment) { sum += moment.impulses[0].normal + moment.impulses[1].normal; });
   return run.status == Status::solved ? sum : std::numeric_limits<double>::quiet_NaN();
 }
 

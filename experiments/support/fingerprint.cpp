@@ -61,7 +61,7 @@ void take(Fingerprint& f, long steps, double seconds, int threads) {
     long done = -1;  // the start is a moment, too
     const Clock clock{.step = step, .duration = static_cast<double>(steps) * step, .time_limit = kMuchLonger * seconds};
     const auto begin = std::chrono::steady_clock::now();
-    const Run run = simulate(*integrator, *make_solver(f.solver), clock, [&](const Moment& moment) {
+    const Run run = simulate(*integrator, *make_solver(f.solver), clock, [&](const RunSample& moment) {
       add(hash, moment.state.q), add(hash, moment.state.v);
       ++done;
       if (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > seconds) throw Late();

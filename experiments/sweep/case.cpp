@@ -64,7 +64,7 @@ class Along {
   double impulse = 0, friction_impulse = 0, first_touch = kInf, touching = 0;
   double first_release = kInf, last_release = kInf;
 
-  template <class Space> void add(const MomentOf<Space>& moment) {
+  template <class Space> void add(const RunSampleOf<Space>& moment) {
     const double t = moment.state.t;
     double normal = 0;
     for (const auto& one : moment.impulses) normal += one.normal, friction_impulse += size_of(one.tangent);
@@ -113,7 +113,7 @@ template <class Scene> void run_in(ResultRow& row, const Case& c, std::optional<
   Drift<Space> drift(system);
   Followed<Space> joints(system);
   const auto integrator = make_integrator(c.integrator_spec(), system);
-  const Run run = simulate(*integrator, *make_solver(c.solver), clock, [&](const MomentOf<Space>& moment) {
+  const Run run = simulate(*integrator, *make_solver(c.solver), clock, [&](const RunSampleOf<Space>& moment) {
     along.add(moment), drift.add(moment.state), joints.add(moment.state);
   });
   double seconds = c.repeats > 0 ? kInf : run.seconds, slowest = 0;

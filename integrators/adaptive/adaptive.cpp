@@ -33,19 +33,19 @@ Adaptive::Adaptive(const System& system, const Options& options)
       options_(options),
       engine_(system, inner_options(options), kName),
       between_(system),
-      terms_(system),
-      left_(impulses_.size()),
-      smooth_(impulses_.size()) {
+      terms_(system) {
+  left_.impulses.resize(impulses_.size()), left_.smooth.resize(impulses_.size());
   if (system.joint_rows() > 0) joints_.emplace(system);
-  if (system.swing() > 0) longest_ = kSwing / system.swing();
+  if (system.swing() > 0) stride_.longest = kSwing / system.swing();
   if (has_work(system)) meter_.emplace(system);
-  events_.reserve(64), pending_.reserve(64);
+  events_.reserve(64), left_.events.reserve(64);
 }
 
-void Adaptive::remember(Memory& memory) {
+void Adaptive::remember(CheckpointData& memory) {
   fitted_ = false;  // the polynomial is found again
-  memory(engine_, between_, inner_, last_, began_, reach_, fitted_, failed_, failed_why_, joint_residual_, joint_rate_,
-         pending_, left_, smooth_, measured_, work_left_, inner_gaps_);
+  memory(engine_, between_, end_.state, last_, stride_.began, stride_.reach, fitted_, end_.status, end_.why,
+         end_.residual.joint, end_.residual.rate, left_.events, left_.impulses, left_.smooth, left_.measured,
+         left_.work, end_.gaps);
   if (meter_) meter_->forget();
 }
 
@@ -55,47 +55,47 @@ bool Adaptive::goes_on(const State& x) const {
 }
 
 void Adaptive::restart(const State& x) {
-  inner_ = x;
-  began_ = x.t, reach_ = kFirstReach;
-  failed_ = Status::solved;
-  pending_.clear();
-  std::fill(left_.begin(), left_.end(), Impulse{});
-  work_left_ = 0;
+  end_.state = x;
+  stride_.began = x.t, stride_.reach = kFirstReach;
+  end_.status = Status::solved;
+  left_.events.clear();
+  std::fill(left_.impulses.begin(), left_.impulses.end(), Impulse{});
+  left_.work = 0;
 }
 
 StepReport Adaptive::step(double h, Solver& solver, State& x) {
-  StepReport report;
-  report.accepted = 0;
+  StepReport report = StepReport::solved(0);
   if (meter_) report.work = 0;
   why_.clear(), events_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   engine_.set_budget(budget());
   if (!goes_on(x)) restart(x);
   const double target = x.t + h, rounding = rounding_of(x.t, h);
-  if (inner_.t <= target + rounding) finish_stride(report);
-  while (inner_.t < target - rounding && failed_ == Status::solved) {
+  if (end_.state.t <= target + rounding) finish_stride(report);
+  while (end_.state.t < target - rounding && end_.status == Status::solved) {
     if (report.accepted + report.rejected >= options_.max_steps) {
-      fail(report, Status::iteration_limit, "max_steps used up at t = " + detail::text_of(inner_.t) + " s");
+      fail(report, Status::iteration_limit, "max_steps used up at t = " + detail::text_of(end_.state.t) + " s");
       break;
     }
     if (!stride(solver, report)) break;
-    if (inner_.t <= target + rounding) finish_stride(report);
+    if (end_.state.t <= target + rounding) finish_stride(report);
   }
-  if (failed_ != Status::solved && inner_.t <= target + rounding) {  // what the last inner step came to shows now
-    fail(report, failed_, failed_why_);
-    failed_ = Status::solved;
+  if (end_.status != Status::solved &&
+      end_.state.t <= target + rounding) {  // what the last inner step came to shows now
+    fail(report, end_.status, end_.why);
+    end_.status = Status::solved;
   }
-  if (inner_.t < target - rounding) finish_stride(report);
+  if (end_.state.t < target - rounding) finish_stride(report);
   hand_out(target, x, report);
   last_ = x;
   return report;
 }
 
-/// One inner step. False: it failed, and ends at inner_.
+/// One inner step. False: it failed, and ends at end_.state.
 bool Adaptive::stride(Solver& solver, StepReport& report) {
-  const double from = inner_.t;
-  const StepReport one = engine_.stride(std::min(reach_, longest_), solver, inner_);
-  if (inner_.t > from) reach_ = std::max(kGrowth * (inner_.t - from), inner_.t - began_);
+  const double from = end_.state.t;
+  const StepReport one = engine_.stride(std::min(stride_.reach, stride_.longest), solver, end_.state);
+  if (end_.state.t > from) stride_.reach = std::max(kGrowth * (end_.state.t - from), end_.state.t - stride_.began);
   fitted_ = false;
   report.accepted += one.accepted, report.rejected += one.rejected, report.crossings += one.crossings;
   report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
@@ -103,52 +103,54 @@ bool Adaptive::stride(Solver& solver, StepReport& report) {
   report.lcp_residual = std::max(report.lcp_residual, one.lcp_residual);
   report.energy_rise = std::max(report.energy_rise, one.energy_rise), report.plastic += one.plastic;
   report.error_estimate += one.error_estimate;
-  joint_residual_ = one.joint_residual, joint_rate_ = one.joint_rate;
-  pending_.insert(pending_.end(), engine_.events().begin(), engine_.events().end());
-  left_ = engine_.impulses();
-  inner_gaps_ = engine_.gaps();
-  work_left_ = one.work.value_or(0);
-  if (const Arc& arc = engine_.arc(); meter_ && arc.length > 0) measured_ = {arc.start, arc.q0, arc.v0};
-  std::fill(smooth_.begin(), smooth_.end(), Impulse{});
-  failed_ = one.status, failed_why_ = engine_.why();
-  return failed_ == Status::solved;
+  end_.residual.joint = one.joint_residual, end_.residual.rate = one.joint_rate;
+  left_.events.insert(left_.events.end(), engine_.events().begin(), engine_.events().end());
+  left_.impulses = engine_.impulses();
+  end_.gaps = engine_.gaps();
+  left_.work = one.work.value_or(0);
+  if (const Arc& arc = engine_.arc(); meter_ && arc.length > 0) left_.measured = {arc.start, arc.q0, arc.v0};
+  std::fill(left_.smooth.begin(), left_.smooth.end(), Impulse{});
+  end_.status = one.status, end_.why = engine_.why();
+  return end_.status == Status::solved;
 }
 
 /// Events, impulses and work of the last inner step, as far as they are still to be handed out.
 void Adaptive::finish_stride(StepReport& report) {
-  if (meter_) *report.work += work_left_;
-  work_left_ = 0;
-  events_.insert(events_.end(), pending_.begin(), pending_.end());
-  pending_.clear();
-  for (std::size_t c = 0; c < left_.size(); ++c) {
-    impulses_[c].normal += left_[c].normal, impulses_[c].tangent += left_[c].tangent;
-    left_[c] = {};
+  if (meter_) *report.work += left_.work;
+  left_.work = 0;
+  events_.insert(events_.end(), left_.events.begin(), left_.events.end());
+  left_.events.clear();
+  for (std::size_t c = 0; c < left_.impulses.size(); ++c) {
+    impulses_[c].normal += left_.impulses[c].normal, impulses_[c].tangent += left_.impulses[c].tangent;
+    left_.impulses[c] = {};
   }
 }
 
 /// Likewise those until t, which is within it: what lasting contacts took, within the cone of friction.
 void Adaptive::hand_over_until(double t) {
-  const auto later = std::find_if(pending_.begin(), pending_.end(), [&](const Event& event) { return event.t > t; });
-  events_.insert(events_.end(), pending_.begin(), later);
-  pending_.erase(pending_.begin(), later);
+  const auto later =
+      std::find_if(left_.events.begin(), left_.events.end(), [&](const Event& event) { return event.t > t; });
+  events_.insert(events_.end(), left_.events.begin(), later);
+  left_.events.erase(left_.events.begin(), later);
   const Arc& arc = engine_.arc();
   for (std::size_t c = 0; c < arc.modes.size(); ++c) {
     if (!arc.modes[c].lasting || !(arc.length > 0)) continue;
     const Impulse until = t < arc.start + arc.length ? between_.impulse(static_cast<int>(c), t) : arc.push[c];
     const double mu = static_mu(system_.law(static_cast<int>(c)));
-    const double normal = std::clamp(until.normal - smooth_[c].normal, 0.0, std::max(0.0, left_[c].normal));
-    const double tangent = std::clamp(until.tangent - smooth_[c].tangent, -mu * normal, mu * normal);
-    for (Impulse* to : {&impulses_[c], &smooth_[c]}) to->normal += normal, to->tangent += tangent;
-    left_[c].normal -= normal, left_[c].tangent -= tangent;
+    const double normal =
+        std::clamp(until.normal - left_.smooth[c].normal, 0.0, std::max(0.0, left_.impulses[c].normal));
+    const double tangent = std::clamp(until.tangent - left_.smooth[c].tangent, -mu * normal, mu * normal);
+    for (Impulse* to : {&impulses_[c], &left_.smooth[c]}) to->normal += normal, to->tangent += tangent;
+    left_.impulses[c].normal -= normal, left_.impulses[c].tangent -= tangent;
   }
 }
 
 /// Likewise the work on the arc until the state handed out.
 void Adaptive::measure_work(const State& to, StepReport& report) {
   if (!meter_ || !fitted_) return;
-  const double work = meter_->over_motion(measured_, to, engine_.arc().modes);
-  *report.work += work, work_left_ -= work;
-  measured_ = to;
+  const double work = meter_->over_motion(left_.measured, to, engine_.arc().modes);
+  *report.work += work, left_.work -= work;
+  left_.measured = to;
 }
 
 /// q and v at t, within the last inner step: on its arc, or within the crossing that follows, where they are taken from
@@ -163,8 +165,8 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
     return between_.residual();
   }
   if (arc.length > 0) x.q = arc.q1, x.t = arc_end;  // else x is where the inner step began, or a place since
-  move(x.q, (t - x.t) / (inner_.t - x.t) * between(x.q, inner_.q));
-  x.v = inner_.v;
+  move(x.q, (t - x.t) / (end_.state.t - x.t) * between(x.q, end_.state.q));
+  x.v = end_.state.v;
   if (!joints_) return {};
   on_joints_ = x;
   const ContactMotion::Residual left = joints_->project(t, on_joints_.q, on_joints_.v);
@@ -175,11 +177,11 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
 
 /// The state at the end of a call, or where the inner steps ended.
 void Adaptive::hand_out(double target, State& x, StepReport& report) {
-  if (inner_.t <= target + rounding_of(target, 0)) {
-    x = inner_;
-    if (report.status == Status::solved) x.t = inner_.t = target;
-    report.joint_residual = joint_residual_, report.joint_rate = joint_rate_;
-    gaps_ = inner_gaps_;
+  if (end_.state.t <= target + rounding_of(target, 0)) {
+    x = end_.state;
+    if (report.status == Status::solved) x.t = end_.state.t = target;
+    report.joint_residual = end_.residual.joint, report.joint_rate = end_.residual.rate;
+    gaps_ = end_.gaps;
   } else {
     const ContactMotion::Residual residual = interpolate(target, x);
     report.joint_residual = residual.joint, report.joint_rate = residual.rate;

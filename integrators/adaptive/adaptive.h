@@ -45,7 +45,7 @@ class Adaptive final : public Integrator {
   using Options = AdaptiveOptions;
   explicit Adaptive(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override;
+  void remember(CheckpointData& memory) override;
   const Lcp& problem() const override { return engine_.problem(); }
   bool controls_step() const override { return kCan.error_control; }
 
@@ -59,26 +59,41 @@ class Adaptive final : public Integrator {
   ContactMotion::Residual interpolate(double t, State& x);
   void hand_out(double end, State& x, StepReport& report);
 
+  /// Where the inner steps are.
+  struct InnerEnd {
+    State state;
+    Eigen::VectorXd gaps;              // [m]
+    ContactMotion::Residual residual;  // of the joints
+    Status status = Status::solved;    // of the inner step that ended there
+    std::string why;
+  };
+  /// Of the last inner step, not handed out yet.
+  struct Left {
+    std::vector<Event> events;
+    std::vector<Impulse> impulses;  // [N s]
+    std::vector<Impulse> smooth;    // [N s] of its arc, handed out already
+    double work = 0;                // [J]
+    State measured;                 // up to which that of the arc is handed out
+  };
+  /// Lengths of inner steps. [s]
+  struct Strides {
+    double longest = kInf;  // by the swing of loads and drives
+    double began = 0;       // start of the run
+    double reach = 0;       // of the next one, by those before
+  };
+
   Options options_;
   EventDriven engine_;
+  InnerEnd end_;
+  Left left_;
+  Strides stride_;
+  State last_;  // what was returned
   ArcInterpolant between_;
+  bool fitted_ = false;                  // between_ is that of the engine's last arc
   std::optional<ContactMotion> joints_;  // without contacts, for states within a crossing; where there are joints
   State on_joints_;
   Terms terms_;
-  State inner_, last_;              // where the inner steps are; what was returned
-  bool fitted_ = false;             // between_ is that of the engine's last arc
-  Status failed_ = Status::solved;  // of the inner step that ended at inner_
-  std::string failed_why_;
-  double joint_residual_ = 0, joint_rate_ = 0;  // at inner_
-  Eigen::VectorXd inner_gaps_;                  // [m] likewise
-  std::vector<Event> pending_;                  // of the last inner step, not handed out
-  std::vector<Impulse> left_;                   // [N s] likewise
-  std::vector<Impulse> smooth_;                 // [N s] of its arc, handed out
-  double longest_ = kInf;                       // [s] of an inner step
-  double began_ = 0, reach_ = 0;                // [s] start of the run; longest next inner step
-  std::optional<WorkMeter> meter_;              // where there is work to measure
-  State measured_;                              // where that of the arc is handed out to
-  double work_left_ = 0;                        // [J] of the last inner step, not handed out
+  std::optional<WorkMeter> meter_;  // where there is work to measure
 };
 
 }  // namespace orthant

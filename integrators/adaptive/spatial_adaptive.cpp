@@ -38,7 +38,7 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
   events_.reserve(64), left_.events.reserve(64);
 }
 
-void SpatialAdaptive::remember(Memory& memory) {
+void SpatialAdaptive::remember(CheckpointData& memory) {
   memory(engine_, between_, inner_, before_, last_, began_, reach_, joint_residual_, joint_rate_, handed_push_,
          left_.events, left_.impulses, left_.work, failed_.status, failed_.why);
   fitted_ = false;
@@ -58,8 +58,7 @@ void SpatialAdaptive::restart(const State& x) {
 }
 
 StepReport SpatialAdaptive::step(double h, Solver& solver, State& x) {
-  StepReport report;
-  report.accepted = 0;
+  StepReport report = StepReport::solved(0);
   if (measures_) report.work = 0;
   why_.clear(), events_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});

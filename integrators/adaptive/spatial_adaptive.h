@@ -33,7 +33,7 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
 
   explicit SpatialAdaptive(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override;
+  void remember(CheckpointData& memory) override;
   const Lcp& problem() const override { return engine_.problem(); }
   bool controls_step() const override { return kCan.error_control; }
 

@@ -22,7 +22,9 @@ ArcInterpolant::ArcInterpolant(const System& system)
   }
 }
 
-void ArcInterpolant::remember(Memory& memory) { memory(start_, length_, residual_, of_, forces_, pieces_, motion_); }
+void ArcInterpolant::remember(CheckpointData& memory) {
+  memory(start_, length_, residual_, of_, forces_, pieces_, motion_);
+}
 
 ArcInterpolant::Quartic ArcInterpolant::through(const Quartic& f) {
   return {f[0], (-25 * f[0] + 48 * f[1] - 36 * f[2] + 16 * f[3] - 3 * f[4]) / 3,

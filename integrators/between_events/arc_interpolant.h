@@ -28,7 +28,7 @@ struct Arc {
   Eigen::VectorXd q0, v0, a0, q1, v1, a1;  // at its ends
   std::vector<ContactMode> modes;
   std::vector<Impulse> push;  // [N s] of lasting contacts
-  void remember(Memory& memory) { memory(start, length, q0, v0, a0, q1, v1, a1, modes, push); }
+  void remember(CheckpointData& memory) { memory(start, length, q0, v0, a0, q1, v1, a1, modes, push); }
 };
 
 class ArcInterpolant {
@@ -44,7 +44,7 @@ class ArcInterpolant {
   /// Of the joints, at the last state.
   const ContactMotion::Residual& residual() const { return residual_; }
 
-  void remember(Memory& memory);
+  void remember(CheckpointData& memory);
 
  private:
   static constexpr std::size_t kPoints = 5;

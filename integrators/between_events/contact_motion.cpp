@@ -53,7 +53,7 @@ void ContactMotion::modes_changed() {
   normal_.assign(lasting_.size(), 0), tangent_.assign(lasting_.size(), 0), taken_.assign(lasting_.size(), 0);
 }
 
-void ContactMotion::remember(Memory& memory) {
+void ContactMotion::remember(CheckpointData& memory) {
   memory(modes);
   if (memory.reading()) modes_changed();
   basic_.forget(), projection_.forget();
@@ -130,7 +130,7 @@ void ContactMotion::watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, co
   evaluate_biases(system_, terms_);
   w.gap = terms_.gap;
   // Translations couple: the largest of a group counts. A rotation counts on its own body.
-  const auto magnitude = [](const Row& row, const Extents& linear, const Eigen::VectorXd& x) {
+  const auto magnitude = [](const Row& row, const Magnitudes& linear, const Eigen::VectorXd& x) {
     return reach(row, x, [&](BodyId body) { return linear.of(body); });
   };
   far_.measure([&](Index i) { return largest_translation(q, i); });

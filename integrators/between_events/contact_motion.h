@@ -36,7 +36,7 @@ struct Watched {
   Eigen::VectorXd gap, gap_rate, gap_acceleration, slip, slip_acceleration, normal, tangent;
   Eigen::VectorXd gap_scale, gap_rate_scale, slip_scale;  // Σ |J_k| |q_k|, Σ |J_k| |v_k|: what they are rounded from
   explicit Watched(Index contacts);
-  void remember(Memory& memory) {
+  void remember(CheckpointData& memory) {
     memory(gap, gap_rate, gap_acceleration, slip, slip_acceleration, normal, tangent);
     memory(gap_scale, gap_rate_scale, slip_scale);
   }
@@ -48,7 +48,7 @@ class ContactMotion {
 
   std::vector<ContactMode> modes;  // one per contact; call modes_changed() after writing
   void modes_changed();
-  void remember(Memory& memory);
+  void remember(CheckpointData& memory);
   std::span<const int> lasting() const { return lasting_; }
 
   /// dof. False: not finite, no usable matrix.
@@ -103,7 +103,7 @@ class ContactMotion {
   ContactEquations equations_;
   std::vector<int> lasting_;
   std::vector<double> normal_, tangent_, taken_;
-  Extents far_, fast_;  // [m], [m/s] of translations
+  Magnitudes far_, fast_;  // [m], [m/s] of translations
   Vector share_;
   Eigen::VectorXd free_, zero_, rate_, lambda_;
 };

@@ -22,7 +22,7 @@ namespace orthant {
 struct MotionPoint {  // of a smooth motion: everything known there
   Eigen::VectorXd q, v, a;
   Watched w;
-  void remember(Memory& memory) { memory(q, v, a, w); }
+  void remember(CheckpointData& memory) { memory(q, v, a, w); }
   explicit MotionPoint(const System& system)
       : q(Eigen::VectorXd::Zero(system.dof())), v(q), a(q), w(system.contacts()) {}
 };

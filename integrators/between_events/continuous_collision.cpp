@@ -1,4 +1,5 @@
 #include <orthant/integrators/between_events/continuous_collision.h>
+#include <orthant/integrators/step/width.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,16 +27,6 @@ Vector2d middle_of(const Polygon& corners) {
   Vector2d sum(0, 0);
   for (const Vector2d& corner : corners) sum += corner;
   return sum / static_cast<double>(corners.size());
-}
-
-double thickness(const Polygon& corners) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    double high = 0;
-    for (const Vector2d& corner : corners) high = std::max(high, -outward(corners, i).dot(corner - corners[i]));
-    least = std::min(least, high);
-  }
-  return least;
 }
 
 /// The most that all of `y` lies beyond one face of `x` [m].
@@ -109,12 +100,12 @@ ContinuousCollision::Shape ContinuousCollision::shape_of(const Contact& contact)
     } else if constexpr (std::is_same_v<Kind, DiscPolygon>) {
       s.course = Course::edged;
       s.arm_a = c.centre.norm(), s.arm_b = outermost(c.corners, {0, 0});
-      s.size = std::min(2 * c.radius, thickness(c.corners));
+      s.size = std::min(2 * c.radius, width_of(c.corners));
       if (c.exposed) s.covered = &c;
     } else if constexpr (std::is_same_v<Kind, PolygonPolygon>) {
       s.course = Course::edged;
       s.arm_a = outermost(c.corners_a, {0, 0}), s.arm_b = outermost(c.corners_b, {0, 0});
-      s.size = std::min(thickness(c.corners_a), thickness(c.corners_b));
+      s.size = std::min(width_of(c.corners_a), width_of(c.corners_b));
       s.corners_a = &c.corners_a, s.corners_b = &c.corners_b;
       s.centre_a = middle_of(c.corners_a), s.centre_b = middle_of(c.corners_b);
       s.reach_a = outermost(c.corners_a, s.centre_a), s.reach_b = outermost(c.corners_b, s.centre_b);

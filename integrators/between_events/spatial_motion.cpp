@@ -60,7 +60,7 @@ void SpatialMotion::open_all() {
   modes_changed();
 }
 
-void SpatialMotion::remember(Memory& memory) {
+void SpatialMotion::remember(CheckpointData& memory) {
   memory(modes, rest_);
   if (memory.reading()) modes_changed();
   basic_.forget(), projection_.forget();

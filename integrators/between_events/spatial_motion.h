@@ -29,7 +29,7 @@ struct SpatialMode {
   bool departs = false;                                  // slides, along its acceleration
   Vector3d departure{0, 0, 0};                           // unit, in the world: of slip at first
   double share_normal = 1, share_tangent = 1;            // see ContactEquationsOf::solve
-  void remember(Memory& memory) {
+  void remember(CheckpointData& memory) {
     memory(lasting, sticks, slides, departs, departure[0], departure[1], departure[2], share_normal, share_tangent);
   }
   bool operator==(const SpatialMode& other) const {
@@ -103,7 +103,7 @@ class SpatialMotion {
   /// What rounding makes of the slip γ_T [m/s].
   double slip_rounding(const Eigen::VectorXd& v) const { return 1e-12 * v.lpNorm<Eigen::Infinity>() + 1e-16; }
 
-  void remember(Memory& memory);
+  void remember(CheckpointData& memory);
 
   const System& system() const { return system_; }
   Terms& terms() { return terms_; }

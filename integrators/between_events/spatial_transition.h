@@ -45,8 +45,8 @@ class SpatialTransition {
 
   const Lcp& problem() const { return lcp_; }
   const std::string& why() const { return why_; }
-  bool undecided() const { return undecided_; }           // not solved, and not known whether it can be
-  void remember(Memory& memory) { memory(solution_.z); }  // the next guess
+  bool undecided() const { return undecided_; }                   // not solved, and not known whether it can be
+  void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
 
  private:
   void formulate(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v);

@@ -1,7 +1,7 @@
 // integrators/between_events/substitute.h — equivalent scene of listed contacts: collisions, dry friction in joints.
 //
 //   For schemes that follow every contact by itself. Each pair of a collision becomes a contact of its own. Dry
-//   friction of the bound B becomes a contact, too: a body beside the mechanism is pressed onto the ground by the
+//   friction of the bound B becomes a contact, too: a body next to the mechanism is pressed onto the ground by the
 //   force B, and the friction of that contact, μ = 1, acts along the joint's coordinate:
 //     λ_N = B always,  |λ_T| ≤ B,  λ_T against the rate: sticks, slides and changes between them as any contact does.
 //   An impact does not press that body, so that a bounded friction has no impulse in it.
@@ -39,7 +39,7 @@ class Substitute {
   /// of other schemes are: those that push or have events first, then by their gaps; what has no room is left out.
   StepReport step(Integrator& scheme, double h, Solver& solver, State& x, Records out);
 
-  void remember(Memory& memory) { memory(state_); }
+  void remember(CheckpointData& memory) { memory(state_); }
 
  private:
   void number_pairs(const Integrator& scheme);
@@ -62,7 +62,7 @@ class SubstituteIntegrator final : public Integrator {
       : Integrator(system, scheme, can), substitute_(system, scheme), scheme_(make(substitute_.system(), options)) {}
 
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override { memory(substitute_, *scheme_); }
+  void remember(CheckpointData& memory) override { memory(substitute_, *scheme_); }
   const Lcp& problem() const override { return scheme_->problem(); }
   bool controls_step() const override { return scheme_->controls_step(); }
 

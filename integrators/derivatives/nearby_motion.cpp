@@ -1,5 +1,5 @@
 #include <orthant/integrators/derivatives/nearby_motion.h>
-#include <orthant/integrators/step/wanted.h>
+#include <orthant/integrators/step/rate_targets.h>
 
 #include <Eigen/QR>
 

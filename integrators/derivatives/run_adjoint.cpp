@@ -16,7 +16,7 @@ struct Anchor {
 };
 
 std::string memory_of(MoreauJean& integrator) {
-  Memory memory;
+  CheckpointData memory;
   integrator.remember(memory);
   return memory.bytes();
 }
@@ -53,7 +53,7 @@ class Adjoint {
     each.every = 1;
     long step = -1;
     const auto& columns = slopes_.columns();
-    result_.run = simulate(integrator, solver, each, [&](const Moment& moment) {
+    result_.run = simulate(integrator, solver, each, [&](const RunSample& moment) {
       if (step >= 0 && (!has_answer(moment.report.status) || step == steps_.total)) return;
       ++step;
       if (step % segment_ == 0 && step < steps_.total) anchors_.push_back({moment.state, memory_of(integrator)});
@@ -85,7 +85,7 @@ class Adjoint {
     for (long s = std::ssize(anchors_) - 1; s >= 0; --s) {
       const long first = s * segment_, end = std::min(first + segment_, steps_.total);
       State x = anchors_[static_cast<std::size_t>(s)].x;
-      Memory memory(anchors_[static_cast<std::size_t>(s)].memory);
+      CheckpointData memory(anchors_[static_cast<std::size_t>(s)].memory);
       integrator.remember(memory);
       for (long k = first; k < end; ++k) {
         before_ = x;

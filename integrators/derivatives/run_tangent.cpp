@@ -42,7 +42,7 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   bool begun = false;
   Clock each = clock;
   each.every = 1;
-  result.run = simulate(integrator, solver, each, [&](const Moment& moment) {
+  result.run = simulate(integrator, solver, each, [&](const RunSample& moment) {
     if (begun && (!has_answer(moment.report.status) || moment.state.t == before.t)) return;
     if (!begun) {
       linear.set_up_start(system.initial_state(), moment.state);

@@ -97,8 +97,8 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   evaluate_closed(system_, strike_.contacts, terms);
   // Residues of earlier contacts (1e-300 has been seen) would only trouble the solvers.
   now_.v = (now_.v.array().abs() < 1e-20 * now_.v.lpNorm<Eigen::Infinity>()).select(0, now_.v);
-  newtons_law(system_.laws(), terms, now_.v, wanted_);
-  restrict_to_strikes(wanted_);
+  newtons_law(system_.laws(), terms, now_.v, targets_);
+  restrict_to_strikes(targets_);
   strike_.v_before = now_.v;
   shown_ = &impact_.formulation();
   impact_.anchor(start_ + elapsed_, now_.q), formulation_.anchor(start_ + elapsed_, now_.q);
@@ -106,12 +106,12 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   if (in_turn)
     no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), strike_.in_turn, now_.v, solver, report);
   else if (!plastic)
-    no_answer_ = !impact_.strike(terms, motion_.basic(), strike_.v_before, wanted_, now_.v, solver, report);
+    no_answer_ = !impact_.strike(terms, motion_.basic(), strike_.v_before, targets_, now_.v, solver, report);
   if (no_answer_) return fail(report, report.status, impact_.why());
-  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
+  if (in_turn) newtons_law(system_.laws(), terms, now_.v, targets_), restrict_to_strikes(targets_);
   if (plastic)
-    for (Wanted& wanted : wanted_) wanted.normal = 0;
-  formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
+    for (RateTarget& target : targets_) target.normal = 0;
+  formulation_.formulate(terms, motion_.basic(), targets_, now_.v, none_);
   shown_ = &formulation_;
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) {
@@ -124,7 +124,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   formulation_.advance(now_.v, strike_.impulses);
   if (in_turn || !plastic) impact_.add_to(strike_.impulses);
   if (meter_) work_ += meter_->over_impact(terms, strike_.v_before, now_.v, strike_.impulses);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, strike_.impulses));
+  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, targets_, now_.v, strike_.impulses));
   const double t = start_ + elapsed_;
   for (const ClosedContact& closed : terms.closed) {
     const int c = closed.contact;

@@ -133,7 +133,7 @@ class ChartRungeKutta {
     return path_.allFinite() && v_next.allFinite();
   }
 
-  /// What at() needs of the last step. `seen` goes on with stages 12 … 15.
+  /// Computes the coefficients that at() needs. `seen` gets stages 12 … 15, too.
   template <class Acceleration, class Seen> bool extend(Acceleration&& acceleration, double t, const Eigen::VectorXd& q,
                                                         const Eigen::VectorXd& v, const Eigen::VectorXd& first,
                                                         double h, const Eigen::VectorXd& v_next, Seen&& seen) {

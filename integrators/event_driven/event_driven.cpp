@@ -49,8 +49,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
 }
 
 StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
-  StepReport report;
-  report.accepted = 0;
+  StepReport report = StepReport::solved(0);
   events_.clear(), why_.clear();
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   formulation_.clear(), shown_ = &formulation_;
@@ -92,7 +91,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   return report;
 }
 
-void EventDriven::remember(Memory& memory) {
+void EventDriven::remember(CheckpointData& memory) {
   memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, scale_.noise, lead_, joints_, load_, flight_, bounces_,
          crossing_, no_answer_, residual_, motion_, formulation_, impact_, stepping_, crowd_, arc_);
   if (meter_) meter_->forget();

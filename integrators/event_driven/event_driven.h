@@ -95,7 +95,7 @@ class EventDriven final : public Integrator {
   StepReport stride(double h, Solver& solver, State& x) { return go(h, true, solver, x); }
   const Arc& arc() const { return arc_; }  // of the last stride
 
-  void remember(Memory& memory) override;
+  void remember(CheckpointData& memory) override;
   const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
   bool controls_step() const override { return kCan.error_control; }
 
@@ -113,7 +113,7 @@ class EventDriven final : public Integrator {
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
     using MotionPoint::MotionPoint;
-    void remember(Memory& memory) {
+    void remember(CheckpointData& memory) {
       MotionPoint::remember(memory);
       memory(independence);
     }
@@ -143,7 +143,7 @@ class EventDriven final : public Integrator {
     bool goes_on = false;            // the stride before ended within a crossing, which goes on
     Status status = Status::solved;  // why it began
     std::string why;
-    void remember(Memory& memory) { memory(step, end, goes_on, status, why); }
+    void remember(CheckpointData& memory) { memory(step, end, goes_on, status, why); }
   };
   struct Scale {            // of the error of a step
     Eigen::VectorXd q, v;   // allowed
@@ -264,7 +264,7 @@ class EventDriven final : public Integrator {
   std::vector<Bounces> bounces_;
   std::vector<Impulse> push_;  // [N] mean force of the trial step
   std::vector<ContactMode> before_;
-  std::vector<Wanted> wanted_;
+  std::vector<RateTarget> targets_;
   const Formulation* shown_;  // by problem(); null: the transition
 };
 

@@ -16,7 +16,7 @@ struct SpatialArc {
   Eigen::VectorXd force;  // [N, W] likewise, see SpatialFlow
   std::vector<SpatialMode> modes;
   double length = 0;  // [s]; 0: there is none
-  void remember(Memory& memory) { memory(start, a, force, modes, length); }
+  void remember(CheckpointData& memory) { memory(start, a, force, modes, length); }
 };
 
 class SpatialFlow {

@@ -97,8 +97,8 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   for (std::size_t i = 0; i < touching_.size(); ++i)
     if (plastic ? bounces_[i].over || motion_.modes[i].lasting : touching_[i]) contacts_.push_back(static_cast<int>(i));
   evaluate_closed(system_, contacts_, terms);
-  newtons_law(system_.laws(), terms, now_.v, wanted_);
-  restrict_to_strikes(wanted_);
+  newtons_law(system_.laws(), terms, now_.v, targets_);
+  restrict_to_strikes(targets_);
   v_before_ = now_.v;
   shown_ = &impact_.formulation();
   impact_.anchor(time_, now_.q), formulation_.anchor(time_, now_.q);
@@ -106,12 +106,12 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   if (in_turn)
     no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
   else if (!plastic)
-    no_answer_ = !impact_.strike(terms, motion_.basic(), v_before_, wanted_, now_.v, solver, report);
+    no_answer_ = !impact_.strike(terms, motion_.basic(), v_before_, targets_, now_.v, solver, report);
   if (no_answer_) return give_up(report.status, impact_.why());
-  if (in_turn) newtons_law(system_.laws(), terms, now_.v, wanted_), restrict_to_strikes(wanted_);
+  if (in_turn) newtons_law(system_.laws(), terms, now_.v, targets_), restrict_to_strikes(targets_);
   if (plastic)
-    for (auto& wanted : wanted_) wanted.normal = 0;
-  formulation_.formulate(terms, motion_.basic(), wanted_, now_.v, none_);
+    for (auto& target : targets_) target.normal = 0;
+  formulation_.formulate(terms, motion_.basic(), targets_, now_.v, none_);
   shown_ = &formulation_;
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) {
@@ -126,7 +126,7 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   std::fill(struck_.begin(), struck_.end(), Impulse{});
   formulation_.advance(now_.v, struck_);
   if (in_turn || !plastic) impact_.add_to(struck_);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, wanted_, now_.v, struck_));
+  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, targets_, now_.v, struck_));
   if (system_.driven()) work_ += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
   for (const auto& closed : terms.closed) {
     const auto i = static_cast<std::size_t>(closed.contact);

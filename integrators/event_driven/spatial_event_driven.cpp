@@ -60,7 +60,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
   events_.reserve(64);
 }
 
-void SpatialEventDriven::remember(Memory& memory) {
+void SpatialEventDriven::remember(CheckpointData& memory) {
   memory(time_, next_, begun_, load_, flight_, now_.q, now_.v, arc_, last_, crowd_.steps, crowd_.standstill,
          crowd_.length, crowd_.end, bounces_, motion_, transition_, formulation_, impact_, stepping_);
   memory(now_.residual.joint, now_.residual.rate, now_.residual.off);

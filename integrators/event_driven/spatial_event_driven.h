@@ -56,7 +56,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   bool stride(double h, Solver& solver, State& x, StepReport& report);
   const SpatialArc& arc() const { return arc_; }  // of the last stride
 
-  void remember(Memory& memory) override;
+  void remember(CheckpointData& memory) override;
   const Lcp& problem() const override { return shown_ != nullptr ? shown_->problem() : transition_.problem(); }
   bool controls_step() const override { return kCan.error_control; }
 
@@ -186,7 +186,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   std::vector<char> touching_, released_, in_turn_;
   std::vector<Vector3d> slides_;  // contacts that slide off, along this
   std::vector<SpatialMode> before_;
-  std::vector<WantedOf<Spatial>> wanted_;
+  std::vector<RateTargetOf<Spatial>> targets_;
   std::vector<Impulse> struck_;
   std::vector<int> contacts_;
   Eigen::VectorXd v_before_, none_, q_within_, v_within_;

@@ -22,48 +22,51 @@ double largest_change(const RowOf<Space>& row, const Eigen::VectorXd& a, const E
 
 }  // namespace
 
-template <class Space> void GapSteppingOf<Space>::close(double h, const State& x) {
-  flight_ = v_new_;
-  move<Space>(x.q, h * flight_, q_new_);
-  set_poses(system_, x.t + h, q_new_, terms_.at);
-  this->set_frames();
-  evaluate_gaps(system_, terms_);
-  terms_.closed.clear();
-  const double near = reach();
-  for (int i = 0; i < system_.contacts(); ++i) {
-    const bool joined = std::find(joined_.begin(), joined_.end(), i) != joined_.end();
-    if (terms_.gap[i] == kInf || (terms_.gap[i] > near && !joined)) continue;
-    add_closed(system_, i, terms_);
-    const ClosedContact& c = terms_.closed.back();
-    if (!joined && apply(c.rows.normal, flight_.data()) > least(c, h, x, flight_) + nearly(c.rows) / h)
-      terms_.closed.pop_back();
+template <class Space> void GapSteppingOf<Space>::close(Step& step) {
+  flight_ = step.v;
+  move<Space>(step.x.q, step.h * flight_, step.q_end);
+  TermsOf<Space>& terms = step.terms;
+  set_poses(step.system, step.x.t + step.h, step.q_end, terms.at);
+  step.set_frames();
+  evaluate_gaps(step.system, terms);
+  terms.closed.clear();
+  const double near = reach(step);
+  for (int i = 0; i < step.system.contacts(); ++i) {
+    const bool joined = std::find(step.joined.begin(), step.joined.end(), i) != step.joined.end();
+    if (terms.gap[i] == kInf || (terms.gap[i] > near && !joined)) continue;
+    add_closed(step.system, i, terms);
+    const ClosedContact& c = terms.closed.back();
+    if (!joined && apply(c.rows.normal, flight_.data()) > least(step, c, flight_) + step.nearly(c.rows) / step.h)
+      terms.closed.pop_back();
   }
-  newtons_law(system_.laws(), terms_, x.v, wanted_);
-  want(h, x);
+  newtons_law(step.system.laws(), terms, step.x.v, step.targets);
+  set_targets(step);
 }
 
-template <class Space> bool GapSteppingOf<Space>::missed(double h, const State& x) {
-  if (terms_.closed.empty() || v_new_ == flight_) return false;
-  const std::size_t before = joined_.size(), taking_part = terms_.closed.size();
-  for (int i = 0, next = 0; i < system_.contacts(); ++i) {
-    if (static_cast<std::size_t>(next) < taking_part && terms_.closed[static_cast<std::size_t>(next)].contact == i) {
+template <class Space> bool GapSteppingOf<Space>::missed(Step& step) {
+  TermsOf<Space>& terms = step.terms;
+  if (terms.closed.empty() || step.v == flight_) return false;
+  const double h = step.h;
+  const std::size_t before = step.joined.size(), taking_part = terms.closed.size();
+  for (int i = 0, next = 0; i < step.system.contacts(); ++i) {
+    if (static_cast<std::size_t>(next) < taking_part && terms.closed[static_cast<std::size_t>(next)].contact == i) {
       ++next;
       continue;
     }
-    if (terms_.gap[i] == kInf) continue;
-    add_closed(system_, i, terms_);
-    const ClosedContact c = terms_.closed.back();
-    terms_.closed.pop_back();
-    const double rate = apply(c.rows.normal, v_new_.data());
-    const auto belt = belt_of(system_.law(i), c.rows);
-    if (rate < apply(c.rows.normal, flight_.data()) && rate < least(c, h, x, v_new_) - nearly(c.rows) / h &&
-        terms_.gap[i] <= h * (speed<Space>(c.rows, x.v, belt) + speed<Space>(c.rows, flight_, belt) +
-                              largest_change<Space>(c.rows.normal, flight_, x.v)) +
-                             nearly(c.rows))
-      joined_.push_back(i);
+    if (terms.gap[i] == kInf) continue;
+    add_closed(step.system, i, terms);
+    const ClosedContact c = terms.closed.back();
+    terms.closed.pop_back();
+    const double rate = apply(c.rows.normal, step.v.data()), near = step.nearly(c.rows);
+    const auto belt = belt_of(step.system.law(i), c.rows);
+    if (rate < apply(c.rows.normal, flight_.data()) && rate < least(step, c, step.v) - near / h &&
+        terms.gap[i] <= h * (speed<Space>(c.rows, step.x.v, belt) + speed<Space>(c.rows, flight_, belt) +
+                             largest_change<Space>(c.rows.normal, flight_, step.x.v)) +
+                            near)
+      step.joined.push_back(i);
   }
-  if (joined_.size() == before) return false;
-  v_new_ = flight_;
+  if (step.joined.size() == before) return false;
+  step.v = flight_;
   return true;
 }
 

@@ -21,30 +21,24 @@ template <class Space> class GapSteppingOf : public VelocitySteppingOf<Space> {
 
  protected:
   using VelocitySteppingOf<Space>::VelocitySteppingOf;
-  using VelocitySteppingOf<Space>::system_;
-  using VelocitySteppingOf<Space>::terms_;
-  using VelocitySteppingOf<Space>::wanted_;
-  using VelocitySteppingOf<Space>::nearly;
-  using VelocitySteppingOf<Space>::v_new_;
-  using VelocitySteppingOf<Space>::q_new_;
-  using VelocitySteppingOf<Space>::joined_;
+  using Step = typename VelocitySteppingOf<Space>::Step;
 
   /// The least γ_N that the scheme lets the contact have where the velocities after the step are v. [m/s]
-  virtual double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const = 0;
-  /// The law of what takes part; wanted_ is Newton's.
-  virtual void want(double h, const State& x) = 0;
+  virtual double least(const Step& step, const ClosedContact& c, const Eigen::VectorXd& v) const = 0;
+  /// The law of what takes part; step.targets is Newton's.
+  virtual void set_targets(Step& step) = 0;
 
-  /// [m] Contacts farther open at the end of free flight need not be asked at first.
-  virtual double reach() const { return kInf; }
+  /// [m] Contacts farther open at the end of free flight need not be evaluated at first.
+  virtual double reach(const Step& /*step*/) const { return kInf; }
 
   /// γ_N⁺ that just closes the gap at the end of the step, to first order.
-  double closing(const ClosedContact& c, double h) const {
-    return apply(c.rows.normal, flight_.data()) - terms_.gap[c.contact] / h;
+  double closing(const Step& step, const ClosedContact& c) const {
+    return apply(c.rows.normal, flight_.data()) - step.terms.gap[c.contact] / step.h;
   }
 
  private:
-  void close(double h, const State& x) final;
-  bool missed(double h, const State& x) final;
+  void close(Step& step) final;
+  bool missed(Step& step) final;
 
   Eigen::VectorXd flight_;  // v_free
 };

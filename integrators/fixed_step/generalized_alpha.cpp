@@ -16,7 +16,7 @@ template <class Space> GeneralizedAlphaOf<Space>::GeneralizedAlphaOf(const Syste
 }
 
 template <class Space> StepReport GeneralizedAlphaOf<Space>::step(double h, Solver& solver, State& x) {
-  StepReport report;
+  StepReport report = StepReport::solved();
   begin();
   if (!start(x, report) || !flow(h, x, solver, report)) return report;
   hand_over(x);

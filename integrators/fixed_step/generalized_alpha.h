@@ -35,7 +35,7 @@ template <class Space> class GeneralizedAlphaOf final : public TwoLevelOf<Space>
   using Options = GeneralizedAlphaOptions;
   explicit GeneralizedAlphaOf(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override {
+  void remember(CheckpointData& memory) override {
     TwoLevelOf<Space>::remember(memory);
     memory(s_, a_, q_last_, v_last_, added_, stiffened_);
   }

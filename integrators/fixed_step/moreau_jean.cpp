@@ -15,37 +15,38 @@ template <class Space> bool MoreauJeanOf<Space>::may_slide_off(const typename Sy
   }
 }
 
-template <class Space> void MoreauJeanOf<Space>::close(double h, const State& x) {
-  evaluate_gaps(system_, terms_);
-  evaluate_closed(system_, nearly(), terms_);
-  auto& closed = terms_.closed;
-  std::erase_if(closed, [&](const ClosedContact& c) { return terms_.gap[c.contact] > nearly(c.rows); });
+template <class Space> void MoreauJeanOf<Space>::close(Step& step) {
+  TermsOf<Space>& terms = step.terms;
+  evaluate_gaps(step.system, terms);
+  evaluate_closed(step.system, step.nearly(), terms);
+  auto& closed = terms.closed;
+  std::erase_if(closed, [&](const ClosedContact& c) { return terms.gap[c.contact] > step.nearly(c.rows); });
   if constexpr (kPlanar<Space>)
     for (std::size_t k = 0; polygons_ && k + 1 < closed.size(); ++k)
       if (closed[k].contact + 1 == closed[k + 1].contact) {
-        const std::size_t off = slides_off(h, x, k);
+        const std::size_t off = slides_off(step, k);
         if (off < closed.size()) closed.erase(closed.begin() + static_cast<std::ptrdiff_t>(off));
       }
-  newtons_law(system_.laws(), terms_, x.v, wanted_);
+  newtons_law(step.system.laws(), terms, step.x.v, step.targets);
 }
 
-template <class Space> std::size_t MoreauJeanOf<Space>::slides_off([[maybe_unused]] double h,
-                                                                   [[maybe_unused]] const State& x,
-                                                                   [[maybe_unused]] std::size_t k) const {
+template <class Space> std::size_t MoreauJeanOf<Space>::slides_off(const Step& step, [[maybe_unused]] std::size_t k) {
+  const auto& closed = step.terms.closed;
   if constexpr (!kPlanar<Space>)
-    return terms_.closed.size();
+    return closed.size();
   else {
-    const auto& closed = terms_.closed;
-    const bool first = terms_.gap[closed[k].contact] > terms_.gap[closed[k + 1].contact];  // is the shallower one
+    const Terms& terms = step.terms;
+    const Eigen::VectorXd& v = step.x.v;
+    const bool first = terms.gap[closed[k].contact] > terms.gap[closed[k + 1].contact];  // is the shallower one
     const ClosedContact &deep = closed[first ? k + 1 : k], &shallow = closed[first ? k : k + 1];
-    const double d = terms_.gap[shallow.contact] - terms_.gap[deep.contact], near = nearly(shallow.rows);
-    const double rate = apply(shallow.rows.normal, x.v.data());
-    if (!(d > near) || !(h * rate < -near)) return closed.size();
-    if (bodies_of(system_, terms_.pairs, deep.contact) != bodies_of(system_, terms_.pairs, shallow.contact))
+    const double d = terms.gap[shallow.contact] - terms.gap[deep.contact], near = step.nearly(shallow.rows);
+    const double rate = apply(shallow.rows.normal, v.data());
+    if (!(d > near) || !(step.h * rate < -near)) return closed.size();
+    if (bodies_of(step.system, terms.pairs, deep.contact) != bodies_of(step.system, terms.pairs, shallow.contact))
       return closed.size();
-    const auto points = polygon_points(system_, terms_.pairs, deep.contact, terms_.at);
+    const auto points = polygon_points(step.system, terms.pairs, deep.contact, terms.at);
     if (!points) return closed.size();
-    const bool ends = overlap_ends(*points, terms_.at, x.v, d, rate - apply(deep.rows.normal, x.v.data()));
+    const bool ends = overlap_ends(*points, terms.at, v, d, rate - apply(deep.rows.normal, v.data()));
     return ends ? (first ? k : k + 1) : closed.size();
   }
 }

@@ -45,18 +45,15 @@ template <class Space> class MoreauJeanOf final : public VelocitySteppingOf<Spac
         polygons_(may_slide_off(system.scene())) {}
 
  private:
-  using VelocitySteppingOf<Space>::system_;
-  using VelocitySteppingOf<Space>::terms_;
-  using VelocitySteppingOf<Space>::wanted_;
-  using VelocitySteppingOf<Space>::nearly;
+  using Step = typename VelocitySteppingOf<Space>::Step;
 
   static constexpr double kParted = 1e-3;
 
   static bool may_slide_off(const typename System::Scene& scene);  // two polygons may meet
 
-  void close(double h, const State& x) override;
-  /// Which of the closed contacts k and k + 1 is a point that only slides off an edge; none: the number of all.
-  std::size_t slides_off(double h, const State& x, std::size_t k) const;
+  void close(Step& step) override;
+  /// The one of the closed contacts k and k + 1 that only slides off an edge; none: the number of closed contacts.
+  static std::size_t slides_off(const Step& step, std::size_t k);
 
   bool polygons_;
 };

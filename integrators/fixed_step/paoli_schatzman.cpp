@@ -5,15 +5,16 @@
 namespace orthant {
 
 template <class Space>
-double PaoliSchatzmanOf<Space>::least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd&) const {
-  const double e = system_.law(c.contact).e;
-  return e * apply(c.rows.normal, x.v.data()) + (1 + e) * closing(c, h);
+double PaoliSchatzmanOf<Space>::least(const Step& step, const ClosedContact& c, const Eigen::VectorXd&) const {
+  const double e = step.system.law(c.contact).e;
+  return e * apply(c.rows.normal, step.x.v.data()) + (1 + e) * closing(step, c);
 }
 
-template <class Space> void PaoliSchatzmanOf<Space>::want(double h, const State& x) {
-  for (std::size_t k = 0; k < wanted_.size(); ++k) {
-    wanted_[k].normal = wanted_[k].least = least(terms_.closed[k], h, x, v_new_);
-    wanted_[k].plastic = std::min(wanted_[k].normal, closing(terms_.closed[k], h));
+template <class Space> void PaoliSchatzmanOf<Space>::set_targets(Step& step) {
+  for (std::size_t k = 0; k < step.targets.size(); ++k) {
+    const ClosedContact& c = step.terms.closed[k];
+    step.targets[k].normal = step.targets[k].least = least(step, c, step.v);
+    step.targets[k].plastic = std::min(step.targets[k].normal, closing(step, c));
   }
 }
 

@@ -33,14 +33,11 @@ template <class Space> class PaoliSchatzmanOf final : public GapSteppingOf<Space
                              {0.5, 1, options.joints, options.form, Cone::coulomb, options.sleep}) {}
 
  private:
-  using GapSteppingOf<Space>::system_;
-  using GapSteppingOf<Space>::terms_;
-  using GapSteppingOf<Space>::wanted_;
-  using GapSteppingOf<Space>::v_new_;
+  using Step = typename GapSteppingOf<Space>::Step;
   using GapSteppingOf<Space>::closing;
 
-  double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const override;
-  void want(double h, const State& x) override;
+  double least(const Step& step, const ClosedContact& c, const Eigen::VectorXd& v) const override;
+  void set_targets(Step& step) override;
 };
 extern template class PaoliSchatzmanOf<Planar>;
 extern template class PaoliSchatzmanOf<Spatial>;

@@ -12,7 +12,7 @@ template <class Space> RattleOf<Space>::RattleOf(const System& system, const Opt
 }
 
 template <class Space> StepReport RattleOf<Space>::step(double h, Solver& solver, State& x) {
-  StepReport report;
+  StepReport report = StepReport::solved();
   begin();
   if (!half_kick(h, x, report) || !reach_turning(h, x, solver, report)) return report;
   v_ = path_ / h;

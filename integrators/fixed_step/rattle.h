@@ -41,7 +41,7 @@ template <class Space> class RattleOf final : public TwoLevelOf<Space> {
   using Options = RattleOptions;
   explicit RattleOf(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(Memory& memory) override {
+  void remember(CheckpointData& memory) override {
     TwoLevelOf<Space>::remember(memory);
     memory(last_, added_, stiffened_);
     factorized_there_ = false;

@@ -37,17 +37,13 @@ template <class Space> class StewartTrinkleOf : public GapSteppingOf<Space> {
         start_(system) {}
 
  private:
-  using GapSteppingOf<Space>::system_;
-  using GapSteppingOf<Space>::terms_;
-  using GapSteppingOf<Space>::wanted_;
-  using GapSteppingOf<Space>::nearly;
-  using GapSteppingOf<Space>::v_new_;
+  using Step = typename GapSteppingOf<Space>::Step;
   using GapSteppingOf<Space>::closing;
 
-  double least(const ClosedContact& c, double h, const State& x, const Eigen::VectorXd& v) const final;
-  void want(double h, const State& x) final;
-  double reach() const final;
-  void find_approaches(const State& x);
+  double least(const Step& step, const ClosedContact& c, const Eigen::VectorXd& v) const final;
+  void set_targets(Step& step) final;
+  double reach(const Step& step) const final;
+  void find_approaches(const Step& step);
 
   Cone cone_;
   Terms start_;  // rows at the step's start, of what approaches and may rebound

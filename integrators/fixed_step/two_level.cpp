@@ -21,17 +21,17 @@ TwoLevelOf<Space>::TwoLevelOf(const System& system, std::string_view name, const
       lambda_(system.joint_rows()),
       has_rows_(static_cast<std::size_t>(system.contacts())),
       broad_phase_(system),
-      passing_(system),
+      tunnelling_(system),
       positions_(system),
       velocities_(system),
       shown_(&velocities_),
       free_(system.dof()) {
   velocities_.let_friction_win();
   if (geometric_.possible()) added_.setZero(system.dof());
-  wanted_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
+  targets_.reserve(has_rows_.size()), carrying_.reserve(has_rows_.size());
 }
 
-template <class Space> void TwoLevelOf<Space>::remember(Memory& memory) {
+template <class Space> void TwoLevelOf<Space>::remember(CheckpointData& memory) {
   memory(positions_, velocities_, q_frozen_, off_before_, part_);
   basic_.forget();
 }
@@ -98,16 +98,16 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
     }
     const bool rows = resists || !start_.closed.empty();
     if (rows) {
-      newtons_law(system_.laws(), start_, x.v, wanted_);  // for the slip that chooses μ
-      for (std::size_t k = 0; k < wanted_.size(); ++k) {
+      newtons_law(system_.laws(), start_, x.v, targets_);  // for the slip that chooses μ
+      for (std::size_t k = 0; k < targets_.size(); ++k) {
         const ClosedContact& c = start_.closed[k];
-        wanted_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
-        wanted_[k].tangent = h * belt_of(system_.law(c.contact), c.rows);
+        targets_[k].normal = apply(c.rows.normal, path.data()) - end_.gap[c.contact];  // g_N + W_N (p⁺ − p) ≥ 0
+        targets_[k].tangent = h * belt_of(system_.law(c.contact), c.rows);
       }
       if (more)
-        positions_.formulate(start_, basic_, wanted_, free_, rate_);
+        positions_.formulate(start_, basic_, targets_, free_, rate_);
       else
-        positions_.retarget(wanted_, free_, rate_);
+        positions_.retarget(targets_, free_, rate_);
       if (!solve(positions_, solver, report)) return false;
       accuracy = positions_.solution().residual;
     }
@@ -180,7 +180,7 @@ template <class Space> typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::m
 
 template <class Space> bool TwoLevelOf<Space>::solve(Formulation& formulation, Solver& solver, StepReport& report) {
   if (formulation.size() > 0) shown_ = &formulation;
-  if (formulation.solve(solver, report, crew())) return true;
+  if (formulation.solve(solver, report, pool())) return true;
   why_ = formulation.contradiction();
   return false;
 }
@@ -205,27 +205,27 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   start_.closed.clear(), end_.closed.clear();
   if (!carrying_.empty()) set_poses(system_, x.t, x.q, start_.at);
   for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
-  newtons_law(system_.laws(), start_, x.v, wanted_);
-  restrict_to_strikes(wanted_);
-  for (std::size_t k = 0; k < wanted_.size(); ++k) {  // the work is that of the rows at the end
+  newtons_law(system_.laws(), start_, x.v, targets_);
+  restrict_to_strikes(targets_);
+  for (std::size_t k = 0; k < targets_.size(); ++k) {  // the work is that of the rows at the end
     const auto& rows = end_.closed[k].rows;
-    wanted_[k].approach = apply(rows.normal, x.v.data());
-    wanted_[k].slip_before = slip_rate(rows, x.v.data()) - belt_of(*wanted_[k].law, rows);
+    targets_[k].approach = apply(rows.normal, x.v.data());
+    targets_[k].slip_before = slip_rate(rows, x.v.data()) - belt_of(*targets_[k].law, rows);
     if constexpr (!kPlanar<Space>) {  // the surface's motion along the tangents that P acts along
-      wanted_[k].tangent = wanted_[k].tangent - wanted_[k].belt + rows.belt;
-      wanted_[k].belt = rows.belt;
+      targets_[k].tangent = targets_[k].tangent - targets_[k].belt + rows.belt;
+      targets_[k].belt = rows.belt;
     }
   }
 }
 
 template <class Space> bool TwoLevelOf<Space>::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
-  note_forces(end_, v, wanted_);
+  note_forces(end_, v, targets_);
   velocities_.anchor(end_.at.t, q_end_);
-  velocities_.formulate(end_, basic_, wanted_, v, rate_);
+  velocities_.formulate(end_, basic_, targets_, v, rate_);
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);
   for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = velocities_.joint_friction(i);
-  report.energy_rise = energy_rise(system_, end_, wanted_, v, impulses_, kOtherRows);
+  report.energy_rise = energy_rise(system_, end_, targets_, v, impulses_, kOtherRows);
   return true;
 }
 
@@ -245,7 +245,7 @@ template <class Space> void TwoLevelOf<Space>::arrive(double h, Eigen::VectorXd&
     report.joint_rate = std::max(report.joint_rate, std::abs(end_.missing_rate(i, v)));
   gaps_ = end_.gap;
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
-  report.passage = passing_.find(x.q, q_end_, end_);
+  report.passage = tunnelling_.find(x.q, q_end_, end_);
   x.t += h;
   x.q.swap(q_end_);
   x.v.swap(v);

@@ -34,7 +34,7 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   using ClosedContact = ClosedContactOf<Space>;
   using Formulation = FormulationOf<Space>;
 
-  void remember(Memory& memory) override;
+  void remember(CheckpointData& memory) override;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return end_.pairs; }
 
@@ -46,7 +46,7 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   using IntegratorOf<Space>::why_;
   using IntegratorOf<Space>::touching;
   using IntegratorOf<Space>::fail;
-  using IntegratorOf<Space>::crew;
+  using IntegratorOf<Space>::pool;
 
   TwoLevelOf(const System& system, std::string_view name, const Capabilities& can);
 
@@ -81,7 +81,7 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   InPlane<Space, GeometricStiffness> geometric_;
   Eigen::VectorXd added_;   // dof: to M, of the joints' geometric stiffness
   bool stiffened_ = false;  // that counts
-  Extents far_, path_;      // [m] of the coordinates at hand; of the step
+  Magnitudes far_, path_;   // [m] of the coordinates at hand; of the step
   Eigen::VectorXd force_, rate_, lambda_;
 
  private:
@@ -96,11 +96,11 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
   BroadPhaseOf<Space> broad_phase_;
-  PassingOf<Space> passing_;
+  TunnellingDetectorOf<Space> tunnelling_;
   Formulation positions_, velocities_;
   const Formulation* shown_;  // by problem()
   double stiffness_weight_ = 0, damping_weight_ = 0;
-  std::vector<WantedOf<Space>> wanted_;
+  std::vector<RateTargetOf<Space>> targets_;
   std::vector<int> carrying_;
   Eigen::VectorXd free_;
   Eigen::VectorXd q_frozen_, off_, off_before_;  // of start_.at; q_end_ from there, now and a pass before

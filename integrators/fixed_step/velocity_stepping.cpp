@@ -17,7 +17,7 @@ template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const Syste
       near_(system.cluster()),
       broad_phase_(system),
       sleep_(system, plan.sleep),
-      passing_(system),
+      tunnelling_(system),
       formulation_(system, plan.form, plan.cone),
       shown_(&formulation_),
       geometric_(system),
@@ -43,12 +43,12 @@ template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const Syste
     frames_.reserve(static_cast<std::size_t>(system.bodies()) + 1);
     if (plan.form == Form::full && system.joint_rows() > 0) joined_basic_.emplace(system);
   }
-  wanted_.reserve(static_cast<std::size_t>(system.contacts()));
-  taken_.reserve(2 * wanted_.capacity());
+  targets_.reserve(static_cast<std::size_t>(system.contacts()));
+  taken_.reserve(2 * targets_.capacity());
 }
 
 template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solver& solver, State& x) {
-  StepReport report;
+  StepReport report = StepReport::solved();
   formulation_.clear();
   shown_ = &formulation_;
   why_.clear();
@@ -59,28 +59,29 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   measure(h, x);
   if (!find_pairs(h, x, report)) return report;
   if constexpr (kPlanar<Space>) sleep_.begin(x, terms_, v_new_);
+  Step step{system_, h, x, terms_, targets_, v_new_, q_new_, joined_, near_, frames_};
   do {
     if constexpr (kPlanar<Space>) do
-        close(h, x);
-      while (sleep_.disturbed(terms_, wanted_, v_new_));
+        close(step);
+      while (sleep_.disturbed(terms_, targets_, v_new_));
     else
-      close(h, x);
-    note_forces(terms_, v_new_, wanted_);
-    restrict_to_strikes(wanted_);
-    if (!impact_.strike(terms_, basic_, x.v, wanted_, v_new_, solver, report)) {
+      close(step);
+    note_forces(terms_, v_new_, targets_);
+    restrict_to_strikes(targets_);
+    if (!impact_.strike(terms_, basic_, x.v, targets_, v_new_, solver, report)) {
       shown_ = &impact_.formulation();
       why_ = impact_.why();
       return report;
     }
     if (!solve_contacts(h, x, solver, report)) return report;
-  } while (missed(h, x));
-  report.energy_rise = energy_rise(system_, terms_, wanted_, v_new_, impulses_, kSameRows, &taken_);
+  } while (missed(step));
+  report.energy_rise = energy_rise(system_, terms_, targets_, v_new_, impulses_, kSameRows, &taken_);
   if constexpr (kPlanar<Space>) sleep_.hold(h, impulses_);
   if (geometric_.possible()) note_stiffness(h, x);
   if constexpr (!kPlanar<Space>) to_end_axes(system_, frames(h), x.v, v_new_);
   move<Space>(x.q, h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v), q_new_);
   if (!settle(x.t + h, report)) return report;
-  report.passage = passing_.find(x.q, q_new_, terms_);
+  report.passage = tunnelling_.find(x.q, q_new_, terms_);
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
@@ -89,7 +90,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   return report;
 }
 
-template <class Space> void VelocitySteppingOf<Space>::remember(Memory& memory) {
+template <class Space> void VelocitySteppingOf<Space>::remember(CheckpointData& memory) {
   memory(formulation_, impact_, sleep_, taken_, loads_, carried_, last_q_, last_v_);
   basic_.forget(), projection_.forget();
 }
@@ -210,9 +211,9 @@ template <class Space>
 void VelocitySteppingOf<Space>::note_stiffness([[maybe_unused]] double h, [[maybe_unused]] const State& x) {
   if constexpr (kPlanar<Space>) {
     carried_.setZero();
-    for (const Wanted& w : wanted_)
+    for (const RateTarget& w : targets_)
       if (w.approach < -kRestSpeed - std::abs(w.free - w.approach)) return;  // an impact is no load
-    if (plan_.form == Form::full || !wanted_.empty() || !frictions_.empty()) {
+    if (plan_.form == Form::full || !targets_.empty() || !frictions_.empty()) {
       find_joint_impulses(h, x);
       geometric_.raise(terms_, lambda_.data(), h, 1, kInf, carried_);
     }
@@ -250,7 +251,7 @@ template <class Space> bool VelocitySteppingOf<Space>::find_pairs(double h, cons
   double most = 2;  // gaps at either end of the step, and what rebounds and relaxed cones see ahead
   for (const ContactLaw& law : system_.laws()) most = std::max(most, 1 + law.mu);
   reach_ = most * h * (x.v.cwiseAbs() + v_new_.cwiseAbs());
-  reach_.array() += 10 * nearly();  // what a scheme takes for closed may be open
+  reach_.array() += 10 * near_.largest();  // what a scheme takes for closed may be open
   return broad_phase_.find(reach_, terms_) || fail(report, Status::numerical_error, broad_phase_.why());
 }
 
@@ -262,16 +263,16 @@ bool VelocitySteppingOf<Space>::solve_contacts(double h, const State& x, Solver&
   if (!known) std::fill(loads_.begin(), loads_.end(), 0.0), v_free_ = v_new_;
   for (int pass = 1;; ++pass) {
     formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
-    formulation_.formulate(terms_, basic_, wanted_, v_new_, rate_);
-    if (!formulation_.solve(solver, report, crew())) {
+    formulation_.formulate(terms_, basic_, targets_, v_new_, rate_);
+    if (!formulation_.solve(solver, report, pool())) {
       why_ = formulation_.contradiction();
       return false;
     }
     formulation_.advance(v_new_, impulses_);
     if constexpr (!kPlanar<Space>)
       for (int turn = 0; turn < kPasses && formulation_.size() > 0 && turn_more(h, x); ++turn) {
-        formulation_.retarget(wanted_, v_new_, rate_);
-        if (!formulation_.solve(solver, report, crew())) {
+        formulation_.retarget(targets_, v_new_, rate_);
+        if (!formulation_.solve(solver, report, pool())) {
           why_ = formulation_.contradiction();
           return false;
         }

@@ -54,7 +54,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
  public:
   using System = SystemOf<Space>;
   using Terms = TermsOf<Space>;
-  using Wanted = WantedOf<Space>;
+  using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
   using ClosedContact = ClosedContactOf<Space>;
@@ -62,7 +62,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   StepReport step(double h, Solver& solver, State& x) final;
   /// From now on a step that friction and restitution leave without a solution ends the run (formulate.h).
   void keep_restitution() { formulation_.let_friction_win(false); }
-  void remember(Memory& memory) final;
+  void remember(CheckpointData& memory) final;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return terms_.pairs; }
   /// Of the last step, for its derivative: the contacts that were closed, and their problem.
@@ -70,15 +70,6 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   const FormulationOf<Space>& formulation() const { return formulation_; }
 
  protected:
-  using IntegratorOf<Space>::system_;
-  using IntegratorOf<Space>::gaps_;
-  using IntegratorOf<Space>::impulses_;
-  using IntegratorOf<Space>::frictions_;
-  using IntegratorOf<Space>::why_;
-  using IntegratorOf<Space>::touching;
-  using IntegratorOf<Space>::fail;
-  using IntegratorOf<Space>::crew;
-
   struct Plan {
     double at, theta;  // a, θ
     Joints joints;
@@ -89,31 +80,48 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   };
   VelocitySteppingOf(const System& system, std::string_view name, const Capabilities& can, const Plan& plan);
 
-  /// terms_ is at q_a, v_new_ is v_free: sets terms_.closed and wanted_.
-  virtual void close(double h, const State& x) = 0;
+  /// The step at hand, as its scheme sees it.
+  struct Step {
+    const System& system;
+    const double h;
+    const State& x;  // at its start
+    Terms& terms;
+    std::vector<RateTarget>& targets;  // one per closed contact
+    Eigen::VectorXd& v;                // before the contacts act: v_free; then v⁺
+    Eigen::VectorXd& q_end;            // room for poses on the way
+    std::vector<int>& joined;          // contacts that take part whatever free flight makes of them
+    const Magnitudes& near;
+    const std::vector<Eigen::Matrix3d>& frames;
 
-  /// The step is solved, v_new_ is v⁺. True: the solution violates contacts that close() left out; they are in joined_,
-  /// and v_new_ is v_free again.
-  virtual bool missed(double /*h*/, const State& /*x*/) { return false; }
+    /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls
+    /// parted.
+    double nearly(const ContactRowsOf<Space>& rows) const { return near.of(rows.normal); }
+    double nearly() const { return near.largest(); }  // of any contact
 
-  /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls
-  /// parted.
-  double nearly(const ContactRowsOf<Space>& rows) const { return near_.of(rows.normal); }
-  double nearly() const { return near_.largest(); }  // of any contact
+    /// In space rows that are evaluated elsewhere than at q_a are to stand in the frames of the step all the same.
+    void set_frames() {
+      if constexpr (!kPlanar<Space>)
+        for (std::size_t i = 0; i < frames.size(); ++i) terms.at.pose[i].axes = frames[i];
+    }
+  };
 
-  /// In space rows that are evaluated elsewhere than at q_a are to stand in the frames of the step all the same.
-  void set_frames() {
-    if constexpr (!kPlanar<Space>)
-      for (std::size_t i = 0; i < frames_.size(); ++i) terms_.at.pose[i].axes = frames_[i];
-  }
+  /// step.terms is at q_a, step.v is v_free: sets step.terms.closed and step.targets.
+  virtual void close(Step& step) = 0;
 
-  Terms terms_;
-  std::vector<Wanted> wanted_;  // one per closed contact
-  Eigen::VectorXd v_new_;       // before the contacts act: v_free
-  Eigen::VectorXd q_new_;
-  std::vector<int> joined_;  // contacts that take part in this step whatever free flight makes of them
+  /// The step is solved, step.v is v⁺. True: the solution violates contacts that close() left out; they are in
+  /// step.joined, and step.v is v_free again.
+  virtual bool missed(Step& /*step*/) { return false; }
 
  private:
+  using IntegratorOf<Space>::system_;
+  using IntegratorOf<Space>::gaps_;
+  using IntegratorOf<Space>::impulses_;
+  using IntegratorOf<Space>::frictions_;
+  using IntegratorOf<Space>::why_;
+  using IntegratorOf<Space>::touching;
+  using IntegratorOf<Space>::fail;
+  using IntegratorOf<Space>::pool;
+
   void measure(double h, const State& x);  // near_
   /// Free flight again, the joints' geometric stiffness in M̂, where the step needs it.
   bool stiffen(double h, const State& x, StepReport& report);
@@ -130,7 +138,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   StepFrames frames(double h) const;
   /// All of the step's impulses in joints, those that contacts cause too: lambda_.
   void find_joint_impulses(double h, const State& x);
-  /// What the joints' impulses make of stiffness, those that contacts cause too: carried_, for the next one.
+  /// Geometric stiffness by the joints' impulses, those caused by contacts included: carried_, for the next step.
   void note_stiffness(double h, const State& x);
   /// The pairs that can be closed in the step, terms_.at being on its way.
   bool find_pairs(double h, const State& x, StepReport& report);
@@ -142,18 +150,22 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   /// Projection; joint residual and penetration at the end.
   bool settle(double t, StepReport& report);
 
+  Terms terms_;
+  std::vector<RateTarget> targets_;
+  Eigen::VectorXd v_new_, q_new_;
+  std::vector<int> joined_;
   Plan plan_;
   double share_;       // 1 where joints hold for v⁺; 1 / a where for the mean velocity, a v⁺ + (1−a) v
   BasicSystem basic_;  // of the step: with joints in the reduced form
   ProjectionOf<Space> projection_;
   ImpactOf<Space> impact_;
-  Extents near_;  // [m]
+  Magnitudes near_;  // [m]
   BroadPhaseOf<Space> broad_phase_;
   InPlane<Space, Sleep> sleep_;
-  PassingOf<Space> passing_;
+  TunnellingDetectorOf<Space> tunnelling_;
   FormulationOf<Space> formulation_;
   const FormulationOf<Space>* shown_;            // by problem()
-  std::vector<Taken> taken_;                     // by contacts that the scheme pushed
+  std::vector<ContactWork> taken_;               // by contacts that the scheme pushed
   std::vector<JointLoadOf<Space>> joint_loads_;  // one a friction that depends on a load
   std::vector<double> loads_;                    // [N] of the last step, one a friction; empty: none depends on a load
   Eigen::VectorXd last_q_, last_v_;

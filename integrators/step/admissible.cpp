@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/step/admissible.h>
+#include <orthant/integrators/step/width.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,18 +21,6 @@ constexpr double kOfPlaces = 1e-15;                      // of the coordinates: 
 constexpr double kSoon = 1e-3;                           // of the time: a jam that near explains a failed step
 constexpr double kCrossing = 1e-4;                       // [s] the longest of a scheme that divides its step
 
-/// Half the distance of the nearest parallel lines that have the polygon between them.
-double half_width(const Polygon& corners) {
-  double least = kInf;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    double high = 0;
-    const Vector2d normal = outward(corners, i);
-    for (const Vector2d& corner : corners) high = std::max(high, std::abs(normal.dot(corner - corners[i])));
-    least = std::min(least, high / 2);
-  }
-  return least;
-}
-
 /// overlap and length: numbers as texts [m, rad].
 std::string words_of(const std::string& contact, const std::string& overlap, OverlapScale scale,
                      const std::string& length) {
@@ -39,18 +28,6 @@ std::string words_of(const std::string& contact, const std::string& overlap, Ove
   return "bodies overlap by " + overlap + " m at contact " + contact + ", where " +
          (scale == OverlapScale::clearance ? "the clearance is " : "the thinner body's half width is ") + length + " m";
 }
-
-double half_width(const spatial::Shape& s) {
-  if (!s.polytope()) return s.radius;
-  double least = kInf;
-  for (const spatial::Hull::Face& face : s.hull->faces) {
-    double high = 0;
-    for (const Vector3d& corner : s.hull->corners) high = std::max(high, face.offset - face.normal.dot(corner));
-    least = std::min(least, high / 2);
-  }
-  return least;
-}
-double half_width(const Shape& s) { return s.corners.empty() ? s.radius : half_width(s.corners); }
 
 /// [m] Root mean square distance of the masses from the axis, or from the centre.
 double gyration(const Body& b) { return std::sqrt(b.inertia / b.mass); }
@@ -74,9 +51,9 @@ Measured<Vector2d> measured(const Contact& contact) {
   if (const auto* d = std::get_if<DiscDisc>(&contact)) return {std::min(d->radius_a, d->radius_b)};
   if (const auto* w = std::get_if<DiscWall>(&contact)) return {w->radius, OverlapScale::body, w->normal};
   if (const auto* c = std::get_if<CornerWall>(&contact)) return {kInf, OverlapScale::body, c->normal};
-  if (const auto* p = std::get_if<DiscPolygon>(&contact)) return {std::min(p->radius, half_width(p->corners))};
+  if (const auto* p = std::get_if<DiscPolygon>(&contact)) return {std::min(p->radius, width_of(p->corners) / 2)};
   if (const auto* pp = std::get_if<PolygonPolygon>(&contact))
-    return {std::min(half_width(pp->corners_a), half_width(pp->corners_b))};
+    return {std::min(width_of(pp->corners_a), width_of(pp->corners_b)) / 2};
   if (const auto* limit = std::get_if<Limit>(&contact))
     if (std::holds_alternative<Angle>(limit->of.kind())) return {1, OverlapScale::angle};
   return {};
@@ -185,7 +162,7 @@ template <class Space> void MotionWatchOf<Space>::measure_lengths(const Eigen::V
     if (of.clearance()) motion_.smallest_clearance = std::min(motion_.smallest_clearance, of.size);
   for (const auto& c : scene.collisions) {
     double least = kInf;
-    for (const auto& shape : c.shapes) least = std::min(least, half_width(shape));
+    for (const auto& shape : c.shapes) least = std::min(least, width_of(shape) / 2);
     widths_.push_back(least);
   }
   const auto quick = [&](const Length& of) {
@@ -344,7 +321,7 @@ template <class Space> bool MotionWatchOf<Space>::explains(const State& x, doubl
   return !end(Status::infeasible, words(*found));
 }
 
-template <class Space> void MotionWatchOf<Space>::remember(Memory& memory) {
+template <class Space> void MotionWatchOf<Space>::remember(CheckpointData& memory) {
   memory(motion_, looked_, steps_, looked_at_, start_energy_, start_kinetic_, start_potential_, least_potential_,
          peak_kinetic_, fastest_, effort_, rise_.lowest, rise_.last, between_.lowest, between_.last, kick_, floor_);
   if (meter_) meter_->forget();

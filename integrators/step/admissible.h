@@ -47,7 +47,7 @@ struct Admissibility {
 
   bool deep() const;        // beyond kDeep of the length
   bool energy_off() const;  // beyond 5 % of the scale
-  void remember(Memory& memory) {
+  void remember(CheckpointData& memory) {
     memory(smallest_clearance, max_overlap, overlap_length, overlap_time, overlap_contact, overlap_scale, work,
            energy_defect, energy_scale, energy_defect_time);
   }
@@ -75,7 +75,7 @@ template <class Space> class MotionWatchOf {
   bool explains(const State& x, double h, Status status);
 
   const Admissibility& motion() const { return motion_; }
-  void remember(Memory& memory);
+  void remember(CheckpointData& memory);
 
  private:
   struct Length {

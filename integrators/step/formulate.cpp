@@ -6,23 +6,24 @@ namespace orthant {
 template <class Space> FormulationOf<Space>::FormulationOf(const System& system, Form form, Cone cone)
     : system_(system), problem_(system, form, cone), islands_(system, problem_), deficiency_(system, form) {}
 
-template <class Space>
-void FormulationOf<Space>::formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
-                                     const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
-  if (problem_.empty(wanted.size())) return problem_.clear_rows();  // most steps of most scenes
+template <class Space> void FormulationOf<Space>::formulate(const Terms& terms, const BasicSystem& basic,
+                                                            const std::vector<RateTarget>& targets,
+                                                            const Eigen::VectorXd& v_free,
+                                                            const Eigen::VectorXd& joint_rate) {
+  if (problem_.empty(targets.size())) return problem_.clear_rows();  // most steps of most scenes
   terms_ = &terms;
   deficiency_.begin(terms);
   const auto collect = [&] {
-    problem_.collect(terms, wanted, deficiency_.held());
+    problem_.collect(terms, targets, deficiency_.held());
     islands_.sort(problem_);
     problem_.respond(basic);
   };
   collect();
   if (deficiency_.find(problem_)) collect();
-  retarget(wanted, v_free, joint_rate);
+  retarget(targets, v_free, joint_rate);
 }
 
-template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, Crew* crew) {
+template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, SolverPool* pool) {
   if (problem_.size() == 0) return true;
   if (problem_.no_normal() >= 0) {
     report.status = Status::numerical_error;
@@ -32,8 +33,8 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
   deficiency_.start_solving();
   bool elastic = friction_wins_;
   for (int pass = 1;; ++pass) {
-    const bool solved = solve_once(solver, report, crew) &&
-                        (!problem_.regrade(solution_.z, solution_.w) || solve_once(solver, report, crew));
+    const bool solved = solve_once(solver, report, pool) &&
+                        (!problem_.regrade(solution_.z, solution_.w) || solve_once(solver, report, pool));
     if (!deficiency_.give_way(problem_, solution_, solved, report)) {
       if (solved) return true;
       const Status status = report.status;

@@ -1,7 +1,7 @@
 // integrators/step/formulate.h — one step's complementarity problem at velocity level, and its impulses' effect.
 //
 //   Unknown impulses z = [Λ_G; Λ_N; Λ_T] of the rows J = [G; W_N; W_T];  w = J v⁺ − target,  v⁺ = v_free + B Jᵀ z:
-//     A = J B Jᵀ,  b = J v_free − target.    Wanted by the scheme: γ_N⁺ ≥ target, γ_T⁺ → target, G v⁺ = target;
+//     A = J B Jᵀ,  b = J v_free − target.    RateTarget by the scheme: γ_N⁺ ≥ target, γ_T⁺ → target, G v⁺ = target;
 //     by Newton's law −e γ_N⁻ and −e_T γ_T⁻.
 //   Slip γ_T is against the moving surface. μ is the static one for a contact that sticks at the step's start and is
 //   held by it, and for one whose slip would turn round within the step, as it passes through rest (a second solve,
@@ -13,7 +13,7 @@
 //   contacts, A is kept as a Delassus operator and never formed.
 //   Both give the same step.
 //   Bodies that do not act on one another in the step are solved apart, one problem an island (islands.h): the answer
-//   of the whole one to rounding, found from smaller problems, large ones at the same time where there is a crew. The
+//   of the whole one to rounding, found from smaller problems, large ones at the same time where there is a pool. The
 //   whole one is formed where problem() is called.
 // The parts: rows, bounds and targets (step_problem.h), the solve by islands (island_solve.h), contacts that joints
 // immobilise (rank_deficiency.h), and the message where there is no solution (unsolved.h).
@@ -38,7 +38,7 @@ template <class Space> class FormulationOf {
   using System = SystemOf<Space>;
   using Terms = TermsOf<Space>;
   using Row = RowOf<Space>;
-  using Wanted = WantedOf<Space>;
+  using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
 
@@ -54,14 +54,15 @@ template <class Space> class FormulationOf {
   void anchor(double t, const Eigen::VectorXd& q) { deficiency_.anchor(t, q); }
 
   /// Builds the problem from terms.closed (and terms.G for the full form). v_free: velocities after the step without
-  /// the impulses z; wanted: one entry a closed contact; joint_rate: the wanted G v⁺ (full form only), joint_rows
+  /// the impulses z; targets: one entry a closed contact; joint_rate: the wanted G v⁺ (full form only), joint_rows
   /// entries. `basic` is factorized already, with joints for the reduced and without for the full form.
-  void formulate(const Terms& terms, const BasicSystem& basic, const std::vector<Wanted>& wanted,
+  void formulate(const Terms& terms, const BasicSystem& basic, const std::vector<RateTarget>& targets,
                  const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
 
   /// The same rows and matrix again with another v_free and other targets.
-  void retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate) {
-    problem_.retarget(wanted, v_free, joint_rate);
+  void retarget(const std::vector<RateTarget>& targets, const Eigen::VectorXd& v_free,
+                const Eigen::VectorXd& joint_rate) {
+    problem_.retarget(targets, v_free, joint_rate);
   }
 
   /// From now on a problem that friction and restitution leave without a solution (jamming), or that is not solved, is
@@ -79,8 +80,8 @@ template <class Space> class FormulationOf {
   void refine() { islands_.refine(), precise_ = true; }
 
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
-  /// with the crew, if there is one: the answer is the same to the last bit.
-  bool solve(Solver& solver, StepReport& report, Crew* crew = nullptr);
+  /// with the pool, if there is one: the answer is the same to the last bit.
+  bool solve(Solver& solver, StepReport& report, SolverPool* pool = nullptr);
 
   /// In words, why there is no solution; empty: there is no such proof (unsolved.h).
   std::string contradiction() const;
@@ -95,8 +96,8 @@ template <class Space> class FormulationOf {
   /// The whole problem, with its matrix.
   const Lcp& problem() const { return problem_.whole(); }
   const Solution& solution() const { return solution_; }
-  void remember(Memory& memory) { memory(solution_.z); }  // the next guess
-  void clear() { problem_.clear(); }                      // no problem, until the next is built
+  void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
+  void clear() { problem_.clear(); }                              // no problem, until the next is built
 
   /// The impulse of dry friction i of the scene, where it has rows.
   double joint_friction(std::size_t i) const { return solution_.z[problem_.friction_row(i)]; }
@@ -105,8 +106,8 @@ template <class Space> class FormulationOf {
   void advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) const { problem_.advance(solution_.z, v, impulses); }
 
  private:
-  bool solve_once(Solver& solver, StepReport& report, Crew* crew) {
-    return islands_.solve(problem_, solver, report, crew, solution_);
+  bool solve_once(Solver& solver, StepReport& report, SolverPool* pool) {
+    return islands_.solve(problem_, solver, report, pool, solution_);
   }
 
   const System& system_;

@@ -25,22 +25,22 @@ template <class Space> ImpactOf<Space>::ImpactOf(const System& system, Form form
       rate_(system.joint_rows()),
       joint_sum_(rate_.size()) {
   struck_.closed.reserve(sum_.size());
-  wanted_.reserve(sum_.size());
+  targets_.reserve(sum_.size());
   approach_.reserve(sum_.size());
 }
 
 template <class Space> bool ImpactOf<Space>::act(const BasicSystem& basic, Solver& solver, StepReport& report) {
-  newtons_law(system_.laws(), struck_, v_, wanted_);
+  newtons_law(system_.laws(), struck_, v_, targets_);
   if (form_ == Form::full)  // impulses of contacts leave the joints' rates as they are
     for (Index i = 0; i < rate_.size(); ++i) rate_[i] = apply(struck_.G[static_cast<std::size_t>(i)], v_.data());
   const bool phases = restitution_ == Restitution::poisson;
   if (phases)
-    for (Wanted& w : wanted_) w.normal = 0, w.tangent = belt_of(w);
-  formulation_.formulate(struck_, basic, wanted_, v_, rate_);
+    for (RateTarget& w : targets_) w.normal = 0, w.tangent = belt_of(w);
+  formulation_.formulate(struck_, basic, targets_, v_, rate_);
   if (!solve(solver, report)) return false;
   if (!phases) return true;
-  for (Wanted& w : wanted_) w.tangent = belt_of(w) - w.law->e_t * w.slip;
-  formulation_.retarget(wanted_, v_, rate_);
+  for (RateTarget& w : targets_) w.tangent = belt_of(w) - w.law->e_t * w.slip;
+  formulation_.retarget(targets_, v_, rate_);
   formulation_.release(one_);
   return solve(solver, report);
 }
@@ -110,12 +110,12 @@ template <class Space> bool ImpactOf<Space>::strike_in_turn(const Terms& terms, 
 }
 
 template <class Space> bool ImpactOf<Space>::strike(const Terms& terms, const BasicSystem& basic,
-                                                    const Eigen::VectorXd& before, std::vector<Wanted>& wanted,
+                                                    const Eigen::VectorXd& before, std::vector<RateTarget>& targets,
                                                     Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   any_ = false;
   why_.clear();
   double first = 0;
-  for (const Wanted& w : wanted) first = std::max(first, -w.approach);
+  for (const RateTarget& w : targets) first = std::max(first, -w.approach);
   if (!has_law() || first <= kRestSpeed) return true;
   any_ = true;
   begin(terms, before);
@@ -126,8 +126,8 @@ template <class Space> bool ImpactOf<Space>::strike(const Terms& terms, const Ba
   v += v_ - before;
   // What struck keeps the rate that its impulse left. What approached and got none only may not approach: which of two
   // copies of a contact has the impulse is the solver's choice, and no other than the one law holds.
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    Wanted& w = wanted[k];
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    RateTarget& w = targets[k];
     if (sum_[static_cast<std::size_t>(terms.closed[k].contact)].normal > 0)
       w.normal = std::max({0.0, apply(terms.closed[k].rows.normal, v_.data()), w.least});
     else if (w.approach < 0)
@@ -146,26 +146,26 @@ template <class Space> void ImpactOf<Space>::add_joints_to(Eigen::VectorXd& impu
   if (any_) impulses += joint_sum_;
 }
 
-template <class Space>
-void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<WantedOf<Space>>& wanted) {
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
+template <class Space> void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free,
+                                        std::vector<RateTargetOf<Space>>& targets) {
+  for (std::size_t k = 0; k < targets.size(); ++k) {
     const auto& rows = terms.closed[k].rows;
-    auto& w = wanted[k];
+    auto& w = targets[k];
     w.free = apply(rows.normal, v_free.data());
     if (w.law->frictional()) w.free_slip = slip_rate(rows, v_free.data()) - belt_of(*w.law, rows);
   }
 }
 
 template <class Space> double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
-                                          const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                                          const std::vector<RateTargetOf<Space>>& targets, const Eigen::VectorXd& v,
                                           const std::vector<ImpulseOf<Space>>& impulses, double small,
-                                          std::vector<Taken>* taken) {
+                                          std::vector<ContactWork>* taken) {
   double sum = 0, exchanged = 0, forced = 0;
   bool counts = false;
   const std::size_t before = taken != nullptr ? taken->size() : 0;
   std::size_t next = 0;
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    const auto& w = wanted[k];
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const auto& w = targets[k];
     const int contact = terms.closed[k].contact;
     const auto& impulse = impulses[static_cast<std::size_t>(contact)];
     if (impulse.normal == 0) continue;
@@ -200,12 +200,12 @@ template <class Space> double energy_rise(const SystemOf<Space>& system, const T
   return rises ? sum : 0;
 }
 
-#define ORTHANT_IMPACT(Space)                                                                                     \
-  template class ImpactOf<Space>;                                                                                 \
-  template void note_forces(const TermsOf<Space>&, const Eigen::VectorXd&, std::vector<WantedOf<Space>>&);        \
-  template double energy_rise(const SystemOf<Space>&, const TermsOf<Space>&, const std::vector<WantedOf<Space>>&, \
-                              const Eigen::VectorXd&, const std::vector<ImpulseOf<Space>>&, double,               \
-                              std::vector<Taken>*);
+#define ORTHANT_IMPACT(Space)                                                                                         \
+  template class ImpactOf<Space>;                                                                                     \
+  template void note_forces(const TermsOf<Space>&, const Eigen::VectorXd&, std::vector<RateTargetOf<Space>>&);        \
+  template double energy_rise(const SystemOf<Space>&, const TermsOf<Space>&, const std::vector<RateTargetOf<Space>>&, \
+                              const Eigen::VectorXd&, const std::vector<ImpulseOf<Space>>&, double,                   \
+                              std::vector<ContactWork>*);
 ORTHANT_IMPACT(Planar)
 ORTHANT_IMPACT(Spatial)
 #undef ORTHANT_IMPACT

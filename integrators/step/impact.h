@@ -1,5 +1,5 @@
-// integrators/step/impact.h — impact laws: restitution and the order of impacts by name, where Newton's law on all
-// contacts at once (which needs no stage of its own, see formulate.h) is not what the scene specifies.
+// integrators/step/impact.h — impact laws: Poisson's restitution, and impacts one after the other.
+// Newton's law on all contacts at once needs no stage: rate_targets.h sets −e γ_N⁻ as the target of the step.
 //
 //   The impact takes v⁻ to v^E at one instant, before the step's forces act:
 //   newton   γ_N⁺ ≥ −e γ_N⁻ and γ_T⁺ → −e_T γ_T⁻ for the contacts that strike.
@@ -33,7 +33,7 @@ template <class Space> class ImpactOf {
   using System = SystemOf<Space>;
   using Terms = TermsOf<Space>;
   using Row = RowOf<Space>;
-  using Wanted = WantedOf<Space>;
+  using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
 
@@ -45,16 +45,16 @@ template <class Space> class ImpactOf {
   bool has_law() const { return restitution_ == Restitution::poisson || impacts_ == Impacts::sequential; }
 
   /// Where has_law(): lets the closed contacts of `terms` strike at the velocities `before`, and adds to v what that
-  /// does. wanted (Newton's law on entry): of those that struck, normal becomes what they are left with. False: report
+  /// does. targets (Newton's law on entry): of those that struck, normal becomes what they are left with. False: report
   /// and why() say so.
-  bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before, std::vector<Wanted>& wanted,
-              Eigen::VectorXd& v, Solver& solver, StepReport& report);
+  bool strike(const Terms& terms, const BasicSystem& basic, const Eigen::VectorXd& before,
+              std::vector<RateTarget>& targets, Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
-  /// The end of a series of impacts that several contacts have in turn, at ever shorter intervals: of its infinitely
-  /// many impacts those that approach faster than 1e-10 of the first, 1000 at the most, at one instant. in_turn, one a
-  /// contact of the scene, strike one after the other, the fastest first, and all other closed contacts each time with
-  /// them. v: before, and after.
-  /// What is struck in turn and not at once keeps another share of its friction, the more the slower the series decays.
+  /// Ends an accumulation of impacts that several contacts strike in turn, at ever shorter intervals. Applies, at one
+  /// instant, those of its infinitely many impacts that approach faster than 1e-10 of the first one (at most 1000).
+  /// The contacts of in_turn (one flag per contact of the scene) strike one after the other, the fastest first. All
+  /// other closed contacts take part each time. v: before, then after.
+  /// Striking at one instant changes the share of friction: the slower the series decays, the more.
   bool strike_in_turn(const Terms& terms, const BasicSystem& basic, const std::vector<char>& in_turn,
                       Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
@@ -68,7 +68,7 @@ template <class Space> class ImpactOf {
   void refine() { formulation_.refine(); }
   void anchor(double t, const Eigen::VectorXd& q) { formulation_.anchor(t, q); }
 
-  void remember(Memory& memory) { memory(formulation_); }
+  void remember(CheckpointData& memory) { memory(formulation_); }
 
   const std::string& why() const { return why_; }
   const FormulationOf<Space>& formulation() const { return formulation_; }
@@ -89,7 +89,7 @@ template <class Space> class ImpactOf {
   Form form_;
   FormulationOf<Space> formulation_;
   Terms struck_;  // poses, joint rows, pairs and closed are used
-  std::vector<Wanted> wanted_;
+  std::vector<RateTarget> targets_;
   std::vector<Impulse> sum_, one_;
   std::vector<double> approach_;
   Eigen::VectorXd v_, rate_, joint_sum_;
@@ -100,28 +100,30 @@ extern template class ImpactOf<Planar>;
 extern template class ImpactOf<Spatial>;
 using Impact = ImpactOf<Planar>;
 
-/// Sets wanted.free and free_slip, from the velocities before contacts act.
+/// Sets targets.free and free_slip, from the velocities before contacts act.
 template <class Space>
-void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<WantedOf<Space>>& wanted);
+void note_forces(const TermsOf<Space>& terms, const Eigen::VectorXd& v_free, std::vector<RateTargetOf<Space>>& targets);
 
-/// Work [J] of a contact in the last step, less than none; by its pair, or {-1, its number} when it is listed.
-struct Taken {
+/// Negative work [J] of a contact in the last step. A listed contact has the pair {-1, its number}.
+struct ContactWork {
   Pair contact;
   double work = 0;
 };
 inline constexpr double kSameRows = 1e-9;   // of what impacts exchange: rounding
 inline constexpr double kOtherRows = 1e-2;  // likewise, where γ⁻ and γ⁺ are those of different poses
 
-/// What the impulses of a step did to the kinetic energy, Σ ½ (γ⁺ + γ_free) Λ over the closed contacts, when something
-/// struck and that is a rise: by more than Σ |Λ| |γ_free − γ⁻|, which is what the step's forces may have to do with it,
-/// than `small` of Σ ½ (|γ⁺| + |γ_free|) |Λ|, which is exchanged, and than a tenth of that share (1e-9 at the least) of
-/// all kinetic energy. Else 0. [J] Slip counts against the moving surface, so that what a belt gives is not counted.
-/// A scheme that pushes gaps open (wanted.least) is reported as well, from kOtherRows on: bodies that move as far as
-/// their own size in a step are shot off so. An impact may take it two steps: what the same contact took in the step
-/// before it may give back. `taken` remembers that; null: nothing is remembered.
+/// Rise of kinetic energy [J] by the impulses of a step with an impact, Σ ½ (γ⁺ + γ_free) Λ over the closed contacts.
+/// Returns 0 unless the rise exceeds each of three limits:
+///   Σ |Λ| |γ_free − γ⁻|, the possible share of the step's forces;
+///   `small` times the exchanged energy Σ ½ (|γ⁺| + |γ_free|) |Λ|;
+///   a tenth of `small` (at least 1e-9) times the whole kinetic energy.
+/// Slip is relative to the moving surface, so that the work of a belt does not count. From kOtherRows on, schemes that
+/// push gaps open (targets.least) are reported, too: they shoot off bodies that move by their own size in a step.
+/// An impact may need two steps: a contact may return the work that it took in the step before. `taken` stores this
+/// work; null: it is not stored.
 template <class Space> double energy_rise(const SystemOf<Space>& system, const TermsOf<Space>& terms,
-                                          const std::vector<WantedOf<Space>>& wanted, const Eigen::VectorXd& v,
+                                          const std::vector<RateTargetOf<Space>>& targets, const Eigen::VectorXd& v,
                                           const std::vector<ImpulseOf<Space>>& impulses, double small = kSameRows,
-                                          std::vector<Taken>* taken = nullptr);
+                                          std::vector<ContactWork>* taken = nullptr);
 
 }  // namespace orthant

@@ -13,7 +13,7 @@ template <class Space> struct NotInSpace {
   template <class... T> explicit NotInSpace(const SystemOf<Space>& /*system*/, const T&... /*more*/) {}
   static constexpr bool possible() { return false; }
   static constexpr bool any() { return false; }
-  void remember(Memory& /*memory*/) {}
+  void remember(CheckpointData& /*memory*/) {}
 };
 
 template <class Space, class Part> using InPlane = std::conditional_t<kPlanar<Space>, Part, NotInSpace<Space>>;

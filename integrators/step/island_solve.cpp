@@ -18,7 +18,7 @@ template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>
 }
 
 template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, StepReport& report,
-                                                        Crew* crew, Solution& s) {
+                                                        SolverPool* pool, Solution& s) {
   const int count = islands_.count();
   if (count == 1) {
     solver.solve(problem.whole(), s, Start::warm);
@@ -30,10 +30,10 @@ template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& probl
   s.w.resize(n), found_.z.resize(n), found_.w.resize(n);
   s.status = Status::not_run, s.residual = 0;
   if (outcomes_.size() < static_cast<std::size_t>(count)) outcomes_.resize(static_cast<std::size_t>(count));
-  const bool together = worth_sharing(problem, crew);
+  const bool together = worth_sharing(problem, pool);
   if (together) {
-    while (benches_.size() < static_cast<std::size_t>(crew->size())) add_bench(problem);
-    crew->run(count, solver, [&](int island, Solver& by, int worker) {
+    while (benches_.size() < static_cast<std::size_t>(pool->size())) add_bench(problem);
+    pool->run(count, solver, [&](int island, Solver& by, int worker) {
       solve_island(problem, island, by, s.z, benches_[static_cast<std::size_t>(worker)]);
     });
   }
@@ -65,8 +65,9 @@ template <class Space> bool IslandSolveOf<Space>::take(int island, StepReport& r
   return true;
 }
 
-template <class Space> bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const Crew* crew) const {
-  if (crew == nullptr || crew->size() == 1) return false;
+template <class Space>
+bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const SolverPool* pool) const {
+  if (pool == nullptr || pool->size() == 1) return false;
   Index largest = 0;
   for (int island = 0; island < islands_.count(); ++island)
     largest = std::max(largest, std::ssize(islands_.rows(island)));

@@ -1,4 +1,4 @@
-// integrators/step/island_solve.h — solve of a step's problem, island by island, in parallel where there is a crew.
+// integrators/step/island_solve.h — solve of a step's problem, island by island, in parallel where there is a pool.
 //
 // Rows of different islands do not couple (islands.h). Each island's problem is cut out and solved by itself. The
 // answer is that of the whole problem to rounding, and the same to the last bit for any number of threads.
@@ -24,7 +24,7 @@ template <class Space> class IslandSolveOf {
 
   /// Solves from s.z as the first guess. True: every island has an answer; s is rounded where one of them is. Else s
   /// has the status, miss, certificate and ray of the first island that has none, and z and w up to there.
-  bool solve(const StepProblem& problem, Solver& solver, StepReport& report, Crew* crew, Solution& s);
+  bool solve(const StepProblem& problem, Solver& solver, StepReport& report, SolverPool* pool, Solution& s);
 
  private:
   struct Bench {  // of one worker
@@ -39,7 +39,7 @@ template <class Space> class IslandSolveOf {
     int iterations = 0;
     Vector certificate, ray;
   };
-  bool worth_sharing(const StepProblem& problem, const Crew* crew) const;
+  bool worth_sharing(const StepProblem& problem, const SolverPool* pool) const;
   void add_bench(const StepProblem& problem) { problem.prepare(benches_.emplace_back().block); }
   void solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess, Bench& bench);
   bool take(int island, StepReport& report, Solution& s);

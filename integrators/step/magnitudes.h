@@ -19,10 +19,10 @@ namespace orthant {
 /// Whether all entries are numbers: x − x is 0 of those alone. Half the time of Eigen's allFinite(), twice a step.
 inline bool finite(const Eigen::VectorXd& x) { return (x - x).sum() == 0; }
 
-class Extents {
+class Magnitudes {
  public:
   /// groups: System's, which must outlive this.
-  explicit Extents(const std::vector<int>& groups) : first_(groups), of_(groups.size()) {}
+  explicit Magnitudes(const std::vector<int>& groups) : first_(groups), of_(groups.size()) {}
 
   /// size(i) ≥ 0 of each body i: keeps the largest of each group, where its first body is.
   template <class Size> void measure(Size&& size) {

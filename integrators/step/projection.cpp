@@ -61,7 +61,7 @@ double off_at(const TermsOf<Space>& terms, const Eigen::VectorXd& q, const Eigen
   return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far<OfCoordinates>(terms, q, i)); });
 }
 
-template <class Space> double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Extents& far) {
+template <class Space> double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Magnitudes& far) {
   constexpr double kClosed = 1e-9;
   constexpr double kAngle = 1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, far less than is asked of places
   const Index rows = terms.phi.size();
@@ -155,8 +155,8 @@ template <class Space> double ProjectionOf<Space>::velocity(Terms& terms, Eigen:
 
 template class ProjectionOf<Planar>;
 template class ProjectionOf<Spatial>;
-template double joints_off(const TermsOf<Planar>&, const Eigen::VectorXd&, Extents&);
-template double joints_off(const TermsOf<Spatial>&, const Eigen::VectorXd&, Extents&);
+template double joints_off(const TermsOf<Planar>&, const Eigen::VectorXd&, Magnitudes&);
+template double joints_off(const TermsOf<Spatial>&, const Eigen::VectorXd&, Magnitudes&);
 template double off_by(const TermsOf<Planar>&, const Eigen::VectorXd&, const Eigen::VectorXd&);
 template double off_by(const TermsOf<Spatial>&, const Eigen::VectorXd&, const Eigen::VectorXd&);
 template double off_at(const TermsOf<Planar>&, const Eigen::VectorXd&, const Eigen::VectorXd&);

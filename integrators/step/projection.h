@@ -18,7 +18,7 @@ inline constexpr double kJointsHold = 1e-8;
 /// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those
 /// of its row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for
 /// its room.
-template <class Space> double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Extents& far);
+template <class Space> double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Magnitudes& far);
 
 /// The largest |off_i|, of joint rows, over 1 + the largest entry of v of its row's own bodies, or NaN.
 template <class Space> double off_by(const TermsOf<Space>& terms, const Eigen::VectorXd& v, const Eigen::VectorXd& off);
@@ -53,7 +53,7 @@ template <class Space> class ProjectionOf {
 
   const System& system_;
   BasicSystemOf<Space> basic_;
-  Extents far_;
+  Magnitudes far_;
   Eigen::VectorXd trial_, rate_, step_;
 };
 extern template class ProjectionOf<Planar>;

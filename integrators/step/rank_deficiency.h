@@ -27,7 +27,7 @@ class RankDeficiency {
 
   /// A new problem, of these terms; they stay where they are until it is solved.
   void begin(const Terms& terms) { terms_ = &terms, stands_ = false, held_.clear(); }
-  /// What joints immobilise of the contacts of the problem, all of which have their rows yet. True: held() has it.
+  /// Finds the contacts that joints immobilise. All contacts of the problem still have their rows. True: see held().
   bool find(const StepProblem& problem);
   /// One a closed contact; empty: none is held.
   const std::vector<Held>& held() const { return held_; }

@@ -54,7 +54,7 @@ void Sleep::begin(const State& x, const Terms& terms, Eigen::VectorXd& v_free) {
     if (asleep(b)) block(v_free, b).setZero();
 }
 
-bool Sleep::disturbed(Terms& terms, std::vector<Wanted>& wanted, Eigen::VectorXd& v_free) {
+bool Sleep::disturbed(Terms& terms, std::vector<RateTarget>& targets, Eigen::VectorXd& v_free) {
   if (!on()) return false;
   bool any = false;
   const auto disturb = [&](BodyId by, BodyId body) {
@@ -73,10 +73,10 @@ bool Sleep::disturbed(Terms& terms, std::vector<Wanted>& wanted, Eigen::VectorXd
   for (std::size_t k = 0; k < terms.closed.size(); ++k) {
     const Row& row = terms.closed[k].rows.normal;
     if (asleep(row.a) || asleep(row.b)) continue;
-    terms.closed[kept] = terms.closed[k], wanted[kept] = wanted[k];
+    terms.closed[kept] = terms.closed[k], targets[kept] = targets[k];
     ++kept;
   }
-  terms.closed.resize(kept), wanted.resize(kept);
+  terms.closed.resize(kept), targets.resize(kept);
   return false;
 }
 

@@ -33,7 +33,7 @@ class Sleep {
 
   /// Contacts are closed: true, they woke some (whose v_free is back): close them again. False: those of the sleeping
   /// are taken out.
-  bool disturbed(Terms& terms, std::vector<Wanted>& wanted, Eigen::VectorXd& v_free);
+  bool disturbed(Terms& terms, std::vector<RateTarget>& targets, Eigen::VectorXd& v_free);
 
   /// The forces of the sleeping contacts, as impulses of the step.
   void hold(double h, std::vector<Impulse>& impulses) const;
@@ -41,7 +41,9 @@ class Sleep {
   /// The step is done: who falls asleep.
   void end(double h, const Terms& terms, const std::vector<Impulse>& impulses, State& x);
 
-  void remember(Memory& memory) { memory(island_, islands_so_far_, rest_, force_, pairs_, f_, last_q_, last_v_); }
+  void remember(CheckpointData& memory) {
+    memory(island_, islands_so_far_, rest_, force_, pairs_, f_, last_q_, last_v_);
+  }
 
   int sleeping() const;  // bodies
 

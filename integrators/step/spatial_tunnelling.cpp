@@ -1,4 +1,5 @@
 #include <orthant/integrators/step/spatial_tunnelling.h>
+#include <orthant/integrators/step/width.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,20 +12,9 @@ constexpr double kMetDepth = 0.05;       // of the thinner shape: they met
 constexpr double kWayStride = 1.0 / 16;  // likewise: a stride along the way
 constexpr double kShortWay = 0.4;        // likewise: the ends of a shorter way are at most half of it from its middle
 
-double width_of(const spatial::Shape& s) {
-  if (!s.polytope()) return 2 * s.radius;
-  double least = std::numeric_limits<double>::infinity();
-  for (const spatial::Hull::Face& face : s.hull->faces) {
-    double high = 0;
-    for (const Vector3d& corner : s.hull->corners) high = std::max(high, face.offset - face.normal.dot(corner));
-    least = std::min(least, high);
-  }
-  return least;
-}
-
 }  // namespace
 
-SpatialPassing::SpatialPassing(const SystemOf<Spatial>& system)
+SpatialTunnellingDetector::SpatialTunnellingDetector(const SystemOf<Spatial>& system)
     : system_(system),
       collisions_(system.scene().collisions),
       reach_(static_cast<std::size_t>(system.bodies())),
@@ -46,8 +36,8 @@ SpatialPassing::SpatialPassing(const SystemOf<Spatial>& system)
   }
 }
 
-spatial::TouchPoint SpatialPassing::at(const Eigen::VectorXd& q, const spatial::Shape& a, const spatial::Shape& b,
-                                       double s) {
+spatial::TouchPoint SpatialTunnellingDetector::at(const Eigen::VectorXd& q, const spatial::Shape& a,
+                                                  const spatial::Shape& b, double s) {
   const auto posed = [&](BodyId body) {
     spatial::Pose pose;
     if (body < 0) return pose;
@@ -64,7 +54,8 @@ spatial::TouchPoint SpatialPassing::at(const Eigen::VectorXd& q, const spatial::
   return least;
 }
 
-Passage SpatialPassing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const TermsOf<Spatial>& terms) {
+Passage SpatialTunnellingDetector::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end,
+                                        const TermsOf<Spatial>& terms) {
   step_ = between<Spatial>(q, q_end);
   double farthest = 0;
   for (std::size_t i = 0; i < way_.size(); ++i) {
@@ -91,8 +82,8 @@ Passage SpatialPassing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_
   return {};
 }
 
-bool SpatialPassing::passed(const Eigen::VectorXd& q, const spatial::Shape& a, const spatial::Shape& b, double width,
-                            double way) {
+bool SpatialTunnellingDetector::passed(const Eigen::VectorXd& q, const spatial::Shape& a, const spatial::Shape& b,
+                                       double width, double way) {
   if (!(way > kShortWay * width) || !std::isfinite(way)) return false;
   const spatial::TouchPoint end = at(q, a, b, 1), start = at(q, a, b, 0);
   const double met = -kMetDepth * width, deep = std::min({start.gap, end.gap, 0.0}) + met;

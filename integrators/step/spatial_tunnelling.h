@@ -14,9 +14,9 @@
 
 namespace orthant {
 
-class SpatialPassing {
+class SpatialTunnellingDetector {
  public:
-  explicit SpatialPassing(const SystemOf<Spatial>& system);
+  explicit SpatialTunnellingDetector(const SystemOf<Spatial>& system);
 
   /// The first of the pairs, listed or in terms.pairs, that passed between q and q_end.
   Passage find(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const TermsOf<Spatial>& terms) {
@@ -38,6 +38,7 @@ class SpatialPassing {
   Eigen::VectorXd step_;
 };
 
-template <class Space> using PassingOf = std::conditional_t<kPlanar<Space>, Passing, SpatialPassing>;
+template <class Space> using TunnellingDetectorOf =
+    std::conditional_t<kPlanar<Space>, TunnellingDetector, SpatialTunnellingDetector>;
 
 }  // namespace orthant

@@ -118,15 +118,15 @@ template <class Space> void StepProblemOf<Space>::fill_dense(DenseMatrix& A) con
 
 /// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed), then
 /// joint friction.
-template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<Wanted>& wanted,
+template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<RateTarget>& targets,
                                                           std::span<const Held> held_ones) {
   const auto held = [&](std::size_t k) { return k < held_ones.size() ? held_ones[k] : Held::nowhere; };
   rows_.clear(), contacts_.clear();
   lcp_.friction.clear();
   if (form_ == Form::full) rows_.insert(rows_.end(), terms.G.begin(), terms.G.end());
-  no_normal_ = -1, collected_ = wanted.size(), formed_ = false;
+  no_normal_ = -1, collected_ = targets.size(), formed_ = false;
   const auto joints = static_cast<Index>(rows_.size());
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
+  for (std::size_t k = 0; k < targets.size(); ++k) {
     const auto& c = terms.closed[k];
     places_[k] = {};
     if (zero(c.rows.normal)) {
@@ -134,9 +134,9 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
       no_normal_ = c.contact;
     }
     if (held(k) == Held::normal) continue;
-    const bool slips = wanted[k].law->frictional() && held(k) == Held::nowhere;
-    const double mu = slips ? mu_at(*wanted[k].law, wanted[k].slip) : 0;
-    contacts_.push_back({c.contact, k, wanted[k].law, mu, wanted[k].slip, slips && cone_ == Cone::coulomb});
+    const bool slips = targets[k].law->frictional() && held(k) == Held::nowhere;
+    const double mu = slips ? mu_at(*targets[k].law, targets[k].slip) : 0;
+    contacts_.push_back({c.contact, k, targets[k].law, mu, targets[k].slip, slips && cone_ == Cone::coulomb});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
     places_[k].normal = static_cast<Index>(rows_.size());
     if constexpr (kPlanar<Space>) {
@@ -144,7 +144,7 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
       if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
     } else if (edges) {
       Contact& contact = contacts_.back();
-      contact.along = direction_of_slip(wanted[k].free_slip);
+      contact.along = direction_of_slip(targets[k].free_slip);
       for (Index j = 0; j < kEdges; ++j) {
         const auto [one, other] = edge_of(mu, contact.along, j, kEdges);
         rows_.push_back(combined(combined(c.rows.normal, one, c.rows.tangents[0]), other, c.rows.tangents[1]));
@@ -209,7 +209,7 @@ template <class Space> void StepProblemOf<Space>::add_turning([[maybe_unused]] c
   }
 }
 
-template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wanted>& wanted,
+template <class Space> void StepProblemOf<Space>::retarget(const std::vector<RateTarget>& targets,
                                                            const Eigen::VectorXd& v_free,
                                                            const Eigen::VectorXd& joint_rate) {
   lcp_.b.resize(static_cast<Index>(rows_.size()));
@@ -221,7 +221,7 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wan
   if (form_ == Form::full)
     for (const double target : joint_rate) hold_against(target);
   for (Contact& c : contacts_) {
-    const Wanted& want = wanted[c.closed];
+    const RateTarget& want = targets[c.closed];
     c.rebound = std::max(0.0, want.normal) - std::max(0.0, std::min(want.least, want.normal));
     double plastic = std::min(want.normal, 0.0);
     if (want.least > -kInf) plastic = std::min(plastic, want.least);
@@ -246,7 +246,7 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Wan
   }
   for (const Contact& c : contacts_)
     if (c.frictional)
-      for (std::size_t k = 0; k < Space::kTangents; ++k) hold_against(tangent_part(wanted[c.closed].tangent, k));
+      for (std::size_t k = 0; k < Space::kTangents; ++k) hold_against(tangent_part(targets[c.closed].tangent, k));
   if constexpr (!kPlanar<Space>)
     for (const double target : turn_targets_) hold_against(target);
   while (i < lcp_.b.size()) hold_against(0);

@@ -9,7 +9,7 @@
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/integrator.h>
-#include <orthant/integrators/step/wanted.h>
+#include <orthant/integrators/step/rate_targets.h>
 
 #include <array>
 #include <span>
@@ -31,7 +31,7 @@ template <class Space> class StepProblemOf {
   using System = SystemOf<Space>;
   using Terms = TermsOf<Space>;
   using Row = RowOf<Space>;
-  using Wanted = WantedOf<Space>;
+  using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
 
@@ -65,9 +65,10 @@ template <class Space> class StepProblemOf {
   void resist(double duration, const std::vector<double>* loads) { duration_ = duration, loads_ = loads; }
 
   /// Rows with their bounds, of terms.closed with one `wanted` each; `held`: one each, or empty where none is held.
-  void collect(const Terms& terms, const std::vector<Wanted>& wanted, std::span<const Held> held);
+  void collect(const Terms& terms, const std::vector<RateTarget>& targets, std::span<const Held> held);
   void respond(const BasicSystem& basic);  // B Jᵀ
-  void retarget(const std::vector<Wanted>& wanted, const Eigen::VectorXd& v_free, const Eigen::VectorXd& joint_rate);
+  void retarget(const std::vector<RateTarget>& targets, const Eigen::VectorXd& v_free,
+                const Eigen::VectorXd& joint_rate);
   void release(const std::vector<Impulse>& stored);
   void bind();
   void clear() { lcp_.b.resize(0), collected_ = 0; }

@@ -1,5 +1,6 @@
 #include <orthant/integrators/step/polygon_points.h>
 #include <orthant/integrators/step/tunnelling.h>
+#include <orthant/integrators/step/width.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,22 +20,9 @@ double reach_of(const Polygon& corners) {
   return most;
 }
 
-/// Between parallel lines, the nearest that have the polygon between them.
-double width_of(const Polygon& corners) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vector2d& from = corners[i];
-    const Vector2d n = perp(corners[(i + 1) % corners.size()] - from).normalized();
-    double high = 0;
-    for (const Vector2d& corner : corners) high = std::max(high, std::abs(n.dot(corner - from)));
-    least = std::min(least, high);
-  }
-  return least;
-}
-
 }  // namespace
 
-Passing::Passing(const System& system)
+TunnellingDetector::TunnellingDetector(const System& system)
     : system_(system),
       pin_(static_cast<std::size_t>(system.bodies())),
       reach_(static_cast<std::size_t>(system.bodies())),
@@ -86,7 +74,7 @@ Passing::Passing(const System& system)
 }
 
 /// [m] No point of the body's shapes goes farther.
-double Passing::way_of(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end) const {
+double TunnellingDetector::way_of(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end) const {
   const auto step = between(q, q_end);
   const double turn = std::abs(rotation(step, body));
   const double shift = std::hypot(step[kBlock * body], step[kBlock * body + 1]);
@@ -96,7 +84,7 @@ double Passing::way_of(BodyId body, const Eigen::VectorXd& q, const Eigen::Vecto
 }
 
 /// The body at s ∈ [0, 1] of its way.
-void Passing::place(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, double s) {
+void TunnellingDetector::place(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, double s) {
   const auto posed = [&](const auto& at) -> Pose {
     const double theta = rotation(at, body);
     return {translation(at, body), theta, std::cos(theta), std::sin(theta)};
@@ -110,7 +98,7 @@ void Passing::place(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd
   pose.x = pin_[i].place - pose.turn(pin_[i].point) + from + s * (to - from);
 }
 
-Passage Passing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms) {
+Passage TunnellingDetector::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms) {
   double farthest = 0;
   for (std::size_t i = 0; i < way_.size(); ++i) {
     way_[i] = way_of(static_cast<BodyId>(i), q, q_end);
@@ -138,7 +126,7 @@ Passage Passing::look(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, co
 }
 
 /// Of two polygons the smaller one of both points.
-double Passing::gap(const std::vector<Pair>& pairs, int contact) const {
+double TunnellingDetector::gap(const std::vector<Pair>& pairs, int contact) const {
   const auto both = polygon_points(system_, pairs, contact, at_);
   if (!both) return gap_of(system_, pairs, contact, at_);
   double least = std::numeric_limits<double>::infinity();
@@ -147,8 +135,8 @@ double Passing::gap(const std::vector<Pair>& pairs, int contact) const {
   return least;
 }
 
-bool Passing::passed(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms, const Shapes& pair,
-                     BodyId a, BodyId b, double way) {
+bool TunnellingDetector::passed(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms,
+                                const Shapes& pair, BodyId a, BodyId b, double way) {
   if (!(way > kNear * pair.width) || !std::isfinite(way)) return false;
   const auto along = [&](double s) {
     for (const BodyId body : {a, b})

@@ -24,9 +24,9 @@ struct Passage {
   double moved = 0, width = 0;  // [m] in the step, at its rim; of the thinner shape
 };
 
-class Passing {
+class TunnellingDetector {
  public:
-  explicit Passing(const System& system);
+  explicit TunnellingDetector(const System& system);
 
   /// The first of the pairs, listed or in terms.pairs, that passed between q and q_end; terms.gap is at q_end.
   Passage find(const Eigen::VectorXd& q, const Eigen::VectorXd& q_end, const Terms& terms) {

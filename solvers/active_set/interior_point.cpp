@@ -18,15 +18,8 @@ constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start
 void row_sizes(const Matrix& A, Vector& size) {
   size.resize(order(A));
   size.setZero();
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    for (Index j = 0; j < dense->cols(); ++j) size = size.cwiseMax(dense->col(j).cwiseAbs());
-  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
-    for (Index i = 0; i < sparse->rows; ++i)
-      for (auto k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-        size[i] = std::max(size[i], std::abs(sparse->value[k]));
-  } else {
+  if (!for_each_entry(A, [&size](Index i, Index, double a) { size[i] = std::max(size[i], std::abs(a)); }))
     diagonal(A, size);
-  }
   for (double& value : size)
     if (!(value > 0)) value = 1;
 }

@@ -14,7 +14,7 @@
 //   it begins again with slacks 1e3, 1e6, 1e9 times as large (mass ratios of 1e10 need that).
 //   Where the corrector allows no step of 0.3, one with the second-order term times α_a², then one of centring alone is
 //   tried.
-//   Crossover: once the rows' sides stand still from one iteration to the next (the predictor tells them: ds/s + dl/l =
+//   Crossover: once the rows' sides stand still from one iteration to the next (the predictor gives them: ds/s + dl/l =
 //   −1, and the one of s, l that vanishes is near −1), the equations w_F = 0 of the rows inside are solved by
 //     z_F ← z_F − (A_FF + t D_F)⁻¹ w_F,   t D at most 1e-8 of A's entries (smaller where that is slow),
 //   the proximal point iteration: where A_FF is singular, z goes to the solution nearest to the iterate in the norm of
@@ -27,7 +27,7 @@
 //   Usually 5
 //   to 20 factorizations, whatever n.  Entries that span many powers of ten are scaled by powers of 2.
 //   A must be monotone, xᵀA x ≥ 0 (not checked: else it may end stalled, or solve it all the same). Where A's condition
-//   is beyond 1e10 and A is singular besides, the equations w_F = 0 may be missed: stalled.
+//   is beyond 1e10 and A is also singular, the equations w_F = 0 may be missed: stalled.
 //   Friction rows with μ > 0 → unsupported.  Iterates that run away: their direction is made a proof of infeasibility
 //   (A u = 0 solved for on the rows that do) → ray.  No progress in 20 iterations → stalled.
 //   Source: Mehrotra, SIAM J. Optim. 2 (1992) 575-601; Wright, Primal-Dual Interior-Point Methods (1997), ch. 8, 10;

@@ -1,7 +1,7 @@
 #include <orthant/solvers/active_set/newton_fb.h>
 
 #include <orthant/solvers/active_set/fischer_burmeister.h>
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -103,8 +103,7 @@ void NewtonFb::proximal(const Lcp& box, Solution& s, Vector& z) {
   constexpr double kProximal = 1e-4;
   constexpr int kRounds = 12;
   proximal_ = box;
-  proximal_.A = DenseMatrix();
-  auto& A = std::get<DenseMatrix>(proximal_.A);
+  auto& A = as<DenseMatrix>(proximal_.A);
   to_dense(box.A, A);
   shift_ = kProximal * A.diagonal();
   A.diagonal() += shift_;
@@ -180,14 +179,10 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
     }
     return d_.allFinite();
   }
-  const auto* A = std::get_if<DenseMatrix>(&p.A);
-  if (A == nullptr) {
-    to_dense(p.A, dense_);
-    A = &dense_;
-  }
+  const DenseMatrix& A = dense_of(p.A, dense_);
   const Index n = p.size();
   DenseLu<double>::Dense V(lu_.reset(n), n, n);
-  V = db_.asDiagonal() * *A;
+  V = db_.asDiagonal() * A;
   V.diagonal() += da_;
   gradient_.resize(n);
   gradient_.noalias() = V.transpose() * phi_;

@@ -74,8 +74,7 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
 const Lcp* NewtonMin::by_rows(const Lcp& problem) {
   if (problem.size() <= kPure || std::holds_alternative<DenseMatrix>(problem.A)) return nullptr;
   if (std::holds_alternative<RowSparse>(problem.A)) return &problem;
-  if (!std::holds_alternative<RowSparse>(formed_.A)) formed_.A = RowSparse();
-  to_rows(std::get<Delassus>(problem.A), std::get<RowSparse>(formed_.A));
+  to_rows(std::get<Delassus>(problem.A), as<RowSparse>(formed_.A));
   formed_.b = problem.b, formed_.lo = problem.lo, formed_.hi = problem.hi, formed_.friction = problem.friction;
   return &formed_;
 }

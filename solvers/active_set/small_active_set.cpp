@@ -1,9 +1,8 @@
 #include <orthant/solvers/active_set/small_active_set.h>
 
 #include <orthant/solvers/active_set/active_rows.h>
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
-#include <orthant/solvers/linear_algebra/few_lu.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
 
 #include <algorithm>
@@ -79,7 +78,7 @@ template <Index N> class Attempt {
   List<Index, N> inside_, place_, normal_;  // place_: among the inside rows, or −1; normal_: of a friction row, or −1
   List<Friction, N> sliding_;               // mu: with the sign of the side
   List<double, N> mu_, lo_, hi_, w_, terms_, rhs_;
-  std::conditional_t<N == kAny, DenseLu<double>, FewLu<N>> lu_;
+  DenseLu<double, N == kAny ? Eigen::Dynamic : N> lu_;
 };
 
 template <Index N> void Attempt<N>::load(const Lcp& problem) {

@@ -16,19 +16,8 @@ bool ConeForm::load(const Lcp& p) {
     for (const int row : all_.rows(all_[c]))
       place[at(row)] = static_cast<int>(row_.size()), row_.push_back(row), of_.push_back(c);
   RowSparse formed;
-  const RowSparse* rows = std::get_if<RowSparse>(&p.A);
-  if (const auto* dense = std::get_if<DenseMatrix>(&p.A)) {
-    formed.rows = formed.cols = n;
-    for (Index i = 0; i < n; ++i) {
-      for (Index j = 0; j < n; ++j)
-        if ((*dense)(i, j) != 0) formed.column.push_back(static_cast<int>(j)), formed.value.push_back((*dense)(i, j));
-      formed.start.push_back(static_cast<int>(formed.value.size()));
-    }
-    rows = &formed;
-  } else if (const auto* delassus = std::get_if<Delassus>(&p.A)) {
-    if (!to_rows(*delassus, formed, kFormed)) return false;
-    rows = &formed;
-  }
+  const RowSparse* const rows = rows_of(p.A, formed, kFormed);
+  if (rows == nullptr) return false;
   A.rows = A.cols = n;
   A.start.assign(1, 0), A.column.clear(), A.value.clear();
   q.resize(n);

@@ -85,6 +85,7 @@ std::string ConeInteriorPoint::why_not(const Lcp& p) const {
   return ConeSolver::why_not(p);
 }
 
+/// One function: predictor and corrector share the factorization and all directions.
 Claim ConeInteriorPoint::iterate(Vector& z, int& iterations) {
   const ConeForm& f = form();
   system_.load(f);

@@ -1,5 +1,5 @@
 #include <orthant/solvers/cones/cone_system.h>
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 
 #include <umfpack.h>

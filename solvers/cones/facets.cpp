@@ -54,14 +54,8 @@ const Lcp& FacetForm::linear(const Lcp& p, int sides, const std::vector<double>&
       linear_.friction.push_back({.normal = row_[at(f.normal)], .first = row_[at(f.first)], .rows = 1, .mu = f.mu});
   Sparse map(n, size), rest(size, size);
   map.setFromTriplets(B.begin(), B.end()), rest.setFromTriplets(own.begin(), own.end());
-  Sparse A;
   RowSparse formed;
-  if (const auto* dense = std::get_if<DenseMatrix>(&p.A))
-    A = dense->sparseView(0, 0);
-  else if (const auto* delassus = std::get_if<Delassus>(&p.A))
-    to_rows(*delassus, formed), A = formed.view();
-  else
-    A = std::get<RowSparse>(p.A).view();
+  const Sparse A = rows_of(p.A, formed)->view();
   const Sparse whole = Sparse(Sparse(map.transpose()) * Sparse(A * map)) + rest;
   if (std::holds_alternative<DenseMatrix>(p.A))
     linear_.A = DenseMatrix(Eigen::MatrixXd(whole));

@@ -36,7 +36,7 @@ class ProximalPoint {
     form_ = &form, newton_.load(form, budget), sweeps_.load(form);
   }
   /// Follows Tikhonov's path from z = 0, α ← ratio α, and leaves the best z, where it is better than the z given.
-  /// `finished` is asked after each α; true ends it.
+  /// `finished` is polled after each α; true ends the iteration.
   template <class Finished, class Log>
   void follow_path(Vector& z, double ratio, const Finished& finished, const Log& log);
   /// At most `most` outer iterations.

@@ -10,13 +10,8 @@ namespace {
 // Largest |A_ij| of each row, at least 1: how far z moves w.
 Eigen::VectorXd row_weights(const Matrix& A, Index n) {
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(n);
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    for (Index j = 0; j < n; ++j) weight = weight.cwiseMax(dense->col(j).cwiseAbs());
-  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
-    for (Index i = 0; i < n; ++i)
-      for (int k = sparse->start[at(i)]; k < sparse->start[at(i) + 1]; ++k)
-        weight[i] = std::max(weight[i], std::abs(sparse->value[static_cast<std::size_t>(k)]));
-  } else {  // |A_ij| ≤ √(A_ii A_jj)
+  if (!for_each_entry(A, [&](Index i, Index, double a) { weight[i] = std::max(weight[i], std::abs(a)); })) {
+    // |A_ij| ≤ √(A_ii A_jj)
     Vector diag;
     diagonal(A, diag);
     const double largest = n > 0 ? diag.maxCoeff() : 0;

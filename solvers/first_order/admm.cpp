@@ -46,8 +46,7 @@ void Admm::factorize(const Lcp& problem) {
     shifted_ = inner(*delassus, s_);
     if (delassus->regularization.size() > 0) s_ -= delassus->regularization;
   } else if (const auto* sparse = std::get_if<RowSparse>(&problem.A)) {
-    if (!std::holds_alternative<RowSparse>(shifted_)) shifted_ = RowSparse();
-    shift(*sparse, s_, std::get<RowSparse>(shifted_));
+    shift(*sparse, s_, as<RowSparse>(shifted_));
   } else {
     shifted_ = problem.A;
     std::get<DenseMatrix>(shifted_).diagonal() += s_;

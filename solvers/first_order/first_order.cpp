@@ -54,25 +54,6 @@ std::string named(Index i, Index j, double value) {
   return text.str();
 }
 
-double entry(const RowSparse& A, Index i, Index j) {
-  const auto begin = A.column.begin() + A.start[at(i)], end = A.column.begin() + A.start[at(i) + 1];
-  const auto it = std::lower_bound(begin, end, static_cast<int>(j));
-  return it != end && *it == j ? A.value[static_cast<std::size_t>(it - A.column.begin())] : 0.0;
-}
-
-/// visit(i, j, A_ij) of a matrix stored by entries; ends when visit says false.
-template <class Visit> void each_entry(const Matrix& A, const Visit& visit) {
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    for (Index j = 0; j < dense->cols(); ++j)
-      for (Index i = 0; i < dense->rows(); ++i)
-        if (!visit(i, j, (*dense)(i, j))) return;
-  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
-    for (Index i = 0; i < sparse->rows; ++i)
-      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-        if (!visit(i, static_cast<Index>(sparse->column[k]), sparse->value[k])) return;
-  }
-}
-
 }  // namespace
 
 std::string diagonal_why_not(const Matrix& A, bool zero_allowed) {
@@ -87,9 +68,9 @@ std::string quadratic_why_not(const Matrix& A) {
   if (!reason.empty()) return reason;
   const auto* dense = std::get_if<DenseMatrix>(&A);
   const auto* sparse = std::get_if<RowSparse>(&A);
-  each_entry(A, [&](Index i, Index j, double value) {
+  for_each_entry(A, [&](Index i, Index j, double value) {
     if (i == j || value == 0) return true;
-    const double other = dense != nullptr ? (*dense)(j, i) : entry(*sparse, j, i);
+    const double other = dense != nullptr ? (*dense)(j, i) : sparse->entry(j, i);
     const double size = std::sqrt(diagonal(A, i)) * std::sqrt(diagonal(A, j));
     if (!(std::abs(value - other) <= 1e-12 * size))
       reason =
@@ -107,21 +88,14 @@ namespace {
 void absolute_product(const Matrix& A, const Vector& x, Vector& y, Vector& scratch) {
   y.resize(order(A));
   y.setZero();
-  each_entry(A, [&](Index i, Index j, double value) {
-    y[i] += std::abs(value) * x[j];
-    return true;
-  });
-  const auto* delassus = std::get_if<Delassus>(&A);
-  if (delassus == nullptr) return;
-  const auto& [W, inverse_mass, regularization] = *delassus;
+  if (for_each_entry(A, [&](Index i, Index j, double value) { y[i] += std::abs(value) * x[j]; })) return;
+  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
   const auto each = [&W = W](const auto& use) {
-    for (Index i = 0; i < W.rows; ++i)
-      for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k)
-        use(i, W.column[k], std::abs(W.value[k]));
+    for (Index i = 0; i < W.rows; ++i) W.for_each_in_row(i, [&](Index k, double w) { use(i, k, std::abs(w)); });
   };
   scratch.resize(W.cols);
   scratch.setZero();
-  each([&](Index i, int k, double value) { scratch[k] += value * x[i]; });
+  each([&](Index i, Index k, double value) { scratch[k] += value * x[i]; });
   scratch.array() *= inverse_mass.array();
   if (regularization.size() != 0) y = regularization.cwiseProduct(x);
   each([&](Index i, int k, double value) { y[i] += value * scratch[k]; });
@@ -152,9 +126,9 @@ double largest_ratio(const Matrix& A, const Vector& d, const Vector& b, Vector& 
 void HeldBounds::load(const Lcp& problem, Vector& z) {
   lo = problem.lo, hi = problem.hi;
   diagonal(problem.A, d);
-  each_entry(problem.A, [&](Index i, Index j, double value) {  // a zero diagonal entry takes the row's largest, negated
+  // A zero diagonal entry takes the row's largest, negated.
+  for_each_entry(problem.A, [&](Index i, Index j, double value) {
     if (i != j && d[i] <= 0) d[i] = std::min(d[i], -std::abs(value));
-    return true;
   });
   for (double& value : d) value = value == 0 ? 1 : std::abs(value);
   hold(problem, z);

@@ -1,6 +1,6 @@
 #include <orthant/solvers/linear_algebra/basis.h>
 
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr Index kDiagnosed = 2000;  // columns of a sparse core that a dense factorization looks at when it is singular
 
-using std::abs, std::ilogb, std::isfinite, std::ldexp;  // those of Wide are found by its namespace
+using std::abs, std::ilogb, std::isfinite, std::ldexp;  // those of Float256 are found by its namespace
 
 template <class T> const T kZero = 64 * std::numeric_limits<T>::epsilon();     // a pivot of a scaled core
 template <class T> const T kUpdate = 1e5 * std::numeric_limits<T>::epsilon();  // |x_k| relative to ‖x‖∞
@@ -186,6 +186,6 @@ template <class T> bool Basis<T>::replace(Index k, ConstView x) {
 
 template class Basis<double>;
 template class Basis<long double>;
-template class Basis<detail::Wide>;
+template class Basis<detail::Float256>;
 
 }  // namespace orthant

@@ -100,6 +100,6 @@ template <class T> class Basis {  // reuse it: the second basis of a size alloca
 
 extern template class Basis<double>;
 extern template class Basis<long double>;
-extern template class Basis<detail::Wide>;
+extern template class Basis<detail::Float256>;
 
 }  // namespace orthant

@@ -25,14 +25,10 @@ struct Columns {  // reuse it; column j: (row[e], value[e]), start[j] ≤ e < st
       load(*sparse, add);
       return;
     }
-    const auto* dense = std::get_if<DenseMatrix>(&A);
-    if (dense == nullptr) {
-      to_dense(A, formed_);
-      dense = &formed_;
-    }
+    const DenseMatrix& dense = dense_of(A, formed_);
     for (Index j = 0; j < n; ++j) {
       for (Index i = 0; i < n; ++i)
-        if ((*dense)(i, j) != 0 || i == j) append(i, (*dense)(i, j) + (i == j ? add : 0.0));
+        if (dense(i, j) != 0 || i == j) append(i, dense(i, j) + (i == j ? add : 0.0));
       start.push_back(static_cast<int>(row.size()));
     }
   }

@@ -10,12 +10,14 @@
 //   Source: Golub & Van Loan, Matrix Computations (4th ed., 2013), ch. 3.2, 3.4.
 #pragma once
 
+#include <orthant/core/support/reusable.h>
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
 
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
@@ -24,7 +26,7 @@
 
 namespace orthant {
 
-template <class T> class DenseLu {  // reuse it
+template <class T, Eigen::Index kMost = Eigen::Dynamic> class DenseLu {  // reuse it
  public:
   using Index = Eigen::Index;
   using Dense = Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>>;
@@ -154,6 +156,71 @@ template <class T> class DenseLu {  // reuse it
   std::vector<T> storage_, scratch_;
   std::vector<Index> row_, column_;
   T least_ = 1, largest_ = 1;
+};
+
+/// The same for at most N rows, N known at compile time: no heap, and bit for bit the pivots, dependent columns and
+/// solutions of the other.
+template <Eigen::Index N>
+  requires(N > 0)
+class DenseLu<double, N> {
+ public:
+  using Index = Eigen::Index;
+
+  /// Room for m × m entries, column after column, whatever they are; to be filled before factorize().
+  double* reset(Index m) {
+    m_ = m;
+    return a_.data();
+  }
+
+  /// The rank found.
+  Index factorize(double zero) {
+    const Index m = m_;
+    double* const a = a_.data();
+    for (Index i = 0; i < m; ++i) row_[at(i)] = column_[at(i)] = i;
+    Index end = m;  // columns from here on are known to depend on the others
+    for (Index k = 0; k < end;) {
+      double* const pivot = a + m * k;
+      Index p = k;
+      for (Index i = k + 1; i < m; ++i)
+        if (std::abs(pivot[i]) > std::abs(pivot[p])) p = i;
+      if (!(std::abs(pivot[p]) > zero)) {
+        --end;
+        for (Index i = 0; i < m; ++i) std::swap(pivot[i], a[m * end + i]);
+        std::swap(column_[at(k)], column_[at(end)]);
+        continue;
+      }
+      if (p != k) {
+        for (Index j = 0; j < m; ++j) std::swap(a[m * j + k], a[m * j + p]);
+        std::swap(row_[at(k)], row_[at(p)]);
+      }
+      for (Index i = k + 1; i < m; ++i) pivot[i] /= pivot[k];
+      for (Index j = k + 1; j < m; ++j)
+        for (Index i = k + 1; i < m; ++i) a[m * j + i] -= a[m * j + k] * pivot[i];
+      ++k;
+    }
+    return end;
+  }
+
+  /// x ← A⁻¹ x with the first `rank` columns alone, 0 for the others: a solution where there is one.
+  void solve(double* x, Index rank) const {
+    const Index m = m_;
+    const double* const a = a_.data();
+    std::array<double, at(N)> y;
+    for (Index k = 0; k < m; ++k) y[at(k)] = x[row_[at(k)]];
+    for (Index k = 0; k < rank; ++k)
+      for (Index i = k + 1; i < m; ++i) y[at(i)] -= y[at(k)] * a[m * k + i];
+    for (Index k = rank; k < m; ++k) y[at(k)] = 0;
+    for (Index k = rank - 1; k >= 0; --k) {
+      y[at(k)] /= a[m * k + k];
+      for (Index i = 0; i < k; ++i) y[at(i)] -= y[at(k)] * a[m * k + i];
+    }
+    for (Index k = 0; k < m; ++k) x[column_[at(k)]] = y[at(k)];
+  }
+
+ private:
+  Index m_ = 0;
+  std::array<double, at(N* N)> a_;
+  std::array<Index, at(N)> row_, column_;
 };
 
 }  // namespace orthant

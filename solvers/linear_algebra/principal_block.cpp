@@ -1,4 +1,4 @@
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/linear_algebra/dense_cholesky.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/principal_block.h>
@@ -41,11 +41,7 @@ struct PrincipalBlock::Dense {
   Vector rhs;
 
   void load(const Matrix& matrix) {
-    A = std::get_if<DenseMatrix>(&matrix);
-    if (A == nullptr) {
-      to_dense(matrix, formed);
-      A = &formed;
-    }
+    A = &dense_of(matrix, formed);
     scaling.fit(*A);
     symmetric = scaling.row == scaling.col;
     for (Index j = 0; j < A->cols() && symmetric; ++j)

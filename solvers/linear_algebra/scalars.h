@@ -15,12 +15,12 @@
 namespace orthant::detail {
 
 namespace mp = boost::multiprecision;
-using Wide = mp::number<mp::cpp_bin_float<256, mp::digit_base_2>, mp::et_off>;
+using Float256 = mp::number<mp::cpp_bin_float<256, mp::digit_base_2>, mp::et_off>;
 using exact::Rational;
 
-template <> struct Roundings<Wide> {
-  inline static const Wide unit = ldexp(Wide(1), -256), snap = ldexp(Wide(1), -249), tie = ldexp(Wide(1), -192),
-                           pivot = ldexp(Wide(1), -192);
+template <> struct Roundings<Float256> {
+  inline static const Float256 unit = ldexp(Float256(1), -256), snap = ldexp(Float256(1), -249),
+                               tie = ldexp(Float256(1), -192), pivot = ldexp(Float256(1), -192);
 };
 template <> struct Roundings<Rational> {  // nothing cancels to noise, nothing is equal but what is
   static constexpr int unit = 0, snap = 0, tie = 0, pivot = 0;

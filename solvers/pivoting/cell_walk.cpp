@@ -13,6 +13,7 @@ bool within(const Support& a, const Support& b) {
 
 bool Walk::run() { return !visit<Filtered>(0); }
 
+/// One function: forms row by row, then the bounds that they have in common.
 void Walk::form(const Lcp& problem) {
   const Table A = exact::table(problem.A);
   const Index n = rows_ = problem.size();

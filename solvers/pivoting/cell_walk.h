@@ -27,7 +27,7 @@ constexpr std::size_t kMostCells = 100000;  // classes kept as a proof, some 200
 
 enum Choice : signed char { lower, inside, upper };
 
-// Which forms are ≠ 0 somewhere in a polyhedron: z − lo > 0, hi − z > 0, w > 0, w < 0; one bit a row.
+// Forms that are ≠ 0 somewhere in a polyhedron: z − lo > 0, hi − z > 0, w > 0, w < 0; one bit a row.
 using Support = std::array<std::uint32_t, 4>;
 /// Whether b has all that a has.
 bool within(const Support& a, const Support& b);

@@ -20,12 +20,12 @@ namespace orthant {
 
 namespace {
 
+using detail::Float256;
 using detail::Rational;
 using detail::RefinedBasis;
 using detail::RevisedLemke;
 using detail::Scaling;
 using detail::Tableau;
-using detail::Wide;
 
 constexpr int kRestarts = 12;      // with other covering vectors
 constexpr int kCovers = 4;         // the same of the plain method, where its path goes round in a circle
@@ -74,7 +74,7 @@ struct Lemke::Work {
   Vector y, direction, cover, shift;
   Tableau<double> tableau;
   Tableau<long double> long_tableau;
-  Tableau<Wide> wide_tableau;
+  Tableau<Float256> wide_tableau;
   Tableau<Rational> exact_tableau;
   Enumerate enumerate;
   Solution enumerated;
@@ -96,8 +96,7 @@ struct Lemke::Work {
     } else if (std::holds_alternative<DenseMatrix>(problem.A)) {
       pure = &problem;
     } else {
-      if (!std::holds_alternative<DenseMatrix>(dense.A)) dense.A = DenseMatrix();
-      to_dense(problem.A, std::get<DenseMatrix>(dense.A));
+      to_dense(problem.A, as<DenseMatrix>(dense.A));
       dense.b = problem.b;
       dense.lo = problem.lo;
       dense.hi = problem.hi;
@@ -172,15 +171,10 @@ struct Lemke::Work {
     cover.resize(order(A));
     cover.setOnes();
     if (lemke.options_.cover == LemkeCover::ones) return cover;
-    for (Index i = 0; i < cover.size(); ++i) {
-      double largest = 0;
-      if (const auto* sparse = std::get_if<RowSparse>(&A))
-        for (auto k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-          largest = std::max(largest, std::abs(sparse->value[k]));
-      else
-        for (Index j = 0; j < cover.size(); ++j) largest = std::max(largest, std::abs(std::get<DenseMatrix>(A)(i, j)));
-      if (largest > 0) cover[i] = largest;
-    }
+    cover.setZero();
+    for_each_entry(A, [this](Index i, Index, double a) { cover[i] = std::max(cover[i], std::abs(a)); });
+    for (double& d : cover)
+      if (!(d > 0)) d = 1;
     return cover;
   }
 

@@ -6,7 +6,7 @@
 namespace orthant {
 namespace {
 
-using std::abs, std::ilogb, std::ldexp;  // those of Wide are found by its namespace
+using std::abs, std::ilogb, std::ldexp;  // those of Float256 are found by its namespace
 
 template <class T> const T kEps = std::numeric_limits<T>::epsilon();
 template <class T> const T kPivot = std::is_same_v<T, double>        ? T(0x1p-36)
@@ -356,6 +356,6 @@ template <class T> void NormalPath<T>::record(PathPoints& points) const {
 
 template class NormalPath<double>;
 template class NormalPath<long double>;
-template class NormalPath<detail::Wide>;
+template class NormalPath<detail::Float256>;
 
 }  // namespace orthant

@@ -107,6 +107,6 @@ template <class T> class NormalPath {  // reuse it: the second problem of a size
 
 extern template class NormalPath<double>;
 extern template class NormalPath<long double>;
-extern template class NormalPath<detail::Wide>;
+extern template class NormalPath<detail::Float256>;
 
 }  // namespace orthant

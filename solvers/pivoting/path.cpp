@@ -3,7 +3,7 @@
 #include <orthant/core/lcp/pyramid.h>
 #include <orthant/solvers/active_set/coarse_start.h>
 #include <orthant/solvers/active_set/fischer_burmeister.h>
-#include <orthant/solvers/effort.h>
+#include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/pivoting/normal_path.h>
 #include <orthant/solvers/proof/farkas.h>
 
@@ -79,7 +79,7 @@ struct Path::Work {
   CoarseStart coarse;
   NormalPath<double> normal_path;
   NormalPath<long double> long_path;
-  NormalPath<detail::Wide> wide_path;
+  NormalPath<detail::Float256> wide_path;
   PathPoints points, good_points;  // of the last step; of the one from good_x, while steps are taken on trust
   Vector z, x, F, q, trial_z, trial_x, trial_F, good_x, ray, cover, step, gradient;
   std::vector<double> merits;
@@ -234,7 +234,8 @@ struct Path::Work {
     return false;
   }
 
-  // One variation from `start`; the result in z.
+  // One variation from `start`; the result in z. One function: the major iteration with its watchdog, restarts and line
+  // search share most of their state.
   Claim iterate(const Variation& v) {
     using End = PathEnd;
     const Index n = model.size();
@@ -422,7 +423,7 @@ bool Path::run_again(const Lcp& problem, Solution& s, int, Claim& claim) {
 const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
   check(problem);
   begin();
-  const Effort before = effort();
+  const FactorizationCount before = factorization_count();
   const Index n = problem.size();
   Work& work = *work_;
   s.status = Status::not_run;
@@ -454,8 +455,8 @@ const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
     Claim claim = n == 0 ? Claim::candidate : work.iterate(v);
     if (claim == Claim::ray) claim = Claim::stalled;
     s.iterations = work.iterations;
-    s.factorizations = effort().factorizations - before.factorizations;
-    s.factorized_rows = effort().rows - before.rows;
+    s.factorizations = factorization_count().factorizations - before.factorizations;
+    s.factorized_rows = factorization_count().rows - before.rows;
     s.z = n == 0 ? s.z : work.z;
     certify(problem, options_.tolerance, claim, s);
     if (has_answer(s.status)) return s;

@@ -167,7 +167,7 @@ template <class T> class PrincipalTableau {  // reuse it: the second problem of 
 struct PrincipalTableaus {
   PrincipalTableau<double> first;
   PrincipalTableau<long double> second;
-  PrincipalTableau<Wide> third;
+  PrincipalTableau<Float256> third;
   /// f(tableau) of attempt 0, 1, 2.
   template <class F> auto visit(int attempt, F&& f) {
     return attempt == 0 ? f(first) : attempt == 1 ? f(second) : f(third);

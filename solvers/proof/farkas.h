@@ -25,7 +25,7 @@ class Farkas {  // reuse it: the second problem of a size allocates nothing, up 
   static constexpr Index kTableau = 100;       // rows that the tableau takes; in pure form up to three times as many
   static constexpr Index kTableauAlone = 400;  // likewise in a build without CLP; about a second
 
-  /// True when the linear program is infeasible, as far as the arithmetic tells; u is then a proof to be judged.
+  /// True when the linear program is infeasible, as far as the arithmetic shows; u is then a proof for the judge.
   bool propose(const Lcp& problem, Vector& u, const Budget& budget = {});
 
  private:

@@ -22,7 +22,7 @@ Trace trace_of(const System& system, const std::string& integrator, const Clock&
   const auto scheme = make_integrator(integrator, system);
   const auto solver = make_solver("lemke");
   Trace trace;
-  const auto record = [&](const Moment& m) {
+  const auto record = [&](const RunSample& m) {
     ++trace.records;
     put(trace, &m.state.t, sizeof m.state.t);
     for (const Eigen::VectorXd* x : {&m.state.q, &m.state.v, &m.gaps})

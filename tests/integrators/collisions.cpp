@@ -36,7 +36,7 @@ TEST_CASE("a collision is all its pairs listed, to the bit") {
     const auto solver = integrator == "anitescu-potra" ? "lemke" : "auto";
     double impulse = 0, listed_impulse = 0;
     const auto sum_into = [](double& sum) {
-      return [&sum](const Moment& m) {
+      return [&sum](const RunSample& m) {
         for (const Impulse& p : m.impulses) sum += p.normal;
       };
     };

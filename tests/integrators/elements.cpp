@@ -80,7 +80,7 @@ TEST_CASE("a driven slider-crank follows the drive, at constant and at varying s
     for (const std::string& scheme : kEveryScheme) {
       CAPTURE(scheme);
       double off = 0;
-      const Run r = run(driven_crank(law), scheme, 5e-4, [&](const Moment& m) {
+      const Run r = run(driven_crank(law), scheme, 5e-4, [&](const RunSample& m) {
         const double theta = law.value(m.state.t);
         off = std::max({off, 1e-3 * std::abs(m.state.v[2] - law.rate(m.state.t)), std::abs(m.state.q[2] - theta),
                         std::abs(m.state.q[6] - slider_at(theta))});
@@ -111,7 +111,7 @@ TEST_CASE("a spring on a shaken cart: driven slide, forced vibration, second ord
   const Shaken shaken;
   const auto error = [&](const std::string& scheme, double h) {
     double worst = 0;
-    const Run r = run(shaken.scene(), scheme, h, [&](const Moment& m) {
+    const Run r = run(shaken.scene(), scheme, h, [&](const RunSample& m) {
       worst = std::max(worst, std::abs(m.state.q[3] - m.state.q[0] - shaken.u(m.state.t)));
     });
     REQUIRE(r.status == Status::solved);
@@ -160,7 +160,7 @@ TEST_CASE("a ball on a table that is moved up and down: a wall of a driven body"
   for (const std::string& scheme : {kLocating[0], kLocating[1]}) {
     CAPTURE(scheme);
     double released = -1, landed = -1;
-    const Run r = run(s, scheme, 0.01, [&](const Moment& m) {
+    const Run r = run(s, scheme, 0.01, [&](const RunSample& m) {
       for (const Event& e : m.events) {
         if (e.kind == EventKind::release && released < 0) released = e.t;
         if (e.kind == EventKind::impact && released >= 0 && landed < 0) landed = e.t;
@@ -254,7 +254,7 @@ TEST_CASE("a journal dropped from the middle of its bearing strikes it when it h
   for (const std::string& scheme : kEveryScheme) {
     CAPTURE(scheme);
     double first = -1;
-    const Run r = run(s, scheme, 1e-5, [&](const Moment& m) {
+    const Run r = run(s, scheme, 1e-5, [&](const RunSample& m) {
       if (first < 0 && m.impulses[0].normal > 0) first = m.state.t;
     });
     REQUIRE(r.status == Status::solved);
@@ -289,7 +289,7 @@ TEST_CASE("a flywheel with a dry brake stops when and where it must, and stays")
       double before = 0, at_12 = 0;
       const Run r = run(
           s, scheme, 0.01,
-          [&](const Moment& m) {
+          [&](const RunSample& m) {
             if (m.state.t < 11.995) before = m.state.v[2];
             if (std::abs(m.state.t - 12.05) < 5e-3) at_12 = m.state.q[2];
           },
@@ -328,7 +328,7 @@ TEST_CASE("friction of a joint's load: a wheel on its pin and a block on its rai
     CAPTURE(scheme);
     const double h = 1e-3;
     double angular = 0, linear = 0;
-    const Run r = run(s, scheme, h, [&](const Moment& m) { angular += m.frictions[0], linear += m.frictions[1]; });
+    const Run r = run(s, scheme, h, [&](const RunSample& m) { angular += m.frictions[0], linear += m.frictions[1]; });
     REQUIRE(r.status == Status::solved);
     const double torque = 0.1 * 0.02 * 125, force = 1 + 0.3 * 20;  // from the first step on
     CHECK(r.final.v[2] == doctest::Approx(3 - torque / 2 * 0.5).epsilon(1e-9));

@@ -20,7 +20,7 @@ TEST_CASE("Coulomb decay: stops where it should, and stays to the last bit") {
   const CoulombDecay p;
   Scene scene = coulomb_decay(p);
   double last = 0;
-  const Run r = run(scene, kSymmetric, 1e-3, [&](const Moment& m) {
+  const Run r = run(scene, kSymmetric, 1e-3, [&](const RunSample& m) {
     if (m.state.t > 8 * p.half_swing()) CHECK(m.state.q[0] == doctest::Approx(last).epsilon(1e-15));
     last = m.state.q[0];
   });

@@ -171,7 +171,7 @@ TEST_CASE("column of grains: impulses of all levels, exact for every law") {
       Scene s = grain_column(p);
       s.restitution = restitution;
       std::vector<double> sum(s.contacts.size());
-      const Run r = run(s, integrator, s.step, [&](const Moment& m) {
+      const Run r = run(s, integrator, s.step, [&](const RunSample& m) {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m.impulses[i].normal;
       });
       CAPTURE(integrator);

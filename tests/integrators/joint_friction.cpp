@@ -30,7 +30,7 @@ TEST_CASE("a block on a rail with dry friction stops exactly where and when it m
     Scene s = block(0, 3, 2, false);
     s.duration = 4;
     double stop = -1, impulse = 0;
-    const Run r = run(s, integrator, 0.1, [&](const Moment& m) {
+    const Run r = run(s, integrator, 0.1, [&](const RunSample& m) {
       impulse += m.frictions[0];
       for (const Event& e : m.events)
         if (e.kind == EventKind::stick && e.contact == 0) stop = e.t;  // behind all contacts, of which there are none
@@ -49,7 +49,7 @@ TEST_CASE("Coulomb decay by a joint's friction: 10, -8.6, 7.2, -5.8, 4.4, -3, 1.
     Scene s = block(10, 0, 0.7, true);
     s.duration = 9 * std::numbers::pi;
     std::vector<double> turns;
-    const Run r = run(s, integrator, std::numbers::pi, [&](const Moment& m) { turns.push_back(m.state.q[0]); });
+    const Run r = run(s, integrator, std::numbers::pi, [&](const RunSample& m) { turns.push_back(m.state.q[0]); });
     REQUIRE(r.status == Status::solved);
     const std::vector<double> right = {10, -8.6, 7.2, -5.8, 4.4, -3, 1.6, -0.2, -0.2, -0.2};
     REQUIRE(turns.size() == right.size());
@@ -68,7 +68,7 @@ TEST_CASE("a pendulum with dry friction in its pin: the energy that each swing l
     s.duration = 60;
     double last = 0, rate = -1;
     std::vector<double> turns = {0};
-    const Run r = run(s, integrator, 1e-2, [&](const Moment& m) {
+    const Run r = run(s, integrator, 1e-2, [&](const RunSample& m) {
       const double theta = m.state.q[2], omega = m.state.v[2];
       if (omega * rate < 0) turns.push_back(std::abs(theta) > std::abs(last) ? theta : last);
       if (omega != 0) rate = omega;
@@ -101,12 +101,12 @@ TEST_CASE("event-driven and adaptive: a collision is all its pairs listed") {
     double pushed = 0, listed_push = 0, deepest = 0;
     int strange = 0;
     const int contacts = System(s).contacts();
-    const Run found = run(s, integrator, 1e-2, [&](const Moment& m) {
+    const Run found = run(s, integrator, 1e-2, [&](const RunSample& m) {
       for (const Impulse& p : m.impulses) pushed += p.normal;
       for (const Event& e : m.events) strange += e.contact < 0 || e.contact >= contacts;
       for (Index i = 0; i < m.gaps.size(); ++i) deepest = std::min(deepest, m.gaps[i]);
     });
-    const Run listed = run(with_pairs_listed(s), integrator, 1e-2, [&](const Moment& m) {
+    const Run listed = run(with_pairs_listed(s), integrator, 1e-2, [&](const RunSample& m) {
       for (const Impulse& p : m.impulses) listed_push += p.normal;
     });
     REQUIRE(found.status == Status::solved);

@@ -36,7 +36,7 @@ template <class Exact, class Coordinate>
 double mean_error(Scene scene, double duration, std::string_view spec, double h, Exact&& exact, Coordinate&& x) {
   scene.duration = h * std::round(duration / h);  // no shorter step at the end
   double sum = 0;
-  const Run r = run(scene, spec, h, [&](const Moment& m) { sum += std::abs(x(m.state) - exact(m.state.t)); });
+  const Run r = run(scene, spec, h, [&](const RunSample& m) { sum += std::abs(x(m.state) - exact(m.state.t)); });
   INFO(r.why);
   REQUIRE(r.status == Status::solved);
   return sum / static_cast<double>(r.steps + 1);

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
+
 using namespace orthant;
 
 TEST_CASE("rounded steps are taken and counted, or end the run before the first one") {
@@ -31,4 +33,20 @@ TEST_CASE("rounded steps are taken and counted, or end the run before the first 
   CHECK(stopped.why.find("rounded only: row ") != std::string::npos);
   CHECK(stopped.rounded_steps == 0);
   CHECK(stopped.final.t == doctest::Approx(taken.first_rounded_time - 1e-4));
+}
+
+TEST_CASE("a run gives the solver back the limits that its caller had set, and reports start as not_run") {
+  CHECK(Run{}.status == Status::not_run);
+  CHECK(StepReport{}.status == Status::not_run);
+  CHECK(StepReport::solved().status == Status::solved);
+  const System system(slider_crank());
+  const auto scheme = make_integrator("moreau-jean", system);
+  const auto solver = make_solver("lemke");
+  const std::atomic<bool> callers = false, of_run = false;
+  solver->set_time_limit(5), solver->set_cancel(&callers);
+  const Run run = simulate(*scheme, *solver, {.step = 1e-4, .duration = 1e-3, .time_limit = 100, .cancel = &of_run});
+  CHECK(run.status == Status::solved);
+  CHECK(solver->time_limit() == 5);
+  CHECK(solver->cancel() == &callers);
+  CHECK(scheme->budget() == nullptr);
 }

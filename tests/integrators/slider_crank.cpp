@@ -73,7 +73,7 @@ TEST_CASE("constraints hold over a run: joints to 1e-9, slider upright to 1e-12,
   for (const std::string_view integrator : {kPosition, kSymmetric})
     for_each_gentle_case([&](const SliderCrankExact& exact) {
       double tilt = 0;
-      const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), integrator, 1e-5, [&](const Moment& m) {
+      const Run r = run(slider_crank({.mu = exact.mu, .e = exact.e}), integrator, 1e-5, [&](const RunSample& m) {
         tilt = std::max(tilt, std::abs(m.state.q[kTheta3]));
         CHECK(m.report.status == Status::solved);
       });
@@ -91,7 +91,7 @@ TEST_CASE("the first five impacts converge to the exact times with order 1") {
   for (const double h : {1e-5, 1e-6, 1e-7}) {
     std::vector<double> times;  // end of a step in which the top corners were hit from a distance
     bool open = true;
-    run(scene, kSymmetric, h, [&](const Moment& m) {
+    run(scene, kSymmetric, h, [&](const RunSample& m) {
       const bool hit = m.impulses[0].normal > 0;
       if (hit && open) times.push_back(m.state.t);
       open = !hit;
@@ -112,7 +112,7 @@ TEST_CASE("energy never rises at an impact") {
     const System system(scene);
     double before = 0, worst = -kInf, flight = 0, rise = 0;  // rise: the slider's ẏ before the step
     int impacts = 0;
-    run(scene, kSymmetric, 1e-5, [&](const Moment& m) {
+    run(scene, kSymmetric, 1e-5, [&](const RunSample& m) {
       const double now = energy(system, m.state);
       const bool top = m.impulses[0].normal > 0, hit = top || m.impulses[2].normal > 0;
       if (hit && (top ? rise : -rise) > 1e-3) {  // it approached the wall; else it is a contact that lasts
@@ -134,7 +134,7 @@ TEST_CASE("energy never rises at an impact") {
 TEST_CASE("a tilted start loses the face's restitution: the comparable results agree") {
   double first_touch = -1;
   int corner = -1;
-  const Run r = run(slider_crank({.omega3 = -0.01}), kSymmetric, 1e-6, [&](const Moment& m) {
+  const Run r = run(slider_crank({.omega3 = -0.01}), kSymmetric, 1e-6, [&](const RunSample& m) {
     for (int i = 0; i < 4 && first_touch < 0; ++i)
       if (m.impulses[static_cast<std::size_t>(i)].normal > 0) first_touch = m.state.t, corner = i;
   });
@@ -148,12 +148,12 @@ TEST_CASE("a tilted start loses the face's restitution: the comparable results a
 TEST_CASE("Lemke and enumeration give the same trajectory") {
   for (const double mu : {0.0, 0.01, 0.1}) {
     std::vector<Eigen::VectorXd> path;
-    run(slider_crank({.mu = mu}), kSymmetric, 1e-5, [&](const Moment& m) { path.push_back(m.state.q); });
+    run(slider_crank({.mu = mu}), kSymmetric, 1e-5, [&](const RunSample& m) { path.push_back(m.state.q); });
     double apart = 0;
     std::size_t i = 0;
     const Run r = run(
         slider_crank({.mu = mu}), kSymmetric, 1e-5,
-        [&](const Moment& m) { apart = std::max(apart, (m.state.q - path[i++]).lpNorm<Eigen::Infinity>()); },
+        [&](const RunSample& m) { apart = std::max(apart, (m.state.q - path[i++]).lpNorm<Eigen::Infinity>()); },
         "enumerate");
     CHECK(r.status == Status::solved);
     CHECK(i == path.size());

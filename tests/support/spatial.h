@@ -11,7 +11,7 @@
 namespace orthant {
 
 using SpatialSystem = SystemOf<Spatial>;
-using SpatialMoment = MomentOf<Spatial>;
+using SpatialSample = RunSampleOf<Spatial>;
 
 /// Turns about its middle axis, which is unstable: it tumbles. The tensor is not diagonal in the body's frame.
 inline spatial::Scene tumbling() {

@@ -335,14 +335,8 @@ void write_fclib(const std::filesystem::path& file, const ContactProblem& p, con
       vector(group + "/vectors/b", p.problem.b.tail(n - rows));
     }
   } else {
-    Sparse A;
-    if (const auto* sparse = std::get_if<RowSparse>(&p.problem.A)) {
-      A = sparse->view();
-    } else {
-      DenseMatrix dense;
-      to_dense(p.problem.A, dense);
-      A = dense.sparseView(0, 0);
-    }
+    RowSparse formed;
+    const Sparse A = rows_of(p.problem.A, formed)->view();
     if (rows == n) {
       write_matrix(out, group + "/W", RowSparse::from(A));
     } else {

@@ -372,7 +372,8 @@ void small_minors(const Formed& A, Analysis& result) {
     }
 }
 
-/// Fills in one answer after the other: what stands there when it is stopped holds.
+/// Fills in one answer after the other. Answers given before a stop hold. One function, because each answer rests on
+/// those before it.
 void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& deadline, Analysis& result) {
   const Index n = result.n;
   const auto is_yes = [](Verdict v) { return v == Verdict::yes; };

@@ -49,11 +49,7 @@ exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
   const auto row = [](const RowSparse& A, Index r, const auto& use) {
     for (std::size_t k = at(A.start[at(r)]); k < at(A.start[at(r) + 1]); ++k) use(A.column[k], A.value[k]);
   };
-  if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
-    for (Index j = 0; j < z.size(); ++j) add(w, (*dense)(i, j), j);
-  } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
-    row(*rows, i, [&](Index j, double value) { add(w, value, j); });
-  } else {
+  if (!for_each_in_row(problem.A, i, [&](Index j, double value) { add(w, value, j); })) {
     const auto& [W, inverse_mass, regularization] = std::get<Delassus>(problem.A);
     std::map<Index, exact::Rational> velocity;  // of the columns that row i has
     row(W, i, [&](Index k, double) { velocity[k] = 0; });
@@ -90,7 +86,7 @@ void Judge::prepare(const Lcp& problem) {
   if (const auto* delassus = std::get_if<Delassus>(&problem.A); delassus != nullptr)
     for (auto* each : {&inner_ld_, &inner_abs_ld_}) each->reserve(at(delassus->W.cols));
   if (const auto* rows = std::get_if<RowSparse>(&problem.A))
-    ways_.reserve(rows->value.size() + problem.friction.size());
+    couplings_.reserve(rows->value.size() + problem.friction.size());
   if (at(n) <= part_.capacity()) return;
   for (Vector* each : {&lo_, &hi_, &beta_, &data_, &part_data_}) each->resize(n);
   for (auto* each : {&g_, &g_abs_, &g_error_}) each->reserve(at(n));

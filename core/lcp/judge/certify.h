@@ -57,7 +57,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void set_stop(std::function<bool()> stop) { stop_ = std::move(stop); }
 
  private:
-  using Way = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
+  using Coupling = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
   enum class Pass { solved, rounded, no };
   void prepare(const Lcp& problem);
   void certify_cones(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
@@ -77,7 +77,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   Vector lo_, hi_, size_, beta_, data_, part_data_, floor_, zero_w_, inner_, inner_abs_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
   RowSparse entries_;              // of an operator
-  std::vector<Way> ways_, heap_;
+  std::vector<Coupling> couplings_, heap_;
   std::vector<char> spoken_;
   const double *lower_ = nullptr, *upper_ = nullptr;  // with friction's
   double unit_ = 0;                                   // error of a sum of doubles, over s_i

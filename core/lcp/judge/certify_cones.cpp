@@ -14,31 +14,16 @@ using detail::kEpsilon;
 constexpr double kRoundingsOfCone = 20;  // units in the last place that are noise
 constexpr double kKnownRounding = 1e-6;  // ε t_c relative to β above which a w is unknown
 
-/// visit(i, j, A_ij) of a matrix stored by entries.
-template <class Visit> void each_stored(const Matrix& A, const Visit& visit) {
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    for (Index j = 0; j < dense->cols(); ++j)
-      for (Index i = 0; i < dense->rows(); ++i) visit(i, j, (*dense)(i, j));
-  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
-    for (Index i = 0; i < sparse->rows; ++i)
-      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-        visit(i, Index{sparse->column[k]}, sparse->value[k]);
-  }
-}
-
 /// y ← A x, or |A| x for x ≥ 0 (of an operator |W| M⁻¹|W|ᵀ x, which is no less).
 template <bool kAbsolute, class Number>
 void cone_product(const Matrix& A, const std::vector<Number>& x, std::vector<Number>& y) {
   const auto of = [](double a) { return kAbsolute ? std::abs(a) : a; };
   y.assign(x.size(), 0);
-  each_stored(A, [&](Index i, Index j, double a) { y[at(i)] += of(a) * x[at(j)]; });
-  const auto* delassus = std::get_if<Delassus>(&A);
-  if (delassus == nullptr) return;
-  const auto& [W, inverse_mass, regularization] = *delassus;
+  if (for_each_entry(A, [&](Index i, Index j, double a) { y[at(i)] += of(a) * x[at(j)]; })) return;
+  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
   std::vector<Number> inner(at(W.cols), 0);
   const auto each = [&W = W](const auto& use) {
-    for (Index i = 0; i < W.rows; ++i)
-      for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) use(at(i), at(W.column[k]), W.value[k]);
+    for (Index i = 0; i < W.rows; ++i) W.for_each_in_row(i, [&](Index k, double w) { use(at(i), at(k), w); });
   };
   each([&](std::size_t i, std::size_t k, double w) { inner[k] += of(w) * x[i]; });
   for (std::size_t k = 0; k < inner.size(); ++k) inner[k] *= inverse_mass[static_cast<Index>(k)];
@@ -60,7 +45,7 @@ std::vector<int> coupled_blocks(const Matrix& A, const cones::Blocks& blocks) {
     b = find(b), c = find(c);
     root[at(std::max(b, c))] = std::min(b, c);
   };
-  each_stored(A, [&](Index i, Index j, double a) {
+  for_each_entry(A, [&](Index i, Index j, double a) {
     if (a != 0 && of[at(i)] != of[at(j)]) join(of[at(i)], of[at(j)]);
   });
   if (const auto* delassus = std::get_if<Delassus>(&A)) {

@@ -71,17 +71,7 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
         g_abs_[at(j)] += std::abs(term);
       }
   };
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    for (Index j = 0; j < n; ++j)
-      for (Index i = 0; i < n; ++i) add(transposed ? j : i, (*dense)(i, j), u[transposed ? i : j]);
-    return;
-  }
-  if (const auto* sparse = std::get_if<RowSparse>(&A)) {
-    for (Index i = 0; i < n; ++i)
-      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-        add(transposed ? sparse->column[k] : i, sparse->value[k], u[transposed ? i : sparse->column[k]]);
-    return;
-  }
+  if (for_each_entry(A, [&](Index i, Index j, double a) { add(transposed ? j : i, a, u[transposed ? i : j]); })) return;
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);  // symmetric: Aᵀu = A u
   inner_ld_.assign(at(W.cols), 0);
   inner_abs_ld_.assign(at(W.cols), 0);

@@ -23,15 +23,10 @@ void Judge::label_parts(const Lcp& problem) {
     const int a = root(i), b = root(j);
     part_[at(std::max(a, b))] = std::min(a, b);
   };
-  if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
-    for (Index j = 0; j < n; ++j)
-      for (Index i = 0; i < n; ++i)
-        if ((*dense)(i, j) != 0 && i != j) join(i, j);
-  } else if (const auto* sparse = std::get_if<RowSparse>(&problem.A)) {
-    for (Index i = 0; i < n; ++i)
-      for (std::size_t k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-        if (sparse->value[k] != 0) join(i, sparse->column[k]);
-  } else {
+  const bool stored = for_each_entry(problem.A, [&](Index i, Index j, double a) {
+    if (a != 0 && i != j) join(i, j);
+  });
+  if (!stored) {
     const auto& [W, inverse_mass, regularization] = std::get<Delassus>(problem.A);
     first_.assign(at(W.cols), -1);
     for (Index i = 0; i < n; ++i)
@@ -59,8 +54,10 @@ void Judge::spread(const Lcp& problem, const Vector& z, Vector& x) {
     for (const int column : rows->column) ++first_[at(column)];
     for (const Friction& f : problem.friction) ++first_[at(f.normal)];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    ways_.resize(at(first_[at(n)]));
-    const auto place = [&](Index j, Index i, double wide) { ways_[at(--first_[at(j)])] = {wide, static_cast<int>(i)}; };
+    couplings_.resize(at(first_[at(n)]));
+    const auto place = [&](Index j, Index i, double wide) {
+      couplings_[at(--first_[at(j)])] = {wide, static_cast<int>(i)};
+    };
     for (Index i = 0; i < n; ++i)
       for (std::size_t k = at(rows->start[at(i)]); k < at(rows->start[at(i) + 1]); ++k)
         place(rows->column[k], i, std::abs(rows->value[k] * z[rows->column[k]]));
@@ -70,7 +67,7 @@ void Judge::spread(const Lcp& problem, const Vector& z, Vector& x) {
   for (Index i = 0; i < n; ++i)
     if (x[i] > 0) heap_.emplace_back(x[i], static_cast<int>(i));
   std::make_heap(heap_.begin(), heap_.end());
-  const auto stale = [&](const Way& each) { return each.first < x[each.second]; };
+  const auto stale = [&](const Coupling& each) { return each.first < x[each.second]; };
   const auto raise = [&](Index i, double by) {
     if (by <= x[i]) return;
     x[i] = by;
@@ -83,7 +80,7 @@ void Judge::spread(const Lcp& problem, const Vector& z, Vector& x) {
   };
   while (!heap_.empty()) {
     std::pop_heap(heap_.begin(), heap_.end());
-    const Way next = heap_.back();
+    const Coupling next = heap_.back();
     heap_.pop_back();
     if (stale(next)) continue;
     const auto [much, j] = next;
@@ -93,7 +90,7 @@ void Judge::spread(const Lcp& problem, const Vector& z, Vector& x) {
         if (f.normal == j) raise(f.first, much);
     } else {
       for (std::size_t k = at(first_[at(j)]); k < at(first_[at(j + 1)]); ++k)
-        raise(ways_[k].second, std::min(ways_[k].first, much));
+        raise(couplings_[k].second, std::min(couplings_[k].first, much));
     }
   }
 }

@@ -80,20 +80,10 @@ double nearest(const Rational& x) {
 Table table(const Matrix& A) {
   const Index n = order(A);
   Table rows(at(n), Row(at(n)));
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    for (Index i = 0; i < n; ++i)
-      for (Index j = 0; j < n; ++j) rows[at(i)][at(j)] = (*dense)(i, j);
-    return rows;
-  }
-  const auto spread = [](const RowSparse& M) {
-    Table all(at(M.rows), Row(at(M.cols)));
-    for (Index i = 0; i < M.rows; ++i)
-      for (int k = M.start[at(i)]; k < M.start[at(i) + 1]; ++k) all[at(i)][at(M.column[at(k)])] += M.value[at(k)];
-    return all;
-  };
-  if (const auto* sparse = std::get_if<RowSparse>(&A)) return spread(*sparse);
+  if (for_each_entry(A, [&rows](Index i, Index j, double a) { rows[at(i)][at(j)] = a; })) return rows;
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
-  const Table full = spread(W);
+  Table full(at(W.rows), Row(at(W.cols)));
+  for (Index i = 0; i < W.rows; ++i) W.for_each_in_row(i, [&](Index k, double w) { full[at(i)][at(k)] += w; });
   for (Index i = 0; i < n; ++i) {
     for (Index k = 0; k < W.cols; ++k) {
       const Rational& left = full[at(i)][at(k)];

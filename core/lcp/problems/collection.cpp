@@ -73,6 +73,7 @@ class Collector {
   }
 };
 
+/// A list of problems, one after the other.
 void add_standard(Collector& c) {
   // 2ⁿ pivots for Lemke's method (Murty 1978, Fathi 1979); the transpose takes 2.
   const Index n = 8;

@@ -198,6 +198,7 @@ constexpr auto kUnique = Answer::unique, kOneOf = Answer::one_of;
 
 }  // namespace
 
+/// One table, so that its columns can be compared.
 const std::vector<Family>& families() {
   static const std::vector<Family> all{
       {"spd",

@@ -264,13 +264,13 @@ template <class Space> bool BasicSystemOf<Space>::factorize(const System& system
   }
   const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
   const bool springs = !terms.springs.empty() && (stiffness_weight != 0 || damping_weight != 0);
-  way_ = rows_ > kDenseRows || springs ? Way::sparse : rows_ > 0 ? Way::dense : Way::diagonal;
-  if (way_ == Way::sparse) {
+  method_ = rows_ > kDenseRows || springs ? Method::sparse : rows_ > 0 ? Method::dense : Method::diagonal;
+  if (method_ == Method::sparse) {
     if (sparse_->factorize(system, terms, stiffness_weight, damping_weight, added, inverse_mass_)) return true;
     if (!sparse_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
   } else {
-    if (way_ == Way::diagonal || schur_->factorize(G, kDoubtful)) return true;
+    if (method_ == Method::diagonal || schur_->factorize(G, kDoubtful)) return true;
     if (!schur_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G);
   }
@@ -285,7 +285,7 @@ template <class Space> int BasicSystemOf<Space>::rank() const {
 template <class Space> double BasicSystemOf<Space>::independence() const {
   if (rows_ == 0 || rank() == 0) return 1;
   if (redundant_) return least_norm_->independence();
-  return way_ == Way::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
+  return method_ == Method::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
 }
 
 template <class Space> void BasicSystemOf<Space>::forget() {
@@ -295,8 +295,8 @@ template <class Space> void BasicSystemOf<Space>::forget() {
 template <class Space>
 void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
-  if (way_ == Way::dense) return schur_->solve(f, c, x, lambda);
-  if (way_ == Way::sparse) {
+  if (method_ == Method::dense) return schur_->solve(f, c, x, lambda);
+  if (method_ == Method::sparse) {
     Eigen::Map<Eigen::VectorXd> rhs(sparse_->rhs.data(), sparse_->n);
     rhs.head(dof_) = Eigen::Map<const Eigen::VectorXd>(f, dof_);
     if (rows_ > 0) rhs.tail(rows_) = Eigen::Map<const Eigen::VectorXd>(c, rows_);
@@ -310,19 +310,19 @@ void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, do
 
 template <class Space> void BasicSystemOf<Space>::solve_change(std::span<const Row> G, const double* f, const double* v,
                                                                const double* c, double* x, double* lambda) const {
-  if (way_ == Way::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
+  if (method_ == Method::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rows_); ++i) lambda[i] = c[i] - apply(G[i], v);
   solve(f, lambda, x, lambda);
 }
 
 template <class Space> void BasicSystemOf<Space>::add_rates(const double* c, double* x) const {
-  if (way_ == Way::dense && !redundant_) return schur_->add_rates(c, x);
+  if (method_ == Method::dense && !redundant_) return schur_->add_rates(c, x);
   solve(zero_.data(), c, force_.data(), lambda_.data());
   Eigen::Map<Eigen::VectorXd>(x, dof_) += force_;
 }
 
 template <class Space> void BasicSystemOf<Space>::solve_row(const Row& row, double* x) const {
-  if (way_ == Way::dense && !redundant_) return schur_->solve_row(row, x);
+  if (method_ == Method::dense && !redundant_) return schur_->solve_row(row, x);
   // A row touches two bodies at the most, but x is full as soon as joints carry it on.
   force_.setZero();
   apply_transposed(row, 1.0, force_.data());

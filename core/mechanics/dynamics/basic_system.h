@@ -65,11 +65,11 @@ template <class Space> class BasicSystemOf {
  private:
   struct Sparse;     // KLU and the pattern
   struct LeastNorm;  // for redundant joints
-  enum class Way { diagonal, dense, sparse };
+  enum class Method { diagonal, dense, sparse };
 
   int dof_ = 0, rows_ = 0;
   bool redundant_ = false, added_ = false;
-  Way way_ = Way::diagonal;  // of the last factorization
+  Method method_ = Method::diagonal;  // of the last factorization
   Eigen::VectorXd inverse_mass_;
   std::optional<SchurOf<Space>> schur_;
   std::unique_ptr<LeastNorm> least_norm_;

@@ -5,7 +5,7 @@
 // bodies in one direction. How copies share the load is not determined, their sum is; so the friction does not depend
 // on how often a joint is written. Angle rows exert no force and do not count.
 // Limit: where other joints repeat what this one says, R is the share that the redundant rows' λ give it
-// (basic_system.h); Redundancy tells of such joints.
+// (basic_system.h); Redundancy reports such joints.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

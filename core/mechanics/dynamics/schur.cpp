@@ -121,11 +121,11 @@ template <class Space> void SchurOf<Space>::put_apart_first(std::span<const Row>
 template <class Space> bool SchurOf<Space>::factorize(std::span<const Row> G, double dependent) {
   with_pairs([&](auto n) {  // number by number: a call of memset twice a step took 3 % of it
     each(n, [&](auto p) {
-      each(twice(p), [&](auto j) { S_[static_cast<std::size_t>(2 * p * n + j)] = Two(0); });
-      S_[static_cast<std::size_t>(2 * p * (n + 1))] = S_[static_cast<std::size_t>(2 * p * (n + 1) + 1)] = Two(0);
+      each(twice(p), [&](auto j) { S_[static_cast<std::size_t>(2 * p * n + j)] = Simd2(0); });
+      S_[static_cast<std::size_t>(2 * p * (n + 1))] = S_[static_cast<std::size_t>(2 * p * (n + 1) + 1)] = Simd2(0);
     });
   });
-  if (rows_ % 2 == 1) S_.back() = Two(0, 1);  // the row of nothing
+  if (rows_ % 2 == 1) S_.back() = Simd2(0, 1);  // the row of nothing
   static constexpr Entries kNothing{};
   const auto part = [&](const PairOnBody& u, std::size_t k) -> const Entries& {
     return u.parts[k] == nullptr ? kNothing : G[static_cast<std::size_t>(u.row) + k].*u.parts[k];
@@ -135,11 +135,11 @@ template <class Space> bool SchurOf<Space>::factorize(std::span<const Row> G, do
     const PairOnBody* const first = on_bodies_.data() + body.begin;
     for (PairOnBody* u = on_bodies_.data() + body.begin; u != on_bodies_.data() + body.end; ++u) {
       const Entries &of_first = part(*u, 0), &of_second = part(*u, 1);
-      std::array<Two, kN> g, x;
-      each_number<kN>([&](std::size_t k) { g[k] = Two(of_first[k], of_second[k]), x[k] = m[k] * g[k]; });
+      std::array<Simd2, kN> g, x;
+      each_number<kN>([&](std::size_t k) { g[k] = Simd2(of_first[k], of_second[k]), x[k] = m[k] * g[k]; });
       each_number<kN>([&](std::size_t k) { u->g[k] = g[k]; });
       each_number<kN>([&](std::size_t k) { u->x[k] = x[k]; });
-      Two* to = S_.data() + u->at;
+      Simd2* to = S_.data() + u->at;
       for (const PairOnBody* v = first; v < u; ++v) {
         to[2 * v->pair] += sum_of<kN>([&](std::size_t k) { return v->g[k][0] * x[k]; });
         to[2 * v->pair + 1] += sum_of<kN>([&](std::size_t k) { return v->g[k][1] * x[k]; });
@@ -155,7 +155,7 @@ template <class Space> bool SchurOf<Space>::factorize(std::span<const Row> G, do
 /// Row by row: y_j = S_ij − Σ_k y_k L_jk, L_ij = y_j / D_j, D_i = S_ii − Σ_j y_j L_ij. The second D_i of a pair comes
 /// from D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
 template <class Space> template <class N> bool SchurOf<Space>::factorize_pairs(N n, double dependent) {
-  const auto S = [&](int p, int j) -> Two& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
+  const auto S = [&](int p, int j) -> Simd2& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
   const auto L = [&](int i, int j) { return S(i / 2, j)[i % 2]; };
   double *const inverse = inverse_pivot_.data(), *const pivot = pivot_.data();
   bool independent = true;
@@ -166,19 +166,19 @@ template <class Space> template <class N> bool SchurOf<Space>::factorize_pairs(N
     if (!holds) inverse[i] = 0;  // what follows stays finite, for finite()
   };
   each(n, [&](auto p) {
-    Two whole(S(p, 2 * p)[0], S(p, 2 * p + 1)[1]), left = whole;
+    Simd2 whole(S(p, 2 * p)[0], S(p, 2 * p + 1)[1]), left = whole;
     double last = S(p, 2 * p)[1];
     each(twice(p), [&](auto j) {
       if (!n.couple(p, j / 2)) return;
-      Two y = S(p, j);
+      Simd2 y = S(p, j);
       each(j, [&](auto k) {
-        if (n.couple(p, k / 2) && n.couple(j / 2, k / 2)) y -= S(p, k) * Two(L(j, k));
+        if (n.couple(p, k / 2) && n.couple(j / 2, k / 2)) y -= S(p, k) * Simd2(L(j, k));
       });
       S(p, j) = y;
     });
     each(twice(p), [&](auto j) {
       if (!n.couple(p, j / 2)) return;
-      const Two y = S(p, j), l = y * Two(inverse[j]);
+      const Simd2 y = S(p, j), l = y * Simd2(inverse[j]);
       S(p, j) = l, left -= y * l, last -= y[1] * l[0];
     });
     const int i = 2 * p;
@@ -192,11 +192,11 @@ template <class Space> template <class N> bool SchurOf<Space>::factorize_pairs(N
       pivot[i + 1] = left[1] - last * (last * inverse[i]), inverse[i + 1] = 1 / pivot[i + 1];
     }
     check(i + 1, whole[1]);
-    S(p, i) = Two(whole[0], last * inverse[i]);
+    S(p, i) = Simd2(whole[0], last * inverse[i]);
   });
   each(n, [&](auto p) {  // L with that of each pair taken out of its columns: 0.97 of a step (bare_loop)
     each(p, [&](auto q) {
-      if (n.couple(p, q)) S(p, 2 * q) -= S(p, 2 * q + 1) * Two(S(q, 2 * q)[1]);
+      if (n.couple(p, q)) S(p, 2 * q) -= S(p, 2 * q + 1) * Simd2(S(q, 2 * q)[1]);
     });
   });
   return independent;
@@ -208,7 +208,7 @@ template <class Space> void SchurOf<Space>::set_inverse_mass(const Eigen::Vector
 }
 
 template <class Space> bool SchurOf<Space>::finite() const {
-  return std::all_of(S_.begin(), S_.end(), [](Two s) { return std::isfinite(s[0]) && std::isfinite(s[1]); });
+  return std::all_of(S_.begin(), S_.end(), [](Simd2 s) { return std::isfinite(s[0]) && std::isfinite(s[1]); });
 }
 
 template <class Space> double SchurOf<Space>::independence() const {
@@ -253,7 +253,7 @@ template <class Space> void SchurOf<Space>::add_rates(const double* c, double* x
 
 template <class Space> void SchurOf<Space>::solve_row(const Row& row, double* x) const {
   std::fill_n(x, inverse_mass_.size(), 0.0);
-  std::fill(lambda_.begin(), lambda_.end(), Two(0));
+  std::fill(lambda_.begin(), lambda_.end(), Simd2(0));
   const auto load = [&](BodyId b, const Entries& j) {
     if (b < 0) return;
     const int place = Space::kVelocities * b;
@@ -272,8 +272,8 @@ template <class Space> void SchurOf<Space>::solve_row(const Row& row, double* x)
 
 /// λ = c.
 template <class Space> void SchurOf<Space>::set_rates(const double* c) const {
-  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p] = Two::load(c + order_[p]);
-  if (rows_ % 2 == 1) lambda_.back() = Two(c[rows_ - 1], 0);
+  for (std::size_t p = 0; p < static_cast<std::size_t>(rows_ / 2); ++p) lambda_[p] = Simd2::load(c + order_[p]);
+  if (rows_ % 2 == 1) lambda_.back() = Simd2(c[rows_ - 1], 0);
 }
 
 template <class Space> void SchurOf<Space>::store_forces(double* lambda) const {
@@ -291,10 +291,10 @@ template <class Space> void SchurOf<Space>::subtract_rates(const OnBody& body, c
 template <class Space> void SchurOf<Space>::add_solution(double* x) const {
   with_pairs([&](auto n) { solve_pairs(n); });
   for (const OnBody& body : bodies_) {
-    std::array<Two, kN> sum;
-    sum.fill(Two(0));
+    std::array<Simd2, kN> sum;
+    sum.fill(Simd2(0));
     for (const PairOnBody& u : on(body)) {
-      const Two by = lambda_[static_cast<std::size_t>(u.pair)];
+      const Simd2 by = lambda_[static_cast<std::size_t>(u.pair)];
       each_number<kN>([&](std::size_t k) { sum[k] += u.x[k] * by; });
     }
     double* const v = x + body.first;
@@ -305,25 +305,25 @@ template <class Space> void SchurOf<Space>::add_solution(double* x) const {
 /// S λ' = λ. What is within a pair is no step of its own on the way there and back: no other pair waits for it.
 template <class Space> template <class N> void SchurOf<Space>::solve_pairs(N n) const {
   const auto S = [&](int p, int j) { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
-  Two* const y = lambda_.data();
+  Simd2* const y = lambda_.data();
   each(n, [&](auto p) {
-    Two left = y[p];
+    Simd2 left = y[p];
     each(p, [&](auto q) {
-      if (n.couple(p, q)) left -= S(p, 2 * q) * Two(y[q][0]) + S(p, 2 * q + 1) * Two(y[q][1]);
+      if (n.couple(p, q)) left -= S(p, 2 * q) * Simd2(y[q][0]) + S(p, 2 * q + 1) * Simd2(y[q][1]);
     });
     y[p] = left;
   });
   each(n, [&](auto p) {
     const double l = S(p, 2 * p)[1];
-    const Two left = Two(y[p][0], y[p][1] - l * y[p][0]) * Two::load(inverse_pivot_.data() + 2 * p);
-    y[p] = Two(left[0] - l * left[1], left[1]);
+    const Simd2 left = Simd2(y[p][0], y[p][1] - l * y[p][0]) * Simd2::load(inverse_pivot_.data() + 2 * p);
+    y[p] = Simd2(left[0] - l * left[1], left[1]);
   });
   each_down(n, [&](auto p) {
-    const Two two = y[p];
+    const Simd2 two = y[p];
     each(p, [&](auto q) {
       if (!n.couple(p, q)) return;
-      const Two first = S(p, 2 * q) * two, second = S(p, 2 * q + 1) * two;
-      y[q] -= Two(first.sum(), second.sum());
+      const Simd2 first = S(p, 2 * q) * two, second = S(p, 2 * q + 1) * two;
+      y[q] -= Simd2(first.sum(), second.sum());
     });
   });
 }

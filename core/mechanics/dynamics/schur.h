@@ -47,9 +47,9 @@ template <class Space> class SchurOf {
   using Entries = typename Row::Entries;
   using Part = Entries Row::*;
   struct PairOnBody {
-    int pair, at, row;          // where it stands here; where its row begins in S; its first row in G
-    std::array<Part, 2> parts;  // of its rows, that are on the body, or none
-    std::array<Two, kN> g, x;   // those parts; times M⁻¹
+    int pair, at, row;           // where it stands here; where its row begins in S; its first row in G
+    std::array<Part, 2> parts;   // of its rows, that are on the body, or none
+    std::array<Simd2, kN> g, x;  // those parts; times M⁻¹
   };
   struct OnBody {  // pairs from `begin` up to `end` act on the coordinates from `first` on
     int first, begin, end;
@@ -73,9 +73,9 @@ template <class Space> class SchurOf {
   std::vector<PairOnBody> on_bodies_;  // by bodies, pairs ascending; those on the ground have none
   std::vector<OnBody> bodies_;         // ascending
   // Pairs × 2 pairs by rows. S = K B Kᵀ, B of pairs' own l D lᵀ: S_ii and l on the diagonal, below it K = L l⁻¹.
-  std::vector<Two> S_;
+  std::vector<Simd2> S_;
   std::vector<double> pivot_, inverse_pivot_;  // D_i, 1 / D_i
-  mutable std::vector<Two> lambda_;            // pairs
+  mutable std::vector<Simd2> lambda_;          // pairs
 };
 extern template class SchurOf<Planar>;
 extern template class SchurOf<Spatial>;

@@ -36,11 +36,12 @@ void set_poses(const System& system, double t, const Eigen::VectorXd& q, Kinemat
       node.c = std::cos(node.theta), node.s = std::sin(node.theta);
     }
     const double turn = qi[2] - node.theta, square = turn * turn;
-    const Two series = Two(1, 0.5) - square * (Two(1.0 / 6, 1.0 / 24) -
-                                               square * (Two(1.0 / 120, 1.0 / 720) - square * Two(1.0 / 5040, 0)));
-    const Two sine_less = Two(turn, square) * series;  // the sine, 1 − cosine
-    const Two there(node.c, node.s), across(node.s, -node.c);
-    const Two rotated = there - (there * Two(sine_less[1]) + across * Two(sine_less[0]));
+    const Simd2 series =
+        Simd2(1, 0.5) -
+        square * (Simd2(1.0 / 6, 1.0 / 24) - square * (Simd2(1.0 / 120, 1.0 / 720) - square * Simd2(1.0 / 5040, 0)));
+    const Simd2 sine_less = Simd2(turn, square) * series;  // the sine, 1 − cosine
+    const Simd2 there(node.c, node.s), across(node.s, -node.c);
+    const Simd2 rotated = there - (there * Simd2(sine_less[1]) + across * Simd2(sine_less[0]));
     at.pose[i] = {{qi[0], qi[1]}, qi[2], rotated[0], rotated[1]};
   }
   at.t = t;

@@ -3,7 +3,7 @@
 //   M v̇ = f(t, q, v) + Gᵀ λ + W_Nᵀ λ_N + W_Tᵀ λ_T,   Φ(q, t) = 0,  g_N(q) ≥ 0
 //   Φ̇ = G v − ṡ,   Φ̈ = G v̇ + (Ġ v − s̈);   ṡ, s̈ are zero except for driven joints (drive.h).
 // M is constant and diagonal here (planar bodies at their centres of mass): System::mass().
-// Only what is asked for is evaluated, and only rows of contacts that are closed are built.
+// Only the requested terms are evaluated. Rows are built for closed contacts only.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

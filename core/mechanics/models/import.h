@@ -3,9 +3,9 @@
 //   const ImportedModel arm = import_model(read_scene_text("arm.urdf"), "arm.urdf");
 //   write_whole("arm.toml", arm.toml);                    // a scene as core/scenes/space.md describes it, commented
 //   AnyScene scene = read_any_scene("arm.urdf");          // the same in one step
-// The root element tells the format: <robot> or <mujoco>. What is taken: urdf.h, mjcf.h. Everything else is listed in
-// `notes`, whose entries begin with "not taken: ", or say in what a thing was changed.
-// Safe for files of strangers: sizes are bounded, document types refused, no file outside the model's folder is read.
+// The root element determines the format: <robot> or <mujoco>. Supported elements: urdf.h, mjcf.h. `notes` lists all
+// others. Its entries begin with "not taken: ", or describe a change.
+// Safe for untrusted files: sizes are bounded, document types refused, no file outside the model's folder is read.
 #pragma once
 
 #include <span>

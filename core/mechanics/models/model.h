@@ -81,7 +81,7 @@ struct Model {
   std::vector<std::string> notes;          // how it was taken, and what was not
 };
 
-/// What `model.KEY=VALUE` sets.
+/// Settings of `model.KEY=VALUE`.
 struct ModelOptions {
   enum class Base { fixed, free };
   enum class FixedJoints { merge, keep };

@@ -216,7 +216,7 @@ class SceneText {
     if (!c.world.R.isIdentity(0)) bodies_ += "orientation = " + list(quaternion_of(c.world.R)) + "\n";
   }
 
-  /// Of the joints between c and its parent, all in one of the forms that the scene has.
+  /// Writes the joints between c and its parent, all in one of the scene's forms. One function: a case for each form.
   void joints(const Carrier& c) {
     using Kind = ModelJoint::Kind;
     const ModelLink& link = model_.links[static_cast<std::size_t>(c.link)];
@@ -497,7 +497,8 @@ class SceneText {
     return points;
   }
 
-  /// One collision of all shapes; bodies joined to each other, or that overlap at the start within one tree, are apart.
+  /// Writes one collision of all shapes. Bodies that are joined, or overlap at the start within one tree, are apart.
+  /// One function: the text of one element, key by key.
   void collision(const std::vector<std::pair<std::size_t, const ModelShape*>>& all) {
     using Pair = std::pair<int, int>;
     std::set<std::size_t> bodies;

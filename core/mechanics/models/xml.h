@@ -45,8 +45,8 @@ bool looks_like_xml(std::string_view text);
 
 bool has_xml();
 
-/// What of the tree has not been read, one entry a kind: `<gazebo> (3 times, line 40)`, `effort of <limit> (line 12)`.
-/// Names are no content.
+/// Parts of the tree that were not read, one entry per kind: `<gazebo> (3 times, line 40)`,
+/// `effort of <limit> (line 12)`. Names are no content.
 std::vector<std::string> unread(const XmlElement& root);
 
 }  // namespace orthant::models

@@ -9,7 +9,7 @@ namespace orthant {
 
 inline constexpr double kStickSpeed = 1e-9;  // [m/s] a contact whose slip |γ_T| is no larger sticks
 
-/// What contacts in space have besides; vectors stand in b's frame.
+/// Further data of contacts in space. Vectors are given in b's frame.
 struct SurfaceLaw {
   double rolling = 0, spinning = 0;  // [m] ≥ 0: moments across and along the normal of up to these times its impulse
   double mu_across = 0;              // ≥ 0: friction coefficient square to `direction`; 0: mu, as in all directions

@@ -45,7 +45,7 @@ template <> struct KinematicsOf<Planar> {
     double theta = std::numeric_limits<double>::quiet_NaN(), c = 0, s = 0;
   };
   std::vector<Pose> pose;    // bodies + 1; the last is the ground
-  std::vector<Twist> twist;  // likewise; filled when velocities are asked for
+  std::vector<Twist> twist;  // likewise; filled when velocities are requested
   std::vector<Node> node;    // a body's angle is near to (set_poses)
   double t = 0;              // [s] what driving constraints read
   const Pose& at(BodyId i) const { return i < 0 ? pose.back() : pose[static_cast<std::size_t>(i)]; }

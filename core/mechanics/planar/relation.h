@@ -7,7 +7,7 @@
 //   scene.joint(Relation{"gears", {{2, Angle{kGround, pinion}}, {1, Angle{kGround, wheel}}}});          2 θ_p + θ_w = 0
 //   scene.contact(RelationLimit{"rope", {{1, Span{kGround, a, {-1, 3}}}, {1, Span{kGround, b, {1, 3}}}}, …});
 //
-// A row has two bodies (rows.h): all coordinates together act on two at the most besides the ground. A planetary
+// A row has two bodies (rows.h): all coordinates together act on at most two bodies and the ground. A planetary
 // gear whose carrier moves has three, and cannot be written so. Both are custom kinds: other scenes cost nothing more.
 #pragma once
 

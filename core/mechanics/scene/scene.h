@@ -19,6 +19,7 @@
 #include <orthant/core/mechanics/planar/prismatic.h>
 #include <orthant/core/mechanics/planar/revolute.h>
 #include <orthant/core/mechanics/planar/spring.h>
+#include <orthant/core/mechanics/scene/add_named.h>
 #include <orthant/core/mechanics/scene/impact_law.h>
 
 #include <stdexcept>
@@ -79,11 +80,11 @@ struct Scene {
 
   /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.
   BodyId body(Body b) {
-    add(bodies, std::move(b), "body");
+    add_named(bodies, std::move(b), "body");
     return static_cast<BodyId>(bodies.size()) - 1;
   }
-  void joint(Joint j) { add(joints, std::move(j), "joint"); }
-  void contact(Contact c) { add(contacts, std::move(c), "contact"); }
+  void joint(Joint j) { add_named(joints, std::move(j), "joint"); }
+  void contact(Contact c) { add_named(contacts, std::move(c), "contact"); }
   /// Kinds from outside; one that is derived from a built-in kind is its own, not cut down to that.
   template <JointKind T>
     requires(!kAlternative<T, Joint>)
@@ -95,22 +96,10 @@ struct Scene {
   template <class Set> void contact_set(const Set& contacts_of_it) {
     for (const auto& c : contacts_of_it) contact(c);
   }
-  void collision(Collision c) { add(collisions, std::move(c), "collision"); }
-  void friction(JointFriction f) { add(frictions, std::move(f), "friction"); }
-  void spring(Spring s) { add(springs, std::move(s), "spring"); }
-  void load(Load l) { add(loads, std::move(l), "load"); }
-
- private:
-  template <class T> static void add(std::vector<T>& list, T element, const char* kind) {
-    const auto fill = [&](auto& x) {
-      if (x.name.empty()) x.name = kind + std::to_string(list.size() + 1);
-    };
-    if constexpr (requires { element.index(); })
-      std::visit(fill, element);
-    else
-      fill(element);
-    list.push_back(std::move(element));
-  }
+  void collision(Collision c) { add_named(collisions, std::move(c), "collision"); }
+  void friction(JointFriction f) { add_named(frictions, std::move(f), "friction"); }
+  void spring(Spring s) { add_named(springs, std::move(s), "spring"); }
+  void load(Load l) { add_named(loads, std::move(l), "load"); }
 };
 
 /// Kinds of elements of a scene, by dimension.

@@ -25,7 +25,7 @@ struct Collision {
   std::vector<std::pair<BodyId, BodyId>> apart = {};  // bodies whose shapes do not meet each other
 };
 
-/// What a pair is at the moment, as a contact of its own.
+/// The present state of a pair, as a contact of its own.
 struct TouchContact {
   BodyId a = kGround, b = kGround;
   TouchPoint point;

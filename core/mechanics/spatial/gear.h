@@ -5,7 +5,7 @@
 //   scene.joint(Gear("rack", pinion.angle(), rail.displacement(), 0.05));      // ratio: the pinion's radius [m/rad]
 // Angles are known up to turns. Of two the ratio is a quotient p/q of whole numbers, and of the residual's values,
 // which differ by 2π/q, the one nearest to 0 is taken. An angle and a slide: they differ by 2π |ratio|, or by 2π.
-// A row has two bodies (rows.h): both coordinates together act on two at the most besides the ground. Gears on a
+// A row has two bodies (rows.h): both coordinates together act on at most two bodies and the ground. Gears on a
 // carrier that moves (planetary, differential) have three, and cannot be written so.
 #pragma once
 

@@ -38,7 +38,7 @@ constexpr Index kX = 0, kY = 1, kTheta = 2;  // of body 0
 
 /// |q_k − x*(t)| of a scene whose exact motion is at(t).
 template <class Scenario> auto along(const Scenario& p, Index k) {
-  return [p, k](const Moment& m) { return std::abs(m.state.q[k] - p.at(m.state.t).x); };
+  return [p, k](const RunSample& m) { return std::abs(m.state.q[k] - p.at(m.state.t).x); };
 }
 
 void balls(std::vector<ExactCase>& all) {
@@ -80,7 +80,7 @@ void friction(std::vector<ExactCase>& all) {
                  .scene = incline(holds),
                  .duration = 1,
                  .h = 1e-2,
-                 .error = [](const Moment& m) { return std::abs(m.state.v[kX]); },
+                 .error = [](const RunSample& m) { return std::abs(m.state.v[kX]); },
                  .throughout = true,
                  .exact = 1e-12});
   all.push_back({.id = "B3",
@@ -89,7 +89,7 @@ void friction(std::vector<ExactCase>& all) {
                  .scene = incline(slides),
                  .duration = 1,
                  .h = 1e-2,
-                 .error = [slides](const Moment& m) { return std::abs(m.state.v[kX] - slides.at(m.state.t).v); },
+                 .error = [slides](const RunSample& m) { return std::abs(m.state.v[kX] - slides.at(m.state.t).v); },
                  .exact = 1e-12});
   const StickSlip belt;
   const CoulombDecay decay;
@@ -108,7 +108,7 @@ void friction(std::vector<ExactCase>& all) {
                  .scene = coulomb_decay(decay),
                  .duration = 25,
                  .h = 2e-2,
-                 .error = [](const Moment& m) { return std::abs(m.state.q[kX] + 0.2) + std::abs(m.state.v[kX]); }});
+                 .error = [](const RunSample& m) { return std::abs(m.state.q[kX] + 0.2) + std::abs(m.state.v[kX]); }});
 }
 
 void rolling(std::vector<ExactCase>& all) {
@@ -136,7 +136,7 @@ void painleve(std::vector<ExactCase>& all) {
                    .scene = painleve_rod({.omega = omega}),
                    .duration = 1e-3,
                    .h = 1e-4,
-                   .error = [](const Moment&) { return 0.0; },
+                   .error = [](const RunSample&) { return 0.0; },
                    .motion = Kind::instant,
                    .word = word});
   };
@@ -171,7 +171,7 @@ ExactCase impact(std::string id, std::string title, Scene scene, std::vector<std
           .duration = duration,
           .h = step,
           .error =
-              [after = std::move(after)](const Moment& m) {
+              [after = std::move(after)](const RunSample& m) {
                 double worst = 0;
                 for (const auto& [k, v] : after) worst = std::max(worst, std::abs(m.state.v[k] - v));
                 return worst;
@@ -215,7 +215,7 @@ void slanting_impacts(std::vector<ExactCase>& all) {
 /// Mean contact forces since the start.
 class Forces {
  public:
-  std::span<const double> operator()(const Moment& m) {
+  std::span<const double> operator()(const RunSample& m) {
     impulses_.resize(m.impulses.size()), forces_.resize(m.impulses.size());
     for (std::size_t i = 0; i < impulses_.size(); ++i) {
       impulses_[i] += m.impulses[i].normal;
@@ -237,7 +237,7 @@ void at_rest(std::vector<ExactCase>& all) {
                  .duration = 0.125,
                  .h = 0x1p-7,
                  .error =
-                     [legs, forces = Forces()](const Moment& m) mutable {
+                     [legs, forces = Forces()](const RunSample& m) mutable {
                        const auto f = forces(m);
                        return m.state.t > 0 ? legs.misfit(f) : 0;
                      },
@@ -255,7 +255,7 @@ void at_rest(std::vector<ExactCase>& all) {
                    .duration = 0.125,
                    .h = 0x1p-7,
                    .error =
-                       [p, forces = Forces()](const Moment& m) mutable {
+                       [p, forces = Forces()](const RunSample& m) mutable {
                          const auto f = forces(m);
                          double worst = 0;
                          for (int k = 1; k <= p.blocks && m.state.t > 0; ++k) {
@@ -269,19 +269,20 @@ void at_rest(std::vector<ExactCase>& all) {
                    .motion = Kind::instant});
   for (const double ratio : {1.0, 10.0, 100.0, 1e4, 1e6}) {
     const double sweeps = std::log(1e-8) / std::log(ratio / (1 + ratio));
-    all.push_back(
-        {.id = "B12",
-         .title = "sweeps of projected Gauss-Seidel, masses by " + std::to_string(static_cast<int>(ratio)),
-         .measure = "their number against the contraction's, relative",
-         .scene = tower({.ratio = ratio}),
-         .duration = 0x1p-7,
-         .h = 0x1p-7,
-         .error =
-             [sweeps](const Moment& m) { return m.state.t > 0 ? std::abs(m.report.lcp_iterations / sweeps - 1) : 0; },
-         .motion = Kind::instant,
-         .exact = 0.1,
-         .solvers = {"pgs:tolerance=1e-8,max_sweeps=100000000"},
-         .integrator = "moreau-jean"});
+    all.push_back({.id = "B12",
+                   .title = "sweeps of projected Gauss-Seidel, masses by " + std::to_string(static_cast<int>(ratio)),
+                   .measure = "their number against the contraction's, relative",
+                   .scene = tower({.ratio = ratio}),
+                   .duration = 0x1p-7,
+                   .h = 0x1p-7,
+                   .error =
+                       [sweeps](const RunSample& m) {
+                         return m.state.t > 0 ? std::abs(m.report.lcp_iterations / sweeps - 1) : 0;
+                       },
+                   .motion = Kind::instant,
+                   .exact = 0.1,
+                   .solvers = {"pgs:tolerance=1e-8,max_sweeps=100000000"},
+                   .integrator = "moreau-jean"});
   }
   for (const int grains : {10, 100}) {
     const GrainColumn p{.grains = grains};
@@ -292,7 +293,7 @@ void at_rest(std::vector<ExactCase>& all) {
                    .duration = 0.125,
                    .h = 0x1p-7,
                    .error =
-                       [p, sum = std::vector<double>(static_cast<std::size_t>(grains))](const Moment& m) mutable {
+                       [p, sum = std::vector<double>(static_cast<std::size_t>(grains))](const RunSample& m) mutable {
                          double worst = 0;
                          for (int k = 1; k <= p.grains; ++k) {
                            double& impulse = sum[static_cast<std::size_t>(k - 1)];
@@ -317,7 +318,7 @@ void arches(std::vector<ExactCase>& all) {
          .duration = 0.02,
          .h = 1e-3,
          .error =
-             [stands](const Moment& m) {
+             [stands](const RunSample& m) {
                const double speed = m.state.v.lpNorm<Eigen::Infinity>();
                return stands ? speed : speed > 1e-3 ? 0 : 1;
              },
@@ -334,7 +335,7 @@ void thinnest_arch(std::vector<ExactCase>& all) {
                  .scene = arch(),
                  .duration = 0.01,
                  .h = 1e-3,
-                 .error = [](const Moment& m) { return m.state.v.lpNorm<Eigen::Infinity>() > 1e-5 ? 1 : 0; },
+                 .error = [](const RunSample& m) { return m.state.v.lpNorm<Eigen::Infinity>() > 1e-5 ? 1 : 0; },
                  .throughout = true,
                  .motion = Kind::instant,
                  .exact = 1e-3,
@@ -390,7 +391,7 @@ void told_otherwise(std::vector<ExactCase>& all) {
                  .duration = 1,
                  .h = 1e-2,
                  .error =
-                     [swing](const Moment& m) {
+                     [swing](const RunSample& m) {
                        const double angle = std::atan2(m.state.q[kX], -m.state.q[kY]);
                        return std::abs(std::remainder(angle - swing.at(m.state.t).x, 2 * std::numbers::pi));
                      },
@@ -437,7 +438,7 @@ void impact_laws(std::vector<ExactCase>& all) {
                  .duration = 0x1p-16,  // so short that nothing turns
                  .h = 0x1p-17,
                  .error =
-                     [mass = system.mass(), v = before.v](const Moment& m) {
+                     [mass = system.mass(), v = before.v](const RunSample& m) {
                        if (m.state.t == 0) return 0.0;
                        const Eigen::VectorXd change = m.state.v - v, sum = m.state.v + v;
                        const double lost = -0.5 * mass.cwiseProduct(change).dot(sum);
@@ -476,7 +477,7 @@ void loops_and_chains(std::vector<ExactCase>& all) {
                  .duration = swing.period(),
                  .h = swing.period() / 500,
                  .error =
-                     [swing](const Moment& m) {
+                     [swing](const RunSample& m) {
                        return std::abs(std::atan2(m.state.q[kX], -m.state.q[kY]) - swing.at(m.state.t).x);
                      },
                  .motion = Kind::smooth,
@@ -488,7 +489,7 @@ void loops_and_chains(std::vector<ExactCase>& all) {
                    .scene = chain({.links = exact.links}),
                    .duration = exact.t,
                    .h = 2e-3,
-                   .error = [exact](const Moment& m) { return error_of(exact, m.state); },
+                   .error = [exact](const RunSample& m) { return error_of(exact, m.state); },
                    .motion = Kind::smooth,
                    .energy = Energy::conserved});
   const NFourBar bars;
@@ -499,7 +500,7 @@ void loops_and_chains(std::vector<ExactCase>& all) {
        .scene = n_four_bar(bars),
        .duration = 10,
        .h = 4e-3,
-       .error = [bars](const Moment& m) { return std::abs(std::abs(m.state.q[kTheta]) - bars.at(m.state.t).x); },
+       .error = [bars](const RunSample& m) { return std::abs(std::abs(m.state.q[kTheta]) - bars.at(m.state.t).x); },
        .motion = Kind::smooth,
        .energy = Energy::conserved});
 }
@@ -513,7 +514,7 @@ void slider_cranks(std::vector<ExactCase>& all) {
                    .scene = slider_crank({.mu = mu, .e = e}),
                    .duration = 0.2,
                    .h = 2e-4,
-                   .error = [exact](const Moment& m) { return std::abs(m.state.q[kTheta] - exact.theta1); }});
+                   .error = [exact](const RunSample& m) { return std::abs(m.state.q[kTheta] - exact.theta1); }});
   }
 }
 

@@ -18,7 +18,7 @@ struct ExactCase {
   double duration = 1, h = 1e-2;  // [s]; h: the coarsest step, halved from there
   /// Against the exact answer, at each recorded moment of one run; may remember what it saw (each run gets a fresh
   /// copy).
-  std::function<double(const Moment&)> error;
+  std::function<double(const RunSample&)> error;
   bool throughout = false;  // the worst of all moments counts, else the last one
 
   enum class Motion { smooth, events, instant } motion = Motion::events;  // instant: decided in one step, no order in h

@@ -107,12 +107,12 @@ template <class Space, class Error> Row run_of(const ExactCase& exact_case, cons
   const auto lcp = make_solver(solver);
   EnergyDefect<Space> defect(system, exact_case.energy);
   double last = 0;
-  const Run run =
-      simulate(*scheme, *lcp, {.step = setting.step, .duration = exact_case.duration}, [&](const MomentOf<Space>& m) {
-        const double now = error(m);
-        last = exact_case.throughout ? std::max(last, now) : now;
-        defect.see(m.state);
-      });
+  const Run run = simulate(*scheme, *lcp, {.step = setting.step, .duration = exact_case.duration},
+                           [&](const RunSampleOf<Space>& m) {
+                             const double now = error(m);
+                             last = exact_case.throughout ? std::max(last, now) : now;
+                             defect.see(m.state);
+                           });
   Row row;
   row.status = name(run.status), row.why = run.why;
   row.seconds = run.seconds;
@@ -128,7 +128,7 @@ Row visit(const ExactCase& exact_case, const std::string& solver, const Setting&
   if (exact_case.in_space()) {
     const SystemOf<Spatial> system(std::get<spatial::Scene>(exact_case.scene));
     return run_of(exact_case, system, solver, setting,
-                  [&](const MomentOf<Spatial>& m) { return exact_case.error_in_space(system, m.state); });
+                  [&](const RunSampleOf<Spatial>& m) { return exact_case.error_in_space(system, m.state); });
   }
   const System system(std::get<Scene>(exact_case.scene));
   auto error = exact_case.error;
@@ -138,9 +138,9 @@ Row visit(const ExactCase& exact_case, const std::string& solver, const Setting&
                               *make_solver(exact_case.rival.empty() ? solver : exact_case.rival),
                               {.step = setting.step, .duration = exact_case.duration});
     if (twin.status == Status::solved)
-      error = [&, end = twin.final](const Moment& m) { return exact_case.unlike(m.state, end); };
+      error = [&, end = twin.final](const RunSample& m) { return exact_case.unlike(m.state, end); };
     else
-      error = [](const Moment&) { return kInf; };
+      error = [](const RunSample&) { return kInf; };
   }
   return run_of(exact_case, system, solver, setting, error);
 }
@@ -282,6 +282,7 @@ std::string number(double x) {
   return std::isfinite(x) ? text : "";
 }
 
+/// One function: a pass over the rows for the CSV file, one over the series for the Markdown table.
 void report(const std::filesystem::path& output, const std::vector<ExactCase>& all, const std::vector<Row>& rows) {
   std::string csv =
       "case,title,motion,measure,integrator,solver,setting,status,error,seconds,lcp_solves,lcp_iterations,lcp_residual,"

@@ -60,7 +60,7 @@ void all_of(Trace& t, Bytes& bytes) {
     bytes(t.rows[r].t), bytes(t.rows[r].q), bytes(t.rows[r].v), bytes(t.belt[r]), bytes(t.pressed[r]);
 }
 
-double belt_work(const System& system, const Moment& moment) {
+double belt_work(const System& system, const RunSample& moment) {
   double work = 0;
   for (int i = 0; i < system.listed(); ++i)
     work += std::abs(system.law(i).belt * moment.impulses[static_cast<std::size_t>(i)].tangent);
@@ -82,7 +82,7 @@ Trace here(const Scene& scene, const std::string& spec, double step, double limi
   const std::clock_t begin = std::clock();
   double work = 0;
   try {
-    t.run = simulate(*integrator, *solver, clock, [&](const Moment& moment) {
+    t.run = simulate(*integrator, *solver, clock, [&](const RunSample& moment) {
       t.rows.push_back(moment.state);
       t.events.insert(t.events.end(), moment.events.begin(), moment.events.end());
       t.belt.push_back(work += belt_work(system, moment));

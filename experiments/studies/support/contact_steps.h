@@ -81,7 +81,7 @@ inline std::vector<ContactProblem> contact_steps(const std::string& scene, std::
   const auto solver = make_solver("auto");
   std::vector<ContactProblem> all;
   const double step = system.scene().step, duration = std::min(system.scene().duration, 300 * step);
-  simulate(*integrator, *solver, {.step = step, .duration = duration}, [&](const MomentOf<Spatial>& moment) {
+  simulate(*integrator, *solver, {.step = step, .duration = duration}, [&](const RunSampleOf<Spatial>& moment) {
     if (moment.report.lcp_rows == 0) return;
     auto now = contacts_first(integrator->problem());
     if (!now || now->contacts == 0) return;

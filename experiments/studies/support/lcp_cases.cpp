@@ -53,7 +53,7 @@ void add_steps(const std::string& scene, std::vector<LcpCase>& cases) {
     const auto solver = make_solver("lemke");
     std::vector<Lcp> problems;
     const double step = system.scene().step, duration = std::min(system.scene().duration, 2000 * step);
-    simulate(*integrator, *solver, {.step = step, .duration = duration}, [&](const Moment& moment) {
+    simulate(*integrator, *solver, {.step = step, .duration = duration}, [&](const RunSample& moment) {
       if (moment.report.lcp_rows > 0) problems.push_back(integrator->problem());
     });
     const std::size_t count = std::min(kSteps, problems.size());

@@ -29,7 +29,7 @@ std::vector<Rival> rivals(const std::filesystem::path& folder);
 /// program dies with this process; call it within Isolated where a time limit matters.
 std::string output_of(const std::vector<std::string>& command);
 
-/// What a rival answers to a problem as it stands, handed over in a file; claim, iterations, time and note go into
+/// A rival's answer to an unscaled problem, which it reads from a file; claim, iterations, time and note go into
 /// `trial`, unjudged. No answer: NaN.
 Vector answer_of_rival(const Lcp& problem, const Rival& rival, double tolerance, Trial& trial);
 

@@ -1,4 +1,4 @@
-// Who solves which problem, and how fast: solvers and rivals on cases, each in a process of its own with a time limit;
+// Table of solvers and rivals on cases: problems solved, and times; each in a process of its own with a time limit;
 // residuals are recomputed by a second judge, and failures are rows too.
 #pragma once
 

@@ -88,9 +88,9 @@ Rational runaway(const Rational& beta) {
 /// ‖x_T‖; of a disc to 100 digits, exact where it is a double.
 Rational length(const std::vector<Rational>& x, const Friction& f) {
   if (f.rows == 1) return abs(x[at(f.first)]);
-  using Wide = mp::number<mp::gmp_float<100>, mp::et_off>;
+  using Float100 = mp::number<mp::gmp_float<100>, mp::et_off>;
   const Rational square = x[at(f.first)] * x[at(f.first)] + x[at(f.first + 1)] * x[at(f.first + 1)];
-  const Wide root = sqrt(Wide(square));
+  const Wide root = sqrt(Float100(square));
   const Rational rounded(static_cast<double>(root));
   return rounded * rounded == square ? rounded : Rational(root);
 }

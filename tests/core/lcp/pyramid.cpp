@@ -160,3 +160,40 @@ TEST_CASE("the pyramid allocates nothing from the second problem of a size on") 
   run();
   CHECK(AllocationCount::now() == before);
 }
+
+TEST_CASE("entries and rows of a matrix are those of its dense form, whatever its storage") {
+  Random random(31);
+  const Lcp dense = random_spd_problem(6, random), rows = as_sparse(dense);
+  for (const Matrix* A : {&dense.A, &rows.A}) {
+    DenseMatrix room;
+    const DenseMatrix& known = dense_of(*A, room);
+    DenseMatrix found = Eigen::MatrixXd::Zero(6, 6);
+    CHECK(for_each_entry(*A, [&](Index i, Index j, double value) { found(i, j) = value; }));
+    CHECK(found == known);
+    int seen = 0;
+    CHECK(for_each_entry(*A, [&](Index, Index, double) { return ++seen < 3; }));  // false ends it
+    CHECK(seen == 3);
+    RowSparse by_rows;
+    const RowSparse* const stored = rows_of(*A, by_rows);
+    REQUIRE(stored != nullptr);
+    for (Index i = 0; i < 6; ++i)
+      for (Index j = 0; j < 6; ++j) CHECK(stored->entry(i, j) == known(i, j));
+    found.setZero();
+    for (Index i = 0; i < 6; ++i) CHECK(for_each_in_row(*A, i, [&](Index j, double value) { found(i, j) = value; }));
+    CHECK(found == known);
+  }
+  Delassus factors{.W = std::get<RowSparse>(rows.A), .inverse_mass = Vector(dense.b.cwiseAbs()), .regularization = {}};
+  const Matrix applied = factors;
+  CHECK_FALSE(for_each_entry(applied, [](Index, Index, double) {}));
+  RowSparse formed;
+  CHECK(rows_of(applied, formed, 1) == nullptr);  // more products than allowed
+  DenseMatrix room;
+  const DenseMatrix& known = dense_of(applied, room);
+  const RowSparse& by_rows = *rows_of(applied, formed);
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = 0; j < 6; ++j) CHECK(by_rows.entry(i, j) == doctest::Approx(known(i, j)));
+  Matrix kept = dense.A;
+  const double* const memory = std::get<DenseMatrix>(kept).data();
+  CHECK(as<DenseMatrix>(kept).data() == memory);
+  CHECK(as<RowSparse>(kept).rows == 0);
+}

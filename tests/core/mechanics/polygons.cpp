@@ -262,7 +262,7 @@ TEST_CASE("stacked boxes stand: each pair of points carries the weight above it"
   for (const std::string scheme : {"generalized-alpha", "event-driven"}) {
     CAPTURE(scheme);
     double worst = 0;
-    const Run r = run(s, scheme, 0.01, [&](const Moment& m) {
+    const Run r = run(s, scheme, 0.01, [&](const RunSample& m) {
       if (m.state.t == 0) return;
       double above = 0;
       for (int i = kBoxes - 1; i > 0; --i) {

@@ -168,7 +168,7 @@ TEST_CASE("forces of a table, a tower and a column of grains at rest") {
   CHECK(GrainColumn{}.impulse(10, 0) == 1);
   const auto impulses_of = [](const Scene& scene, double duration) {
     std::vector<double> sum(scene.contacts.size());
-    const Run r = run(scene, kSymmetric, duration, [&](const Moment& m) {
+    const Run r = run(scene, kSymmetric, duration, [&](const RunSample& m) {
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m.impulses[i].normal;
     });
     CHECK(r.status == Status::solved);

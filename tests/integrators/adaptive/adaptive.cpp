@@ -154,7 +154,7 @@ TEST_CASE("the ball's impacts are reported, with the impulses that gravity asks 
   const BouncingBall p;
   std::vector<Event> events;
   double impulse = 0;
-  run_to(bouncing_ball(p), 2, 1e-8, [&](const Moment& m) {
+  run_to(bouncing_ball(p), 2, 1e-8, [&](const RunSample& m) {
     events.insert(events.end(), m.events.begin(), m.events.end());
     for (const Impulse& i : m.impulses) impulse += i.normal;
   });
@@ -246,7 +246,7 @@ TEST_CASE("curved contacts end where their force does: off a disc, over a polygo
       CAPTURE(mu);
       CAPTURE(tolerance);
       double worst = 0;
-      const Recorder look = [&, mu = mu](const Moment& m) {
+      const Recorder look = [&, mu = mu](const RunSample& m) {
         for (const Impulse& i : m.impulses) worst = std::max({worst, -i.normal, std::abs(i.tangent) - mu * i.normal});
       };
       const Run r = run_to(scene, duration, tolerance, look, 0.01);
@@ -352,7 +352,7 @@ TEST_CASE("boxes and balls fall, tumble and come to lie: energy falls, nothing s
     const System system(s);
     const Run r = run_to(
         s, 1.5, 1e-5,
-        [&](const Moment& m) {
+        [&](const RunSample& m) {
           const double now = energy(system, m.state);
           rise = std::max(rise, now - before), before = now;
         },

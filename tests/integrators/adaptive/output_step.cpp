@@ -29,7 +29,7 @@ struct Looked {  // what a run hands out
 Looked look(const Scene& scene, double duration, std::string_view integrator, double step) {
   Looked seen;
   seen.sum.resize(scene.contacts.size());
-  seen.run = run_for(scene, duration, integrator, step, [&](const Moment& m) {
+  seen.run = run_for(scene, duration, integrator, step, [&](const RunSample& m) {
     seen.t.push_back(m.state.t);
     seen.q.insert(seen.q.end(), m.state.q.data(), m.state.q.data() + m.state.q.size());
     for (const Event& event : m.events) {
@@ -143,7 +143,7 @@ TEST_CASE("adaptive: states within a crossing lie on the joints, and their resid
   const System system(scene);
   Terms terms(system);
   double worst = 0;
-  const Run run = run_for(scene, scene.duration, "adaptive", scene.duration / 140, [&](const Moment& m) {
+  const Run run = run_for(scene, scene.duration, "adaptive", scene.duration / 140, [&](const RunSample& m) {
     set_poses(system, m.state.t, m.state.q, terms.at);
     evaluate_joint_residual(system, terms);
     worst = std::max(worst, terms.phi.lpNorm<Eigen::Infinity>());

@@ -319,7 +319,7 @@ TEST_CASE("a disc far out on a fast arm meets a ball at the same time, whatever 
     for (const std::string scheme : {"event-driven", "adaptive:rtol=1e-9,atol=1e-12"}) {
       CAPTURE(scheme);
       std::vector<Event> events;
-      const auto note = [&](const Moment& m) { events.insert(events.end(), m.events.begin(), m.events.end()); };
+      const auto note = [&](const RunSample& m) { events.insert(events.end(), m.events.begin(), m.events.end()); };
       const Run r = run(s, scheme, step, note);
       CHECK(r.status == Status::solved);
       REQUIRE(events.size() == 1);
@@ -341,7 +341,7 @@ TEST_CASE("a heavy disc drives a light one against a wall: floor(pi sqrt(M / m))
       const bool exact = scheme == "event-driven";
       if (exact && ratio > 1e8) continue;  // 314159 impacts
       double least = kInf;
-      const Run r = run(s, scheme, 1, [&](const Moment& m) { least = std::min(least, m.gaps.minCoeff()); });
+      const Run r = run(s, scheme, 1, [&](const RunSample& m) { least = std::min(least, m.gaps.minCoeff()); });
       CHECK(least > -1e-6);
       CHECK(r.passages == 0);
       if (exact) CHECK(r.status == Status::solved);

@@ -1,6 +1,6 @@
 // Event-driven integration against exact motions and the golden slider-crank, and what it does where there is none.
 #include "tests/support/allocations.h"
-#include "tests/support/event_story.h"
+#include "tests/support/event_record.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/bouncing_ball.h>
@@ -67,9 +67,9 @@ TEST_CASE("bouncing ball: passes the accumulation, rests exactly, all impulses c
       CAPTURE(e);
       CAPTURE(step);
       const BouncingBall ball{.e = e};
-      const Story story = tell(bouncing_ball(ball), 10, step);
-      REQUIRE(story.run.status == Status::solved);
-      const auto impacts = story.of(EventKind::impact), accumulation = story.of(EventKind::accumulation);
+      const EventRecord record = tell(bouncing_ball(ball), 10, step);
+      REQUIRE(record.run.status == Status::solved);
+      const auto impacts = record.of(EventKind::impact), accumulation = record.of(EventKind::accumulation);
       REQUIRE(accumulation.size() == 1);
       CHECK(accumulation[0].t == doctest::Approx(ball.zeno_time()).epsilon(1e-12));
       double sum = accumulation[0].normal;
@@ -78,19 +78,19 @@ TEST_CASE("bouncing ball: passes the accumulation, rests exactly, all impulses c
         CHECK(impacts[i].t == doctest::Approx(ball.impact_time(static_cast<int>(i) + 1)).epsilon(1e-12));
       }
       CHECK(sum == doctest::Approx(kGravity * ball.zeno_time()).epsilon(1e-6));  // what is left of the series is lost
-      CHECK(story.sum[0].normal == doctest::Approx(kGravity * 10).epsilon(1e-12));  // but not to the contact
-      CHECK(story.run.final.q[1] == 0);
-      CHECK(story.run.final.v[1] == 0);
+      CHECK(record.sum[0].normal == doctest::Approx(kGravity * 10).epsilon(1e-12));  // but not to the contact
+      CHECK(record.run.final.q[1] == 0);
+      CHECK(record.run.final.v[1] == 0);
     }
   CHECK(tell(bouncing_ball(), 1.3, 1.3).run.final.q[1] == doctest::Approx(2.4163733329496484e-4).epsilon(1e-12));
 }
 
 TEST_CASE("elastic ball: ten thousand impacts keep the energy and their times") {
   const BouncingBall ball{.e = 1};
-  const Story story = tell(bouncing_ball(ball), 9031, 9031);
-  REQUIRE(story.events.size() == 10001);
-  CHECK(story.events[9999].t == doctest::Approx(9030.0212960736324).epsilon(1e-12));
-  CHECK(std::abs(story.run.energy_final / story.run.energy_initial - 1) <= 1e-12);
+  const EventRecord record = tell(bouncing_ball(ball), 9031, 9031);
+  REQUIRE(record.events.size() == 10001);
+  CHECK(record.events[9999].t == doctest::Approx(9030.0212960736324).epsilon(1e-12));
+  CHECK(std::abs(record.run.energy_final / record.run.energy_initial - 1) <= 1e-12);
 }
 
 TEST_CASE("incline: sticks without creep, slides at the right rate, stops and turns back") {
@@ -99,12 +99,12 @@ TEST_CASE("incline: sticks without creep, slides at the right rate, stops and tu
   const double v = tell(incline({.mu = critical - 1e-6, .speed = 0}), 1, 0.1).run.final.v[0];
   CHECK(v == doctest::Approx(-kGravity * std::cos(std::numbers::pi / 6) * 1e-6).epsilon(1e-9));
   for (const Incline& p : {Incline{.mu = 0.5, .speed = 2}, Incline{.mu = 0.8, .speed = -2}}) {
-    const Story story = tell(incline(p), 2, 2);
-    REQUIRE(story.events.size() == 1);
-    CHECK(story.events[0].kind == (p.speed > 0 ? EventKind::slip : EventKind::stick));
-    CHECK(story.events[0].t == doctest::Approx(p.stop_time()).epsilon(1e-13));
-    CHECK(story.run.final.q[0] == doctest::Approx(p.at(2).x).epsilon(1e-12));
-    CHECK(std::abs(story.run.final.v[0] - p.at(2).v) <= 1e-12);
+    const EventRecord record = tell(incline(p), 2, 2);
+    REQUIRE(record.events.size() == 1);
+    CHECK(record.events[0].kind == (p.speed > 0 ? EventKind::slip : EventKind::stick));
+    CHECK(record.events[0].t == doctest::Approx(p.stop_time()).epsilon(1e-13));
+    CHECK(record.run.final.q[0] == doctest::Approx(p.at(2).x).epsilon(1e-12));
+    CHECK(std::abs(record.run.final.v[0] - p.at(2).v) <= 1e-12);
   }
 }
 
@@ -116,54 +116,54 @@ TEST_CASE("a block on two corners: redundant friction, both corners change toget
   for (const double x : {-0.3, 0.3}) s.contact(CornerWall{"", block, {x, -0.1}, kGround, {0, 0}, {0, 1}, {.mu = mu}});
   for (const std::string_view solver : {"lemke", "pgs", "newton-fb"}) {
     CAPTURE(solver);
-    const Story story = tell(s, 2, 0.5, solver);
+    const EventRecord record = tell(s, 2, 0.5, solver);
     const Incline exact{.mu = mu, .speed = -2};
-    REQUIRE(story.run.status == Status::solved);
-    REQUIRE(story.events.size() == 2);
-    CHECK(story.events[0].t == doctest::Approx(exact.stop_time()).epsilon(1e-12));
-    CHECK(story.events[0].kind == EventKind::stick);
-    CHECK(story.events[1].kind == EventKind::stick);
-    CHECK(story.run.final.q[0] == doctest::Approx(exact.at(2).x).epsilon(1e-12));
-    CHECK(std::abs(story.run.final.v[0]) <= 1e-12);
+    REQUIRE(record.run.status == Status::solved);
+    REQUIRE(record.events.size() == 2);
+    CHECK(record.events[0].t == doctest::Approx(exact.stop_time()).epsilon(1e-12));
+    CHECK(record.events[0].kind == EventKind::stick);
+    CHECK(record.events[1].kind == EventKind::stick);
+    CHECK(record.run.final.q[0] == doctest::Approx(exact.at(2).x).epsilon(1e-12));
+    CHECK(std::abs(record.run.final.v[0]) <= 1e-12);
     const double weight = kGravity * std::cos(slope), pull = kGravity * std::sin(slope);
-    CHECK(story.sum[0].normal + story.sum[1].normal == doctest::Approx(2 * weight).epsilon(1e-12));
+    CHECK(record.sum[0].normal + record.sum[1].normal == doctest::Approx(2 * weight).epsilon(1e-12));
     const double stop = exact.stop_time();
-    CHECK(story.sum[0].tangent + story.sum[1].tangent ==
+    CHECK(record.sum[0].tangent + record.sum[1].tangent ==
           doctest::Approx(mu * weight * stop + pull * (2 - stop)).epsilon(1e-11));
   }
 }
 
 TEST_CASE("stick-slip on a belt: both phases end on time, for ten periods") {
   const StickSlip p;
-  const Story story = tell(stick_slip(p), 10 * p.period(), 1);
-  REQUIRE(story.run.status == Status::solved);
-  const auto slips = story.of(EventKind::slip), sticks = story.of(EventKind::stick);
+  const EventRecord record = tell(stick_slip(p), 10 * p.period(), 1);
+  REQUIRE(record.run.status == Status::solved);
+  const auto slips = record.of(EventKind::slip), sticks = record.of(EventKind::stick);
   REQUIRE(slips.size() == 10);
   REQUIRE(sticks.size() >= 9);
   for (std::size_t i = 0; i < 9; ++i) {
     CHECK(slips[i].t == doctest::Approx(static_cast<double>(i) * p.period() + p.stick_time()).epsilon(1e-11));
     CHECK(sticks[i].t == doctest::Approx(static_cast<double>(i + 1) * p.period()).epsilon(1e-11));
   }
-  const Story half = tell(stick_slip(p), p.stick_time() + 2, 1);
+  const EventRecord half = tell(stick_slip(p), p.stick_time() + 2, 1);
   CHECK(half.run.final.q[0] == doctest::Approx(p.at(p.stick_time() + 2).x).epsilon(1e-11));
 }
 
 TEST_CASE("Coulomb decay: turning points on time, stops exactly and stays") {
   const CoulombDecay p;
-  const Story story = tell(coulomb_decay(p), 40, 40);
-  REQUIRE(story.events.size() == 7);
+  const EventRecord record = tell(coulomb_decay(p), 40, 40);
+  REQUIRE(record.events.size() == 7);
   for (std::size_t i = 0; i < 7; ++i)
-    CHECK(story.events[i].t == doctest::Approx(static_cast<double>(i + 1) * std::numbers::pi).epsilon(1e-12));
-  CHECK(story.events[6].kind == EventKind::stick);
-  CHECK(story.run.final.q[0] == doctest::Approx(-0.2).epsilon(1e-11));
-  CHECK(story.run.final.v[0] == 0);
+    CHECK(record.events[i].t == doctest::Approx(static_cast<double>(i + 1) * std::numbers::pi).epsilon(1e-12));
+  CHECK(record.events[6].kind == EventKind::stick);
+  CHECK(record.run.final.q[0] == doctest::Approx(-0.2).epsilon(1e-11));
+  CHECK(record.run.final.v[0] == 0);
 }
 
 TEST_CASE("impact oscillator: a disturbance has died out after 200 periods") {
   for (const double omega : {1.4, 1.6, 2.4}) {
     const ImpactOscillator p{.omega = omega, .disturbance = 1e-3};
-    const Story story = tell(impact_oscillator(p), 200.5 * p.period(), 200.5 * p.period());
-    const auto impacts = story.of(EventKind::impact);
+    const EventRecord record = tell(impact_oscillator(p), 200.5 * p.period(), 200.5 * p.period());
+    const auto impacts = record.of(EventKind::impact);
     REQUIRE(impacts.size() == 200);
     CHECK(std::abs(impacts.back().t - 200 * p.period()) <= 1e-10);
     CHECK(std::abs(impacts.back().normal / (1 + p.e) - p.impact_speed()) <= 1e-10);
@@ -172,14 +172,14 @@ TEST_CASE("impact oscillator: a disturbance has died out after 200 periods") {
 
 TEST_CASE("smooth references: pendulum and chains") {
   const Pendulum p;
-  const Story swing = tell(pendulum(p), 0.75 * p.period(), 1);
+  const EventRecord swing = tell(pendulum(p), 0.75 * p.period(), 1);
   const Motion exact = p.at(0.75 * p.period());
   CHECK(std::abs(swing.run.final.q[0] - std::sin(exact.x)) <= 1e-10);
   CHECK(swing.run.max_joint_residual <= 1e-12);
   for (const ChainExact& c : chain_exact()) {
-    const Story story = tell(chain({.links = c.links}), c.t, c.t);
-    CHECK((story.run.final.q.tail<3>().head<2>() - Eigen::Vector2d(c.tip[0], c.tip[1])).norm() <= 1e-9);
-    CHECK(story.run.max_joint_rate <= 1e-12);
+    const EventRecord record = tell(chain({.links = c.links}), c.t, c.t);
+    CHECK((record.run.final.q.tail<3>().head<2>() - Eigen::Vector2d(c.tip[0], c.tip[1])).norm() <= 1e-9);
+    CHECK(record.run.max_joint_rate <= 1e-12);
   }
 }
 
@@ -255,7 +255,7 @@ TEST_CASE("event-driven: same bits, a foreign state restarts, bad options are re
 
   for (const char* option : {"rtol=0", "atol=-1", "max_events=0", "touching=1", "accumulation=-1", "first_step=-1"})
     CHECK_THROWS_AS(make_integrator(std::string(kScheme) + ":" + option, system), std::invalid_argument);
-  const Story few = tell(bouncing_ball({.e = 1}), 100, 100, "lemke", "event-driven:max_events=5");
+  const EventRecord few = tell(bouncing_ball({.e = 1}), 100, 100, "lemke", "event-driven:max_events=5");
   CHECK(few.run.status == Status::iteration_limit);
   CHECK(few.run.why.find("max_events") != std::string::npos);
   CHECK(few.events.size() <= 6);
@@ -303,8 +303,8 @@ TEST_CASE("a triangle's corner that passes through a box within a step strikes i
   CHECK(fine.of(EventKind::impact).size() == 3);
   for (const double step : {0.84, 0.42, 0.21, 0.1}) {
     CAPTURE(step);
-    const auto story = tell(s, s.duration, step);
-    CHECK(story.of(EventKind::impact).size() == 3);
-    CHECK((story.run.final.q - fine.run.final.q).lpNorm<Eigen::Infinity>() <= 1e-9);
+    const auto record = tell(s, s.duration, step);
+    CHECK(record.of(EventKind::impact).size() == 3);
+    CHECK((record.run.final.q - fine.run.final.q).lpNorm<Eigen::Infinity>() <= 1e-9);
   }
 }

@@ -1,5 +1,5 @@
 // Instants without an answer, or with several: Painlevé, jamming, solvers that give up.
-#include "tests/support/event_story.h"
+#include "tests/support/event_record.h"
 
 #include <orthant/core/scenes/motion.h>
 
@@ -32,15 +32,15 @@ TEST_CASE("Painlevé: a rod's tip has one solution, none, or several, and the ru
   for (const std::string_view solver : {"lemke", "pgs", "enumerate"}) {
     CAPTURE(solver);
     const double h = 1e-6;
-    const Story pressed = tell(sliding_rod(1, 0), h, h, solver);
+    const EventRecord pressed = tell(sliding_rod(1, 0), h, h, solver);
     CHECK(pressed.sum[0].normal / h == doctest::Approx(24.525).epsilon(1e-5));
-    const Story lifted = tell(sliding_rod(1, 4), h, h, solver);
+    const EventRecord lifted = tell(sliding_rod(1, 4), h, h, solver);
     CHECK(lifted.run.status == Status::solved);
     CHECK(lifted.sum[0].normal == 0);
-    const Story none = tell(sliding_rod(1.5, 0), h, h, solver);
+    const EventRecord none = tell(sliding_rod(1.5, 0), h, h, solver);
     CHECK(none.run.status != Status::solved);
     CHECK(none.run.why.find("none") != std::string::npos);
-    const Story several = tell(sliding_rod(1.5, 4), h, h, solver);
+    const EventRecord several = tell(sliding_rod(1.5, 4), h, h, solver);
     CHECK(several.run.status == Status::unsupported);
     CHECK(several.run.why.find("several") != std::string::npos);
     CHECK(several.run.why.find("22.50417527999") != std::string::npos);
@@ -63,7 +63,7 @@ TEST_CASE(
   const double jams = std::tan(0.35);
   CHECK(fall(0.99 * jams, 0.5).run.status == Status::solved);
   CHECK(fall(1.01 * jams, 0).run.status == Status::solved);
-  const Story none = fall(1.01 * jams, 0.5);
+  const EventRecord none = fall(1.01 * jams, 0.5);
   CHECK(none.run.status == Status::infeasible);
   CHECK(none.run.why.find("jamming") != std::string::npos);
   CHECK(none.run.final.t == doctest::Approx(std::sqrt(2 * (0.5 - 0.1 / std::sin(0.35)) / kGravity)).epsilon(1e-9));

@@ -1,5 +1,5 @@
 // Event-driven integration through singular poses and with redundant joints.
-#include "tests/support/event_story.h"
+#include "tests/support/event_record.h"
 
 #include <orthant/core/scenes/n_four_bar.h>
 
@@ -19,7 +19,7 @@ TEST_CASE("bars through the poses where all lie in one line, however often they 
       const NFourBar bars{.loops = loops};
       const System system(n_four_bar(bars));
       double defect = 0;
-      const Run r = run_for(n_four_bar(bars), 10, kScheme, step, [&](const Moment& m) {
+      const Run r = run_for(n_four_bar(bars), 10, kScheme, step, [&](const RunSample& m) {
         defect = std::max(defect, std::abs(energy(system, m.state) - bars.energy()));
       });
       REQUIRE(r.status == Status::solved);

@@ -1,5 +1,5 @@
 // Bodies that stand, lie and are pulled on several contacts: all contacts of a body act together.
-#include "tests/support/event_story.h"
+#include "tests/support/event_record.h"
 
 #include <orthant/core/scenes/motion.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
@@ -48,15 +48,15 @@ TEST_CASE("a box pulled ever harder: both corners let go together, when friction
     s.loads[0].breakpoints = {rise};
     const double slip = 0.3 * kGravity / 10;
     for (const double step : {2.0, 0.1}) {
-      const Story story = tell(s, 2, step);
-      REQUIRE(story.run.status == Status::solved);
-      REQUIRE(story.events.size() == 2);
-      for (const Event& e : story.events) {
+      const EventRecord record = tell(s, 2, step);
+      REQUIRE(record.run.status == Status::solved);
+      REQUIRE(record.events.size() == 2);
+      for (const Event& e : record.events) {
         CHECK(e.kind == EventKind::slip);
         CHECK(e.t == doctest::Approx(slip * rise).epsilon(1e-6));
       }
       const double v = 5 * rise * (1 - slip) * (1 - slip) + 10 * (2 - rise) * (1 - slip);
-      CHECK(story.run.final.v[0] == doctest::Approx(v).epsilon(1e-9));
+      CHECK(record.run.final.v[0] == doctest::Approx(v).epsilon(1e-9));
     }
   }
 }
@@ -92,16 +92,16 @@ TEST_CASE("rocking block: impacts without slip on time, and it comes to rest") {
                              .angle = tilt});
   s.contact(CornerWall{"left", block, {-b, -h}, kGround, {0, 0}, {0, 1}, {.mu = 1}});
   s.contact(CornerWall{"right", block, {b, -h}, kGround, {0, 0}, {0, 1}, {.mu = 1}});
-  const Story story = tell(s, 8, 1);
-  REQUIRE(story.run.status == Status::solved);
+  const EventRecord record = tell(s, 8, 1);
+  REQUIRE(record.run.status == Status::solved);
   std::vector<double> times;
-  for (const Event& e : story.of(EventKind::impact))
+  for (const Event& e : record.of(EventKind::impact))
     if (times.empty() || e.t > times.back() + 1e-6) times.push_back(e.t);
   REQUIRE(times.size() > 10);
   const double exact[] = {0.31230857511262229, 0.82059222908260084, 1.251876744461843, 1.625866613309982};
   for (std::size_t i = 0; i < 4; ++i) CHECK(times[i] == doctest::Approx(exact[i]).epsilon(1e-10));
-  CHECK(story.run.final.q[2] == doctest::Approx(0).epsilon(1e-10));
-  CHECK(story.run.final.v.lpNorm<Eigen::Infinity>() <= 1e-12);
+  CHECK(record.run.final.q[2] == doctest::Approx(0).epsilon(1e-10));
+  CHECK(record.run.final.v.lpNorm<Eigen::Infinity>() <= 1e-12);
 }
 
 TEST_CASE("corners that strike together stay together, however often the run is looked at") {

@@ -104,7 +104,7 @@ TEST_CASE("the last step ends at the duration, the clock refuses nonsense") {
 
 TEST_CASE("a run keeps the worst of its steps, not the last") {
   double penetration = 0, last = 0, residual = 0;
-  const Run r = run_for(bouncing_ball(), 2, "moreau-jean", 1e-2, [&](const Moment& m) {
+  const Run r = run_for(bouncing_ball(), 2, "moreau-jean", 1e-2, [&](const RunSample& m) {
     last = m.report.penetration;
     penetration = std::max(penetration, last);
     residual = std::max(residual, m.report.lcp_residual);

@@ -17,7 +17,7 @@ TEST_CASE("stewart-trinkle: a taut rope pulls a body round in every step, with r
     s.contact(Limit{{}, Span{kGround, b, {0, 0}, {0, 0}}, Limit::Side::upper, length, {.e = e}});
     int steps = 0, slack = 0;
     double pull = 0, open = 0;
-    const Run r = run(s, "stewart-trinkle", h, [&](const Moment& m) {
+    const Run r = run(s, "stewart-trinkle", h, [&](const RunSample& m) {
       ++steps, slack += m.impulses[0].normal == 0;
       pull += m.impulses[0].normal, open = std::max(open, m.gaps[0]);
     });

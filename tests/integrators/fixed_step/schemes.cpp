@@ -54,7 +54,7 @@ double decay(std::string_view spec, double omega) {
   const int early = 200, late = 400;
   double before = 0, after = 0;  // the largest of 20 steps each: oscillations pass through zero
   int k = 0;
-  run_for(scene, late, spec, 1, [&](const Moment& m) {
+  run_for(scene, late, spec, 1, [&](const RunSample& m) {
     const double size = std::hypot(m.state.q[0] * omega, m.state.v[0]);
     if (k <= early && k > early - 20) before = std::max(before, size);
     if (k > late - 20) after = std::max(after, size);
@@ -99,7 +99,7 @@ TEST_CASE("rattle: no drift of energy, within (wh)²/4 of it") {
     const Scene scene = oscillator(1, omega * omega, {1, 0});
     double worst = 0;
     const double start = omega * omega / 2;
-    run_for(scene, 20000, "rattle", 1, [&](const Moment& m) {
+    run_for(scene, 20000, "rattle", 1, [&](const RunSample& m) {
       const double now = (omega * omega * m.state.q[0] * m.state.q[0] + m.state.v[0] * m.state.v[0]) / 2;
       worst = std::max(worst, std::abs(now / start - 1));
     });
@@ -118,7 +118,7 @@ TEST_CASE("an impact: Newton's law, Coulomb's cone, friction against the slip, t
         const System system(scene);
         Eigen::VectorXd before = system.initial_state().v;
         int impacts = 0;
-        run_for(scene, 0.05, spec, 1e-3, [&](const Moment& m) {
+        run_for(scene, 0.05, spec, 1e-3, [&](const RunSample& m) {
           const Impulse& p = m.impulses[0];
           const Eigen::VectorXd& v = m.state.v;
           if (p.normal > 0) {
@@ -187,7 +187,7 @@ TEST_CASE("reported impulses equal the change of momentum, along and across the 
     INFO(entry.name);
     double normal = 0, tangent = 0;
     const Run r = run(scene, entry.name, 1e-3,
-                      [&](const Moment& m) { normal += m.impulses[0].normal, tangent += m.impulses[0].tangent; });
+                      [&](const RunSample& m) { normal += m.impulses[0].normal, tangent += m.impulses[0].tangent; });
     REQUIRE(r.status == Status::solved);
     CHECK(tangent == doctest::Approx(2 * (r.final.v[0] - 1)).epsilon(1e-9));
     CHECK(normal == doctest::Approx(2 * (r.final.v[1] + kGravity * scene.duration)).epsilon(1e-9));
@@ -234,7 +234,7 @@ TEST_CASE("N-four-bar at h = 1e-3: singular poses passed on the right branch, no
     CAPTURE(spec);
     double worst = 0;
     const System system(n_four_bar(p));
-    const Run r = run_for(n_four_bar(p), 10, spec, 1e-3, [&](const Moment& m) {
+    const Run r = run_for(n_four_bar(p), 10, spec, 1e-3, [&](const RunSample& m) {
       worst = std::max(worst, std::abs(energy(system, m.state) - p.energy()));
     });
     REQUIRE(r.status == Status::solved);

@@ -12,7 +12,8 @@ TEST_CASE("anitescu-potra: the hop at a sliding start is (mu v / (1 + mu^2))^2 /
     const Scene scene = read_scene(scene_texts::kCore / "scenes" / "sliding_box.toml", overrides);
     const auto hop = [&](std::string_view integrator, double h) {
       double most = 0;
-      const Run r = run(scene, integrator, h, [&](const Moment& moment) { most = std::max(most, moment.state.q[1]); });
+      const Run r =
+          run(scene, integrator, h, [&](const RunSample& moment) { most = std::max(most, moment.state.q[1]); });
       REQUIRE(r.status == Status::solved);
       return most - 0.1;
     };

@@ -72,7 +72,7 @@ spatial::Scene ball(const Vector3d& x, const Vector3d& v, const Vector3d& omega,
 std::vector<Event> events_of(const SpatialSystem& system, double rtol, double duration) {
   std::vector<Event> all;
   run_adaptive(system, rtol, duration, 0.01,
-               [&](const SpatialMoment& m) { all.insert(all.end(), m.events.begin(), m.events.end()); });
+               [&](const SpatialSample& m) { all.insert(all.end(), m.events.begin(), m.events.end()); });
   return all;
 }
 
@@ -216,7 +216,7 @@ TEST_CASE("adaptive in space: a ball bounces to its rest, and a slipping impact 
   keeps_tolerances([&](double rtol) {
     double off = 0;
     std::vector<Event> events;
-    const Run run = run_adaptive(system, rtol, 1.5, 0.037, [&](const SpatialMoment& m) {
+    const Run run = run_adaptive(system, rtol, 1.5, 0.037, [&](const SpatialSample& m) {
       events.insert(events.end(), m.events.begin(), m.events.end());
       off = std::max(off, std::abs(m.state.q[2] - 0.1 - exact(m.state.t)));
     });
@@ -313,7 +313,7 @@ TEST_CASE(
     const spatial::Angle angle = std::get<spatial::Revolute>(redundant.scene().joints[0]).angle();
     spatial::Unwrapped turns;
     double value = 0;
-    run_adaptive(redundant, rtol, 5, 0.05, [&](const SpatialMoment& m) {
+    run_adaptive(redundant, rtol, 5, 0.05, [&](const SpatialSample& m) {
       const auto k = poses_of(redundant, m.state);
       value = turns.add(m.state.t, angle.value(k), apply(angle.row(k), m.state.v.data()));
     });
@@ -356,7 +356,7 @@ TEST_CASE("adaptive in space: states within inner steps, impulses and work do no
   State fine, coarse;
   double sums[2] = {0, 0}, works[2] = {0, 0};
   for (const int i : {0, 1}) {
-    const Run run = run_in_space(system, "adaptive:rtol=1e-8", i == 0 ? 0.3 : 0.001, 1.5, [&](const SpatialMoment& m) {
+    const Run run = run_in_space(system, "adaptive:rtol=1e-8", i == 0 ? 0.3 : 0.001, 1.5, [&](const SpatialSample& m) {
       if (std::abs(m.state.t - 0.9) < 1e-9) (i == 0 ? coarse : fine) = m.state;
       for (const auto& impulse : m.impulses) sums[i] += impulse.normal;
     });

@@ -63,7 +63,7 @@ TEST_CASE("anitescu-potra in space: a box that slides hops as the scheme's heade
   const double mu = 0.25, theory = std::pow(mu * 0.5 / (1 + mu * mu), 2) / (2 * 10);
   const SpatialSystem system(pulled_box(kTurnedRelaxed, {0, 0, 0}, {0.3, 0.4, 0}, mu));
   double most = 0;
-  run_in_space(system, "anitescu-potra", 1e-5, 0.05, [&](const SpatialMoment& m) {
+  run_in_space(system, "anitescu-potra", 1e-5, 0.05, [&](const SpatialSample& m) {
     most = std::max(most, (kTurnedRelaxed.inverse() * Vector3d(place_of<Spatial>(m.state.q, 0))).z() - 0.1);
   });
   CHECK(std::abs(most - theory) < 0.01 * theory);

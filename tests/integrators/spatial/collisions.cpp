@@ -164,7 +164,7 @@ TEST_CASE("a rattleback turns back when spun the wrong way, and only then") {
   for (const double spin : {-5.0, 5.0}) {
     const SpatialSystem system(rattleback({.spin = spin}));
     double least = spin, most = spin;
-    const auto note = [&](const SpatialMoment& moment) {
+    const auto note = [&](const SpatialSample& moment) {
       const double now = world_omega(system, moment.state, 0).z();
       least = std::min(least, now), most = std::max(most, now);
     };

@@ -18,7 +18,7 @@ constexpr double kClosed = 1e-10;
 const Vector3d kUpward(0, 0, 1);
 const Eigen::Quaterniond kSkew(Eigen::AngleAxisd(0.9, Vector3d(1, -0.4, 0.7).normalized()));
 
-struct SpatialStory {
+struct SpatialEventRecord {
   Run run;
   std::vector<Event> events;
   std::vector<Event> of(EventKind kind) const {
@@ -29,14 +29,14 @@ struct SpatialStory {
   }
 };
 
-SpatialStory tell_in_space(const SpatialSystem& system, double duration, double step,
-                           std::string_view integrator = "event-driven") {
-  SpatialStory story;
-  story.run = run_in_space(system, integrator, step, duration, [&](const SpatialMoment& m) {
-    story.events.insert(story.events.end(), m.events.begin(), m.events.end());
+SpatialEventRecord record_in_space(const SpatialSystem& system, double duration, double step,
+                                   std::string_view integrator = "event-driven") {
+  SpatialEventRecord record;
+  record.run = run_in_space(system, integrator, step, duration, [&](const SpatialSample& m) {
+    record.events.insert(record.events.end(), m.events.begin(), m.events.end());
   });
-  CHECK(story.run.crossings == 0);
-  return story;
+  CHECK(record.run.crossings == 0);
+  return record;
 }
 
 Vector3d centre_in(const Run& run, BodyId body = 0) { return place_of<Spatial>(run.final.q, body); }
@@ -75,15 +75,15 @@ TEST_CASE("event-driven in space: a ball with oblique spin slides on a parabola,
     for (const double step : {1.5, 0.01}) {
       CAPTURE(turned);
       CAPTURE(step);
-      const SpatialStory story = tell_in_space(system, duration, step);
-      REQUIRE(story.events.size() == 1);
-      CHECK(story.events[0].kind == EventKind::stick);
-      CHECK(std::abs(story.events[0].t - rolls) < kClosed);
-      CHECK((R.inverse() * centre_in(story.run) - 0.1 * kUpward - end).norm() < kClosed);
-      CHECK((R.inverse() * velocity_in(story.run) - roll).norm() < kClosed);
-      CHECK((R.inverse() * world_omega(system, story.run.final, 0) - (kUpward.cross(roll) / radius + 40 * kUpward))
+      const SpatialEventRecord record = record_in_space(system, duration, step);
+      REQUIRE(record.events.size() == 1);
+      CHECK(record.events[0].kind == EventKind::stick);
+      CHECK(std::abs(record.events[0].t - rolls) < kClosed);
+      CHECK((R.inverse() * centre_in(record.run) - 0.1 * kUpward - end).norm() < kClosed);
+      CHECK((R.inverse() * velocity_in(record.run) - roll).norm() < kClosed);
+      CHECK((R.inverse() * world_omega(system, record.run.final, 0) - (kUpward.cross(roll) / radius + 40 * kUpward))
                 .norm() < 10 * kClosed);
-      CHECK(story.run.max_penetration < 1e-13);
+      CHECK(record.run.max_penetration < 1e-13);
     }
   }
 }
@@ -94,12 +94,12 @@ TEST_CASE("event-driven in space: a block thrown across a slope turns downhill, 
   s.gravity = {9.81 * std::sin(alpha), 0, -9.81 * std::cos(alpha)};
   s.body({.name = "block", .velocity = {0, 2, 0}});
   s.contact(spatial::SpherePlane{"slope", 0, {0, 0, 0}, 0, kGround, {0, 0, 0}, kUpward, {.mu = 2 * std::tan(alpha)}});
-  const SpatialStory story = tell_in_space(SpatialSystem(s), 0.4, 0.4);
-  REQUIRE(story.events.size() == 1);
-  CHECK(story.events[0].kind == EventKind::stick);
-  CHECK(std::abs(story.events[0].t - 0.271831464492014951) < kClosed);
-  CHECK((centre_in(story.run) - Vector3d(0.0679578661230037377, 0.217465171593611961, 0)).norm() < kClosed);
-  CHECK(story.run.final.v.lpNorm<Eigen::Infinity>() < 1e-13);
+  const SpatialEventRecord record = record_in_space(SpatialSystem(s), 0.4, 0.4);
+  REQUIRE(record.events.size() == 1);
+  CHECK(record.events[0].kind == EventKind::stick);
+  CHECK(std::abs(record.events[0].t - 0.271831464492014951) < kClosed);
+  CHECK((centre_in(record.run) - Vector3d(0.0679578661230037377, 0.217465171593611961, 0)).norm() < kClosed);
+  CHECK(record.run.final.v.lpNorm<Eigen::Infinity>() < 1e-13);
 }
 
 TEST_CASE("event-driven in space: a ball on a turntable rolls on a circle of the exact radius and period") {
@@ -111,7 +111,7 @@ TEST_CASE("event-driven in space: a ball on a turntable rolls on a circle of the
   const Vector3d middle = kUpward.cross(v) / rate;
   const double period = 2 * std::numbers::pi / rate;
   double off = 0;
-  const Run run = run_in_space(system, "event-driven", period / 16, period, [&](const SpatialMoment& m) {
+  const Run run = run_in_space(system, "event-driven", period / 16, period, [&](const SpatialSample& m) {
     const Vector3d x = kSkew.inverse() * Vector3d(place_of<Spatial>(m.state.q, 0)) - 0.1 * kUpward;
     off = std::max(off, std::abs((x - middle).norm() - v.norm() / rate));
   });
@@ -126,12 +126,12 @@ TEST_CASE("event-driven in space: belts, and orthotropic friction along a curve"
       ball_above(kSkew, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, -10}, {.mu = 0.25, .surface = {.velocity = V}}));
   // The slip −V stops after 2/7 |V| / (μ g), when the ball moves at 2/7 V.
   const double rolls = 2.0 / 7 / 2.5;
-  const SpatialStory story = tell_in_space(belt, 1, 0.25);
-  REQUIRE(story.events.size() == 1);
-  CHECK(std::abs(story.events[0].t - rolls) < kClosed);
-  CHECK((kSkew.inverse() * velocity_in(story.run) - 2.0 / 7 * V).norm() < kClosed);
-  CHECK((kSkew.inverse() * centre_in(story.run) - 0.1 * kUpward - 2.0 / 7 * (1 - rolls / 2) * V).norm() < kClosed);
-  CHECK(std::abs(story.run.motion.work - 2 * 2.0 / 7) < 1e-9);  // m V · 2/7 V: twice the kinetic energy, and heat
+  const SpatialEventRecord record = record_in_space(belt, 1, 0.25);
+  REQUIRE(record.events.size() == 1);
+  CHECK(std::abs(record.events[0].t - rolls) < kClosed);
+  CHECK((kSkew.inverse() * velocity_in(record.run) - 2.0 / 7 * V).norm() < kClosed);
+  CHECK((kSkew.inverse() * centre_in(record.run) - 0.1 * kUpward - 2.0 / 7 * (1 - rolls / 2) * V).norm() < kClosed);
+  CHECK(std::abs(record.run.motion.work - 2 * 2.0 / 7) < 1e-9);  // m V · 2/7 V: twice the kinetic energy, and heat
   // γ̇_i = −g μ_i² γ_i / (Σ μ_j² γ_j²)^½: γ₁/γ₁(0) = (γ₂/γ₂(0))^k, k = (μ₁/μ₂)² = 2.
   const double mu = 0.3, across = mu / std::sqrt(2.0);
   const Vector3d d(std::cos(0.4), std::sin(0.4), 0), t(-d.y(), d.x(), 0);
@@ -147,7 +147,7 @@ TEST_CASE("event-driven in space: belts, and orthotropic friction along a curve"
 TEST_CASE("event-driven in space: impacts that slip, and one that sticks and returns its slip by e_t") {
   const SpatialSystem slips(
       ball_above(kSkew, {0, 0, 0.05}, {2, 1, -3}, {10, -20, 5}, {0, 0, 0}, {.mu = 0.1, .e = 0.5}));
-  const SpatialStory one = tell_in_space(slips, 0.1, 0.1);
+  const SpatialEventRecord one = record_in_space(slips, 0.1, 0.1);
   REQUIRE(one.events.size() == 1);
   CHECK(one.events[0].kind == EventKind::impact);
   CHECK(std::abs(one.events[0].t - 0.05 / 3) < 1e-15);
@@ -156,7 +156,7 @@ TEST_CASE("event-driven in space: impacts that slip, and one that sticks and ret
   CHECK((kSkew.inverse() * velocity_in(one.run) - Vector3d(1.597507764050, 0.798753882025, 1.5)).norm() < 1e-11);
   const Vector3d v(0.4, -0.3, -3), omega(3, 2, 5), r(0, 0, -0.1);
   const SpatialSystem sticks(ball_above(kSkew, {0, 0, 0.05}, v, omega, {0, 0, 0}, {.mu = 10, .e = 1, .e_t = 1}));
-  const SpatialStory two = tell_in_space(sticks, 0.1, 0.03);
+  const SpatialEventRecord two = record_in_space(sticks, 0.1, 0.03);
   Vector3d slip = v + omega.cross(r);
   slip.z() = 0;
   const Vector3d impulse = -4.0 / 7 * 2 * slip;
@@ -172,15 +172,15 @@ TEST_CASE("event-driven in space: a ball bounces to its rest, whose time is the 
     const double g = 9.81;
     const SpatialSystem system(ball_above(kSkew, {0, 0, 1}, {0.2, 0, 0}, {3, 2, 1}, {0, 0, -g}, {.e = e}));
     const double first = std::sqrt(2 / g), rest = first * (1 + e) / (1 - e);
-    const SpatialStory story = tell_in_space(system, rest + 0.5, 0.5);
-    const auto impacts = story.of(EventKind::impact), end = story.of(EventKind::accumulation);
+    const SpatialEventRecord record = record_in_space(system, rest + 0.5, 0.5);
+    const auto impacts = record.of(EventKind::impact), end = record.of(EventKind::accumulation);
     REQUIRE(impacts.size() >= 10);
     REQUIRE(end.size() == 1);
     for (std::size_t n = 0; n < impacts.size(); ++n)
       CHECK(std::abs(impacts[n].t - first * (1 + 2 * e * (1 - std::pow(e, n)) / (1 - e))) < kClosed);
     CHECK(std::abs(end[0].t - rest) < kClosed);
-    CHECK((kSkew.inverse() * centre_in(story.run) - Vector3d(0.2 * (rest + 0.5), 0, 0.1)).norm() < kClosed);
-    CHECK(std::abs(kUpward.dot(kSkew.inverse() * velocity_in(story.run))) < 1e-14);
+    CHECK((kSkew.inverse() * centre_in(record.run) - Vector3d(0.2 * (rest + 0.5), 0, 0.1)).norm() < kClosed);
+    CHECK(std::abs(kUpward.dot(kSkew.inverse() * velocity_in(record.run))) < 1e-14);
   }
 }
 
@@ -222,14 +222,14 @@ TEST_CASE("event-driven in space: a held block breaks away at the edge of its di
   s.contact(spatial::SpherePlane{"floor", 0, {0, 0, 0}, 0, kGround, {0, 0, 0}, kUpward, {.mu = 0.5}});
   const auto ramp = [](double t) { return t; };
   s.load({.name = "pull", .body = 0, .force = {2.4, 3.2, 0}, .factor = ramp});
-  const SpatialStory slides = tell_in_space(SpatialSystem(s), 2, 2);
+  const SpatialEventRecord slides = record_in_space(SpatialSystem(s), 2, 2);
   REQUIRE(slides.events.size() == 1);
   CHECK(slides.events[0].kind == EventKind::slip);
   CHECK(std::abs(slides.events[0].t - 1) < kClosed);
   CHECK((centre_in(slides.run) - 4.0 / 6 * Vector3d(0.6, 0.8, 0)).norm() < kClosed);
   s.loads.clear();
   s.load({.name = "pull", .body = 0, .force = {0, 0, 4}, .factor = ramp});
-  const SpatialStory opens = tell_in_space(SpatialSystem(s), 3, 3);
+  const SpatialEventRecord opens = record_in_space(SpatialSystem(s), 3, 3);
   REQUIRE(opens.events.size() == 1);
   CHECK(opens.events[0].kind == EventKind::release);
   CHECK(std::abs(opens.events[0].t - 2) < kClosed);
@@ -250,8 +250,8 @@ TEST_CASE("event-driven in space: a box falls flat, its four corners strike at o
     s.contact_set(spatial::corners_plane({.name = "floor", .a = 0, .normal = kSkew * kUpward, .law = {.e = e}},
                                          spatial::box_corners({0.4, 0.3, 0.2})));
     const SpatialSystem system(s);
-    const SpatialStory story = tell_in_space(system, 1.5, 0.5);
-    const auto impacts = story.of(EventKind::impact), end = story.of(EventKind::accumulation);
+    const SpatialEventRecord record = record_in_space(system, 1.5, 0.5);
+    const auto impacts = record.of(EventKind::impact), end = record.of(EventKind::accumulation);
     std::vector<double> times;  // those of several corners are the same
     for (const Event& each : impacts)
       if (times.empty() || each.t != times.back()) times.push_back(each.t);
@@ -263,8 +263,8 @@ TEST_CASE("event-driven in space: a box falls flat, its four corners strike at o
       CHECK(times.size() > 10);
       for (const Event& each : end) CHECK(std::abs(each.t - rest) < kClosed);
     }
-    CHECK((kSkew.inverse() * centre_in(story.run) - Vector3d(0.9, 0.25, 0.2)).norm() < kClosed);
-    CHECK(rotation<Spatial>(story.run.final.v, 0).norm() < 1e-12);
+    CHECK((kSkew.inverse() * centre_in(record.run) - Vector3d(0.9, 0.25, 0.2)).norm() < kClosed);
+    CHECK(rotation<Spatial>(record.run.final.v, 0).norm() < 1e-12);
   }
 }
 

@@ -17,7 +17,7 @@ TEST_CASE("a free asymmetric body keeps its energy and angular momentum to round
   for (const double h : {0.2, 0.03, 1e-3}) {
     CAPTURE(h);
     double energy_off = 0, momentum_off = 0, unit_off = 0, flipped = 1;
-    run_in_space(system, "moreau-jean", h, 50, [&](const SpatialMoment& m) {
+    run_in_space(system, "moreau-jean", h, 50, [&](const SpatialSample& m) {
       energy_off = std::max(energy_off, std::abs(energy(system, m.state) / energy(system, start) - 1));
       momentum_off = std::max(momentum_off, (angular_momentum(system, m.state) - L).norm() / L.norm());
       unit_off = std::max(unit_off, std::abs(quaternion(m.state.q, 0).norm() - 1));
@@ -48,7 +48,7 @@ TEST_CASE("Lagrange's top with cusps: nutation, its period and the precession in
   double largest = 0, precession = 0;
   const auto error = [&](double h) {
     largest = 0;
-    run_in_space(system, "moreau-jean", h, kPeriod, [&](const SpatialMoment& m) {
+    run_in_space(system, "moreau-jean", h, kPeriod, [&](const SpatialSample& m) {
       const Vector3d axis = quaternions::matrix_of(quaternion(m.state.q, 0)).col(2);
       largest = std::max(largest, std::acos(axis.z()) * 180 / std::numbers::pi);
       precession = std::atan2(axis.y(), axis.x());
@@ -69,7 +69,7 @@ TEST_CASE("a sleeping top stays upright above its critical spin and falls below"
     p.tilt = 0.01, p.spin = spin;
     const SpatialSystem system(top(p));
     double lowest = 1;
-    run_in_space(system, "moreau-jean", 5e-4, 10, [&](const SpatialMoment& m) {
+    run_in_space(system, "moreau-jean", 5e-4, 10, [&](const SpatialSample& m) {
       lowest = std::min(lowest, quaternions::matrix_of(quaternion(m.state.q, 0))(2, 2));
     });
     CHECK((std::acos(lowest) * 180 / std::numbers::pi < 1) == (spin > 49.522722058));

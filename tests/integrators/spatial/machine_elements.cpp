@@ -43,7 +43,7 @@ TEST_CASE("a nut on a screw falls with its turning inertia through many turns, w
     CAPTURE(scheme);
     spatial::Unwrapped turns;
     double angle = 0;
-    const Run run = run_in_space(system, scheme, 1e-2, 10, [&](const SpatialMoment& m) {
+    const Run run = run_in_space(system, scheme, 1e-2, 10, [&](const SpatialSample& m) {
       const auto k = poses_of(system, m.state);
       angle = turns.add(m.state.t, screw.angle().value(k), apply(screw.angle().row(k), m.state.v.data()));
     });

@@ -21,7 +21,7 @@ double angle_after(const SpatialSystem& system, std::size_t joint, std::string_v
   const spatial::Angle angle = std::get<spatial::Revolute>(system.scene().joints[joint]).angle();
   spatial::Unwrapped turns;
   double value = 0;
-  run = run_in_space(system, integrator, h, duration, [&](const SpatialMoment& m) {
+  run = run_in_space(system, integrator, h, duration, [&](const SpatialSample& m) {
     const auto k = poses_of(system, m.state);
     value = turns.add(m.state.t, angle.value(k), apply(angle.row(k), m.state.v.data()));
   });
@@ -71,7 +71,7 @@ TEST_CASE("Bricard's linkage: one row repeats others in every pose, and it runs 
                     quaternions::matrix_of(quaternion(x.q, 2)) * Vector3d(0, 0, 0.5));
   };
   double off = 0;  // (1 + sin a)(1 + sin b) = 1 of odd and even hinges
-  const Run run = run_in_space(system, "moreau-jean", 1e-3, 10, [&](const SpatialMoment& m) {
+  const Run run = run_in_space(system, "moreau-jean", 1e-3, 10, [&](const SpatialSample& m) {
     const auto k = poses_of(system, m.state);
     const auto angle = [&](std::size_t i) {
       return std::get<spatial::Revolute>(system.scene().joints[i]).angle().value(k);

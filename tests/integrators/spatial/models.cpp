@@ -109,12 +109,12 @@ TEST_CASE("a double pendulum in URDF and in MJCF moves as the one built by hand,
     const SpatialSystem imported(imported_scene(text, sets));
     REQUIRE(imported.bodies() == 2);
     std::vector<Vector3d> wanted;
-    run_in_space(by_hand, "moreau-jean", 1e-3, 1, [&](const SpatialMoment& m) {
+    run_in_space(by_hand, "moreau-jean", 1e-3, 1, [&](const SpatialSample& m) {
       for (int i = 0; i < 2; ++i) wanted.push_back(poses_of(by_hand, m.state).at(i).x);
     });
     std::size_t k = 0;
     double apart = 0, way = 0;
-    run_in_space(imported, "moreau-jean", 1e-3, 1, [&](const SpatialMoment& m) {
+    run_in_space(imported, "moreau-jean", 1e-3, 1, [&](const SpatialSample& m) {
       for (int i = 0; i < 2; ++i) {
         apart = std::max(apart, (poses_of(imported, m.state).at(i).x - wanted[k]).norm());
         way = std::max(way, (wanted[k] - wanted[static_cast<std::size_t>(i)]).norm());
@@ -171,7 +171,7 @@ TEST_CASE("a joint whose limits are almost a full turn apart stops at both of th
     const auto angle = std::get<spatial::Revolute>(system.scene().joints[0]).angle();
     double last = 0;
     run_in_space(system, "moreau-jean", 1e-3, 1,
-                 [&](const SpatialMoment& m) { last = angle.value(poses_of(system, m.state)); });
+                 [&](const SpatialSample& m) { last = angle.value(poses_of(system, m.state)); });
     CHECK(std::abs(last) == doctest::Approx(2.9).epsilon(1e-2));
     CHECK(last * speed > 0);
   }

@@ -37,7 +37,7 @@ Run one_step(const spatial::Scene& scene, double h, std::string_view integrator 
   const SpatialSystem system(scene);
   const auto scheme = make_integrator(integrator, system);
   const auto solver = make_solver("auto");
-  return simulate(*scheme, *solver, {.step = h, .duration = h}, RecorderOf<Spatial>([&](const SpatialMoment& m) {
+  return simulate(*scheme, *solver, {.step = h, .duration = h}, RecorderOf<Spatial>([&](const SpatialSample& m) {
     if (normal != nullptr) *normal += m.impulses[0].normal;
   }));
 }

@@ -22,7 +22,7 @@ TEST_CASE(
   const Vector3d L = angular_momentum(system, start);
   const auto swing = [&](double h, double duration) {
     double energy_off = 0, momentum_off = 0, unit_off = 0, flipped = 1;
-    run_in_space(system, "rattle", h, duration, [&](const SpatialMoment& m) {
+    run_in_space(system, "rattle", h, duration, [&](const SpatialSample& m) {
       energy_off = std::max(energy_off, std::abs(energy(system, m.state) / energy(system, start) - 1));
       momentum_off = std::max(momentum_off, (angular_momentum(system, m.state) - L).norm() / L.norm());
       unit_off = std::max(unit_off, std::abs(quaternion(m.state.q, 0).norm() - 1));
@@ -58,7 +58,7 @@ TEST_CASE("rattle in space: nutation and precession of Lagrange's top, order 2")
   const Fit fit =
       fit_order({.coarsest = 4e-4, .octaves = 4, .steps_per_octave = 3, .duration = kPeriod}, [&](double h) {
         largest = 0;
-        const Run run = run_in_space(system, "rattle", h, kPeriod, [&](const SpatialMoment& m) {
+        const Run run = run_in_space(system, "rattle", h, kPeriod, [&](const SpatialSample& m) {
           const Vector3d axis = quaternions::matrix_of(quaternion(m.state.q, 0)).col(2);
           largest = std::max(largest, std::acos(axis.z()) * 180 / std::numbers::pi);
           precession = std::atan2(axis.y(), axis.x());

@@ -60,7 +60,7 @@ TEST_CASE("event-driven in space: every golden event of the slider-crank to 1e-9
       spatial::Unwrapped turns;
       double angle = 0, start = 0, omega = 0;
       std::vector<Event> events;
-      const Run run = run_in_space(system, "event-driven", 2e-3, 0.2, [&](const SpatialMoment& m) {
+      const Run run = run_in_space(system, "event-driven", 2e-3, 0.2, [&](const SpatialSample& m) {
         events.insert(events.end(), m.events.begin(), m.events.end());
         const auto k = poses_of(system, m.state);
         omega = apply(shaft.row(k), m.state.v.data());

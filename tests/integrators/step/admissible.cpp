@@ -260,7 +260,7 @@ TEST_CASE("a rise of energy in the steps of an impact is seen, also where later 
   s.contact(Journal{"pin", arm, {-0.2, 0}, 0.01, kGround, {0, 0}, 0.0101, {.mu = 0.7, .e = 1}});
   const System system(s);
   double start = 0, most = 0;
-  const Run r = run(s, "rattle", 1.5747432811441817e-3, [&](const Moment& m) {
+  const Run r = run(s, "rattle", 1.5747432811441817e-3, [&](const RunSample& m) {
     const double now = energy(system, m.state);
     if (m.state.t == 0) start = now;
     most = std::max(most, now);

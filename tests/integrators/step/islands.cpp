@@ -123,24 +123,24 @@ TEST_CASE("parallel islands give the bits of sequential ones, with any number of
     }
 }
 
-TEST_CASE("a crew works at the same time, does each task once, and tells the first failure") {
+TEST_CASE("a pool works at the same time, does each task once, and tells the first failure") {
   std::vector<std::unique_ptr<Solver>> helpers;
   for (int i = 0; i < 2; ++i) helpers.push_back(make_solver("pgs"));
-  Crew crew(std::move(helpers));
+  SolverPool pool(std::move(helpers));
   const auto own = make_solver("pgs");
-  REQUIRE(crew.size() == 3);
+  REQUIRE(pool.size() == 3);
   std::barrier together(3);  // one worker alone would wait here for ever
-  crew.run(3, *own, [&](int, Solver&, int) { together.arrive_and_wait(); });
+  pool.run(3, *own, [&](int, Solver&, int) { together.arrive_and_wait(); });
   std::array<std::atomic<int>, 100> done{};
   for (int round = 0; round < 50; ++round)
-    crew.run(100, *own, [&](int task, Solver&, int worker) {
+    pool.run(100, *own, [&](int task, Solver&, int worker) {
       if (worker >= 0 && worker < 3) ++done[static_cast<std::size_t>(task)];
     });
   for (const auto& times : done) CHECK(times == 50);
   auto fails = [](int task, Solver&, int) {
     if (task == 3 || task == 40) throw std::runtime_error(std::to_string(task));
   };
-  CHECK_THROWS_WITH_AS(crew.run(60, *own, fails), "3", std::runtime_error);
+  CHECK_THROWS_WITH_AS(pool.run(60, *own, fails), "3", std::runtime_error);
 }
 
 TEST_CASE("solving apart and sleeping allocate nothing after the first steps") {

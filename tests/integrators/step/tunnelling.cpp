@@ -141,7 +141,7 @@ TEST_CASE("a body on a pin is followed along its arc, also by more than a turn")
   s.joint(Revolute{{}, kGround, arm, {0, 0}, {-0.5, 0}});
   s.contact(DiscDisc{{}, arm, {0.5, 0}, 0.008, ball, {0, 0}, 0.008, {}});  // its tip, 1 m from the pin
   const System system(s);
-  Passing passing(system);
+  TunnellingDetector passing(system);
   Terms terms(system);
   const auto passes = [&](double turn, double at, double radius) {
     Eigen::VectorXd q(6), end(6);
@@ -207,7 +207,7 @@ TEST_CASE(
     if ((end - q).head<2>().norm() + (end - q).segment<2>(3).norm() + reach * std::abs(end[5] - q[5]) < 0.4 * width)
       continue;
     const System system(s);
-    Passing passing(system);
+    TunnellingDetector passing(system);
     Terms terms(system);
     set_poses(system, 0, end, terms.at);
     evaluate_gaps(system, terms);

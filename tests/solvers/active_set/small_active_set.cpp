@@ -4,7 +4,6 @@
 #include <orthant/solvers/active_set/small_active_set.h>
 #include <orthant/solvers/at_bounds.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
-#include <orthant/solvers/linear_algebra/few_lu.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
 #include <orthant/solvers/registry.h>
 
@@ -135,12 +134,12 @@ TEST_CASE("small active set: keeps its budget") {
   CHECK(factorizations <= 1);
 }
 
-TEST_CASE("few_lu: bit for bit dense_lu, dependent columns and all") {
+TEST_CASE("dense_lu of at most N rows: bit for bit that of any size, dependent columns and all") {
   Random random(94);
   for (int k = 0; k < 200; ++k) {
     const Index m = 1 + k % 6;
     DenseLu<double> any;
-    FewLu<6> few;
+    DenseLu<double, 6> few;
     double* const a = any.reset(m);
     double* const b = few.reset(m);
     for (Index i = 0; i < m * m; ++i) a[i] = b[i] = random.integer(0, 3) == 0 ? 0 : random.normal();

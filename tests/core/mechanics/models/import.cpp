@@ -16,7 +16,7 @@ using namespace orthant;
 
 namespace {
 
-struct Taken {
+struct Imported {
   spatial::Scene scene;
   std::vector<std::string> notes;
   bool noted(const std::string& what) const {
@@ -24,7 +24,7 @@ struct Taken {
   }
 };
 
-Taken taken(const std::string& text, const std::vector<std::string>& sets = {}, const std::string& file = "m.xml") {
+Imported taken(const std::string& text, const std::vector<std::string>& sets = {}, const std::string& file = "m.xml") {
   const ImportedModel model = import_model(text, file, sets);
   INFO(model.toml);
   return {std::get<spatial::Scene>(parse_any_scene(model.toml, {}, "imported")), model.notes};
@@ -84,7 +84,7 @@ double broken_at_start(const spatial::Scene& s) {
 
 TEST_CASE("URDF: joints of every type, their coordinates, limits, damping and friction") {
   const std::string limit = "<limit lower='-1' upper='2.5' effort='9' velocity='1'/>";
-  const Taken t =
+  const Imported t =
       taken(robot(urdf_link("base", "") + urdf_link("a") + urdf_link("b") + urdf_link("c") + urdf_link("d") +
                   urdf_link("e") + urdf_link("f") +
                   urdf_joint("r", "revolute", "base", "a",
@@ -121,7 +121,7 @@ TEST_CASE("URDF: joints of every type, their coordinates, limits, damping and fr
 
 TEST_CASE("limits of a joint that turns almost all the way round hold from both sides") {
   const auto gaps = [](double angle) {
-    const Taken t =
+    const Imported t =
         taken(robot(urdf_link("base", "") + urdf_link("a") +
                     urdf_joint("j", "revolute", "base", "a", "<axis xyz='0 0 1'/><limit lower='-2.9' upper='2.9'/>")),
               {"at.j=" + std::to_string(angle)});
@@ -141,7 +141,7 @@ TEST_CASE("limits of a joint that turns almost all the way round hold from both 
 }
 
 TEST_CASE("URDF: inertias in any frame, base free or fixed, names that the scene cannot have, starts within limits") {
-  const Taken t = taken(
+  const Imported t = taken(
       robot(urdf_link("ground",
                       "<inertial><origin xyz='0 0 1' rpy='0 1.5707963267948966 0'/><mass value='3'/>"
                       "<inertia ixx='1' ixy='0' ixz='0' iyy='2' iyz='0' izz='2.5'/></inertial>") +
@@ -165,13 +165,14 @@ TEST_CASE("URDF: shapes of collisions; neighbours in the tree and shapes that ov
            "<visual><geometry><sphere radius='1'/></geometry></visual>";
   };
   const std::string z = "<origin xyz='0 0 1'/><axis xyz='0 1 0'/>";
-  const Taken t = taken(robot(urdf_link("base", "<collision><geometry><box size='1 1 0.2'/></geometry></collision>") +
-                              urdf_link("a", shape("<sphere radius='0.1'/>", "0 0 0.5")) +
-                              urdf_link("b", shape("<cylinder radius='0.1' length='0.5'/>")) +
-                              urdf_link("c", shape("<capsule radius='0.1' length='0.5'/>", "0 0 -1.5")) +
-                              urdf_joint("x", "continuous", "base", "a", z) +
-                              urdf_joint("y", "continuous", "a", "b", z) + urdf_joint("z", "continuous", "b", "c", z)),
-                        {"floor=-1", "mu=0.25"});
+  const Imported t =
+      taken(robot(urdf_link("base", "<collision><geometry><box size='1 1 0.2'/></geometry></collision>") +
+                  urdf_link("a", shape("<sphere radius='0.1'/>", "0 0 0.5")) +
+                  urdf_link("b", shape("<cylinder radius='0.1' length='0.5'/>")) +
+                  urdf_link("c", shape("<capsule radius='0.1' length='0.5'/>", "0 0 -1.5")) +
+                  urdf_joint("x", "continuous", "base", "a", z) + urdf_joint("y", "continuous", "a", "b", z) +
+                  urdf_joint("z", "continuous", "b", "c", z)),
+            {"floor=-1", "mu=0.25"});
   REQUIRE(t.scene.collisions.size() == 1);
   const spatial::Collision& c = t.scene.collisions[0];
   REQUIRE(c.shapes.size() == 4);
@@ -229,7 +230,7 @@ TEST_CASE("meshes: only from the model's folder, or the allowed one; links lead 
 }
 
 TEST_CASE("MJCF: degrees, Euler sequences, default classes, masses of geoms, references of joints") {
-  const Taken t = taken(
+  const Imported t = taken(
       mujoco("<compiler angle='degree' eulerseq='XYZ'/><option gravity='0 0 -1' timestep='0.01'/>"
              "<default><geom density='500' rgba='1 0 0 1'/><joint damping='2' armature='1'/>"
              "<default class='light'><geom density='100'/></default></default>" +
@@ -272,7 +273,7 @@ TEST_CASE("MJCF: degrees, Euler sequences, default classes, masses of geoms, ref
 
 TEST_CASE("MJCF: stacks of joints as one joint of the scene") {
   const auto kind_of = [](const std::string& joints) {
-    const Taken t = taken(mujoco(world("<body>" + joints + "<geom size='0.1'/></body>")));
+    const Imported t = taken(mujoco(world("<body>" + joints + "<geom size='0.1'/></body>")));
     CHECK(broken_at_start(t.scene) < 1e-14);
     constexpr std::array kKinds = {"revolute",  "prismatic",   "fixed",     "distance", "drive",
                                    "spherical", "cylindrical", "universal", "planar"};
@@ -297,13 +298,13 @@ TEST_CASE("MJCF: stacks of joints as one joint of the scene") {
 
 TEST_CASE("MJCF: masks, exclusions, ties, files that are included") {
   const std::string body = "<geom size='0.1' contype='2' conaffinity='2'/>";
-  const Taken t = taken(mujoco(world("<body name='a'><freejoint/><geom size='0.1'/></body><body name='b' pos='0 0 "
-                                     "1'><freejoint/><geom size='0.1'/></body>"
-                                     "<body name='c' pos='0 0 2'><freejoint/>" +
-                                     body + "</body><body name='d' pos='0 0 3'><freejoint/>" + body + "</body>") +
-                               "<contact><exclude body1='a' body2='b'/><pair geom1='x' geom2='y'/></contact>"
-                               "<equality><connect body1='a' body2='b' anchor='0 0 0.5'/><weld body1='c'/><joint "
-                               "joint1='x' joint2='y'/></equality>"));
+  const Imported t = taken(mujoco(world("<body name='a'><freejoint/><geom size='0.1'/></body><body name='b' pos='0 0 "
+                                        "1'><freejoint/><geom size='0.1'/></body>"
+                                        "<body name='c' pos='0 0 2'><freejoint/>" +
+                                        body + "</body><body name='d' pos='0 0 3'><freejoint/>" + body + "</body>") +
+                                  "<contact><exclude body1='a' body2='b'/><pair geom1='x' geom2='y'/></contact>"
+                                  "<equality><connect body1='a' body2='b' anchor='0 0 0.5'/><weld body1='c'/><joint "
+                                  "joint1='x' joint2='y'/></equality>"));
   REQUIRE(t.scene.collisions.size() == 1);
   CHECK(t.scene.collisions[0].apart.size() == 5);  // a b; and a, b with c, d
   REQUIRE(t.scene.joints.size() == 2);
