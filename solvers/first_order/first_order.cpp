@@ -98,7 +98,7 @@ void absolute_product(const Matrix& A, const Vector& x, Vector& y, Vector& scrat
   each([&](Index i, Index k, double value) { scratch[k] += value * x[i]; });
   scratch.array() *= inverse_mass.array();
   if (regularization.size() != 0) y = regularization.cwiseProduct(x);
-  each([&](Index i, int k, double value) { y[i] += value * scratch[k]; });
+  each([&](Index i, Index k, double value) { y[i] += value * scratch[k]; });
 }
 
 }  // namespace
