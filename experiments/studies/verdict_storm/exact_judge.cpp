@@ -90,7 +90,7 @@ Rational length(const std::vector<Rational>& x, const Friction& f) {
   if (f.rows == 1) return abs(x[at(f.first)]);
   using Float100 = mp::number<mp::gmp_float<100>, mp::et_off>;
   const Rational square = x[at(f.first)] * x[at(f.first)] + x[at(f.first + 1)] * x[at(f.first + 1)];
-  const Wide root = sqrt(Float100(square));
+  const Float100 root = sqrt(Float100(square));
   const Rational rounded(static_cast<double>(root));
   return rounded * rounded == square ? rounded : Rational(root);
 }
