@@ -1,11 +1,10 @@
 // Refinement: a solved answer of an iterative solver brought to rounding, another one left alone.
 #include <orthant/core/lcp/problems/families.h>
+#include <orthant/core/support/random.h>
 #include <orthant/solvers/refinement.h>
 #include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
-
-#include <random>
 
 using namespace orthant;
 
@@ -28,14 +27,13 @@ Lcp two_discs() {
 }  // namespace
 
 TEST_CASE("refinement brings an answer of 1e-10 to rounding, on boxes and on discs; a fine answer keeps its bits") {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> draw(-1, 1);
+  Random random(3);
   Lcp boxes;
   Eigen::MatrixXd G(12, 12);
-  for (Index k = 0; k < G.size(); ++k) G.data()[k] = draw(random);
+  for (Index k = 0; k < G.size(); ++k) G.data()[k] = random.uniform(-1, 1);
   boxes.A = DenseMatrix(G * G.transpose() + Eigen::MatrixXd::Identity(12, 12));
   boxes.b.resize(12);
-  for (double& b : boxes.b) b = draw(random);
+  for (double& b : boxes.b) b = random.uniform(-1, 1);
   boxes.lo = Vector::Zero(12), boxes.hi = Vector::Constant(12, kInf);
   for (const Lcp& problem : {boxes, two_discs()}) {
     Solution s;

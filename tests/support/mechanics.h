@@ -3,10 +3,10 @@
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/support/random.h>
 
 #include <Eigen/Dense>
 #include <cstdint>
-#include <random>
 
 namespace orthant::testing {
 
@@ -16,10 +16,8 @@ using Eigen::VectorXd;
 /// The same numbers from the same seed with every standard library.
 class Draws {
  public:
-  explicit Draws(std::uint64_t seed) : bits_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
-  }
+  explicit Draws(std::uint64_t seed) : random_(seed) {}
+  double operator()(double low, double high) { return random_.uniform(low, high); }
   Vector2d point(double size = 1) { return {(*this)(-size, size), (*this)(-size, size)}; }
   Vector2d direction() {
     const double angle = (*this)(-3, 3);
@@ -30,7 +28,7 @@ class Draws {
   }
 
  private:
-  std::mt19937_64 bits_;
+  Random random_;
 };
 
 /// A row as the long vector it stands for.

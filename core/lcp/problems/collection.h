@@ -6,9 +6,9 @@
 #pragma once
 
 #include <orthant/core/lcp/solution.h>
+#include <orthant/core/support/random.h>
 
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -39,26 +39,6 @@ Lcp murty_problem(Index n, bool transposed = false);
 
 /// The same problem with A stored as rows.
 Lcp as_sparse(const Lcp& problem);
-
-/// The same numbers on every machine and with every compiler: std::mt19937_64, which the standard fixes bit by bit, and
-/// mappings of our own, which std::*_distribution are not.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // [0, 1)
-  double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
-  int integer(int lo, int hi) {  // lo … hi
-    return lo + static_cast<int>(engine_() % static_cast<std::uint64_t>(hi - lo + 1));
-  }
-  double normal() {  // sum of 12 uniform numbers: no logarithm whose last bit differs between libraries
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += uniform();
-    return sum;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// Any signs, any solvability; entries are integers in [−2, 2], so that ties and singular blocks abound. Rows of the
 /// requested kinds alternate at random.

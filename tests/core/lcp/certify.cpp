@@ -7,45 +7,11 @@
 #include <ctime>
 #include <numeric>
 
+#include "tests/core/lcp/judged.h"
 #include "tests/support/judge.h"
 #include "tests/support/sanitized.h"
 
 using namespace orthant;
-
-namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-Lcp scalar(double A, double b, double lo = 0, double hi = kInf) {
-  Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd::Constant(1, 1, A)), Vector{b});
-  p.lo[0] = lo;
-  p.hi[0] = hi;
-  return p;
-}
-
-Lcp pair(std::initializer_list<double> A, const Vector& b) {  // row by row
-  const Vector entries(A);
-  return Lcp::standard(DenseMatrix(entries.reshaped<Eigen::RowMajor>(2, 2)), b);
-}
-
-Status verdict(const Lcp& problem, const Vector& z, Claim claim = Claim::candidate, double tolerance = 1e-10) {
-  Judge judge;
-  Solution s;
-  s.z = z;
-  judge.certify(problem, tolerance, claim, s);
-  return s.status;
-}
-
-Status verdict_on_proof(const Lcp& problem, const Vector& u) {
-  Judge judge;
-  Solution s;
-  s.z = Vector(Eigen::VectorXd::Zero(problem.size()));
-  s.certificate = u;
-  judge.certify(problem, 1e-10, Claim::ray, s);
-  return s.status;
-}
-
-}  // namespace
 
 TEST_CASE("the judge accepts every known solution, in dense and in sparse storage") {
   for (const Known& k : known_problems()) {
@@ -281,140 +247,6 @@ TEST_CASE("data that overflow are never solved") {
   CHECK(verdict(scalar(1e308, -1, 100), Vector{100}) != Status::solved);
 }
 
-TEST_CASE("proofs of infeasibility: right ones hold, wrong ones do not") {
-  const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});
-  CHECK(verdict_on_proof(p, Vector{1, 1}) == Status::infeasible);
-  CHECK(verdict_on_proof(as_sparse(p), Vector{1, 1}) == Status::infeasible);
-  CHECK(verdict_on_proof(p, Vector{1, 0.9}) == Status::ray);  // Aᵀu has a positive entry
-  CHECK(verdict_on_proof(p, Vector{-1, -1}) == Status::ray);  // u ≥ 0 is demanded
-  CHECK(verdict_on_proof(p, Vector{0, 0}) == Status::ray);
-  CHECK(verdict_on_proof(p, Vector{kNaN, 1}) == Status::ray);
-  CHECK(verdict_on_proof(p, Vector{1}) == Status::ray);                                       // wrong size
-  CHECK(verdict_on_proof(pair({1, -1, -1, 1}, Vector{1, -1}), Vector{1, 1}) == Status::ray);  // solvable: bᵀu = 0
-  CHECK(verdict_on_proof(scalar(-1, -1), Vector{1}) == Status::infeasible);
-  CHECK(verdict_on_proof(scalar(-1e-12, -1e-12), Vector{1}) == Status::infeasible);
-  CHECK(verdict_on_proof(scalar(1e-30, -1), Vector{1}) == Status::ray);                       // z = 1e30 solves
-  CHECK(verdict_on_proof(pair({0, 1, 1, -1}, Vector{-1, -2}), Vector{0, 1}) == Status::ray);  // solvable by (3, 1)
-  // Sums without any rounding leave no slack that a z could use, however large data beside them let it be.
-  Lcp beside =
-      Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0.1, -0.7, 0}, {-0.1, 0.7, 0}, {-1e-7, 0, 1}}), Vector{1, -2, 1e9});
-  CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::infeasible);
-  CHECK(verdict_on_proof(as_sparse(beside), Vector{1, 1, 0}) == Status::infeasible);
-  // The slack of u'A may be used, but by how much is lost where bounds times entries are less than any number: z = 0
-  // solves.
-  Lcp lost = pair({0x1.5555555555556p-662, 0, 0x1p-660, 0}, Vector{0, 0});
-  lost.lo = Vector{-kInf, 0}, lost.hi = Vector{1e-172, kInf};
-  CHECK(!Judge().proves_infeasible(lost, Vector{-3, 1}));
-  lost.hi[0] = 1e-72;
-  CHECK(!Judge().proves_infeasible(lost, Vector{-3, 1}));
-  std::get<DenseMatrix>(beside.A)(1, 1) += 1e-16;  // now z = (7e16, 1e16, …) has w ≥ 0
-  CHECK(verdict_on_proof(beside, Vector{1, 1, 0}) == Status::ray);
-}
-
-TEST_CASE("a z excused by rounding alone is not a solution where a proof of infeasibility exists") {
-  // The second row is three times the first, but for b; a bound of 1e5 makes a miss of 13 small beside the data.
-  Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{4, -1, -3}, {12, -3, -9}, {-2, 13, -1}}), Vector{-2, 4, 2});
-  p.lo = Vector{-kInf, -kInf, 0}, p.hi = Vector{kInf, kInf, 1e5};
-  Judge judge;
-  Solution s;
-  s.z = Vector{-55996559999999.99, -223986240000000, 1e5};
-  s.certificate = Vector{3, -1, 0};
-  judge.certify(p, 1e-12, Claim::ray, s);
-  CHECK(s.status == Status::infeasible);
-}
-
-TEST_CASE("proofs with free rows, boxes and friction") {
-  CHECK(verdict_on_proof(scalar(0, 1, -kInf, kInf), Vector{-1}) == Status::infeasible);  // 0 z + 1 = 0
-  CHECK(verdict_on_proof(scalar(1e-9, 1, -kInf, kInf), Vector{-1}) == Status::ray);
-  CHECK(verdict_on_proof(scalar(0, 1, -kInf, 3), Vector{-1}) == Status::infeasible);  // w ≤ 0 demanded
-  CHECK(verdict_on_proof(scalar(0, 1, -kInf, 3), Vector{1}) == Status::ray);
-  CHECK(verdict_on_proof(scalar(-1, -1, 0, 2), Vector{1}) == Status::ray);           // a box row takes either sign of w
-  CHECK(verdict_on_proof(scalar(-1, 2, 3, kInf), Vector{1}) == Status::infeasible);  // −z + 2 ≥ 0, z ≥ 3
-  CHECK(verdict_on_proof(scalar(-1, 4, 3, kInf), Vector{1}) == Status::ray);
-
-  Lcp box = pair({0, 1, 0, 1}, Vector{-3, 0});  // w₁ = z₂ − 3 ≥ 0 with z₂ ≤ 2
-  box.hi[1] = 2;
-  CHECK(verdict_on_proof(box, Vector{1, 0}) == Status::infeasible);
-  box.hi[1] = 3;
-  CHECK(verdict_on_proof(box, Vector{1, 0}) == Status::ray);
-
-  Lcp contact = pair({-1, 1, 1, 1}, Vector{-1, 0});  // w_N = −z_N + z_T − 1 ≥ 0 needs z_T > z_N
-  contact.lo[1] = -kInf;
-  contact.friction = {{.normal = 0, .first = 1, .mu = 0.9}};
-  CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::infeasible);
-  contact.friction[0].mu = 1.1;
-  CHECK(verdict_on_proof(contact, Vector{1, 0}) == Status::ray);
-  contact.friction[0].mu = 0.9;
-  // u = 0 on friction rows, whose w has either sign: (1, ½) slides and solves this, w_T < 0, whatever (0, 1) "proves".
-  Lcp slides = pair({1, 0, -1, 1}, Vector{-1, -5});
-  slides.lo[1] = -kInf;
-  slides.friction = {{.normal = 0, .first = 1, .mu = 0.5}};
-  CHECK(verdict(slides, Vector{1, 0.5}) == Status::solved);
-  CHECK(verdict_on_proof(slides, Vector{0, 1}) == Status::ray);
-
-  // u = (1, 0, 1): the friction column cancels, 1 − 1, which rounding could have moved: slack relative to its own
-  // terms.
-  const Eigen::Matrix3d A{{0, 1, -1}, {0, 0, 0}, {0, -1, -1}};
-  Lcp cancels = Lcp::standard(DenseMatrix(A), Vector{-1, 0, 0});
-  cancels.lo[1] = -kInf;
-  cancels.friction = {{.normal = 0, .first = 1, .mu = 1}};
-  CHECK(verdict_on_proof(cancels, Vector{1, 0, 1}) == Status::infeasible);
-  CHECK(verdict_on_proof(cancels, Vector{1, 0, 0.5}) == Status::ray);
-}
-
-TEST_CASE("a proof cannot stand beside a solution: random u on solvable problems") {
-  Random random(5);
-  Judge judge;
-  for (int trial = 0; trial < 2000; ++trial) {
-    const Known k = planted_problem(4, 2, 3, random);
-    Vector u;
-    u.resize(4);
-    for (double& value : u) value = random.integer(0, 2);
-    CHECK_FALSE(judge.proves_infeasible(k.problem, u));
-  }
-}
-
-TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing proves that there is none") {
-  // z_0 − z_1 = −1000 and 1e-12 (z_0 + z_1) = 1000 stop both bodies, w = 0; u = (1, 1, 0) adds the two contacts'
-  // velocities, in which the light body cancels and the heavy one is at the last digits.
-  const Eigen::MatrixXd W{{1, 1e-3}, {-1, 1e-3}, {1, 0}};
-  const Eigen::VectorXd v{{1000, -1000}};
-  const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1e-9}, {}};
-  const Lcp contacts = Lcp::standard(A, Vector(W * v));
-  CHECK_FALSE(Judge{}.proves_infeasible(contacts, Vector{1, 1, 0}));
-  CHECK_FALSE(Judge{}.proves_infeasible(Lcp::standard(A, Vector{-1e3, -1e3, 1e3}), Vector{1, 1, 0}));
-  // Of more rows than 12 a proof may have slack where no digits are left of any z.
-  const auto beside_others = [&W](const Vector& b) {
-    Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(13, 12);
-    wide.topLeftCorner(3, 2) = W, wide.bottomRightCorner(10, 10).setIdentity();
-    Vector inverse_mass = Vector::Ones(12), q = Vector::Zero(13);
-    inverse_mass[1] = 1e-9, q.head(3) = b;
-    return Lcp::standard(Delassus{RowSparse::from(wide.sparseView()), inverse_mass, {}}, q);
-  };
-  Vector u = Vector::Zero(13);
-  u[0] = u[1] = 1;
-  CHECK_FALSE(Judge{}.proves_infeasible(beside_others(Vector(W * v)), u));
-  CHECK(Judge{}.proves_infeasible(beside_others(Vector{-1e3, -1e3, 1e3}), u));
-}
-
-TEST_CASE("up to 12 rows a proof is exact: 2^52 (1, 1) solves what (1, 1) speaks against but for a last digit") {
-  const double e = 0x1p-52;
-  const Lcp p = pair({1, -1, -1, 1 + e}, Vector{0, -1});
-  CHECK(verdict(p, Vector{0x1p52, 0x1p52}) == Status::solved);  // w = 0: long double has no digits for it
-  CHECK(verdict_on_proof(p, Vector{1, 1}) == Status::ray);
-  CHECK(verdict_on_proof(as_sparse(p), Vector{1, 1}) == Status::ray);
-  CHECK(verdict_on_proof(pair({1, -1, -1, 1}, Vector{0, -1}), Vector{1, 1}) == Status::infeasible);
-  // Sums that long double does not hold decide, too.
-  CHECK(verdict_on_proof(pair({1 + e, 0, -1 - e, -1e-60}, Vector{0, -1}), Vector{1 + e, 1 + e}) == Status::infeasible);
-  CHECK(verdict_on_proof(pair({1 + e, 0, -1 - e, 1e-60}, Vector{0, -1}), Vector{1 + e, 1 + e}) == Status::ray);
-  Lcp contact = pair({-1, 1, 0, 1}, Vector{-1, 0});  // w_N = −z_N + z_T − 1, |z_T| ≤ μ z_N
-  contact.lo[1] = -kInf;
-  for (const double mu : {1.0, 1 + e}) {
-    contact.friction = {{.normal = 0, .first = 1, .mu = mu}};
-    CHECK(verdict_on_proof(contact, Vector{1, 0}) == (mu > 1 ? Status::ray : Status::infeasible));
-  }
-}
-
 TEST_CASE("a Delassus operator is judged as its dense form is") {
   Random random(7);
   for (int trial = 0; trial < 50; ++trial) {
@@ -475,51 +307,6 @@ TEST_CASE("check() names field, value and rule") {
   CHECK(finite(p));
 }
 
-TEST_CASE("certify: where the rounding of its own sums stands in the way, they are done with more digits") {
-  // Row 0 in double: ten terms of less than half an ulp of 2^27 are lost one after the other, in long double none is.
-  const Index n = 13;
-  const double big = 0x1p27, small = 0x1.f8p-27, rest = 0x1p-10;
-  DenseMatrix A = DenseMatrix::Zero(n, n);
-  A(0, 0) = big, A(0, n - 2) = -big, A(0, n - 1) = rest;
-  for (Index j = 1; j < n - 2; ++j) A(0, j) = small;
-  Vector b = Vector::Zero(n);
-  b[0] = -(rest + 10 * small);
-  Lcp problem = Lcp::standard(A, b);
-  Solution s;
-  s.z = Vector::Ones(n);
-  Judge judge;
-  judge.certify(problem, 1e-10, Claim::candidate, s);
-  CHECK(s.status == Status::solved);
-  CHECK(s.residual == 0);
-  problem.b[0] += 10 * small;  // now it is off by that much
-  judge.certify(problem, 1e-10, Claim::candidate, s);
-  CHECK(s.status == Status::stalled);
-  // Terms of 2e12, the sum 1e-16: below a last digit of long double's.
-  const double a = 1 + 1e-12, z = 2 / (a - 1);
-  CHECK(verdict(pair({1, -1, -1, a}, Vector{-1, -1}), Vector{z + 1, z}) == Status::solved);
-}
-
-TEST_CASE("certify: an operator's numbers are those of its factors: where these cancel rationals decide") {
-  const double big = 0x1p50;
-  Eigen::MatrixXd W(2, 3);
-  W << big, 1, big, 1, 1, -1;
-  const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1, 1}, {}};
-  const Lcp problem = Lcp::standard(A, Vector{-1.0625, -3});
-  CHECK(verdict(problem, Vector{0, 1}) == Status::stalled);                 // w_0 = -1/16: more than 1e-4 of the data
-  CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);  // w_0 = 2^-105
-  CHECK(verdict(problem, Vector{0.0625 * 0x1p-101 * (1 + 1e-8), 1}) == Status::rounded);  // w_0 = 6e-10
-}
-
-TEST_CASE("certify: an overflow in its own measures excuses nothing") {
-  for (const double least : {1e-280, 1e-300, 1e-307}) {
-    CAPTURE(least);
-    const Lcp problem =
-        Lcp::standard(DenseMatrix(Eigen::Matrix3d{{1, 0, 0}, {0, least, least}, {1e20, 0, 1}}), Vector{-1, 0, -1e16});
-    CHECK(verdict(problem, Vector{0, 0, 1e16}) != Status::solved);  // w_0 = -1
-    CHECK(verdict(problem, Vector{1, 0, 0}) == Status::solved);
-  }
-}
-
 TEST_CASE("no distance from a bound is excused, however large b is") {
   // A body slides at 1e10 times the speed with which its contact closes: z_t = −µ z_n, not 0.
   Lcp slides = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 0.1}, {0.1, 1}}), Vector{-1e-9, 100});
@@ -554,46 +341,6 @@ TEST_CASE("solved, rounded, stalled: each clause at its limit, from both sides")
   CHECK(verdict(beside(1.1e-10), Vector{1e9, 1e9, 1}) == Status::rounded);
   CHECK(verdict(beside(8.8e-6), Vector{1e9, 1e9, 1}) == Status::rounded);
   CHECK(verdict(beside(9e-6), Vector{1e9, 1e9, 1}) == Status::stalled);
-}
-
-TEST_CASE("what stands in the way of solved is told: the row, by how much, against which bound") {
-  Judge judge;
-  Solution s;
-  s.z = Vector{0.5, 0.25};
-  judge.certify(pair({2, 0, 0, 2}, Vector{-1, -1}), 1e-10, Claim::candidate, s);
-  CHECK(s.status == Status::stalled);
-  CHECK(why(s) == "row 1 misses by 0.5 inside its bounds; 1e-10 of its data is 1e-10");
-  s.z = Vector{0.5, 0};
-  judge.certify(pair({2, 0, 0, 2}, Vector{-1, -3}), 1e-10, Claim::candidate, s);
-  CHECK(why(s) == "row 1 misses by 3 at its lower bound; 1e-10 of its data is 3e-10");
-  s.z = Vector{0.5, -1};
-  judge.certify(pair({2, 0, 0, 2}, Vector{-1, -3}), 1e-10, Claim::candidate, s);
-  CHECK(why(s) == "row 1 is outside its bounds");
-  s.z = Vector{0.5, 1.5};
-  judge.certify(pair({2, 0, 0, 2}, Vector{-1, -3}), 1e-10, Claim::candidate, s);
-  CHECK(why(s).empty());
-  s.z = Vector{0, 1e288};
-  judge.certify(pair({1, 1e300, 0, 1e-288}, Vector{0, -1}), 1e-10, Claim::candidate, s);
-  CHECK(s.status == Status::numerical_error);
-  CHECK(why(s) == "row 0 is not finite");
-  s.z = Vector{0, 1e300};
-  Lcp large = pair({1, 0, 0, 1e300}, Vector{-1, 0});
-  large.lo[1] = large.hi[1] = 1e300;
-  judge.certify(large, 1e-10, Claim::candidate, s);
-  CHECK(why(s) == "row 1 is not finite");
-}
-
-TEST_CASE("only a proof stays in the certificate, and a claimed ray becomes one where it proves") {
-  Judge judge;
-  Solution s;
-  s.z = Vector{0, 0}, s.certificate = Vector{1, 0.9};
-  judge.certify(pair({1, -1, -1, 1}, Vector{-1, -1}), 1e-10, Claim::ray, s);
-  CHECK(s.status == Status::ray);
-  CHECK(s.certificate.size() == 0);
-  s.ray = Vector{1, 1};
-  judge.certify(pair({1, -1, -1, 1}, Vector{-1, -1}), 1e-10, Claim::ray, s);
-  CHECK(s.status == Status::infeasible);
-  CHECK(s.certificate.size() == 2);
 }
 
 TEST_CASE("rounded is bounded by 1e-4 of the part's data also among the smallest and the largest numbers") {

@@ -2,11 +2,11 @@
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/pile.h>
+#include <orthant/core/support/random.h>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <random>
 
 using namespace orthant;
 
@@ -20,10 +20,8 @@ std::vector<Pair> found(const std::vector<Pair>& pairs) {
 
 /// Discs and polygons, off their bodies' centres, strewn over a square; some belong to the ground, one is large.
 Scene strewn(int n, unsigned seed) {
-  std::mt19937 random(seed);
-  const auto number = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
-  };
+  Random random(seed);
+  const auto number = [&](double low, double high) { return random.uniform(low, high); };
   Scene s;
   Collision c{.name = "all", .shapes = {}, .law = {}, .neighbours = 60};
   const double side = std::sqrt(n);

@@ -1,4 +1,5 @@
 // Continuous collision detection: no contact is overlooked, whatever its kind, the motion and the output step.
+#include <orthant/core/support/random.h>
 #include "tests/support/runs.h"
 
 #include <doctest/doctest.h>
@@ -6,7 +7,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
-#include <random>
 
 using namespace orthant;
 
@@ -77,10 +77,10 @@ double depth_of(const std::vector<Vector2d>& x, const std::vector<Vector2d>& y) 
 
 class Dice {
  public:
-  explicit Dice(unsigned seed) : engine_(seed) {}
-  double in(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+  explicit Dice(unsigned seed) : random_(seed) {}
+  double in(double low, double high) { return random_.uniform(low, high); }
   double log(double low, double high) { return std::exp(in(std::log(low), std::log(high))); }
-  int below(int n) { return std::uniform_int_distribution<int>(0, n - 1)(engine_); }
+  int below(int n) { return random_.integer(0, n - 1); }
   double sign() { return below(2) ? 1 : -1; }
   Vector2d within(double radius) { return radius * std::sqrt(in(0, 1)) * towards(in(-kHalfTurn, kHalfTurn)); }
   static Vector2d towards(double angle) { return {std::cos(angle), std::sin(angle)}; }
@@ -97,7 +97,7 @@ class Dice {
   }
 
  private:
-  std::mt19937 engine_;
+  Random random_;
 };
 
 /// Custom contact: two discs, whose distance is all that is known of them.

@@ -8,12 +8,12 @@
 #include <orthant/core/scenes/euler_disc.h>
 #include <orthant/core/scenes/rattleback.h>
 #include <orthant/core/scenes/spheres.h>
+#include <orthant/core/support/random.h>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <numbers>
-#include <random>
 
 using namespace orthant;
 
@@ -39,15 +39,15 @@ double moved(const SpatialSystem& system, const State& x) {
 }  // namespace
 
 TEST_CASE("the search finds the pairs that a look at all of them finds, spheres, capsules and boxes of any size") {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> of(-1, 1);
+  Random random(7);
+  const auto draw = [&] { return random.uniform(-1, 1); };
   for (int round = 0; round < 20; ++round) {
     spatial::Scene s;
     spatial::Collision c{.name = "all", .shapes = {}, .law = {}, .neighbours = 100};
     for (int i = 0; i < 40; ++i) {
       const double size = i % 13 == 0 ? 1.5 : 0.2;
-      const double x = of(random), y = of(random);
-      const BodyId body = add_box(s, Vector3d::Constant(size), Vector3d(1.2 * x, 1.2 * y, 1.2 * of(random)));
+      const double x = draw(), y = draw();
+      const BodyId body = add_box(s, Vector3d::Constant(size), Vector3d(1.2 * x, 1.2 * y, 1.2 * draw()));
       spatial::Shape shape = box_shape(body, Vector3d::Constant(size));
       if (i % 3 == 1) shape = {body, {{0, 0, 0}}, size / 2};
       if (i % 3 == 2) shape = {body, {{-size, 0, 0}, {size, 0, 0}}, size / 4};
@@ -119,12 +119,12 @@ TEST_CASE("what is stacked stays: a tower of planks, a pyramid of cubes, a house
 }
 
 TEST_CASE("a box slides on over the seam of two tiles: no ghost collision") {
-  std::mt19937 random(11);
-  std::uniform_real_distribution<double> of(0, 1);
+  Random random(11);
+  const auto draw = [&] { return random.uniform(); };
   for (const double mu : {0.0, 0.1})
     for (int i = 0; i < 12; ++i) {
-      const double speed = 0.5 + 4 * of(random), size = 0.05 + 0.3 * of(random), start = -0.3 * of(random);
-      const double turn = i % 3 == 0 ? 0 : of(random);
+      const double speed = 0.5 + 4 * draw(), size = 0.05 + 0.3 * draw(), start = -0.3 * draw();
+      const double turn = i % 3 == 0 ? 0 : draw();
       CAPTURE(i);
       spatial::Scene s;
       s.gravity = {0, 0, -10};

@@ -3,10 +3,9 @@
 #include "tests/support/runs.h"
 
 #include <orthant/core/mechanics/planar/contact_sets.h>
+#include <orthant/core/support/random.h>
 
 #include <doctest/doctest.h>
-
-#include <random>
 
 using namespace orthant;
 
@@ -178,10 +177,8 @@ TEST_CASE("a disc on a fast arm and a ball: struck, or passed with a report, by 
 
 TEST_CASE(
     "what is deeper on the way than at both ends is reported, wherever a step begins; what is not is no passage") {
-  std::mt19937_64 random(7);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  Random random(7);
+  const auto uniform = [&](double low, double high) { return random.uniform(low, high); };
   int deeper = 0, from_inside = 0, none = 0;
   for (int k = 0; k < 12000; ++k) {
     Scene s;

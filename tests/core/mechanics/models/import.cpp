@@ -1,4 +1,5 @@
 // Models in URDF and MJCF as scenes: what is taken, what is listed, what is refused.
+#include "tests/core/mechanics/models/imported.h"
 #include "tests/support/folder.h"
 
 #include <orthant/core/mechanics/models/import.h>
@@ -8,77 +9,25 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <array>
-#include <numbers>
-
 using namespace orthant;
 
 namespace {
 
-struct Imported {
-  spatial::Scene scene;
-  std::vector<std::string> notes;
-  bool noted(const std::string& what) const {
-    return std::any_of(notes.begin(), notes.end(), [&](const std::string& n) { return n.find(what) != n.npos; });
-  }
-};
-
-Imported taken(const std::string& text, const std::vector<std::string>& sets = {}, const std::string& file = "m.xml") {
-  const ImportedModel model = import_model(text, file, sets);
-  INFO(model.toml);
-  return {std::get<spatial::Scene>(parse_any_scene(model.toml, {}, "imported")), model.notes};
-}
-
-std::string refusal_of_model(const std::string& text, const std::vector<std::string>& sets = {},
-                             const std::string& file = "m.xml") {
-  try {
-    static_cast<void>(taken(text, sets, file));
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "taken";
-}
-
 const std::string kInertial =
     "<inertial><mass value='2'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"
     "</inertial>";
+
 std::string urdf_link(const std::string& name, const std::string& more = kInertial) {
   return "<link name='" + name + "'>" + more + "</link>\n";
 }
+
 std::string urdf_joint(const std::string& name, const std::string& type, const std::string& a, const std::string& b,
                        const std::string& more = "") {
   return "<joint name='" + name + "' type='" + type + "'><parent link='" + a + "'/><child link='" + b + "'/>" + more +
          "</joint>\n";
 }
+
 std::string robot(const std::string& parts) { return "<robot name='r'>\n" + parts + "</robot>"; }
-std::string mujoco(const std::string& parts) { return "<mujoco model='m'>\n" + parts + "</mujoco>"; }
-std::string world(const std::string& parts) { return "<worldbody>" + parts + "</worldbody>\n"; }
-
-spatial::Kinematics at_start(const spatial::Scene& s) {
-  spatial::Kinematics k;
-  for (const spatial::Body& b : s.bodies) {
-    const auto R = quaternions::matrix_of(b.orientation);
-    k.pose.push_back({b.position, R, R});
-  }
-  k.pose.emplace_back();
-  return k;
-}
-
-/// The largest residual of any joint in the initial pose.
-double broken_at_start(const spatial::Scene& s) {
-  const spatial::Kinematics k = at_start(s);
-  double most = 0;
-  for (const spatial::Joint& j : s.joints)
-    std::visit(
-        [&](const auto& one) {
-          Eigen::Matrix<double, 6, 1> phi = Eigen::Matrix<double, 6, 1>::Zero();
-          one.residual(k, phi.data());
-          most = std::max(most, phi.cwiseAbs().maxCoeff());
-        },
-        j);
-  return most;
-}
 
 }  // namespace
 
@@ -227,103 +176,6 @@ TEST_CASE("meshes: only from the model's folder, or the allowed one; links lead 
                                                         "</collision>") +
                              urdf_joint("j", "continuous", "base", "a")))
           .find("a model without a file of its own names no others") != std::string::npos);
-}
-
-TEST_CASE("MJCF: degrees, Euler sequences, default classes, masses of geoms, references of joints") {
-  const Imported t = taken(
-      mujoco("<compiler angle='degree' eulerseq='XYZ'/><option gravity='0 0 -1' timestep='0.01'/>"
-             "<default><geom density='500' rgba='1 0 0 1'/><joint damping='2' armature='1'/>"
-             "<default class='light'><geom density='100'/></default></default>" +
-             world("<geom type='plane' size='1 1 .1' name='floor' friction='0.5'/>"
-                   "<body name='a' pos='0 0 2' euler='0 90 0'>"
-                   "<joint name='h' axis='0 1 0' range='-90 45' ref='10' stiffness='3' springref='20'/>"
-                   "<geom name='rod' type='capsule' size='0.1' fromto='0 0 0 1 0 0' friction='0.8 .1 .1'/>"
-                   "<frame pos='0 0 1'><body name='b' childclass='light'><joint type='slide' axis='1 0 0' damping='0'/>"
-                   "<geom type='box' size='0.1 0.2 0.3' pos='0 0 0.5'/><geom type='sphere' size='0.1' mass='7'/></body>"
-                   "</frame></body>") +
-             "<actuator><motor name='m1' joint='h'/><motor name='m2' joint='h'/></actuator>"));
-  const spatial::Scene& s = t.scene;
-  CHECK(s.gravity.z() == -1);
-  CHECK(s.step == 0.01);
-  REQUIRE(s.bodies.size() == 2);
-  const spatial::Solid rod = spatial::capsule(0.1, 1), box = spatial::box({0.2, 0.4, 0.6});
-  CHECK(s.bodies[0].mass == doctest::Approx(500 * rod.volume).epsilon(1e-14));
-  CHECK((s.bodies[0].position - Vector3d(0, 0, 1.5)).norm() < 1e-14);  // x of the body is −z of the world
-  CHECK(s.bodies[0].inertia(0, 0) == doctest::Approx(500 * rod.volume * rod.inertia(2, 2)).epsilon(1e-13));
-  CHECK(s.bodies[1].mass == doctest::Approx(100 * box.volume + 7).epsilon(1e-14));
-  CHECK(broken_at_start(s) < 1e-14);
-  const double degree = std::numbers::pi / 180;
-  const auto k = at_start(s);
-  CHECK(std::get<spatial::Revolute>(s.joints[0]).angle().value(k) == doctest::Approx(10 * degree).epsilon(1e-13));
-  CHECK(std::get<spatial::Limit>(s.contacts[0]).gap(k) == doctest::Approx(100 * degree).epsilon(1e-13));
-  REQUIRE(s.springs.size() == 1);  // b's own damping is 0
-  const auto& spring = std::get<spatial::JointSpring>(s.springs[0]);
-  CHECK(spring.rest == doctest::Approx(20 * degree).epsilon(1e-14));
-  CHECK(spring.stiffness == 3);
-  CHECK(spring.damping == 2);
-  double mu = 0;
-  for (const auto& c : s.contacts)
-    if (const auto* plane = std::get_if<spatial::SpherePlane>(&c); plane && plane->name.starts_with("rod"))
-      mu = plane->law.mu;
-  CHECK(mu == 0.8);  // the larger of the two
-  CHECK(t.noted("not taken: <motor> of <actuator> m1, m2 (2 times, line 3)"));
-  CHECK(t.noted("not taken: armature of <joint> (line 2)"));
-  CHECK(t.noted("not taken: rgba of <geom>"));
-}
-
-TEST_CASE("MJCF: stacks of joints as one joint of the scene") {
-  const auto kind_of = [](const std::string& joints) {
-    const Imported t = taken(mujoco(world("<body>" + joints + "<geom size='0.1'/></body>")));
-    CHECK(broken_at_start(t.scene) < 1e-14);
-    constexpr std::array kKinds = {"revolute",  "prismatic",   "fixed",     "distance", "drive",
-                                   "spherical", "cylindrical", "universal", "planar"};
-    return t.scene.joints.empty() ? std::string("none") : std::string(kKinds[t.scene.joints[0].index()]);
-  };
-  const std::string x = "<joint type='slide' axis='1 0 0'/>", y = "<joint type='slide' axis='0 1 0'/>",
-                    z = "<joint type='slide' axis='0 0 1'/>", turn_x = "<joint axis='1 0 0'/>",
-                    turn_y = "<joint axis='0 1 0'/>", turn_z = "<joint axis='0 0 1'/>", ball = "<joint type='ball'/>";
-  CHECK(kind_of(turn_x) == "revolute");
-  CHECK(kind_of(x) == "prismatic");
-  CHECK(kind_of(ball) == "spherical");
-  CHECK(kind_of("<freejoint/>") == "none");
-  CHECK(kind_of(x + turn_x) == "cylindrical");
-  CHECK(kind_of(turn_x + turn_y) == "universal");
-  CHECK(kind_of(turn_x + turn_y + turn_z) == "spherical");
-  CHECK(kind_of(x + z + turn_y) == "planar");
-  CHECK(kind_of(x + y + z + ball) == "none");
-  CHECK(kind_of(x + y + z + turn_z + turn_y + turn_x) == "none");
-  CHECK(refusal_of_model(mujoco(world("<body name='b'>" + x + y + "<geom size='0.1'/></body>")))
-            .find("m.xml:2: <body name=\"b\">: has 2 joints: must be one, or") == 0);
-}
-
-TEST_CASE("MJCF: masks, exclusions, ties, files that are included") {
-  const std::string body = "<geom size='0.1' contype='2' conaffinity='2'/>";
-  const Imported t = taken(mujoco(world("<body name='a'><freejoint/><geom size='0.1'/></body><body name='b' pos='0 0 "
-                                        "1'><freejoint/><geom size='0.1'/></body>"
-                                        "<body name='c' pos='0 0 2'><freejoint/>" +
-                                        body + "</body><body name='d' pos='0 0 3'><freejoint/>" + body + "</body>") +
-                                  "<contact><exclude body1='a' body2='b'/><pair geom1='x' geom2='y'/></contact>"
-                                  "<equality><connect body1='a' body2='b' anchor='0 0 0.5'/><weld body1='c'/><joint "
-                                  "joint1='x' joint2='y'/></equality>"));
-  REQUIRE(t.scene.collisions.size() == 1);
-  CHECK(t.scene.collisions[0].apart.size() == 5);  // a b; and a, b with c, d
-  REQUIRE(t.scene.joints.size() == 2);
-  CHECK(std::holds_alternative<spatial::Spherical>(t.scene.joints[0]));
-  CHECK(std::holds_alternative<spatial::Fixed>(t.scene.joints[1]));
-  CHECK(broken_at_start(t.scene) < 1e-14);
-  CHECK(t.noted("<pair> of <contact>"));
-  CHECK(t.noted("<joint> of <equality>"));
-
-  const Folder folder;
-  const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder.path / name) << text; };
-  const std::string file = (folder.path / "main.xml").string();
-  write("main.xml", ""), write("part.xml", mujoco(world("<body><freejoint/><geom size='1'/></body>")));
-  write("loop.xml", mujoco("<include file='loop.xml'/>"));
-  CHECK(taken(mujoco("<include file='part.xml'/>"), {}, file).scene.bodies.size() == 1);
-  CHECK(refusal_of_model(mujoco("<include file='loop.xml'/>"), {}, file).find("included at most 16 files deep") !=
-        std::string::npos);
-  CHECK(refusal_of_model(mujoco("<include file='/etc/passwd'/>"), {}, file).find("must be in the folder") !=
-        std::string::npos);
 }
 
 TEST_CASE("wrong models are refused with file, line, element, value and rule") {

@@ -1,11 +1,11 @@
 // Touch of convex shapes in space: hulls, points, normals and gaps against independent sums.
 #include <orthant/core/mechanics/spatial/collision.h>
 #include <orthant/core/mechanics/spatial/solid.h>
+#include <orthant/core/support/random.h>
 
 #include <doctest/doctest.h>
 
 #include <limits>
-#include <random>
 #include <stdexcept>
 
 using namespace orthant;
@@ -14,14 +14,13 @@ namespace {
 
 using SpatialPose = orthant::spatial::Pose;
 
-Vector3d some_in(std::mt19937& random, double size) {
-  std::uniform_real_distribution<double> of(-size, size);
-  const double x = of(random), y = of(random);
-  return {x, y, of(random)};
+Vector3d some_in(Random& random, double size) {
+  const double x = random.uniform(-size, size), y = random.uniform(-size, size);
+  return {x, y, random.uniform(-size, size)};
 }
-SpatialPose pose_in(std::mt19937& random, double size) {
-  std::uniform_real_distribution<double> of(-1, 1);
-  const double w = of(random), x = of(random), y = of(random), z = of(random);
+SpatialPose pose_in(Random& random, double size) {
+  const double w = random.uniform(-1, 1), x = random.uniform(-1, 1), y = random.uniform(-1, 1),
+               z = random.uniform(-1, 1);
   SpatialPose pose;
   pose.R = Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
   pose.x = some_in(random, size);
@@ -34,7 +33,7 @@ spatial::Collision set_of(std::vector<spatial::Shape> shapes) {
   return c;
 }
 spatial::Shape unit_cube(BodyId body) { return {body, spatial::box_corners({0.5, 0.5, 0.5}), 0}; }
-spatial::Shape random_polytope(BodyId body, std::mt19937& random, int corners) {
+spatial::Shape random_polytope(BodyId body, Random& random, int corners) {
   spatial::Shape s{body, {}, 0};
   for (int i = 0; i < corners; ++i) s.corners.push_back(some_in(random, 1));
   return s;
@@ -57,7 +56,7 @@ double apart(const Vector3d& n, const SpatialPose& at_a, const spatial::Shape& a
 }  // namespace
 
 TEST_CASE("a hull has Euler's number of faces and edges, and all points inside") {
-  std::mt19937 random(3);
+  Random random(3);
   for (int points = 4; points <= 24; ++points) {
     CAPTURE(points);
     const spatial::Shape s = random_polytope(0, random, points);
@@ -90,7 +89,7 @@ TEST_CASE("hulls of too few, too many and flat points are refused") {
 }
 
 TEST_CASE("two polytopes overlap exactly where a gap is negative, and no direction parts them more") {
-  std::mt19937 random(1);
+  Random random(1);
   int overlaps = 0;
   for (int i = 0; i < 3000; ++i) {
     const bool cubes = i % 2 == 0;
@@ -191,7 +190,7 @@ TEST_CASE("faces between two tiles of one body take no part") {
 }
 
 TEST_CASE("volumes and inertias of solids, against sums over points") {
-  std::mt19937 random(5);
+  Random random(5);
   struct Case {
     spatial::Solid solid;
     Vector3d half;

@@ -1,0 +1,352 @@
+// Adjoints of runs, derivatives of recorded columns, derivatives of the motion itself.
+#include <orthant/core/scenes/registry.h>
+#include <orthant/core/scenes/slider_crank.h>
+#include <orthant/integrators/derivatives/motion_tangent.h>
+#include <orthant/integrators/derivatives/run_adjoint.h>
+#include <orthant/integrators/derivatives/run_tangent.h>
+#include <orthant/solvers/registry.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/integrators/derivatives/run_trials.h"
+#include "tests/support/scene_texts.h"
+
+#include <cstdio>
+
+using namespace orthant;
+
+namespace {
+
+using Kind = RunColumn::Kind;
+
+Scene with_value(const std::string& text, const std::string& key, double value) {
+  char set[100];
+  std::snprintf(set, sizeof set, "%s=%.17g", key.c_str(), value);
+  return parse_scene(text, std::vector<std::string>{set}, "scene");
+}
+
+std::vector<RunParameter> parameters_by_keys(const std::string& text,
+                                             const std::vector<std::pair<std::string, double>>& keys) {
+  std::vector<RunParameter> parameters;
+  for (const auto& [key, value] : keys)
+    parameters.push_back({key, value, [text, key = key](double x) { return with_value(text, key, x); }, -1});
+  return parameters;
+}
+
+// Scalars with weights that differ from record to record, by both modes.
+RunAdjoint check_reverse(const std::string& text, const std::vector<RunParameter>& parameters, const Clock& clock,
+                         const std::vector<RunColumn>& columns, double tolerance) {
+  const System system(parse_scene(text, {}, "scene"));
+  const auto solver = make_solver("auto");
+  const auto weights = [](long record, bool last, Eigen::MatrixXd& W) {
+    for (Index c = 0; c < W.rows(); ++c) {
+      W(c, 0) = std::cos(static_cast<double>(1 + record * (c + 1)));
+      W(c, 1) = last ? 1 : 0;
+    }
+  };
+  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(2, static_cast<Index>(parameters.size()));
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(2);
+  long record = 0;
+  const RunSteps steps(clock);
+  const RunTangent forward = differentiate_run(system, parameters, {}, *solver, clock, columns,
+                                               [&](double, const Eigen::VectorXd& x, const Eigen::MatrixXd& by) {
+                                                 Eigen::MatrixXd W(by.rows(), 2);
+                                                 weights(record, record == steps.records() - 1, W);
+                                                 value += W.transpose() * x, gradient += W.transpose() * by;
+                                                 ++record;
+                                               });
+  REQUIRE(forward.run.status == Status::solved);
+  CHECK(record == steps.records());
+  const RunAdjoint reverse = differentiate_run_reverse(system, parameters, {}, *solver, clock, columns, 2, weights);
+  REQUIRE(reverse.run.status == Status::solved);
+  CHECK((reverse.value - value).lpNorm<Eigen::Infinity>() <= 1e-12 * value.lpNorm<Eigen::Infinity>());
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    INFO(parameters[j].name);
+    const auto column = static_cast<Index>(j);
+    CHECK((reverse.gradient.col(column) - gradient.col(column)).lpNorm<Eigen::Infinity>() <=
+          tolerance * gradient.col(column).lpNorm<Eigen::Infinity>());
+    CHECK(gradient.col(column).lpNorm<Eigen::Infinity>() > 0);
+  }
+  CHECK(reverse.degenerate.size() == forward.degenerate.size());
+  const double root = std::sqrt(static_cast<double>(steps.total));
+  CHECK(reverse.checkpoints <= root + 1);
+  CHECK(reverse.checkpoints >= root / 2);
+  return reverse;
+}
+
+std::string slider_crank_text() { return scene_texts::contents(scene_texts::kCore / "scenes/slider_crank.toml"); }
+
+std::vector<RunParameter> slider_crank_parameters() {
+  auto parameters = parameters_by_keys(slider_crank_text(), {{"body.rod.mass", 0.038},
+                                                             {"body.crank.inertia", 7.4e-5},
+                                                             {"contact.corner1.mu", 0.01},
+                                                             {"contact.corner4.e_n", 0.4},
+                                                             {"body.crank.omega", 150}});
+  parameters.push_back({"start", 0, {}, 11});
+  // places, by hand: entries of arrays
+  parameters.push_back({"corner1.point.y", 0.025,
+                        [](double y) {
+                          Scene s = parse_scene(slider_crank_text(), {}, "scene");
+                          std::get<CornerWall>(s.contacts[0]).point.y() = y;
+                          return s;
+                        },
+                        -1});
+  parameters.push_back({"crank_pin.point_b.x", -0.0765,
+                        [](double x) {
+                          Scene s = parse_scene(slider_crank_text(), {}, "scene");
+                          std::get<Revolute>(s.joints[0]).point_b.x() = x;
+                          return s;
+                        },
+                        -1});
+  return parameters;
+}
+
+const char* const kSpringsAndDrives = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "arm"
+mass = 1.3
+inertia = 0.2
+position = [0.5, 0]
+[[body]]
+name = "ball"
+mass = 0.7
+inertia = 0.03
+position = [1.3, 0.4]
+velocity = [0.4, -1]
+omega = 2
+[[body]]
+name = "flap"
+mass = 0.4
+inertia = 0.02
+position = [0, 1]
+[[joint]]
+name = "pin"
+type = "revolute"
+bodies = ["ground", "arm"]
+point_b = [-0.5, 0]
+[[joint]]
+name = "shaft"
+type = "revolute"
+bodies = ["ground", "flap"]
+point_a = [0, 1]
+[[joint]]
+name = "motor"
+type = "drive"
+joint = "shaft"
+offset = 0
+rate = 0
+amplitude = 0.1
+omega = 20
+[[spring]]
+name = "coil"
+type = "point"
+bodies = ["arm", "ball"]
+point_a = [0.4, 0]
+stiffness = 30
+damping = 0.6
+rest = 0.5
+[[spring]]
+name = "link"
+type = "point"
+bodies = ["flap", "arm"]
+point_a = [0.3, 0]
+stiffness = 10
+rest = 0.3
+[[friction]]
+name = "bearing"
+joint = "pin"
+bound = 0.4
+[[load]]
+name = "pull"
+body = "arm"
+point = [0.2, 0]
+force = [0.5, 1]
+torque = 0.1
+[[contact]]
+name = "floor"
+type = "disc-wall"
+body = "ball"
+radius = 0.2
+wall = {point = [0, -0.1], normal = [0, 1]}
+mu = 0.1
+e_n = 0.6
+e_t = 0.2
+belt = 1.5
+)";
+
+// ω₁ = ω₀, ω₂ = −ω₀/2: the slider starts at rest.
+Scene crank_with(int place, double value) {
+  double p[] = {0.01, 0.4, 0.001, 150};
+  p[place] = value;
+  SliderCrank s;
+  s.mu = p[0], s.e = p[1], s.clearance = p[2], s.omega1 = p[3], s.omega2 = -p[3] / 2;
+  return slider_crank(s);
+}
+
+}  // namespace
+
+TEST_CASE("adjoint of a run: the slider-crank through its impacts, states, gaps and impulses of many records") {
+  check_reverse(slider_crank_text(), slider_crank_parameters(), {.step = 1e-4, .duration = 0.0301, .every = 7},
+                {{Kind::state, 2}, {Kind::state, 14}, {Kind::gap, 2}, {Kind::normal, 0}, {Kind::tangent, 3}}, 1e-7);
+}
+
+TEST_CASE("adjoint of a run: springs, dampers, a drive, dry friction, loads, a belt, tangential restitution") {
+  const std::string text = kSpringsAndDrives;
+  check_reverse(text,
+                parameters_by_keys(text, {{"spring.coil.stiffness", 30},
+                                          {"spring.coil.damping", 0.6},
+                                          {"spring.coil.rest", 0.5},
+                                          {"joint.motor.amplitude", 0.1},
+                                          {"friction.bearing.bound", 0.4},
+                                          {"load.pull.torque", 0.1},
+                                          {"contact.floor.e_n", 0.6},
+                                          {"contact.floor.radius", 0.2},
+                                          {"contact.floor.mu", 0.1},
+                                          {"body.arm.mass", 1.3}}),
+                {.step = 1e-3, .duration = 0.8}, {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}}, 1e-7);
+}
+
+TEST_CASE("columns of a run: gaps and impulses of contacts, by central differences of runs") {
+  const std::vector<RunColumn> columns = {{Kind::gap, 0}, {Kind::normal, 1}, {Kind::tangent, 1}};
+  const Clock clock{.step = 1e-4, .duration = 0.01, .every = 10};
+  const auto solver = make_solver("auto");
+  for (const RunParameter& p : slider_crank_parameters()) {
+    if (!p.scene || p.name == "contact.corner4.e_n") continue;  // that one has not struck
+    INFO(p.name);
+    const auto values = [&](double x, Eigen::MatrixXd* by) {
+      const System system(p.scene(x));
+      std::vector<Eigen::VectorXd> rows;
+      std::vector<RunParameter> all;
+      if (by != nullptr) all.push_back(p);
+      differentiate_run(system, all, {}, *solver, clock, columns,
+                        [&](double, const Eigen::VectorXd& value, const Eigen::MatrixXd& by_p) {
+                          rows.push_back(value);
+                          if (by == nullptr) return;
+                          by->conservativeResize(3, static_cast<Index>(rows.size()));
+                          by->rightCols(1) = by_p;
+                        });
+      return rows;
+    };
+    Eigen::MatrixXd by(3, 0);
+    values(p.value, &by);
+    const double step = 1e-6 * std::abs(p.value);
+    const auto high = values(p.value + step, nullptr), low = values(p.value - step, nullptr);
+    REQUIRE(high.size() == 11);
+    Eigen::MatrixXd difference(3, 11);
+    for (std::size_t r = 0; r < 11; ++r) difference.col(static_cast<Index>(r)) = (high[r] - low[r]) / (2 * step);
+    const bool parts = p.name == "corner1.point.y";  // it parts the face's corners, which strike together
+    const Index smooth = parts ? 3 : 11;             // records before the first impact, or all
+    for (Index c = 0; c < 3; ++c)
+      CHECK((by.row(c) - difference.row(c)).head(smooth).lpNorm<Eigen::Infinity>() <=
+            1e-5 * difference.row(c).head(smooth).lpNorm<Eigen::Infinity>() + 1e-9);
+    CHECK(difference.row(parts ? 0 : 1).head(smooth).lpNorm<Eigen::Infinity>() > 0);
+  }
+  const System system(parse_scene(slider_crank_text(), {}, "scene"));
+  CHECK_THROWS_AS(differentiate_run(system, {}, {}, *solver, clock, {{Kind::gap, 4}}), std::invalid_argument);
+}
+
+TEST_CASE(
+    "derivatives of the motion: the crank's angle after 0.2 s by mu, e, clearance, speed, by differences of runs") {
+  const double value[] = {0.01, 0.4, 0.001, 150}, step[] = {1e-3, 1e-5, 1e-5, 1e-5};
+  std::vector<RunParameter> parameters;
+  for (int i = 0; i < 4; ++i)
+    parameters.push_back({std::to_string(i), value[i], [i](double x) { return crank_with(i, x); }, -1});
+  const System system(crank_with(0, value[0]));
+  const auto solver = make_solver("auto");
+  const MotionTangent t = differentiate_motion(system, parameters, {}, *solver, 0.2);
+  REQUIRE(t.status == Status::solved);
+  CHECK(t.none.empty());
+  CHECK(std::abs(t.final.q[2] - 18.0836786523406) < 1e-9);
+  CHECK(t.guards.size() > 50);
+  for (int i = 0; i < 4; ++i) {
+    INFO(i);
+    const double h = step[i] * value[i];
+    double end[4];
+    for (int k = 0; k < 4; ++k) {
+      const System other(crank_with(i, value[i] + (k < 2 ? k - 2 : k - 1) * h));
+      EventDriven integrator(other);
+      end[k] = simulate(integrator, *solver, {.step = 0.2, .duration = 0.2}).final.q[2];
+    }
+    const double difference = (end[0] - 8 * end[1] + 8 * end[2] - end[3]) / (12 * h);
+    CHECK(std::abs(t.q(2, i) - difference) <= 1e-6 * std::abs(difference));
+  }
+}
+
+TEST_CASE("derivatives of the motion: a bounce and a stop by friction have closed forms; what parts has none") {
+  const auto solver = make_solver("auto");
+  const std::string ball = R"(
+gravity = [0, -10]
+[[body]]
+name = "ball"
+mass = 1
+inertia = 1
+position = [0, 1.25]
+[[contact]]
+name = "floor"
+type = "disc-wall"
+body = "ball"
+radius = 0.45
+wall = {point = [0, 0], normal = [0, 1]}
+e_n = 0.5
+)";
+  const System dropped(from_text(ball)({}));  // falls 0.8 m in 0.4 s, rebounds with 2 m/s
+  std::vector<RunParameter> parameters = parameters_by_keys(ball, {{"contact.floor.e_n", 0.5}});
+  parameters.push_back({"height", 0, {}, 1});
+  const MotionTangent b = differentiate_motion(dropped, parameters, {}, *solver, 0.5);
+  REQUIRE(b.guards.size() == 1);
+  CHECK(std::abs(b.guards[0].t - 0.4) < 1e-12);
+  CHECK(std::abs(b.guards[0].rate + 4) < 1e-9);
+  CHECK(std::abs(b.guards[0].moves[1] - 0.25) < 1e-8);  // 1 / |γ⁻|
+  CHECK(std::abs(b.v(1, 0) - 4) < 1e-8);
+  CHECK(std::abs(b.q(1, 0) - 0.4) < 1e-8);
+  CHECK(std::abs(b.v(1, 1) - 3.75) < 1e-8);   // (1 + e) g dT/dh, dT/dh = 0.25
+  CHECK(std::abs(b.q(1, 1) + 0.125) < 1e-8);  // after 0.1 s: 0.1 · 3.75 − 2 · 0.25
+
+  const std::string block = R"(
+gravity = [0, -10]
+[[body]]
+name = "block"
+mass = 2
+inertia = 1
+position = [0, 0.1]
+velocity = [3, 0]
+[[contact]]
+name = "heel"
+type = "corner-wall"
+body = "block"
+point = [-0.5, -0.1]
+wall = {point = [0, 0], normal = [0, 1]}
+mu = 0.3
+[[contact]]
+name = "toe"
+type = "corner-wall"
+body = "block"
+point = [0.5, -0.1]
+wall = {point = [0, 0], normal = [0, 1]}
+mu = 0.3
+)";
+  const auto with_mu = [block](double mu) {
+    Scene s = parse_scene(block, {}, "scene");
+    for (Contact& c : s.contacts) std::get<CornerWall>(c).law.mu = mu;
+    return s;
+  };
+  const System sliding(with_mu(0.3));  // stops after 1 s and 1.5 m
+  const MotionTangent s = differentiate_motion(sliding, {{"mu", 0.3, with_mu, -1}, {"vx", 0, {}, 3}}, {}, *solver, 1.3);
+  REQUIRE(s.status == Status::solved);
+  CHECK(s.none.empty());
+  CHECK(std::abs(s.final.q[0] - 1.5) < 1e-9);
+  CHECK(std::abs(s.q(0, 0) + 5) < 1e-7);  // −v² / (2 μ² g)
+  CHECK(std::abs(s.q(0, 1) - 1) < 1e-7);  // v / (μ g)
+  CHECK(s.v.lpNorm<Eigen::Infinity>() < 1e-7);
+
+  SliderCrank crank;
+  const System face(slider_crank(crank));
+  const auto tilted = [](double tilt) {
+    SliderCrank other;
+    other.theta3 = tilt;
+    return slider_crank(other);
+  };
+  const MotionTangent parted = differentiate_motion(face, {{"tilt", 0, tilted, -1}}, {}, *solver, 0.003);
+  CHECK(parted.none.find("parts") != std::string::npos);
+}
