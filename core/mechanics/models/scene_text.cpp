@@ -15,7 +15,7 @@ std::string SceneText::write() {
   for (std::size_t c = 1; c < carriers_.size(); ++c) joints(carriers_[c]);
   for (const ModelTie& tie : model_.ties) add_tie(tie);
   shapes();
-  std::string text = "# " + model_.format + " model " + quoted(in_one_line(model_.name)) + ", imported. SI units.\n";
+  std::string text = "# " + model_.format + " model " + in_quotes(in_one_line(model_.name)) + ", imported. SI units.\n";
   for (const std::string& note : model_.notes) text += "# " + in_one_line(note) + "\n";
   text += "dimension = 3\ngravity = " + list(model_.gravity) + "\nstep = " + number(model_.step) + "\n";
   return text + bodies_ + joints_ + contacts_ + collisions_ + frictions_ + springs_;
@@ -107,7 +107,7 @@ void SceneText::add_part(ModelLink& whole, const ModelLink& part, const Place& a
 void SceneText::body(const Carrier& c) {
   const ModelLink& w = c.whole;
   const Matrix3d J = (w.inertia + w.inertia.transpose()) / 2;
-  bodies_ += "\n[[body]]\nname = " + quoted(c.name) + "\n";
+  bodies_ += "\n[[body]]\nname = " + in_quotes(c.name) + "\n";
   const ModelLink& link = model_.links[static_cast<std::size_t>(c.link)];
   if (link.name != c.name) bodies_ += "# link " + in_one_line(shortened(link.name)) + "\n";
   if (!c.parts.empty()) bodies_ += "# with " + c.parts + "\n";

@@ -40,8 +40,8 @@ void SceneText::joints(const Carrier& c) {
   };
   const auto begin = [&](const char* type, const std::string& name) {
     const std::string own = joint_names_.take(name, "joint_" + c.name);
-    joints_ += "\n[[joint]]\ntype = \"" + std::string(type) + "\"\nname = " + quoted(own) + "\n" + bodies;
-    return "joint = " + quoted(own) + "\n";
+    joints_ += "\n[[joint]]\ntype = \"" + std::string(type) + "\"\nname = " + in_quotes(own) + "\n" + bodies;
+    return "joint = " + in_quotes(own) + "\n";
   };
   const auto axes = [&](const Vector3d& axis) {
     return "axis = " + list(in_a(axis)) + "\naxis_b = " + list(axis) + "\n";
@@ -130,7 +130,7 @@ CoordinateKeys SceneText::slide_keys(const std::string& bodies, const std::strin
 
 void SceneText::along(const Carrier& c, const ModelJoint& j, const CoordinateKeys& of) {
   const auto named = [&](Names& names, const char* suffix) {
-    return "name = " + quoted(names.take(j.name + suffix, c.name + suffix)) + "\n";
+    return "name = " + in_quotes(names.take(j.name + suffix, c.name + suffix)) + "\n";
   };
   if (of.keys.empty()) {
     std::string left;
@@ -168,8 +168,8 @@ void SceneText::add_tie(const ModelTie& tie) {
     return;
   }
   const std::string name = joint_names_.take(tie.name, "tie_" + a.name + "_" + b.name);
-  joints_ += "\n[[joint]]\ntype = \"" + std::string(tie.whole ? "fixed" : "spherical") + "\"\nname = " + quoted(name) +
-             "\nbodies = " + pair_of(a.name, b.name) + "\n";
+  joints_ += "\n[[joint]]\ntype = \"" + std::string(tie.whole ? "fixed" : "spherical") +
+             "\"\nname = " + in_quotes(name) + "\nbodies = " + pair_of(a.name, b.name) + "\n";
   Vector3d point_a = in_carrier_[i] * tie.anchor, point_b = b.world.inverse() * (a.world * point_a);
   if (tie.whole) {
     point_a = in_carrier_[i].p, point_b = b.world.inverse() * (a.world * point_a);

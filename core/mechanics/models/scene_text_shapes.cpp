@@ -97,8 +97,8 @@ void SceneText::wall(const Carrier& c, const ModelShape& s, const ModelShape& pl
   const auto write = [&](const char* type, const std::string& keys, int parts = 0) {
     const std::string on = plane.name.empty() ? "plane" : plane.name;
     const std::string name = contact_names_.take((s.name.empty() ? c.name : s.name) + "_on_" + on, "plane", parts);
-    contacts_ += "\n[[contact]]\ntype = \"" + std::string(type) + "\"\nname = " + quoted(name) +
-                 "\nbody = " + quoted(c.name) + "\nwall = {point = " + list(plane.at.p) +
+    contacts_ += "\n[[contact]]\ntype = \"" + std::string(type) + "\"\nname = " + in_quotes(name) +
+                 "\nbody = " + in_quotes(c.name) + "\nwall = {point = " + list(plane.at.p) +
                  ", normal = " + list(Vector3d(plane.at.R.col(2))) + "}\n" + keys;
     const double mu = std::max(s.mu, plane.mu);
     if (mu > 0) contacts_ += "mu = " + number(mu) + "\n";
@@ -143,7 +143,7 @@ void SceneText::collision(const std::vector<std::pair<std::size_t, const ModelSh
     set.shapes.push_back({.body = static_cast<BodyId>(c), .corners = points, .radius = rounded(*s) ? s->size.x() : 0});
     least = std::min(least, s->mu), most = std::max(most, s->mu);
     prisms += s->kind == ModelShape::Kind::cylinder, ellipsoids += s->kind == ModelShape::Kind::ellipsoid;
-    list_of += "  {body = " + quoted(carriers_[c].name) + ", ";
+    list_of += "  {body = " + in_quotes(carriers_[c].name) + ", ";
     if (s->kind == ModelShape::Kind::sphere)
       list_of += "radius = " + number(s->size.x()) + ", centre = " + list(points[0]);
     else if (s->kind == ModelShape::Kind::capsule)

@@ -25,9 +25,9 @@ inline std::string list(const std::vector<Vector3d>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) all += (i > 0 ? ", " : "") + list(points[i]);
   return all + "]";
 }
-inline std::string quoted(const std::string& text) { return '"' + text + '"'; }
+inline std::string in_quotes(const std::string& text) { return '"' + text + '"'; }
 inline std::string pair_of(const std::string& a, const std::string& b) {
-  return "[" + quoted(a) + ", " + quoted(b) + "]";
+  return "[" + in_quotes(a) + ", " + in_quotes(b) + "]";
 }
 
 /// (w, x, y, z), w ≥ 0.
