@@ -1,3 +1,4 @@
+#include <orthant/core/lcp/matrix.h>
 #include <orthant/core/lcp/mcp.h>
 
 #include <algorithm>
@@ -44,6 +45,39 @@ bool evaluate(const Mcp& p, const Vector& z, Matrix& J) {
   return std::all_of(sparse->value.begin(), sparse->value.end(), [](double v) { return std::isfinite(v); });
 }
 
+namespace {
+
+/// The row in which F's change along z differs most from the Jacobian's, over the terms |J_ij z_j|; none where it fits.
+/// Two steps by 2⁻¹³ z with signs that differ from column to column: terms that cancel in one do not in the other.
+Miss misfit(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F) {
+  constexpr double kStep = 0x1p-13, kShare = 0.5;
+  Vector step(Eigen::VectorXd::Zero(p.size())), terms(step), change, moved, at, scratch;
+  for_each_entry(J, [&](Index i, Index j, double value) { terms[i] += std::abs(value * z[j]); });
+  Miss worst;
+  double share = kShare;
+  for (const unsigned pattern : {0x9E3779B9U, 0x7F4A7C15U}) {
+    for (Index j = 0; j < p.size(); ++j) {
+      const bool down = (static_cast<unsigned>(j + 1) * pattern >> 16 & 1U) != 0;
+      const auto within = [&](double d) { return p.lo[j] <= z[j] + d && z[j] + d <= p.hi[j]; };
+      const double d = (down ? -kStep : kStep) * z[j];
+      step[j] = within(d) ? d : within(-d) ? -d : 0;
+    }
+    at = z + step;
+    if (!evaluate(p, at, moved)) continue;
+    multiply(J, step, change, scratch);
+    for (Index i = 0; i < p.size(); ++i) {
+      const double off = std::abs(moved[i] - F[i] - change[i]), all = kStep * terms[i];
+      if (!(off > share * all)) continue;
+      share = off / all;
+      worst = {
+          .row = i, .against = Miss::Against::jacobian, .by = off / kStep, .allowed = terms[i], .tolerance = kShare};
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
 void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
   Lcp linear{.A = DenseMatrix(), .b = {}, .lo = p.lo, .hi = p.hi, .friction = {}};
   s.residual = kInf, s.rounding = 0, s.miss = {};
@@ -58,6 +92,11 @@ void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
   linear.b = F - linear.b;
   Judge().certify(linear, tolerance, claim == Claim::exhausted ? Claim::stalled : claim, s);
   s.w = F;
+  if (!has_answer(s.status)) return;
+  if (const Miss miss = misfit(p, linear.A, s.z, F); miss.row >= 0) {
+    s.status = claim == Claim::candidate ? Status::stalled : status_of(claim);
+    s.miss = miss;
+  }
 }
 
 }  // namespace orthant

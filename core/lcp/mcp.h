@@ -5,6 +5,9 @@
 //   lo = 0, hi = ∞: a nonlinear complementarity problem; lo = −∞, hi = ∞: a system of equations.
 //   The judge: that of the linear problem A = J(z), b = F(z) − J(z) z, whose w at z is F(z) (judge/certify.h). F_i is
 //   small where it is small compared with its terms: F = −e^(−z) at z = 26 is 5e-12, but s = 2.7e-10.
+//   The Jacobian is trusted as far as F itself confirms it: where z passes, F is evaluated at two more points next to z,
+//   and a row whose change is off by more than half its terms |J_ij z_j| is not called solved. A Jacobian too large by
+//   1e12 would else excuse any F.
 //   Source: Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems (2003), ch. 1.
 #pragma once
 
@@ -30,7 +33,7 @@ bool evaluate(const Mcp& problem, const Vector& z, Vector& F);
 bool evaluate(const Mcp& problem, const Vector& z, Matrix& J);
 
 /// Fills w = F(z), residual, rounding and miss, and replaces s.status: solved or rounded when z passes, whatever the
-/// claim; a candidate that does not pass becomes stalled, or numerical_error where F or J is not finite.
+/// claim, and J fits F; a candidate that does not becomes stalled, or numerical_error where F or J is not finite.
 void certify(const Mcp& problem, double tolerance, Claim claim, Solution& s);
 
 }  // namespace orthant

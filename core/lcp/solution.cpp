@@ -72,6 +72,9 @@ std::string words_of(const Miss& miss) {
     return text.str();
   };
   if (!(std::abs(by) < kInf)) return which + " is not finite";
+  if (against == Miss::Against::jacobian)
+    return which + ": the Jacobian does not fit F, whose change along z differs by " + digits(by) + ", its terms are " +
+           digits(allowed);
   static constexpr const char* kPlaces[] = {"inside its bounds", "at its lower bound", "at its upper bound"};
   return which + " misses by " + (by == 0 ? "less than any double" : digits(by)) + ' ' +
          kPlaces[static_cast<int>(against)] + "; " + digits(tolerance) + " of its data is " + digits(allowed);

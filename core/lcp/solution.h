@@ -44,10 +44,11 @@ inline bool has_answer(Status status) { return status == Status::solved || statu
 
 /// The row that stands most in the way of `solved`.
 struct Miss {
-  enum class Against { inside, lower, upper, outside };
+  enum class Against { inside, lower, upper, outside, jacobian };
   Index row = -1;  // −1: none does
   Against against = Against::inside;
-  double by = 0, allowed = 0, tolerance = 0;  // v_i and its limit [units of w]; the limit over the row's data
+  // v_i and its limit [units of w]; the limit over the row's data. jacobian: how far F's change along z is from J's.
+  double by = 0, allowed = 0, tolerance = 0;
 };
 
 /// A class of cells without a solution (judge/cells.h): sides of the first rows in the order of decision, and why.

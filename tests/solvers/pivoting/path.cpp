@@ -354,6 +354,24 @@ TEST_CASE("F = -exp(-z) has no solution: however small it gets, it is not solved
   CHECK(!has_answer(s.status));
 }
 
+TEST_CASE("a Jacobian that does not fit F excuses nothing, and the row is named; one that fits costs no answer") {
+  const auto with_slope = [](double slope) {
+    return complementarity(
+        2, [](const Vector& z, Vector& F) { F[0] = z[0] - 1, F[1] = std::exp(z[1]) - std::exp(2.0); },
+        [slope](const Vector& z, DenseMatrix& J) { J << slope, 0, 0, std::exp(z[1]); });
+  };
+  Solution s;
+  s.z = Vector{3, 2};
+  certify(with_slope(1e12), 1e-10, Claim::candidate, s);
+  CHECK(s.status == Status::stalled);
+  CHECK(s.miss.row == 0);
+  CHECK(why(s).find("row 0: the Jacobian does not fit F") == 0);
+  s.z = Vector{1, 2};
+  certify(with_slope(1), 1e-10, Claim::candidate, s);
+  CHECK(s.status == Status::solved);
+  CHECK(Path().solve(with_slope(1), s).status == Status::solved);
+}
+
 TEST_CASE("F = atan(z) - 2 has no solution: where its slope is less than any number the run ends") {
   Mcp p = complementarity(
       1, [](const Vector& z, Vector& F) { F[0] = std::atan(z[0]) - 2; },
