@@ -1,4 +1,4 @@
-// integrators/event.h — event: what happens at a contact, and when; for schemes that locate it.
+// integrators/event.h — event: change at a contact and its time; for schemes that locate it.
 #pragma once
 
 #include <array>

@@ -108,7 +108,7 @@ template <class Space> class IntegratorOf {
 
   /// Whether the scheme divides the step that it is given: then the step bounds no penetration.
   virtual bool controls_step() const { return false; }
-  /// Of searched collisions, behind the listed contacts: what gaps() and impulses() belong to. Empty: none are
+  /// Of searched collisions, behind the listed contacts: the pairs of gaps() and impulses(). Empty: none are
   /// searched.
   virtual std::span<const Pair> pairs() const { return {}; }
 

@@ -112,7 +112,7 @@ class Solver {
   int facets_ = 16;
 };
 
-/// For solvers that hand a problem to another one: what that one came to, as a claim, and its proof or ray into s.
+/// For solvers that hand a problem to another one: its result as a claim, and its proof or ray into s.
 Claim handed_on(const Solution& inner, Solution& s);
 
 }  // namespace orthant

@@ -91,7 +91,7 @@ template <class Use> bool for_each_in_row(const Matrix& A, Index i, const Use& u
   return true;
 }
 
-/// A with the storage asked for: what it holds is kept, and its memory, where it has that storage already; else empty.
+/// A with the storage asked for. Where A has it already, entries and memory are kept; else empty.
 template <class Storage> Storage& as(Matrix& A) {
   if (auto* stored = std::get_if<Storage>(&A)) return *stored;
   return A.emplace<Storage>();

@@ -23,7 +23,7 @@ void check_size(const std::string& name, std::uintmax_t bytes, std::uintmax_t mo
 std::string read_whole(const std::filesystem::path& path, std::uintmax_t most = UINTMAX_MAX);
 
 /// Writes to a temporary file next to `path` and renames it: readers see the old or the new file, never half of it.
-/// A link is followed; what is no regular file (a device, say) is refused and left alone.
+/// A link is followed; anything but a regular file (a device, say) is refused and left alone.
 /// Throws std::runtime_error naming the file and the reason; nothing is left behind then.
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
@@ -38,7 +38,7 @@ void check_readable(const std::filesystem::path& path);
 /// Throws std::runtime_error when `path` could not be written. Call it before a long run, not after it.
 void check_writable(const std::filesystem::path& path);
 
-/// Throws std::invalid_argument when both are one file: what is written would take the place of what was read, or
+/// Throws std::invalid_argument when both are one file: the output would take the place of the input, or
 /// written.
 /// `one` and `other` as the caller knows them, such as "--output".
 void check_apart(std::string_view one, const std::filesystem::path& path, std::string_view other,

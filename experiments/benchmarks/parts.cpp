@@ -1,7 +1,7 @@
 // Cost of each part (Google Benchmark): small problems, pivots, the judge, proofs, broad phase, steps.
 //
 //   build/release/experiments/parts --benchmark_filter=step     # --help tells the rest
-// Times drift with the machine: compare within one run, or two builds by turns. What must not get slower is checked by
+// Times drift with the machine: compare within one run, or two builds by turns. Regressions are checked by
 // tests/integrators/speed.cpp, as ratios.
 #include "experiments/support/reference_kernel.h"
 

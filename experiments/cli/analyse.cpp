@@ -1,4 +1,4 @@
-// orthant analyse — what kind of matrix a problem has, so that a method can be chosen.
+// orthant analyse — class of a problem's matrix, so that a method can be chosen.
 #include "experiments/cli/commands.h"
 #include "experiments/cli/problem_arguments.h"
 

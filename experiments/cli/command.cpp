@@ -99,7 +99,7 @@ bool has(int argc, const char* const* argv, std::string_view word) {
   throw std::invalid_argument("'" + given + "' is no subcommand, one of:" + known);
 }
 
-/// The help's first lines: what there is, and where to read more.
+/// The help's first lines: the commands, and where to read more.
 int print_subcommands(const CLI::App& app) {
   std::string text = app.get_description() + "\nUsage: orthant COMMAND [OPTIONS]\n\n";
   std::size_t longest = 0;

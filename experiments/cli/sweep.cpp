@@ -1,4 +1,4 @@
-// orthant sweep — many runs from one file, into one SQLite file; orthant results — what is in there.
+// orthant sweep — many runs from one file, into one SQLite file; orthant results — the content of that file.
 #include "experiments/cli/commands.h"
 
 #include "experiments/sweep/analysis.h"

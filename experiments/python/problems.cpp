@@ -1,4 +1,4 @@
-// Linear problems: what the caller gives is read into the solver's own memory, solved without the interpreter's lock.
+// Linear problems: the caller's arrays are read into the solver's own memory, solved without the interpreter's lock.
 #include "experiments/python/arrays.h"
 #include "experiments/python/interrupt.h"
 #include "experiments/python/module.h"

@@ -17,7 +17,7 @@
 
 namespace orthant {
 
-/// `note`: what the page's first line says of the run. `drawing`: of drawing.h; null: the run's own, else bodies as
+/// `note`: the page's first line about the run. `drawing`: of drawing.h; null: the run's own, else bodies as
 /// points.
 nlohmann::ordered_json view_data(const std::string& name, const std::string& note, const RecordedRun& run,
                                  const nlohmann::ordered_json& drawing = nullptr);

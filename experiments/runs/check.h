@@ -10,7 +10,7 @@
 //   times the difference), 1.5 for h/4 and 2 for a tolerance; never less than a floor, for runs may agree by
 //   construction: 1e-12, or 2e-16 times the steps, of the largest coordinate or velocity of the same unit.
 //   digits = ⌊−log10(error / |value|)⌋, 0 to 15: significant decimal digits of the value.
-//   Limits: what all repetitions get wrong alike is not seen. Each repetition may take 20 times as long as the run, and
+//   Limits: an error that all repetitions share is not seen. Each repetition may take 20 times as long as the run, and
 //   10 s;
 //   one that fails or takes longer is not compared, and is named.
 // Cost: adaptive and event-driven about twice the run, a fixed step 5 times.

@@ -1,4 +1,4 @@
-// Friction, restitution and clearance of the slider-crank from a noisy crank angle: what derivatives are worth.
+// Friction, restitution and clearance of the slider-crank from a noisy crank angle: the worth of derivatives.
 //
 //   Data: θ₁ at N times by event-driven at the true (μ, e, c), plus normal noise of `sigma`, seeded.
 //   min ½ Σ (θ₁(t_i; μ, e, c) − y_i)² / σ²,  in units of the start's values, within bounds

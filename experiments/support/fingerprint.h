@@ -24,7 +24,7 @@ struct Fingerprint {
 /// process.
 std::vector<Fingerprint> all_fingerprints();
 
-/// Runs up to `steps` steps, or until `seconds` are over at the end of one: what is late has fewer marks. Islands are
+/// Runs up to `steps` steps, or until `seconds` are over at the end of one: a late run has fewer marks. Islands are
 /// shared by `threads`.
 void take(Fingerprint& f, long steps, double seconds, int threads);
 /// All of them, `threads` at a time. done() after each, in any thread.

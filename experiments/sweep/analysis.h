@@ -35,7 +35,7 @@ nlohmann::ordered_json orders_of_statistics(const std::vector<ResultRow>& rows);
 /// Below this order an error does not fall to speak of.
 inline constexpr double kNoOrder = 0.5;
 
-/// Two sentences, computed from the rows: what failed and how errors fall; by whom an error costs least, what is kept.
+/// Two sentences, computed from the rows: failures and orders; the cheapest method at an error, what it keeps.
 std::string answer(const std::vector<ResultRow>& rows);
 
 }  // namespace orthant

@@ -1,4 +1,4 @@
-// The answer of a sweep in two sentences: how its runs ended and how errors fall; what that means.
+// The answer of a sweep in two sentences: how its runs ended, how errors fall, and the meaning of both.
 #include "experiments/sweep/analysis.h"
 
 #include <orthant/core/support/options.h>

@@ -14,7 +14,8 @@ struct Tally {
   int run = 0, failed = 0;
 };
 
-/// `jobs` 0: one a core. Forks: no other threads. `retry`: what a time limit or a crash ended is run again (results.h).
+/// `jobs` 0: one a core. Forks: no other threads. `retry`: cases that a time limit or a crash ended are run again
+/// (results.h).
 Tally run_sweep(const Sweep& sweep, Results& results, const std::filesystem::path& file, unsigned jobs,
                 bool retry = false);
 

@@ -221,7 +221,7 @@ class Reader {
     in_file(key, [&] { return make_integrator(spec, anything); });
   }
 
-  /// Every combination; what each key brings is applied to all cases so far.
+  /// Every combination; the values of each key are applied to all cases so far.
   std::vector<Case> cases(Json grid, bool quick) const {
     static const std::set<std::string> kKeys = {"scene", "duration", "integrator", "solver",    "step",
                                                 "rtol",  "set",      "repeats",    "time_limit"};

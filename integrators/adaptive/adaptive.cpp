@@ -126,7 +126,7 @@ void Adaptive::finish_stride(StepReport& report) {
   }
 }
 
-/// Likewise those until t, which is within it: what lasting contacts took, within the cone of friction.
+/// Likewise those until t, which is within it: impulses of lasting contacts, within the cone of friction.
 void Adaptive::hand_over_until(double t) {
   const auto later =
       std::find_if(left_.events.begin(), left_.events.end(), [&](const Event& event) { return event.t > t; });

@@ -78,8 +78,8 @@ bool ContactTransition::immobile(const Vector& u) {
   return immobility_.judge().immobile;
 }
 
-/// Whether the certificate u stands against rounding of the problem too. What no force moves contradicts by its own
-/// accelerations alone, more than by rounding. Else every column's share of Aᵀu has to be clearly below zero, or of
+/// Whether the certificate u stands against rounding of the problem too. A row that no force moves contradicts by its
+/// own accelerations alone, more than by rounding. Else every column's share of Aᵀu has to be clearly below zero, or of
 /// nothing:
 /// where it is zero by rounding, large forces may be the answer and not none: blocks whose masses lie far apart, or a
 /// light body between heavy ones, whose contacts are out of line by rounding alone.

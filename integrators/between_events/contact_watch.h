@@ -6,7 +6,7 @@
 //   degree 5 (q) and 3 (v).
 //   Between these five points a force is the quartic through its values, a slip the cubic through values and rates of
 //   neighbours; the first zero is found by first_crossing.h. The forces' impulses come from the same five values
-//   (Boole's rule, weights > 0: what is in the friction cone at all points adds up to an impulse in the cone).
+//   (Boole's rule, weights > 0: forces in the friction cone at all points add up to an impulse in the cone).
 //   Cost: 3 evaluations of the accelerations a step. Limits: errors of the polynomials, (ω s)⁴ / 384 of the velocity's
 //   amplitude at the most; a dip narrower than a quarter of the step may be overlooked.
 //   Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.6; Davis & Rabinowitz,

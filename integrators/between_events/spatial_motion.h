@@ -4,7 +4,7 @@
 //     sticking:  W_T a = −Ẇ_T v (two rows)      sliding:  λ_T = −μ λ_N γ_T / |γ_T|      (μ = 0: neither)
 //   The direction of slip turns with γ_T: at the rate μ λ_N / |γ_T| it returns to where γ̇_T is along it, so that slow
 //   slip is stiff. A contact that has just begun to slide departs: its direction is the one along which γ̇_T is, by
-//   fixed-point iterations. What that leaves out is |γ_T| times the turn since the departure, or a part of it.
+//   fixed-point iterations. The error is |γ_T| times the turn since the departure, or a part of it.
 //   Ẇ v is the derivative of W v along q exp(s v), by differences of fourth order over a turn of 1e-3 rad of what turns
 //   fastest, the bodies, the normal or a surface: to about 1e-13 of |v| times the rate of turning. It is taken of the
 //   velocity in the world, since the tangents of a contact may turn about its normal (those of orthotropic friction are

@@ -36,7 +36,7 @@ class Substitute {
   };
   /// One step of a scheme that works on system(); x is of the scene itself. Pairs are numbered again in each step, as
   /// those
-  /// of other schemes are: those that push or have events first, then by their gaps; what has no room is left out.
+  /// of other schemes are: those that push or have events first, then by their gaps; those without room are left out.
   StepReport step(Integrator& scheme, double h, Solver& solver, State& x, Records out);
 
   void remember(CheckpointData& memory) { memory(state_); }

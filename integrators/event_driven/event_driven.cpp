@@ -126,7 +126,7 @@ bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   return change_modes(solver, {}, report);
 }
 
-/// Where a force or its slope jumps next [s]; what is no farther than rounding of the time has been passed.
+/// Where a force or its slope jumps next [s]; a jump no farther than rounding of the time has been passed.
 double EventDriven::next_stop() const {
   return system_.next_breakpoint(start_ + elapsed_ + 4 * kRounding * (std::abs(start_) + std::abs(elapsed_)));
 }

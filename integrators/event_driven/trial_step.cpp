@@ -99,7 +99,8 @@ double EventDriven::first_guess(double rest) const {
   return guess > 0 ? std::min(guess, rest) : rest;
 }
 
-/// Of the joint rows, where the accelerations were evaluated last. What is redundant everywhere is no singular pose.
+/// Of the joint rows, where the accelerations were evaluated last. Rows that are redundant everywhere make no singular
+/// pose.
 double EventDriven::independence() const {
   return motion_.basic().rank() < joints_.rank ? 0 : motion_.basic().independence();
 }
@@ -162,7 +163,7 @@ bool EventDriven::turns(double s) const {
 
 /// Shortens the step to where contacts turn: freed_.released. The last stages of a step across that place see the other
 /// normal, so its velocity and forces are those of the longest step that ends before it. It goes on from somewhat
-/// behind the place, where rounding does not choose the normal. False: what happens sooner has to be looked at first.
+/// behind the place, where rounding does not choose the normal. False: an earlier event has to be looked at first.
 bool EventDriven::find_turn(double& s) {
   double low = 0, high = s;
   const auto instant = [&] { return kShortest * kRounding * (std::abs(start_) + elapsed_ + high); };

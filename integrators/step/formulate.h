@@ -49,7 +49,7 @@ template <class Space> class FormulationOf {
   /// `loads`, one a friction of the scene [N], are those that its bound depends on; null: none does.
   void resist(double duration, const std::vector<double>* loads = nullptr) { problem_.resist(duration, loads); }
 
-  /// Coordinates near those of the terms, but such that they satisfy the joints, at time t: what joints immobilise is
+  /// Coordinates near those of the terms, but such that they satisfy the joints, at time t: immobilised rows are
   /// looked for there. They stay where they are until the problem is solved.
   void anchor(double t, const Eigen::VectorXd& q) { deficiency_.anchor(t, q); }
 

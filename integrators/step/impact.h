@@ -75,7 +75,7 @@ template <class Space> class ImpactOf {
 
  private:
   /// The contacts that may (null: all), strike at v_ one after the other, the fastest first, until none approaches
-  /// faster than kLeft of `first` [m/s]; what is no such contact strikes each time.
+  /// faster than kLeft of `first` [m/s]; any other contact strikes each time.
   bool one_by_one(const Terms& terms, const BasicSystem& basic, const std::vector<char>* may, double first,
                   Solver& solver, StepReport& report);
   /// The contacts struck_.closed strike at v_, by the law of restitution.

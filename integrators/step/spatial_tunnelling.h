@@ -7,7 +7,7 @@
 //   The way: centres of mass go straight, bodies turn evenly about one axis, by less than half a turn.
 //   Looked at: sphere-sphere contacts and searched collisions. Half-spaces cannot be passed unseen.
 // Cost: nothing where no shapes meet; O(bodies) a step while all move less than a fifth of the thinnest shape in it.
-// Limit: what passes by at less than that depth, goes another way, or turns by more than half a turn a step.
+// Limit: passages of less than that depth, on another path, or with more than half a turn a step.
 #pragma once
 
 #include <orthant/integrators/step/tunnelling.h>

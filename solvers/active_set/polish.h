@@ -23,8 +23,8 @@ class Polish {  // reuse it
  public:
   /// z n: replaced by what is better by the judge's residual and rounding, within the bounds; not finite, it stays what
   /// it is. True when the judge, allowing for rounding only, calls the end solved. `problem` without friction rows.
-  /// `each_row`: what the judge accepts row by row beats what only has a smaller largest residual (the bounds of frozen
-  /// friction settle better by the latter).
+  /// `each_row`: a z that the judge accepts row by row beats one that only has a smaller largest residual (the bounds
+  /// of frozen friction settle better by the latter).
   bool improve(const Lcp& problem, Vector& z, const Budget& budget, bool each_row = false);
 
  private:

@@ -94,7 +94,7 @@ struct PrincipalBlock::Dense {
       for (Index i = 0; i < m; ++i) x[i] += rhs[i] * scaling.col[F[at(i)]];
     }
   }
-  /// rhs ← rhs − (A_FF + D) x, in long double. Four rows at once: what lies side by side in a column is read together,
+  /// rhs ← rhs − (A_FF + D) x, in long double. Four rows at once: neighbours in a column are read together,
   /// a third of the time of row after row.
   void subtract_product(const std::vector<Index>& F, const Vector& x) {
     const Index m = x.size();

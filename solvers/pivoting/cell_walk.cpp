@@ -224,7 +224,7 @@ template <class T> bool Walk::visit(std::size_t depth) {
                      [&](Choice choice) { return visit_child<T>(depth, choice); });
 }
 
-// The same node in rationals; what the last path shares with this one is there already.
+// The same node in rationals; the part shared with the last path is there already.
 bool Walk::visit_exactly(std::size_t depth, std::size_t agreed) {
   agreed_ = agreed;
   std::size_t d = 0;
@@ -241,7 +241,7 @@ bool Walk::visit_exactly(std::size_t depth, std::size_t agreed) {
   return visit<Rational>(depth);
 }
 
-// Where all signs are certain and no entry is left; what is no solution has none.
+// Where all signs are certain and no entry is left; a non-solution has none.
 std::optional<Support> Walk::support(Node<Filtered>& node) {
   Support result{};
   for (const Line& line : lines_) {

@@ -49,7 +49,7 @@ SolutionFace face(const Piece& piece) {
   return result;
 }
 
-/// Rationals may rule out a class that doubles have divided already: what is part of another class goes.
+/// Rationals may rule out a class that doubles have divided already: a part of another class goes.
 void keep_widest(std::vector<Cell>& cells) {
   std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.sides < b.sides; });
   std::size_t kept = 0;

@@ -12,7 +12,7 @@
 //     and
 //       upper are parts of inside, and it alone is.
 //   Arithmetic is double with error bounds (exact.h); a sign that it leaves open, and every solution found, is done
-//   again in rationals: what comes out is the exact answer for the numbers given, the Delassus operator being formed
+//   again in rationals: the result is the exact answer for the numbers given, the Delassus operator being formed
 //   exactly.
 //   A polyhedron with entries left is described by its vertices and directions (double description, exact.h). One
 //   that lies in another is dropped: exactly when each form that it lets be ≠ 0 somewhere is ≠ 0 somewhere in the

@@ -80,7 +80,7 @@ template <class T> bool NormalPath<T>::factorize() {
   return basis_.factorize([this](Index k, const auto& add) { column(code_[at(k)], add); });
 }
 
-// One variable of each row by side_, free ones first: what is dependent is then found among the others. Dependent z go
+// One variable of each row by side_, free ones first: dependent ones are then found among the others. Dependent z go
 // to their bound; false when a free one is among them.
 template <class T> bool NormalPath<T>::choose_basis() {
   for (;;) {

@@ -4,10 +4,10 @@
 //   Robinson's normal map writes the three as one point x: z = π(x), the projection on [lo, hi], w − v = z − x, so that
 //   solutions are the zeros of  M π(x) + q + x − π(x).  At the start its value is r; the path keeps it at (1 − t) r:
 //     M z − w + v + r t = r − q,
-//   of z_i, w_i, v_i one basic, and t. First t enters; what blocks leaves at its bound and its complement enters: w_i
-//   after z_i at lo_i, v_i after z_i at hi_i, z_i after either; z_i may run through its whole range at once. t leaves
-//   at 1 (solved), or nothing blocks (ray). Free z_i never leave. t may fall below its start, and come back.
-//   Two ways to start:
+//   of z_i, w_i, v_i one basic, and t. First t enters; the blocking variable leaves at its bound and its complement
+//   enters: w_i after z_i at lo_i, v_i after z_i at hi_i, z_i after either; z_i may run through its whole range at
+//   once. t leaves at 1 (solved), or nothing blocks (ray). Free z_i never leave. t may fall below its start, and come
+//   back. Two ways to start:
 //     from a point    the basis is what x says; singular: dependent z_i move to their nearest bound (free ones:
 //                     refused).
 //     on a ray        z at its bounds, free z solved for, and r = −d z₀ so that w, v ≥ 0: this is Lemke's method.

@@ -39,7 +39,7 @@ template <class T> T magnitude(T x) {
   return x < 0 ? -x : x;
 }
 
-/// line ← line + f p; what cancels to noise becomes 0.
+/// line ← line + f p; entries that cancel to noise become 0.
 template <class T> void add_multiple(T* __restrict line, const T f, const T* __restrict p, int size) {
   if constexpr (std::is_same_v<T, double>) {
     add_multiple(line, f, p, Index{size}, Roundings<double>::snap);

@@ -9,7 +9,7 @@ namespace orthant {
 
 namespace detail {
 
-/// While it lives the HDF5 library prints nothing; what the caller had set comes back.
+/// While it lives the HDF5 library prints nothing; the caller's settings come back.
 class Hdf5Quiet {
  public:
   Hdf5Quiet();

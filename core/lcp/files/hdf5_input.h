@@ -1,4 +1,4 @@
-// core/lcp/files/hdf5_input.h — HDF5 file of arrays and texts, read; what Hdf5Image writes.
+// core/lcp/files/hdf5_input.h — reader of HDF5 files of arrays and texts, as Hdf5Image writes them.
 #pragma once
 
 #include <orthant/core/lcp/files/hdf5_image.h>

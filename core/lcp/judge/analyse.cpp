@@ -62,7 +62,7 @@ bool leading_minors_positive(exact::Table A) {
   return true;
 }
 
-// S symmetric. Diagonal pivots where positive; what is left must then be zero.
+// S symmetric. Diagonal pivots where positive; the rest must then be zero.
 bool semidefinite(exact::Table S) {
   std::vector<char> done(S.size(), 0);
   for (;;) {

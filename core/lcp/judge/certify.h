@@ -37,7 +37,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   /// Fills w, residual, rounding and miss from z, and writes solution.status: solved, rounded or infeasible where that
   /// holds, whatever the claim. A proof, in solution.certificate or the ray that is claimed, goes before rounded.
   /// A candidate that does not pass is stalled, or numerical_error where z is not finite or A z overflows; other claims
-  /// stand. What proves nothing is taken out of solution.certificate.
+  /// stand. A certificate that proves nothing is removed.
   void certify(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
 
   /// The residual up to which a multiple of the violations last judged would have been accepted.

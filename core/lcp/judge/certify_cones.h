@@ -7,8 +7,8 @@
 //     e_c ≤ max(tolerance · min(β, s_c), 20 ε t_c),   ε t_c ≤ 1e-6 β,                                            (2)
 //     β    largest data of the blocks that A couples with this one: ‖q'‖, or at a finite bound what it brings into w',
 //     s_c  = ‖ |q'_c| + Σ_j |A'_cj z'_j| ‖, the terms that w'_c is the sum of,
-//     t_c  = ‖ |q'_c| + Σ_j |A'_cj| max |z'| ‖, the largest z' of the coupled blocks: what the last digits of z leave
-//   unknown in w'_c. So large data excuse nothing elsewhere, and a runaway z (ε t_c > 1e-6 β) is no answer.
+//     t_c  = ‖ |q'_c| + Σ_j |A'_cj| max |z'| ‖, the largest z' of the coupled blocks: the part that the last digits of
+//   z leave unknown in w'_c. So large data excuse nothing elsewhere, and a runaway z (ε t_c > 1e-6 β) is no answer.
 //   Sums run in long double. The subtraction in (1) loses up to 4 ε ‖z'_c‖, which solved has to bear as well.
 //   Proof of infeasibility: certify.h, with the disc's support function,
 //     sup gᵀz over ‖z_T‖ ≤ μ z_n = (g_n + μ‖g_T‖) z_n.

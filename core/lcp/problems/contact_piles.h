@@ -6,7 +6,7 @@
 //   none for
 //   friction where μ = 0.   b = W v, v = h (g, 0) the velocity after a step h = 1e-3 s of gravity alone: monotone
 //   without friction, and with friction solvable by theory (b lies in the range of W).
-//   mass_ratio: heaviest over lightest, growing from bottom to top: what slows iterative methods down.
+//   mass_ratio: heaviest over lightest, growing from bottom to top: iterative methods slow down.
 //   slope: gravity's angle, in radians; atan(μ) is where boxes begin to slide.
 //   Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996) 2673-2691 (existence).
 #pragma once

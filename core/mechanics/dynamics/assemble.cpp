@@ -35,7 +35,7 @@ class Assembly {
     return off() <= 1e3 * zero(q);
   }
 
-  /// In words: what is off most at the last q.
+  /// In words: the joint with the largest residual at the last q.
   std::string off_most_words() const {
     double most = 0;
     std::string words;

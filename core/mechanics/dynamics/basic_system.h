@@ -49,7 +49,7 @@ template <class Space> class BasicSystemOf {
   /// Right-hand side f = rowᵀ, c = 0.
   void solve_row(const Row& row, double* x) const;
 
-  /// The next factorization chooses its pivots again, as the first one does: what it gives depends on no matrix before.
+  /// The next factorization chooses its pivots again, as the first one does: its result depends on no matrix before.
   void forget();
 
   int joint_rows() const { return rows_; }

@@ -302,7 +302,7 @@ template <class Space> void SchurOf<Space>::add_solution(double* x) const {
   }
 }
 
-/// S λ' = λ. What is within a pair is no step of its own on the way there and back: no other pair waits for it.
+/// S λ' = λ. The inside of a pair is no step of its own on the way there and back: no other pair waits for it.
 template <class Space> template <class N> void SchurOf<Space>::solve_pairs(N n) const {
   const auto S = [&](int p, int j) { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
   Simd2* const y = lambda_.data();

@@ -36,7 +36,7 @@ template <class Space> struct TermsOf {
   TermsOf() = default;
   explicit TermsOf(const SystemOf<Space>& system);  // sized, so that evaluation allocates nothing
 
-  /// ṡ − G v of joint row i: what is missing to the velocity that the joint wants.
+  /// ṡ − G v of joint row i: the defect of the joint's velocity.
   double missing_rate(Eigen::Index i, const Eigen::VectorXd& v) const {
     return joint_rate[i] - apply(G[static_cast<std::size_t>(i)], v.data());
   }
@@ -52,7 +52,7 @@ void set_poses(const SystemOf<Spatial>& system, double t, const Eigen::VectorXd&
 template <class Space>
 void set_twists(const SystemOf<Space>& system, const Eigen::VectorXd& v, KinematicsOf<Space>& at);
 
-/// Each reads terms.at; what needs velocities reads twists too. All in the order of the scene.
+/// Each reads terms.at; functions of velocities read twists too. All in the order of the scene.
 /// Weight, loads and springs; in space without −ω × Jω, see add_gyroscopic().
 template <class Space>
 void evaluate_forces(const SystemOf<Space>& system, double t, const Eigen::VectorXd& v, TermsOf<Space>& terms);

@@ -2,7 +2,7 @@
 //
 // Taken: links with inertial (any frame), collision shapes (box, sphere, cylinder, capsule, mesh: the convex hull of an
 // STL or OBJ file, scaled); joints revolute, continuous, prismatic, fixed, planar, floating with origin, axis, limits,
-// damping, friction. The rest is listed in Model::notes: what is drawn, motors (effort, velocity), mimic, and so on.
+// damping, friction. The rest is listed in Model::notes: visual shapes, motors (effort, velocity), mimic, and so on.
 // Source: the URDF specification of ROS (wiki.ros.org/urdf/XML).
 #pragma once
 

@@ -2,7 +2,7 @@
 //
 //   Tiles that lie flush form one surface. A body that slides over it must not meet the end face that the neighbour
 //   covers, nor a corner on the seam (a "ghost collision"). A face is covered where other solids of the same body lie
-//   against it. At a corner the solids fill sectors; what they leave free decides:
+//   against it. At a corner the solids fill sectors; the free sector decides:
 //     free angle > π:  a convex corner of the surface, with the normals between those of the two edges of the free
 //     sector else:            a point of a flat surface or a concave corner, which has no normals but those of its
 //                             faces.

@@ -53,7 +53,7 @@ template <> struct KinematicsOf<Planar> {
 };
 using Kinematics = KinematicsOf<Planar>;
 
-/// Likewise; what `at` says of the pose is not needed in the plane.
+/// Likewise; the plane does not need the pose in `at`.
 inline Twist twist_of(const Eigen::VectorXd& v, BodyId b, const Kinematics& /*at*/) { return twist_of(v, b); }
 
 }  // namespace orthant

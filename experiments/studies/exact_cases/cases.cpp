@@ -420,7 +420,7 @@ void across_solvers(std::vector<ExactCase>& all) {
                  .unlike = [](const State& a, const State& b) { return (a.v - b.v).lpNorm<Eigen::Infinity>(); }});
 }
 
-/// Discs in a triangle, one struck by a fourth: what one impact may do to momentum and energy.
+/// Discs in a triangle, one struck by a fourth: momentum and energy of one impact.
 void impact_laws(std::vector<ExactCase>& all) {
   constexpr double e = 0.5, radius = 0.5;
   Scene s;

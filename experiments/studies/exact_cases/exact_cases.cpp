@@ -7,7 +7,7 @@
 //   when its error is at most the `exact` of the case, or
 //   fixed step  when it converges: order ≥ 0.85 with events, ≥ 1.85 or 0.85 (by scheme) without;
 //   tolerances  when the finest error is at most 1e-6.
-// Nothing is left out: what does not pass says why.
+// Nothing is left out: a case that does not pass says why.
 #include "experiments/runs/manifest.h"
 #include "experiments/studies/exact_cases/exact_case.h"
 #include "experiments/support/between.h"

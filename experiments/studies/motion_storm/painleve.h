@@ -1,10 +1,10 @@
 // experiments/studies/motion_storm/painleve.h — test for Painlevé's paradox and for impacts without a solution.
 //
-//   A = J P Jᵀ, P = M⁻¹ − M⁻¹Gᵀ(G M⁻¹Gᵀ)⁺G M⁻¹: what forces at the closed contacts do to their accelerations where the
-//   joints hold (⁺: by eigenvalues, dependent rows left out). Contacts that slide with σ_j = ±1, or stick (0):
-//   B = A_NN − A_NT diag(σ_j μ_j). Without a paradox B is a P₀ matrix for every σ. A negative principal minor of one of
-//   them, beyond rounding, makes it possible. Contacts that joints immobilise (A_ii is rounding of Jᵢ M⁻¹ Jᵢᵀ) do not
-//   count.
+//   A = J P Jᵀ, P = M⁻¹ − M⁻¹Gᵀ(G M⁻¹Gᵀ)⁺G M⁻¹: the effect of forces at the closed contacts on their accelerations
+//   where the joints hold (⁺: by eigenvalues, dependent rows left out). Contacts that slide with σ_j = ±1, or stick
+//   (0): B = A_NN − A_NT diag(σ_j μ_j). Without a paradox B is a P₀ matrix for every σ. A negative principal minor of
+//   one of them, beyond rounding, makes it possible. Contacts that joints immobilise (A_ii is rounding of Jᵢ M⁻¹ Jᵢᵀ)
+//   do not count.
 //   Impacts (jamming): w = A Λ + J u − target with A of normal and tangent rows together, target −e u_N, and
 //   belt − e_T (u_T − belt) where a contact strikes. Each closed contact is open, sticks or slides one way or the
 //   other: 4ᵏ linear systems. None of them may have a solution with admissible signs, not even to 1e-6 of the fastest

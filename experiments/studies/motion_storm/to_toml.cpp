@@ -1,4 +1,4 @@
-// Scenes as TOML text: what scene_toml.h reads, written.
+// Writer of scenes as TOML text that scene_toml.h reads.
 #include "experiments/studies/motion_storm/scenes.h"
 
 #include <orthant/core/support/options.h>

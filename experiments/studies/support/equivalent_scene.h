@@ -6,7 +6,7 @@
 
 namespace orthant {
 
-/// Turns by `angle`, then shifts; what is fixed to the ground goes along, what is fixed to bodies stays with them.
+/// Turns by `angle`, then shifts; parts of the ground go along, parts of bodies stay with them.
 Scene moved(Scene s, double angle, const Vector2d& shift);
 /// In the line x = 0.
 Scene mirrored(Scene s);

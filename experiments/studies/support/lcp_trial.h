@@ -40,7 +40,7 @@ enum class Result { certified, refused, failed, wrong, crashed, late, skipped };
 inline constexpr int kResults = 7;
 const char* name(Result result);
 
-/// `answer`: what is known of the problem; empty: nothing.
+/// `answer`: the known answer of the problem; empty: none.
 Result judge(const Trial& trial, std::optional<Answer> answer);
 
 }  // namespace orthant

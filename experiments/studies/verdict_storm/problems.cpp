@@ -266,7 +266,7 @@ StormProblem runaways(Random& random) {
   return plain(A, b, Answer::infeasible);
 }
 
-/// One or more rows with a b far above the others': what excuses much there excuses nothing elsewhere.
+/// One or more rows with a b far above the others': a large excuse there excuses nothing elsewhere.
 StormProblem loud(Random& random) {
   StormProblem p = random.integer(0, 2) == 0   ? boxes(random)
                    : random.integer(0, 1) == 0 ? contacts(random)

@@ -1,6 +1,6 @@
 // experiments/studies/verdict_storm/verdicts.h — verdicts of every solver on thousands of problems, checked again.
 //
-//   Problems of discs are restated in other words, too (disc_problems.h): what solves the one must solve the other by
+//   Problems of discs are restated in other words, too (disc_problems.h): a solution of the one must solve the other by
 //   both judges, and the solver must not claim the contrary. A fault of that kind counts as wrong.
 #pragma once
 

@@ -30,8 +30,8 @@ toml::table parse(std::string_view text, const std::string& name);
 /// An element's own name, or the one it gets from its place.
 std::string name_of(const toml::node& element, std::string_view kind, std::size_t index);
 
-/// "contact.corner1.mu=0.1": what follows kind and name is one line of TOML as it would stand in that element. No key
-/// twice, nor one within another.
+/// "contact.corner1.mu=0.1": the text behind kind and name is one line of TOML as it would stand in that element. No
+/// key twice, nor one within another.
 void apply_overrides(toml::table& root, std::span<const std::string> overrides);
 
 }  // namespace orthant::scene_file
