@@ -23,9 +23,7 @@ void add_check(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("check", "Explain a scene: mobility, redundant joints, jams, clearances, advice");
   command->add_option("scene", arguments->scene, "built-in scene or TOML file")->required();
-  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_overrides(*command, arguments->sets);
   command->add_flag("--json", arguments->json, "as one JSON object");
   command->footer(
       "Exit codes: 0 a run can begin, 1 bad input, 3 the drives jam.\n"

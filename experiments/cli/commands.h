@@ -39,6 +39,26 @@ template <class Seconds> CLI::Option* add_time_limit(CLI::App& command, Seconds&
   });
 }
 
+inline CLI::Validator not_empty() {
+  return CLI::Validator([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+}
+
+/// --set, repeated.
+template <class Sets> void add_overrides(CLI::App& command, Sets& sets) {
+  command.add_option("--set", sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+/// --solver, --step, --duration and --set of a run.
+template <class Arguments> void add_run_options(CLI::App& command, Arguments& arguments) {
+  command.add_option("--solver", arguments.solver, "NAME[:option=value,...]")->capture_default_str();
+  command.add_option("--step", arguments.step, "step size h [s]; default: the scene's")->check(not_empty());
+  command.add_option("--duration", arguments.duration, "time to simulate [s]; default: the scene's")
+      ->check(not_empty());
+  add_overrides(command, arguments.sets);
+}
+
 /// Exit code of an answer; 1 is bad input.
 inline int exit_code_of(Status status) { return has_answer(status) ? 0 : status == Status::infeasible ? 2 : 3; }
 

@@ -114,12 +114,7 @@ void add_gradient(CLI::App& app, int& exit_code) {
       ->add_option("--integrator", arguments->integrator,
                    "moreau-jean or event-driven (the motion itself) [:option=value,...]")
       ->capture_default_str();
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
-  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
-  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_run_options(*command, *arguments);
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]");
   command->add_flag("--json", arguments->json, "values, derivatives and warnings as one JSON object");
   command->footer(

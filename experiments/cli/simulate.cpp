@@ -305,23 +305,17 @@ void add_simulate(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("simulate", "Run a scene: a built-in name or a TOML file");
   command->add_option("scene", arguments->scene, "built-in scene (see `orthant list scenes`) or TOML file")->required();
   command->add_option("--integrator", arguments->integrator, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
-  const CLI::Validator given([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
-  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's")->check(given);
-  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's")->check(given);
-  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_run_options(*command, *arguments);
   command
       ->add_option("--output", arguments->output,
                    "trajectory: .csv, .h5 (HDF5), .pvd (VTK, for ParaView), or - (CSV to "
                    "standard output, summary to standard error); events: NAME.events.csv, or in the HDF5 file")
-      ->check(given);
+      ->check(not_empty());
   command->add_option("--every", arguments->every, "record every so many steps")
       ->check(CLI::Range(1L, 1'000'000'000'000'000L))
       ->capture_default_str();
   command->add_option("--checkpoint", arguments->checkpoint, "file for the state of the run, written periodically")
-      ->check(given);
+      ->check(not_empty());
   command->add_option("--checkpoint-every", arguments->checkpoint_every, "how often: steps between two")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
@@ -342,7 +336,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command
       ->add_option("--failed-steps", arguments->failed_steps,
                    "folder for the problem of a failed step, or none; default: the output's folder")
-      ->check(given);
+      ->check(not_empty());
   command->add_flag("--json", arguments->json, "summary, warnings and events as one JSON object");
   command->footer(
       "Exit codes: 0 solved to the end, 1 bad input, 2 a step was proved infeasible, 3 a step was not solved,\n"

@@ -185,11 +185,10 @@ void add_view(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ViewArguments>();
   CLI::App* command = app.add_subcommand("view", "One run as one HTML page: motion, forces, columns, events");
   command->add_option("input", arguments->input, "scene (built-in or TOML), or a trajectory: .csv, .h5")->required();
-  const CLI::Validator given([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
   command
       ->add_option("--output", arguments->output,
                    "the page; default: the input's name with .html, which replaces an earlier page only")
-      ->check(given);
+      ->check(not_empty());
   command->add_option("--scene", arguments->scene, "of a trajectory in CSV: the scene, for its drawing");
   command
       ->add_option("--serve", arguments->serve,
@@ -199,12 +198,7 @@ void add_view(CLI::App& app, int& exit_code) {
       ->add_option("--integrator", arguments->integrator,
                    "NAME[:option=value,...]; in space the default is moreau-jean")
       ->default_str(kPlanarIntegrator);
-  command->add_option("--solver", arguments->solver, "NAME[:option=value,...]")->capture_default_str();
-  command->add_option("--step", arguments->step, "step size h [s]; default: the scene's");
-  command->add_option("--duration", arguments->duration, "time to simulate [s]; default: the scene's");
-  command->add_option("--set", arguments->sets, "KEY=VALUE: a scene parameter; may be repeated with other keys")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_run_options(*command, *arguments);
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]; the finished part is shown");
   command->add_flag("--json", arguments->json, "where the page is, as one JSON object");
   command->footer(
