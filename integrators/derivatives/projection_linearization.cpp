@@ -117,37 +117,25 @@ bool ProjectionLinearization::invert() {
 }
 
 void ProjectionLinearization::correct(const double* off, double* lambda) {
-  constexpr int kPasses = 30;
   const Eigen::Index joints = system_.joint_rows();
-  MapX to(lambda, joints);
-  if (dense_) {
-    to.noalias() = inverse_ * ConstMapX(off, joints);
-    return;
-  }
-  left_ = ConstMapX(off, joints), to.setZero();
-  double before = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const double now = left_.lpNorm<Eigen::Infinity>();
-    if (!(now < 0.5 * before)) break;
-    before = now;
-    basic_.solve(none_.data(), left_.data(), unused_.data(), x_.data());
-    to += x_;
-    unused_.setZero();
-    impulses(before_.G, lambda, unused_.data());
-    unused_ = unused_.cwiseProduct(system_.inverse_mass()).eval();
-    rates(after_.G, unused_.data(), left_.data());
-    left_ = ConstMapX(off, joints) - left_;
-  }
+  if (dense_)
+    MapX(lambda, joints).noalias() = inverse_ * ConstMapX(off, joints);
+  else
+    iterate(before_, after_, off, lambda);
 }
 
 void ProjectionLinearization::correct_transposed(const double* off, double* lambda) {
+  const Eigen::Index joints = system_.joint_rows();
+  if (dense_)
+    MapX(lambda, joints).noalias() = inverse_.transpose() * ConstMapX(off, joints);
+  else
+    iterate(after_, before_, off, lambda);
+}
+
+void ProjectionLinearization::iterate(const Terms& push, const Terms& rate, const double* off, double* lambda) {
   constexpr int kPasses = 30;
   const Eigen::Index joints = system_.joint_rows();
   MapX to(lambda, joints);
-  if (dense_) {
-    to.noalias() = inverse_.transpose() * ConstMapX(off, joints);
-    return;
-  }
   left_ = ConstMapX(off, joints), to.setZero();
   double before = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -157,9 +145,9 @@ void ProjectionLinearization::correct_transposed(const double* off, double* lamb
     basic_.solve(none_.data(), left_.data(), unused_.data(), x_.data());
     to += x_;
     unused_.setZero();
-    impulses(after_.G, lambda, unused_.data());
+    impulses(push.G, lambda, unused_.data());
     unused_ = unused_.cwiseProduct(system_.inverse_mass()).eval();
-    rates(before_.G, unused_.data(), left_.data());
+    rates(rate.G, unused_.data(), left_.data());
     left_ = ConstMapX(off, joints) - left_;
   }
 }

@@ -35,6 +35,8 @@ class ProjectionLinearization {
   bool invert();                                               // S_, into inverse_; false: singular
   void correct(const double* off, double* lambda);             // S⁻¹
   void correct_transposed(const double* off, double* lambda);  // S⁻ᵀ
+  /// λ with G_rate M⁻¹ G_pushᵀ λ = off, by corrections that basic_ finds at q*.
+  void iterate(const Terms& push, const Terms& rate, const double* off, double* lambda);
   void rates(const std::vector<Row>& rows, const double* x, double* to) const;
   void impulses(const std::vector<Row>& rows, const double* lambda, double* to) const;  // +=
 
