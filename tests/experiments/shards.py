@@ -56,6 +56,7 @@ def main(orthant):
         assert code == 1 and not out.endswith(" 0 cases missing\n"), out  # else it was killed too late to tell anything
         before = (folder / "shards/rows.0").read_bytes()
         assert run("work", "--shard", "2")[1] == 0
+        assert '{"key": "cut sh' in rows.read_text().split("\n")  # and nothing after it in its line
         assert run("work", "--shard", "0")[1] == 0  # nothing to do
         assert (folder / "shards/rows.0").read_bytes() == before
         out, code = run("merge", "--results", "out.sqlite")
