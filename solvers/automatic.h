@@ -11,7 +11,7 @@
 //                          rows, with a start value or beyond 100 rows: path without restarts
 //     pyramids             unsymmetric, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not the guess
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
-//     obstacles (sparse Z) psor on grids to 2000 rows, 10 iterations of block-pivot, newton-min, from coarse grids
+//     obstacles (sparse Z) psor on grids to 2000 rows, multigrid beyond, 10 iterations of block-pivot, newton-min
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0, 50 iterations
 //                          or, sparse, 10; interior-point
 //     large, sparse, unsymmetric   200 sweeps of pgs, path without restarts, then as the others

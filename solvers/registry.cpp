@@ -4,6 +4,7 @@
 #include <orthant/core/support/registered.h>
 #include <orthant/solvers/active_set/block_pivot.h>
 #include <orthant/solvers/active_set/interior_point.h>
+#include <orthant/solvers/active_set/multigrid.h>
 #include <orthant/solvers/active_set/newton_fb.h>
 #include <orthant/solvers/active_set/newton_min.h>
 #include <orthant/solvers/automatic.h>
@@ -68,6 +69,8 @@ const SolverEntry kSolvers[] = {
      &options<Murty>},
     {"block-pivot", "block principal pivoting, dense and sparse; P-matrices, boxes and free rows", &make<BlockPivot>,
      &options<BlockPivot>},
+    {"multigrid", "sweeps and truncated algebraic multigrid, nothing is factorized; sparse M-matrices, boxes and free rows",
+     &make<Multigrid>, &options<Multigrid>},
     {"newton-min", "semismooth Newton on the minimum map, dense and sparse; line search, Levenberg-Marquardt",
      &make<NewtonMin>, &options<NewtonMin>},
     {"newton-fb", "semismooth Newton on Fischer-Burmeister, dense and sparse; line search, Levenberg-Marquardt",

@@ -84,6 +84,7 @@ std::vector<Long> long_work() {
           {"nncg:max_sweeps=1000000000", grid},
           {"apgd", grid},
           {"mprgp", grid},
+          {"multigrid:max_cycles=1000000000", family_problem("beam", 65536, 0)},  // no M-matrix
           {"admm", grid},
           {"dantzig", large},
           {"murty:max_pivots=1000000000", murty_problem(40, true)},

@@ -1,5 +1,6 @@
 #include <orthant/core/lcp/problems/obstacles.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,6 +16,17 @@ Lcp assemble(const Triplets& entries, const Vector& q) {
   M.setFromTriplets(entries.begin(), entries.end());
   return Lcp::standard(RowSparse::from(M), q);
 }
+
+/// Rows one after the other, columns ascending: no triplets, for millions of rows.
+struct RowWriter {
+  RowSparse A;
+  RowWriter(Index n, Index entries) {
+    A.rows = A.cols = n;
+    A.start.reserve(at(n) + 1), A.column.reserve(at(n * entries)), A.value.reserve(at(n * entries));
+  }
+  void add(Index column, double value) { A.column.push_back(static_cast<int>(column)), A.value.push_back(value); }
+  void end_row() { A.start.push_back(static_cast<int>(A.column.size())); }
+};
 
 Vector zeros(Index n) { return Eigen::VectorXd::Zero(n); }
 
@@ -116,6 +128,69 @@ Lcp journal_bearing(Index nx, Index ny, double eccentricity, double b) {
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) q[j * width + i] = -eccentricity * std::sin(hx * (i + 1)) * hx * hy;
   return assemble(entries, q);
+}
+
+SpaceObstacle space_obstacle(Index intervals) {
+  // ψ² = 1 − r*² and ψ' = −r*/ψ: r* (1/r* − 1/2) r*² = 1 − r*², so ½ r*³ − 2 r*² + 1 = 0.
+  double rim = 0.8;
+  for (int k = 0; k < 20; ++k) rim -= (0.5 * rim * rim * rim - 2 * rim * rim + 1) / (1.5 * rim * rim - 4 * rim);
+  const double alpha = rim * rim * rim / std::sqrt(1 - rim * rim);
+  const double h = 4 / static_cast<double>(intervals), per_h2 = 1 / (h * h);
+  const Index m = intervals - 1;
+  const auto radius = [&](Index i, Index j, Index k) {  // −1 … m
+    const auto x = [h](Index l) { return -2 + h * static_cast<double>(l + 1); };
+    return std::sqrt(x(i) * x(i) + x(j) * x(j) + x(k) * x(k));
+  };
+  const auto obstacle = [](double r) { return r < 1 ? std::sqrt(1 - r * r) : -1.0; };
+  const auto u = [&](double r) { return r <= rim ? obstacle(r) : alpha * (1 / r - 0.5); };
+  SpaceObstacle result;
+  result.rim = rim;
+  RowWriter rows(m * m * m, 7);
+  Vector q;
+  q.resize(m * m * m), result.exact.resize(m * m * m);
+  Index row = 0;
+  for (Index k = 0; k < m; ++k)
+    for (Index j = 0; j < m; ++j)
+      for (Index i = 0; i < m; ++i, ++row) {
+        const double r = radius(i, j, k), psi = obstacle(r);
+        result.exact[row] = u(r) - psi;
+        q[row] = 6 * psi * per_h2;
+        const auto neighbour = [&](Index a, Index b, Index c) {
+          const bool inner = std::min({a, b, c}) >= 0 && std::max({a, b, c}) < m;
+          if (inner) rows.add((c * m + b) * m + a, -per_h2);
+          q[row] -= (inner ? obstacle(radius(a, b, c)) : u(radius(a, b, c))) * per_h2;
+        };
+        neighbour(i, j, k - 1), neighbour(i, j - 1, k), neighbour(i - 1, j, k);
+        rows.add(row, 6 * per_h2);
+        neighbour(i + 1, j, k), neighbour(i, j + 1, k), neighbour(i, j, k + 1);
+        rows.end_row();
+      }
+  result.problem = Lcp::standard(std::move(rows.A), q);
+  return result;
+}
+
+Lcp elastic_plastic_torsion(Index nx, Index ny, double twist) {
+  const double hx = 1 / static_cast<double>(nx + 1), hy = 1 / static_cast<double>(ny + 1);
+  const double a = hy / hx, b = hx / hy;  // times the area of a cell, as the energy has it
+  RowWriter rows(nx * ny, 5);
+  Lcp problem;
+  problem.b = Eigen::VectorXd::Constant(nx * ny, -twist * hx * hy);
+  problem.lo.resize(nx * ny), problem.hi.resize(nx * ny);
+  Index row = 0;
+  for (Index j = 0; j < ny; ++j)
+    for (Index i = 0; i < nx; ++i, ++row) {
+      const double x = hx * static_cast<double>(i + 1), y = hy * static_cast<double>(j + 1);
+      problem.hi[row] = std::min({x, 1 - x, y, 1 - y});
+      problem.lo[row] = -problem.hi[row];
+      if (j > 0) rows.add(row - nx, -b);
+      if (i > 0) rows.add(row - 1, -a);
+      rows.add(row, 2 * (a + b));
+      if (i + 1 < nx) rows.add(row + 1, -a);
+      if (j + 1 < ny) rows.add(row + nx, -b);
+      rows.end_row();
+    }
+  problem.A = std::move(rows.A);
+  return problem;
 }
 
 }  // namespace orthant

@@ -33,4 +33,22 @@ BallObstacle ball_obstacle(Index intervals);
 /// Source: Averick, Carter, Moré & Xue, The MINPACK-2 test problem collection, ANL/MCS-P153-0692 (1992), 4.2.
 Lcp journal_bearing(Index nx, Index ny, double eccentricity = 0.1, double b = 10);
 
+/// −Δu ≥ 0 in (−2, 2)³ above the upper part of a ball: u ≥ ψ, ψ = √(1 − |x|²) in the unit ball, else −1; seven-point
+/// differences at (intervals − 1)³ nodes, x fastest. At the boundary u is the exact answer: with r = |x|, in contact
+/// for r ≤ r*, outside u = α (1/r − 1/2) of slope ψ' at r*. α and r* follow from
+///   ψ(r*) = α (1/r* − 1/2),   ψ'(r*) = −α / r*².
+/// M is a symmetric K-matrix.
+struct SpaceObstacle {
+  Lcp problem;
+  Vector exact;    // z = u − ψ of the differential equation: O(h²) from the discrete one
+  double rim = 0;  // r*
+};
+SpaceObstacle space_obstacle(Index intervals);
+
+/// Torsion of an elastic-plastic bar of the cross-section (0, 1)²: min ½ ∫ |∇u|² − twist ∫ u, |u| ≤ distance to the
+/// boundary; five-point differences of −Δ at nx × ny interior nodes, x fastest; every row a box. Plastic where u is at
+/// its bound.
+/// Source: Averick, Carter, Moré & Xue, The MINPACK-2 test problem collection, ANL/MCS-P153-0692 (1992), 4.1.
+Lcp elastic_plastic_torsion(Index nx, Index ny, double twist = 5);
+
 }  // namespace orthant

@@ -114,3 +114,50 @@ TEST_CASE("American put: the value of the literature, second order with implicit
   CHECK(std::log2(errors[0] / errors[2]) / 2 > 1.5);
   CHECK(std::abs(price({.strike = 40, .rate = 0.06, .largest = 120, .nodes = 399}, 36, 400) - 4.4866744) < 2e-3);
 }
+
+TEST_CASE("obstacle in space: second order towards the exact answer, which meets the ball smoothly") {
+  const auto solver = make_solver("multigrid");
+  double errors[2];
+  for (int k = 0; k < 2; ++k) {
+    const SpaceObstacle ball = space_obstacle(16 << k);
+    Solution s;
+    REQUIRE(solver->solve(ball.problem, s).status == Status::solved);
+    errors[k] = (s.z - ball.exact).lpNorm<Eigen::Infinity>();
+    const double r = ball.rim;
+    CHECK(std::sqrt(1 - r * r) == doctest::Approx(r * r * r / std::sqrt(1 - r * r) * (1 / r - 0.5)).epsilon(1e-12));
+  }
+  CHECK(errors[0] / errors[1] > 2);
+  CHECK(errors[1] < 0.02);
+}
+
+TEST_CASE("elastic-plastic torsion: elastic under a small twist, plastic near the edges under a large one") {
+  const auto solver = make_solver("multigrid");
+  Solution s;
+  const double h = 1.0 / 64;
+  REQUIRE(solver->solve(elastic_plastic_torsion(63, 63, 1), s).status == Status::solved);
+  CHECK(std::abs(h * h * s.z.sum() - 0.0351443) < 1e-4);  // of −Δu = 1 on the unit square: the torsion constant / 4
+  const Lcp p = elastic_plastic_torsion(63, 63, 50);
+  REQUIRE(solver->solve(p, s).status == Status::solved);
+  CHECK(h * h * s.z.sum() < 1.0 / 6);  // volume of the pyramid of slope 1
+  CHECK(h * h * s.z.sum() > 0.9 / 6);
+  CHECK(s.z[31] == p.hi[31]);  // at the middle of an edge
+  CHECK(s.z[31 * 63 + 31] < p.hi[31 * 63 + 31]);
+}
+
+TEST_CASE("American option on two assets: of one asset, and of two that move together, the value of one") {
+  const auto solver = make_solver("auto");
+  const auto price = [&](const AmericanBasket& basket) {
+    Vector V = basket.payoff();
+    const Vector psi = V;
+    Solution s;
+    for (int k = 0; k < 40; ++k) {
+      REQUIRE(solver->solve(american_basket_step(basket, V, basket.maturity / 40), s).status == Status::solved);
+      V = s.z + psi;
+    }
+    return basket.at_spot(V);
+  };
+  constexpr double one = 6.0903706;  // as above
+  CHECK(std::abs(price({.weight = 1, .nodes = 41}) - one) < 0.1);
+  CHECK(std::abs(price({.correlation = 1, .nodes = 41}) - one) < 0.1);
+  CHECK(price({.correlation = -0.5, .nodes = 41}) < 0.6 * one);  // losses of one are made up for by the other
+}
