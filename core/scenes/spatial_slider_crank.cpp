@@ -41,8 +41,14 @@ spatial::Scene slider_crank_clearance(const SliderCrankClearance& p) {
   spatial::Scene s = spatial_slider_crank({p.omega, p.rod_spin});
   s.joints.erase(s.joints.begin() + 2);
   s.step = 1e-4;
-  s.contact(
-      spatial::Socket{"socket", 1, {0.15, 0, 0}, p.ball, 2, {0, 0, 0}, p.ball + p.clearance, {.mu = p.mu, .e = p.e}});
+  const ContactLaw law{.mu = p.mu, .e = p.e};
+  s.contact(spatial::Socket{"socket", 1, {0.15, 0, 0}, p.ball, 2, {0, 0, 0}, p.ball + p.clearance, law});
+  if (p.guide > 0) {
+    s.joints.pop_back();
+    const double side = 0.03, opening = side + 2 * p.guide;  // [m]
+    s.contact_set(spatial::block_in_channel(
+        {.name = "guide", .a = 2, .size = {0.06, side, side}, .width = opening, .height = opening, .law = law}));
+  }
   return s;
 }
 

@@ -5,7 +5,8 @@
 //   x, rod 4e-4 (its axis) and 4e-3; starts with the crank up and 6 rad/s; gravity along −z. The slider's axis of the
 //   Hooke joint is x.
 //   With a clearance a ball at the rod's end in a socket of the slider takes the place of the Hooke joint: the rod is
-//   then free to spin about its axis.
+//   then free to spin about its axis. With a guide the prismatic joint gives way to a channel: the slider, a block of
+//   6 × 3 × 3 cm, has that clearance to each of four walls.
 //   Source: IFToMM library of computational benchmark problems; Haug, Computer Aided Kinematics and Dynamics of
 //   Mechanical Systems (1989), 12.4.
 #pragma once
@@ -24,9 +25,11 @@ spatial::Scene spatial_slider_crank(const SpatialSliderCrank& p = {});
 struct SliderCrankClearance {
   double omega = 6, rod_spin = 4e-4;                      // [rad/s, kg m²]
   double ball = 0.01, clearance = 5e-4, mu = 0.1, e = 0;  // [m] radius of the ball, that of the socket less it
+  double guide = 0;                                       // [m] clearance to each wall; 0: a prismatic joint
   template <class V> void visit(V&& v) {
     v("omega", omega, -1e4, 1e4), v("rod_spin", rod_spin, 1e-12, 8e-3), v("ball", ball, 1e-6, 1.0);
     v("clearance", clearance, 1e-9, 1.0), v("mu", mu, 0.0, 1e6), v("e", e, 0.0, 1.0);
+    v("guide", guide, 0.0, 1.0);
   }
 };
 
