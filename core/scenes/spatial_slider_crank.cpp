@@ -32,17 +32,28 @@ spatial::Scene spatial_slider_crank(const SpatialSliderCrank& p) {
                               .velocity = {0.24 * rate, 0, 0}});
   s.joint(spatial::Revolute{"shaft", kGround, crank, {0, 0.1, 0.12}, {0, 0, -0.04}, {1, 0, 0}, {1, 0, 0}});
   s.joint(spatial::Spherical{"crankpin", crank, rod, {0, 0, 0.04}, {-0.15, 0, 0}});
-  s.joint(spatial::Universal{"wristpin", rod, slider, {0.15, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}});
+  if (p.hooke == 1)
+    s.joint(spatial::Universal{"wristpin", rod, slider, {0.15, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}});
+  else
+    s.joint(spatial::Spherical{"wristpin", rod, slider, {0.15, 0, 0}, {0, 0, 0}});
   s.joint(spatial::Prismatic{"rail", kGround, slider, {0, 0, 0}, {0, 0, 0}, {1, 0, 0}});
   return s;
 }
 
 spatial::Scene slider_crank_clearance(const SliderCrankClearance& p) {
   spatial::Scene s = spatial_slider_crank({p.omega, p.rod_spin});
-  s.joints.erase(s.joints.begin() + 2);
+  s.joints.erase(s.joints.begin() + (p.at_crank == 1 ? 1 : 2));
   s.step = 1e-4;
-  s.contact(
-      spatial::Socket{"socket", 1, {0.15, 0, 0}, p.ball, 2, {0, 0, 0}, p.ball + p.clearance, {.mu = p.mu, .e = p.e}});
+  const ContactLaw law{.mu = p.mu, .e = p.e};
+  spatial::Socket socket{"socket", 1, {0.15, 0, 0}, p.ball, 2, {0, 0, 0}, p.ball + p.clearance, law};
+  if (p.at_crank == 1) socket.a = 0, socket.centre_a = {0, 0, 0.04}, socket.b = 1, socket.centre_b = {-0.15, 0, 0};
+  s.contact(socket);
+  if (p.guide > 0) {
+    s.joints.pop_back();
+    const double side = 0.03, opening = side + 2 * p.guide;  // [m]
+    s.contact_set(spatial::block_in_channel(
+        {.name = "guide", .a = 2, .size = {0.06, side, side}, .width = opening, .height = opening, .law = law}));
+  }
   return s;
 }
 

@@ -185,3 +185,27 @@ def test_frameworks_differentiate_through_a_run(framework):
         run = orthant.as_jax(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
         found = np.asarray(library.grad(lambda p: 3 * run(p)[0])(library.numpy.array([0.01, 0.4])))
     assert np.allclose(found, 3 * expected.by[0], rtol=1e-8)
+
+
+def test_pytorch_takes_a_vector_of_parameters_and_no_second_derivative():
+    torch = pytest.importorskip("torch")
+    run = orthant.as_torch(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
+    p = torch.tensor([0.01, 0.4], dtype=torch.float64, requires_grad=True)
+    expected = [orthant.gradient(crank(), column, ["mu", "e"], at="end", **HOW).by[0] for column in ("crank.theta", "slider.y")]
+    assert np.allclose(torch.autograd.functional.jacobian(run, p), expected, rtol=1e-8)
+    (g,) = torch.autograd.grad(run(p)[0], p, create_graph=True)
+    with pytest.raises(RuntimeError, match="once_differentiable"):
+        torch.autograd.grad(g.sum(), p)
+    with pytest.raises(ValueError, match="a vector of 2 numbers"):
+        run(p.reshape(1, 2))
+
+
+def test_jax_compiles_and_maps_runs():
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    run = orthant.as_jax(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
+    p = jax.numpy.array([0.01, 0.4])
+    expected = [orthant.gradient(crank(), column, ["mu", "e"], at="end", **HOW).by[0] for column in ("crank.theta", "slider.y")]
+    assert np.allclose(jax.jit(jax.jacrev(run))(p), expected, rtol=1e-8)
+    several = jax.numpy.stack([p, 1.5 * p])
+    assert np.array_equal(jax.vmap(run)(several), [run(several[0]), run(several[1])])

@@ -14,6 +14,8 @@ def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[st
     columns, parameters = _words("of", of), _words("wrt", wrt)
 
     def value(at: Any) -> list[float]:
+        if len(getattr(at, "shape", ())) != 1 or len(at) != len(parameters):
+            raise ValueError(f"parameters: must be a vector of {len(parameters)} numbers, those of wrt")
         final = simulate(make(*(float(x) for x in at)), **how).final
         return [final[column] for column in columns]
 
@@ -29,7 +31,7 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
     """A function of a tensor of parameter values to the last values of columns of a run, differentiable by PyTorch.
 
     make: a function of the parameters' values, one each, that returns the scene. of, wrt: columns and parameters as of
-    `gradient`; step, duration, ... as of `simulate`. Reverse mode, once a backward pass.
+    `gradient`; step, duration, ... as of `simulate`. Reverse mode, once a backward pass; second derivatives are refused.
     """
     import torch
 
@@ -39,9 +41,10 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
         @staticmethod
         def forward(ctx: Any, parameters: Any) -> Any:
             ctx.save_for_backward(parameters)
-            return parameters.new_tensor(value(parameters.tolist()))
+            return parameters.new_tensor(value(parameters.detach().cpu().numpy()))
 
         @staticmethod
+        @torch.autograd.function.once_differentiable  # type: ignore[misc]
         def backward(ctx: Any, weights: Any) -> Any:
             (parameters,) = ctx.saved_tensors
             return parameters.new_tensor(pull(parameters.tolist(), weights.tolist()))
@@ -50,7 +53,7 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
 
 
 def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]], **how: Any) -> Callable[[Any], Any]:
-    """The same for JAX, by custom_vjp. Numbers have JAX's precision: set jax_enable_x64 for 64 bits."""
+    """The same for JAX, by custom_vjp; `vmap` and `jacrev` make one run after another. Numbers have JAX's precision: set jax_enable_x64 for 64 bits."""
     import jax
     import numpy
 
@@ -58,7 +61,7 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
 
     def primal(parameters: Any) -> Any:
         shape = jax.ShapeDtypeStruct((columns,), parameters.dtype)
-        return jax.pure_callback(lambda p: numpy.asarray(value(p), p.dtype), shape, parameters)
+        return jax.pure_callback(lambda p: numpy.asarray(value(p), p.dtype), shape, parameters, vmap_method="sequential")
 
     run: Any = jax.custom_vjp(primal)
 
@@ -67,7 +70,8 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
 
     def backward(parameters: Any, weights: Any) -> tuple[Any]:
         shape = jax.ShapeDtypeStruct(parameters.shape, parameters.dtype)
-        return (jax.pure_callback(lambda p, w: numpy.asarray(pull(p, w), p.dtype), shape, parameters, weights),)
+        return (jax.pure_callback(lambda p, w: numpy.asarray(pull(p, w), p.dtype), shape, parameters, weights,
+                                  vmap_method="sequential"),)
 
     run.defvjp(forward, backward)
     return run  # type: ignore[no-any-return]

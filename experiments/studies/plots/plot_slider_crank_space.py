@@ -1,7 +1,8 @@
-"""The ball in its socket: reads path_muX.csv (runs), sweep.csv and ideal.json; draws both as PNG, SVG.
+"""The ball in its socket: reads path_muX.csv (runs), sweep.csv and ideal*.json; draws PNG and SVG.
 
-Writes closing_rates.csv: the distance of the slider from that of the mechanism without clearance, and its order in the
-clearance. With friction the limit is another motion: the ball's dry friction stays when the clearance goes to zero.
+ball: contact phases on the ball's surface. closing: the slider's distance from its limit as clearances go to zero; also
+closing_rates.csv, with the order in the clearance, from the distance and (change_order) from successive changes, which needs
+no limit. With friction the limit is another motion: the ball's dry friction stays when the clearance goes to zero.
 """
 import csv
 import json
@@ -9,9 +10,10 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from plotting import BLUE, GREEN, GREY, RED, main, read_table, save, select
+from plotting import BLUE, GREY, RED, main, read_table, save, select
 
-COLOURS = {0: BLUE, 0.1: GREEN, 0.3: RED}
+BALL, SOCKET = 0.01, 0.0105  # [m] radii, as in core/scenes/spatial_slider_crank.h
+STICK = 1e-6  # [m/s] a slip below it is rounding
 
 
 def rotated_back(q, v):
@@ -20,61 +22,93 @@ def rotated_back(q, v):
     return v + 2 * np.cross(u, np.cross(u, v) + w * v)
 
 
-def contact_on_ball(path):
-    """Direction of the contact point from the ball's centre, in the rod's frame; nan where the ball is free."""
+def contact_phases(path):
+    """Direction of the contact point from the ball's centre in the rod's frame; where the ball touches; where it slips."""
     q = np.stack([path[f"rod.q{c}"] for c in "wxyz"], axis=1)
-    ball = np.stack([path[f"rod.{c}"] for c in "xyz"], axis=1)
     back = np.stack([q[:, 0], *(-q[:, 1:].T)], axis=1)
-    ball = ball + rotated_back(back, np.tile([0.15, 0, 0], (len(q), 1)))  # core/scenes/spatial_slider_crank.cpp
-    way = ball - np.stack([path[f"slider.{c}"] for c in "xyz"], axis=1)
+    three = lambda body, columns: np.stack([path[f"{body}.{c}"] for c in columns], axis=1)  # noqa: E731
+    arm = rotated_back(back, np.tile([0.15, 0, 0], (len(q), 1)))  # core/scenes/spatial_slider_crank.cpp
+    way = three("rod", ("x", "y", "z")) + arm - three("slider", ("x", "y", "z"))
     way /= np.linalg.norm(way, axis=1)[:, None]
-    on_ball = rotated_back(q, way)
-    on_ball[path["socket.gap"] > 1e-9] = np.nan
-    return on_ball
+    touches = path["socket.gap"] < 1e-9
+    of_ball = three("rod", ("vx", "vy", "vz")) + np.cross(three("rod", ("wx", "wy", "wz")), arm + BALL * way)
+    socket = three("slider", ("vx", "vy", "vz")) + np.cross(three("slider", ("wx", "wy", "wz")), SOCKET * way)
+    slip = of_ball - socket
+    slip -= np.sum(slip * way, axis=1)[:, None] * way
+    return rotated_back(q, way), touches, touches & (np.linalg.norm(slip, axis=1) > STICK)
 
 
-def plot_paths(folder, about):
-    """Longitude about the rod's axis and angle from it: the map of the ball's surface."""
-    files = sorted(folder.glob("path_mu*.csv"), key=lambda f: float(f.stem.removeprefix("path_mu")))
-    page, axes = plt.subplots(1, len(files), figsize=(10, 3.6), sharey=True, squeeze=False)
-    numbers = [*(f"rod.{c}" for c in ("x", "y", "z", "qw", "qx", "qy", "qz")), *(f"slider.{c}" for c in "xyz"), "t",
-               "socket.gap"]
-    for axis, file in zip(axes[0], files):
-        path = read_table(file, [], numbers)
-        at = contact_on_ball(path)
-        longitude, angle = np.degrees(np.arctan2(at[:, 2], at[:, 1])), np.degrees(np.arccos(np.clip(at[:, 0], -1, 1)))
-        dots = axis.scatter(longitude, angle, c=path["t"], s=3, cmap="viridis")
-        axis.set(xlim=(-180, 180), ylim=(0, 180), xticks=(-180, -90, 0, 90, 180), yticks=(0, 45, 90, 135, 180),
-                 xlabel="longitude about the rod [°]", title=f"μ = {file.stem.removeprefix('path_mu')}")
-    axes[0][0].set_ylabel("angle from the rod's axis [°]")
-    page.tight_layout(rect=(0, 0.03, 0.92, 0.93))
-    page.colorbar(dots, cax=page.add_axes([0.94, 0.2, 0.012, 0.6]), label="t [s]")
-    save(page, folder / "ball", "Contact point on the ball's surface (e = 0)", about)
+def plot_ball(folder, about):
+    """The two hemispheres of the ball, seen along the rod's axis."""
+    files = [file for file in folder.glob("path_mu*.csv") if not file.stem.endswith(".events")]
+    files.sort(key=lambda file: float(file.stem.removeprefix("path_mu")))
+    page, grid = plt.subplots(2, len(files), figsize=(9, 6.2), squeeze=False)
+    places = [f"{body}.{c}" for body in ("rod", "slider") for c in ("x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz")]
+    numbers = [*places, *(f"rod.q{c}" for c in "wxyz"), "t", "socket.gap"]
+    for column, file in zip(grid.T, files):
+        at, touches, slips = contact_phases(read_table(file, [], numbers))
+        for axis, outer in zip(column, (True, False)):
+            here = touches & ((at[:, 0] >= 0) == outer)
+            for latitude in (30, 60, 90):
+                axis.add_patch(plt.Circle((0, 0), np.sin(np.radians(latitude)), fill=False, color=GREY, lw=0.6))
+            axis.plot([-1, 1], [0, 0], color=GREY, lw=0.4)
+            axis.plot([0, 0], [-1, 1], color=GREY, lw=0.4)
+            for phase, colour, label in ((slips, BLUE, "slides"), (~slips, RED, "sticks")):
+                axis.scatter(at[here & phase, 1], at[here & phase, 2], s=4, color=colour, label=label, zorder=3)
+            share = np.mean(~touches)
+            if outer:
+                axis.set_title(f"μ = {file.stem.removeprefix('path_mu')}: free {share:.0%} of the time")
+            axis.set(aspect="equal", xlim=(-1.05, 1.05), ylim=(-1.05, 1.05), xticks=(), yticks=())
+            for side in axis.spines.values():
+                side.set_visible(False)
+    for axis, label in zip(grid[:, 0], ("the end of the rod", "the side of the rod")):
+        axis.set_ylabel(label)
+    handles = [plt.Line2D([], [], ls="", marker="o", ms=4, color=c, label=n) for c, n in ((BLUE, "slides"), (RED, "sticks"))]
+    page.tight_layout(rect=(0, 0.06, 1, 0.93))
+    page.legend(handles=handles, loc="lower left", ncol=2)
+    save(page, folder / "ball", "Contact phases on the ball's surface (e = 0; circles every 30°)", about)
+
+
+def with_orders(clearance, x, limit):
+    """Rows (clearance, x, distance from the limit, its order, order of the changes), largest clearance first."""
+    order = np.argsort(clearance)[::-1]
+    clearance, x = clearance[order], x[order]
+    distance, change = np.abs(x - limit), np.abs(np.diff(x))
+    shrink = np.log(clearance[:-1] / clearance[1:])
+    rates = [np.nan, *(np.log(distance[:-1] / distance[1:]) / shrink)]
+    changes = [np.nan, np.nan, *(np.log(change[:-1] / change[1:]) / shrink[1:])]
+    return list(zip(clearance, x, distance, rates, changes))
 
 
 def plot_closing(folder, about):
-    sweep = read_table(folder / "sweep.csv", ["integrator"], ["clearance", "mu", "value"])
+    numbers = ["clearance", "mu", "guide", "at_crank", "duration", "value"]
+    sweep = read_table(folder / "sweep.csv", ["integrator"], numbers)
     closing = select(sweep, (sweep["integrator"] == "adaptive:rtol=1e-10") & ~np.isnan(sweep["clearance"]))
-    ideal = json.loads((folder / "ideal.json").read_text())["final"]["slider.x"]
+    limit = {name: json.loads((folder / f"{name}.json").read_text())["final"]["slider.x"] for name in ("ideal", "ideal_5s")}
+    socket = np.isnan(closing["guide"]) & np.isnan(closing["at_crank"])
+    guide = ~np.isnan(closing["guide"])
+    families = [("socket at the slider", mu, "clearance", socket & (closing["mu"] == mu),
+                 limit["ideal"] if mu == 0 else np.nan) for mu in sorted(set(closing["mu"][socket]))]
+    families.append(("channel", 0, "guide", guide & (closing["guide"] > 0), closing["value"][guide & (closing["guide"] == 0)][0]))
+    families.append(("socket at the crank, 5 s", 0, "clearance", ~np.isnan(closing["at_crank"]), limit["ideal_5s"]))
     page, axis = plt.subplots(figsize=(7, 4.4))
-    rows = []
-    for mu in sorted(set(closing["mu"])):
-        of = closing["mu"] == mu
-        order = np.argsort(closing["clearance"][of])
-        clearance, x = closing["clearance"][of][order], closing["value"][of][order]
-        rates = [float("nan"), *(np.diff(np.log(np.abs(x - ideal))) / np.diff(np.log(clearance)))]
-        rows += [(mu, c, value, abs(value - ideal), rate) for c, value, rate in zip(clearance, x, rates)]
-        axis.loglog(clearance, np.abs(x - ideal), "o-", ms=4, color=COLOURS.get(mu, GREY), label=f"μ = {mu:g}")
-    axis.loglog(clearance, clearance * np.abs(ideal) * 10, "--", color=GREY, lw=0.8, label="first order")
-    axis.set(xlabel="clearance [m]", ylabel="distance from the ideal slider at the end [m]")
+    table = []
+    for (name, mu, key, rows, end), marker in zip(families, "osD^v"):
+        found = with_orders(closing[key][rows], closing["value"][rows], end)
+        table += [(name, mu, *row) for row in found]
+        if not np.isnan(end):
+            axis.loglog([row[0] for row in found], [row[2] for row in found], marker + "-", ms=4, label=f"{name}, μ = {mu:g}")
+    ends = np.array([min(row[2] for row in table), max(row[2] for row in table)])
+    axis.loglog(ends, ends, "--", color=GREY, lw=0.8, label="first order")
+    axis.set(xlabel="clearance [m]", ylabel="distance of the slider from its limit [m]")
     axis.legend()
     page.tight_layout(rect=(0, 0.03, 1, 0.93))
-    save(page, folder / "closing", "The socket closes: distance from the mechanism without clearance", about)
-    with open(folder / "closing_rates.csv", "w", newline="") as table:
-        out = csv.writer(table, lineterminator="\n")
-        out.writerow(["mu", "clearance", "x", "distance", "order"])
-        out.writerows((f"{mu:g}", f"{c:g}", f"{x:.12g}", f"{d:.3g}", f"{rate:.3g}") for mu, c, x, d, rate in rows)
+    save(page, folder / "closing", "Clearances go to zero: distance from the mechanism without them", about)
+    with open(folder / "closing_rates.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["family", "mu", "clearance", "x", "distance", "order", "change_order"])
+        out.writerows((n, f"{mu:g}", f"{c:g}", f"{x:.12g}", f"{d:.3g}", f"{r:.3g}", f"{k:.3g}") for n, mu, c, x, d, r, k in table)
 
 
 if __name__ == "__main__":
-    main(__doc__, "results/slider_crank_space", [plot_paths, plot_closing])
+    main(__doc__, "results/slider_crank_space", [plot_ball, plot_closing])

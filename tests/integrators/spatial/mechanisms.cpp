@@ -54,6 +54,51 @@ TEST_CASE("the spatial slider-crank of the IFToMM library: order 2, and the publ
   CHECK(std::abs(other.final.q[14] - 0.208148583774) < 5e-6);
 }
 
+TEST_CASE(
+    "the spatial slider-crank, its ball at the crank with clearance: tends to the published solution, in order 1") {
+  constexpr double kX5 = 0.24071957373, kTheta5 = 54.3333321683;
+  double x_off[2], angle_off[2];
+  for (const bool fine : {false, true}) {
+    SliderCrankClearance p;
+    p.mu = 0, p.at_crank = 1, p.clearance = fine ? 1.5625e-5 : 6.25e-5;
+    const SpatialSystem system(slider_crank_clearance(p));
+    Run run;
+    const double angle = angle_after(system, 0, "adaptive:rtol=1e-9", 0.05, 5, run);
+    REQUIRE(run.status == Status::solved);
+    x_off[fine] = std::abs(run.final.q[14] - kX5), angle_off[fine] = std::abs(angle - kTheta5);
+  }
+  MESSAGE("distances " << x_off[0] << ", " << x_off[1] << " m; " << angle_off[0] << ", " << angle_off[1] << " rad");
+  CHECK(x_off[1] < 1e-3);
+  CHECK(std::abs(std::log2(x_off[0] / x_off[1]) / 2 - 1) < 0.15);
+  CHECK(std::abs(std::log2(angle_off[0] / angle_off[1]) / 2 - 1) < 0.15);
+}
+
+TEST_CASE("the spatial slider-crank in a channel: bound by its walls, and closing them gives the prismatic joint") {
+  SliderCrankClearance p;
+  p.mu = 0;
+  const double ideal =
+      run_in_space(SpatialSystem(slider_crank_clearance(p)), "adaptive:rtol=1e-9", 0.5, 0.5).final.q[14];
+  double off[2];
+  for (const bool fine : {false, true}) {
+    p.guide = fine ? 1e-5 : 1e-3;
+    const SpatialSystem system(slider_crank_clearance(p));
+    CHECK(system.scene().joints.size() == 2);
+    double highest = 0, widest = 0;
+    const Run run = run_in_space(system, "adaptive:rtol=1e-9", 0.01, 0.5, [&](const SpatialSample& m) {
+      highest = std::max(highest, std::abs(m.state.q[16])), widest = std::max(widest, std::abs(m.state.q[15]));
+    });
+    REQUIRE(run.status == Status::solved);
+    CHECK(run.max_penetration < 1e-9);
+    for (const double reach : {highest, widest}) {  // of the slider's centre: it rests on the walls
+      CHECK(reach > 0.9 * p.guide);
+      CHECK(reach < p.guide * (1 + 1e-6));
+    }
+    off[fine] = std::abs(run.final.q[14] - ideal);
+  }
+  CHECK(off[0] < 3e-3);
+  CHECK(off[1] < 0.2 * off[0]);
+}
+
 TEST_CASE("Bricard's linkage: one row repeats others in every pose, and it runs to the published point") {
   const SpatialSystem system(bricard());
   CHECK(system.joint_rows() == 30);
