@@ -73,9 +73,7 @@ constexpr Step kSteps[] = {
      }},
     // Balls and journal bearings with 4000, 16 000, 65 000, 262 000 rows: 2 to 7 times as quick as block-pivot.
     {"multigrid:max_cycles=60,stop_early=true", "large grid",
-     [](const Look& p) {
-       return smooth(p) && p.sparse && p.grid && p.z_matrix && p.positive_diagonal && p.n > kGrid;
-     }},
+     [](const Look& p) { return smooth(p) && p.sparse && p.grid && p.z_matrix && p.positive_diagonal && p.n > kGrid; }},
     {kSparseBlock, "sparse, no positive entry off the diagonal",
      [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
     {"newton-min", "sparse, no positive entry off the diagonal",
