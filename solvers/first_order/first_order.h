@@ -5,11 +5,9 @@
 //   residual), the mark is lowered by what was missing. So no method is stopped early, and products for the judge stay
 //   rare.
 //   Ends: changes below the rounding of z → stalled;  no new least violation in the last seven eighths of at least
-//   16384
-//   iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;
-//   iterations
-//   used up → iteration_limit, with stop_early once they would not do at the rate of the last half,
-//   which is looked at after 128, 256, 512, ... iterations (mprgp: from 512 on).  The last z is kept.
+//   16384 iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;
+//   iterations used up → iteration_limit, with stop_early as soon as they would not suffice at the rate of the last
+//   half, which is evaluated after 128, 256, 512, ... iterations (mprgp: from 512 on).  The last z is kept.
 #pragma once
 
 #include <orthant/solvers/solver.h>
