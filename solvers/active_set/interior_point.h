@@ -24,8 +24,7 @@
 //   for a point on the boundary is a poor start of an interior method.
 //   Dense and sparse storage (principal_block.h; a Delassus operator is formed, as rows where few of W's rows meet):
 //   Cholesky for symmetric A, else LU; one symbolic analysis for all iterations, and for all solves of a pattern.
-//   Usually 5
-//   to 20 factorizations, whatever n.  Entries that span many powers of ten are scaled by powers of 2.
+//   Usually 5 to 20 factorizations, whatever n.  Entries that span many powers of ten are scaled by powers of 2.
 //   A must be monotone, xᵀA x ≥ 0 (not checked: else it may end stalled, or solve it all the same). Where A's condition
 //   is beyond 1e10 and A is also singular, the equations w_F = 0 may be missed: stalled.
 //   Friction rows with μ > 0 → unsupported.  Iterates that run away: their direction is made a proof of infeasibility

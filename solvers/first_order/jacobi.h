@@ -9,9 +9,8 @@
 //   For A symmetric positive semidefinite this is a projected gradient step, and converges when ω < 2 / λ_max(D⁻¹A):
 //   with l1 λ_max ≤ 1, so every ω < 2 does; with the diagonal λ_max may be n, but where A is diagonally dominant the
 //   step is twice as long. l1 allows for the worst signs: on dense A its steps are up to √n shorter than those of
-//   `spectral`, which bears
-//   an estimate of half of λ_max with ω = 1, but is no proof.  H₊-matrices converge with l1 and diagonal, ω ≤ 1.  With
-//   friction in practice, as pgs.h.
+//   `spectral`, which bears an estimate of half of λ_max with ω = 1, but is no proof.  H₊-matrices converge with l1 and
+//   diagonal, ω ≤ 1.  With friction in practice, as pgs.h.
 //   The order of the rows is of no matter: the same result on a permuted problem, row by row in parallel if one wishes.
 //   O(nnz) an iteration.  D_i ≤ 0 → unsupported (A_ii ≤ 0).  The start value is used.  Ends: first_order.h.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 5; Baker, Falgout, Kolev & Yang, SIAM

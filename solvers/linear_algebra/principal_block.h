@@ -7,8 +7,8 @@
 //   A Delassus operator is formed as a dense matrix: principal blocks are what these methods live on.
 // A block that is singular to working precision, as its pivots show it, is reported, never solved (UMFPACK: only one
 // that is exactly singular); with D given, only one that is exactly singular.  While F stays, so does the order of a
-// sparse
-// elimination: it is analysed once.  Dense blocks of up to about 64 rows allocate nothing once the largest has been
+// sparse elimination: it is analysed once.  Dense blocks of up to about 64 rows allocate nothing once the largest has
+// been
 //                                    seen;
 // complete pivoting and sparse blocks do.
 #pragma once

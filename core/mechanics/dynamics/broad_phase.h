@@ -2,8 +2,8 @@
 //
 //   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median
 //   box, take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap
-//   (discs and
-//   spheres: these themselves). Cells are hashed into a table of a fixed size, so that bodies far away cost nothing.
+//   (discs and spheres: these themselves). Cells are hashed into a table of a fixed size, so that bodies far away cost
+//   nothing.
 //   A shape of more than kLarge cells is held against all others instead.
 //   The candidates stand in the order of the pairs, whatever the grid: a step with them is the step with all pairs
 //   listed.
