@@ -12,8 +12,7 @@
 // keeps the penetration, at most h |γ_N⁻|, at which it was closed. On a path of the radius ρ, a pin's in its bearing,
 // some (h γ_T)² / 4ρ a step are added to that.
 // Source: Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); Jean, CMAME 177 (1999)
-// 235-257;
-// Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10.
+// 235-257; Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10.
 #pragma once
 
 #include <orthant/integrators/fixed_step/velocity_stepping.h>
