@@ -1,4 +1,4 @@
-// integrators/between_events/contact_watch.h — contact watch: where a lasting contact's mode ends within a step.
+// integrators/between_events/contact_watch.h — contact watch: finds the end of a lasting contact's mode within a step.
 //
 //   Watched are λ_N → opening; of a contact that sticks μ λ_N ∓ λ_T → sliding off; of one that slides σ γ_T → stopping.
 //   While no mode changes they are smooth functions of the state (contact_motion.h), whatever scheme it comes from.
