@@ -1,4 +1,4 @@
-// core/scenes/superball.h — a light ball above a heavy one, both falling onto a floor, and the speeds afterwards.
+// core/scenes/superball.h — superball: a light ball above a heavy one, both falling onto a floor; speeds afterwards.
 //
 //   Masses r m below and m above, both at speed v before, no gravity.
 //   In turn (a small gap between the balls, or impacts = sequential): the lower one turns round at e v and meets the

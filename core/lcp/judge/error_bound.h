@@ -10,8 +10,8 @@
 //     P, n ≤ 12:  each e_j is monotone in each D_i (a ratio of two functions affine in D_i, whose denominator, a
 //              positive combination of principal minors, never vanishes): |e_j| is at most the largest of its 2ⁿ values
 //              at D_i ∈ {0, 1}, where e_i = r_i outside α and A_αα e_α = r_α − A_αᾱ r_ᾱ.
-//   All of these are P-matrices: the solution is unique. Elsewhere, with friction rows, or where a proof does not come
-//   off in floating point, the bound is infinite, which says nothing about z.
+//   All of these are P-matrices: the solution is unique. Elsewhere, with friction rows, or where a proof fails in
+//   floating point, the bound is infinite and gives no information about z.
 //   Sources: Mathias & Pang, Linear Algebra Appl. 132 (1990); Chen & Xiang, Math. Program. A 106 (2006).
 #pragma once
 
