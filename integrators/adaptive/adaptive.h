@@ -1,5 +1,5 @@
-// integrators/adaptive/adaptive.h — adaptive integration to a tolerance: event location and dense output, at any output
-// step.
+// integrators/adaptive/adaptive.h — adaptive integration: event location and dense output to a tolerance, at any
+// output step.
 //
 //   Inner steps are those of event_driven.h: a Runge–Kutta method of order 8 while no contact changes its mode; impacts
 //   and changes of mode are located and landed on, and series of impacts are summed to their limit. They do not depend

@@ -1,5 +1,5 @@
-// integrators/event_driven/event_driven.h — event-driven integration: smooth motion by a Runge–Kutta method of order 8;
-// impacts and changes of contact located.
+// integrators/event_driven/event_driven.h — event-driven integration: the smooth motion by a Runge–Kutta method of
+// order 8; impacts and changes of contact located.
 //
 //   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with
 //   error control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched
