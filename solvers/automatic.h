@@ -4,7 +4,7 @@
 //   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with its purpose and its conditions
 //   on the problem. The judge (certify.h) decides after each. After the first failure a proof of infeasibility is
 //   searched for. The log has one entry per solver that was tried: the reason and the result.
-//     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to
+//     first                a guess of the active set (small_active_set.h), before any inspection: up to
 //                          1500 rows of a dense matrix, 600 of an operator, 100 with friction or in sparse storage;
 //                          frictionless to 6 rows then dantzig
 //     friction             symmetric from 60 rows on: psor and mprgp, both abandoned if they make no progress; to 400
@@ -18,7 +18,7 @@
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
 //     up to 2²⁰ cells      at last every cell (enumerate.h): a solution, or the proof that there is none
-//   With a time limit each step may take half of what is left, the last all of it.
+//   With a time limit each step may take half of the remaining time, the last all of it.
 //   A start value is passed on, and a tolerance other than the default. Guarantees: those of the solver that answered.
 #pragma once
 

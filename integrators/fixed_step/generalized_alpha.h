@@ -14,8 +14,8 @@
 // Energy swings with h² while a mechanism turns: N-four-bar, h = 1e-3, 8.3e-4 J of 36 J within a turn, 6e-6 J after
 // five.
 // In space v, a and s stand in the bodies' axes, q⁺ = q exp(…) (Lie group), and f has −ω × Jω.
-// Order 2 on smooth motion for every ρ_∞; 1 with impacts and, on curved paths, in contacts that last. Dampers see ṽ,
-// not what P adds to it.
+// Order 2 on smooth motion for every ρ_∞; 1 with impacts and, on curved paths, in contacts that last. Dampers act on ṽ,
+// without the change by P.
 // Source: Brüls, Acary & Cardona, CMAME 281 (2014) 131-161; Chung & Hulbert, J. Appl. Mech. 60 (1993) 371-375; Arnold &
 // Brüls, Multibody Syst. Dyn. 18 (2007) 185-202.
 #pragma once

@@ -1,7 +1,7 @@
 // integrators/step/immobility.h — immobile contact rows, linearly dependent on the joints' rows: no impulse can move
 // them.
 //
-//   Of a combination J = Σ w_i J_i of contact rows, what is left when the joints' share is taken out:
+//   Remainder of a combination J = Σ w_i J_i of contact rows without the joints' share:
 //     r = Jᵀ + Gᵀ λ,   λ from the basic system, r put through it again until only rounding is left.
 //   J is immobile when r is no more than rounding of what it is summed of,
 //     Σ_b |r_b|² ≤ Σ_b (256 ε (1 + (1 + |x_b|)/ρ_b) P_b)²,   P_b = Σ |w_i| |J_i,b| + Σ |λ_k| |G_k,b|  of body b.

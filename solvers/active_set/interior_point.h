@@ -19,7 +19,7 @@
 //     z_F ← z_F − (A_FF + t D_F)⁻¹ w_F,   t D at most 1e-8 of A's entries (smaller where that is slow),
 //   the proximal point iteration: where A_FF is singular, z goes to the solution nearest to the iterate in the norm of
 //   D, hence inside the bounds. Rows that come out with a wrong sign change sides as long as their number falls. The
-//   judge decides; until it accepts at rounding level (1e-13) the iteration goes on.
+//   judge decides; the iteration continues until it accepts at rounding level (1e-13).
 //   Warm: the guess's sides are tried by crossover first (one factorization when they are right); else it is not used,
 //   for a point on the boundary is a poor start of an interior method.
 //   Dense and sparse storage (principal_block.h; a Delassus operator is formed, as rows where few of W's rows meet):

@@ -11,7 +11,7 @@
 //   Purpose of the first three: sweeps suit loose piles. Splitting suits problems with factors that cost much compared
 //   with their entries (a tower of planks: 40 iterations in the time of two Newton steps). Newton alone suits those of
 //   full rank.
-//   With a time limit each step may take half of what is left.
+//   With a time limit each step may take half of the remaining time.
 //   Guarantees: none (Coulomb's law is not monotone); the judge decides.
 #pragma once
 

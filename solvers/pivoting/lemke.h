@@ -9,9 +9,9 @@
 //     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.
-//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is looked for (farkas.h); then again in
-//                 long double (up to 100 rows), in rationals (up to 24), on factors refined at every pivot
-//                 (normal_path.h) and in 256 bits (up to 500 rows; scalars.h says why), there first on a matrix within
+//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is searched for (farkas.h); then again
+//                 in long double (up to 100 rows), in rationals (up to 24), on factors refined at every pivot
+//                 (normal_path.h) and in 256 bits (up to 500 rows; reason: scalars.h), there first on a matrix within
 //                 rounding of the given one that redundant contacts leave solvable; in the copositive form, where there
 //                 is friction; at last every basis (enumerate.h, up to 12 rows) or other covering vectors.
 //                 rescue=false is the plain method.

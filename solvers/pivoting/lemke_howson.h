@@ -9,7 +9,7 @@
 //   where costs span so many orders that rounding makes the path cycle, this is detected and the label is abandoned.
 //   Paths from the origin, and on from each equilibrium found, lead to a connected set of them (not always to all).
 //   solve(): the first equilibrium, by label 0, 1, …, that the judge accepts (option label: just that one).
-//   Any other problem → unsupported (why_not says what is missing). The start value is not used.
+//   Any other problem → unsupported (why_not names the missing property). The start value is not used.
 //   Source: Lemke & Howson, J. SIAM 12 (1964) 413-423; Cottle, Pang & Stone (1992), ch. 4.4; von Stengel (2002).
 #pragma once
 

@@ -1,7 +1,7 @@
 // core/lcp/judge/error_bound.h — error bound of a given z: ‖z − z*‖∞ ≤ bound, rounding included.
 //
 //   With the natural residual r = z − clamp(z − w, lo, hi) the error e = z − z* solves (I − D + D A) e = r for some
-//   diagonal D, 0 ≤ D ≤ I, whatever the (fixed) bounds. So, best of what applies:
+//   diagonal D, 0 ≤ D ≤ I, for any (fixed) bounds. The best of the bounds that apply is taken:
 //     H₊ (K, strictly diagonally dominant …), rows divided by A_ii:  |e| ≤ v for any v with ⟨A⟩ v ≥ diag(A) |r|. One
 //              sparse LU; the sign of ⟨A⟩ v − diag(A) |r| is checked with its rounding, v enlarged until it holds.
 //     positive definite, symmetric or not:  ‖e‖₂ ≤ ‖d r + Aᵀr‖₂ / λ, r for w/d, d = max A_ii,  λ ≤ λ_min((A + Aᵀ)/2)
