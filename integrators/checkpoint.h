@@ -4,8 +4,8 @@
 //   CheckpointData out;  scheme.remember(out);  out.bytes()     the doubles' own bits: reading returns the same numbers
 //   CheckpointData in(bytes);  other.remember(in);  in.end()    throws std::invalid_argument where they do not fit
 //
-//   Numbers, enumerations, structs of them, strings, vectors of all these, and whatever has a remember() of its own.
-//   The bytes are this machine's: a checkpoint is for going on, not for keeping.
+//   Numbers, enumerations, structs of them, strings, vectors of all these, and any type with a remember(). The bytes
+//   are valid on this machine only: a checkpoint continues a run and is not an archive format.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

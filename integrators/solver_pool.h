@@ -1,8 +1,8 @@
 // integrators/solver_pool.h — solver pool: solvers that run in parallel, each in its own thread, for islands.
 //
-//   Tasks 0 … count − 1 are taken one by one by whoever is free. A task writes only what is its own, and which solver
-//   does it does not matter (a solver's members never change an answer): results are bit for bit those of one thread.
-//   A task costs some microseconds to hand over: worth it for islands of a hundred rows, not of ten.
+//   Free threads take the tasks 0 … count − 1 one by one. A task writes only its own data, and the answer does not
+//   depend on the solver object: results are bit for bit those of one thread. The hand-over of a task costs some
+//   microseconds, so a pool pays for islands of a hundred rows, not of ten.
 #pragma once
 
 #include <orthant/solvers/solver.h>

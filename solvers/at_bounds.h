@@ -1,4 +1,5 @@
-// solvers/at_bounds.h — a z near its bounds put exactly at them, since the judge (judge/certify.h) excuses no distance.
+// solvers/at_bounds.h — bounds: moves a z near its bounds exactly to them, since the judge (judge/certify.h) accepts no
+// distance.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

@@ -1,13 +1,13 @@
 // solvers/automatic.h — automatic solver choice by the structure of the problem, with the next one on failure.
 //
 //   One look at the entries, cheaper than any solve (O(nonzeros)): size, storage, friction, free rows, symmetry, signs.
-//   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with what it is for and what a
-//   problem must show for it; the judge (certify.h) decides after each, and after the first failure a proof that there
-//   is no solution is looked for. The log says which were tried, why, and how they ended: one entry a solver.
-//     first                a bold guess of the active set (small_active_set.h), before anything is looked at: up to
+//   kSteps (automatic.cpp) lists solvers in the order in which they are tried, each with its purpose and its conditions
+//   on the problem. The judge (certify.h) decides after each. After the first failure a proof of infeasibility is
+//   searched for. The log has one entry per solver that was tried: the reason and the result.
+//     first                a guess of the active set (small_active_set.h), before any inspection: up to
 //                          1500 rows of a dense matrix, 600 of an operator, 100 with friction or in sparse storage;
 //                          frictionless to 6 rows then dantzig
-//     friction             symmetric from 60 rows on: psor and mprgp, both given up once they do not get on; to 400
+//     friction             symmetric from 60 rows on: psor and mprgp, both abandoned if they make no progress; to 400
 //                          rows, with a start value or beyond 100 rows: path without restarts
 //     pyramids             unsymmetric, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not the guess
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
@@ -18,7 +18,7 @@
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
 //     up to 2²⁰ cells      at last every cell (enumerate.h): a solution, or the proof that there is none
-//   With a time limit each step may take half of what is left, the last all of it.
+//   With a time limit each step may take half of the remaining time, the last all of it.
 //   A start value is passed on, and a tolerance other than the default. Guarantees: those of the solver that answered.
 #pragma once
 

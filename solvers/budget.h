@@ -1,7 +1,7 @@
 // solvers/budget.h — time limit and cancellation, polled once an iteration; free when neither is set.
 //
 //   A sparse factorization cannot be interrupted: affords() compares its predicted cost (factorization_cost.h) with the
-//   time that is left. Where that does not suffice, the budget is spent.
+//   remaining time. If that does not suffice, the budget counts as spent.
 //   Limits of a fifth of a second and more are kept by the kernel's coarse clock where there is one (Linux: some
 //   milliseconds fine): to read it costs a few nanoseconds, where the fine one takes as long as a small problem.
 #pragma once

@@ -1,4 +1,4 @@
-// solvers/refinement.h — refinement: an approximate answer brought to rounding by Newton's method from it.
+// solvers/refinement.h — refinement: Newton's method from an approximate answer, up to rounding.
 //
 //   An iterative solver stops at its tolerance, such as 1e-10 of the data. An integrator with error control needs more:
 //   a contact that leaves an impact with −1e-10 m/s instead of 0 strikes again, and the motion branches. Answers that

@@ -1,4 +1,4 @@
-// solvers/solver.h — solver interface.
+// solvers/solver.h — solver interface: solve() of a problem, checked by the judge.
 #pragma once
 
 #include <orthant/core/lcp/judge/certify.h>

@@ -1,4 +1,4 @@
-// core/lcp/matrix.h — matrix of a problem: dense, compressed rows, or a Delassus operator; access whatever its storage.
+// core/lcp/matrix.h — matrix of a problem: dense, compressed rows, or a Delassus operator; one access to all storages.
 #pragma once
 
 #include <orthant/core/support/reusable.h>

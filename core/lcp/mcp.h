@@ -5,9 +5,9 @@
 //   lo = 0, hi = ∞: a nonlinear complementarity problem; lo = −∞, hi = ∞: a system of equations.
 //   The judge: that of the linear problem A = J(z), b = F(z) − J(z) z, whose w at z is F(z) (judge/certify.h). F_i is
 //   small where it is small compared with its terms: F = −e^(−z) at z = 26 is 5e-12, but s = 2.7e-10.
-//   The Jacobian is trusted as far as F itself confirms it: where z passes, F is evaluated at two more points next to
-//   z, and a row whose change is off by more than half its terms |J_ij z_j| is not called solved. A Jacobian too large
-//   by 1e12 would else excuse any F.
+//   The Jacobian is compared with F: where z passes, F is evaluated at two more points next to z. A row is not solved
+//   if its change is off by more than half its terms |J_ij z_j|. Otherwise a Jacobian too large by 1e12 would accept
+//   any F.
 //   Source: Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems (2003), ch. 1.
 #pragma once
 

@@ -1,4 +1,4 @@
-// core/lcp/problem.h — linear complementarity problem (LCP): the one type that every solver takes.
+// core/lcp/problem.h — linear complementarity problem (LCP): type of the problem for all solvers.
 //
 //   Find z with lo ≤ z ≤ hi and w = A z + b such that, row by row,
 //     z_i = lo_i ⇒ w_i ≥ 0,   z_i = hi_i ⇒ w_i ≤ 0,   otherwise w_i = 0.

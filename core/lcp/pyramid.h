@@ -1,4 +1,5 @@
-// core/lcp/pyramid.h — reduction to a pure LCP: friction, boxes and shifted bounds become [0, ∞) or free rows.
+// core/lcp/pyramid.h — friction pyramid: reduction of friction, boxes and shifted bounds to a pure LCP of [0, ∞) and
+// free rows.
 //
 //   One-sided:     z = lo + y, or z = hi − y with the row's sign turned.
 //   Box [lo, hi]:  z = lo + y,       0 ≤ y ⊥ w + ξ ≥ 0,  0 ≤ ξ ⊥ (hi − lo) − y ≥ 0.

@@ -1,4 +1,4 @@
-// core/mechanics/blocks.h — blocks of bodies in stacked vectors, and steps between poses.
+// core/mechanics/blocks.h — blocks of bodies in stacked vectors; update of poses, quaternions included.
 //
 //   Planar    q: x, y [m], θ [rad] of each body;  v, and all that acts like it (forces, masses, accelerations): ẋ, ẏ, ω
 //   Spatial   q: x [m] in the world, unit quaternion (w, x, y, z) that turns the body's frame into the world's;

@@ -1,8 +1,8 @@
-// core/mechanics/rows.h — constraint rows: the Jacobian entries of two bodies at the most, and the verbs on them.
+// core/mechanics/rows.h — constraint rows: the Jacobian entries of at most two bodies, and the operations on them.
 //
 //   rate = ja · v_a + jb · v_b,   v: the stacked velocities of all bodies (blocks.h)
 // Every joint and contact acts on two bodies at the most, so a Jacobian is a list of rows. Other files read and change
-// entries through these verbs. The ground has no velocities: its entries are not read.
+// entries through these operations. The ground has no velocities: its entries are not read.
 #pragma once
 
 #include <orthant/core/mechanics/blocks.h>

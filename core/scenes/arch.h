@@ -1,4 +1,4 @@
-// core/scenes/arch.h — a semicircular arch of voussoirs without mortar, and the least thickness at which it stands.
+// core/scenes/arch.h — semicircular arch of voussoirs without mortar, and the least thickness at which it stands.
 //
 //   Mean radius 1 m, thickness t, N equal voussoirs with radial joints, no sliding, no tension. The thrust line has to
 //   stay within: the arch falls by hinges at the crown (outside), the haunches (inside) and the springings (outside).

@@ -1,4 +1,5 @@
-// core/scenes/bennett.h — Bennett's linkage: four rods and four skew hinges, which moves against the count of its rows.
+// core/scenes/bennett.h — Bennett's linkage: four rods and four skew hinges; movable in spite of the number of its
+// joint rows.
 //
 //   Rods a, b, a, b between hinges whose axes are twisted by α, β, α, β, sin α / a = sin β / b; the last rod b is the
 //   ground, hinge 1 at the origin along +z. 20 rows of rank 17.

@@ -1,4 +1,4 @@
-// core/scenes/bouncing_ball.h — a point mass falls on a floor, and its exact motion.
+// core/scenes/bouncing_ball.h — bouncing ball: a point mass falls on a floor; exact motion.
 //
 //   Dropped from rest at `height`; t₁ = √(2 height / g), impact speeds g t₁ eⁿ⁻¹. Impact n is at
 //     tₙ = t₁ (1 + 2 e (1 − eⁿ⁻¹) / (1 − e)),   e = 1:  tₙ = (2n − 1) t₁;

@@ -1,6 +1,5 @@
-// core/scenes/bricard.h — Bricard's linkage: six rods on the edges of a cube, hinged one to the next; one of them is
-// the
-// ground.
+// core/scenes/bricard.h — Bricard's linkage: a closed chain of six hinged rods on the edges of a cube; one of them is
+// the ground.
 //
 //   Hinges at (0,0,0), (1,0,0), (1,−1,0), (1,−1,1), (0,−1,1), (0,0,1) m, axes y, z, x, y, z, x; five rods of 1 kg,
 //   1 × .1 × .1 m, between them; gravity along −y; starts at rest. 30 rows of rank 29 in every pose.

@@ -1,4 +1,4 @@
-// core/scenes/chain.h — N point masses of 1 kg on massless links of 1 m, all released at one angle.
+// core/scenes/chain.h — chain pendulum: N point masses of 1 kg on massless links of 1 m, all released at one angle.
 //
 //   Released horizontally the motion is chaotic for N ≥ 2, so its exact answers are constants: by a Runge-Kutta method
 //   of order 8 in the N angles, independent of this code; two tolerances agree to 1.5e-11 rad.

@@ -1,7 +1,8 @@
-// core/scenes/coulomb_decay.h — free swings of a spring-held block on a rough floor: they end, and exactly.
+// core/scenes/coulomb_decay.h — Coulomb decay: free oscillation of a block with a spring on a rough floor, and its
+// exact end.
 //
 //   m ẍ + k x = −μ m g sgn ẋ. With x_k = μ m g / k, each half swing of π/ω is a cosine about ± x_k and loses 2 x_k of
-//   amplitude; the block stops for ever at its first turning point with |x| ≤ x_k.
+//   amplitude; the block stops permanently at its first turning point with |x| ≤ x_k.
 //   Defaults: k = m = 1, μ m g = 0.7, from 10: turning points 10, −8.6, 7.2, −5.8, 4.4, −3, 1.6, −0.2 (rest).
 #pragma once
 

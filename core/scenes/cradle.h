@@ -1,10 +1,11 @@
-// core/scenes/cradle.h — n equal balls in a row, the first of which strikes the others, and the speeds afterwards.
+// core/scenes/cradle.h — Newton's cradle: n equal balls in a row; the first one strikes the others; speeds afterwards.
 //
 //   Frictionless, no gravity, the others at rest; the first comes at v.
 //   At once (gap 0, impacts = simultaneous), by Newton's law and by Poisson's alike:
 //     u₁ = v (1 − (n−1) e)/n,  u₂ = … = u_n = v (1 + e)/n:   n = 3, e = 1: (−1/3, 2/3, 2/3).
 //   In turn (impacts = sequential, or gaps): e = 1: the last ball takes all; else see collinear.h.
-//   Both keep the momentum m v, and for e = 1 the energy: laws differ where mechanics of rigid bodies does not decide.
+//   Both keep the momentum m v, and for e = 1 the energy: the laws differ where rigid-body mechanics gives no unique
+//   answer.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

@@ -1,4 +1,4 @@
-// core/scenes/grain_column.h — grain column: n grains fall onto the floor together, and what each level carries.
+// core/scenes/grain_column.h — grain column: n grains fall onto the floor together; impulse and force of each level.
 //
 //   Equal, smooth, inelastic, touching each other and the floor, all at the speed v. They stop at once: the impulse at
 //   level k = 1 … n (1: the floor) is (n − k + 1) m v, and from then on the force is (n − k + 1) m g.

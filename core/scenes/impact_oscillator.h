@@ -1,4 +1,4 @@
-// core/scenes/impact_oscillator.h — a driven oscillator that strikes a wall, on its exact periodic motion.
+// core/scenes/impact_oscillator.h — impact oscillator: a driven oscillator that strikes a wall; exact periodic motion.
 //
 //   ẍ + x = cos(ω t + φ),  x ≤ 0,  ẋ⁺ = −e ẋ⁻ at x = 0;  mass and stiffness are 1.
 //   With one impact a period T = 2π/ω, C = 1/(1 − ω²), between impacts at t = 0 and T

@@ -1,4 +1,4 @@
-// core/scenes/incline.h — a block on a slope, with a start velocity up (> 0) or down, and its exact motion.
+// core/scenes/incline.h — incline: a block on a slope with a start velocity up (> 0) or down; exact motion.
 //
 //   Drawn with the slope along x and gravity turned, so that "on the slope" is y = 0 to the last bit. It slides with
 //   g (sin α ± μ cos α) downwards (+: upwards moving), and once stopped it stays if and only if μ_s ≥ tan α.

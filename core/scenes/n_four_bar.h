@@ -1,4 +1,4 @@
-// core/scenes/n_four_bar.h — N parallelograms in a row that turn over together, and their exact motion.
+// core/scenes/n_four_bar.h — N-four-bar: N parallelogram linkages in a row that turn over together; exact motion.
 //
 //   N + 1 cranks and N couplers, uniform rods of 1 m and 1 kg, the cranks upright at first with tip speed v. One degree
 //   of freedom (θ of the cranks from upright, clockwise) although each time all rods lie in one line, twice a turn, the

@@ -1,4 +1,4 @@
-// core/scenes/oscillator.h — a point mass on a linear spring along x: the frame of the oscillator scenes.
+// core/scenes/oscillator.h — oscillator: a point mass on a linear spring along x; common part of the oscillator scenes.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

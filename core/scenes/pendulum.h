@@ -1,4 +1,4 @@
-// core/scenes/pendulum.h — a point mass on a massless rod, released at rest, and its exact motion.
+// core/scenes/pendulum.h — pendulum: a point mass on a massless rod, released at rest; exact motion.
 //
 //   θ̈ = −ω² sin θ, ω² = g / L, θ from downward;  with k = sin(θ₀/2):
 //     sin(θ/2) = k sn(K(k) + ω t, k),   period 4 K(k) / ω = 2π / (ω agm(1, cos(θ₀/2))).

@@ -1,6 +1,6 @@
-// core/scenes/rattleback.h — rattleback: an ellipsoid whose axes of inertia are askew turns one way only.
+// core/scenes/rattleback.h — rattleback: an ellipsoid with skew axes of inertia, which turns in one sense only.
 //
-//   Spun against its preferred sense (spin < 0) it rattles and turns back; spun with it, it goes on.
+//   Spun against its preferred sense (spin < 0) it rattles and turns back; spun in this sense it continues.
 //   Semi-axes .2, .03, .02 m, the centre of mass .01 m below the centre, 1 kg; moments 2e-4, 1.6e-3, 1.7e-3 and the
 //   product −2e-5 kg m² of the two horizontal axes.
 //   Source: Kane, Levinson, Realistic mathematical modeling of the rattleback, Int. J. Non-Linear Mechanics 17 (1982)

@@ -1,4 +1,4 @@
-// core/scenes/robot_arm.h — an arm from a model in URDF (robot_arm.urdf) sweeps a box over a rough floor.
+// core/scenes/robot_arm.h — robot arm from a model in URDF (robot_arm.urdf): it sweeps a box over a rough floor.
 //
 //   Its base turns from 0 to `sweep` and back, φ = sweep (1 − cos ωt) / 2 with ω = π / time. Springs hold lift and
 //   elbow at 1.2 and 1.6 rad, so that the hand is upright above the floor. The box stands in the way of the hand.

@@ -1,9 +1,9 @@
-// core/scenes/rocking_block.h — a block that rocks from corner to corner, and its exact motion (Housner's block).
+// core/scenes/rocking_block.h — rocking block (Housner): a block rocks from corner to corner; exact motion.
 //
 //   Half-width b, half-height h, R² = b² + h², tan α = b/h, p² = 3g/(4R). Tilted by θ₀ about a corner and let go:
 //     θ̈ = −p² sin(α − θ),  θ > 0;   φ = α − θ is a pendulum from upright, so that θ is an elliptic function of time.
-//   Each time it stands upright the other corner strikes. Inelastic and without slip it goes on with
-//     ω⁺ = η ω⁻,  η = 1 − (3/2) sin² α,  while h > b/√2; a flatter block (η ≤ 0) stops dead.
+//   Each time it stands upright the other corner strikes. Inelastic and without slip it continues with
+//     ω⁺ = η ω⁻,  η = 1 − (3/2) sin² α,  while h > b/√2; a flatter block (η ≤ 0) stops at once.
 //   Impacts n = 1, 2, … from the amplitudes cos(α − θₙ) = cos α + η²ⁿ (cos(α − θ₀) − cos α) and the times T(θₙ) of
 //   falling from them:  t₁ = T(θ₀), tₙ₊₁ = tₙ + 2 T(θₙ).
 // Source: Housner, Bulletin of the Seismological Society of America 53 (1963) 403-417 (his period is linearized, this

@@ -1,4 +1,4 @@
-// core/scenes/rod_drop.h — a rod falls onto a smooth floor, slanting, and its velocities after one end has struck.
+// core/scenes/rod_drop.h — rod drop: a slanting rod falls onto a smooth floor; velocities after the impact of one end.
 //
 //   Uniform rod of half-length 1 m and 1 kg at the angle θ, falling at v without turning, no gravity, no friction:
 //     impulse p = (1 + e) m v / (1 + 3 cos² θ),   v_y⁺ = −v + p/m,   ω⁺ = 3 p cos θ / (m l)

@@ -1,9 +1,9 @@
-// core/scenes/roll.h — a ball or disc that slides, then rolls, on the level or down a slope, and its exact motion.
+// core/scenes/roll.h — rolling: a ball or disc slides, then rolls, on the level or down a slope; exact motion.
 //
 //   J = k m R² (k = 2/5 sphere, 1/2 disc), start speed v₀ ≥ 0 down the slope without spin. Slip u = v − R w, w the spin
 //   in the sense of rolling down. While u > 0:  v̇ = g (sin α − μ cos α),  R ẇ = μ g cos α / k.
 //   Slip ends at t_r = v₀ / (μ g cos α (1 + 1/k) − g sin α), and rolling lasts: v̇ = g sin α / (1 + k), if and only if
-//   μ ≥ tan α k/(1 + k); else it slides for ever.
+//   μ ≥ tan α k/(1 + k); else it slides permanently.
 // Drawn with the slope along x (downwards) and gravity turned.
 #pragma once
 

@@ -1,4 +1,4 @@
-// core/scenes/slider_crank.h — planar slider-crank whose slider moves in a guide with clearance.
+// core/scenes/slider_crank.h — planar slider-crank with clearance between slider and guide.
 //
 //   Parameters: Flores, Leine & Glocker, Multibody System Dynamics 23 (2010) 165-190. The crank is not driven; it
 //   starts at θ₁ = θ₂ = 0 with ω₁ = 150 rad/s. The slider's four corners meet the guide's walls y = ± (b + clearance):

@@ -1,4 +1,4 @@
-// core/scenes/slider_crank_exact.h — the slider-crank's exact motion, to measure against.
+// core/scenes/slider_crank_exact.h — exact motion of the slider-crank, a reference for errors.
 //
 //   From an event-driven solution in quadruple precision with minimal coordinates, independent of this code; two
 //   tolerance sets agree to 1.2e-12 rad over 0.2 s. Initial conditions and parameters: SliderCrank's defaults.

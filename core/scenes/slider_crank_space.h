@@ -1,4 +1,5 @@
-// core/scenes/slider_crank_space.h — the slider-crank of slider_crank.h built from spatial bodies, turned at will.
+// core/scenes/slider_crank_space.h — slider-crank of slider_crank.h, built from spatial bodies and turned by any
+// angles.
 //
 //   Joints: shaft (ground-crank), crankpin (crank-rod), wristpin (rod-slider), revolute, axes along z of the mechanism.
 //   Contacts: the slider's corners 1 … 4 of slider_crank.h in the mid-plane; with width > 0 eight, at z = ± width/2:

@@ -1,8 +1,8 @@
-// core/scenes/sphere_bounce.h — a ball strikes a rough floor at a slant, and its velocities afterwards.
+// core/scenes/sphere_bounce.h — oblique impact of a ball on a rough floor, and its velocities afterwards.
 //
 //   Before: v = (v_x, −v_y), no spin; J = k m R². Normal impulse (1 + e) m v_y; the tangential one stops the slip,
 //   which takes m |v_x| k/(1 + k), or is μ (1 + e) m v_y where that is less. By Newton's law and by Poisson's alike:
-//   the normal and the tangential direction do not see each other.
+//   the normal and the tangential direction do not couple.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

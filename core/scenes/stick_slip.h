@@ -1,4 +1,4 @@
-// core/scenes/stick_slip.h — a spring-held block on a moving belt, and its exact periodic motion.
+// core/scenes/stick_slip.h — stick-slip: a block with a spring on a moving belt; exact periodic motion.
 //
 //   m ẍ + k x = friction of the belt (speed v_b): it carries the block while k |x| ≤ μ_s m g; a block that slides feels
 //   μ m g. With x_s = μ_s m g / k, x_k = μ m g / k, ω = √(k/m), slip begins at x = x_s with ẋ = v_b and is

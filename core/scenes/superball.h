@@ -1,10 +1,10 @@
-// core/scenes/superball.h — a light ball above a heavy one, both falling onto a floor, and the speeds afterwards.
+// core/scenes/superball.h — superball: a light ball above a heavy one, both falling onto a floor; speeds afterwards.
 //
 //   Masses r m below and m above, both at speed v before, no gravity.
 //   In turn (a small gap between the balls, or impacts = sequential): the lower one turns round at e v and meets the
 //   upper:
 //     e = 1:  upper v (3r − 1)/(r + 1), lower v (r − 3)/(r + 1); for r < 3 the lower strikes the floor again.
-//   At once (gap 0, impacts = simultaneous): Newton's law asks for γ⁺ = e v at the floor and 0 between the balls,
+//   At once (gap 0, impacts = simultaneous): Newton's law requires γ⁺ = e v at the floor and 0 between the balls,
 //   Poisson's
 //     releases e times what compression stored: both balls leave at e v, by either law.
 // The step is a power of two, so that a gap of 0 stays 0 while both fall.

@@ -2,8 +2,8 @@
 //
 //   Legs at x_i, equally spaced over [−1, 1], the centre of mass at x = d. At rest on the floor any λ ≥ 0 with
 //     Σ λ_i = m g,  Σ λ_i x_i = m g d
-//   is an answer; the acceleration is 0 in all of them. The λ of least norm, a + b x_i, is none of them when d is large
-//   (four legs: d > 5/9): it pulls at a leg although the table does not tip.
+//   is a solution; the acceleration is 0 in all of them. The λ of least norm, a + b x_i, is none of them when d is
+//   large (four legs: d > 5/9): it pulls at a leg although the table does not tip.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

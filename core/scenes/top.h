@@ -1,9 +1,8 @@
 // core/scenes/top.h — Lagrange's top: a symmetric body turns about a fixed tip under its weight.
 //
 //   I1 = .002, I3 = .0008 kg m² about the tip, m = .5 kg, l = .04 m; axis at 30° to the vertical, spin ω3, no
-//   precession
-//   at first: it falls, and rises again to cusps. Nutation 30° … 31.68007640528°, period .10996771481 s, precession
-//   .18417249693 rad a nutation (by elliptic integrals, for the defaults).
+//   precession at first: it falls, and rises again to cusps. Nutation 30° … 31.68007640528°, period .10996771481 s,
+//   precession .18417249693 rad a nutation (by elliptic integrals, for the defaults).
 //   Source: Goldstein, Poole & Safko, Classical Mechanics (2002), 5.7.
 #pragma once
 

@@ -1,7 +1,8 @@
-// core/scenes/tower.h — blocks one on the other, their masses in a geometric series: the heavy on the light.
+// core/scenes/tower.h — tower of blocks with masses in a geometric series, the heavy on the light.
 //
 //   Masses 1, r, r², … kg from the bottom up; at rest level k = 1 … n carries g Σ_{i ≥ k} m_i. With one contact a level
-//   and r large, Gauss-Seidel's error falls by r/(1 + r) a sweep (two blocks), direct methods do not see the ratio.
+//   and r large, Gauss-Seidel's error falls by r/(1 + r) a sweep (two blocks), direct methods do not depend on the
+//   ratio.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene.h>

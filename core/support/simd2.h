@@ -1,7 +1,7 @@
 // core/support/simd2.h — SIMD pair: two doubles in one 16-byte register.
 //
-// Put together from scalars in registers, as Eigen's Array2d is not: memory that was just stored number by number and
-// is read as a whole makes a processor wait.
+// It is built from scalars in registers, unlike Eigen's Array2d: a processor waits if it reads as a whole what was just
+// stored number by number.
 #pragma once
 
 #include <cstring>

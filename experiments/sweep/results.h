@@ -4,7 +4,8 @@
 //   sweeps(name, about)     the definition, the build and the machine, as JSON
 //   members(sweep, place, key)   which cases a sweep has, in its order; a case may be in several
 // A case that a time limit or a crash ended runs again with more time, or with `retry`: declare().
-// Write-ahead log, one transaction a case: killed at any time, what is written stays, and several processes may write.
+// Write-ahead log, one transaction per case: a sweep killed at any time keeps its written rows, and resumes with the
+// missing cases (run.h). Several processes may write.
 // Source of the guarantees: https://sqlite.org/wal.html, https://sqlite.org/atomiccommit.html. Not on network drives.
 #pragma once
 

@@ -1,4 +1,5 @@
-// experiments/sweep/run.h — sweep runner: the missing cases, each in a process of its own, into the results file.
+// experiments/sweep/run.h — sweep runner and its resumption after a kill: runs the missing cases, each in a separate
+// process, into the results file.
 //
 //   Cases that are compared with other runs wait for those. Timed ones come last, one at a time. A case that crashes or
 //   does not end is a row with that status. Several programs may run the same sweep into the same file: each case is

@@ -1,21 +1,23 @@
-// integrators/adaptive/adaptive.h — event location and dense output to a tolerance, at any output step.
+// integrators/adaptive/adaptive.h — adaptive integration: event location and dense output to a tolerance, at any
+// output step.
 //
 //   Inner steps are those of event_driven.h: a Runge–Kutta method of order 8 while no contact changes its mode; impacts
-//   and changes of mode are located and landed on, and series of impacts are summed to their limit. They know nothing
-//   of the times that are called for: they go on past the end of a call, and the states between them come from a
-//   polynomial (arc_interpolant.h). Neither the motion nor its cost depends on the output step or on the end of the
-//   run. An inner step that fails past the end of a call is reported by the call that gets there.
+//   and changes of mode are located and landed on, and series of impacts are summed to their limit. They do not depend
+//   on the requested times: they continue past the end of a call, and the states between them come from a polynomial
+//   (arc_interpolant.h). Neither the motion nor its cost depends on the output step or on the end of the run. If an
+//   inner step fails past the end of a call, the call that reaches this time reports it.
 //   Tolerance: an inner step is held to a thousandth of rtol and atol, 1e-13 and 1e-14 at the least (rounding). A gap
-//   below that share of atol counts as closed when another contact is struck. The motion may magnify errors by more
-//   than the thousand: this is not controlled. error_estimate of a run is the sum of the errors of the inner steps;
-//   `--check` of the command measures the final error.
+//   below this thousandth of atol counts as closed at an impact of another contact. The motion may magnify errors by
+//   more than the thousand: this is not controlled. error_estimate of a run is the sum of the errors of the inner
+//   steps; `--check` of the command measures the final error.
 //   Measured on the slider-crank: |Δθ₁| after 3 turns is 0.001 to 0.05 of rtol from 1e-3 to 1e-9 (e ≤ 0.4).
 //   Where events crowd, and at instants without an answer or with several (Painlevé's paradox, impacts whose friction
 //   and restitution contradict each other, redundant joints at a singular pose), steps of Moreau–Jean's method of 1e-6
 //   s and more go across, to first order: they are counted as crossings, and error_estimate has their share.
 //   No inner step is longer than the larger of ten times the one before and the time run so far, nor than a load or
 //   drive needs to swing by 3 rad.
-//   Events and impulses belong to the call in whose time they fall; those of a crossing to the call that it ends in.
+//   Events and impulses belong to the call that contains their time, those of a crossing to the call that contains its
+//   end.
 //   Cost: some 13 evaluations an inner step, some 3 steps an event; about 30 operations per coordinate an
 //   output, and a projection where there are joints or lasting contacts. Outputs within a crossing are not projected.
 // Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.6 (dense output); see also

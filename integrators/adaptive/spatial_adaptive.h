@@ -3,9 +3,9 @@
 //   Inner steps are those of spatial_event_driven.h: a Runge–Kutta method of order 8 in charts of the rotations while
 //   no contact changes its mode; impacts and changes of mode are located and landed on. Impacts that come at ever
 //   shorter intervals, and no higher than ten times atol of an inner step, end in one without restitution.
-//   The states that are called for do not shape the inner steps: they, impulses and work come from the continuous
-//   extension of the method, of order 7, and are projected. Neither the motion nor its cost depends on the output step
-//   or on the end of the run.
+//   The requested states do not affect the inner steps: they, impulses and work come from the continuous extension of
+//   the method, of order 7, and are projected. Neither the motion nor its cost depends on the output step or on the end
+//   of the run.
 //   Tolerance: an inner step is held to a thousandth of rtol and atol, 1e-13 and 1e-14 at the least, of each body's
 //   place, velocity and angular velocity (lengths of vectors), and of 1 rad of its orientation. The motion may magnify
 //   errors by more than the thousand: this is not controlled. error_estimate of a run is the sum of the errors of the

@@ -1,8 +1,7 @@
 // integrators/between_events/contact_equations.h — contact rows against contact forces, the joints eliminated.
 //
-//   A_ij = J_i B F_jᵀ,  b_i = J_i x + c_i:   what the rows J of x (accelerations, or a velocity) become when forces z
-//   act along F is A z + b. B is the inverse of the basic system with its joints, so that the joints hold on either
-//   side.
+//   A_ij = J_i B F_jᵀ,  b_i = J_i x + c_i:   forces z along F change the rows J of x (accelerations, or a velocity) to
+//   A z + b. B is the inverse of the basic system with its joints, so that the joints hold on either side.
 //   F = J for forces along the rows themselves; sliding contacts couple W_T to the normal force, and A is not
 //   symmetric.
 #pragma once

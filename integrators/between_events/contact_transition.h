@@ -6,11 +6,11 @@
 //   the sense of γ̇_T; with a greater static coefficient the problem is then solved again with the kinetic one.
 //   Contacts that joints immobilise (immobility.h) are no candidates, and such combinations of candidates contradict
 //   each other only where drives make them. With friction there may be no solution or several (Painlevé). "None" is
-//   said only where a proof stands (certify.h) that rounding of the problem could not have made; what is neither
-//   solved, by path.h too where the solver given does not, nor proved is undecided(). "Several" is looked for where a
-//   contact's own coupling allows it (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ that it may take), by enumeration of at
-//   most 12 rows; solutions count as one where the accelerations are the same. What several contacts only allow
-//   together is not looked for.
+//   reported only with a proof (certify.h) that rounding of the problem could not have produced. If the given solver
+//   does not solve the problem, path.h is tried; if neither solves nor proves it, the result is undecided(). Several
+//   solutions are searched for where a contact's own coupling allows them (W_N B (W_N − σ μ W_T)ᵀ ≤ 0 for a sense σ
+//   that it may take), by enumeration of at most 12 rows; solutions count as one where the accelerations are the same.
+//   Solutions that only several contacts together make possible are not searched for.
 //   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996), ch. 6; Génot & Brogliato,
 //   European Journal of Mechanics A 18 (1999) 653-677.
 #pragma once

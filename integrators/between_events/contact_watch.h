@@ -1,7 +1,7 @@
-// integrators/between_events/contact_watch.h — contact watch: where a lasting contact's mode ends within a step.
+// integrators/between_events/contact_watch.h — contact watch: finds the end of a lasting contact's mode within a step.
 //
 //   Watched are λ_N → opening; of a contact that sticks μ λ_N ∓ λ_T → sliding off; of one that slides σ γ_T → stopping.
-//   While no mode changes they are smooth functions of the state (contact_motion.h), whatever scheme it comes from.
+//   While no mode changes they are smooth functions of the state (contact_motion.h), for any scheme.
 //   Known are q, v, a at both ends of the step; at 1/4, 1/2, 3/4 of it the state is that of Hermite polynomials of
 //   degree 5 (q) and 3 (v).
 //   Between these five points a force is the quartic through its values, a slip the cubic through values and rates of

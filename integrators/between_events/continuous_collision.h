@@ -1,4 +1,5 @@
-// integrators/between_events/continuous_collision.h — continuous collision detection in a step of any length.
+// integrators/between_events/continuous_collision.h — continuous collision detection: closing gaps within a step of any
+// length.
 //
 //   Known are q, v, a at both ends of a step; in between, q is the Hermite polynomial of degree 5. The Bernstein form
 //   of its rate bounds the speeds in the step. The gap of two shapes then changes no faster than

@@ -1,4 +1,5 @@
-// integrators/between_events/first_crossing.h — event location: where an event function first turns negative in a step.
+// integrators/between_events/first_crossing.h — event location: finds where an event function first turns negative in a
+// step.
 //
 //   A polynomial on [0, 1] in Bernstein form Σ c_i (n choose i) x^i (1−x)^(n−i) lies within the hull of its
 //   coefficients. Without a coefficient below −slack there is no crossing, so no pair of crossings is overlooked.

@@ -1,7 +1,7 @@
 // integrators/between_events/impact_series.h — impact accumulation (Zeno): impacts at ever shorter intervals.
 //
-//   Intervals Δ_n, ratio r = Δ_n / Δ_{n−1}. Two of them in a row < 0.999 (four impacts): a series, taken for a
-//   geometric one, which ends Δ_n r / (1 − r) after the last impact.
+//   Intervals Δ_n, ratio r = Δ_n / Δ_{n−1}. Two of them in a row < 0.999 (four impacts): a series, treated as a
+//   geometric one. It ends Δ_n r / (1 − r) after the last impact.
 #pragma once
 
 #include <limits>

@@ -1,6 +1,7 @@
-// integrators/between_events/look_ahead.h — look-ahead: the step length that watching lasting contacts allows.
+// integrators/between_events/look_ahead.h — look-ahead: limit of the step length, so that the end of lasting contacts
+// is not missed.
 //
-//   Forces and slips of lasting contacts are looked at in a few places of a step (contact_watch.h), and their normals
+//   Forces and slips of lasting contacts are evaluated at a few instants of a step (contact_watch.h), and their normals
 //   at its end. So within a step no body of a corner's or polygon's contact, and no wall, turns by more than half a
 //   radian;
 //   points of two discs (a disc and a polygon) move by no more than half the distance of their centres, corners of two

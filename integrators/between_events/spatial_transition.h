@@ -7,10 +7,11 @@
 //   |λ_T| inside its disc: it sticks, else it slides off along γ̇_T; with a greater static coefficient the problem is
 //   then solved again with the kinetic one.
 //   Directions that joints immobilise have no force. With friction there may be no solution or several (Painlevé).
-//   "None" is said where a proof stands that rounding of the problem could not have made, or all modes were tried; what
-//   is neither solved nor proved is undecided(). "Several" is looked for where a contact's own coupling allows it
-//   (W_N B (W_N − μ W_T d)ᵀ ≤ 0 for a direction d that it may take), of at most 12 contacts that all slide or have no
-//   friction, by enumeration, and of a single contact without slip. Its directions of departure are the zeros of
+//   "None" is reported with a proof that rounding of the problem could not have produced, or if all modes were tried; a
+//   problem neither solved nor proved is undecided(). Several solutions are searched for where a contact's own coupling
+//   allows them (W_N B (W_N − μ W_T d)ᵀ ≤ 0 for a direction d that it may take), of at most 12 contacts that all slide
+//   or have no friction, by enumeration, and of a single contact without slip. Its directions of departure are the
+//   zeros of
 //     d × γ̇_T (d),   γ̇_T (d) = b_T + λ_N (A_TN − μ A_TT d),   λ_N (d) = −b_N / (A_NN − μ A_NT d),
 //   times A_NN − μ A_NT d a trigonometric polynomial of degree 2; those nearer to each other than half a degree count
 //   as one. Solutions count as one where the accelerations are the same.

@@ -1,11 +1,11 @@
 // integrators/between_events/substitute.h — equivalent scene of listed contacts: collisions, dry friction in joints.
 //
-//   For schemes that follow every contact by itself. Each pair of a collision becomes a contact of its own. Dry
+//   For schemes that follow every contact separately. Each pair of a collision becomes a contact of its own. Dry
 //   friction of the bound B becomes a contact, too: a body next to the mechanism is pressed onto the ground by the
 //   force B, and the friction of that contact, μ = 1, acts along the joint's coordinate:
 //     λ_N = B always,  |λ_T| ≤ B,  λ_T against the rate: sticks, slides and changes between them as any contact does.
 //   An impact does not press that body, so that a bounded friction has no impulse in it.
-//   Limits: kMostPairs pairs, each of which is looked at in every step; no friction that depends on the joint's load.
+//   Limits: kMostPairs pairs, all evaluated in every step; no friction that depends on the joint's load.
 #pragma once
 
 #include <orthant/integrators/integrator.h>

@@ -1,8 +1,9 @@
 // integrators/derivatives/parameter_change.h — parameters of a run, and which parts of the scene each one changes.
 //
-//   Scenes at value + k step, k = ±1, ±2, tell the parts; step = 1e-3 |value|, or 1e-5 at 0. What enters the equations
-//   linearly (masses, weights, μ, e, e_T, belts, bounds of dry friction) has one derivative for the whole run. Elements
-//   with other geometry or other laws in time are listed: in each step only these are evaluated, four times.
+//   Scenes at value + k step, k = ±1, ±2, show the parts that change; step = 1e-3 |value|, or 1e-5 at 0. Parameters
+//   that enter the equations linearly (masses, weights, μ, e, e_T, belts, bounds of dry friction) have one derivative
+//   for the whole run. Elements with other geometry or other laws in time are listed: in each step only these are
+//   evaluated, four times.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

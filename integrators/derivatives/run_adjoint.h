@@ -4,8 +4,8 @@
 //   (step_linearization.h);  ∂y/∂p = Σ_steps ρ̄ · ∂ρ/∂p + x̄_0 · ∂x_0/∂p
 //   Checkpoints: state and memory of the integrator every ⌈√n⌉ of the n steps. From each the steps up to the next are
 //   done again, with the same bits, and kept until they are linearized: memory for 2 √n steps.
-//   Cost: two runs, the linearization of the steps, and three solves a step and scalar, whatever the parameters are
-//   that enter linearly (masses, μ, e, …); of the others, their elements' evaluations (parameter_change.h).
+//   Cost: two runs, the linearization of the steps, and three solves a step and scalar, for any number of parameters
+//   that enter linearly (masses, μ, e, …); for the others also evaluations of their elements (parameter_change.h).
 //   Source: Griewank & Walther, Evaluating Derivatives (2nd ed., 2008), ch. 3, 12.
 #pragma once
 

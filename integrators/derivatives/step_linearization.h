@@ -13,7 +13,7 @@
 //   Between changes of the active set the step is smooth, and this is its derivative; where rows are weakly active it
 //   has one-sided ones only (degenerate), of which tangent and adjoint hold the rows at their bounds.
 //   The step is computed again from its impulses; where that does not give x⁺ (impacts by another law than Newton's,
-//   joint friction that depends on loads, sleep, stiffened joints), std::runtime_error says so.
+//   joint friction that depends on loads, sleep, stiffened joints), std::runtime_error reports it.
 //   Cost: two factorizations a step, then three solves for a tangent or an adjoint.
 #pragma once
 

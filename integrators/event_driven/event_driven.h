@@ -1,5 +1,5 @@
-// integrators/event_driven/event_driven.h — the smooth motion by a Runge–Kutta method of order 8, impacts and
-// changes of contact located and landed on.
+// integrators/event_driven/event_driven.h — event-driven integration: the smooth motion by a Runge–Kutta method of
+// order 8; impacts and changes of contact located.
 //
 //   Between events the contacts' modes are fixed (contact_motion.h) and q' = v, v' = a(t, q, v) is integrated with
 //   error control (dormand_prince.h); every step ends with q and v projected onto joints and lasting contacts. Watched
@@ -24,17 +24,16 @@
 //   their remaining impacts, which may still be large, follow one after the other at that instant (impact.h).
 //   Contacts that bear a load together share it in proportion to what each can bear; one at the bound of its friction
 //   stays there while others hold it.
-//   Crowds: where events go on without end (steps in a row that lead nowhere: chatter, hyperstatic friction) or an
-//   instant has no answer that could be computed, a step of Moreau-Jean's method of `crossing` goes across, or of twice
-//   the last one where no calm has come since, up to 1e-4 s, but no longer than bodies need to pass each other. What it
-//   leaves no faster than it falls within it lasts. Its error is of first order: speeds times its length. Runs without
-//   crowds have none.
+//   Crowds: where events continue without end (several steps in a row without progress: chatter, hyperstatic friction)
+//   or an instant has no computable answer, a step of Moreau-Jean's method of `crossing` goes across. It is twice the
+//   last one if no quiet interval has followed since, up to 1e-4 s, but no longer than bodies need to pass each other.
+//   A contact that separates no faster than bodies fall within this step lasts. The error is of first order: speeds
+//   times the length of the step. Runs without crowds have none.
 //   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the
 //   accelerations. An event's time is found to rounding of the event function.
 //   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³,
-//   δ the distance: such poses are passed over in one step, no stage of which is very near. A state there that the
-//   caller asks for is handed out, but the next step starts from where the last one did (with lasting contacts: from
-//   there).
+//   δ the distance: such poses are passed over in one step, no stage of which is very near. A state requested there is
+//   returned, but the next step starts where the last one did (with lasting contacts: from the requested state).
 //   Where a lasting contact's normal jumps (a corner comes to the end of its face, and lies against an edge from then
 //   on) a step ends, too, as near to it as times can be distinguished; its velocity is no more along the contact then:
 //   it strikes, or leaves.
@@ -42,9 +41,9 @@
 //   A start with overlap: such a contact acts only while it does not separate. The approach after a separation is an
 //   event, and so is the gap 0 (overlap.cpp).
 //   Limits: a graze shallower than the polynomials' error (some 1e-9 of the motion within a step) is overlooked. An
-//   impact or an acceleration-level problem without solution, or one with several, ends the run, see why(). Rounding in
-//   crowds decides: piles come to rest, but not always in the same places. Every contact's row is looked at
-//   in every step. Cost: 13 evaluations a step, some 3 steps an event.
+//   impact or an acceleration-level problem without solution, or one with several, ends the run, see why(). In crowds
+//   the result depends on rounding: piles come to rest, but not always in the same places. Every contact's row is
+//   evaluated in every step. Cost: 13 evaluations a step, some 3 steps an event.
 //   Source: Pfeiffer & Glocker, Multibody Dynamics with Unilateral Contacts (1996); Brogliato & Acary (2008), ch. 8;
 //   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6.
 #pragma once

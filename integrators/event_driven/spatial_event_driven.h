@@ -14,12 +14,13 @@
 //   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as
 //   touching, so that what is simultaneous stays so. Impacts that come at ever shorter intervals,
 //   and no higher than `accumulation`, end in one without restitution (impact_series.h).
-//   Impulses are brought to rounding (solvers/refinement.h): the tolerance of a solver would show in what follows.
+//   Impulses are refined to rounding (solvers/refinement.h), since the tolerance of a solver would affect the later
+//   motion.
 //   Sliding off: the direction is that of the solution at acceleration level, until the slip is no longer stiff or
 //   |γ_T| times the turn since reaches ten times rtol of the speeds and of what friction makes in a second.
-//   Crowds: where events go on without end (steps in a row that lead nowhere) or an instant has no answer that could be
-//   computed, steps of Moreau–Jean's method go across, of `crossing`, each twice as long as the last one where no calm
-//   has come since, up to 1e-4 s. Their error is of first order.
+//   Crowds: where events continue without end (several steps in a row without progress) or an instant has no computable
+//   answer, steps of Moreau–Jean's method of `crossing` go across. Each is twice as long as the last one if no quiet
+//   interval has followed since, up to 1e-4 s. Their error is of first order.
 //   An acceleration-level problem that has no solution, or several, ends the run, see why().
 //   Smooth error per step: rtol and atol of each body's place, velocity and angular velocity (lengths of vectors), and
 //   of 1 rad of its orientation. No step is longer than a load or drive needs to swing by 3 rad, nor turns a body by

@@ -6,8 +6,8 @@
 //   Its price is an artefact: a contact that slides is held open at g_N = μ h |γ_T| (that vanishes with h, and a
 //   contact that sticks has Coulomb's law). So candidates are the contacts nearer than that at the end of free flight;
 //   their rows are evaluated for all contacts of the scene, O(contacts) a step. With e > 0 an impact with slip rebounds
-//   at e |γ_N⁻| + μ |γ_T|, whatever h: restitution and relaxed friction do not go together, take another scheme. Static
-//   friction above kinetic holds what sticks at the step's start, not what comes to rest within it.
+//   at e |γ_N⁻| + μ |γ_T|, for any h: restitution and relaxed friction are not compatible, take another scheme. Static
+//   friction above kinetic acts on contacts that stick at the step's start, not on those that come to rest within it.
 // In space the cone is a pyramid of eight edges, the first one along the slip of free flight: it turns with the scene,
 // and a body that slides straight on has the relaxed disc's motion.
 // Order 1 for e = 0, as Stewart–Trinkle.

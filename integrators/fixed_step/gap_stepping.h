@@ -1,10 +1,10 @@
 // integrators/fixed_step/gap_stepping.h — gap stepping: velocity_stepping.h with the gap held at the end of the step.
 //
-//   γ_N⁺ ≥ what the scheme asks of a contact, a function of the gap at the end of free flight, q + h v_free, about
-//   which rows are linearized: g_N = 0 at q + h v⁺ is γ_N⁺ = γ_N,free − g_N/h.
+//   γ_N⁺ ≥ a target of the scheme for each contact, a function of the gap at the end of free flight, q + h v_free,
+//   about which rows are linearized: g_N = 0 at q + h v⁺ is γ_N⁺ = γ_N,free − g_N/h.
 // All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of
-// the others may drive them shut: a contact that the solution violates then joins the problem, which is solved again,
-// until nothing is violated. So the answer is that of the whole problem, at the cost of the contacts that take part.
+// the others may close them: a contact that the solution violates then joins the problem, which is solved again, until
+// no contact is violated. So the answer is that of the whole problem, at the cost of the contacts in it.
 // What joins is nearer than the two surfaces go against each other by themselves, at v and at v_free, and the forces of
 // the step move either: a contact that lasts is open by as much from one step to the next. Farther away (a row of balls
 // with gaps) a contact that is shut by an impulse is made in the next step, as in the source, so that pairs found by a

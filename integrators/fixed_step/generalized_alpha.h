@@ -1,4 +1,5 @@
-// integrators/fixed_step/generalized_alpha.h — nonsmooth generalized-α: the smooth motion apart from what contacts do.
+// integrators/fixed_step/generalized_alpha.h — nonsmooth generalized-α: smooth motion integrated separately from
+// contact impulses.
 //
 //   (1−α_m) a⁺ + α_m a = (1−α_f) s⁺ + α_f s           s: smooth acceleration, a: the acceleration-like variable
 //   ṽ  = v + h ((1−γ) a + γ a⁺),      M s⁺ = f(t+h, q⁺, ṽ) + G(q⁺)ᵀ λ,   G(q⁺) ṽ = 0
@@ -7,13 +8,14 @@
 //   the two stages of two_level.h, M̂ = M + h²β' K + hγ' C.  α_m = (2ρ−1)/(ρ+1), α_f = ρ/(ρ+1), γ = ½ + α_f − α_m,
 //   β = (γ+½)²/4: the spectral radius falls from 1 to ρ = ρ_∞ as ω h grows, for stiff springs without bound.
 //   Stages and smooth acceleration are coupled by fixed-point passes (2 or 3), each a Newton step for s⁺.
-// s and a are kept from step to step, started with the accelerations consistent with joints. Contact forces are not in
-// them: a contact, lasting or not, acts by μ and P alone. Friction in the position stage is added to the source.
+// s and a are kept from step to step, started with the accelerations consistent with joints. They contain no contact
+// forces: a contact, lasting or not, acts by μ and P alone. Friction in the position stage is an addition to the
+// source.
 // Energy swings with h² while a mechanism turns: N-four-bar, h = 1e-3, 8.3e-4 J of 36 J within a turn, 6e-6 J after
 // five.
 // In space v, a and s stand in the bodies' axes, q⁺ = q exp(…) (Lie group), and f has −ω × Jω.
-// Order 2 on smooth motion for every ρ_∞; 1 with impacts and, on curved paths, in contacts that last. Dampers see ṽ,
-// not what P adds to it.
+// Order 2 on smooth motion for every ρ_∞; 1 with impacts and, on curved paths, in contacts that last. Dampers act on ṽ,
+// without the change by P.
 // Source: Brüls, Acary & Cardona, CMAME 281 (2014) 131-161; Chung & Hulbert, J. Appl. Mech. 60 (1993) 371-375; Arnold &
 // Brüls, Multibody Syst. Dyn. 18 (2007) 185-202.
 #pragma once

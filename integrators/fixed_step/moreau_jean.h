@@ -8,12 +8,11 @@
 // Of two points of polygons one that approaches is no contact yet where the faces' overlap ends before it is as deep
 // as the other one (polygon_points.h): a corner that slides off an edge at the penetration that the scheme leaves
 // strikes nothing.
-// Order 1 with impacts; 2 on smooth motion for θ = ½ and symmetric joints. Gaps are seen, never corrected: a contact
-// keeps the penetration, at most h |γ_N⁻|, at which it was closed. On a path of the radius ρ, a pin's in its bearing,
-// some (h γ_T)² / 4ρ a step are added to that.
+// Order 1 with impacts; 2 on smooth motion for θ = ½ and symmetric joints. Gaps are evaluated, never corrected: a
+// contact keeps the penetration, at most h |γ_N⁻|, at which it was closed. On a path of the radius ρ, a pin's in its
+// bearing, some (h γ_T)² / 4ρ a step are added to that.
 // Source: Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); Jean, CMAME 177 (1999)
-// 235-257;
-// Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10.
+// 235-257; Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10.
 #pragma once
 
 #include <orthant/integrators/fixed_step/velocity_stepping.h>

@@ -4,8 +4,8 @@
 //     0 ≤ Λ_N ⊥ g_N/h + γ_N⁺ ≥ 0,
 //   linearized about the end of free flight, q + h v_free: g_N there stands for g_N + h γ_N,free. Contacts whose gap is
 //   positive there and stays so under the others' impulses have no rows. So a contact is made with g_N = 0, and what
-//   penetration there is (curvature, a start) is taken back in the next step; at a quarter of the surfaces' relative
-//   speeds at the most, lest a start that penetrates is shot off.
+//   penetration there is (curvature, a start) is taken back in the next step; at no more than a quarter of the
+//   surfaces' relative speeds, so that an initial penetration does not throw bodies apart.
 //   Restitution is not in the source. Here a candidate with e > 0 rebounds in the step before the gap is used up:
 //     γ_N⁺ ≥ max(−e γ_N⁻, −g_N/h),  at a gap of up to h |γ_N⁻|,
 //   γ_N⁻ with the rows of the step's start. A curved path changes γ_N by h Ẇ_N v in a step; an approach no faster than

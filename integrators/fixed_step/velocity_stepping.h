@@ -1,6 +1,6 @@
 // integrators/fixed_step/velocity_stepping.h — velocity stepping: schemes with one problem at velocity level.
 //
-//   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme names the closed contacts and what it wants of their rates
+//   q_a = q + a h v;  f, G at (t + a h, q_a, v);  the scheme specifies closed contacts and targets of their rates
 //   M̂ (v⁺ − v) = h f + Gᵀ Λ_G + W_Nᵀ Λ_N + W_Tᵀ Λ_T,   M̂ = M + h²aθ K + h a C
 //   q⁺ = q + h (θ v⁺ + (1−θ) v)
 // Springs and dampers are so, linearly implicit, those at q + a (q⁺ − q) and v + a (v⁺ − v): bounded at any step. So is

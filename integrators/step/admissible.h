@@ -12,7 +12,7 @@
 //   value before; where nothing dissipates (no friction, no dampers, all e = 1) the largest change. Its scale is the
 //   kinetic energy of the start, the potential energy released, Σ |W| and ½ h² f M⁻¹ f, what the forces of a step do.
 //   A run is reported from 5 % of it on; it ends where D rises by all of it. Steps with several complementarity
-//   problems (a position stage) are looked at for rises apart, to be reported: later steps may lose those again.
+//   problems (a position stage) are checked for rises separately: later steps may lose these again.
 // Cost: an energy every 8th step (springs: 16th), and in each that solves several complementarity problems or whose
 // work is measured; gaps only beyond the least limit.
 #pragma once

@@ -12,9 +12,9 @@
 //   Only closed contacts have rows, and only frictional ones a tangent row. Where B is diagonal and a scene has many
 //   contacts, A is kept as a Delassus operator and never formed.
 //   Both give the same step.
-//   Bodies that do not act on one another in the step are solved apart, one problem an island (islands.h): the answer
-//   of the whole one to rounding, found from smaller problems, large ones at the same time where there is a pool. The
-//   whole one is formed where problem() is called.
+//   Bodies that do not act on one another in the step are solved separately, one problem per island (islands.h). The
+//   answer equals that of the whole problem to rounding. With a pool large islands are solved at the same time.
+//   problem() forms the whole problem.
 // The parts: rows, bounds and targets (step_problem.h), the solve by islands (island_solve.h), contacts that joints
 // immobilise (rank_deficiency.h), and the message where there is no solution (unsolved.h).
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the

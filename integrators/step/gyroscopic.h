@@ -1,4 +1,5 @@
-// integrators/step/gyroscopic.h — frames of a step in space, and the impulse that the turning of a body's axes gives.
+// integrators/step/gyroscopic.h — gyroscopic impulse of a step in space, from the turning of a body's axes, and the
+// step's frames.
 //
 //   Body axes R at the start, F = R exp(a h ω) at q_a, R⁺ = R exp(h ω_m) at the end, ω_m = (1−θ) ω + θ ω⁺, ω = body
 //   axes.

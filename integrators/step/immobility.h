@@ -1,6 +1,7 @@
-// integrators/step/immobility.h — contact rows that depend linearly on the joints' rows: no impulse can move them.
+// integrators/step/immobility.h — immobile contact rows, linearly dependent on the joints' rows: no impulse can move
+// them.
 //
-//   Of a combination J = Σ w_i J_i of contact rows, what is left when the joints' share is taken out:
+//   Remainder of a combination J = Σ w_i J_i of contact rows without the joints' share:
 //     r = Jᵀ + Gᵀ λ,   λ from the basic system, r put through it again until only rounding is left.
 //   J is immobile when r is no more than rounding of what it is summed of,
 //     Σ_b |r_b|² ≤ Σ_b (256 ε (1 + (1 + |x_b|)/ρ_b) P_b)²,   P_b = Σ |w_i| |J_i,b| + Σ |λ_k| |G_k,b|  of body b.
@@ -10,8 +11,8 @@
 //   Poses are those where the joints hold, at the start of a step: on its way a scheme is off them by O(h²), and levers
 //   so. The rate of an immobile J is the one that the joints give it, J v for any v with G v = ṡ; 0 without drives, and
 //   where it is no more than 1e-9 of the speeds of J's bodies plus rounding of the fastest body's speed.
-// Cost: where a row is looked at, one factorization of the basic system a step, and three solves a row. Callers look at
-// rows only whose effective inverse mass is small: suspicious().
+// Cost: one factorization of the basic system per step with a row to test, and three solves per row. Callers test only
+// rows with a small effective inverse mass: suspicious().
 // Source: Golub & Van Loan, Matrix Computations (2013), 5.5 (numerical rank), 5.3.8 (iterative refinement).
 #pragma once
 

@@ -1,4 +1,4 @@
-// integrators/step/impact.h — impact laws: Poisson's restitution, and impacts one after the other.
+// integrators/step/impact.h — impact laws: Newton's and Poisson's restitution, simultaneous and sequential impacts.
 // Newton's law on all contacts at once needs no stage: rate_targets.h sets −e γ_N⁻ as the target of the step.
 //
 //   The impact takes v⁻ to v^E at one instant, before the step's forces act:
@@ -11,9 +11,10 @@
 //            impulses instead.)
 //   simultaneous   all closed contacts strike together.
 //   sequential     the one that approaches fastest strikes alone, then the next, until none approaches. Contacts that
-//                  approach equally fast (to 1e-9 of it) strike together: no order of the scene's decides. Infinite
-//                  sequences (e < 1 between several bodies) converge geometrically; below 1e-10 of the first approach
-//                  what is left is stopped at once. More than kMostImpacts end the step as iteration_limit.
+//                  approach equally fast (to 1e-9 of it) strike together: the order in the scene has no effect.
+//                  Infinite sequences (e < 1 between several bodies) converge geometrically; below 1e-10 of the first
+//                  approach the remaining approach is stopped at once. More than kMostImpacts end the step as
+//                  iteration_limit.
 //   Then the step's problem (forces, and impulses that hold what has struck at γ^E): γ_N⁺ ≥ γ_N^E where a contact
 //   struck.
 //   A single contact gives Newton's result by every one of these, to the last force h f.

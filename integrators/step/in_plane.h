@@ -1,4 +1,4 @@
-// integrators/step/in_plane.h — parts of a step that only planar scenes have.
+// integrators/step/in_plane.h — planar parts of a step: features that only planar scenes have.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

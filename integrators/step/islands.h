@@ -1,8 +1,8 @@
 // integrators/step/islands.h — islands: bodies that act on one another; components by joints, springs and contacts.
 //
-//   Rows of different islands do not see each other (J_i B J_jᵀ = 0): the step's problem has one block per
-//   island. The blocks' solutions together solve the whole. Joints and springs connect permanently, closed
-//   contacts for the step. The ground connects nothing.
+//   Rows of different islands do not couple (J_i B J_jᵀ = 0): the step's problem has one block per island. The blocks'
+//   solutions together solve the whole. Joints and springs connect permanently, closed contacts for the step. The
+//   ground connects nothing.
 // Cost: O(bodies + rows) a step, by disjoint sets.
 #pragma once
 

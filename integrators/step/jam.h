@@ -1,4 +1,4 @@
-// integrators/step/jam.h — jam detection: no position satisfies joints, drives and contacts any more.
+// integrators/step/jam.h — jam detection and message: no position satisfies joints, drives and contacts any more.
 //
 //   Least overlap at the time t, near q:  min ½ Σ o_i²,  o_i = max(0, f_i − g_i(q)),  with Φ(q, t) = 0.
 //   Levenberg–Marquardt steps in the metric of M, ε raised until the overlap falls, B the inverse mass with joints:

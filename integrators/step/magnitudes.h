@@ -1,9 +1,9 @@
 // integrators/step/magnitudes.h — magnitudes of the numbers from which the motion of a body is computed.
 //
-//   Rounding of the largest number among those that are computed from one another reaches all of them; others never see
-//   it. So what counts as zero, and what counts as an error, goes by groups of bodies: a body 10 km away changes
-//   nothing here. Positions: by what joints and springs connect (System::assembly()). Velocities, which impacts hand
-//   on: by what contacts may connect, too (System::cluster()).
+//   Rounding of the largest number affects all numbers that are computed from it, and no others. So the limits of zero
+//   and of errors are set by groups of bodies: a body 10 km away changes nothing here. For positions a group is
+//   connected by joints and springs (System::assembly()). For velocities, which impacts transmit, contacts connect, too
+//   (System::cluster()).
 // Cost: O(bodies).
 #pragma once
 

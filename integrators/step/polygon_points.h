@@ -1,4 +1,5 @@
-// integrators/step/polygon_points.h — both contact points of two polygons, and whether the overlap of their faces ends.
+// integrators/step/polygon_points.h — contact points of two polygons, both of them, and the test whether the overlap of
+// their faces ends.
 //
 //   The two points are the ends of the overlap of two faces (polygon_polygon.h). Where a corner slides off a face's
 //   edge the overlap's length s goes to zero, and with it the difference d of the two gaps: d = α s with the faces'

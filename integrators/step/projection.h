@@ -3,7 +3,7 @@
 //   position:  min |Δq|_M with Φ(q + Δq) = 0, by simplified Newton: M Δq = Gᵀ λ, G Δq = −Φ, the matrix of the first
 //              iterate serving all (the step is a small one), until rounding; a further one where that ends far off.
 //   velocity:  min |Δv|_M with G(q)(v + Δv) = ṡ (0 except for driven joints), one solve; with driven joints,
-//              whose rates may be far off, as many as rounding asks for.
+//              whose rates may be far off, as many as needed to reach rounding.
 // Source: Hairer & Wanner, Solving Ordinary Differential Equations II (1996), VII.2; Eich, SINUM 30 (1993) 1467-1482.
 #pragma once
 

@@ -1,4 +1,5 @@
-// integrators/step/rank_deficiency.h — contacts, and combinations of them, that joints immobilise in a step's problem.
+// integrators/step/rank_deficiency.h — rank deficiency of a step's problem: contacts, and combinations of them, that
+// joints immobilise.
 //
 // No impulse moves what joints immobilise (immobility.h). Such a contact has no rows, and its rates are what the joints
 // make them; one whose tangent alone is immobile has no friction. Where the joints' drives move it inwards it has a row

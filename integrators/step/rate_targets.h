@@ -1,4 +1,5 @@
-// integrators/step/rate_targets.h — Newton's law of restitution: targets of the closed contacts' rates after a step.
+// integrators/step/rate_targets.h — Newton's law of restitution: targets −e γ⁻ of the closed contacts' rates after a
+// step.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

@@ -1,4 +1,5 @@
-// integrators/step/sleep.h — sleep: islands at rest are not stepped until something happens to them.
+// integrators/step/sleep.h — sleep: islands at rest are not stepped until a contact, a load or a changed state wakes
+// them.
 //
 //   An island (islands.h) falls asleep when all its bodies have moved no faster than `speed` for `after` seconds: its
 //   velocities become 0, its rows leave the step's problem, its contact forces stay what they were. It wakes, as a

@@ -1,4 +1,5 @@
-// integrators/step/spatial_rank_deficiency.h — contacts that joints immobilise in a step's problem, in space.
+// integrators/step/spatial_rank_deficiency.h — rank deficiency of a step's problem in space: contacts that joints
+// immobilise.
 //
 // A contact of which joints leave less than 1e-12 of the effective inverse mass that it has without joints has no rows:
 // no impulse moves it. One of which both tangents are immobile has no friction. Reduced form only, and contact by

@@ -5,7 +5,7 @@
 //   than 0, by 1/20 of the thinner one; or if they overlap by that at the end and the normal has turned round since
 //   they met. The gap is followed along the way, no farther at a time than it is wide or than 1/16 of the thinner one.
 //   The way: centres of mass go straight, bodies turn evenly about one axis, by less than half a turn.
-//   Looked at: sphere-sphere contacts and searched collisions. Half-spaces cannot be passed unseen.
+//   Tested are sphere-sphere contacts and searched collisions. Half-spaces need no detection.
 // Cost: nothing where no shapes meet; O(bodies) a step while all move less than a fifth of the thinnest shape in it.
 // Limit: passages of less than that depth, on another path, or with more than half a turn a step.
 #pragma once

@@ -1,7 +1,8 @@
 // solvers/active_set/active_rows.h — active rows: rows at a bound, rows with w = 0, and the point they define.
 //
 //   lower: z_i = lo_i;  upper: z_i = hi_i;  inside: w_i = 0, so that A_FF z_F = −(b_F + A_FN z_N), F = the inside rows.
-// Shared by the methods that search for the right choice (block-pivot, newton-min) and those that end by naming it.
+// Shared by the methods that search for the active rows (block-pivot, newton-min) and those that identify them at the
+// end.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

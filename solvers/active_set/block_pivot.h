@@ -3,7 +3,7 @@
 //   Find z in [lo, hi], w = A z + b, by a choice of side for each row (active_rows.h). Each iteration solves for the
 //   present choice and moves every row with a wrong sign. That can cycle; so after `patience` iterations in which the
 //   number of wrong rows did not fall below its least, only the last wrong row moves (Murty's rule), until it does.
-//   Finite for P-matrices, whatever the start: for them usually 3 to 10 factorizations.
+//   Finite for P-matrices from any start: for them usually 3 to 10 factorizations.
 //   Dense and sparse (principal_block.h): one factorization of a principal block an iteration.
 //   Free rows are always inside. Friction rows make no P-matrix → unsupported.  A singular block → stalled.
 //   The start value is used; cold, sparse Z-matrices (obstacle problems) start from coarse problems (coarse_start.h:

@@ -1,6 +1,6 @@
 // solvers/active_set/fischer_burmeister.h — Fischer-Burmeister function φ = √(a² + b²) − a − b; 0 iff a, b ≥ 0, ab = 0.
 //
-//   ½ Σ φ² over the rows of a complementarity problem is smooth, although φ is not: a merit to descend.
+//   ½ Σ φ² over the rows of a complementarity problem is smooth, although φ is not: a merit function.
 //   Boxes: φ(a, φ(b', −w)) with the distances a, b' to the two bounds.
 //   Sources: Fischer, Optimization 24 (1992); Billups, PhD thesis, Univ. of Wisconsin (1995).
 #pragma once

@@ -4,7 +4,7 @@
 //   From z = 0 the first round is the problem without friction; contacts that stick are found in the second or third,
 //   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: on request, the
 //   bounds are extrapolated from the last kMemory rounds after the first ones (Anderson's mixing).
-// A fixed point is a solution; where there is none to be reached the last z is left to the judge.
+// A fixed point is a solution. If the iteration reaches none, the judge decides on the last z.
 // Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432; Haslinger & Tvrdy, Apl. Mat. 28 (1983);
 // Anderson, J. ACM 12 (1965) 547-560.
 #pragma once

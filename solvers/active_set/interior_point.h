@@ -7,7 +7,7 @@
 //     (A + D) dz = …,   D_i = Σ_k l_k / s_k   (free rows: none; rows with lo = hi: left out).
 //     predictor  μ target 0;  α_a the step to the boundary, μ_a the mean s l there
 //     corrector  target (μ_a / μ)³ μ, less the predictor's second-order term ds dl
-//   and one step length for s, z and l: with A not zero, steps of their own would spoil A z + b − Σ σ l. The start is
+//   and one step length for s, z and l: with A not zero, separate steps would violate A z + b − Σ σ l = 0. The start is
 //   infeasible: (A + diag) z = −b, then s and l shifted until positive. A + D may be singular on free rows, or to
 //   rounding: D is kept above 1e-14 of A's entries, more where that is not enough.
 //   A start that is much closer to the boundary than the solution makes steps short: no progress in 8 iterations, and
@@ -19,20 +19,18 @@
 //     z_F ← z_F − (A_FF + t D_F)⁻¹ w_F,   t D at most 1e-8 of A's entries (smaller where that is slow),
 //   the proximal point iteration: where A_FF is singular, z goes to the solution nearest to the iterate in the norm of
 //   D, hence inside the bounds. Rows that come out with a wrong sign change sides as long as their number falls. The
-//   judge decides; until it accepts at rounding level (1e-13) the iteration goes on.
+//   judge decides; the iteration continues until it accepts at rounding level (1e-13).
 //   Warm: the guess's sides are tried by crossover first (one factorization when they are right); else it is not used,
 //   for a point on the boundary is a poor start of an interior method.
 //   Dense and sparse storage (principal_block.h; a Delassus operator is formed, as rows where few of W's rows meet):
 //   Cholesky for symmetric A, else LU; one symbolic analysis for all iterations, and for all solves of a pattern.
-//   Usually 5
-//   to 20 factorizations, whatever n.  Entries that span many powers of ten are scaled by powers of 2.
+//   Usually 5 to 20 factorizations, whatever n.  Entries that span many powers of ten are scaled by powers of 2.
 //   A must be monotone, xᵀA x ≥ 0 (not checked: else it may end stalled, or solve it all the same). Where A's condition
 //   is beyond 1e10 and A is also singular, the equations w_F = 0 may be missed: stalled.
-//   Friction rows with μ > 0 → unsupported.  Iterates that run away: their direction is made a proof of infeasibility
-//   (A u = 0 solved for on the rows that do) → ray.  No progress in 20 iterations → stalled.
+//   Friction rows with μ > 0 → unsupported.  Divergent iterates: their direction is made a proof of infeasibility (A u
+//   = 0 solved for on the rows that do) → ray.  No progress in 20 iterations → stalled.
 //   Source: Mehrotra, SIAM J. Optim. 2 (1992) 575-601; Wright, Primal-Dual Interior-Point Methods (1997), ch. 8, 10;
-//   Colombo & Gondzio,
-//   Comput. Optim. Appl. 41 (2008); Rockafellar, SIAM J. Control Optim. 14 (1976) (proximal point).
+//   Colombo & Gondzio, Comput. Optim. Appl. 41 (2008); Rockafellar, SIAM J. Control Optim. 14 (1976) (proximal point).
 #pragma once
 
 #include <orthant/solvers/active_set/active_rows.h>

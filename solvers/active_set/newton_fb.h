@@ -5,11 +5,11 @@
 //     box        Φ_i = φ(d_i (z_i − lo_i), φ(d_i (hi_i − z_i), −w_i))   (Billups).
 //   Newton: V d = −Φ with V = D_a diag(d) + D_b A from the generalized Jacobian. ½‖Φ‖² is smooth, its gradient VᵀΦ: a
 //   step that is no descent (or a singular V) is replaced by a Levenberg–Marquardt step; Armijo line search,
-//   nonmonotone over `memory` iterations. Near the end the active rows are named and solved for (active_rows.h), which
-//   gives the last digits; the judge decides.
+//   nonmonotone over `memory` iterations. Near the end the active rows are identified and solved exactly
+//   (active_rows.h), which gives the last digits; the judge decides.
 //   d_i is A's largest entry in the row. Where z is much larger than w/d (mass ratios of 1e10), w alone counts in Φ and
-//   the iteration creeps: a run that creeps or fails is made again with d 1e-3, 1e-6, 1e-9 times that, at
-//   last patiently with d; without friction from 0 after a warm start, and with d itself first.
+//   the iteration converges very slowly. A run that does so or fails is repeated with d 1e-3, 1e-6, 1e-9 times that, at
+//   last with d and more iterations; without friction from 0 after a warm start, and with d itself first.
 //   Friction rows through the pure form (pyramid.h), then as a fixed point of box problems (frozen_friction.h); rows
 //   and columns scaled by powers of 2 where the entries span many
 //   orders (scaling.h). The start value is used.  A stationary point of the merit that is

@@ -1,8 +1,8 @@
 // solvers/active_set/polish.h — polishing: the active rows of an approximate solution, solved exactly.
 //
-//   An optimization method ends near a solution, with z_i and w_i both small but neither zero. Here each row is given
-//   its side (active_rows.h), the system of that choice is solved, rows that come out wrong change sides, a few times
-//   over.
+//   An optimization method ends near a solution, with z_i and w_i both small but neither zero. Here each row gets a
+//   side (active_rows.h) and the system of this choice is solved. Rows with a wrong sign change sides, and this is
+//   repeated a few times.
 //   Where the system is singular the point next to the guess is taken. The point with the smaller residual is kept.
 //   Guesses, until one is exact: the minimum map's choice; only rows clearly inside; all rows not clearly outside
 //   (these two differ on degenerate rows, z_i = w_i = 0); the first one again, the point next to 0 (z may have run away

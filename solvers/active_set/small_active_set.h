@@ -11,8 +11,8 @@
 //   Mostly one to four factorizations where it works (P-matrices as they come, boxes, sticking and sliding contacts),
 //   where pivoting takes a tableau update a row: 0.05 µs at one row, some at 20; at n = 80, cond 1e4, 5 times faster
 //   than Lemke's tableau.
-//   It promises nothing: signs that stay wrong, or kMost factorizations (Z-matrices: kMostLayers) → false, and the
-//   caller takes a method that does.
+//   No guarantee: signs that stay wrong, or kMost factorizations (Z-matrices: kMostLayers) → false, and the caller
+//   takes a method with a guarantee.
 //   Dense storage.   O(n²) a sweep, m³/3 a factorization of m inside rows. For up to six rows, and for eight, it is
 //   compiled for each number of rows by itself: loops without counters and nothing in the heap are worth a factor of
 //   two there.

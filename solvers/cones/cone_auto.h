@@ -8,9 +8,10 @@
 //     path        Tikhonov's path from 0, then proximal point, 120 outer iterations
 //     restart     proximal point from 100, 300, 900 sweeps, 250 outer iterations, and from other steps along the path:
 //                 which solutions of a redundant problem are met depends on the start
-//   Why the first three: sweeps suit loose piles; splitting problems with factors that cost much compared with their
-//   entries (a tower of planks: 40 iterations in the time of two Newton steps); Newton alone those of full rank.
-//   With a time limit each step may take half of what is left.
+//   Purpose of the first three: sweeps suit loose piles. Splitting suits problems with factors that cost much compared
+//   with their entries (a tower of planks: 40 iterations in the time of two Newton steps). Newton alone suits those of
+//   full rank.
+//   With a time limit each step may take half of the remaining time.
 //   Guarantees: none (Coulomb's law is not monotone); the judge decides.
 #pragma once
 

@@ -4,8 +4,8 @@
 //   second-order cone. The method follows  x∘y = τ e, y = Y(A z + q)  with τ → 0, y an unknown of its own:
 //     T² S dz + Y'(w) dw = T L_λ⁻¹ (σ τ e − λ∘λ − (T dx_a)∘(T⁻¹ dy_a)) − (Y(w) − y),   dw = A dz,  S = diag(μ, 1, 1)
 //   with the Nesterov-Todd scaling T x = T⁻¹ y = λ; (dx_a, dy_a) the predictor (σ = 0), σ = (τ_a/τ)³ (Mehrotra),
-//   τ the mean of xᵀy. Steps
-//   go 0.9 + 0.09 α of the way to the boundary. Rows without friction are cones of one row, free rows equations.
+//   τ the mean of xᵀy. Steps go 0.9 + 0.09 α of the way to the boundary. Rows without friction are cones of one row,
+//   free rows equations.
 //   Iterates of this law get caught at the cone's boundary at 1e-6 … 1e-8: from 1e-3 on each is tried as the start of a
 //   few proximal steps (proximal.h), which end exactly.
 //   One friction disc or interval a normal row, no boxes.

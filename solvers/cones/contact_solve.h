@@ -1,4 +1,5 @@
-// solvers/cones/contact_solve.h — one contact by itself: exact solution of the law for a block of rows.
+// solvers/cones/contact_solve.h — exact local solve of one contact with a disc: solution of the law for a block of
+// rows.
 //
 //   Given w = A z + q of one block (its rows alone), find z with −û(w) in the normal cone of K at z (cones/contact.h).
 //   1. A normal row with one disc: open or stick in closed form, else Newton on (1) for the angle θ alone, from the
@@ -12,7 +13,7 @@
 //               e · [q_T (A_nn + μ A_nT d) − q_n (A_Tn + μ A_TT d)] = 0,
 //               P cos θ + Q sin θ + U cos²θ + V sin²θ + X sin θ cos θ = 0,  a quartic in tan(θ/2).            (1)
 //   4. Else: projected fixed-point steps z ← P_K(z − ρ û), damped until the residual falls.
-//   Of 2 to 4 the best z is kept: an answer is never worse than the z given.
+//   Of 2 to 4 the best z is kept, so the result is never worse than the given z.
 //   Source: Bonnefon & Daviet, Quartic formulation of Coulomb 3D frictional contact, INRIA RT-0400 (2011); Alart &
 //   Curnier, Comput. Methods Appl. Mech. Engrg. 92 (1991).
 #pragma once

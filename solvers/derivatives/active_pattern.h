@@ -1,6 +1,6 @@
 // solvers/derivatives/active_pattern.h — active pattern of a solution: its unknowns, equations and weakly active rows.
 //
-//   Near a solution (z, w) the data decide by their first-order change (ḃ, …; ẇ₀ = Ȧ z + ḃ), row by row:
+//   Near a solution (z, w) the first-order change of the data (ḃ, …; ẇ₀ = Ȧ z + ḃ) determines ż and ẇ, row by row:
 //     at a bound, w ≠ 0        ż_i = the bound's change;      friction at a bound:  ż_T = s (μ̇ z_n + μ ż_n),
 //                              s = ±1, or −ŵ = −w_T / |w_T| of a disc that slides (De Saxcé's law: it opposes the slip)
 //     inside                   ẇ_i = 0;  so both rows of a disc that sticks

@@ -7,7 +7,7 @@
 //               to bounds and μ: through p, πᵀ p with π = a − Aᵀ P λ                                             (2)
 //   B is factorized once (active_system.h), each product costs one solve.
 //   Weakly active rows (w = 0 at a bound): z has one-sided derivatives only. jvp() and vjp() hold these rows at their
-//   bounds: one of the limits of nearby derivatives. directional() lets them choose: u of
+//   bounds: one of the limits of nearby derivatives. directional() solves for their sides: u of
 //     0 ≤ u ⊥ S u + s ≥ 0,   S = P_Dᵀ A (E_D − E B⁻¹ Pᵀ A E_D),  s = P_Dᵀ ẇ of (1)                                (3)
 //   (with Coulomb's law where a contact without force or slip has friction), positively homogeneous in the data.
 //   Redundant rows (B singular, as of contacts that hold a body more than once): z is not unique. Given is the ż of

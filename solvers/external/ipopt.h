@@ -6,10 +6,10 @@
 //     on free rows): zero exactly at a solution, ≥ 0 elsewhere; convex when xᵀA x ≥ 0.
 //   Exact sparse derivatives: the Hessian is A, or A + Aᵀ, by its lower triangle. A Delassus operator is formed.
 //   Ipopt ends about 1e-8 off; the polish gives the rest. A local minimum with positive merit is no solution → stalled.
-//   A start value that its polish does not finish starts the iteration, multipliers included (no gain where w spans
-//   many powers of ten). The symbolic work is kept
-//   between solves of one pattern. Time and cancellation are looked at once an iteration, which costs one sparse LDLᵀ
-//   factorization (MUMPS). No file is read, nothing is printed.
+//   If the polish of a start value does not solve the problem, the iteration begins there, multipliers included (no
+//   gain where w spans many powers of ten). The symbolic work is kept between solves of one pattern. Time and
+//   cancellation are polled once an iteration, which costs one sparse LDLᵀ factorization (MUMPS). No file is read,
+//   nothing is printed.
 //   Source: Wächter & Biegler, Math. Programming 106 (2006) 25-57.  Program: Ipopt (COIN-OR).
 #pragma once
 

@@ -2,14 +2,15 @@
 //
 //   Minimized (minimizer.h): the quadratic form; or the merit ½ ‖Φ‖², Φ_i Fischer and Burmeister's function of row i
 //   (fischer_burmeister.h), smooth although Φ is not, and without a false minimum when all principal minors are ≥ 0.
-//     lbfgs   quasi-Newton of limited memory, O(nnz + n) an evaluation      var1, var2   the same by shifted variable
-//     metric tnewton truncated Newton, preconditioned, with restarts               ccsa, mma    separable convex
-//     approximations
-//     slsqp   sequential least squares: O(n³) an iteration, n ≤ 1000 (friction rows count four times)
+//     lbfgs        quasi-Newton of limited memory, O(nnz + n) an evaluation
+//     var1, var2   the same by shifted variable metric
+//     tnewton      truncated Newton, preconditioned, with restarts
+//     ccsa, mma    separable convex approximations
+//     slsqp        sequential least squares: O(n³) an iteration, n ≤ 1000 (friction rows count four times)
 //   They end where rounding of the objective hides descent, some 1e-8 off, and converge slowly where A is
-//   ill-conditioned;
-//   the polish gives the rest where the active rows are right by then. A minimum of the merit above 0 → stalled.
-//   The start value is used. Time and cancellation are looked at once an evaluation.
+//   ill-conditioned; the polish gives the rest where the active rows are right by then. A minimum of the merit above 0
+//   → stalled.
+//   The start value is used. Time and cancellation are polled once an evaluation.
 //   Sources: Nocedal, Math. Comp. 35 (1980); Vlček & Lukšan, J. Comput. Appl. Math. 186 (2006); Dembo & Steihaug, Math.
 //   Programming 26 (1983); Svanberg, SIAM J. Optim. 12 (2002); Kraft, DFVLR-FB 88-28 (1988).  Program: NLopt (Johnson).
 #pragma once

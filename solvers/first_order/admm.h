@@ -3,9 +3,9 @@
 //   Find z in [lo, hi] with −(A z + b) in the normal cone at z; y stands for −w. With S = ρ D, D the diagonal of A:
 //     x ← (A + S)⁻¹ (S z − y − b),   x ← α x + (1 − α) z,   z ← clamp(x + S⁻¹ y, lo, hi),   y ← y + S (x − z).
 //   Converges for every A with xᵀA x ≥ 0, unsymmetric, singular or with zeros on its diagonal (saddle points), any ρ >
-//   0, 0 < α < 2, wherever there is a solution. Free rows take 10⁻³ ρ (no bound to negotiate with), fixed ones 10³ ρ.
-//   The rate hangs on ρ: at iterations 10, 15, 22, … ρ is multiplied by √(primal / dual residual), both relative, where
-//   that is more than 5 or less than 1/5; the factors serve until then.
+//   0, 0 < α < 2, wherever there is a solution. Free rows take 10⁻³ ρ (they have no bound), fixed ones 10³ ρ.
+//   The rate depends on ρ: at iterations 10, 15, 22, … ρ is multiplied by √(primal / dual residual), both relative,
+//   where that is more than 5 or less than 1/5; the factors serve until then.
 //     dense, sparse   A + S: Cholesky when A is symmetric, else LU (principal_block.h); two O(n²) or sparse solves
 //     Delassus        never formed: (S' + B Bᵀ)⁻¹ with B = W M^-½, S' = S + R through the sparse I + BᵀS'⁻¹B, m × m
 //   One solve and one product an iteration. To 1e-3 in tens of iterations, further slowly: linear at best.

@@ -10,7 +10,7 @@
 //   κ.
 //   One product with A an iteration and one for each growth of L: A y follows from A x. Any storage, Delassus not
 //   formed.
-//   Free rows and boxes belong to it. Friction rows hold their bounds while boxes are solved (first_order.h): in
+//   Free rows and boxes are included. Friction rows hold their bounds while boxes are solved (first_order.h): in
 //   practice.
 //   A that is not symmetric or surely not semidefinite → unsupported.  The start value is used.  Ends: first_order.h.
 //   Sources: Mazhar, Heyn, Negrut & Tasora, ACM Trans. Graph. 34 (2015) 32; O'Donoghue & Candès, Found. Comput. Math.

@@ -1,15 +1,13 @@
-// solvers/first_order/first_order.h — first-order method base: the common loop and what several methods need.
+// solvers/first_order/first_order.h — first-order method base: common loop and stopping criterion of PGS and others.
 //
-//   A method is load() and advance(): one sweep or step on z, and the largest violation it saw, in units of w. The
-//   judge is run when that falls to the residual it would accept; where it refuses (a small change is not yet a small
-//   residual), the mark is lowered by what was missing. So no method is stopped early, and products for the judge stay
-//   rare.
+//   A method is load() and advance(): one sweep or step on z, and its largest violation, in units of w. The judge is
+//   run when this violation falls to the residual that the judge would accept. If the judge refuses (a small change is
+//   not yet a small residual), the threshold is lowered in proportion to the excess. So no method stops early, and
+//   products for the judge stay rare.
 //   Ends: changes below the rounding of z → stalled;  no new least violation in the last seven eighths of at least
-//   16384
-//   iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;
-//   iterations
-//   used up → iteration_limit, with stop_early once they would not do at the rate of the last half,
-//   which is looked at after 128, 256, 512, ... iterations (mprgp: from 512 on).  The last z is kept.
+//   16384 iterations (divergence, a cycle, a problem without a solution) → stalled;  not finite → numerical_error;
+//   iterations used up → iteration_limit, with stop_early as soon as they would not suffice at the rate of the last
+//   half, which is evaluated after 128, 256, 512, ... iterations (mprgp: from 512 on).  The last z is kept.
 #pragma once
 
 #include <orthant/solvers/solver.h>

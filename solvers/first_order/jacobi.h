@@ -2,21 +2,18 @@
 //
 //   z ← clamp(z − ω D⁻¹ w, lo, hi),  w = A z + b;  then each friction row is clamped to ∓μ z_n of the new z_n.
 //     scaling = l1        D_i = √A_ii Σ_j |A_ij| / √A_jj: row sums in units in which the diagonal is 1, so that neither
-//                         units
-//                         nor masses matter  (Delassus: of |W| M⁻¹ |W|ᵀ + R, no less than that, A never formed)
+//                         units nor masses matter  (Delassus: of |W| M⁻¹ |W|ᵀ + R, no less than that, A never formed)
 //     scaling = diagonal  D_i = A_ii
 //     scaling = spectral  D_i = A_ii λ, λ the estimate of λ_max(diag(A_ii)⁻¹ A) by ten power steps
 //   For A symmetric positive semidefinite this is a projected gradient step, and converges when ω < 2 / λ_max(D⁻¹A):
 //   with l1 λ_max ≤ 1, so every ω < 2 does; with the diagonal λ_max may be n, but where A is diagonally dominant the
-//   step is twice as long. l1 allows for the worst signs: on dense A its steps are up to √n shorter than those of
-//   `spectral`, which bears
-//   an estimate of half of λ_max with ω = 1, but is no proof.  H₊-matrices converge with l1 and diagonal, ω ≤ 1.  With
-//   friction in practice, as pgs.h.
-//   The order of the rows is of no matter: the same result on a permuted problem, row by row in parallel if one wishes.
+//   step is twice as long. l1 assumes the worst signs: on dense A its steps are up to √n shorter than those of
+//   `spectral`, which bears an estimate of half of λ_max with ω = 1, but is no proof.  H₊-matrices converge with l1 and
+//   diagonal, ω ≤ 1.  With friction in practice, as pgs.h.
+//   The result does not depend on the order of the rows, which may be computed in parallel.
 //   O(nnz) an iteration.  D_i ≤ 0 → unsupported (A_ii ≤ 0).  The start value is used.  Ends: first_order.h.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 5; Baker, Falgout, Kolev & Yang, SIAM
-//   J.
-//   Sci. Comput. 33 (2011) 2864-2887 (the l1 scaling).
+//   J. Sci. Comput. 33 (2011) 2864-2887 (the l1 scaling).
 #pragma once
 
 #include <orthant/solvers/first_order/first_order.h>

@@ -6,19 +6,18 @@
 //     φ̃ (reduced)  φ_i cut so that z − ᾱ D⁻¹φ̃ stays inside
 //   (norms and steps in the metric D of A's diagonal, ᾱ = step / λ_max(D⁻¹A)), and an iteration is, while
 //   ‖β‖² ≤ Γ² φ̃ᵀφ, a step of conjugate gradients on the face;  where that leaves the face, the longest feasible part
-//   of it
-//   and then the projected z − ᾱ D⁻¹φ (expansion);  else a step along −D⁻¹β (proportioning), which frees rows.
-//   The objective falls by a factor 1 − ᾱ λ_min / c, c = c(Γ) ~ 2 + 2Γ², every iteration, whatever the active set does:
-//   κ(D^-½ A D^-½) decides, neither number nor order of rows; finite for A definite and z not degenerate, or Γ large.
+//   of it and then the projected z − ᾱ D⁻¹φ (expansion);  else a step along −D⁻¹β (proportioning), which frees rows.
+//   The objective falls by a factor 1 − ᾱ λ_min / c, c = c(Γ) ~ 2 + 2Γ², every iteration, for any change of the active
+//   set: the rate depends on κ(D^-½ A D^-½), not on number or order of rows; finite for A definite and z not
+//   degenerate, or Γ large.
 //   One product with A an iteration, two for an expansion. λ_max: ten power steps from b, then the largest Rayleigh
 //   quotient met; ᾱ may be up to 2 / λ_max, so step = 1 bears an estimate of half. Any storage, a Delassus operator is
 //   not formed.
 //   A direction of no curvature along which nothing stops → ray: a proof that there is no solution, which is judged.
-//   Free rows and boxes belong to it. Friction rows hold their bounds while boxes are solved (first_order.h): in
+//   Free rows and boxes are included. Friction rows hold their bounds while boxes are solved (first_order.h): in
 //   practice.
 //   A not symmetric or surely not semidefinite → unsupported; found indefinite on the way → stalled.  The start value
-//   is
-//   used.  Ends: first_order.h.
+//   is used.  Ends: first_order.h.
 //   Source: Dostál & Schöberl, Comput. Optim. Appl. 30 (2005) 23-43; Dostál, Optimal Quadratic Programming Algorithms
 //   (2009), ch. 5.
 #pragma once

@@ -1,4 +1,4 @@
-// solvers/first_order/pgs.h — projected Gauss-Seidel.
+// solvers/first_order/pgs.h — projected Gauss-Seidel (PGS); stopping criterion: first_order.h.
 //
 //   Find z within its bounds, w = A z + b:  z = lo ⇒ w ≥ 0,  z = hi ⇒ w ≤ 0,  otherwise w = 0, row by row.
 //   Sweep i = 1..n:  z_i ← clamp(z_i − ω w_i / A_ii, lo_i, hi_i),  w_i from the newest z (sweeps.h).   O(nnz) a sweep.

@@ -7,7 +7,7 @@
 //     2. replace(k, x), x = B⁻¹ a: column k becomes a, so B ← B E with E = I except its column k, x (the product form
 //        of the inverse). A solve then applies one E⁻¹ an update, O(nonzeros of x).
 //     3. After `update_limit` updates, or when x_k is so small that dividing by it would lose the digits, replace()
-//        refuses and the caller factorizes again, whatever it was about to replace included.
+//        refuses, and the caller factorizes again with the new column.
 //   T = double, long double or 256 bits (scalars.h); a sparse core in the last two is factorized densely.
 //   Sources: Dantzig & Orchard-Hays, Math. Tables Aids Comput. 8 (1954) 64-67 (product form); Chvátal, Linear
 //   Programming (1983), ch. 7, 24.

@@ -4,8 +4,7 @@
 //   ≤ `zero` depends on those before it: it moves to the end. With rank r the columns column(r), …, column(m − 1)
 //   depend on the others; were they the unit vectors of the rows row(r), …, row(m − 1), the matrix would be regular.
 //   Left-looking: a column at a time in panels of 128, then in matrix products, cut into tiles small enough for the
-//   stack,
-//   so that nothing is allocated once the largest size has been seen.   m³/3 multiplications; a solve m².
+//   stack, so that nothing is allocated once the largest size has been seen.   m³/3 multiplications; a solve m².
 //   Entries should be scaled to at most about 1, or `zero` means nothing.
 //   Source: Golub & Van Loan, Matrix Computations (4th ed., 2013), ch. 3.2, 3.4.
 #pragma once

@@ -3,7 +3,7 @@
 //   Compiled for several instruction sets; the widest that the machine has is chosen when the program starts. Each
 //   entry is computed by itself, in the order written and without fused operations, so that the width never changes a
 //   bit.
-//   Beside the portable instruction set alone (2 numbers at a time): see experiments/benchmarks/README.md.
+//   Comparison with the portable instruction set (2 numbers at a time): experiments/benchmarks/README.md.
 #pragma once
 
 #include <Eigen/Core>

@@ -4,13 +4,11 @@
 //   dense storage    Cholesky when A is symmetric and the block positive definite, else LU with partial pivoting, or
 //                    with complete pivoting where that lets entries grow
 //   sparse storage   Cholesky (CHOLMOD) when A is symmetric and the block positive definite, else LU (UMFPACK)
-//   A Delassus operator is formed as a dense matrix: principal blocks are what these methods live on.
+//   A Delassus operator is formed as a dense matrix, since these methods factorize its principal blocks.
 // A block that is singular to working precision, as its pivots show it, is reported, never solved (UMFPACK: only one
 // that is exactly singular); with D given, only one that is exactly singular.  While F stays, so does the order of a
-// sparse
-// elimination: it is analysed once.  Dense blocks of up to about 64 rows allocate nothing once the largest has been
-//                                    seen;
-// complete pivoting and sparse blocks do.
+// sparse elimination: it is analysed once.  Dense blocks of up to about 64 rows allocate nothing once the largest has
+// been seen; complete pivoting and sparse blocks do.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

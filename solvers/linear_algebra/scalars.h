@@ -2,8 +2,8 @@
 //
 //   Friction at mass ratios of 1e10: the Delassus matrix has as many tiny singular values as contacts beyond the
 //   freedoms and a pivot path divides by one after the other, so that quadruple precision loses every digit at n = 80.
-//   256 bits do not, at some 60 times the cost of double. Rationals round nothing at all: for small problems the path
-//   is exact.
+//   256 bits do not, at some 60 times the cost of double. Rationals have no rounding: for small problems the path is
+//   exact.
 #pragma once
 
 #include <orthant/core/lcp/judge/exact.h>

@@ -1,9 +1,10 @@
-// solvers/pivoting/cell_walk.h — the tree of choices of enumerate.h: one polyhedron a choice, cut where it is empty.
+// solvers/pivoting/cell_walk.h — search tree of enumerate.h: one polyhedron for each choice of sides, cut where it is
+// empty.
 //
 //   A node is a choice for the first rows. Their equations are solved: each expresses one entry by the others, so that
 //   every form (z − lo, hi − z, w of each row) is a constant plus a combination of the entries that are left. A form
 //   that has the wrong sign wherever the entries have theirs cuts the node with all below it. In doubles with error
-//   bounds (exact.h), and in rationals from where these do not decide.
+//   bounds (exact.h), and in rationals where these leave a sign open.
 #pragma once
 
 #include <orthant/core/lcp/judge/cells.h>

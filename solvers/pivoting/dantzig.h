@@ -1,8 +1,8 @@
 // solvers/pivoting/dantzig.h — principal pivoting with a driving variable (Dantzig & Cottle; Keller;
 // van de Panne & Whinston).
 //
-//   Rows are made right one after the other. Of the least row r whose w_r has a wrong sign, the driving variable (z_r,
-//   or w_r where z_r is basic) is moved, and all basic variables with it, until
+//   Wrong rows are corrected one after the other. Of the least row r whose w_r has a wrong sign, the driving variable
+//   (z_r, or w_r where z_r is basic) is moved, and all basic variables with it, until
 //     w_r is 0, or z_r meets its other bound      row r is right;
 //     z_i meets a bound, or a right w_i meets 0   z_i and w_i change places (a principal pivot; where T_ii = 0, pairs i
 //                                                 and r do so together) and the drive goes on;

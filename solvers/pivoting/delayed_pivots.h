@@ -1,11 +1,11 @@
 // solvers/pivoting/delayed_pivots.h — delayed pivots: the last pivots of a tableau, carried out together.
 //
 //   A pivot adds f pᵀ to the tableau T (rows × columns, by rows): all of T passes through memory for two operations an
-//   entry. Kept aside are (f_q, p_q), q < count(); the method asks for one column and one row of
+//   entry. The pairs (f_q, p_q), q < count(), are stored instead; the method requests one column and one row of
 //     T + Σ_q f_q p_qᵀ
 //   a pivot, O((rows + columns) count()). After kMost pivots T is brought up to date in one pass, each entry with all
 //   of its terms while it is in a register, in the order of the pivots. Entries that cancel to noise on the way become
-//   0, in a column, a row and the whole alike, so that all three see the same numbers.
+//   0, in a column, a row and the whole alike, so that all three have the same numbers.
 //   At n = 1024 a pivot takes a fourth of the time that it takes at once (experiments/time_per_pivot).
 //   Source: the product form of the inverse, as in Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch.
 //   4.

@@ -1,7 +1,7 @@
 // solvers/pivoting/lemke.h — Lemke's method: complementary pivoting for small and medium problems.
 //
-//   w = M z + q + e z₀:  z₀ enters, covering the most negative q_i; then whatever left, its complement enters, until z₀
-//   leaves (a solution) or nothing blocks (a ray).
+//   w = M z + q + e z₀:  z₀ enters, covering the most negative q_i. Then the complement of the variable that left
+//   enters, until z₀ leaves (a solution) or nothing blocks (a ray).
 //     1. form     pyramid.h: friction, boxes → rows [0, ∞) and free;  rows and columns scaled by powers of 2 where the
 //                 entries span many orders.
 //     2. pivot    tableau.h: free rows first, then the method, ties broken lexicographically, z₀ first.  O(n²) a pivot.
@@ -9,15 +9,15 @@
 //     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.
-//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is looked for (farkas.h); then again in
-//                 long double (up to 100 rows), in rationals (up to 24), on factors refined at every pivot
-//                 (normal_path.h) and in 256 bits (up to 500 rows; scalars.h says why), there first on a matrix within
+//     4. rescue   when the judge (certify.h) rejects: a proof of infeasibility is searched for (farkas.h); then again
+//                 in long double (up to 100 rows), in rationals (up to 24), on factors refined at every pivot
+//                 (normal_path.h) and in 256 bits (up to 500 rows; reason: scalars.h), there first on a matrix within
 //                 rounding of the given one that redundant contacts leave solvable; in the copositive form, where there
 //                 is friction; at last every basis (enumerate.h, up to 12 rows) or other covering vectors.
 //                 rescue=false is the plain method.
 //   No polynomial bound: Murty's problem takes 2ⁿ pivots. The plain method ends on a solution, where there is one, for
 //   P-matrices and for xᵀM x ≥ 0; elsewhere it may end on a ray although a solution exists (status ray).
-//   A ray's direction is handed to the judge, which calls it a proof (status infeasible) or not (ray).
+//   The judge receives a ray's direction and decides whether it is a proof (status infeasible) or not (ray).
 //   A start value is not used.   M n × n, any sign structure. The tableau is dense: O(n²) memory, pure form n ≤ 10000;
 //   large sparse problems without friction rows and upper bounds take the revised form (revised_lemke.h) instead, and
 //   up to 2000 rows the tableau and the rescue after it where the judge rejects what it found.

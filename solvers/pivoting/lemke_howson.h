@@ -6,10 +6,10 @@
 //   strategies x / Σx and y / Σy, expected costs 1 / Σy and 1 / Σx.
 //   Costs become gains c − A, c − B > 0; on the polytopes {x ≥ 0, B̂ᵀx ≤ e} and {y ≥ 0, Ây ≤ e} the path that misses
 //   one label starts at the origin and ends at an equilibrium; ties are broken lexicographically, so it always ends;
-//   where costs span so many orders that rounding leads it in circles, that is seen and the label given up.
+//   where costs span so many orders that rounding makes the path cycle, this is detected and the label is abandoned.
 //   Paths from the origin, and on from each equilibrium found, lead to a connected set of them (not always to all).
 //   solve(): the first equilibrium, by label 0, 1, …, that the judge accepts (option label: just that one).
-//   Any other problem → unsupported (why_not says what is missing). The start value is not used.
+//   Any other problem → unsupported (why_not names the missing property). The start value is not used.
 //   Source: Lemke & Howson, J. SIAM 12 (1964) 413-423; Cottle, Pang & Stone (1992), ch. 4.4; von Stengel (2002).
 #pragma once
 

@@ -5,8 +5,8 @@
 //   (principal_tableau.h).
 //   Finite for P-matrices and any b; up to 2ⁿ − 1 moves. Degenerate rows (z_i = w_i = 0) never move, so it cannot
 //   cycle.
-//   O(n²) a pivot, after O(n³) where there are free rows; the final z is refined as in lemke.h: a method to check
-//   others by, not to be fast. A rejected z is computed again in long double and, up to 100 rows, 256 bits.
+//   O(n²) a pivot, after O(n³) where there are free rows; the final z is refined as in lemke.h: a reference for other
+//   methods, not a fast one. A rejected z is computed again in long double and, up to 100 rows, 256 bits.
 //   Friction rows, more than 10000 rows → unsupported.  A pivot of the wrong sign or 0 (no P-matrix) → stalled.
 //   The start value is not used.
 //   Source: Murty, Opsearch 11 (1974); Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.2.

@@ -8,7 +8,7 @@
 //   enters: w_i after z_i at lo_i, v_i after z_i at hi_i, z_i after either; z_i may run through its whole range at
 //   once. t leaves at 1 (solved), or nothing blocks (ray). Free z_i never leave. t may fall below its start, and come
 //   back. Two ways to start:
-//     from a point    the basis is what x says; singular: dependent z_i move to their nearest bound (free ones:
+//     from a point    x determines the basis; singular: dependent z_i move to their nearest bound (free ones:
 //                     refused).
 //     on a ray        z at its bounds, free z solved for, and r = −d z₀ so that w, v ≥ 0: this is Lemke's method.
 //   Degeneracy: every basic value is a + b ε with ε → 0 and b random at the start, so that ties of a are broken by b

@@ -7,8 +7,8 @@
 //                  Cold, linear, sparse Z-matrices (obstacle problems) begin on coarse problems (coarse_start.h).
 //     2. step      F replaced by its linearization at z; normal_path.h follows the path from x to a zero of that map.
 //     3. search    the end of the path is taken when the merit ½‖Φ‖² (fischer_burmeister.h) falls below the largest of
-//                  the last few; up to `watchdog` steps may be taken on trust; else back to the last good point, and
-//                  along the breakpoints of its path; else along the gradient of the merit.
+//                  the last few; up to `watchdog` steps may be accepted without decrease; else back to the last good
+//                  point, and along the breakpoints of its path; else along the gradient of the merit.
 //     4. proximal  where a basis is singular in free variables, or a path ends on a ray, ε (z − z_k) is added to F.
 //     5. restarts  a table of variations, in path.cpp: other starts, Lemke's ray, long double, 256 bits (scalars.h; up
 //                  to 600 rows, linear), other coverings.
@@ -17,7 +17,7 @@
 //   RowSparse: factors by KLU. A linear problem that ends on a ray is searched for a proof (farkas.h).
 //   Finds a solution of a linear problem in exact arithmetic where Lemke's method does: P-matrices, xᵀM x ≥ 0.
 //   Nonlinear:
-//   quadratic convergence near a regular solution; no method can promise to get there (status stalled).
+//   quadratic convergence near a regular solution; no method is guaranteed to reach it (status stalled).
 //   Written after the publications, not after the program of that name.
 //   Sources: Ralph, Math. Oper. Res. 19 (1994) 352-389; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123-156 and
 //   319-345;

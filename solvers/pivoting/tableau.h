@@ -8,7 +8,7 @@
 //   block is split, z = z⁺ − z⁻ against ±w ≥ 0, which is an ordinary pair of complementary rows.
 //   Ratio test: z₀ leaves first on ties; else the lexicographic rule (rows of the basis inverse, read off the tableau),
 //   which cannot cycle. An entry that cancels to a few roundings of what it was is set to 0: in the degenerate problems
-//   of contact mechanics such entries are zeros, and a pivot on one would be noise.
+//   of contact mechanics such entries are zeros, and a pivot on one would amplify rounding errors.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 4.4, 4.9.
 #pragma once
 

@@ -3,11 +3,11 @@
 //   No z satisfies M z + q ≥ 0, z ≥ 0 exactly when some u ≥ 0 has Mᵀu ≤ 0, qᵀu < 0 (free rows: = 0, u of any sign).
 //   The linear program  min cᵀz, M z + q ≥ 0, z ≥ 0  and its dual are one LCP,
 //     w_z = c − Mᵀu ⊥ z,   w_u = M z + q ⊥ u,   c = 1 (0 on free rows),
-//   whose matrix is skew, so that Lemke's method ends on a solution (feasible) or on a ray whose u is the proof.
-//   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it sees what is infeasible by a rounding.
-//   Beyond, and where the tableau goes round in a circle, a sparse dual simplex method (farkas_simplex.h). A build
-//   without CLP has none: there the tableau takes up to 400 rows, and larger problems get no proof.
-//   certify.h judges what is found, as always.
+//   with a skew matrix, so that Lemke's method ends on a solution (feasible) or on a ray; its u is the proof.
+//   Long double up to 100 rows (the tableau is 2n × 2n, n in pure form): it detects infeasibility of the size of one
+//   rounding. Beyond, and where the tableau cycles, a sparse dual simplex method (farkas_simplex.h). A build without
+//   CLP has none: there the tableau takes up to 400 rows, and larger problems get no proof.
+//   certify.h checks the result.
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
 #pragma once
 

@@ -4,9 +4,8 @@
 //   bounds demand it, |z_t| ≤ μ z_n on friction rows. The dual simplex method (CLP) ends on a solution or on a row of
 //   B⁻¹, B the last basis, that is the proof u. Double arithmetic leaves (Aᵀu)_j ≈ 1e-12 where it must be 0, which
 //   proves nothing; so u is solved for again from the basis, A_NJᵀ u_N = −A_rJᵀ (N: tight rows, J: basic columns, r:
-//   the
-//   row that cannot be met), by sparse LU with residuals in long double.  certify.h judges the outcome, as always.
-//   Infeasibility below 1e-9 of the largest |b| is not seen. Worst case exponential; usually some n pivots.
+//   the row that cannot be met), by sparse LU with residuals in long double.  certify.h checks the result.
+//   Infeasibility below 1e-9 of the largest |b| is not detected. Worst case exponential; usually some n pivots.
 //   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1; Forrest, CLP (COIN-OR).
 #pragma once
 

@@ -1,4 +1,4 @@
-// core/lcp/cones/contact.h — blocks of a problem with friction discs: a normal row with all friction that it bears.
+// core/lcp/cones/contact.h — contact blocks of a problem with friction discs: a normal row with all its friction rows.
 //
 //   Block: rows (n, T_1, T_2, …), T_j one or two rows, the set
 //     K = {z: lo ≤ z_n ≤ hi,  ‖z_{T_j}‖ ≤ μ_j z_n for all j};   a row without friction is a block by itself.
@@ -13,7 +13,7 @@
 //   Units: z' = D⁻¹ z, w' = D w with one positive number a row; the numbers of a disc are equal, and so K stays a cone
 //   of the same kind, μ'_j = μ_j d_n / d_{T_j}.  scale(): d = (mean |A_ii| of the normal and its first friction)^−½ for
 //   these rows, (mean |A_ii|)^−½ for each further friction (moments have another unit than forces). Then A' has unit
-//   diagonal blocks on average, and whatever is measured in z', w' does not depend on units.
+//   diagonal blocks on average, and quantities of z', w' do not depend on units.
 //   Source: De Saxcé & Feng, Math. Comput. Modelling 28 (1998); Acary, Brémond & Huber, Advanced Topics in Nonsmooth
 //   Dynamics (2018), ch. 9.
 #pragma once

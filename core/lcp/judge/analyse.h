@@ -1,4 +1,4 @@
-// core/lcp/judge/analyse.h — matrix classes: which of them a matrix belongs to, and so which methods apply.
+// core/lcp/judge/analyse.h — matrix classes: decides whether a matrix belongs to each, and so which methods apply.
 //
 //   Every answer is yes, no, or not_decided, never a guess. Yes and no come from exact comparisons, from rationals
 //   (n ≤ 40 for definiteness, K, H₊ and rank; n ≤ 12 for P, P₀ and copositivity; n ≤ 5 for sufficiency), or from a

@@ -12,8 +12,8 @@
 //                 z = 0.5 (1 + 1e-11): w = 1e-11, s = 2, β = 1: passes for tol = 1e-10.
 //   rounded     v_i ≤ min(20 ε s_i, 1e-4 β_P) in every row, and no proof of infeasibility; β_P is the largest β of the
 //               rows that A connects with row i. z is the exact solution of a problem whose numbers differ from these
-//               by at most 20 units in the last place (Oettli & Prager); how far z is from the solution of this problem
-//               is not claimed. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes too: z has no more digits.
+//               by at most 20 units in the last place (Oettli & Prager); the distance of z from the solution of this
+//               problem is unknown. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes too: z has no more digits.
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
 //   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
 //               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.

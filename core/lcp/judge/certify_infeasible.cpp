@@ -1,4 +1,4 @@
-// Farkas' proof: sums with their own rounding, on the wrong side.
+// Check of a proof of infeasibility (Farkas' lemma): sums with bounds of their rounding, on the safe side.
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
 #include <orthant/core/lcp/judge/exact.h>

@@ -4,7 +4,8 @@
 //   surely_definite(S, c): λ_min of the symmetric part is > c, proved. Cholesky (CHOLMOD, sparse) of D S D − s I, D
 //   powers of 2 that bring the diagonal near 1: where it runs to its end in floating point, λ_min > 0 without the shift
 //     s ≥ γ/(1 − γ) tr(D S D) + ‖error‖∞,   γ = (n + 2) ε.
-//   Cost: a sparse Cholesky factorization. `false` says nothing: that the matrix is not definite needs a witness.
+//   Cost: a sparse Cholesky factorization. `false` proves nothing: a witness is required to show that the matrix is not
+//   definite.
 //   surely_m_matrix(A, d): d > 0 with ⟨A⟩ d > 0, ⟨A⟩ = |A_ii| on the diagonal, −|A_ij| off it, proves ⟨A⟩⁻¹ ≥ 0. One
 //   sparse LU.
 //   Sources: Berman & Plemmons, Nonnegative Matrices in the Mathematical Sciences (1979), ch. 6; Rump, BIT 46 (2006),

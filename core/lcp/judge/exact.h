@@ -1,8 +1,9 @@
 // core/lcp/judge/exact.h — exact arithmetic: rationals where rounding must not decide, with a fast filter.
 //
 //   Every double is a rational number, so signs, ranks and memberships of given data have exact answers. `Rational`
-//   finds them, slowly. `Filtered` is a double with a bound on its error: its sign is certain or unknown, and what is
-//   unknown is then done again in rationals. Templates over both need sign(), weight(), quotient(), subtract_product().
+//   finds them, slowly. `Filtered` is a double with a bound on its error: its sign is certain or unknown, and an
+//   unknown sign is computed again in rationals. Templates over both need sign(), weight(), quotient(),
+//   subtract_product().
 //   Cost: a Filtered operation some nanoseconds; a Rational one 0.1 µs for small integers, more as the numbers grow.
 //   Source: Shewchuk, Discrete Comput. Geom. 18 (1997) (filters); GMP (numbers).
 #pragma once

@@ -1,8 +1,8 @@
 // core/lcp/problems/collection.h — named problems with known answers, and random problems from a seed.
 //
 //   Shared by tests and benchmarks. Answers are exact: rational numbers worked out by hand, or planted (q = w* − M z*
-//   in numbers that double holds exactly). The names say where a problem comes from; the comments in collection.cpp,
-//   what it breaks.
+//   in numbers that double holds exactly). A name states the source of a problem; the comments in collection.cpp state
+//   the difficulty.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

@@ -3,9 +3,8 @@
 //   Boxes with masses m_k rest on each other and on the ground; each touching pair of faces has contacts at its corners
 //   (planar: two, spatial: four), more than hold it: the normal rows are redundant, A = W M⁻¹ Wᵀ is rank deficient and
 //   the forces are not unique, the motion is. Rows N, T (planar) or N, T₁, T₂ (spatial: a square pyramid) a contact;
-//   none for
-//   friction where μ = 0.   b = W v, v = h (g, 0) the velocity after a step h = 1e-3 s of gravity alone: monotone
-//   without friction, and with friction solvable by theory (b lies in the range of W).
+//   none for friction where μ = 0.   b = W v, v = h (g, 0) the velocity after a step h = 1e-3 s of gravity alone:
+//   monotone without friction, and with friction solvable by theory (b lies in the range of W).
 //   mass_ratio: heaviest over lightest, growing from bottom to top: iterative methods slow down.
 //   slope: gravity's angle, in radians; atan(μ) is where boxes begin to slide.
 //   Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996) 2673-2691 (existence).

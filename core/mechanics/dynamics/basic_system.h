@@ -1,8 +1,8 @@
 // core/mechanics/dynamics/basic_system.h — saddle-point system of the mechanism without contact: factorized once.
 //
 //   M̂ x − Gᵀ λ = f,   G x = c,      M̂ = M + Σ_springs row ⊗ row (k_weight k + c_weight c)
-// This is the DAE's matrix that is left when contact and friction are removed; contacts enter through its inverse.
-// Three ways, by what the scene contains:
+// This is the DAE's matrix without contact and friction; contacts enter through its inverse. Three ways, by the content
+// of the scene:
 //   M̂ = M, no joints        x = M⁻¹ f
 //   M̂ = M, few joint rows   S = G M⁻¹ Gᵀ, dense (schur.h)
 //   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology

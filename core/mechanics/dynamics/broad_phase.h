@@ -2,13 +2,12 @@
 //
 //   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median
 //   box, take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap
-//   (discs and
-//   spheres: these themselves). Cells are hashed into a table of a fixed size, so that bodies far away cost nothing.
-//   A shape of more than kLarge cells is held against all others instead.
-//   The candidates stand in the order of the pairs, whatever the grid: a step with them is the step with all pairs
-//   listed.
+//   (discs and spheres: these themselves). Cells are hashed into a table of a fixed size, so that bodies far away cost
+//   nothing.
+//   A shape of more than kLarge cells is compared with all others instead.
+//   The candidates have the order of the pairs, for any grid: a step with them is the step with all pairs listed.
 // Cost: O(shapes + candidates) for shapes of like size (to a factor of some ten); a large one costs O(shapes). Memory
-// taken once; a crowd larger than any before may take more.
+// taken once; more near pairs than in any step before may take more.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 7.
 #pragma once
 

@@ -8,7 +8,7 @@
 //     pin        the force F that it puts on a body at r from its centre:  K_θθ = r · F, exact
 //     distance   tension over length across it, besides:  a diagonal above −λ/L e eᵀ, e the row across
 //   Only the diagonal, and only its positive part, so that M̂ stays diagonal and no less than M. Rails have none here.
-// A body swings no faster than K_ii/M_ii says, as joints only add inertia: below ω² h² = 1 nothing is changed. Above,
+// A body swings at no more than ω² = K_ii/M_ii, as joints only add inertia: below ω² h² = 1 nothing is changed. Above,
 // the fastest swing that the joints allow decides, by a few steps of the power method.
 // Source: Bathe, Finite Element Procedures (1996), 6.6 (K); Hairer, Lubich & Wanner (2006), XIII (step sizes).
 #pragma once

@@ -4,8 +4,8 @@
 // over the rows of the joint and of its copies: pins of the same two bodies at the same points, rails of the same two
 // bodies in one direction. How copies share the load is not determined, their sum is; so the friction does not depend
 // on how often a joint is written. Angle rows exert no force and do not count.
-// Limit: where other joints repeat what this one says, R is the share that the redundant rows' λ give it
-// (basic_system.h); Redundancy reports such joints.
+// Limit: if other joints make this one redundant, R is its share by the λ of the redundant rows (basic_system.h);
+// Redundancy reports such joints.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

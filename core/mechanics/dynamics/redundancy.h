@@ -1,12 +1,13 @@
 // core/mechanics/dynamics/redundancy.h — linearly dependent joint rows, permanent or only in this (singular) pose.
 //
-//   Rows of G M^(-1/2), each of length 1, taken in the order of the scene: row i is dependent when what is left of it,
-//   the rows before it taken out (Gram-Schmidt, twice), is shorter than 3e-7, as in basic_system.h. It repeats the
-//   rows with which it has a combination of zero.
-//   In a singular pose rows are dependent that are not so elsewhere. To tell the two apart the mechanism is moved on by
-//   some 0.1 rad along a motion that its joints allow (a fixed random one) and looked at again: a row that is dependent
-//   in both poses is redundant permanently, one that is so only here makes the pose singular.
-// Cost: O(rows² dof), twice. Limits: a mechanism that cannot move is looked at in its one pose, and called redundant.
+//   Rows of G M^(-1/2), each of length 1, in the order of the scene. The rows before row i are removed from it
+//   (Gram-Schmidt, twice). Row i is dependent if the remainder is shorter than 3e-7, as in basic_system.h. It repeats
+//   the rows with which it has a combination of zero.
+//   In a singular pose some rows are dependent that are independent elsewhere. To distinguish the two, the mechanism is
+//   moved by some 0.1 rad along a motion that its joints allow (a fixed random one) and analysed again. A row that is
+//   dependent in both poses is redundant permanently; a row that is dependent only here makes the pose singular.
+// Cost: O(rows² dof), twice. Limits: a mechanism that cannot move is analysed in its one pose, and its dependent rows
+// count as redundant.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>

@@ -1,10 +1,10 @@
 // core/mechanics/dynamics/schur.h — Schur complement of few joint rows: S = G M⁻¹ Gᵀ = L D Lᵀ, L with unit diagonal.
 //
 //   M x − Gᵀ λ = f,  G x = c:   S λ = c − G M⁻¹ f,  x = M⁻¹ f + (M⁻¹ Gᵀ) λ
-// n³/6 multiplications and n divisions, n² a solve. Rows go by pairs, as joints have most of theirs, and two numbers
-// are what every processor multiplies at once; an odd one gets a row of zeros. Pairs that have no body in common, every
-// second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the compiler knows the
-// loops' lengths and what is zero.
+// n³/6 multiplications and n divisions, n² a solve. Rows are processed in pairs, since most joints have pairs of rows,
+// and every processor multiplies two numbers at once; an odd row gets a row of zeros. Pairs that have no body in
+// common, every second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the lengths of
+// the loops and the zeros are compile-time constants.
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>

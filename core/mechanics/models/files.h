@@ -1,8 +1,8 @@
 // core/mechanics/models/files.h — files that a model names: meshes, included parts; only from one folder.
 //
 //   Relative names start at the folder of the model's file (in MJCF at meshdir in it), package://NAME/PATH and
-//   model://NAME/PATH at the allowed folder or at NAME in it. Wherever a name leads, links followed, it must lie in the
-//   allowed folder: the model's own, or the one of the option `folder`. A model without a file names no others.
+//   model://NAME/PATH at the allowed folder or at NAME in it. The resulting file, links resolved, must lie in the
+//   allowed folder: the model's own, or the one of the option `folder`. A model without a file cannot name others.
 #pragma once
 
 #include <orthant/core/mechanics/models/attributes.h>

@@ -1,4 +1,4 @@
-// core/mechanics/models/hulls.h — meshes of a model as polytopes: each file read once, each loss noted.
+// core/mechanics/models/hulls.h — convex hulls of a model's meshes: each file is read once, each deviation is noted.
 #pragma once
 
 #include <orthant/core/mechanics/models/files.h>

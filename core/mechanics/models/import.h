@@ -4,7 +4,7 @@
 //   write_whole("arm.toml", arm.toml);                    // a scene as core/scenes/space.md describes it, commented
 //   AnyScene scene = read_any_scene("arm.urdf");          // the same in one step
 // The root element determines the format: <robot> or <mujoco>. Supported elements: urdf.h, mjcf.h. `notes` lists all
-// others. Its entries begin with "not taken: ", or describe a change.
+// other elements. Its entries begin with "not taken: ", or describe a change.
 // Safe for untrusted files: sizes are bounded, document types refused, no file outside the model's folder is read.
 #pragma once
 

@@ -2,7 +2,7 @@
 //
 //   STL   binary (80 bytes, a count, 50 bytes a triangle) where the size fits the count, else text: `vertex x y z`
 //   OBJ   `v x y z`, `f i j k …` with i, i/t, i/t/n, i//n, negative numbers from the end; polygons as fans
-// Everything else in an OBJ file (normals, groups, materials) has no say in the shape. Numbers must be finite.
+// Everything else in an OBJ file (normals, groups, materials) does not affect the shape. Numbers must be finite.
 // Throws std::invalid_argument naming file, line or triangle, and rule.
 #pragma once
 

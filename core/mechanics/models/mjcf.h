@@ -1,4 +1,4 @@
-// core/mechanics/models/mjcf.h — models in MJCF, MuJoCo's XML, as models.
+// core/mechanics/models/mjcf.h — MJCF import: reads a model in MuJoCo's XML.
 //
 // Taken: compiler (angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, boundmass, boundinertia,
 // balanceinertia, meshdir, assetdir, strippath), option (gravity, timestep), default classes, include, frames; bodies

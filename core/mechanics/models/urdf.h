@@ -1,4 +1,4 @@
-// core/mechanics/models/urdf.h — robots in URDF as models.
+// core/mechanics/models/urdf.h — URDF import: reads a robot as a model.
 //
 // Taken: links with inertial (any frame), collision shapes (box, sphere, cylinder, capsule, mesh: the convex hull of an
 // STL or OBJ file, scaled); joints revolute, continuous, prismatic, fixed, planar, floating with origin, axis, limits,

@@ -1,11 +1,13 @@
-// core/mechanics/models/xml.h — XML text as a tree of elements that knows its lines and what has been read of it.
+// core/mechanics/models/xml.h — XML parser: a tree of elements with their lines, and a mark of each attribute that has
+// been read.
 //
 //   const XmlElement robot = parse_xml(text, "arm.urdf");
 //   const XmlAttribute* mass = robot.children[0].find("mass");  // marks it as read
-// Not for general XML: text between elements is dropped, entities are the five of XML itself and character numbers.
+// Not for general XML: text between elements is dropped, and only the five entities of XML and character numbers are
+// accepted.
 // Refused with file and line: text that is no XML, document types (so no entity can be defined, expanded or fetched),
 // more than 100 nested elements, 200 000 tags or a million attributes.
-// By TinyXML-2, which reads no other file; a build without it says so.
+// By TinyXML-2, which reads no other file; a build without it reports that it is missing.
 #pragma once
 
 #include <cstdint>

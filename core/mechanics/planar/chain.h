@@ -8,11 +8,11 @@
 //   Each segment is one piece: its face, and a face behind it at a depth, with ends along the joints' bisectors, which
 //   two neighbours share. They are covered, and the joints' inner corners are known as such (exposure.h): no contact
 //   has a normal that the surface does not have. Points in a line are one segment.
-//   Free is what lies on the left of the way along the points, unless `free_left` is false: a profile from left to
-//   right is a ground, a closed chain counter-clockwise a room, clockwise an island.
+//   The free side is on the left of the way along the points, unless `free_left` is false: a profile from left to right
+//   is a ground, a closed chain counter-clockwise a room, clockwise an island.
 //   Bodies that come deeper than half of the depth may come out behind. Where the strip would reach through the chain
 //   itself (a thin ridge) it is thinner there.
-// Cost: O(n²), once. As shapes of a collision only the pieces near a body are looked at; as listed contacts all of
+// Cost: O(n²), once. As shapes of a collision only the pieces near a body are evaluated; as listed contacts all of
 // them.
 #pragma once
 

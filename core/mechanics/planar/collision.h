@@ -1,4 +1,5 @@
-// core/mechanics/planar/collision.h — collision sets: shapes of which any two may touch, without a contact per pair.
+// core/mechanics/planar/collision.h — collision sets: contacts between any two of many shapes, without a listed contact
+// per pair.
 //
 //   Stands for a disc-disc, disc-polygon or polygon-polygon contact between every two shapes of different bodies, in
 //   the order (1, 2), (1, 3), …, (2, 3), …; broad_phase.h finds, once a step, the few that can touch in it. They are

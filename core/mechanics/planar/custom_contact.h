@@ -13,10 +13,10 @@
 //   scene.contact(Mine{"mine", a, b, {.mu = 0.3}, …});
 //
 // check(scene) compares rows and bias with differences of gap and rows (derivatives.h). length(): how far the bodies
-// may move against each other before the gap's course is another one, a radius or so; integrators that look for
-// contacts along a long step look that often, and each half radian of turning. Absent: only turning counts. Steps in
-// which thin bodies pass through each other are not warned of (integrators/step/tunnelling.h knows the built-in
-// shapes).
+// may move against each other before the gap's course is another one, a radius or so; integrators that search for
+// contacts along a long step test the gap at this spacing, and at each half radian of turning. Absent: only turning
+// counts. There is no warning of steps in which thin bodies pass through each other (integrators/step/tunnelling.h
+// covers the built-in shapes only).
 #pragma once
 
 #include <orthant/core/mechanics/planar/contact_law.h>

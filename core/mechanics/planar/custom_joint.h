@@ -14,7 +14,8 @@
 //
 // check(scene) compares rows, rate and bias with differences of residual and rows (derivatives.h). A custom joint costs
 // an indirect call where a built-in one costs a branch; a scene without one costs nothing more. Jumps of a drive's s̈
-// are not known as breakpoints: integrators to a tolerance find them, the others see them at their steps.
+// are not reported as breakpoints: integrators with error control find them, the others detect them at the ends of
+// their steps.
 #pragma once
 
 #include <orthant/core/mechanics/planar/coordinate.h>

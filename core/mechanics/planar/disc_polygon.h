@@ -1,8 +1,7 @@
 // core/mechanics/planar/disc_polygon.h — disc-polygon contact: a disc of body a, a convex polygon of body b.
 //   g = signed distance of the disc's centre to the polygon − radius   [m]. The centre's Voronoi region decides whether
 //   the disc meets a face (disc_wall.h) or a corner (disc_disc.h, of radius 0); inside, it is the nearest face. The gap
-//   is
-//   continuous, and smooth except for centres inside.   O(corners).
+//   is continuous, and smooth except for centres inside.   O(corners).
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 5.
 #pragma once
 

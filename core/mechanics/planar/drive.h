@@ -1,6 +1,6 @@
 // core/mechanics/planar/drive.h — driving constraint: a relative coordinate of two bodies is a given function of time.
 //   Φ = c(q) − s(t) = 0   [rad or m], 1 row:  row v = ṡ,  row v̇ + bias − s̈ = 0.
-// The motor does whatever work that takes: energy is not conserved. The initial velocities should agree with ṡ(0).
+// The motor does the required work, so energy is not conserved. The initial velocities should agree with ṡ(0).
 #pragma once
 
 #include <orthant/core/mechanics/planar/coordinate.h>

@@ -1,11 +1,13 @@
-// core/mechanics/planar/exposure.h — internal edges: which faces and corners of adjacent polygons of a body can be met.
+// core/mechanics/planar/exposure.h — internal edges: finds the faces and corners of adjacent polygons of a body that
+// can have contacts.
 //
-//   Tiles that lie flush form one surface. A body that slides over it must not meet the end face that the neighbour
-//   covers, nor a corner on the seam (a "ghost collision"). A face is covered where other solids of the same body lie
-//   against it. At a corner the solids fill sectors; the free sector decides:
+//   Tiles that lie flush form one surface. A body that slides over it must not collide with the end face that the
+//   neighbour covers, nor with a corner on the seam (a "ghost collision"). A face is covered where other solids of the
+//   same body lie against it. At a corner the solids fill sectors; the free sector decides:
 //     free angle > π:  a convex corner of the surface, with the normals between those of the two edges of the free
-//     sector else:            a point of a flat surface or a concave corner, which has no normals but those of its
-//                             faces.
+//                      sector
+//     else:            a point of a flat surface or a concave corner, which has no normals but those of its
+//                      faces.
 //   Solids count as flush within kFlush of a polygon's size.
 // Cost: O(n²) boxes, once, for n solids of a body; faces of those that touch.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 5 (Voronoi regions of features).

@@ -1,10 +1,10 @@
 // core/mechanics/planar/joint_friction.h — joint friction, dry, along a relative coordinate: bearing, brake, seal.
 //   λ ∈ −B Sgn(ċ):  λ = −B sgn(ċ) while it moves, |λ| ≤ B while it sticks   [N m or N].
-//   B = bound + mu radius R,   R the size of the joint's reaction [N], see joint_load.h: of a revolute one the force on
-//   its pin, of a prismatic one the force across (its torque does not count).
-// One box row −h B ≤ Λ ≤ h B of a step's problem. R is explicit: the mean of the last step, which keeps the problem
-// linear; an error of first order, and the blow of an impact counts in the step after it. The first step repeats itself
-// until R is its own.
+//   B = bound + mu radius R,   R the magnitude of the joint's reaction [N], see joint_load.h: of a revolute joint the
+//   force on its pin, of a prismatic one the force across (its torque does not count).
+// One box row −h B ≤ Λ ≤ h B of a step's problem. R is explicit, the mean of the previous step, which keeps the problem
+// linear. The error is of first order, and an impact affects R in the step after it. The first step is repeated until R
+// is that of this step.
 #pragma once
 
 #include <orthant/core/mechanics/planar/coordinate.h>

@@ -1,7 +1,7 @@
 // core/mechanics/planar/journal.h — journal bearing, a revolute joint with clearance: a disc of a inside a hole of b.
 //   g = (radius_b − radius_a) − |d|,  d = C_a − C_b   [m]; contact at the hole's surface, in the direction of d.
-// It is disc_disc.h turned inside out: the journal's radius counts as negative, gap and rows change their sign. Centred
-// (d = 0) there is no direction and the rows are zero; no contact is closed there, as the clearance is > 0.
+// The formulas are those of disc_disc.h with a negative radius of the journal, and gap and rows of the opposite sign.
+// At d = 0 there is no direction and the rows are zero; no contact is closed there, as the clearance is > 0.
 // Source: Flores, Ambrósio, Claro & Lankarani, Kinematics and Dynamics of Multibody Systems with Imperfect Joints
 // (2008).
 #pragma once

@@ -11,8 +11,8 @@
 //   rocks, or rolls over it, and both gaps are continuous then. Where the contact passes from a corner of one polygon
 //   to a corner of the other (a tilted one slides off an edge), and, for an odd number of corners, once a turn, the
 //   points change places:
-//   the smaller gap is continuous all the same. Steppers do not mind; schemes that remember what a contact did cannot
-//   pass over this (event-driven says so and stops).
+//   the smaller gap is continuous all the same. This does not affect fixed-step schemes. Schemes with a state per
+//   contact cannot continue across it (event-driven stops and reports it).
 //   Polygons pushed into each other by more than half their width come out on the other side.   O(n_a n_b) a call.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 5; Gregorius, Robust contact creation for physics
 // simulations (GDC 2015), for face clipping.

@@ -3,7 +3,7 @@
 //   Point spring: tension  T = k (|d| − rest) + c n · ḋ along n = d / |d|,  d = P_a − P_b.
 //   Torsion spring: torque τ = k (θ_a − θ_b − rest) + c (ω_a − ω_b).
 //   Joint spring: T = k (c − rest) + d ċ along a relative coordinate c of coordinate.h, against its growth.
-// All are a force law along one Row, which is all that the rest of the code knows of them:
+// All are a force law along one Row, which is their whole interface:
 //   generalized force −rowᵀ T, and to first order ΔT = k row Δq + c row Δv. (The geometric stiffness T/|d| across
 //   the spring is left out: it is of the order of the change of direction within a step.)
 #pragma once

@@ -1,4 +1,4 @@
-// core/mechanics/scene/add_named.h — names of a scene's elements: one without a name gets its kind and its place.
+// core/mechanics/scene/add_named.h — names of a scene's elements: an element without a name gets its kind and number.
 #pragma once
 
 #include <string>

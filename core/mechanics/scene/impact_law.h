@@ -1,4 +1,5 @@
-// core/mechanics/scene/impact_law.h — impact laws of a scene, by name; defined in integrators/step/impact.h.
+// core/mechanics/scene/impact_law.h — impact laws of a scene, by name. Newton's restitution:
+// integrators/step/rate_targets.h. Poisson's restitution and sequential impacts: integrators/step/impact.h.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // core/mechanics/scene/scene_schema.h — JSON Schema of scene files, for editors (taplo) and other programs.
 //
-// The keys are those that the reader of scenes asks for (toml/field_record.h), recorded while it reads one small scene
-// of each kind and type: reader and schema cannot differ. Rules between keys are left to the reader.
+// The keys are recorded while the reader reads one small scene of each kind and type (toml/field_record.h), so that
+// reader and schema agree. Rules between keys are left to the reader.
 // Two definitions, "plane" and "space"; dimension = 3 chooses the latter.
 #pragma once
 

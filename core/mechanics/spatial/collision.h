@@ -1,5 +1,5 @@
-// core/mechanics/spatial/collision.h — collision sets in space: shapes of which any two may touch, without a contact
-// per pair.
+// core/mechanics/spatial/collision.h — collision sets in space: contacts between any two of many shapes, without a
+// listed contact per pair.
 //
 //   Stands for the contacts between every two shapes of different bodies (touch.h: up to four points), in the order
 //   (1, 2), (1, 3), …, (2, 3), …; broad_phase.h finds, once a step, the few that can touch in it.

@@ -1,4 +1,4 @@
-// core/mechanics/spatial/constraint.h — the equations of which joints are made; each is one row or three.
+// core/mechanics/spatial/constraint.h — constraint equations, of which joints consist; each is one row or three.
 //
 //   Together   Φ = P_a − P_b                        [m] 3 rows
 //   Across     Φ = u · (P_b − P_a),  u = R_a axis   [m] 1 row

@@ -5,7 +5,7 @@
 //   Span    c = |P_a − P_b|                                                            [m]; no direction at c = 0
 // An Angle needs a joint that keeps the axes of a and b together. Its references are at right angles to the axes; where
 // they are not given, both are perpendicular(axis), so that bodies with the same axis in both frames are at 0 when
-// their frames are parallel, as in the plane. Values of an Angle are wrapped; Unwrapped follows them over time.
+// their frames are parallel, as in the plane. Values of an Angle are wrapped; Unwrapped counts full turns over time.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/geometry.h>

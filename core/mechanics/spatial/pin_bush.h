@@ -1,6 +1,7 @@
-// core/mechanics/spatial/pin_bush.h — pin in a bush: a cylindrical joint with clearance, which touches at two rims.
+// core/mechanics/spatial/pin_bush.h — pin-bush contact: a cylindrical joint with clearance (a journal in space); two
+// rims.
 //
-//   A rim: a circle of the shorter one, against the cylinder of the other one, taken as long as it needs to be.
+//   A rim: a circle of the shorter part, against the cylinder of the other part; this cylinder has no ends.
 //   Rim of the pin (a):    g = radius_b − max |P⊥|,  P on the circle, P⊥ its part square to b's axis, from that axis
 //   Rim of the bush (b):   g = min |P⊥| − radius_a,  likewise from a's axis                                         [m]
 //   n = −P⊥ / |P⊥|. The circle, seen along the other one's axis, is an ellipse with the half-axes r (along e) and c r,
@@ -8,7 +9,7 @@
 //   the one φ with
 //     d_e sin φ − c d_f cos φ ± r (1 − c²) sin φ cos φ = 0   (+ farthest, − nearest).
 // The gap is exact for any tilt; its derivative is the row at P. Axial stops are limits on a Slide.
-// Where both axes coincide all points are extreme: any is taken, at the whole clearance.
+// Where both axes coincide all points are extreme: an arbitrary one is taken, at the whole clearance.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/contact_rows.h>

@@ -1,4 +1,5 @@
-// core/mechanics/spatial/rotation.h — rotations: unit quaternions, their exponential and logarithm.
+// core/mechanics/spatial/rotation.h — quaternions: rotations, their exponential, logarithm and update (turned()); steps
+// apply it by move() of blocks.h.
 //
 //   Quaternion (w, x, y, z), |·| = 1, turns the body's frame into the world's.  Rotation vector φ: |φ| [rad] about φ.
 //   exp φ = (cos |φ|/2, sin(|φ|/2) φ/|φ|),   log its inverse with |φ| ≤ π

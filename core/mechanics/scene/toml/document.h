@@ -1,4 +1,4 @@
-// core/mechanics/scene/toml/document.h — TOML document with overrides in place, and the line where a node stands.
+// core/mechanics/scene/toml/document.h — TOML document with overrides applied, and the line of each node.
 //
 // Not installed: TOML stays inside core.
 #pragma once

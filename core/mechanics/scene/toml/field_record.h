@@ -1,4 +1,4 @@
-// core/mechanics/scene/toml/field_record.h — record of the keys that the reader of scenes asks for: element, key, form.
+// core/mechanics/scene/toml/field_record.h — record of the keys that the reader of scenes requests: element, key, form.
 //
 // Not installed. While a recorder lives in a thread, Fields reports each key to it. The format's schema is made of that
 // (scene_schema.h), so that no key is written down twice.

@@ -1,4 +1,4 @@
-// core/mechanics/scene/toml/fields.h — one table while it is read: every key by name, every mistake with its place.
+// core/mechanics/scene/toml/fields.h — fields of a TOML table: reads keys by name, reports mistakes with their place.
 #pragma once
 
 #include "document.h"

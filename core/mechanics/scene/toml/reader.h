@@ -1,5 +1,6 @@
-// core/mechanics/scene/toml/reader.h — the tables of a file to a scene, element by element: joints.cpp, relations.cpp,
-// contacts.cpp, chains.cpp, collisions.cpp and loads.cpp read the kinds, reader.cpp the rest.
+// core/mechanics/scene/toml/reader.h — reader of planar scenes: the tables of a file to a scene, element by element:
+// joints.cpp, relations.cpp, contacts.cpp, chains.cpp, collisions.cpp and loads.cpp read the kinds, reader.cpp the
+// rest.
 #pragma once
 
 #include "fields.h"

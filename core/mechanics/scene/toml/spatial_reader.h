@@ -1,4 +1,4 @@
-// core/mechanics/scene/toml/spatial_reader.h — the tables of a file with dimension = 3 to a scene in space.
+// core/mechanics/scene/toml/spatial_reader.h — reader of spatial scenes: tables and keys of files with dimension = 3.
 #pragma once
 
 #include "fields.h"
