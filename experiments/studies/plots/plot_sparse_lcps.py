@@ -2,11 +2,10 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, main, read_table, save, select
+from plotting import BLUE, GREEN, ORANGE, PINK, RED, main, read_table, save, select
 
 SOLVERS = {"multigrid": (RED, "o"), "block-pivot": (BLUE, "s"), "auto": ("black", "*"), "mprgp": (GREEN, "^"),
-           "petsc/vinewton-rsls": (ORANGE, "D"), "petsc/vinewton-ssls": (PINK, "v"),
-           "petsc/vinewton-rsls-gamg": (GREY, "P")}
+           "petsc/vinewton-rsls": (ORANGE, "D"), "petsc/vinewton-ssls": (PINK, "v")}
 TITLES = {"ball": "membrane over a ball", "journal": "journal bearing", "torsion": "elastic-plastic torsion",
           "basket": "American option, two assets", "space": "obstacle in space"}
 
