@@ -11,6 +11,15 @@ namespace {
 // not made.
 constexpr double kWorse = 2;
 
+void multiply_rows(const RowSparse& A, const Vector& x, Vector& y) {
+  y.resize(A.rows);
+  for (Index i = 0; i < A.rows; ++i) {
+    double sum = 0;
+    A.for_each_in_row(i, [&](Index j, double value) { sum += value * x[j]; });
+    y[i] = sum;
+  }
+}
+
 /// `next` is scratch: of each row, the first entry that no row before has been compared with.
 bool symmetric(const RowSparse& A, std::vector<int>& next) {
   next.assign(A.start.begin(), A.start.end());
@@ -105,8 +114,9 @@ double Multigrid::correct(std::size_t level, const Bounded& p, Vector& z) {
   const RowSparse& A = *p.A;
   const Vector &lo = *p.lo, &hi = *p.hi;
   const Index n = A.rows;
-  w_.resize(n), held_.resize(at(n));
-  w_ = A.view() * z + *p.b;
+  held_.resize(at(n));
+  multiply_rows(A, z, w_);
+  w_ += *p.b;
   double before = 0;
   const auto miss = [&](Index i, double zi, double wi) {  // of natural residuals, in units of w
     return zi <= lo[i] ? std::min(wi, 0.0) : zi >= hi[i] ? std::max(wi, 0.0) : wi;
@@ -119,8 +129,7 @@ double Multigrid::correct(std::size_t level, const Bounded& p, Vector& z) {
   levels_.truncate(level, held_);
   levels_.correct(level, w_, c_);
   c_ = (z + c_).cwiseMax(lo).cwiseMin(hi) - z;
-  Ac_.resize(n);
-  Ac_ = A.view() * c_;
+  multiply_rows(A, c_, Ac_);
   double step = 1;
   if (symmetric_) {
     const double curvature = c_.dot(Ac_), slope = -w_.dot(c_);

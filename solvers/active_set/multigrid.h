@@ -13,7 +13,7 @@
 //   the active rows are found it is a linear multigrid method. Symmetric M-matrices of grids: 8 to 16 cycles, whatever
 //   the number of rows, O(nnz) each; no factorization. Unsymmetric M-matrices: in practice. Where A has few or no
 //   negative entries off the diagonal the levels give little, and the sweeps remain.
-//   Memory: all levels together about 3 times A.
+//   Memory: the levels take 4 to 5 times as much as A.
 //   A_ii ≤ 0 or friction → unsupported.  The start value is used.  Ends: first_order.h.
 //   Source: Gräser & Kornhuber, J. Comput. Math. 27 (2009) 1-44; Kornhuber, Numer. Math. 69 (1994) 167-184.
 #pragma once

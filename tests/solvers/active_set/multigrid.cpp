@@ -8,6 +8,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/QR>
+
 #include "tests/support/judge.h"
 
 using namespace orthant;
