@@ -142,7 +142,7 @@ class Mujoco:
 
 class Drake:
     settings = {"masse": {"discrete, lagged": "step", "discrete, similar": "step", "discrete, sap": "step",
-                          "continuous": "accuracy"},
+                          "continuous": "accuracy", "CENIC": "accuracy"},
                 "slider_crank": {"discrete, sap": "step"}}
 
     @staticmethod
@@ -163,7 +163,8 @@ class Drake:
         def once():
             simulator = Simulator(diagram)
             if not method.startswith("discrete"):
-                ApplySimulatorConfig(SimulatorConfig(integration_scheme="runge_kutta3", accuracy=at, max_step_size=0.01,
+                scheme = "cenic" if method == "CENIC" else "runge_kutta3"
+                ApplySimulatorConfig(SimulatorConfig(integration_scheme=scheme, accuracy=at, max_step_size=0.01,
                                                      use_error_control=True), simulator)
             context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
             start(context)
