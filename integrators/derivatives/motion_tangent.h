@@ -44,8 +44,9 @@ struct MotionTangent {
   std::string none;
 };
 
-/// Called at the start and every `every` seconds, and at the end.
-using MotionRecorder = std::function<void(const State&, const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv)>;
+/// Called at the start and every `every` seconds, and at the end. Where no parameter changes the scene it may replace
+/// the tangents by other ones at this state: they go on from there.
+using MotionRecorder = std::function<void(const State&, Eigen::MatrixXd& dq, Eigen::MatrixXd& dv)>;
 
 /// Throws std::invalid_argument as differentiate_run() does, std::runtime_error for impacts by another law than
 /// Newton's.
