@@ -140,12 +140,25 @@ def energy(folder):
     finish(figure, grid, folder, "energy")
 
 
+def derivatives(folder):
+    figure, axes = plt.subplots(figsize=(4.6, 3.4))
+    table = rows("gradients")
+    exact = pick(table, step=0.0)[0]
+    for key, colour, marker, label in (("theta", GREY, "d", r"$\theta_1$"), ("mu", BLUE, "o", r"$\partial\theta_1/\partial\mu$"),
+                                       ("e", GREEN, "^", r"$\partial\theta_1/\partial e$"),
+                                       ("clearance", RED, "s", r"$\partial\theta_1/\partial c$")):
+        points = [(row["step"], abs(row[key] / exact[key] - 1)) for row in table if row["step"] > 0]
+        axes.plot(*zip(*points), color=colour, marker=marker, markersize=4, linewidth=1.1, label=label)
+    axes.set(xscale="log", yscale="log", xlabel="step size $h$ [s]", ylabel="relative error")
+    finish(figure, [axes], folder, "derivatives", 4, room=0.12)
+
+
 def main(folder):
     plt.switch_backend("Agg")
     plt.rcParams.update(STYLE | {"font.family": "serif", "font.serif": ["Latin Modern Roman", "DejaVu Serif"], "font.size": 8.5,
                                  "mathtext.fontset": "cm", "axes.titlesize": 9})
     folder.mkdir(parents=True, exist_ok=True)
-    for draw in (convergence, cost, friction, modes, tilt, energy):
+    for draw in (convergence, cost, friction, modes, tilt, energy, derivatives):
         draw(folder)
 
 

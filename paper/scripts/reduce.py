@@ -82,10 +82,29 @@ def reduce_shootout(folder, data):
     (data / "shootout.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 
+def reduce_space(results, data):
+    """The limits of the second study, and the comparison in space."""
+    study = results / "slider_crank_space"
+    if (study / "closing_rates.csv").exists():
+        (data / "slider_crank_space.closing.csv").write_text((study / "closing_rates.csv").read_text())
+        made = about(study, command="experiments/run slider_crank_space", asked=fingerprint("slider_crank_space"))
+        (data / "slider_crank_space.about.json").write_text(json.dumps(made, indent=1) + "\n")
+    peers = results / "peers/space.csv"
+    if peers.exists():
+        with open(peers, newline="") as file, open(data / "space_peers.csv", "w", newline="") as to:
+            table = csv.DictReader(file)
+            out = csv.DictWriter(to, table.fieldnames, lineterminator="\n")
+            out.writeheader()
+            out.writerows(row | {key: rounded(row[key]) for key in ("seconds", "error")} for row in table)
+        made = {"command": "build/peers/python/bin/python experiments/benchmarks/space/space.py --output results/peers"}
+        (data / "space_peers.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
 def main(results, data):
     for study in COLUMNS:
         if (results / study / "sweep.csv").exists():
             reduce_sweep(results, data, study)
+    reduce_space(results, data)
     if (results / "lcp_shootout/shootout.csv").exists():
         reduce_shootout(results / "lcp_shootout", data)
 

@@ -5,13 +5,14 @@ import sys
 import crank
 import others
 import schemes
+import space
 import tilt
 from data import GENERATED
 
 
 def everything():
     numbers, tables = {}, {}
-    for part in (crank, others, schemes, tilt):
+    for part in (crank, others, schemes, space, tilt):
         part.numbers(numbers)
         part.tables(tables)
     return numbers, tables
