@@ -144,6 +144,7 @@ int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
   orthant::add_replay(app, exit_code);
   orthant::add_simulate(app, exit_code);
   orthant::add_gradient(app, exit_code);
+  orthant::add_lyapunov(app, exit_code);
   orthant::add_list(app, exit_code);
   orthant::add_sweep(app, exit_code);
   orthant::add_results(app, exit_code);

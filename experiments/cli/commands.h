@@ -18,6 +18,7 @@ void add_enumerate(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_gradient(CLI::App& app, int& exit_code);
+void add_lyapunov(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
 void add_sweep(CLI::App& app, int& exit_code);
 void add_results(CLI::App& app, int& exit_code);

@@ -323,6 +323,14 @@ const std::vector<Entry>& entries() {
                         {"derivatives?", by_name(by_name(number(), "by parameter of --wrt"), "by column of --of")},
                         {"warnings", list(text())}});
        }},
+      {"lyapunov", "lyapunov --json",
+       [] {
+         return object({{"status", status()},
+                        {"why?", text("why the status is not solved")},
+                        {"t", number("[s] reached")},
+                        {"exponents?", list(maybe(number("[1/s]; null: minus infinity")), "the largest first")},
+                        {"last_half?", list(maybe(number("[1/s]")), "of the second half of the time")}});
+       }},
       {"import", "import --json",
        [] {
          return object({{"scene?", text("the file, of --output")},

@@ -165,11 +165,29 @@ py::tuple vjp_of_run(const std::optional<std::string>& text, const std::string& 
                         found.run.why, degenerate_of(scene, found.degenerate), found.inconsistent);
 }
 
+/// t, exponents, those of the last half, status, why.
+py::tuple lyapunov(const std::optional<std::string>& text, const std::string& scene_name,
+                   const std::vector<std::string>& sets, const std::string& integrator, const std::string& solver,
+                   int count, double duration, double transient, double every) {
+  const SceneSource source{text, scene_name, sets};
+  const auto method = make_solver(solver);
+  const Interruptible interruptible;
+  Lyapunov found;
+  {
+    const py::gil_scoped_release others_may_run;
+    found = lyapunov_of(source, integrator, *method, {count, duration, transient, every}, interruptible.flag());
+  }
+  interruptible.raise();
+  return py::make_tuple(found.final.t, to_numpy(Vector(found.exponents)), to_numpy(Vector(found.last_half)),
+                        std::string(name(found.status)), found.why);
+}
+
 }  // namespace
 
 void add_derivatives(py::module_& m) {
   m.def("_gradient", &gradient);
   m.def("_vjp_of_run", &vjp_of_run);
+  m.def("_lyapunov", &lyapunov);
   m.def("_records_of_run", &records_of_run);
   py::class_<PythonSensitivity>(m, "_Sensitivity")
       .def(py::init<const Lcp&, const std::string&, py::handle, py::handle, double, double>())

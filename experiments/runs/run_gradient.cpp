@@ -251,4 +251,17 @@ RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::stri
                                    named.columns, scalars, weights);
 }
 
+Lyapunov lyapunov_of(const SceneSource& source, std::string_view integrator, Solver& solver, const LyapunovClock& clock,
+                     const std::atomic<bool>* cancel) {
+  const Named named(source, {}, {}, integrator);
+  if (named.method != EventDriven::kName)
+    throw std::invalid_argument("lyapunov: the integrator is '" + in_one_line(named.method) +
+                                "': must be event-driven");
+  EventDrivenOptions options;
+  if (!named.given.empty()) set_options(options, named.given);
+  Lyapunov found = lyapunov_exponents(named.system, options, solver, clock, cancel);
+  if (!found.none.empty()) throw std::runtime_error("lyapunov: the motion has no tangents: " + found.none);
+  return found;
+}
+
 }  // namespace orthant

@@ -5,6 +5,7 @@
 // x, y, theta, vx, vy, omega, is the body's initial coordinate or velocity.
 #pragma once
 
+#include <orthant/integrators/derivatives/lyapunov.h>
 #include <orthant/integrators/derivatives/motion_tangent.h>
 #include <orthant/integrators/derivatives/run_adjoint.h>
 #include <orthant/integrators/derivatives/run_tangent.h>
@@ -50,5 +51,10 @@ GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::
 RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::string>& of,
                           const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                           const Clock& clock, Index scalars, const RecordWeights& weights);
+
+/// Lyapunov exponents of the motion; integrator: "event-driven[:option=value,…]". Throws std::runtime_error where the
+/// motion has no tangents (a graze, a crowd of events).
+Lyapunov lyapunov_of(const SceneSource& source, std::string_view integrator, Solver& solver, const LyapunovClock& clock,
+                     const std::atomic<bool>* cancel);
 
 }  // namespace orthant

@@ -130,7 +130,7 @@ TEST_CASE("every command that takes a problem takes Matrix Market files; solve a
 TEST_CASE("every command's --help has an example of its own and says what its exit codes mean") {
   const Cli folder;
   for (const std::string command : {"solve", "analyse", "enumerate", "replay", "simulate", "sweep", "results", "report",
-                                    "list", "view", "new", "gradient"}) {
+                                    "list", "view", "new", "gradient", "lyapunov"}) {
     CAPTURE(command);
     const Reply a = folder.orthant(command + " --help");
     CHECK(a.exit_code == 0);

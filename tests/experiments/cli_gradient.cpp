@@ -82,3 +82,21 @@ wall = {normal = [0, 1]}
   CHECK(a.exit_code == 0);
   CHECK(a.err.find("10 steps have weakly active contacts, the first at t = 0 s (floor)") != std::string::npos);
 }
+
+TEST_CASE("orthant lyapunov: the exponents of the impact oscillator, and what it refuses") {
+  const Cli folder;
+  const Reply a = folder.orthant(
+      "lyapunov impact_oscillator --count 6 --duration 78.53981633974483 --transient 40.25165587 --every "
+      "0.9817477042468103 "
+      "--json");
+  REQUIRE(a.exit_code == 0);
+  const auto found = nlohmann::json::parse(a.out);
+  double sum = 0;
+  for (const auto& one : found.at("exponents")) sum += one.get<double>();
+  CHECK(std::abs(sum - 2 * std::log(0.8) / 3.9269908169872414) < 1e-6);  // 20 impacts in 20 periods
+  const Reply b = folder.orthant("lyapunov bouncing_ball --set e=0 --duration 1 --count 6 --json");
+  REQUIRE(b.exit_code == 0);
+  CHECK(nlohmann::json::parse(b.out).at("exponents").back().is_null());
+  CHECK(folder.orthant("lyapunov bouncing_ball --count 7").err.find("count: must be 1 ... 6") != std::string::npos);
+  CHECK(folder.orthant("lyapunov bouncing_ball --integrator rattle").exit_code == 1);
+}

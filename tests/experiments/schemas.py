@@ -84,6 +84,7 @@ COMMANDS = {
     "import": [(f"import {ROOT}/core/scenes/robot_arm.urdf{more} --json", 0) for more in ("", " --output arm.toml")],
     "gradient": [("gradient slider_crank --duration 0.02 --of crank.theta,slider.x --wrt mu,start.crank.omega --json", 0),
                  ("gradient slider_crank --duration 1e3 --time-limit 0.05 --of crank.theta --wrt mu --json", 3)],
+    "lyapunov": [("lyapunov bouncing_ball --set e=0.5 --duration 0.6 --count 2 --json", 0)],
     "completion": [(f"completion {shell} --json", 0) for shell in ("bash", "zsh", "fish")],
     "man": [("man --json", 0), ("man solve --json", 0)],
 }

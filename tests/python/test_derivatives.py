@@ -209,3 +209,15 @@ def test_jax_compiles_and_maps_runs():
     assert np.allclose(jax.jit(jax.jacrev(run))(p), expected, rtol=1e-8)
     several = jax.numpy.stack([p, 1.5 * p])
     assert np.array_equal(jax.vmap(run)(several), [run(several[0]), run(several[1])])
+
+
+def test_lyapunov_exponents_of_the_impact_oscillator_are_those_of_its_floquet_multipliers():
+    T = 2 * np.pi / 1.6
+    how = dict(duration=20 * T, transient=10.25 * T, every=T / 4)
+    found = orthant.lyapunov("impact_oscillator", 6, **how)
+    assert np.isclose(found.exponents.sum(), 2 * np.log(0.8) / T, atol=1e-6) and np.isclose(found.t, 30.25 * T)
+    assert np.all(np.diff(found.exponents) <= 0)
+    with pytest.raises(ValueError, match="count: must be 1 ... 6"):
+        orthant.lyapunov("impact_oscillator", 7, **how)
+    with pytest.raises(ValueError, match="must be event-driven"):
+        orthant.lyapunov("impact_oscillator", integrator="adaptive", **how)

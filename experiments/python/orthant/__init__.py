@@ -14,7 +14,7 @@ Nothing is called solved that an independent judge has not recomputed and accept
 from . import _pages as _pages  # first: where the parts of pages are
 from ._autodiff import as_jax, as_torch
 from ._derivatives import (
-    Gradient, RunAdjoint, RunGradient, RunTangent, Sensitivity, Tangent, WeaklyActive, gradient, sensitivity)
+    Gradient, Lyapunov, RunAdjoint, RunGradient, RunTangent, Sensitivity, Tangent, WeaklyActive, gradient, lyapunov, sensitivity)
 from ._files import read_problem, set_largest_input, write_fclib, write_npz, write_problem
 from ._mechanics import Interrupted, OrthantWarning, Scene, Trajectory, integrators, register_integrator, register_scene, scenes, simulate
 from ._models import ImportedModel, import_model
@@ -24,10 +24,11 @@ from ._problems import Delassus, Solver, analyse, enumerate_solutions, error_bou
 from ._sweep import sweep
 
 __all__ = [
-    "Delassus", "Equilibrium", "Face", "Gradient", "ImportedModel", "Interrupted", "LogEntry", "McpResult", "OrthantWarning",
-    "Problem", "Result", "RunAdjoint", "RunGradient", "RunTangent", "Scene", "Sensitivity", "Solutions", "Solver", "Step",
-    "Tangent", "Trajectory", "WeaklyActive", "__version__", "analyse", "as_jax", "as_torch", "enumerate_solutions",
-    "equilibria", "equilibrium", "error_bound", "extreme_equilibria", "gradient", "import_model", "integrators", "read_problem",
-    "register_integrator", "register_scene", "register_solver", "revision", "scenes", "sensitivity", "set_largest_input",
-    "simulate", "solve", "solve_many", "solve_mcp", "solvers", "sweep", "write_fclib", "write_npz", "write_problem",
+    "Delassus", "Equilibrium", "Face", "Gradient", "ImportedModel", "Interrupted", "LogEntry", "Lyapunov", "McpResult",
+    "OrthantWarning", "Problem", "Result", "RunAdjoint", "RunGradient", "RunTangent", "Scene", "Sensitivity", "Solutions",
+    "Solver", "Step", "Tangent", "Trajectory", "WeaklyActive", "__version__", "analyse", "as_jax", "as_torch",
+    "enumerate_solutions", "equilibria", "equilibrium", "error_bound", "extreme_equilibria", "gradient", "import_model",
+    "integrators", "lyapunov", "read_problem", "register_integrator", "register_scene", "register_solver", "revision",
+    "scenes", "sensitivity", "set_largest_input", "simulate", "solve", "solve_many", "solve_mcp", "solvers", "sweep",
+    "write_fclib", "write_npz", "write_problem",
 ]

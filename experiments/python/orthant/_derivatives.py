@@ -158,6 +158,14 @@ class RunAdjoint(NamedTuple):
     inconsistent: int
 
 
+class Lyapunov(NamedTuple):
+    """Lyapunov exponents, the largest first; -inf: of a direction that a lasting contact or a plastic impact takes away."""
+
+    exponents: Vector  # [1/s]
+    last_half: Vector  # [1/s] of the second half of the time: how far they have settled
+    t: float  # [s] reached
+
+
 class _Call:
     """What all derivatives of a run are given: scene, method, time."""
 
@@ -238,6 +246,27 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
         t, values, by = t[-1:], values.sum(keepdims=True), by.sum(axis=0, keepdims=True)
     _warn(degenerate, inconsistent)
     return RunGradient(of, parameters, t, values, by, degenerate, inconsistent)
+
+
+def lyapunov(scene: Any, count: int = 1, *, duration: float, transient: float = 0, every: Optional[float] = None,
+             integrator: str = "event-driven", solver: str = "auto") -> Lyapunov:
+    """Lyapunov exponents of a planar scene's motion, from its variational equations and saltation, by event-driven.
+
+    count: how many, at most twice the degrees of freedom. duration: time to average over [s], after transient [s];
+    every: time between two orthonormalizations [s], by default a hundredth of the duration.
+    Raises RuntimeError where the motion has no tangents (a graze, a crowd of events) or does not come to its end.
+    Source: Benettin et al., Meccanica 15 (1980) 9-30.
+    """
+    call = _Call(scene, integrator, solver, None, duration, 1)
+    integrator, solver, _, length, _ = call.how
+    assert length is not None
+    rest = 0.0 if transient == 0 else seconds("transient", transient)
+    between = seconds("every", every) or length / 100
+    assert rest is not None
+    t, exponents, last_half, status, why = _orthant._lyapunov(
+        *call.scene, integrator, solver, whole("count", count, 1), length, rest, between)
+    _arrived(status, why)
+    return Lyapunov(exponents, last_half, t)
 
 
 _REVERSE_FROM = 4  # parameters: up to here forward mode costs less
