@@ -10,8 +10,8 @@
 //   From z = 0 the start comes from the coarse problems Pᵀ A P, Pᵀ b with the bounds of C, two cycles each (nested
 //   iteration): the free boundary is then right to a mesh width or two.
 //   A symmetric positive definite: steps 1, 3 and 4 never raise the form and sweeps alone converge, so this does; once
-//   the active rows are found it is a linear multigrid method. Symmetric M-matrices of grids: 8 to 16 cycles, whatever
-//   the number of rows, O(nnz) each; no factorization. Unsymmetric M-matrices: in practice. Where A has few or no
+//   the active rows are found it is a linear multigrid method. Symmetric M-matrices of grids, 10³ to 10⁶ rows: 11 to 18
+//   cycles, O(nnz) each; no factorization. Unsymmetric M-matrices: in practice. Where A has few or no
 //   negative entries off the diagonal the levels give little, and the sweeps remain.
 //   Memory: the levels take 4 to 5 times as much as A.
 //   A_ii ≤ 0 or friction → unsupported.  The start value is used.  Ends: first_order.h.

@@ -27,7 +27,9 @@ def plot_sparse_lcps(folder, about):
         grid[0][column].set_title(TITLES[problem])
         grid[2][column].set_xlabel("rows n")
     for row, label in zip(grid, ("time [µs a row]", "cycles or iterations", "peak memory [bytes a row]")):
-        row[0].set(xscale="log", yscale="log", ylabel=label)
+        row[0].set(yscale="log", ylabel=label)
+        for axes in row:
+            axes.set_xscale("log")
     figure.tight_layout(rect=(0, 0.07, 1, 0.95))
     handles = {text: line for axes in grid[0] for line, text in zip(*axes.get_legend_handles_labels())}
     save(figure, folder / "sparse_lcps", "Large sparse problems with bounds: right answers only", about,
