@@ -14,6 +14,8 @@ constexpr double kForceZero =
 constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
+constexpr double kWay = 1e-9;              // of the way since two contacts struck: nearer ones may be one event
+constexpr double kPulled = 10;             // of its acceleration times the interval: a faster contact was pushed
 constexpr int kShares = 200;               // times that friction is shared again in a crowd, which count for no event
 
 /// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing
@@ -57,10 +59,13 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
   // of the velocities that it left.
   const double roundings = 16 + 64.0 * flight_.steps, since = flight_.time;
   flight_.steps = 0, flight_.time = 0;
+  const bool strikes = event && event->watch == Watch::gap;
+  const double flight = strikes ? t - bounces_[at(event->contact)].last : kInf;  // of the contact that strikes
   for (int c = 0; c < system_.contacts(); ++c) {
     const ContactMode& mode = motion_.modes[at(c)];
-    const bool hit = event && event->watch == Watch::gap && event->contact == c;
-    strike_.tie[at(c)] = roundings * gap_zero(c) + options_.touching + since * kSame * now_.w.gap_rate_scale[c];
+    const bool hit = strikes && event->contact == c;
+    const double fast = now_.w.gap_rate_scale[c], way = fast * std::min(flight, t - bounces_[at(c)].last);
+    strike_.tie[at(c)] = roundings * gap_zero(c) + std::min(options_.touching, kWay * way) + since * kSame * fast;
     strike_.touching[at(c)] = hit || mode.lasting || now_.w.gap[c] <= strike_.tie[at(c)];
     if (strike_.touching[at(c)] && !mode.lasting && !hit && immobile(c)) strike_.touching[at(c)] = false;
     if (!strike_.touching[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c]))
@@ -157,6 +162,26 @@ template <class Low> bool EventDriven::waits(const Bounces& ending, const Low& l
   return false;
 }
 
+/// Whether forces bring contact c back from bounce to bounce. Where it is other impacts, as of a body crushed between
+/// others, the bounces become low as all gaps close, but no slower, and their impulses remain large.
+bool EventDriven::pulled(int c) const {
+  return -now_.w.gap_rate[c] <= kPulled * std::abs(now_.w.gap_acceleration[c]) * bounces_[at(c)].interval;
+}
+
+/// Whether another contact strikes before the bounces of contact c have come to their end: then c is open or closed,
+/// and takes another part in that impact than it would from now on.
+template <class Low> bool EventDriven::disturbed(int c, const Low& low) const {
+  const double rest = bounces_[at(c)].rest, left = std::abs(now_.w.gap_rate[c]), t = start_ + elapsed_;
+  for (int k = 0; k < system_.contacts(); ++k) {
+    const Bounces& b = bounces_[at(k)];
+    const bool ends_too = b.accumulates() && now_.w.gap[k] <= low(k) && t - b.last <= b.interval;
+    if (k == c || motion_.modes[at(k)].lasting || ends_too) continue;
+    const double closing = std::max(0.0, -now_.w.gap_rate[k]), faster = std::max(0.0, -now_.w.gap_acceleration[k]);
+    if (now_.w.gap[k] < rest * (closing + left + rest / 2 * faster)) return true;
+  }
+  return false;
+}
+
 /// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
 /// intervals. Rounding hides which of them is next. Together they would strike by another law, which may have no
 /// solution.
@@ -181,7 +206,8 @@ bool EventDriven::accumulates() {
     const Bounces& b = bounces_[at(c)];
     if (b.last != t) continue;
     meet = meet || (b.accumulates() && meets_in_turn(c));
-    any = any || meet || b.rounding || (b.accumulates() && b.height <= low(c) && !waits(b, low));
+    any = any || meet || b.rounding ||
+          (b.accumulates() && b.height <= low(c) && pulled(c) && !waits(b, low) && !disturbed(c, low));
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];

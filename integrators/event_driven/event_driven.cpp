@@ -162,7 +162,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
     if (report.rejected == rejected) measure_noise();
     ++report.rejected;
     h_ = s *= error < kInf ? factor : 0.1;
-    if (s < 1e-3 * kRounding * (std::abs(start_) + elapsed_) + 1e-30)
+    if (s < shortest_step())
       return fail(report, Status::stalled,
                   "step size below rounding at t = " + detail::text_of(start_ + elapsed_) +
                       ": the forces grow without bound, or tolerances are too small") ||
@@ -186,6 +186,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
     const double before = s;
     event.reset();
     if (land(*next, s)) event = next;
+    if (event && find_jump(*event, s)) return turn(solver, s, end, report);
     if (!(s < before)) break;  // rounding: found again where the step ends already
   }
   ++report.accepted;

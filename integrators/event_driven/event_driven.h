@@ -12,16 +12,18 @@
 //     velocity
 //                                       level (formulate.h, reduced form)
 //     after every event:                the modes by the problem at acceleration level (contact_transition.h).
-//   Contacts nearer than `touching`, and than the rounding of the steps and velocities since the last event, count as
-//   touching, so that what is simultaneous stays so. Where contacts last no step is longer than look_ahead.h allows.
+//   Contacts nearer than `touching` (and than 1e-9 of the way since they struck), and than the rounding of the steps and
+//   velocities since the last event, count as touching, so that what is simultaneous stays so. Where contacts last no
+//   step is longer than look_ahead.h allows.
 //   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one
-//   before) and the next bounce would be no higher than `accumulation` (nor than rounding of the gap), one impact
-//   without restitution takes the place of all that follow, for all contacts in this state, and they last. The event
-//   has the time extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as
-//   zero, and the impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some
-//   10 times `accumulation`. Series that several contacts have in turn end together, when all are that low, or where
-//   two of them touch at once;
-//   their remaining impacts, which may still be large, follow one after the other at that instant (impact.h).
+//   before), forces bring it back between them, and the next bounce would be no higher than `accumulation` (nor than
+//   rounding of the gap), one impact without restitution takes the place of all that follow, for all contacts in this
+//   state, and they last; but not where another contact strikes before the last of them. The event has the time
+//   extrapolated from the geometric series, T later. Error made: gaps up to `accumulation` are taken as zero, and the
+//   impulses that remain (γ_N times mass) come up to T early: in coordinates of the order of γ_N T, some 10 times
+//   `accumulation`. Series that several contacts have in turn end together, when all are that low, or where two of them
+//   touch at once; their remaining impacts, which may still be large, follow one after the other at that instant
+//   (impact.h).
 //   Contacts that bear a load together share it in proportion to what each can bear; one at the bound of its friction
 //   stays there while others hold it.
 //   Crowds: where events continue without end (several steps in a row without progress: chatter, hyperstatic friction)
@@ -36,7 +38,7 @@
 //   returned, but the next step starts where the last one did (with lasting contacts: from the requested state).
 //   Where a lasting contact's normal jumps (a corner comes to the end of its face, and lies against an edge from then
 //   on) a step ends, too, as near to it as times can be distinguished; its velocity is no more along the contact then:
-//   it strikes, or leaves.
+//   it strikes, or leaves. Likewise where its force jumps across zero: a disc rolls off a flat face onto the corner.
 //   Where a load jumps or bends (its breakpoints) a step ends, and the modes are decided again.
 //   A start with overlap: such a contact acts only while it does not separate. The approach after a separation is an
 //   event, and so is the gap 0 (overlap.cpp).
@@ -181,12 +183,15 @@ class EventDriven final : public Integrator {
   bool pass_over(double& s, double rest);
   bool hand_out(double s);
   double first_guess(double rest) const;
+  double shortest_step() const { return 1e-3 * kRounding * (std::abs(start_) + elapsed_) + 1e-30; }  // [s]
   double independence() const;
   bool observe(Point& p, double t);
   bool try_step(double s);
   bool turned(std::size_t lasting, double s) const;
   bool turns(double s) const;
   bool find_turn(double& s);
+  bool find_jump(const Sign& sign, double& s);
+  bool end_behind(double low, double high, double& s);
   void accept(double s, double end);
   void note_arc(double before);
   void note_lead();
@@ -208,6 +213,8 @@ class EventDriven final : public Integrator {
   void close_together();
   void note_bounce(int contact);
   template <class Low> bool waits(const Bounces& ending, const Low& low) const;
+  bool pulled(int contact) const;
+  template <class Low> bool disturbed(int contact, const Low& low) const;
   bool meets_in_turn(int contact) const;
   bool accumulates();
   bool ends_in_turn();

@@ -11,6 +11,7 @@ constexpr double kSingular = 1e-2;    // independence of the joint rows below wh
 constexpr double kNearest = 1e-4;     // likewise: a state is better found from both sides
 constexpr double kBlurred = 1e-6;     // likewise: but not from steps with a stage as near as this
 constexpr double kTurned = 1e-7;      // of the speeds that make up a gap's rate: its normal has jumped
+constexpr double kJump = 1e-4;        // of the largest normal force: more within the rounding of the time is a jump
 constexpr double kShortest = 8;       // roundings of the time: no shorter step tells when
 constexpr double kBehind = 1e4;       // roundings of a gap: how far behind the place where its normal jumps
 constexpr double kMuch = 1e9;         // more of an error than any step is allowed
@@ -174,6 +175,30 @@ bool EventDriven::find_turn(double& s) {
   }
   if (!try_step(s = high) || !turns(s)) return false;
   for (std::size_t i = 0; i < motion_.lasting().size(); ++i) freed_.turned[at(motion_.lasting()[i])] = turned(i, s);
+  return end_behind(low, high, s);
+}
+
+/// Whether the lasting force of an event jumps across its zero at the end of the step, at s: where a disc rolls off a
+/// flat face onto the corner, say, the curvature that the force depends on does. No step lands on such a zero. True:
+/// the contact is marked as turned, and the step shortened to end there.
+bool EventDriven::find_jump(const Sign& sign, double& s) {
+  const bool force = sign.watch == Watch::force || sign.watch == Watch::cone_up || sign.watch == Watch::cone_down;
+  const double jump = kJump * std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
+  if (!force || std::abs(value(sign, trial_.w)) <= jump || joints_.least_independence < kSingular) return false;
+  const double first = s, instant = kShortest * kRounding * (std::abs(start_) + elapsed_ + s);
+  const double low = std::max(0.0, s - instant), high = s + instant;
+  const bool before = low > 0 ? try_step(low) && value(sign, trial_.w) > jump : value(sign, now_.w) > jump;
+  if (before && try_step(high) && value(sign, trial_.w) < -jump) {
+    std::fill(freed_.turned.begin(), freed_.turned.end(), false);
+    freed_.turned[at(sign.contact)] = true;
+    if (end_behind(low, high, s)) return true;
+  }
+  try_step(s = first);
+  return false;
+}
+
+/// Ends the trial step behind [low, high], within which the contacts of freed_.turned turn, from the state at `low`.
+bool EventDriven::end_behind(double low, double high, double& s) {
   if (low > 0) {
     if (!(error_of_step(low) <= 1) || first_sign(low)) return false;
   } else {
@@ -220,7 +245,7 @@ bool EventDriven::stands(int c, double s) const {
 
 std::optional<Sign> EventDriven::first_sign(double s) {
   std::optional<Sign> first;
-  if (s <= 0) return first;
+  if (s <= shortest_step()) return first;
   if (!motion_.lasting().empty() && watch_.look(start_ + elapsed_, s, now_, trial_, stop_)) first = watch_.first();
   sweep_.begin(start_ + elapsed_, s, now_, trial_);
   const auto sample = [](const Watched& w, int c) -> ContinuousCollision::Sample {

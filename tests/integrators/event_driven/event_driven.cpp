@@ -308,3 +308,29 @@ TEST_CASE("a triangle's corner that passes through a box within a step strikes i
     CHECK((record.run.final.q - fine.run.final.q).lpNorm<Eigen::Infinity>() <= 1e-9);
   }
 }
+
+TEST_CASE("a disc rolls off the face of a tipping box onto its corner: the force jumps, and no step makes an impact") {
+  Scene s{.gravity = {0, -9.81}, .duration = 0.1366863595248562};
+  const double half = 0.12379186715899929;
+  const ContactLaw law{.mu = 0.8, .e = 0.3};
+  const BodyId box = s.body({.mass = 2.8076256782043307, .inertia = 0.028964801405111294, .position = {0, half}});
+  const BodyId disc = s.body({.mass = 2.2625437588894273,
+                              .inertia = 0.0348883228103045,
+                              .position = {0.0765138308656916, 0.4231966890754168},
+                              .velocity = {-2.3400545167981956, 0}});
+  const std::vector<Vector2d> corners = {{-0.125, -half}, {0.125, -half}, {0.125, half}, {-0.125, half}};
+  for (const Vector2d& corner : corners) s.contact(CornerWall{{}, box, corner, kGround, {0, 0}, {0, 1}, law});
+  s.contact(DiscPolygon{{}, disc, {0, 0}, 0.17561295475741823, box, corners, law});
+  const auto end = [&](const char* scheme, int steps) {
+    const Run r = run(s, scheme, s.duration / steps);
+    CHECK_MESSAGE(r.status == Status::solved, r.why);
+    CHECK(r.crossings == 0);
+    return r.final.q;
+  };
+  const Eigen::VectorXd coarse = end("event-driven", 4);
+  for (const int steps : {140, 1120}) {
+    CAPTURE(steps);
+    CHECK((end("event-driven", steps) - coarse).lpNorm<Eigen::Infinity>() < 1e-8);
+  }
+  CHECK((end("adaptive:rtol=1e-8", 140) - coarse).lpNorm<Eigen::Infinity>() < 1e-6);
+}

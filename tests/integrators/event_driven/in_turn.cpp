@@ -1,12 +1,14 @@
 // Impacts in turn: two contacts that strike alternately, ever faster, end alike wherever the scene lies.
 #include "tests/support/runs.h"
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/integrators/between_events/impact_series.h>
 
 #include <doctest/doctest.h>
 
 #include <array>
 #include <cmath>
+#include <string>
 
 using namespace orthant;
 
@@ -88,5 +90,22 @@ TEST_CASE("sticking and sliding in turn at one instant is a crowd, of a body at 
     const Run r = run(s, "event-driven:max_events=2000", 1e-9, {}, "auto");
     CHECK_MESSAGE(r.status == Status::solved, r.why);
     CHECK(r.crossings > 0);
+  }
+}
+
+TEST_CASE("bodies crushed between others strike in turn within nanoseconds: adaptive keeps its tolerance") {
+  // One where impacts follow within a picometre; one whose series another contact ends before its limit.
+  for (const char* file : {"crushed_shapes.toml", "crushed_series.toml"}) {
+    CAPTURE(file);
+    const Scene scene = read_scene(std::string(ORTHANT_ROOT "/tests/data/") + file);
+    const Run sharp = run(scene, "event-driven", 0.1);
+    REQUIRE_MESSAGE(sharp.status == Status::solved, sharp.why);
+    for (const char* rtol : {"1e-4", "1e-6", "1e-8"}) {
+      CAPTURE(rtol);
+      const Run rough = run(scene, std::string("adaptive:rtol=") + rtol, 0.1);
+      REQUIRE_MESSAGE(rough.status == Status::solved, rough.why);
+      CHECK(rough.crossings == 0);
+      CHECK((rough.final.q - sharp.final.q).lpNorm<Eigen::Infinity>() < 100 * std::stod(rtol));
+    }
   }
 }
