@@ -3,6 +3,7 @@
 //   build/release/experiments/motion_storm                          10⁴ scenes; about an hour of a core (--jobs)
 //   build/release/experiments/motion_storm --scenes 500 --seed 7    a share, of another seed
 //   build/release/experiments/motion_storm --only 123 --toml        one scene, by its number, as a file
+//   build/release/experiments/motion_storm --dimension 3            in space; into results/motion_storm_space
 //
 // Writes into the output folder: chunks.jsonl (one line a finished chunk; a run that was stopped does only what is
 // missing), motion_storm.csv, .json and .md (kind of failure × integrator, × kind of scene), FAILURE_INTEGRATOR_*.toml
@@ -34,7 +35,8 @@ namespace {
 struct Arguments {
   std::filesystem::path output = "results/motion_storm";
   std::uint64_t scenes = 10000, seed = 1, chunk = 21;
-  std::vector<std::string> integrators = all_integrators();
+  int dimension = 2;
+  std::vector<std::string> integrators;  // none: all
   Limits limits;
   std::optional<std::uint64_t> only;
   bool toml = false, keep = false;
@@ -43,7 +45,7 @@ struct Arguments {
   long shrunk = 40;
 };
 
-struct MotionStorm {
+template <class Space> struct MotionStorm {
   const Arguments& a;
   Isolated processes;
 
@@ -55,7 +57,7 @@ struct MotionStorm {
   Tally corner(std::uint64_t first, std::uint64_t count, const std::vector<std::string>& integrators) {
     Tally tally;
     std::optional<Outcome> outcome;
-    processes.start([&, this] { return to_text(storm(a.seed, first, count, integrators, a.limits)); },
+    processes.start([&, this] { return to_text(storm<Space>(a.seed, first, count, integrators, a.limits)); },
                     most_seconds(count, integrators.size()), [&](const Outcome& o) { outcome = o; });
     processes.wait_for_all();
     if (outcome->kind == Outcome::finished) return tally_from_text(outcome->text);
@@ -64,7 +66,7 @@ struct MotionStorm {
     } else if (integrators.size() > 1) {
       for (const std::string& one : integrators) tally.add(corner(first, 1, {one}));
     } else {
-      const std::string kind = random_scene(a.seed, first).kind;
+      const std::string kind = random_scene<Space>(a.seed, first).kind;
       const Result what = outcome->kind == Outcome::killed ? Result::late : Result::crashed;
       tally.count(kind, integrators[0], what);
       tally.faults.push_back(
@@ -76,12 +78,12 @@ struct MotionStorm {
   Tally run() {
     const ChunkWork work{
         .work = [this](auto first,
-                       auto count) { return to_text(storm(a.seed, first, count, a.integrators, a.limits)); },
+                       auto count) { return to_text(storm<Space>(a.seed, first, count, a.integrators, a.limits)); },
         .limit = [this](auto count) { return most_seconds(count, a.integrators.size()); },
         .again = [this](auto first, auto count) { return to_text(corner(first, count, a.integrators)); },
         .faulty = [](const std::string& text) { return !tally_from_text(text).faults.empty(); }};
-    const Chunks chunks{"motion storm", a.output / "chunks.jsonl", chunk_header(a.seed, a.chunk, a.integrators),
-                        a.scenes, a.chunk};
+    const Chunks chunks{kPlanar<Space> ? "motion storm" : "motion storm in space", a.output / "chunks.jsonl",
+                        chunk_header(a.seed, a.chunk, a.integrators), a.scenes, a.chunk};
     Tally all;
     for (const auto& [first, text] : run_chunks(chunks, work, processes)) all.add(tally_from_text(text));
     return all;
@@ -89,9 +91,9 @@ struct MotionStorm {
 
   /// The fault's scene, as small as it gets, each try in a process of its own.
   void shrink_fault(const Fault& fault) {
-    const std::uint64_t turn = fault.k / kinds().size();
+    const std::uint64_t turn = fault.k / kinds<Space>().size();
     std::string why;
-    const auto shows = [&](const Scene& scene) {
+    const auto shows = [&](const SceneOf<Space>& scene) {
       bool same = false;
       processes.start(
           [&] {
@@ -109,9 +111,9 @@ struct MotionStorm {
       processes.wait_for_all();
       return same;
     };
-    const Scene whole = random_scene(a.seed, fault.k).scene;
+    const SceneOf<Space> whole = random_scene<Space>(a.seed, fault.k).scene;
     why = fault.why;
-    const Scene least = shows(whole) ? shrink(whole, shows) : whole;
+    const SceneOf<Space> least = shows(whole) ? shrink(whole, shows) : whole;
     shows(least);
     const std::string seed = std::to_string(a.seed), number = std::to_string(fault.k);
     std::string name = fault.what + '_' + fault.integrator + '_' + seed + '_' + number;
@@ -135,14 +137,15 @@ std::vector<Fault> chosen(const std::vector<Fault>& faults, long most) {
   return first;
 }
 
-int run(const Arguments& a) {
-  const System any(random_scene(a.seed, 0).scene);
+template <class Space> int run(Arguments a) {
+  if (a.integrators.empty()) a.integrators = all_integrators<Space>();
+  const SystemOf<Space> any(random_scene<Space>(a.seed, 0).scene);
   for (const std::string& spec : a.integrators) make_integrator(spec, any);  // known ones only
   if (!a.only || a.keep) std::filesystem::create_directories(a.output);
-  MotionStorm it{a, Isolated(a.jobs, a.memory << 20)};
+  MotionStorm<Space> it{a, Isolated(a.jobs, a.memory << 20)};
   Tally all;
   if (a.only) {
-    if (a.toml) std::cout << to_toml(random_scene(a.seed, *a.only).scene, "scene " + std::to_string(*a.only));
+    if (a.toml) std::cout << to_toml(random_scene<Space>(a.seed, *a.only).scene, "scene " + std::to_string(*a.only));
     all = it.corner(*a.only, 1, a.integrators);
     for (const Fault& f : all.faults) std::cerr << f.integrator << ": " << f.what << ": " << f.why << '\n';
   } else {
@@ -167,6 +170,9 @@ int main(int argc, char** argv) {
   CLI::App app("Random mechanisms of every kind by every integrator, each motion checked by independent code");
   Arguments a;
   const auto kCount = CLI::Range(0L, 1'000'000'000'000L);
+  app.add_option("--dimension", a.dimension, "2: planar mechanisms, 3: mechanisms in space")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
   app.add_option("--output", a.output, "folder")->capture_default_str();
   app.add_option("--scenes", a.scenes, "how many")->check(kCount)->capture_default_str();
   app.add_option("--seed", a.seed, "")->capture_default_str();
@@ -180,8 +186,9 @@ int main(int argc, char** argv) {
   app.add_option("--memory", a.memory, "of a process [MiB]; 0: no limit")->capture_default_str();
   app.add_option("--shrink", a.shrunk, "at most so many faults")->check(CLI::Range(0, 1000000))->capture_default_str();
   if (const auto end = parse(app, argc, argv)) return *end;
+  if (a.dimension == 3 && app.count("--output") == 0) a.output = "results/motion_storm_space";
   try {
-    return run(a);
+    return a.dimension == 3 ? run<Spatial>(a) : run<Planar>(a);
   } catch (const std::exception& error) {
     std::cerr << "motion_storm: " << error.what() << '\n';
     return 1;

@@ -1,7 +1,7 @@
 // experiments/studies/motion_storm/examine.h — a recorded run and what is measured of it, row by row and between rows.
 #pragma once
 
-#include "experiments/studies/motion_storm/measure.h"
+#include "experiments/studies/motion_storm/measure_of.h"
 #include "experiments/studies/motion_storm/trace.h"
 
 #include <string>
@@ -34,9 +34,12 @@ struct Allowance {
 
 Figures examine(const Scene& scene, const Trace& trace, const Allowance& allowed,
                 double until = std::numeric_limits<double>::infinity());
+Figures examine(const spatial::Scene& scene, const Trace& trace, const Allowance& allowed,
+                double until = std::numeric_limits<double>::infinity());
 
 /// The largest difference of coordinates at the times of the coarser one of two traces, up to the time that both reach:
-/// places in sizes, angles in rad.
+/// places in sizes, angles (of rotations, in space) in rad.
+template <class Space = Planar>
 double difference(const std::vector<State>& a, const std::vector<State>& b, double size);
 
 }  // namespace orthant::motion_storm

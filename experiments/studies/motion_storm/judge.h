@@ -1,4 +1,5 @@
-// experiments/studies/motion_storm/judge.h — a random scene by every integrator, judged by independent code.
+// experiments/studies/motion_storm/judge.h — a random scene, planar or spatial, by every integrator, judged by
+// independent code.
 //
 //   A run that ends `solved` is at fault when
 //     nan           a number in it is not finite
@@ -35,13 +36,15 @@
 //   that nudges of 1e-9 to 1e-7 (precise ones: 5e-10 to 1e-8), both ways, make with the scheme itself (event-driven:
 //   and a tighter tolerance), the square of a step's way (fixed steps) and what friction that the model leaves open
 //   can make there (shared_load.h). Crowds that event-driven crosses are held to the limits of adaptive. Twin and
-//   astray do not count where Painlevé's paradox is possible in the motion: the model has several motions there.
+//   astray (in space: and output step) do not count where Painlevé's paradox is possible in the motion: the model has
+//   several motions there.
 //   Energy below 1e-8 J/kg is neglected.
 #pragma once
 
-#include <orthant/core/mechanics/scene/scene.h>
+#include "experiments/studies/motion_storm/space.h"
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,8 +86,10 @@ struct Limits {
 /// One verdict an integrator, in the order given; `number` chooses the twin.
 std::vector<Verdict> judge(const Scene& scene, const std::vector<std::string>& integrators, std::uint64_t number,
                            const Limits& limits);
+std::vector<Verdict> judge(const spatial::Scene& scene, const std::vector<std::string>& integrators,
+                           std::uint64_t number, const Limits& limits);
 
-/// Every integrator of the registry.
-std::vector<std::string> all_integrators();
+/// Every integrator of the registry, for scenes of this dimension.
+template <class Space = Planar> std::vector<std::string> all_integrators();
 
 }  // namespace orthant::motion_storm

@@ -30,24 +30,9 @@ double gyration(const Polygon& p) {
 
 }  // namespace
 
-Maker::Maker(Random& random_) : random(random_) {
+Maker::Maker(Random& random_) : Drawing(random_) {
   scene.gravity = chance(0.8) ? Vector2d(0, -9.81) : chance(0.5) ? Vector2d(0, 0) : point(-10, 10);
-  mass_range_ = pick({1, 1, 1, 10, 100, 1e3, 1e4, 1e6});
-  own_laws_ = chance(0.25);
-  law_ = {.mu = pick({0, 0, 0, 0.1, 0.3, 0.5, 0.8, 1, 2}), .e = pick({0, 0, 0, 0.3, 0.5, 0.8, 1})};
-}
-
-double Maker::pick(std::initializer_list<double> values) {
-  return values.begin()[random.integer(0, static_cast<int>(values.size()) - 1)];
-}
-
-double Maker::log_uniform(double lo, double hi) { return std::exp(random.uniform(std::log(lo), std::log(hi))); }
-
-double Maker::mass() { return mass_range_ == 1 ? 1 : log_uniform(1, mass_range_) / std::sqrt(mass_range_); }
-
-ContactLaw Maker::law() {
-  if (own_laws_) return {.mu = pick({0, 0, 0.1, 0.3, 0.7, 1.5}), .e = pick({0, 0, 0.2, 0.6, 1})};
-  return law_;
+  draw_ranges();
 }
 
 Form Maker::polygon() {

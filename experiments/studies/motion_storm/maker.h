@@ -1,10 +1,9 @@
 // experiments/studies/motion_storm/maker.h — random bodies, joints and contacts for random mechanisms.
 #pragma once
 
-#include <orthant/core/lcp/problems/collection.h>
-#include <orthant/core/mechanics/scene/scene.h>
+#include "experiments/studies/motion_storm/drawing.h"
 
-#include <initializer_list>
+#include <orthant/core/mechanics/scene/scene.h>
 
 namespace orthant::motion_storm {
 
@@ -15,16 +14,11 @@ struct Form {
 };
 
 /// A scene in the making. Each function draws from `random` what it is not given.
-class Maker {
+class Maker : public Drawing {
  public:
   explicit Maker(Random& random);
 
-  double pick(std::initializer_list<double> values);
-  bool chance(double probability) { return random.uniform() < probability; }
-  double log_uniform(double lo, double hi);
   Vector2d point(double lo, double hi) { return {random.uniform(lo, hi), random.uniform(lo, hi)}; }
-  double mass();     // [kg] 1, or within the scene's range of masses
-  ContactLaw law();  // the scene's, or in one of four scenes one of its own
 
   Form disc() { return {random.uniform(0.05, 0.25), {}}; }
   Form box(double width, double height) { return {Vector2d(width, height).norm() / 2, rectangle(width, height)}; }
@@ -54,14 +48,8 @@ class Maker {
   const Body& body(BodyId b) const { return scene.bodies[static_cast<std::size_t>(b)]; }
   const Form& form(BodyId b) const { return forms[static_cast<std::size_t>(b)]; }
 
-  Random& random;
   Scene scene;
   std::vector<Form> forms;  // one a body
-
- private:
-  double mass_range_;  // the largest ratio of two masses
-  bool own_laws_;
-  ContactLaw law_;
 };
 
 // The kinds: scenes_loose.cpp and scenes_linked.cpp.

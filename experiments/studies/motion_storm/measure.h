@@ -9,6 +9,7 @@
 #include <orthant/core/mechanics/scene/scene.h>
 
 #include <limits>
+#include <utility>
 
 namespace orthant::motion_storm {
 

@@ -1,12 +1,15 @@
 #include "experiments/studies/motion_storm/painleve.h"
 
 #include "experiments/studies/motion_storm/closed_terms.h"
+#include "experiments/studies/motion_storm/space.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 
+#include <array>
 #include <cmath>
+#include <numbers>
 
 namespace orthant::motion_storm {
 namespace {
@@ -15,7 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// P as above.
-MatrixXd admittance(const System& system, const Terms& terms) {
+template <class Space> MatrixXd admittance(const SystemOf<Space>& system, const TermsOf<Space>& terms) {
   const Eigen::Index n = system.dof();
   const MatrixXd free = system.inverse_mass().asDiagonal();
   MatrixXd G = MatrixXd::Zero(system.joint_rows(), n);
@@ -41,13 +44,14 @@ bool negative_minor(const MatrixXd& B) {
   return false;
 }
 
-/// Likewise one of order 1 or 2, of any signs σ; entry(i, j, σ_j) of k contacts.
-template <class Entry> bool negative_pair(Eigen::Index k, Entry entry) {
+/// Likewise one of order 1 or 2, of any of these σ; entry(i, j, σ_j) of k contacts.
+template <class Entry, class Directions>
+bool negative_pair(Eigen::Index k, const Entry& entry, const Directions& directions) {
   for (Eigen::Index i = 0; i < k; ++i)
-    for (const int s : {-1, 0, 1}) {
+    for (const auto& s : directions) {
       if (entry(i, i, s) < -1e-9) return true;
       for (Eigen::Index j = 0; j < i; ++j)
-        for (const int t : {-1, 0, 1})
+        for (const auto& t : directions)
           if (entry(i, i, s) * entry(j, j, t) - entry(i, j, t) * entry(j, i, s) < -1e-9) return true;
     }
   return false;
@@ -165,44 +169,59 @@ bool impact_impossible(const Scene& scene, const State& x, double gap) {
 namespace {
 
 /// Rows of the closed contacts that joints do not immobilise, scaled so that N P Nᵀ = 1.
-struct Touching {
+template <class Space> struct Touching {
   MatrixXd P;
-  std::vector<VectorXd> normal, tangent;
+  std::vector<VectorXd> normal;
+  std::vector<MatrixXd> tangents;  // columns
   std::vector<double> mu;
 
-  Touching(const Scene& scene, const State& x, double gap) {
-    const System system(scene);
-    const Terms terms = closed_terms(system, x, gap);
+  Touching(const SceneOf<Space>& scene, const State& x, double gap) {
+    const SystemOf<Space> system(scene);
+    const TermsOf<Space> terms = closed_terms(system, x, gap);
     const MatrixXd free = system.inverse_mass().asDiagonal();
     P = admittance(system, terms);
-    for (const ClosedContact& c : terms.closed) {
-      const VectorXd N = dense(c.rows.normal, system.dof()), T = dense(c.rows.tangent, system.dof());
+    for (const auto& c : terms.closed) {
+      const VectorXd N = dense(c.rows.normal, system.dof());
       const double scale = N.dot(P * N);
       if (!(scale > 1e-9 * N.dot(free * N))) continue;
-      normal.push_back(N / std::sqrt(scale)), tangent.push_back(T / std::sqrt(scale));
+      normal.push_back(N / std::sqrt(scale)), tangents.emplace_back(system.dof(), Space::kTangents);
+      const auto T = dense_tangents(c.rows, system.dof());
+      for (std::size_t i = 0; i < T.size(); ++i)
+        tangents.back().col(static_cast<Eigen::Index>(i)) = T[i] / std::sqrt(scale);
       mu.push_back(std::max(system.law(c.contact).mu, system.law(c.contact).mu_static));
     }
   }
   /// B_ij, j sliding with σ.
   double operator()(Eigen::Index i, Eigen::Index j, int sigma) const {
+    return (*this)(i, j, VectorXd::Constant(1, sigma));
+  }
+  double operator()(Eigen::Index i, Eigen::Index j, const VectorXd& sigma) const {
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-    return normal[a].dot(P * normal[b]) - sigma * mu[b] * normal[a].dot(P * tangent[b]);
+    return normal[a].dot(P * normal[b]) - mu[b] * normal[a].dot(P * tangents[b] * sigma);
+  }
+  /// The least B_ii of contact i over all directions.
+  double least(Eigen::Index i) const {
+    const auto a = static_cast<std::size_t>(i);
+    return normal[a].dot(P * normal[a]) - mu[a] * (tangents[a].transpose() * P * normal[a]).norm();
   }
 };
 
-}  // namespace
-
-bool painleve_begins(const Scene& scene, const State& x, double gap) {
-  const Touching B(scene, x, gap);
+template <class Space> bool begins(const SceneOf<Space>& scene, const State& x, double gap) {
+  const Touching<Space> B(scene, x, gap);
   for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(B.normal.size()); ++i)
-    if (std::min(B(i, i, 1), B(i, i, -1)) < 1e-9) return true;
+    if (B.least(i) < 1e-9) return true;
   return false;
 }
 
+}  // namespace
+
+bool painleve_begins(const Scene& scene, const State& x, double gap) { return begins<Planar>(scene, x, gap); }
+bool painleve_begins(const spatial::Scene& scene, const State& x, double gap) { return begins<Spatial>(scene, x, gap); }
+
 bool painleve_possible(const Scene& scene, const State& x, double gap, bool many) {
-  const Touching entry(scene, x, gap);
+  const Touching<Planar> entry(scene, x, gap);
   const auto k = static_cast<Eigen::Index>(entry.normal.size());
-  if (k > 6) return many || negative_pair(k, entry);
+  if (k > 6) return many || negative_pair(k, entry, std::array{-1, 0, 1});
   for (int sign = 0; sign < static_cast<int>(std::pow(3, k)); ++sign) {
     MatrixXd B(k, k);
     for (Eigen::Index i = 0; i < k; ++i)
@@ -210,6 +229,29 @@ bool painleve_possible(const Scene& scene, const State& x, double gap, bool many
     if (negative_minor(B)) return true;
   }
   return false;
+}
+
+bool painleve_possible(const spatial::Scene& scene, const State& x, double gap, bool many) {
+  constexpr int kDirections = 16;
+  const Touching<Spatial> entry(scene, x, gap);
+  const auto k = static_cast<Eigen::Index>(entry.normal.size());
+  if (many && k > 6) return true;
+  std::vector<VectorXd> directions{VectorXd::Zero(2)};
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirections;
+    directions.emplace_back(Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  for (Eigen::Index i = 0; i < k; ++i)
+    if (entry.least(i) < -1e-9) return true;
+  return negative_pair(k, entry, directions);
+}
+
+bool impact_impossible(const spatial::Scene& scene, const State& x, double gap) {
+  const SystemOf<Spatial> system(scene);
+  const auto terms = closed_terms(system, x, gap);
+  bool rough = false;
+  for (const auto& c : terms.closed) rough = rough || system.law(c.contact).frictional();
+  return rough && terms.closed.size() > 1;
 }
 
 }  // namespace orthant::motion_storm

@@ -19,13 +19,18 @@ namespace orthant::motion_storm {
 /// Contacts count as closed up to `gap` [m]. Of more than six closed ones only minors of order 1 and 2 are looked at;
 /// many: the answer is true without a look.
 bool painleve_possible(const Scene& scene, const State& state, double gap, bool many = true);
+/// In space σ is a direction: sticking and 16 of each contact, in minors of order 1 and 2; σ along the worst direction.
+bool painleve_possible(const spatial::Scene& scene, const State& state, double gap, bool many = true);
 
 /// Whether a contact that slides has B_ii = 0 to 1e-9: there the motion ends with a force without bound (dynamic jam).
 bool painleve_begins(const Scene& scene, const State& state, double gap);
+bool painleve_begins(const spatial::Scene& scene, const State& state, double gap);
 
 /// Whether it is proved that Newton's law of impact and Coulomb friction leave no velocities after this state. Contacts
 /// take part up to `gap` [m]; those with more than 1e-9 m need not. Not proved: other laws of impact, more than five
 /// such contacts, contacts that joints immobilise.
 bool impact_impossible(const Scene& scene, const State& state, double gap);
+/// In space nothing is proved: whether it is possible at all, that is with friction and two closed contacts or more.
+bool impact_impossible(const spatial::Scene& scene, const State& state, double gap);
 
 }  // namespace orthant::motion_storm

@@ -1,6 +1,7 @@
 #include "experiments/studies/motion_storm/scenes.h"
 
 #include "experiments/studies/motion_storm/maker.h"
+#include "experiments/studies/motion_storm/spatial_maker.h"
 
 #include <array>
 #include <cmath>
@@ -8,35 +9,50 @@
 namespace orthant::motion_storm {
 namespace {
 
-using Make = void (*)(Maker&);
-struct Kind {
+template <class Maker> struct Kind {
   std::string_view name;
-  Make make;
+  void (*make)(Maker&);
 };
-constexpr std::array kKinds{Kind{"dropped", dropped},
-                            Kind{"stack", stack},
-                            Kind{"seams", seams},
-                            Kind{"side by side", side_by_side},
-                            Kind{"spinning", spinning},
-                            Kind{"wedge", wedge},
-                            Kind{"ladder of masses", ladder_of_masses},
-                            Kind{"billiards", billiards},
-                            Kind{"belt", belt},
-                            Kind{"shaken", shaken},
-                            Kind{"chain", linked_chain},
-                            Kind{"pin contact", pin_contact},
-                            Kind{"hinged plank", hinged_plank},
-                            Kind{"four-bar", four_bar},
-                            Kind{"slider-crank", slider},
-                            Kind{"redundant", redundant},
-                            Kind{"rail", rail},
-                            Kind{"ropes", ropes},
-                            Kind{"jammed", jammed},
-                            Kind{"rotor", rotor},
-                            Kind{"mixed", mixed}};
-constexpr auto kNames = [] {
-  std::array<std::string_view, kKinds.size()> names;
-  for (std::size_t i = 0; i < names.size(); ++i) names[i] = kKinds[i].name;
+constexpr std::array kKinds{Kind<Maker>{"dropped", dropped},
+                            Kind<Maker>{"stack", stack},
+                            Kind<Maker>{"seams", seams},
+                            Kind<Maker>{"side by side", side_by_side},
+                            Kind<Maker>{"spinning", spinning},
+                            Kind<Maker>{"wedge", wedge},
+                            Kind<Maker>{"ladder of masses", ladder_of_masses},
+                            Kind<Maker>{"billiards", billiards},
+                            Kind<Maker>{"belt", belt},
+                            Kind<Maker>{"shaken", shaken},
+                            Kind<Maker>{"chain", linked_chain},
+                            Kind<Maker>{"pin contact", pin_contact},
+                            Kind<Maker>{"hinged plank", hinged_plank},
+                            Kind<Maker>{"four-bar", four_bar},
+                            Kind<Maker>{"slider-crank", slider},
+                            Kind<Maker>{"redundant", redundant},
+                            Kind<Maker>{"rail", rail},
+                            Kind<Maker>{"ropes", ropes},
+                            Kind<Maker>{"jammed", jammed},
+                            Kind<Maker>{"rotor", rotor},
+                            Kind<Maker>{"mixed", mixed}};
+using InSpace = Kind<SpatialMaker>;
+constexpr std::array kSpatialKinds{
+    InSpace{"dropped", dropped},     InSpace{"sliding", sliding},       InSpace{"spinning", spinning},
+    InSpace{"spheres", spheres},     InSpace{"wedge", wedge},           InSpace{"billiards", billiards},
+    InSpace{"moving surface", belt}, InSpace{"shaken", shaken},         InSpace{"searched pairs", searched},
+    InSpace{"chain", chain},         InSpace{"one joint", one_joint},   InSpace{"loop", loop},
+    InSpace{"slider-crank", slider}, InSpace{"clearances", clearances}, InSpace{"rail", rail},
+    InSpace{"ropes", ropes},         InSpace{"jammed", jammed},         InSpace{"gears", gears},
+    InSpace{"redundant", redundant}, InSpace{"tumbling", tumbling},     InSpace{"mixed", mixed}};
+
+template <class Space> constexpr auto& all_kinds() {
+  if constexpr (kPlanar<Space>)
+    return kKinds;
+  else
+    return kSpatialKinds;
+}
+template <class Space> constexpr auto kNames = [] {
+  std::array<std::string_view, all_kinds<Space>().size()> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = all_kinds<Space>()[i].name;
   return names;
 }();
 
@@ -46,26 +62,34 @@ std::uint64_t scrambled(std::uint64_t x) {  // splitmix64: neighbouring numbers 
   return x ^ (x >> 31);
 }
 
-double fastest(const Scene& scene) {  // [m/s] at the start, at half a metre from the centre
+double spin(double omega) { return std::abs(omega); }
+double spin(const Vector3d& omega) { return omega.norm(); }
+
+template <class Space>
+double fastest(const SceneOf<Space>& scene) {  // [m/s] at the start, at half a metre from the centre
   double speed = 1;
-  for (const Body& b : scene.bodies) speed = std::max(speed, b.velocity.norm() + 0.5 * std::abs(b.omega));
+  for (const auto& b : scene.bodies) speed = std::max(speed, b.velocity.norm() + 0.5 * spin(b.omega));
   return speed;
 }
 
 }  // namespace
 
-std::span<const std::string_view> kinds() { return kNames; }
+template <class Space> std::span<const std::string_view> kinds() { return kNames<Space>; }
+template std::span<const std::string_view> kinds<Planar>();
+template std::span<const std::string_view> kinds<Spatial>();
 
-RandomScene random_scene(std::uint64_t seed, std::uint64_t k) {
+template <class Space> RandomSceneOf<Space> random_scene(std::uint64_t seed, std::uint64_t k) {
   Random random(scrambled(seed) ^ scrambled(k + 0x1234567));
-  const Kind& kind = kKinds[k % kKinds.size()];
-  Maker m(random);
+  const auto& kind = all_kinds<Space>()[k % all_kinds<Space>().size()];
+  std::conditional_t<kPlanar<Space>, Maker, SpatialMaker> m(random);
   kind.make(m);
   // Steps in which the fastest point moves some 5 mm, at least 50 and at most 600 of them.
   m.scene.duration = m.log_uniform(kind.name == "spinning" ? 0.3 : 0.05, kind.name == "spinning" ? 1 : 0.6);
-  m.scene.step = std::clamp(0.005 / fastest(m.scene), m.scene.duration / 600, m.scene.duration / 50);
+  m.scene.step = std::clamp(0.005 / fastest<Space>(m.scene), m.scene.duration / 600, m.scene.duration / 50);
   check(m.scene);
   return {std::string(kind.name), std::move(m.scene)};
 }
+template RandomSceneOf<Planar> random_scene<Planar>(std::uint64_t, std::uint64_t);
+template RandomSceneOf<Spatial> random_scene<Spatial>(std::uint64_t, std::uint64_t);
 
 }  // namespace orthant::motion_storm

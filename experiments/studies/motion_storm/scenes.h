@@ -1,7 +1,7 @@
-// experiments/studies/motion_storm/scenes.h — random planar mechanisms: generator by kind, seed and number.
+// experiments/studies/motion_storm/scenes.h — random mechanisms, planar and spatial, by kind, seed and number.
 #pragma once
 
-#include <orthant/core/mechanics/scene/scene.h>
+#include "experiments/studies/motion_storm/space.h"
 
 #include <cstdint>
 #include <span>
@@ -11,16 +11,20 @@
 namespace orthant::motion_storm {
 
 /// Names of the kinds; the kind of scene k is k modulo their number.
-std::span<const std::string_view> kinds();
+template <class Space = Planar> std::span<const std::string_view> kinds();
 
 /// Scene k of a seed: always the same. It is checked; its step and duration are set.
-struct RandomScene {
+template <class Space> struct RandomSceneOf {
   std::string kind;
-  Scene scene;
+  SceneOf<Space> scene;
 };
-RandomScene random_scene(std::uint64_t seed, std::uint64_t k);
+using RandomScene = RandomSceneOf<Planar>;
+template <class Space = Planar> RandomSceneOf<Space> random_scene(std::uint64_t seed, std::uint64_t k);
 
 /// The scene as a TOML file that gives the same scene again; loads without a factor only.
 std::string to_toml(const Scene& scene, const std::string& comment);
+std::string to_toml(const spatial::Scene& scene, const std::string& comment);
+/// Whether a contact is written by one before it, as rims of a cylinder and of a pin are.
+bool follows_in_set(const spatial::Contact& contact);
 
 }  // namespace orthant::motion_storm

@@ -1,10 +1,36 @@
 #include "experiments/studies/motion_storm/shrink.h"
 
+#include "experiments/studies/motion_storm/scenes.h"
+
 #include <array>
 #include <charconv>
 
 namespace orthant::motion_storm {
 namespace {
+
+std::variant<Angle, Slide, Span>& alternatives(Coordinate& of) { return of; }
+std::variant<spatial::Angle, spatial::Slide, spatial::Span>& alternatives(spatial::Coordinate& of) { return of; }
+
+/// Whether a file writes this contact with the one before it.
+bool belongs_to_last(const Contact& contact) {
+  const auto* pair = std::get_if<PolygonPolygon>(&contact);
+  return pair != nullptr && pair->point != 0;
+}
+bool belongs_to_last(const spatial::Contact& contact) { return follows_in_set(contact); }
+
+/// Numbers of a body that lose digits or become 0: mass; speeds; what else.
+std::vector<double*> speeds_of(Body& b) { return {&b.velocity.x(), &b.velocity.y(), &b.omega}; }
+std::vector<double*> speeds_of(spatial::Body& b) {
+  return {&b.velocity.x(), &b.velocity.y(), &b.velocity.z(), &b.omega.x(), &b.omega.y(), &b.omega.z()};
+}
+std::vector<double*> places_of(Body& b) {
+  return {&b.mass, &b.inertia, &b.velocity.x(), &b.velocity.y(), &b.omega, &b.position.x(), &b.position.y(), &b.angle};
+}
+std::vector<double*> places_of(spatial::Body& b) {
+  std::vector<double*> all = speeds_of(b);
+  all.insert(all.begin(), {&b.mass, &b.position.x(), &b.position.y(), &b.position.z()});
+  return all;
+}
 
 /// Both bodies of an element stay; numbers above the one that goes move down. False: it goes with it.
 template <class Element> bool stays(Element& element, BodyId gone) {
@@ -13,20 +39,33 @@ template <class Element> bool stays(Element& element, BodyId gone) {
     stay = stay && b != gone;
     b -= b > gone;
   };
-  if constexpr (requires { element.of; })
-    std::visit([&](auto& c) { one(c.a), one(c.b); }, static_cast<std::variant<Angle, Slide, Span>&>(element.of));
+  const auto both = [&](auto& of) { std::visit([&](auto& c) { one(c.a), one(c.b); }, alternatives(of)); };
+  if constexpr (std::is_same_v<Element, spatial::Gear>) {
+    spatial::Coordinate first = element.first, second = element.second;
+    both(first), both(second);
+    if (stay) element = spatial::Gear(element.name, first, second, element.ratio, element.offset);
+  } else if constexpr (requires { element.of; })
+    both(element.of);
   else if constexpr (requires { element.a = 0, element.b = 0; })
     one(element.a), one(element.b);
   return stay;
 }
 
-Scene without_body(Scene s, BodyId gone) {
+template <class Scene> Scene without_body(Scene s, BodyId gone) {
   const auto filter = [&](auto& list) {
     std::erase_if(list, [&](auto& x) { return !std::visit([&](auto& y) { return stays(y, gone); }, x); });
   };
   filter(s.joints), filter(s.contacts), filter(s.springs);
-  std::erase_if(s.loads, [&](Load& l) { return l.body == gone; });
-  for (Load& l : s.loads) l.body -= l.body > gone;
+  std::erase_if(s.loads, [&](auto& l) { return l.body == gone; });
+  for (auto& l : s.loads) l.body -= l.body > gone;
+  if constexpr (std::is_same_v<Scene, spatial::Scene>) {
+    std::erase_if(s.frictions, [&](auto& f) { return !stays(f, gone); });
+    for (spatial::Collision& c : s.collisions) {
+      std::erase_if(c.shapes, [&](spatial::Shape& shape) { return shape.body == gone; });
+      for (spatial::Shape& shape : c.shapes) shape.body -= shape.body > gone;
+    }
+    std::erase_if(s.collisions, [](const spatial::Collision& c) { return c.shapes.size() < 2; });
+  }
   s.bodies.erase(s.bodies.begin() + gone);
   return s;
 }
@@ -41,7 +80,7 @@ double digits(double value, int decimals) {
   return rounded;
 }
 
-class Shrinking {
+template <class Scene> class Shrinking {
  public:
   Shrinking(Scene scene, const std::function<bool(const Scene&)>& shows, int tries)
       : scene_(std::move(scene)), shows_(shows), left_(tries) {}
@@ -55,6 +94,8 @@ class Shrinking {
       smaller = leave_out(&Scene::joints) || smaller;
       smaller = leave_out(&Scene::springs) || smaller;
       smaller = leave_out(&Scene::loads) || smaller;
+      smaller = leave_out(&Scene::collisions) || smaller;
+      smaller = leave_out(&Scene::frictions) || smaller;
       smaller = change([](Scene& s) { s.duration /= 2; }) || smaller;
       smaller = plain() || smaller;
     }
@@ -92,14 +133,12 @@ class Shrinking {
       smaller = change([&](Scene& s) {
                   auto& all = s.*list;
                   const auto at = all.begin() + static_cast<std::ptrdiff_t>(i);
-                  if constexpr (std::is_same_v<List, std::vector<Contact>>)
-                    if (std::holds_alternative<PolygonPolygon>(*at)) {  // both points
-                      const auto& pair = std::get<PolygonPolygon>(*at);
-                      const auto begin = pair.point == 0 ? at : at - 1;
-                      all.erase(begin, std::min(begin + 2, all.end()));
-                      return;
-                    }
-                  all.erase(at);
+                  auto begin = at, end = at + 1;
+                  if constexpr (requires { belongs_to_last(*at); }) {  // the whole set
+                    while (begin != all.begin() && belongs_to_last(*begin)) --begin;
+                    while (end != all.end() && belongs_to_last(*end)) ++end;
+                  }
+                  all.erase(begin, end);
                 }) ||
                 smaller;
     }
@@ -109,9 +148,9 @@ class Shrinking {
   bool plain() {
     bool smaller = false;
     for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
-      const auto* pair = std::get_if<PolygonPolygon>(&scene_.contacts[i]);
-      if (pair != nullptr && pair->point != 0) continue;  // has the law of the first: a file names one
-      const std::size_t end = i + (pair != nullptr ? 2 : 1);
+      if (belongs_to_last(scene_.contacts[i])) continue;  // has the law of the first: a file names one
+      std::size_t end = i + 1;
+      while (end < scene_.contacts.size() && belongs_to_last(scene_.contacts[end])) ++end;
       const auto law = [](Scene& s, std::size_t k) -> ContactLaw* {
         return std::visit(
             [](auto& c) -> ContactLaw* {
@@ -135,25 +174,20 @@ class Shrinking {
       none(&ContactLaw::e);
     }
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      smaller = set([&](Scene& s) -> double& { return s.bodies[b].velocity.x(); }, 0) || smaller;
-      smaller = set([&](Scene& s) -> double& { return s.bodies[b].velocity.y(); }, 0) || smaller;
-      smaller = set([&](Scene& s) -> double& { return s.bodies[b].omega; }, 0) || smaller;
+      for (std::size_t field = 0; field < speeds_of(scene_.bodies[b]).size(); ++field)
+        smaller = set([&](Scene& s) -> double& { return *speeds_of(s.bodies[b])[field]; }, 0) || smaller;
       smaller = set([&](Scene& s) -> double& { return s.bodies[b].mass; }, 1) || smaller;
     }
-    smaller = set([](Scene& s) -> double& { return s.gravity.x(); }, 0) || smaller;
-    return set([](Scene& s) -> double& { return s.gravity.y(); }, 0) || smaller;
+    for (Eigen::Index axis = 0; axis < scene_.gravity.size(); ++axis)
+      smaller = set([&](Scene& s) -> double& { return s.gravity[axis]; }, 0) || smaller;
+    return smaller;
   }
 
   void round_off() {
     for (const int decimals : {1, 2, 4}) {
       for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
-        for (const int field : {0, 1, 2, 3, 4, 5, 6, 7}) {
-          const auto at = [&](Scene& s) -> double& {
-            Body& body = s.bodies[b];
-            double* all[] = {&body.mass,  &body.inertia,      &body.velocity.x(), &body.velocity.y(),
-                             &body.omega, &body.position.x(), &body.position.y(), &body.angle};
-            return *all[field];
-          };
+        for (std::size_t field = 0; field < places_of(scene_.bodies[b]).size(); ++field) {
+          const auto at = [&](Scene& s) -> double& { return *places_of(s.bodies[b])[field]; };
           set(at, digits(at(scene_), decimals));
         }
       set([](Scene& s) -> double& { return s.duration; }, digits(scene_.duration, decimals));
@@ -169,7 +203,10 @@ class Shrinking {
 }  // namespace
 
 Scene shrink(Scene scene, const std::function<bool(const Scene&)>& shows, int tries) {
-  return Shrinking(std::move(scene), shows, tries).least();
+  return Shrinking<Scene>(std::move(scene), shows, tries).least();
+}
+spatial::Scene shrink(spatial::Scene scene, const std::function<bool(const spatial::Scene&)>& shows, int tries) {
+  return Shrinking<spatial::Scene>(std::move(scene), shows, tries).least();
 }
 
 }  // namespace orthant::motion_storm

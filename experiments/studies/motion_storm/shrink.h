@@ -1,7 +1,7 @@
 // experiments/studies/motion_storm/shrink.h — minimal scenes: the smallest one that still shows a fault.
 #pragma once
 
-#include <orthant/core/mechanics/scene/scene.h>
+#include "experiments/studies/motion_storm/space.h"
 
 #include <functional>
 
@@ -11,5 +11,6 @@ namespace orthant::motion_storm {
 /// halved, gravity, speeds, friction and restitution become 0, numbers lose digits, as long as `shows` stays true;
 /// until nothing more goes or `tries` are used up. shows(scene) holds at the start; it gets scenes that check() takes.
 Scene shrink(Scene scene, const std::function<bool(const Scene&)>& shows, int tries = 400);
+spatial::Scene shrink(spatial::Scene scene, const std::function<bool(const spatial::Scene&)>& shows, int tries = 400);
 
 }  // namespace orthant::motion_storm

@@ -38,12 +38,12 @@ void Tally::add(const Tally& other) {
   faults.insert(faults.end(), other.faults.begin(), other.faults.end());
 }
 
-Tally storm(std::uint64_t seed, std::uint64_t first, std::uint64_t count, const std::vector<std::string>& integrators,
-            const Limits& limits) {
+template <class Space> Tally storm(std::uint64_t seed, std::uint64_t first, std::uint64_t count,
+                                   const std::vector<std::string>& integrators, const Limits& limits) {
   Tally tally;
   for (std::uint64_t k = first; k < first + count; ++k) {
-    const RandomScene random = random_scene(seed, k);
-    for (const Verdict& v : judge(random.scene, integrators, k / kinds().size(), limits)) {
+    const RandomSceneOf<Space> random = random_scene<Space>(seed, k);
+    for (const Verdict& v : judge(random.scene, integrators, k / kinds<Space>().size(), limits)) {
       tally.count(random.kind, v.integrator, v.result);
       if (fault(v.result))
         tally.faults.push_back(
@@ -52,6 +52,10 @@ Tally storm(std::uint64_t seed, std::uint64_t first, std::uint64_t count, const 
   }
   return tally;
 }
+template Tally storm<Planar>(std::uint64_t, std::uint64_t, std::uint64_t, const std::vector<std::string>&,
+                             const Limits&);
+template Tally storm<Spatial>(std::uint64_t, std::uint64_t, std::uint64_t, const std::vector<std::string>&,
+                              const Limits&);
 
 std::string to_text(const Tally& tally) {
   nlohmann::json json = {{"rows", nlohmann::json::array()}, {"faults", nlohmann::json::array()}};

@@ -23,8 +23,8 @@ struct Tally {
 };
 
 /// Scenes first … first + count − 1 of a seed. A crash or an endless loop ends this process: the caller isolates.
-Tally storm(std::uint64_t seed, std::uint64_t first, std::uint64_t count, const std::vector<std::string>& integrators,
-            const Limits& limits);
+template <class Space = Planar> Tally storm(std::uint64_t seed, std::uint64_t first, std::uint64_t count,
+                                            const std::vector<std::string>& integrators, const Limits& limits);
 
 std::string to_text(const Tally& tally);
 Tally tally_from_text(const std::string& text);

@@ -66,11 +66,20 @@ double belt_work(const System& system, const RunSample& moment) {
     work += std::abs(system.law(i).belt * moment.impulses[static_cast<std::size_t>(i)].tangent);
   return work;
 }
+/// Surfaces that turn move at most as fast as at 10 m from their centre.
+double belt_work(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& moment) {
+  double work = 0;
+  for (int i = 0; i < system.listed(); ++i) {
+    const SurfaceLaw& s = system.law(i).surface;
+    work += (s.velocity.norm() + 10 * s.omega.norm()) * size_of(moment.impulses[static_cast<std::size_t>(i)].tangent);
+  }
+  return work;
+}
 
-Trace here(const Scene& scene, const std::string& spec, double step, double limit) {
+template <class Space> Trace here(const SceneOf<Space>& scene, const std::string& spec, double step, double limit) {
   Trace t;
-  const System system(scene);
-  std::unique_ptr<Integrator> integrator;
+  const SystemOf<Space> system(scene);
+  std::unique_ptr<IntegratorOf<Space>> integrator;
   try {
     integrator = make_integrator(spec, system);
   } catch (const std::invalid_argument& error) {
@@ -82,12 +91,12 @@ Trace here(const Scene& scene, const std::string& spec, double step, double limi
   const std::clock_t begin = std::clock();
   double work = 0;
   try {
-    t.run = simulate(*integrator, *solver, clock, [&](const RunSample& moment) {
+    t.run = simulate(*integrator, *solver, clock, [&](const RunSampleOf<Space>& moment) {
       t.rows.push_back(moment.state);
       t.events.insert(t.events.end(), moment.events.begin(), moment.events.end());
       t.belt.push_back(work += belt_work(system, moment));
       double pressed = 0;
-      for (const Impulse& impulse : moment.impulses) pressed += std::abs(impulse.normal);
+      for (const auto& impulse : moment.impulses) pressed += std::abs(impulse.normal);
       t.pressed.push_back(pressed);
     });
   } catch (const std::exception& error) {
@@ -97,9 +106,8 @@ Trace here(const Scene& scene, const std::string& spec, double step, double limi
   return t;
 }
 
-}  // namespace
-
-Trace trace(const Scene& scene, const std::string& spec, double step, double limit, double grace) {
+template <class Space>
+Trace isolated(const SceneOf<Space>& scene, const std::string& spec, double step, double limit, double grace) {
   Isolated process(1, 0);
   Trace t;
   process.start(
@@ -107,7 +115,7 @@ Trace trace(const Scene& scene, const std::string& spec, double step, double lim
         const auto most = static_cast<rlim_t>(std::ceil(limit + grace)) + 1;
         const rlimit seconds{most, most + 1};
         setrlimit(RLIMIT_CPU, &seconds);
-        Trace made = here(scene, spec, step, limit);
+        Trace made = here<Space>(scene, spec, step, limit);
         Bytes bytes;
         all_of(made, bytes);
         return bytes.text;
@@ -125,6 +133,15 @@ Trace trace(const Scene& scene, const std::string& spec, double step, double lim
       });
   process.wait_for_all();
   return t;
+}
+
+}  // namespace
+
+Trace trace(const Scene& scene, const std::string& spec, double step, double limit, double grace) {
+  return isolated<Planar>(scene, spec, step, limit, grace);
+}
+Trace trace(const spatial::Scene& scene, const std::string& spec, double step, double limit, double grace) {
+  return isolated<Spatial>(scene, spec, step, limit, grace);
 }
 
 }  // namespace orthant::motion_storm

@@ -1,6 +1,8 @@
 // experiments/studies/motion_storm/trace.h — a recorded run, made in a process of its own.
 #pragma once
 
+#include "experiments/studies/motion_storm/space.h"
+
 #include <orthant/integrators/simulate.h>
 
 #include <string>
@@ -29,5 +31,6 @@ struct Trace {
 /// `step` [s] and `limit` [s] of wall time; the duration is the scene's. More than a second of the processor past
 /// `limit` and `grace` [s], or 30 times that of wall time, ends the run: late.
 Trace trace(const Scene& scene, const std::string& spec, double step, double limit, double grace);
+Trace trace(const spatial::Scene& scene, const std::string& spec, double step, double limit, double grace);
 
 }  // namespace orthant::motion_storm
