@@ -73,9 +73,9 @@ struct InteriorCone {
   }
 };
 
-// Outer proximal steps of a try, and the Newton steps of one of them at which it ends; the same of the last try.
-constexpr int kTryOuter = 6, kTrySteps = 4;
-constexpr int kLastOuter = 40, kLastSteps = 30;
+// Outer proximal steps of a try and of the last; Newton steps of one of them at which a try ends, or at most.
+constexpr int kTryOuter = 6, kLastOuter = 40;
+constexpr int kTrySteps = 4, kPatientSteps = 30;
 
 }  // namespace
 
@@ -101,18 +101,18 @@ bool InteriorCones::load(const ConeForm& form, const Budget* budget, ProximalPoi
 }
 
 /// Proximal steps from z. True: finished.
-bool InteriorCones::try_out(const Vector& z, int most, int steps, const Watch& watch) {
+bool InteriorCones::try_out(const Vector& z, int most, bool patient, const Watch& watch) {
   bool end = false;
   int last = 0;  // Newton steps of the last proximal one
   work_->trial = z;
   point_->restart();
   point_->iterate(
-      work_->trial, most, [&](const Vector& x) { return (end = watch.finished(x)) || last == steps; },
+      work_->trial, most, [&](const Vector& x) { return (end = watch.finished(x)) || (!patient && last == kTrySteps); },
       [&](int made, double merit, double alpha, const char*) {
         watch.log(made, merit, alpha, "prox");
         last = made;
       },
-      steps);
+      patient ? kPatientSteps : kTrySteps);
   return end;
 }
 
@@ -206,10 +206,10 @@ Claim InteriorCones::iterate(Vector& z, int most, bool insist, const Watch& watc
     const double residual = watch.residual();
     watch.log(1, residual, step, "");
     if (end) return Claim::time_limit;
-    if (step < 1e-4) return insist && try_out(z, kLastOuter, kLastSteps, watch) ? Claim::time_limit : Claim::stalled;
+    if (step < 1e-4) return insist && try_out(z, kLastOuter, true, watch) ? Claim::time_limit : Claim::stalled;
     if (residual >= next_try) continue;
     next_try = residual / 30;
-    if (try_out(z, kTryOuter, kTrySteps, watch)) return Claim::time_limit;
+    if (try_out(z, kTryOuter, insist, watch)) return Claim::time_limit;
   }
   return Claim::iteration_limit;
 }

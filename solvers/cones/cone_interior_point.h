@@ -7,8 +7,9 @@
 //   τ the mean of xᵀy. Steps go 0.9 + 0.09 α of the way to the boundary. Rows without friction are cones of one row,
 //   free rows equations.
 //   Iterates of this law get caught at the cone's boundary at 1e-6 … 1e-8: from 1e-3 on, each time that the residual is
-//   a thirtieth, z is tried as the start of at most six proximal steps (proximal.h), which end exactly. A try goes on
-//   while less than four Newton steps suffice for each: where they do not, the contacts' states are not yet known.
+//   a thirtieth, z is tried as the start of at most six proximal steps (proximal.h), which end exactly. Where other
+//   methods follow (auto), a try goes on only while less than four Newton steps suffice for each: where they do not,
+//   the contacts' states are not yet known.
 //   One friction disc or interval a normal row, no boxes.
 //   Source: Acary, Armand, Nguyen & Shpakovych, Second-order cone programming for frictional contact mechanics using
 //   interior point algorithm, Optim. Methods Softw. (2024); Andersen, Dahl & Vandenberghe, CVXOPT (2013): scaling.
@@ -35,13 +36,13 @@ class InteriorCones {
     std::function<double()> residual;               // of the z last polled
     std::function<void(int steps, double residual, double step, const char* event)> log;
   };
-  /// At most `most` iterations from the interior: z on entry counts for nothing. `insist`: where an iterate is caught
-  /// at the boundary, up to 40 proximal steps from it are the end.
+  /// At most `most` iterations from the interior: z on entry counts for nothing. `insist`: tries are as long as can be,
+  /// and where an iterate is caught at the boundary, up to 40 proximal steps from it are the end.
   Claim iterate(Vector& z, int most, bool insist, const Watch& watch);
 
  private:
   struct Work;
-  bool try_out(const Vector& z, int most, int steps, const Watch& watch);
+  bool try_out(const Vector& z, int most, bool patient, const Watch& watch);
   const ConeForm* form_ = nullptr;
   const Budget* budget_ = nullptr;
   ProximalPoint* point_ = nullptr;
