@@ -1,5 +1,6 @@
 #include <orthant/solvers/cones/cone_auto.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -10,6 +11,10 @@ constexpr int kForeseenSweeps = 40, kForeseenSplittings = 100;
 constexpr double kFirstPenalty = 0.1;   // ρ
 constexpr double kNewtonAlpha = 1e-10;  // α: the problem itself, but for a singular matrix
 constexpr int kNewtonSteps = 5;         // after which the residual is to be a tenth
+constexpr int kInteriorSteps = 10;      // likewise
+constexpr int kProximalSteps = 30;  // Newton steps, after which the residual is to be kProximalFall, or near the end
+constexpr double kProximalFall = 0.01;
+constexpr int kMostInterior = 60;
 
 }  // namespace
 
@@ -25,73 +30,137 @@ template <class Advance> void ConeAuto::while_foreseen(int look, int foreseen, i
   }
 }
 
+void ConeAuto::begin(const char* name) {
+  name_ = name;
+  share_.start(budget().remaining() / 2, budget().cancel());
+}
+
+bool ConeAuto::ended(const Vector& z) { return (end_ = finished(z)) || share_.exhausted(); }
+
+void ConeAuto::note(int steps, double merit, double size) {
+  *iterations_ += steps;
+  log(*iterations_, merit, size, name_);
+}
+
+void ConeAuto::keep(const Vector& z) {
+  if (residual() < least_) least_ = residual(), *z_ = z;
+}
+
+bool ConeAuto::sweep(Vector& z) {
+  ++*iterations_;
+  return point_.sweeps().sweep(z) > 0 && !ended(z);
+}
+
+void ConeAuto::split() {
+  splitting_.load(form(), &budget());
+  trial_.resize(form().size()), trial_.setZero();
+  splitting_.start(trial_, kFirstPenalty);
+  const auto advance = [&] {  // two, as the residual costs as much as one
+    *iterations_ += 2;
+    if (!splitting_.step() || !splitting_.step() || ended(splitting_.z())) return false;
+    keep(splitting_.z());
+    return true;
+  };
+  if (advance()) while_foreseen(5, kForeseenSplittings / 2, 200, advance);
+  note(0, residual(), splitting_.rho());
+}
+
+void ConeAuto::take_newton_steps() {
+  trial_ = *z_;
+  for (double mark = kInf; least_ < 0.1 * mark && !share_.exhausted();) {
+    mark = least_, centre_ = trial_;
+    const auto out = point_.newton().solve({.alpha = kNewtonAlpha, .max_steps = kNewtonSteps}, centre_, trial_);
+    const bool over = ended(trial_);
+    note(out.steps, residual(), kNewtonAlpha);
+    if (over) return;
+    keep(trial_);
+  }
+}
+
+void ConeAuto::follow_interior() {
+  if (!interior_.load(form(), &budget(), point_)) return;
+  double mark = kInf;
+  int count = 0;
+  const auto log_step = [&](int steps, double merit, double size, const char*) { note(steps, merit, size); };
+  const auto over = [&](const Vector& z) {
+    if (ended(z)) return true;
+    keep(z);
+    if (++count % kInteriorSteps != 0) return false;
+    const bool slow = !(least_ < 0.1 * mark);
+    mark = least_;
+    return slow;
+  };
+  trial_.resize(form().size());
+  interior_.iterate(trial_, kMostInterior, false,
+                    {.finished = over, .residual = [&] { return residual(); }, .log = log_step});
+  point_.restart();
+}
+
+void ConeAuto::advance(int most, bool foreseen) {
+  if (end_) return;
+  double mark = least_;
+  int steps = 0;
+  const auto over = [&](const Vector& z) {
+    if (ended(z)) return true;
+    least_ = residual();
+    if (!foreseen || steps < kProximalSteps) return false;
+    const bool slow = least_ > kProximalFall * mark && least_ > target() / kProximalFall;
+    mark = least_, steps = 0;
+    return slow;
+  };
+  point_.iterate(*z_, most, over, [&](int made, double merit, double alpha, const char*) {
+    steps += made;
+    note(made, merit, alpha);
+  });
+}
+
+void ConeAuto::follow_path(double ratio) {
+  begin("path"), z_->setZero(), point_.restart();
+  point_.follow_path(
+      *z_, ratio, [&](const Vector& z) { return ended(z); },
+      [&](int steps, double merit, double alpha, const char*) { note(steps, merit, alpha); });
+}
+
+void ConeAuto::restart() {
+  for (int count = 100; count <= 900 && !end_ && !budget().exhausted(); count *= 3) {
+    begin("restart"), z_->setZero(), point_.restart();
+    for (int k = 0; k < count && sweep(*z_); ++k) {
+    }
+    note(0, residual(), 0);
+    advance(250);
+    if (!end_) follow_path(count == 100 ? 0.3 : 0.7), advance(120);
+  }
+}
+
+void ConeAuto::attempt(Method method) {
+  switch (method) {
+    case sweeps:
+      begin("sweeps");
+      while_foreseen(5, kForeseenSweeps, 100, [&] { return sweep(*z_); });
+      least_ = residual();
+      return note(0, least_, 0);
+    case splitting:
+      return begin("splitting"), split();
+    case newton:
+      return begin("newton"), take_newton_steps();
+    case prox:
+      return begin("prox"), advance(60, true);
+    case interior:
+      return begin("interior"), follow_interior();
+    case prox_again:
+      return begin("prox"), advance(60);
+    case path:
+      follow_path(0.5), advance(120);
+      return restart();
+  }
+}
+
 Claim ConeAuto::iterate(Vector& z, int& iterations) {
   point_.load(form(), &budget());
-  bool end = false;
-  Budget share;  // of the step under way
-  const char* step = "";
-  const auto begin = [&](const char* name) {
-    step = name;
-    share.start(budget().remaining() / 2, budget().cancel());
-  };
-  const auto ended = [&](const Vector& x) { return (end = finished(x)) || share.exhausted(); };
-  const auto note = [&](int steps, double merit, double alpha, const char*) {
-    iterations += steps;
-    log(iterations, merit, alpha, step);
-  };
-  const auto sweep = [&] {
-    ++iterations;
-    return point_.sweeps().sweep(z) > 0 && !ended(z);
-  };
-  const auto prox = [&](int most) { end || (point_.iterate(z, most, ended, note), end); };
-  const auto along_path = [&](double ratio) {
-    begin("path"), z.setZero(), point_.restart();
-    point_.follow_path(z, ratio, ended, note);
-  };
-
-  begin("sweeps");
-  while_foreseen(5, kForeseenSweeps, 100, sweep);
-  note(0, residual(), 0, "");
-  double least = residual();
-  const auto keep = [&](const Vector& x) {
-    if (residual() < least) least = residual(), z = x;
-  };
-  if (!end) {
-    begin("splitting");
-    splitting_.load(form(), &budget());
-    trial_.resize(form().size()), trial_.setZero();
-    splitting_.start(trial_, kFirstPenalty);
-    const auto split = [&] {  // two, as the residual costs as much as one
-      iterations += 2;
-      if (!splitting_.step() || !splitting_.step() || ended(splitting_.z())) return false;
-      keep(splitting_.z());
-      return true;
-    };
-    if (split()) while_foreseen(5, kForeseenSplittings / 2, 200, split);
-    note(0, residual(), splitting_.rho(), "");
-  }
-  if (!end) {
-    begin("newton"), trial_ = z;
-    for (double mark = kInf; least < 0.1 * mark && !share.exhausted();) {
-      mark = least, centre_ = trial_;
-      const auto out = point_.newton().solve({.alpha = kNewtonAlpha, .max_steps = kNewtonSteps}, centre_, trial_);
-      const bool over = ended(trial_);
-      note(out.steps, residual(), kNewtonAlpha, "");
-      if (over) break;
-      keep(trial_);
-    }
-  }
-  if (!end) begin("prox"), prox(60);
-  if (!end) along_path(0.5), prox(120);
-  for (int sweeps = 100; sweeps <= 900 && !end && !budget().exhausted(); sweeps *= 3) {  // other starts
-    begin("restart"), z.setZero(), point_.restart();
-    for (int k = 0; k < sweeps && sweep(); ++k) {
-    }
-    note(0, residual(), 0, "");
-    prox(250);
-    if (!end) along_path(sweeps == 100 ? 0.3 : 0.7), prox(120);
-  }
-  return end ? Claim::time_limit : Claim::stalled;
+  point_.restart();
+  z_ = &z, iterations_ = &iterations, end_ = false, least_ = residual();
+  for (int method = sweeps; method <= path && !end_; ++method) attempt(static_cast<Method>(method));
+  return end_ ? Claim::time_limit : Claim::stalled;
 }
 
 }  // namespace orthant

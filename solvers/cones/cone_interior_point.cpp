@@ -73,26 +73,55 @@ struct InteriorCone {
   }
 };
 
+// Outer proximal steps of a try and of the last; Newton steps of one of them at which a try ends, or at most.
+constexpr int kTryOuter = 6, kLastOuter = 40;
+constexpr int kTrySteps = 4, kPatientSteps = 30;
+
 }  // namespace
 
-std::string ConeInteriorPoint::why_not(const Lcp& p) const {
-  std::vector<char> met(at(p.size()), 0);
-  for (const Friction& f : p.friction)
-    if (std::exchange(met[at(f.normal)], 1)) return "row " + std::to_string(f.normal) + " bears more than one friction";
-  for (Index i = 0; i < p.size(); ++i)
-    if (p.hi[i] != kInf || (p.lo[i] != 0 && p.lo[i] != -kInf))
-      return "row " + std::to_string(i) + " is a box: must be [0, inf) or free";
-  return ConeSolver::why_not(p);
+struct InteriorCones::Work {
+  std::vector<InteriorCone> cones;
+  std::vector<int> free, dead;  // rows: equations; without friction under μ = 0
+  Vector w, trial;
+};
+
+InteriorCones::InteriorCones() : work_(std::make_unique<Work>()) {}
+InteriorCones::~InteriorCones() = default;
+
+bool InteriorCones::load(const ConeForm& form, const Budget* budget, ProximalPoint& point) {
+  form_ = &form, budget_ = budget, point_ = &point;
+  bool any = false;
+  for (int c = 0; c < form.blocks(); ++c) {
+    const cones::Block& b = form.block(c);
+    if (b.parts > 1 || b.hi != kInf || (b.lo != 0 && b.lo != -kInf)) return false;
+    any = any || b.lo == 0;
+  }
+  if (any) system_.load(form);
+  return any;
+}
+
+/// Proximal steps from z. True: finished.
+bool InteriorCones::try_out(const Vector& z, int most, bool patient, const Watch& watch) {
+  bool end = false;
+  int last = 0;  // Newton steps of the last proximal one
+  work_->trial = z;
+  point_->restart();
+  point_->iterate(
+      work_->trial, most, [&](const Vector& x) { return (end = watch.finished(x)) || (!patient && last == kTrySteps); },
+      [&](int made, double merit, double alpha, const char*) {
+        watch.log(made, merit, alpha, "prox");
+        last = made;
+      },
+      patient ? kPatientSteps : kTrySteps);
+  return end;
 }
 
 /// One function: predictor and corrector share the factorization and all directions.
-Claim ConeInteriorPoint::iterate(Vector& z, int& iterations) {
-  const ConeForm& f = form();
-  system_.load(f);
-  point_.load(f, &budget());
+Claim InteriorCones::iterate(Vector& z, int most, bool insist, const Watch& watch) {
+  const ConeForm& f = *form_;
+  auto& [cones, free, dead, w, trial] = *work_;
+  cones.clear(), free.clear(), dead.clear();
   const double size = f.norm_q > 0 ? f.norm_q / std::sqrt(static_cast<double>(f.blocks())) : 1;
-  std::vector<InteriorCone> cones;
-  std::vector<int> free, dead;  // rows: equations; without friction under μ = 0
   for (int c = 0; c < f.blocks(); ++c) {
     const cones::Block& b = f.block(c);
     if (b.lo == -kInf) {
@@ -104,18 +133,14 @@ Claim ConeInteriorPoint::iterate(Vector& z, int& iterations) {
     if (!(mu > 0))
       for (int r = 1; r < b.rows; ++r) dead.push_back(b.start + r);
   }
-  if (cones.empty()) return Claim::unsupported;
   z.setZero();
   for (InteriorCone& k : cones) {
     k.x = ConeVector::Zero(k.rows), k.x[0] = size * k.mu;
     k.y = ConeVector::Zero(k.rows), k.y[0] = size / k.mu;
     z[k.start] = k.x[0] / k.mu;
   }
-  Vector w, trial;
   double next_try = 1e-3;
-  bool end = false;
-  while (iterations < options_.max_iterations && !budget().exhausted()) {
-    ++iterations;
+  for (int iteration = 0; iteration < most && !budget_->exhausted(); ++iteration) {
     f.apply(z, w);
     double gap = 0;
     for (const InteriorCone& k : cones) gap += k.x.dot(k.y);
@@ -177,24 +202,38 @@ Claim ConeInteriorPoint::iterate(Vector& z, int& iterations) {
     z += step * system_.dz;
     for (InteriorCone& k : cones) k.x += step * k.dx, k.y += step * k.dy;
     if (!z.allFinite()) return Claim::numerical_error;
-    end = finished(z);
-    log(iterations, residual(), step);
+    const bool end = watch.finished(z);
+    const double residual = watch.residual();
+    watch.log(1, residual, step, "");
     if (end) return Claim::time_limit;
-    const bool caught = step < 1e-4;
-    if (residual() < next_try || caught) {
-      next_try = residual() / 30;
-      trial = z;
-      const auto ended = [&](const Vector& x) { return end = finished(x); };
-      point_.iterate(trial, caught ? 40 : 6, ended, [&](int steps, double merit, double alpha, const char*) {
-        iterations += steps;
-        log(iterations, merit, alpha, "prox");
-      });
-      if (end) return Claim::time_limit;
-      if (caught) return Claim::stalled;
-      point_.restart();
-    }
+    if (step < 1e-4) return insist && try_out(z, kLastOuter, true, watch) ? Claim::time_limit : Claim::stalled;
+    if (residual >= next_try) continue;
+    next_try = residual / 30;
+    if (try_out(z, kTryOuter, insist, watch)) return Claim::time_limit;
   }
   return Claim::iteration_limit;
+}
+
+std::string ConeInteriorPoint::why_not(const Lcp& p) const {
+  std::vector<char> met(at(p.size()), 0);
+  for (const Friction& f : p.friction)
+    if (std::exchange(met[at(f.normal)], 1)) return "row " + std::to_string(f.normal) + " bears more than one friction";
+  for (Index i = 0; i < p.size(); ++i)
+    if (p.hi[i] != kInf || (p.lo[i] != 0 && p.lo[i] != -kInf))
+      return "row " + std::to_string(i) + " is a box: must be [0, inf) or free";
+  return ConeSolver::why_not(p);
+}
+
+Claim ConeInteriorPoint::iterate(Vector& z, int& iterations) {
+  point_.load(form(), &budget());
+  if (!interior_.load(form(), &budget(), point_)) return Claim::unsupported;
+  const auto note = [&](int steps, double merit, double step, const char* event) {
+    iterations += steps;
+    log(iterations, merit, step, event);
+  };
+  return interior_.iterate(
+      z, options_.max_iterations, true,
+      {.finished = [&](const Vector& x) { return finished(x); }, .residual = [&] { return residual(); }, .log = note});
 }
 
 }  // namespace orthant

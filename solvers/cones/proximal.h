@@ -39,8 +39,9 @@ class ProximalPoint {
   /// `finished` is polled after each α; true ends the iteration.
   template <class Finished, class Log>
   void follow_path(Vector& z, double ratio, const Finished& finished, const Log& log);
-  /// At most `most` outer iterations.
-  template <class Finished, class Log> void iterate(Vector& z, int most, const Finished& finished, const Log& log);
+  /// At most `most` outer iterations, each of at most `steps` Newton steps.
+  template <class Finished, class Log>
+  void iterate(Vector& z, int most, const Finished& finished, const Log& log, int steps = 30);
   ConeSweeps& sweeps() { return sweeps_; }
   ConeNewton& newton() { return newton_; }
   void restart() { alpha_ = 0.1; }
@@ -90,13 +91,13 @@ void ProximalPoint::follow_path(Vector& z, double ratio, const Finished& finishe
 }
 
 template <class Finished, class Log>
-void ProximalPoint::iterate(Vector& z, int most, const Finished& finished, const Log& log) {
+void ProximalPoint::iterate(Vector& z, int most, const Finished& finished, const Log& log, int steps) {
   double now = residual(z), alpha = alpha_;
   int failures = 0;
   for (int k = 0; k < most; ++k) {
     const double tolerance = std::max(1e-15, 1e-3 * now) * form_->norm_q;
     y_ = z;
-    const auto out = newton_.solve({.alpha = alpha, .tolerance = tolerance, .max_steps = 30}, z, y_);
+    const auto out = newton_.solve({.alpha = alpha, .tolerance = tolerance, .max_steps = steps}, z, y_);
     double next = residual(y_);
     if (out.converged || next < 0.5 * now) {
       if (next > 0.3 * now) {  // slow: the same way farther

@@ -302,6 +302,23 @@ TEST_CASE("cones: a negative normal impulse is no answer, whatever signs cancel 
   CHECK(!judge.passes(p, 1e-10, s));
 }
 
+TEST_CASE("cones: auto leaves proximal steps that crawl for interior-point") {
+  for (const std::uint64_t seed : {9, 22}) {  // proximal steps, then other starts: 228 factors and more than 600
+    CAPTURE(seed);
+    Random random(seed);
+    const Lcp p =
+        disc_contacts({.contacts = 40, .freedoms = 60, .mu = 0.8, .degenerate = true, .spread = 10}, random).problem;
+    const auto solver = make_solver("auto");
+    IterationLog log;
+    solver->set_log(&log);
+    Solution s;
+    CHECK(solver->solve(p, s).status == Status::solved);
+    CHECK(independent_scale_free(p, s.z) <= 1e-9);
+    CHECK(log.back().event == "interior");
+    CHECK(s.factorizations < 150);
+  }
+}
+
 TEST_CASE("cones: a time limit and a flag end a run") {
   const Lcp p = box_column(40, {.mu = 0.4, .spatial = true, .discs = true});
   const auto solver = make_solver("admm");
