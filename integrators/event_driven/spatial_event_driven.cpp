@@ -273,15 +273,19 @@ bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
              (options_.go_on && cross(solver, report));
   }
   std::optional<Sign> event;
-  for (int i = 0;; ++i) {
+  dismissed_.clear();
+  for (int i = 0;;) {
     const std::optional<Sign> next = first_sign(s);
     if (!next) break;
     if (i == kMostTries)
       return give_up(Status::stalled, "no first event was found at t = " + detail::text_of(time_)) ||
              (options_.go_on && cross(solver, report));
     const double before = s;
-    event.reset();
-    if (land(*next, s)) event = next;
+    if (!land(*next, s)) {
+      dismissed_.push_back(*next);  // rounding: later ones of other contacts count all the same
+      continue;
+    }
+    event = next, ++i;
     if (!(s < before)) break;
   }
   ++report.accepted;

@@ -121,7 +121,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   void end_departures();
   void accept(double s, bool at_stop, double stop);
 
-  std::optional<Sign> first_sign(double s);
+  std::optional<Sign> first_sign(double s);  // without those dismissed
+  bool dismissed(Watch watch, int contact) const;
   void find_gaps(double s, std::optional<Sign>& first);
   std::optional<double> closing(int contact, double s, const Node& low, const Node& high, int depth);
   void between_ends(double s, double x, Eigen::VectorXd& q, Eigen::VectorXd& v);
@@ -175,6 +176,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   double load_ = 0;                     // [N] the largest normal force since the modes were decided
   double work_ = 0;                     // [J] of this call
   Point now_, trial_;
+  std::vector<Sign> dismissed_;  // of the trial step: signs that are rounding
   SpatialArc arc_;
   State start_;                                                                    // of the trial step
   Eigen::VectorXd path_, path_rate_, path_bend_, path_scale_, v_scale_, hermite_;  // φ, φ', φ'' at the step's end

@@ -38,6 +38,11 @@ double SpatialEventDriven::slack(const Sign& sign) const {
   return kForceRounding * (load_ + now_.w.normal.lpNorm<Eigen::Infinity>());
 }
 
+bool SpatialEventDriven::dismissed(Watch watch, int contact) const {
+  return std::ranges::any_of(dismissed_,
+                             [&](const Sign& sign) { return sign.watch == watch && sign.contact == contact; });
+}
+
 /// The first event in the trial step of s.
 std::optional<SpatialEventDriven::Sign> SpatialEventDriven::first_sign(double s) {
   std::optional<Sign> first;
@@ -95,7 +100,7 @@ void SpatialEventDriven::find_gaps(double s, std::optional<Sign>& first) {
       motion_.watch_gaps(time_ + high.x * s, q_within_, v_within_, high.gap, high.rate);
     }
     for (int c = 0; c < system_.contacts(); ++c) {
-      if (motion_.modes[static_cast<std::size_t>(c)].lasting) continue;
+      if (motion_.modes[static_cast<std::size_t>(c)].lasting || dismissed(Watch::gap, c)) continue;
       const std::optional<double> x = closing(c, s, low, high, 0);
       if (x && (!first || *x < first->x)) first = Sign{Watch::gap, c, *x};
     }
@@ -148,6 +153,7 @@ void SpatialEventDriven::find_ends(double s, std::optional<Sign>& first) {
     }
   }
   const auto look = [&](Watch watch, int c, const std::array<double, 5>& values) {
+    if (dismissed(watch, c)) return;
     Sign sign{watch, c, 1};
     const double zero = slack(sign) + std::max(0.0, -values[0]);
     const auto found = first_crossing(quartic(values), zero);

@@ -9,17 +9,23 @@
 namespace orthant {
 namespace {
 
-constexpr double kDeepClearance = 0.5, kDeepBody = 0.1;  // of a contact's length: reported
-constexpr double kOutOfClearance = 10, kIntoBody = 0.5;  // likewise: the run ends
-constexpr double kLook = 0.05;                           // likewise, of driven scenes: a jam is searched for
-constexpr double kWays = 3;                              // ways of a step that a scheme of fixed step may overlap by
-constexpr double kDefect = 0.05, kMostDefect = 1;        // of the energy's scale: reported; the run ends
-constexpr double kGrown = 1.2;                           // of the overlap at the last look: looked at again
-constexpr long kLooks = 256;                             // steps after which it is looked at in any case
-constexpr double kRounded = 1e-12;                       // of the energies that differences are taken of
-constexpr double kOfPlaces = 1e-15;                      // of the coordinates: their rounding
-constexpr double kSoon = 1e-3;                           // of the time: a jam that near explains a failed step
-constexpr double kCrossing = 1e-4;                       // [s] the longest of a scheme that divides its step
+constexpr double kDeepClearance = 0.5, kDeepBody = 0.1;       // of a contact's length: reported
+constexpr double kOutOfClearance = 10, kIntoBody = 0.5;       // likewise: the run ends
+constexpr double kLook = 0.05;                                // likewise, of driven scenes: a jam is searched for
+constexpr double kLookInSpace = 1e-3, kLookOfPrecise = 1e-5;  // there the problem of a step does not show it
+constexpr double kWays = 3;                        // ways of a step that a scheme of fixed step may overlap by
+constexpr double kDefect = 0.05, kMostDefect = 1;  // of the energy's scale: reported; the run ends
+constexpr double kGrown = 1.2;                     // of the overlap at the last look: looked at again
+constexpr long kLooks = 256;                       // steps after which it is looked at in any case
+constexpr double kRounded = 1e-12;                 // of the energies that differences are taken of
+constexpr double kOfPlaces = 1e-15;                // of the coordinates: their rounding
+constexpr double kSoon = 1e-3;                     // of the time: a jam that near explains a failed step
+constexpr double kCrossing = 1e-4;                 // [s] the longest of a scheme that divides its step
+
+template <class Space> double look_at(const IntegratorOf<Space>& integrator) {
+  if (kPlanar<Space>) return kLook;
+  return integrator.controls_step() ? kLookOfPrecise : kLookInSpace;
+}
 
 /// overlap and length: numbers as texts [m, rad].
 std::string words_of(const std::string& contact, const std::string& overlap, OverlapScale scale,
@@ -166,7 +172,9 @@ template <class Space> void MotionWatchOf<Space>::measure_lengths(const Eigen::V
     widths_.push_back(least);
   }
   const auto quick = [&](const Length& of) {
-    quick_ = std::min(quick_, of.size * (system_.driven() ? kLook : of.clearance() ? kDeepClearance : kDeepBody));
+    quick_ = std::min(quick_, of.size * (system_.driven() ? look_at<Space>(integrator_)
+                                         : of.clearance() ? kDeepClearance
+                                                          : kDeepBody));
   };
   for (const Length& of : lengths_) quick(of);
   for (const double width : widths_) quick({width});
@@ -223,7 +231,11 @@ template <class Space> bool MotionWatchOf<Space>::end(Status status, std::string
 
 template <class Space> std::optional<Jam> MotionWatchOf<Space>::jam(const State& x, double until) {
   if (!search_) search_ = std::make_unique<JamSearchOf<Space>>(system_);
-  return search_->find(x, until);
+  auto found = search_->find(x, until);
+  const State start = system_.initial_state();
+  if (!found || found->since > start.t) return found;
+  // None was found near x, not even at the start, where there is one: x may be astray.
+  return search_->find(start, until);
 }
 
 template <class Space> bool MotionWatchOf<Space>::fits(double t, Eigen::VectorXd q) {
@@ -262,7 +274,8 @@ template <class Space> bool MotionWatchOf<Space>::looks_fine(const State& before
     motion_.overlap_contact = contact_name<Space>(system_, integrator_.pairs(), deepest);
     motion_.overlap_scale = of.scale;
   }
-  if (system_.driven() && worst > kLook * of.size && (worst > kGrown * looked_ || steps_ >= looked_at_ + kLooks)) {
+  if (system_.driven() && worst > look_at<Space>(integrator_) * of.size &&
+      (worst > kGrown * looked_ || steps_ >= looked_at_ + kLooks)) {
     looked_ = worst, looked_at_ = steps_;
     if (!fits(after.t, after.q))
       if (const auto found = jam(before, after.t)) return end(Status::infeasible, words(*found));

@@ -1,6 +1,7 @@
 // Jams of drives in space: found by a search of positions, and named by every integrator of fixed steps.
 #include "tests/support/spatial.h"
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/integrators/step/jam.h>
 
 #include <doctest/doctest.h>
@@ -150,4 +151,33 @@ TEST_CASE("in space: drives that contradict each other, and boxes of a collision
   CHECK(boxes->since == doctest::Approx(0.7).epsilon(1e-6));
   CHECK(boxes->contacts.size() == 2);
   CHECK(boxes->drives == std::vector<std::string>{"\"ram\""});
+}
+
+TEST_CASE("in space: a drive against a stop on its own coordinate is a jam from its begin on, by every integrator") {
+  spatial::Scene s;
+  const BodyId crank = s.body({.name = "crank", .inertia = askew_inertia(), .position = 0.5 * kAlong});
+  const spatial::Revolute pin{"pin", kGround, crank, {0, 0, 0}, -0.5 * kAlong, kAcross, kAcross, kAlong, kAlong};
+  s.joint(pin);
+  s.joint(spatial::Drive{"motor", pin.angle(), {.rate_of_change = 5}});
+  s.contact(spatial::Limit{"stop", pin.angle(), spatial::Limit::Side::upper, 0.3, {}});
+  const SpatialSystem system(s);
+  for (const std::string_view scheme : {"moreau-jean", "stewart-trinkle", "anitescu-potra", "paoli-schatzman",
+                                        "generalized-alpha", "rattle", "adaptive", "event-driven"}) {
+    CAPTURE(scheme);
+    const Run r = simulate(*make_integrator(scheme, system), *make_solver("auto"), {.step = 1e-3, .duration = 0.064});
+    CHECK(r.status == Status::infeasible);  // 0.02 rad behind the stop
+    CHECK(r.why == "jammed: drive \"motor\", contact \"stop\" leave no motion; since t = 0.06");
+    CHECK(r.final.t < 0.0625);
+  }
+}
+
+TEST_CASE(
+    "in space: a state far outside of its clearances is no proof of a jam where the motion from the start is none") {
+  const auto scene = std::get<spatial::Scene>(read_any_scene(ORTHANT_TEST_DATA "/ball_out_of_socket.toml"));
+  const SpatialSystem system(scene);
+  const Run r = simulate(*make_integrator("anitescu-potra", system), *make_solver("auto"),
+                         {.step = scene.step, .duration = scene.duration});
+  CHECK(r.max_penetration > 1e-2);
+  CHECK(r.status != Status::infeasible);
+  CHECK(!JamSearchOf<Spatial>(system).find(system.initial_state(), scene.duration).has_value());
 }
