@@ -12,9 +12,9 @@
 //     velocity
 //                                       level (formulate.h, reduced form)
 //     after every event:                the modes by the problem at acceleration level (contact_transition.h).
-//   Contacts nearer than `touching` (and than 1e-9 of the way since they struck), and than the rounding of the steps and
-//   velocities since the last event, count as touching, so that what is simultaneous stays so. Where contacts last no
-//   step is longer than look_ahead.h allows.
+//   Contacts nearer than `touching` (and than 1e-9 of the way since they struck), and than the rounding of the steps
+//   and velocities since the last event, count as touching, so that what is simultaneous stays so. Where contacts last
+//   no step is longer than look_ahead.h allows.
 //   Accumulation: when a contact's impacts come at ever shorter intervals (two in a row, each < 0.999 of the one
 //   before), forces bring it back between them, and the next bounce would be no higher than `accumulation` (nor than
 //   rounding of the gap), one impact without restitution takes the place of all that follow, for all contacts in this
