@@ -303,7 +303,7 @@ TEST_CASE("cones: a negative normal impulse is no answer, whatever signs cancel 
 }
 
 TEST_CASE("cones: auto leaves proximal steps that crawl for interior-point") {
-  for (const std::uint64_t seed : {9, 22}) {  // proximal steps, then other starts: 228 factors and more than 600
+  for (const std::uint64_t seed : {9U, 22U}) {  // proximal steps, then other starts: 228 factors and more than 600
     CAPTURE(seed);
     Random random(seed);
     const Lcp p =
