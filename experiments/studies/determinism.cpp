@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include <iostream>
+#include <map>
 
 using namespace orthant;
 
@@ -29,6 +30,18 @@ int report(const std::vector<Fingerprint>& a, const std::vector<Fingerprint>& b,
   return wrong;
 }
 
+/// Those runs in the order of all, with the table's rows of the others.
+std::vector<Fingerprint> with_others(const std::vector<Fingerprint>& runs, const std::vector<Fingerprint>& table) {
+  const auto of = [](const Fingerprint& f) { return f.scene + ',' + f.integrator + ',' + f.solver; };
+  std::map<std::string, const Fingerprint*> known;
+  for (const auto* rows : {&table, &runs})
+    for (const Fingerprint& f : *rows) known[of(f)] = &f;
+  std::vector<Fingerprint> all;
+  for (const Fingerprint& f : all_fingerprints())
+    if (const auto found = known.find(of(f)); found != known.end()) all.push_back(*found->second);
+  return all;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,8 +56,8 @@ int main(int argc, char** argv) {
   app.add_option("--time-limit", seconds, "of each run [s]; a late run has fewer hashes")
       ->check(between(1e-3, 1e6))
       ->capture_default_str();
-  auto* const some = app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
-  app.add_flag("--pin", pin, "write the table again, where the threads agree")->excludes(some);
+  app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
+  app.add_flag("--pin", pin, "write the table again, where the threads agree; with --only those rows, into the table");
   if (const auto end = parse(app, argc, argv)) return *end;
   try {
     auto alone = all_fingerprints();
@@ -55,7 +68,7 @@ int main(int argc, char** argv) {
     std::string build;
     std::vector<Fingerprint> table;
     pin ? check_writable(pinned) : check_readable(pinned);
-    if (!pin) table = read_fingerprints(pinned, build);
+    if (!pin || !only.empty()) table = read_fingerprints(pinned, build);
     const auto untaken = alone;
     const auto all_in = [&](std::vector<Fingerprint>& runs, int threads) {
       Progress progress("threads " + std::to_string(threads), static_cast<double>(runs.size()));
@@ -76,7 +89,7 @@ int main(int argc, char** argv) {
       wrong += report(alone, together, std::to_string(threads) + " threads");
     }
     if (pin) {
-      if (wrong == 0) write_whole(pinned, table_of(alone));
+      if (wrong == 0) write_whole(pinned, table_of(with_others(alone, table)));
     } else if (build == build_of_bits()) {
       wrong += report(table, alone, "the table");
     } else {
