@@ -153,7 +153,7 @@ def main():
             problems = [f"{'/'.join(map(str, e.path))}: {e.message[:200]}" for e in scene.iter_errors(tomllib.loads(text))]
             assert not problems, text[:200] + "\n" + "\n".join(problems)
         assert not scene.is_valid({"gravityy": [0, 1]}) and not scene.is_valid({"body": [{"name": 3}]})
-        assert sum("dimension = 3" in text for text in texts) == 2
+        assert sum("dimension = 3" in text for text in texts) >= 2
         body = {"name": "a", "mass": 1, "inertia": 1, "position": [0, 1, 2]}
         assert scene.is_valid({"dimension": 3, "body": [body]}) and not scene.is_valid({"body": [body]})
         assert not scene.is_valid({"dimension": 3, "body": [body | {"position": [0, 1]}]})
