@@ -2,7 +2,7 @@
 //
 // Every scene by every integrator with every solver, up to 10^4 steps: hashes of all states (support/fingerprint.h) in
 // 1, 2 and 8 threads, against each other and, where the build is the same, against the table
-// tests/data/determinism.csv.
+// tests/data/determinism.csv. With --dimension 3: the scenes in space, and tests/data/determinism_space.csv.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/fingerprint.h"
@@ -31,13 +31,14 @@ int report(const std::vector<Fingerprint>& a, const std::vector<Fingerprint>& b,
 }
 
 /// Those runs in the order of all, with the table's rows of the others.
-std::vector<Fingerprint> with_others(const std::vector<Fingerprint>& runs, const std::vector<Fingerprint>& table) {
+std::vector<Fingerprint> with_others(const std::vector<Fingerprint>& runs, const std::vector<Fingerprint>& table,
+                                     const std::vector<Fingerprint>& order) {
   const auto of = [](const Fingerprint& f) { return f.scene + ',' + f.integrator + ',' + f.solver; };
   std::map<std::string, const Fingerprint*> known;
   for (const auto* rows : {&table, &runs})
     for (const Fingerprint& f : *rows) known[of(f)] = &f;
   std::vector<Fingerprint> all;
-  for (const Fingerprint& f : all_fingerprints())
+  for (const Fingerprint& f : order)
     if (const auto found = known.find(of(f)); found != known.end()) all.push_back(*found->second);
   return all;
 }
@@ -50,8 +51,12 @@ int main(int argc, char** argv) {
   double seconds = 10;
   bool pin = false;
   std::string only;
+  int dimension = 2;
   CLI::App app("The bits of every scene, integrator and solver in 1, 2 and 8 threads");
   app.add_option("--table", pinned, "hashes to compare with, or to write")->capture_default_str();
+  app.add_option("--dimension", dimension, "2: planar scenes, 3: scenes in space")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
   app.add_option("--steps", steps, "of each run")->check(CLI::Range(1L, kMarks.back()))->capture_default_str();
   app.add_option("--time-limit", seconds, "of each run [s]; a late run has fewer hashes")
       ->check(between(1e-3, 1e6))
@@ -59,8 +64,10 @@ int main(int argc, char** argv) {
   app.add_option("--only", only, "runs whose scene,integrator,solver holds this text");
   app.add_flag("--pin", pin, "write the table again, where the threads agree; with --only those rows, into the table");
   if (const auto end = parse(app, argc, argv)) return *end;
+  if (dimension == 3 && app.count("--table") == 0) pinned = "tests/data/determinism_space.csv";
   try {
-    auto alone = all_fingerprints();
+    const auto all = dimension == 3 ? all_spatial_fingerprints() : all_fingerprints();
+    auto alone = all;
     std::erase_if(alone, [&](const Fingerprint& f) {
       return (f.scene + ',' + f.integrator + ',' + f.solver).find(only) == std::string::npos;
     });
@@ -89,7 +96,7 @@ int main(int argc, char** argv) {
       wrong += report(alone, together, std::to_string(threads) + " threads");
     }
     if (pin) {
-      if (wrong == 0) write_whole(pinned, table_of(with_others(alone, table)));
+      if (wrong == 0) write_whole(pinned, table_of(with_others(alone, table, all)));
     } else if (build == build_of_bits()) {
       wrong += report(table, alone, "the table");
     } else {

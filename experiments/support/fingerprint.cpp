@@ -49,9 +49,22 @@ std::vector<Fingerprint> all_fingerprints() {
   return all;
 }
 
-void take(Fingerprint& f, long steps, double seconds, int threads) {
+std::vector<Fingerprint> all_spatial_fingerprints() {
+  std::vector<Fingerprint> all;
+  for (const auto& scene : spatial_scenes())
+    for (const auto& integrator : integrators())
+      if (integrator.make_spatial != nullptr)
+        for (const char* solver : {"auto", "pgs", "newton-ac"})
+          all.push_back({std::string(scene.name), std::string(integrator.name), solver, "", {}});
+  return all;
+}
+
+namespace {
+
+template <class Space>
+void take_of(const typename ElementsOf<Space>::Scene& scene, Fingerprint& f, long steps, double seconds, int threads) {
   try {
-    const System system(make_scene(f.scene));
+    const SystemOf<Space> system(scene);
     const auto integrator = make_integrator(f.integrator, system);
     std::vector<std::unique_ptr<Solver>> helpers;
     for (int i = 1; i < threads; ++i) helpers.push_back(make_solver(f.solver));
@@ -61,7 +74,7 @@ void take(Fingerprint& f, long steps, double seconds, int threads) {
     long done = -1;  // the start is a moment, too
     const Clock clock{.step = step, .duration = static_cast<double>(steps) * step, .time_limit = kMuchLonger * seconds};
     const auto begin = std::chrono::steady_clock::now();
-    const Run run = simulate(*integrator, *make_solver(f.solver), clock, [&](const RunSample& moment) {
+    const Run run = simulate(*integrator, *make_solver(f.solver), clock, [&](const RunSampleOf<Space>& moment) {
       add(hash, moment.state.q), add(hash, moment.state.v);
       ++done;
       if (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > seconds) throw Late();
@@ -75,6 +88,16 @@ void take(Fingerprint& f, long steps, double seconds, int threads) {
   } catch (const std::invalid_argument&) {
     f.end = "refused";
   }
+}
+
+}  // namespace
+
+void take(Fingerprint& f, long steps, double seconds, int threads) {
+  const AnyScene scene = make_any_scene(f.scene);
+  if (const auto* planar = std::get_if<Scene>(&scene))
+    take_of<Planar>(*planar, f, steps, seconds, threads);
+  else
+    take_of<Spatial>(std::get<spatial::Scene>(scene), f, steps, seconds, threads);
 }
 
 void take(std::vector<Fingerprint>& all, long steps, double seconds, int threads, const std::function<void()>& done) {

@@ -20,9 +20,11 @@ struct Fingerprint {
   std::string row() const;
 };
 
-/// All scenes × integrators × solvers, nothing run yet. `ipopt` is left out: its linear solver keeps state of the
-/// process.
+/// All planar scenes × integrators × solvers, nothing run yet. `ipopt` is left out: its linear solver keeps state of
+/// the process.
 std::vector<Fingerprint> all_fingerprints();
+/// Likewise the scenes in space, with the solvers that take friction discs.
+std::vector<Fingerprint> all_spatial_fingerprints();
 
 /// Runs up to `steps` steps, or until `seconds` are over at the end of one: a late run has fewer marks. Islands are
 /// shared by `threads`.
