@@ -63,4 +63,7 @@ template <class Arguments> void add_run_options(CLI::App& command, Arguments& ar
 /// Exit code of an answer; 1 is bad input.
 inline int exit_code_of(Status status) { return has_answer(status) ? 0 : status == Status::infeasible ? 2 : 3; }
 
+/// Exit code of a run: one that ends as rounded ended before a rounded step (--rounded stop).
+inline int exit_code_of_run(Status status) { return status == Status::rounded ? 3 : exit_code_of(status); }
+
 }  // namespace orthant

@@ -80,7 +80,7 @@ int run_gradient(const GradientArguments& arguments) {
     std::cerr << "orthant: the run ended at t = " << tangent.run.final.t << " s: " << name(tangent.run.status)
               << (tangent.run.why.empty() ? "" : ": ") << tangent.run.why << '\n';
     if (tangent.run.status == Status::cancelled && StopSignal::which() != 0) return 128 + StopSignal::which();
-    return exit_code_of(tangent.run.status);
+    return exit_code_of_run(tangent.run.status);
   }
   for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
   if (arguments.json) return 0;

@@ -48,7 +48,7 @@ int run_lyapunov(const LyapunovArguments& arguments) {
     std::cerr << "orthant: the motion ended at t = " << found.final.t << " s: " << name(found.status)
               << (found.why.empty() ? "" : ": ") << found.why << '\n';
     if (found.status == Status::cancelled && StopSignal::which() != 0) return 128 + StopSignal::which();
-    return exit_code_of(found.status);
+    return exit_code_of_run(found.status);
   }
   if (arguments.json) return 0;
   std::cout << std::setprecision(9) << "exponents [1/s], and those of the second half of the time:\n";

@@ -214,7 +214,7 @@ int report_end(const SimulateArguments& arguments, const Integrator& integrator,
     return 128 + StopSignal::which();
   }
   if (run.status != Status::solved) report_failed_step(arguments, integrator, run);
-  return exit_code_of(run.status);
+  return exit_code_of_run(run.status);
 }
 
 void print_summary(const SimulateArguments& arguments, const nlohmann::ordered_json& json) {

@@ -176,7 +176,7 @@ int run_view(const ViewArguments& a) {
       std::cout << "view: " << output << '\n';
   }
   if (a.serve) serve_page(page, *a.serve);
-  return exit_code_of(viewed.status);
+  return exit_code_of_run(viewed.status);
 }
 
 }  // namespace

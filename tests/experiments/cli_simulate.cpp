@@ -67,6 +67,13 @@ TEST_CASE("orthant simulate: a failed step stops the run and leaves its problem 
   CHECK(nlohmann::json::parse(replay.out).at("status") == "solved");
 }
 
+TEST_CASE("a run that --rounded stop ends is not whole: exit code 3; taken and counted it is") {
+  const Cli folder;
+  const std::string tower = "simulate tower --set blocks=2 --set ratio=1e9 --duration 0.02 --failed-steps none";
+  CHECK(folder.orthant(tower + " --rounded stop").exit_code == 3);
+  CHECK(folder.orthant(tower).exit_code == 0);
+}
+
 TEST_CASE("a drive through the floor: proved infeasible, with its exit code") {
   const Cli folder;
   folder.write("through.toml",

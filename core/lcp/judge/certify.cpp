@@ -259,6 +259,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   accepted_ = s.residual, excess_ = 0;
   if (solved) {
     s.status = Status::solved;
+    if (s.certificate.size() > 0 || !s.cells.empty()) s.certificate.resize(0), s.cells.clear();
     return;
   }
   const double data = find_data(problem, s.z);

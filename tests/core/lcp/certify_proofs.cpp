@@ -227,4 +227,9 @@ TEST_CASE("only a proof stays in the certificate, and a claimed ray becomes one 
   judge.certify(pair({1, -1, -1, 1}, Vector{-1, -1}), 1e-10, Claim::ray, s);
   CHECK(s.status == Status::infeasible);
   CHECK(s.certificate.size() == 2);
+  const Vector near_none{-1, 1 - 5e-11};  // (1, 1) proves by 5e-11 what the tolerance allows
+  s.z = Vector{1, 0}, s.certificate = Vector{1, 1};
+  judge.certify(pair({1, -1, -1, 1}, near_none), 1e-10, Claim::candidate, s);
+  CHECK(s.status == Status::solved);
+  CHECK(s.certificate.size() == 0);
 }
