@@ -144,7 +144,7 @@ def use(page, site):
         themes.add(page.execute_script("return getComputedStyle(document.body).backgroundColor"))
     check(len(themes) == 2, f"the theme switch shows {len(themes)} backgrounds: must be 2")
     page.execute_script("localStorage.clear()")
-    for word, wanted in (("warm start", "glossary.html"), ("RowSparse", "reference/cpp/core_lcp/problem.html")):
+    for word, wanted in (("warm start", "glossary.html"), ("RowSparse", "reference/cpp/core_lcp/matrix.html")):
         page.get((site / "search.html").resolve().as_uri() + f"?q={word}")
         for _ in range(100):
             found = page.execute_script("return [...document.querySelectorAll('#search-results a')].map(a => a.href)")
