@@ -15,7 +15,7 @@ TEST_CASE("a program refuses what it cannot do in one line, before it begins") {
       {"determinism --only zzz", "--only 'zzz': no run's scene,integrator,solver holds it"},
       {"determinism --table missing.csv", "missing.csv: cannot read: no such file"},
       {"determinism --table err.txt", "err.txt: names no build"},
-      {"determinism --pin --only pgs", "--only excludes --pin"},
+      {"determinism --pin --only nix", "--only 'nix': no run"},
       {"lcp_shootout --largest 0", "--largest"},
       {"lcp_shootout --largest 99999999999999999999", "--largest"},
       {"lcp_shootout --families nix", "'nix'"},
