@@ -47,9 +47,10 @@ bool evaluate(const Mcp& p, const Vector& z, Matrix& J) {
 
 namespace {
 
-/// The row in which F's change along z differs most from the Jacobian's, over the terms |J_ij z_j|; none where it fits.
+/// The row in which F's change along z differs most from the Jacobian's, over the terms |J_ij z_j|; none where it fits,
+/// or where F is small enough beside its own change.
 /// Two steps by 2⁻¹³ z with signs that differ from column to column: terms that cancel in one do not in the other.
-Miss misfit(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F) {
+Miss misfit(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F, double tolerance) {
   constexpr double kStep = 0x1p-13, kShare = 0.5;
   Vector step(Eigen::VectorXd::Zero(p.size())), terms(step), change, moved, at, scratch;
   for_each_entry(J, [&](Index i, Index j, double value) { terms[i] += std::abs(value * z[j]); });
@@ -67,7 +68,8 @@ Miss misfit(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F) {
     multiply(J, step, change, scratch);
     for (Index i = 0; i < p.size(); ++i) {
       const double off = std::abs(moved[i] - F[i] - change[i]), all = kStep * terms[i];
-      if (!(off > share * all)) continue;
+      const double wrong = z[i] == p.lo[i] ? -F[i] : z[i] == p.hi[i] ? F[i] : std::abs(F[i]);
+      if (!(off > share * all) || kStep * wrong <= tolerance * std::abs(moved[i] - F[i])) continue;
       share = off / all;
       worst = {
           .row = i, .against = Miss::Against::jacobian, .by = off / kStep, .allowed = terms[i], .tolerance = kShare};
@@ -93,7 +95,7 @@ void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
   Judge().certify(linear, tolerance, claim == Claim::exhausted ? Claim::stalled : claim, s);
   s.w = F;
   if (!has_answer(s.status)) return;
-  if (const Miss miss = misfit(p, linear.A, s.z, F); miss.row >= 0) {
+  if (const Miss miss = misfit(p, linear.A, s.z, F, tolerance); miss.row >= 0) {
     s.status = claim == Claim::candidate ? Status::stalled : status_of(claim);
     s.miss = miss;
   }

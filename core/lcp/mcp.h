@@ -6,8 +6,8 @@
 //   The judge: that of the linear problem A = J(z), b = F(z) − J(z) z, whose w at z is F(z) (judge/certify.h). F_i is
 //   small where it is small compared with its terms: F = −e^(−z) at z = 26 is 5e-12, but s = 2.7e-10.
 //   The Jacobian is compared with F: where z passes, F is evaluated at two more points next to z. A row is not solved
-//   if its change is off by more than half its terms |J_ij z_j|. Otherwise a Jacobian too large by 1e12 would accept
-//   any F.
+//   if its change is off by more than half its terms |J_ij z_j|, unless F_i is within the tolerance of that change.
+//   Otherwise a Jacobian too large by 1e12 would accept any F.
 //   Source: Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems (2003), ch. 1.
 #pragma once
 

@@ -11,15 +11,6 @@ namespace {
 // not made.
 constexpr double kWorse = 2;
 
-void multiply_rows(const RowSparse& A, const Vector& x, Vector& y) {
-  y.resize(A.rows);
-  for (Index i = 0; i < A.rows; ++i) {
-    double sum = 0;
-    A.for_each_in_row(i, [&](Index j, double value) { sum += value * x[j]; });
-    y[i] = sum;
-  }
-}
-
 /// `next` is scratch: of each row, the first entry that no row before has been compared with.
 bool symmetric(const RowSparse& A, std::vector<int>& next) {
   next.assign(A.start.begin(), A.start.end());
@@ -115,7 +106,7 @@ double Multigrid::correct(std::size_t level, const Bounded& p, Vector& z) {
   const Vector &lo = *p.lo, &hi = *p.hi;
   const Index n = A.rows;
   held_.resize(at(n));
-  multiply_rows(A, z, w_);
+  product_with(A, z, w_);
   w_ += *p.b;
   double before = 0;
   const auto miss = [&](Index i, double zi, double wi) {  // of natural residuals, in units of w
@@ -129,7 +120,7 @@ double Multigrid::correct(std::size_t level, const Bounded& p, Vector& z) {
   levels_.truncate(level, held_);
   levels_.correct(level, w_, c_);
   c_ = (z + c_).cwiseMax(lo).cwiseMin(hi) - z;
-  multiply_rows(A, c_, Ac_);
+  product_with(A, c_, Ac_);
   double step = 1;
   if (symmetric_) {
     const double curvature = c_.dot(Ac_), slope = -w_.dot(c_);

@@ -39,15 +39,6 @@ void transpose(const RowSparse& P, RowSparse& R) {
   R.start[0] = 0;
 }
 
-void product_with(const RowSparse& A, const Vector& x, Vector& y) {
-  y.resize(A.rows);
-  for (Index i = 0; i < A.rows; ++i) {
-    double sum = 0;
-    A.for_each_in_row(i, [&](Index j, double value) { sum += value * x[j]; });
-    y[i] = sum;
-  }
-}
-
 /// x_i ← (r_i − Σ_j≠i T_ij x_j) / T_ii where T_ii > 0, T of the pattern of A.
 void relax(const RowSparse& A, const std::vector<double>& T, const Vector& r, Vector& x, bool forward) {
   const Index n = A.rows;
@@ -66,6 +57,15 @@ void relax(const RowSparse& A, const std::vector<double>& T, const Vector& r, Ve
 }
 
 }  // namespace
+
+void product_with(const RowSparse& A, const Vector& x, Vector& y) {
+  y.resize(A.rows);
+  for (Index i = 0; i < A.rows; ++i) {
+    double sum = 0;
+    A.for_each_in_row(i, [&](Index j, double value) { sum += value * x[j]; });
+    y[i] = sum;
+  }
+}
 
 void CoarseLevels::restrict_to_coarse(std::size_t level, const Vector& fine, Vector& coarse) const {
   product_with(levels_[level].R, fine, coarse);

@@ -24,6 +24,9 @@
 
 namespace orthant {
 
+/// y = A x, each row's sum in the order of its entries.
+void product_with(const RowSparse& A, const Vector& x, Vector& y);
+
 class CoarseLevels {
  public:
   /// Levels of A, which must outlive them. Fewer once the budget is exhausted.

@@ -370,6 +370,12 @@ TEST_CASE("a Jacobian that does not fit F excuses nothing, and the row is named;
   certify(with_slope(1), 1e-10, Claim::candidate, s);
   CHECK(s.status == Status::solved);
   CHECK(Path().solve(with_slope(1), s).status == Status::solved);
+  const Mcp double_root = complementarity(  // J = 0 at the solution: curvature is no misfit
+      1, [](const Vector& z, Vector& F) { F[0] = (z[0] - 1) * (z[0] - 1); },
+      [](const Vector& z, DenseMatrix& J) { J(0, 0) = 2 * (z[0] - 1); });
+  s.z = Vector{1};
+  certify(double_root, 1e-10, Claim::candidate, s);
+  CHECK(s.status == Status::solved);
 }
 
 TEST_CASE("F = atan(z) - 2 has no solution: where its slope is less than any number the run ends") {
