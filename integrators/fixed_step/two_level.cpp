@@ -69,6 +69,7 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   const bool resists = !system_.scene().frictions.empty();
   bool joins = resists;  // its rows have to be built once
+  bool solved = false;
   positions_.resist(h * h / 2), velocities_.resist(h);
   positions_.clear(), positions_.anchor(x.t, x.q);
   free_ = path;  // p without what the contacts add
@@ -84,7 +85,7 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
     joins = false;
     i += !more;  // rows that join are as many as the contacts at the most
     left = mismatch(accuracy);
-    if (!more && left.none) return true;
+    if ((!more || solved) && left.none) return true;  // contacts that came to touch within rounding need no push
     if (!more && left.relative > before / 2) {
       if (++stalls > 2 && left.relative <= kRounded) return true;
       if (!freeze_here(stalls > 2, report)) return false;
@@ -109,6 +110,7 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
       else
         positions_.retarget(targets_, free_, rate_);
       if (!solve(positions_, solver, report)) return false;
+      solved = true;
       accuracy = positions_.solution().residual;
     }
     path = free_;

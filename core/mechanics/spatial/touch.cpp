@@ -299,13 +299,27 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const Hull::Face& face = hull.faces[static_cast<std::size_t>(of_b ? face_b.face : face_a.face)];
   std::array<Vector3d, 2 * kMostHullPoints> polygon;
   std::size_t count = clipped(hull, face, other, corners, of_b ? back : R, polygon);
-  // The deepest corner may belong to another face than the clipped one, or stand beside the face.
-  std::size_t deepest = 0;
-  for (std::size_t i = 1; i < other.corners.size(); ++i)
-    if (face.normal.dot(corners[i]) < face.normal.dot(corners[deepest])) deepest = i;
+  // The deepest corner over the face may belong to another face than the clipped one. A corner beside the face is no
+  // point of two faces that lie on each other: nothing is below it. Elsewhere it tells how deep the shapes overlap.
+  const auto over = [&](const Vector3d& x) {
+    for (std::size_t i = 0; i < face.corners.size(); ++i) {
+      const Vector3d& p = hull.corners[static_cast<std::size_t>(face.corners[i])];
+      const Vector3d along = hull.corners[static_cast<std::size_t>(face.corners[(i + 1) % face.corners.size()])] - p;
+      if (along.cross(face.normal).dot(x - p) > kSamePoint * size * along.norm()) return false;
+    }
+    return true;
+  };
+  const bool any = count > 0;
+  std::size_t deepest = other.corners.size();
   double least = kInf;
   for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
-  if (face.normal.dot(corners[deepest]) < least - kSamePoint * size) {
+  const double below = least - kSamePoint * size, far_below = least - 2 * kSameFace * size;
+  for (std::size_t i = 0; i < other.corners.size(); ++i) {
+    const double height = face.normal.dot(corners[i]);
+    if (height < std::min(least, below) && (!any || height < far_below || over(corners[i])))
+      deepest = i, least = height;
+  }
+  if (deepest < other.corners.size()) {
     count = std::min(count, polygon.size() - 1);
     polygon[count++] = corners[deepest];
   }
@@ -323,6 +337,14 @@ void to_world(const Pose& at, TouchPoints& points) {
     TouchPoint& p = points.points[static_cast<std::size_t>(i)];
     p = {at.turn(p.n), at.x + at.turn(p.on_a), at.x + at.turn(p.on_b), p.gap};
   }
+}
+
+/// Orders the points along an oblique direction of a's frame: two poses near each other number them alike. A body's
+/// edges and diagonals are seldom square to it.
+void number_alike(const Pose& at_a, TouchPoints& points) {
+  const Vector3d along = at_a.turn(Vector3d(0.6172, 0.5393, 0.5729));
+  std::stable_sort(points.points.begin(), points.points.begin() + points.count,
+                   [&](const TouchPoint& x, const TouchPoint& y) { return along.dot(x.on_a) < along.dot(y.on_a); });
 }
 
 TouchPoints touch_any(const Pose& at_a, const Shape& a, const Pose& at_b, const Shape& b) {
@@ -359,6 +381,7 @@ TouchPoints touch(const Pose& at_a, const Shape& a, const Pose& at_b, const Shap
   const auto size = [](const Shape& s) {
     return s.polytope() ? s.hull->size : s.radius + (s.corners.back() - s.corners.front()).norm();
   };
+  number_alike(at_a, points);
   points.open = std::min(size(a), size(b));
   if (points.count > 0) {
     double least = points.points[0].gap;

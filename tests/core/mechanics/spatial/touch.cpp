@@ -139,6 +139,34 @@ TEST_CASE("a cube flush on a cube touches in the corners of the overlap, turned 
   }
 }
 
+TEST_CASE("a cube that overhangs touches over the face below it only, however little it tilts") {
+  const spatial::Collision c = set_of({unit_cube(0), unit_cube(1)});
+  SpatialPose ground, top;
+  top.x = {0.6, 0.1, 1};
+  for (const double tilt : {0.0, 1e-12, 1e-9, 1e-7, 1e-5}) {
+    CAPTURE(tilt);
+    top.R = Eigen::AngleAxisd(tilt, Vector3d::UnitY()).toRotationMatrix();
+    const spatial::TouchPoints points = touch(ground, c.shapes[0], top, c.shapes[1]);
+    CHECK(points.count == 4);
+    for (int i = 0; i < points.count; ++i)
+      CHECK(points.points[static_cast<std::size_t>(i)].on_a.head<2>().lpNorm<Eigen::Infinity>() < 0.5 + 1e-8);
+  }
+}
+
+TEST_CASE("points of two polytopes keep their numbers while rounding chooses the deepest") {
+  const spatial::Collision c = set_of({unit_cube(0), unit_cube(1)});
+  Random random(3);
+  SpatialPose ground, top;
+  top.x = {0.2, 0.3, 1};
+  const spatial::TouchPoints first = touch(ground, c.shapes[0], top, c.shapes[1]);
+  for (int round = 0; round < 50; ++round) {
+    top.R = quaternions::matrix_of(quaternions::exponential(1e-9 * some_in(random, 1)).normalized());
+    const spatial::TouchPoints points = touch(ground, c.shapes[0], top, c.shapes[1]);
+    REQUIRE(points.count == 4);
+    for (std::size_t i = 0; i < 4; ++i) CHECK((points.points[i].on_a - first.points[i].on_a).norm() < 1e-8);
+  }
+}
+
 TEST_CASE("spheres and capsules: the nearest points of their cores; at the ends of an overlap too") {
   const spatial::Collision c = set_of({{0, {{-1, 0, 0}, {1, 0, 0}}, 0.2}, {1, {{0, 0, 0}}, 0.3}, unit_cube(2)});
   const auto &capsule = c.shapes[0], &ball = c.shapes[1], &cube = c.shapes[2];
