@@ -18,6 +18,7 @@ template <class Space> VelocitySteppingOf<Space>::VelocitySteppingOf(const Syste
       broad_phase_(system),
       sleep_(system, plan.sleep),
       tunnelling_(system),
+      stuck_(system),
       formulation_(system, plan.form, plan.cone),
       shown_(&formulation_),
       geometric_(system),
@@ -68,6 +69,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
       close(step);
     note_forces(terms_, v_new_, targets_);
     restrict_to_strikes(targets_);
+    stuck_.choose(x, terms_, targets_);
     if (!impact_.strike(terms_, basic_, x.v, targets_, v_new_, solver, report)) {
       shown_ = &impact_.formulation();
       why_ = impact_.why();
@@ -76,6 +78,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
     if (!solve_contacts(h, x, solver, report)) return report;
   } while (missed(step));
   report.energy_rise = energy_rise(system_, terms_, targets_, v_new_, impulses_, kSameRows, &taken_);
+  stuck_.note(terms_, impulses_, v_new_, system_);
   if constexpr (kPlanar<Space>) sleep_.hold(h, impulses_);
   if (geometric_.possible()) note_stiffness(h, x);
   if constexpr (!kPlanar<Space>) to_end_axes(system_, frames(h), x.v, v_new_);
@@ -87,11 +90,12 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   x.v.swap(v_new_);
   if constexpr (kPlanar<Space>) sleep_.end(h, terms_, impulses_, x);
   if (!loads_.empty() || geometric_.possible()) last_q_ = x.q, last_v_ = x.v;
+  stuck_.end(x);
   return report;
 }
 
 template <class Space> void VelocitySteppingOf<Space>::remember(CheckpointData& memory) {
-  memory(formulation_, impact_, sleep_, taken_, loads_, carried_, last_q_, last_v_);
+  memory(formulation_, impact_, sleep_, taken_, loads_, carried_, last_q_, last_v_, stuck_);
   basic_.forget(), projection_.forget();
 }
 

@@ -20,6 +20,7 @@
 #include <orthant/core/mechanics/dynamics/broad_phase.h>
 #include <orthant/core/mechanics/dynamics/geometric_stiffness.h>
 #include <orthant/core/mechanics/dynamics/joint_load.h>
+#include <orthant/integrators/fixed_step/stuck_contacts.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/formulate.h>
 #include <orthant/integrators/step/gyroscopic.h>
@@ -163,6 +164,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   BroadPhaseOf<Space> broad_phase_;
   InPlane<Space, Sleep> sleep_;
   TunnellingDetectorOf<Space> tunnelling_;
+  StuckContacts<Space> stuck_;
   FormulationOf<Space> formulation_;
   const FormulationOf<Space>* shown_;            // by problem()
   std::vector<ContactWork> taken_;               // by contacts that the scheme pushed
