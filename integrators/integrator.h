@@ -37,7 +37,7 @@ struct StepReport {
   std::optional<double> work;  // [J] of drives, loads and belts, from schemes that measure it themselves (work_meter.h)
   double error_estimate =
       0;  // [m, rad] of q: sum over the inner steps of schemes that estimate it; the motion may magnify it
-  double energy_rise = 0;  // [J] that impacts added where they should not, see impact.h; 0: they did not
+  double energy_rise = 0;  // [J] that impacts or crossings added where they should not, see impact.h; 0: they did not
   int plastic = 0;         // problems that friction and restitution left without a solution, solved with e = 0
   Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
 

@@ -260,7 +260,9 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
                       ": bodies would pass through each other in the shortest step");
     }
     if (!leaves_room(crossing_.state)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
-    if (meter_) work_ += meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {});
+    const double work = meter_ ? meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {}) : 0.0;
+    work_ += work;
+    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossing_.state, work));
     report.error_estimate += s * (crossing_.state.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossing_.state.q, now_.v = crossing_.state.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;

@@ -37,6 +37,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       none_(Eigen::VectorXd::Zero(system.dof())),
       bounces_(impulses_.size()),
       push_(impulses_.size()),
+      stage_push_(impulses_.size()),
       before_(impulses_.size()),
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
@@ -231,6 +232,7 @@ void EventDriven::accept(double s, double end) {
   for (const int c : motion_.lasting())
     impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;
   if (striding_) note_arc(before);
+  behind_ = 0;
 }
 
 /// Of the step just accepted, from `before` after the call's start.
@@ -238,6 +240,7 @@ void EventDriven::note_arc(double before) {
   arc_.start = start_ + before, arc_.length = elapsed_ - before;
   arc_.q0 = trial_.q, arc_.v0 = trial_.v, arc_.a0 = trial_.a;
   arc_.q1 = now_.q, arc_.v1 = now_.v, arc_.a1 = now_.a;
+  move(arc_.q1, -behind_ * now_.v);  // the forces at its end are those before the jump
   arc_.modes = motion_.modes;
   arc_.push = impulses_;
 }

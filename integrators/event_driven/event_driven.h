@@ -191,6 +191,8 @@ class EventDriven final : public Integrator {
   bool turns(double s) const;
   bool find_turn(double& s);
   bool find_jump(const Sign& sign, double& s);
+  double jump_of_force() const;
+  bool last_stage_behind() const;
   bool end_behind(double low, double high, double& s);
   void accept(double s, double end);
   void note_arc(double before);
@@ -268,7 +270,9 @@ class EventDriven final : public Integrator {
   Eigen::VectorXd none_;  // zero
   Kinematics poses_;
   std::vector<Bounces> bounces_;
-  std::vector<Impulse> push_;  // [N] mean force of the trial step
+  std::vector<Impulse> push_;        // [N] mean force of the trial step
+  std::vector<Impulse> stage_push_;  // [N] force at its last stage
+  double behind_ = 0;                // [s] of the trial step: gone on without forces, across a jump of theirs
   std::vector<ContactMode> before_;
   std::vector<RateTarget> targets_;
   const Formulation* shown_;  // by problem(); null: the transition

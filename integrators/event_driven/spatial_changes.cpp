@@ -302,6 +302,7 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
       break;
     }
     crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
+    const State before = crossed_;
     const StepReport one = stepping_.step(s, solver, crossed_);
     report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
     ++report.accepted, ++report.crossings;
@@ -311,6 +312,11 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
       return give_up(Status::numerical_error, "a crowd of events cannot be crossed at t = " + detail::text_of(time_) +
                                                   ": bodies would pass through each other");
     }
+    const double work =
+        meter_ ? meter_->over_step(before, crossed_, stepping_.impulses(), stepping_.frictions(), stepping_.pairs())
+               : 0.0;
+    work_ += work;
+    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossed_, work));
     report.error_estimate += s * (crossed_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossed_.q, now_.v = crossed_.v;
     time_ += s;

@@ -50,6 +50,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
   stepping_.keep_restitution();
+  if (measures_) meter_.emplace(system);
   const auto refuse = [&](const char* what) {
     throw std::invalid_argument("integrator " + std::string(name) + ": takes no " + what +
                                 " in space: must be moreau-jean or another integrator of fixed step");

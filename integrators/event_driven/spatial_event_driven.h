@@ -39,6 +39,7 @@
 #include <orthant/integrators/between_events/spatial_transition.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/event_driven/spatial_arc.h>
+#include <orthant/integrators/step/step_work.h>
 
 namespace orthant {
 
@@ -165,7 +166,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   FormulationOf<Spatial> formulation_;
   ImpactOf<Spatial> impact_;
   SpatialFlow flow_;
-  MoreauJeanOf<Spatial> stepping_;  // of crossings
+  MoreauJeanOf<Spatial> stepping_;            // of crossings
+  std::optional<StepWorkOf<Spatial>> meter_;  // of crossings, where there is work to measure
 
   double time_ = 0;                     // [s] where the steps are
   double next_ = 0;                     // [s] length of the next step

@@ -7,14 +7,15 @@
 namespace orthant {
 namespace {
 
-constexpr double kSingular = 1e-2;    // independence of the joint rows below which a pose counts as next to singular
-constexpr double kNearest = 1e-4;     // likewise: a state is better found from both sides
-constexpr double kBlurred = 1e-6;     // likewise: but not from steps with a stage as near as this
-constexpr double kTurned = 1e-7;      // of the speeds that make up a gap's rate: its normal has jumped
-constexpr double kJump = 1e-4;        // of the largest normal force: more within the rounding of the time is a jump
-constexpr double kShortest = 8;       // roundings of the time: no shorter step tells when
-constexpr double kBehind = 1e4;       // roundings of a gap: how far behind the place where its normal jumps
-constexpr double kMuch = 1e9;         // more of an error than any step is allowed
+constexpr double kSingular = 1e-2;  // independence of the joint rows below which a pose counts as next to singular
+constexpr double kNearest = 1e-4;   // likewise: a state is better found from both sides
+constexpr double kBlurred = 1e-6;   // likewise: but not from steps with a stage as near as this
+constexpr double kTurned = 1e-7;    // of the speeds that make up a gap's rate: its normal has jumped
+constexpr double kJump = 1e-4;      // of the largest normal force: more within the rounding of the time is a jump
+constexpr double kFarBack = 1e5;    // instants before a jump from which a step may go across it: some 1e-10 of the time
+constexpr double kShortest = 8;     // roundings of the time: no shorter step tells when
+constexpr double kBehind = 1e4;     // roundings of a gap: how far behind the place where its normal jumps
+constexpr double kMuch = 1e9;       // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;  // of a step: the widest interval without a stage of the method is around it
 constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages are near enough to project them there
 
@@ -135,8 +136,9 @@ bool EventDriven::try_step(double s) {
   joints_.least_independence = 1;
   const auto add_push = [&](double weight) {
     for (std::size_t i = 0; i < motion_.lasting().size(); ++i) {
-      Impulse& push = push_[at(motion_.lasting()[i])];
-      push.normal += weight * motion_.normal_force(i), push.tangent += weight * motion_.tangent_force(i);
+      Impulse &push = push_[at(motion_.lasting()[i])], &stage = stage_push_[at(motion_.lasting()[i])];
+      stage = {motion_.normal_force(i), motion_.tangent_force(i)};
+      push.normal += weight * stage.normal, push.tangent += weight * stage.tangent;
     }
   };
   if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, add_push)) return false;
@@ -183,7 +185,7 @@ bool EventDriven::find_turn(double& s) {
 /// the contact is marked as turned, and the step shortened to end there.
 bool EventDriven::find_jump(const Sign& sign, double& s) {
   const bool force = sign.watch == Watch::force || sign.watch == Watch::cone_up || sign.watch == Watch::cone_down;
-  const double jump = kJump * std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
+  const double jump = jump_of_force();
   if (!force || std::abs(value(sign, trial_.w)) <= jump || joints_.least_independence < kSingular) return false;
   const double first = s, instant = kShortest * kRounding * (std::abs(start_) + elapsed_ + s);
   const double low = std::max(0.0, s - instant), high = s + instant;
@@ -197,10 +199,29 @@ bool EventDriven::find_jump(const Sign& sign, double& s) {
   return false;
 }
 
-/// Ends the trial step behind [low, high], within which the contacts of freed_.turned turn, from the state at `low`.
+/// [N] A force that differs by more on the two sides of an instant jumps there.
+double EventDriven::jump_of_force() const {
+  return kJump * std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
+}
+
+/// Whether the last stage of the trial step, whose place is known to the method's error only, sees other forces than
+/// the step's end.
+bool EventDriven::last_stage_behind() const {
+  const double jump = jump_of_force();
+  return std::ranges::any_of(motion_.lasting(), [&](int c) {
+    const Impulse& stage = stage_push_[at(c)];
+    return std::abs(stage.normal - trial_.w.normal[c]) > jump || std::abs(stage.tangent - trial_.w.tangent[c]) > jump;
+  });
+}
+
+/// Ends the trial step behind [low, high], within which the contacts of freed_.turned turn, from the state at `low`, or
+/// from a little before it where the step's last stage stands behind the jump already.
 bool EventDriven::end_behind(double low, double high, double& s) {
   if (low > 0) {
     if (!(error_of_step(low) <= 1) || first_sign(low)) return false;
+    const double first = low, instant = high - low;
+    for (double back = instant; last_stage_behind() && back <= kFarBack * instant && back < first; back *= 8)
+      if (!(error_of_step(low = first - back) <= 1)) return false;
   } else {
     trial_ = now_, trial_residual_ = residual_;
     std::fill(push_.begin(), push_.end(), Impulse{});
@@ -212,7 +233,7 @@ bool EventDriven::end_behind(double low, double high, double& s) {
     behind = std::max(behind, std::min(kBehind * gap_zero(c) / speed, kCrowded * options_.crossing));
   }
   move(trial_.q, behind * trial_.v);
-  s = low + behind;
+  s = low + behind, behind_ = behind;
   return true;
 }
 

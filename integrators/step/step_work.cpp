@@ -107,6 +107,15 @@ double StepWorkOf<Space>::over_step(const State& from, const State& to, const st
 
 template bool has_work(const SystemOf<Planar>&);
 template bool has_work(const SystemOf<Spatial>&);
+template <class Space>
+double gain_of_crossing(const SystemOf<Space>& system, const State& from, const State& to, double work) {
+  constexpr double kRounding = 1e-9;
+  const double before = energy(system, from), after = energy(system, to), gain = after - before - work;
+  return gain > kRounding * (std::abs(before) + std::abs(after)) ? gain : 0;
+}
+template double gain_of_crossing(const SystemOf<Planar>&, const State&, const State&, double);
+template double gain_of_crossing(const SystemOf<Spatial>&, const State&, const State&, double);
+
 template class StepWorkOf<Planar>;
 template class StepWorkOf<Spatial>;
 

@@ -39,6 +39,11 @@ template <class Space> class StepWorkOf {
   bool has_belts_;  // in space
 };
 
+/// [J] by which energy rises in a step of first order across a crowd of events, beyond this work; 0 where that is
+/// rounding.
+template <class Space>
+double gain_of_crossing(const SystemOf<Space>& system, const State& from, const State& to, double work);
+
 template <> double StepWorkOf<Planar>::of_loads(const State& from, const State& to);
 template <> double StepWorkOf<Spatial>::of_loads(const State& from, const State& to);
 extern template class StepWorkOf<Planar>;

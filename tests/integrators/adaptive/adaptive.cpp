@@ -433,3 +433,30 @@ TEST_CASE(
       CHECK(std::abs(run.final.q[kTheta1] - exact.theta1) < 1e-9);
     }
 }
+
+TEST_CASE("impulses balance the weight where a force jumps: a box on a belt is carried past the anchor of its spring") {
+  constexpr double kMass = 2.0548, kBelt = -1.2474;
+  Scene s{.gravity = {-2.968, -8.1278}, .duration = 0.4045};
+  const BodyId box = s.body({.mass = kMass, .inertia = 0.00856, .position = {0, 0.05}});
+  for (const double side : {-0.1, 0.1})
+    s.contact(CornerWall{
+        "", box, {side, -0.05}, kGround, {0, 0}, {0, 1}, {.mu = 0.7, .e = 0.2, .mu_static = 1.05, .belt = kBelt}});
+  s.spring(PointSpring{
+      .a = kGround, .b = box, .point_a = {-0.5, 0.05}, .point_b = {-0.1, 0}, .stiffness = 34.283, .rest = 0.4});
+  const System system(s);
+  for (const std::string_view spec : {"adaptive", "event-driven"}) {
+    CAPTURE(spec);
+    const auto scheme = make_integrator(spec, system);
+    const auto solver = make_solver("lemke");
+    double worst = 0, before = 0;
+    const Run r = simulate(*scheme, *solver, {.step = 5e-3, .duration = s.duration}, [&](const RunSample& now) {
+      double normal = 0;
+      for (const Impulse& i : now.impulses) normal += i.normal;
+      if (before > 0.01) worst = std::max(worst, std::abs(normal / (kMass * 8.1278 * (now.state.t - before)) - 1));
+      before = now.state.t;
+    });
+    REQUIRE(r.status == Status::solved);
+    CHECK(r.final.q[0] < -0.4);
+    CHECK(worst < 1e-4);
+  }
+}
