@@ -91,6 +91,14 @@ void EventDriven::close_together() {
   motion_.modes_changed();
 }
 
+/// Without friction at the contacts that strike only drives can leave no velocity.
+std::string EventDriven::why_no_impact(const Terms& terms) const {
+  if (std::ranges::any_of(terms.closed, [&](const ClosedContact& c) { return system_.law(c.contact).frictional(); }))
+    return "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)";
+  const std::string why = formulation_.contradiction();
+  return why.starts_with("jammed") ? why : "jammed: contacts and drives leave no motion";
+}
+
 bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   Terms& terms = motion_.terms();
   if (!motion_.accelerations(start_ + elapsed_, now_.q, now_.v, now_.a))
@@ -121,10 +129,8 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) {
     const bool none = contradictory(formulation_.problem());
-    return fail(
-        report, none ? Status::infeasible : report.status,
-        none ? "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)"
-             : "the impact was not solved");
+    return fail(report, none ? Status::infeasible : report.status,
+                none ? why_no_impact(terms) : "the impact was not solved");
   }
   formulation_.advance(now_.v, strike_.impulses);
   if (in_turn || !plastic) impact_.add_to(strike_.impulses);

@@ -209,6 +209,7 @@ class EventDriven final : public Integrator {
   bool land(const Sign& sign, double& s);
 
   bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
+  std::string why_no_impact(const Terms& terms) const;
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool cross(Solver& solver, double end, StepReport& report);
   bool leaves_room(const State& x);

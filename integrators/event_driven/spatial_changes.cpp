@@ -117,6 +117,10 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   if (no_answer_) {
     const std::string why = formulation_.contradiction();
     if (!why.empty()) return give_up(report.status, "in an impact " + why);
+    const bool rough =
+        std::ranges::any_of(terms.closed, [&](const auto& c) { return system_.law(c.contact).frictional(); });
+    if (report.status == Status::infeasible && !rough)
+      return give_up(report.status, "jammed: contacts and drives leave no motion");
     return give_up(report.status,
                    report.status == Status::infeasible
                        ? "Newton's law of impact has no solution here: friction and restitution contradict each other "

@@ -181,13 +181,15 @@ TEST_CASE("spheres and capsules: the nearest points of their cores; at the ends 
   there.x = {0, 0, 0.7};
   const spatial::TouchPoints across =
       touch(there, capsule, here, cube);  // longer than the cube: where it crosses its edges
-  REQUIRE(across.count >= 2);
-  for (int i = 0; i < 2; ++i) {
+  int edges = 0;
+  for (int i = 0; i < across.count; ++i) {
     const spatial::TouchPoint& p = across.points[static_cast<std::size_t>(i)];
-    CHECK(std::abs(p.gap) < 1e-15);
+    if (!(std::abs(p.gap) < 1e-15)) continue;  // the capsule's ends
+    ++edges;
     CHECK(std::abs(p.on_b.x()) == doctest::Approx(0.5));
     CHECK(p.n.z() == doctest::Approx(1));
   }
+  CHECK(edges == 2);
   there.x = {0.6, 0.6, 0.6};
   const double corner = std::sqrt(0.03) - 0.3;
   CHECK(std::abs(least_gap(touch(there, ball, here, cube)) - corner) < 1e-15);
