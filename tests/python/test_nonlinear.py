@@ -50,7 +50,8 @@ def test_what_callbacks_raise_or_return_is_told():
 
 
 def test_games():
-    A, B = -np.array([[3.0, 3], [2, 5], [0, 6]]), -np.array([[3.0, 2], [2, 6], [3, 1]])  # von Stengel 2002: three equilibria
+    A, B = -np.array([[3.0, 3], [2, 5], [0, 6]]), -np.array([[3.0, 2], [2, 6], [3, 1]
+                                                             ])  # von Stengel 2002: three equilibria
     all_of_them = orthant.equilibria(A, B)
     assert sorted(np.round(e.x, 6).tolist() for e in all_of_them) == [[0, 0.333333, 0.666667], [0.8, 0.2, 0], [1, 0, 0]]
     e = orthant.equilibrium(A, B, 0)
