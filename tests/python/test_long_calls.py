@@ -166,7 +166,7 @@ def test_ctrl_c_ends_long_calls(ctrl_c, name):
     assert time.perf_counter() - begin < 10
 
 
-def test_what_is_not_done_in_time_is_said():
+def test_answers_cut_short_by_the_time_limit_say_so():
     assert orthant.enumerate_solutions(*CORNERS, time_limit=1e-3).complete is False
     assert orthant.enumerate_solutions(M, q, time_limit=60).complete is True
     a = orthant.analyse(random_problem(12)[0], time_limit=1e-9)

@@ -46,7 +46,7 @@ def test_names_and_files_and_overrides(tmp_path):
     assert orthant.Scene.load(file).bodies == ["ball"]
 
 
-def test_what_is_wrong_is_named(tmp_path):
+def test_errors_name_element_key_and_value(tmp_path):
     with pytest.raises(ValueError, match="kind 'bdy': must be one of body"):
         ball().add("bdy")
     with pytest.raises(ValueError, match="contact.*floor.*mu.*-1"):
@@ -149,7 +149,7 @@ def test_check_claims_no_more_digits_than_are_true():
     assert "check" not in orthant.simulate(ball(), duration=0.01).summary
 
 
-def test_what_the_command_warns_of_python_warns_of(recwarn):
+def test_python_warns_of_the_same_as_the_command(recwarn):
     scene = ball()
     scene._elements[0][1]["position"] = [0, 0.05]  # 5 cm deep
     with pytest.warns(orthant.OrthantWarning, match="at the start contacts penetrate by 0.05 m"):
@@ -260,7 +260,7 @@ def test_repr():
     assert repr(named) == "Scene('slider_crank', set=['mu=0.1'], 3 bodies, 4 contacts)"
 
 
-def test_what_is_added_is_checked_at_once_in_the_words_of_the_file_reader(tmp_path):
+def test_added_elements_are_checked_at_once_in_the_words_of_the_file_reader(tmp_path):
     scene = orthant.Scene(gravity=[0, -9.81])
     scene.add("body", name="b", mass=1, inertia=1)
     wrong = [("body", dict(name="c", mass=-1, inertia=1), 'body "c": mass = -1: must be > 0'),

@@ -265,7 +265,7 @@ def test_largest_input_holds_for_every_file(tmp_path):
             orthant.set_largest_input(value)
 
 
-def test_what_is_no_npz(tmp_path):
+def test_files_that_are_no_npz_are_refused(tmp_path):
     (tmp_path / "p.npz").write_bytes(b"garbage")
     with pytest.raises(ValueError, match="p.npz: must be NumPy's NPZ"):
         orthant.read_problem(tmp_path / "p.npz")

@@ -96,7 +96,7 @@ def test_options_are_checked_and_reach_the_solver():
     (TypeError, "M has dtype object", ([[None, 1], [1, 1]], q)),
     (TypeError, r"q is missing: must be \(2,\)", (M,)),
 ])
-def test_what_is_wrong_is_named(error, words, arguments):
+def test_errors_name_argument_value_and_rule(error, words, arguments):
     with pytest.raises(error, match=words):
         orthant.solve(*arguments)
 

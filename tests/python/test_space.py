@@ -159,7 +159,7 @@ def test_check_claims_no_more_digits_than_agree():
     assert all(error >= 0 for error in check["error"].values())
 
 
-def test_what_planar_scenes_alone_have_is_said():
+def test_elements_of_planar_scenes_alone_are_refused_in_space():
     scene = ball()
     scene.add("contact", type="custom", bodies=["ball", "ground"], gap=lambda a, b: 1.0, rows=lambda a, b: [0] * 6)
     with pytest.raises(ValueError, match="must be in a planar scene"):

@@ -65,7 +65,7 @@ def test_a_scene_built_here(tmp_path):
         orthant.sweep(orthant.Scene.named("bouncing_ball"), results=tmp_path / "named.sqlite", progress=False, **ask)
 
 
-def test_what_is_wrong_is_named(tmp_path):
+def test_errors_name_key_and_value(tmp_path):
     with pytest.raises(ValueError, match="integrator.*eulr|eulr"):
         orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", grid={"integrator": "eulr"})
     with pytest.raises(ValueError, match="no_such"):

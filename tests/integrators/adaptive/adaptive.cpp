@@ -193,7 +193,7 @@ TEST_CASE("a call advances by exactly h, and what is known of step sizes outlast
   CHECK(z.v == x.v);
 }
 
-TEST_CASE("where it cannot go on, the last time reached is kept, with a reason") {
+TEST_CASE("a step that cannot go on keeps the last time reached, with a reason") {
   const System system(bouncing_ball({.e = 0.5}));
   const double first = BouncingBall{}.impact_time(1);
   {
