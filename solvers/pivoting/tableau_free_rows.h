@@ -1,4 +1,4 @@
-// solvers/pivoting/tableau_free_rows.h — free rows of Lemke's tableau: eliminated, and what is singular of them split.
+// solvers/pivoting/tableau_free_rows.h — free rows of Lemke's tableau: eliminated, or split where singular.
 #pragma once
 
 #include <orthant/solvers/pivoting/tableau.h>
