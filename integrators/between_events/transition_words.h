@@ -1,4 +1,4 @@
-// integrators/between_events/transition_words.h — contact mode transitions without a solution, or with several, in words.
+// integrators/between_events/transition_words.h — mode transitions without a solution or with several: the words.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

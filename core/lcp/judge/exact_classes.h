@@ -165,8 +165,8 @@ inline bool copositive(const Table& S, const std::function<bool()>& stop) {
   return yes;
 }
 
-/// For each support α and signs σ: some x_α > 0 with B x ≤ 0, B x ≠ 0, B = σ A_αα σ, is a counterexample. The sum of all
-/// generators of { x ≥ 0, B x ≤ 0 } has every x_i > 0 and every (B x)_i < 0 that any member has.
+/// For each support α and signs σ: some x_α > 0 with B x ≤ 0, B x ≠ 0, B = σ A_αα σ, is a counterexample. The sum of
+/// all generators of { x ≥ 0, B x ≤ 0 } has every x_i > 0 and every (B x)_i < 0 that any member has.
 inline bool column_sufficient(const Table& A, const std::function<bool()>& stop) {
   bool yes = true;
   for_each_subset(A.size(), stop, [&](const std::vector<std::size_t>& rows) {
