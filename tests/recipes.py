@@ -1,4 +1,5 @@
-"""Recipes of conda, Homebrew and Nix: the project's version, every package that CMakeLists.txt requires, and sound syntax.
+"""Recipes of conda, Homebrew and Nix: the project's version, every package that CMakeLists.txt requires, and sound
+syntax.
 
 Syntax is checked where Ruby and Nix are installed. No package system is reached.
 """
@@ -14,7 +15,8 @@ CMAKE = (ROOT / "CMakeLists.txt").read_text()
 RECIPES = ROOT / "experiments/python"
 FOLDERS = {"conda": RECIPES / "conda/meta.yaml", "homebrew": RECIPES / "homebrew/orthant-lcp.rb",
            "nix": RECIPES / "nix/default.nix"}
-NIX = {"nlohmann-json": "nlohmann_json", "suite-sparse": "suitesparse", "hdf5": "hdf5-cpp"}  # others are called as in Homebrew
+NIX = {"nlohmann-json": "nlohmann_json", "suite-sparse": "suitesparse",
+       "hdf5": "hdf5-cpp"}  # others are called as in Homebrew
 
 
 def main():
@@ -33,7 +35,9 @@ def main():
                 wrong.append(f"{file.name}: {name} must {'not ' if what == 'CLP' else ''}be there")
         if system != "conda" and "ORTHANT_WITH_CLP=OFF" not in text:
             wrong.append(f"{file.name}: must switch CLP off")
-    for program, words in (("ruby", ["-c", str(FOLDERS["homebrew"])]), ("nix-instantiate", ["--parse", str(FOLDERS["nix"])])):
+    for program, words in (("ruby", ["-c",
+                                     str(FOLDERS["homebrew"])]), ("nix-instantiate", ["--parse",
+                                                                                      str(FOLDERS["nix"])])):
         if shutil.which(program):
             run = subprocess.run([program, *words], capture_output=True, text=True)
             if run.returncode != 0:

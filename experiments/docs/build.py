@@ -1,7 +1,7 @@
 """The documentation as a site: pages of this folder, READMEs, and the reference made from headers and docstrings.
 
-    ./experiments/run docs                                     into build/docs; needs the Python package, which is built first
-    build.py --output DIR --package build/release/python       the same by hand
+    ./experiments/run docs                                  into build/docs; builds the Python package first
+    build.py --output DIR --package build/release/python    the same by hand
 
 Sphinx and its theme live in an environment of their own, build/docs-env, made from requirements.txt at the first call.
 """
@@ -59,14 +59,16 @@ INTERNAL = {"core/mechanics/scene/toml"}  # not installed
 
 
 def in_environment(environment):
-    """Goes on in the documentation's own environment, which is made or renewed where requirements.txt asks for another one."""
+    """Goes on in the documentation's own environment, which is made or renewed where requirements.txt asks for another
+    one."""
     python, stamp = environment / "bin/python", environment / "requirements.txt"
     wanted = (HERE / "requirements.txt").read_text(encoding="utf-8")
     if Path(sys.prefix).resolve() == environment.resolve():
         return
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != wanted:
-        for command in (["/usr/bin/python3", "-m", "venv", "--clear", "--system-site-packages", str(environment)],
-                        [str(python), "-m", "pip", "install", "-q", "--disable-pip-version-check", "-r", str(HERE / "requirements.txt")]):
+        make = ["/usr/bin/python3", "-m", "venv", "--clear", "--system-site-packages", str(environment)]
+        fill = [str(python), "-m", "pip", "install", "-q", "--disable-pip-version-check", "-r"]
+        for command in (make, [*fill, str(HERE / "requirements.txt")]):
             if subprocess.run(command, check=False).returncode != 0:
                 sys.exit(f"docs: '{' '.join(command)}' failed; it makes the environment that the site is built in")
         stamp.write_text(wanted, encoding="utf-8")
@@ -96,8 +98,11 @@ def write_reference(folder, work):
 
     entries = {file: found for file, found in cpp_api.collect(ROOT, work).items() if str(Path(file).parent) in FOLDERS}
     (folder / "api.json").write_text(json.dumps(entries), encoding="utf-8")
-    index = ["# C++ reference", "", "Every public header: its opening comment, its declarations, its text. The opening comment",
-             "explains the algorithm and cites its sources. [All names](names.md).", ""]
+    index = [
+        "# C++ reference", "",
+        "Every public header: its opening comment, its declarations, its text. The opening comment",
+        "explains the algorithm and cites its sources. [All names](names.md).", ""
+    ]
     (folder / "names.md").write_text("# All C++ names\n\n```{cpp-names}\n```\n", encoding="utf-8")
     parts = {str(header.parent.relative_to(ROOT)) for library in ("core", "solvers", "integrators")
              for header in (ROOT / library).rglob("*.h")}
@@ -116,7 +121,8 @@ def write_reference(folder, work):
         (target / "index.md").write_text(f"# {title}\n\n`{part}`\n\n| header | |\n|---|---|\n" + "\n".join(rows) +
                                          f"\n\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n", encoding="utf-8")
         index.append(f"- [{title}]({target.name}/index.md): `{part}`")
-    index += ["", "```{toctree}", ":hidden:", "", "names"] + [f"{part.replace('/', '_')}/index" for part in FOLDERS] + ["```", ""]
+    index += ["", "```{toctree}", ":hidden:", "", "names"] + [f"{part.replace('/', '_')}/index"
+                                                              for part in FOLDERS] + ["```", ""]
     (folder / "index.md").write_text("\n".join(index), encoding="utf-8")
 
 
@@ -126,10 +132,11 @@ def gather(source, orthant):
     shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "*.py", "requirements.txt"))
     for file in ("conf.py", "cpp_api.py"):
         shutil.copy(HERE / file, source)
+    import figure_pages
     import figures
     import gallery  # needs Matplotlib, which the environment takes from the system
 
-    figures.pages(source / "data")
+    figure_pages.pages(source / "data", figures.load())
     gallery.write(orthant, source)
     for page, file in PAGES.items():
         (source / page).write_text(page_of((ROOT / file).read_text(encoding="utf-8")), encoding="utf-8")
@@ -154,8 +161,8 @@ def main():
     sys.path.insert(0, str(a.package.resolve()))  # autodoc imports the package
     from sphinx.cmd.build import main as sphinx
 
-    status = sphinx(["-q", "-W", "--keep-going", "-n", "-j", "2", "-b", "html", "-d", str(a.output / "doctrees"), str(source),
-                     str(a.output / "html")])
+    folders = [str(folder) for folder in (a.output / "doctrees", source, a.output / "html")]
+    status = sphinx(["-q", "-W", "--keep-going", "-n", "-j", "2", "-b", "html", "-d", *folders])
     if status == 0:
         print(f"docs: {a.output / 'html/index.html'}")
     sys.exit(status)

@@ -5,7 +5,8 @@ digits as its place has.
 """
 import re
 
-from figures import NONE, ROOT, load
+from figure_tables import NONE
+from figures import ROOT, load
 
 TOP, STUDIES, RIVALS = "README.md", "experiments/README.md", "experiments/benchmarks/README.md"
 DOCS, PAPER = "experiments/docs/", "paper/generated/"

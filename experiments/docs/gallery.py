@@ -118,9 +118,11 @@ def draw_in_space(frames, picture):
             length = np.linalg.norm(normal)
             lit = 0.45 + 0.55 * max(0, normal @ LIGHT / length) if length > 0 else 1
             faces.append(corners)
-            colours.append((*(lit * np.array(matplotlib.colors.to_rgb(BODIES[body % len(BODIES)]))), 0.12 + 0.83 * shade))
+            colours.append(
+                (*(lit * np.array(matplotlib.colors.to_rgb(BODIES[body % len(BODIES)]))), 0.12 + 0.83 * shade))
     axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, linewidths=0))
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), xlabel="x [m]", ylabel="y [m]",
+             zlabel="z [m]")
     for axis, length in zip((axes.xaxis, axes.yaxis, axes.zaxis), wide):
         axis.set_major_locator(matplotlib.ticker.MaxNLocator(3 if length < 0.5 * widest else 5))
     axes.set_box_aspect(wide)
@@ -132,10 +134,12 @@ def draw_in_space(frames, picture):
 def write(orthant, output):
     listed = subprocess.run([orthant, "list", "scenes", "--json"], check=True, capture_output=True, text=True).stdout
     (output / "gallery").mkdir(parents=True, exist_ok=True)
-    page = ["# Gallery of built-in scenes", "",
-            "Outlines of the bodies and their centres of mass (dots) at a few times; later times are darker. Bodies of scenes",
-            "in space are shaded surfaces.",
-            "Below each picture stands the command of its run. `orthant list scenes` has all parameters.", ""]
+    page = [
+        "# Gallery of built-in scenes", "",
+        "Outlines of the bodies and their centres of mass (dots) at a few times; later times are darker. Bodies of",
+        "scenes in space are shaded surfaces. Below each picture stands the command of its run.",
+        "`orthant list scenes` has all parameters.", ""
+    ]
     with tempfile.TemporaryDirectory() as folder:
         known = json.loads(listed)
         for scene in known["scenes"] + known["spatial_scenes"]:

@@ -12,7 +12,8 @@ payoff = np.maximum(strike - np.exp(x), 0)
 
 # Black-Scholes in x, implicit in time: B v = old v while the option is held
 slope, curve = (rate - sigma**2 / 2) / (2 * dx), sigma**2 / (2 * dx**2)
-B = sp.diags([dt * (slope - curve), 1 + dt * (rate + 2 * curve), -dt * (slope + curve)], [-1, 0, 1], shape=(n, n), format="csr")
+B = sp.diags([dt * (slope - curve), 1 + dt * (rate + 2 * curve), -dt * (slope + curve)], [-1, 0, 1], shape=(n, n),
+             format="csr")
 edge = np.zeros(n)
 edge[0] = dt * (curve - slope) * (strike * (1 - 1 / 4))  # worth the payoff at the left end
 

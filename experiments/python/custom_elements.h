@@ -10,7 +10,7 @@
 
 namespace orthant::python {
 
-/// Adds what one call of Scene.add("joint" or "contact", type="custom", …) has collected, _mechanics.py. The bodies,
+/// Adds what one call of Scene.add("joint" or "contact", type="custom", …) has collected, _scene.py. The bodies,
 /// named there, must exist. Throws std::invalid_argument, or pybind11::type_error for what is no function.
 void add_custom_element(const pybind11::dict& spec, Scene& scene);
 

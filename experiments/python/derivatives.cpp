@@ -91,6 +91,15 @@ py::list degenerate_of(const Scene& scene, const std::vector<DegenerateStep>& st
   return degenerate;
 }
 
+/// Without step or duration: the scene's.
+Clock clock_of(const Scene& scene, std::optional<double> step, std::optional<double> duration, long every,
+               const std::atomic<bool>* cancel = nullptr) {
+  return {.step = step.value_or(scene.step),
+          .duration = duration.value_or(scene.duration),
+          .every = every,
+          .cancel = cancel};
+}
+
 /// t, values (rows × columns), derivatives (rows × columns × parameters), status, why, degenerate steps, inconsistent.
 py::tuple gradient(const std::optional<std::string>& text, const std::string& scene_name,
                    const std::vector<std::string>& sets, const std::vector<std::string>& of,
@@ -100,10 +109,7 @@ py::tuple gradient(const std::optional<std::string>& text, const std::string& sc
   const Scene scene = source.make();
   const auto method = make_solver(solver);
   const Interruptible interruptible;
-  const Clock clock{.step = step.value_or(scene.step),
-                    .duration = duration.value_or(scene.duration),
-                    .every = every,
-                    .cancel = interruptible.flag()};
+  const Clock clock = clock_of(scene, step, duration, every, interruptible.flag());
   GradientOfRun found;
   {
     const py::gil_scoped_release others_may_run;
@@ -121,7 +127,7 @@ long records_of_run(const std::optional<std::string>& text, const std::string& s
                     const std::vector<std::string>& sets, std::optional<double> step, std::optional<double> duration,
                     long every) {
   const Scene scene = SceneSource{text, scene_name, sets}.make();
-  const Clock clock{.step = step.value_or(scene.step), .duration = duration.value_or(scene.duration), .every = every};
+  const Clock clock = clock_of(scene, step, duration, every);
   check(clock);
   return RunSteps(clock).records();
 }
@@ -137,10 +143,7 @@ py::tuple vjp_of_run(const std::optional<std::string>& text, const std::string& 
   const Scene scene = source.make();
   const auto method = make_solver(solver);
   const Interruptible interruptible;
-  const Clock clock{.step = step.value_or(scene.step),
-                    .duration = duration.value_or(scene.duration),
-                    .every = every,
-                    .cancel = interruptible.flag()};
+  const Clock clock = clock_of(scene, step, duration, every, interruptible.flag());
   check(clock);
   const auto columns = static_cast<Index>(of.size());
   RecordWeights weigh = sum ? weigh_all() : weigh_last();

@@ -38,6 +38,9 @@ PYBIND11_MODULE(_orthant, m) {
     return orthant::run_command(static_cast<int>(argv.size()), argv.data(), orthant::Plugins::refuse);
   });
   orthant::python::add_problems(m);
+  orthant::python::add_results(m);
+  orthant::python::add_solvers(m);
+  orthant::python::add_analysis(m);
   orthant::python::add_derivatives(m);
   orthant::python::add_nonlinear(m);
   orthant::python::add_mechanics(m);

@@ -5,7 +5,10 @@
 
 namespace orthant::python {
 
-void add_problems(pybind11::module_& m);     // Problem, Solver, Result, analyse, enumerate_solutions
+void add_problems(pybind11::module_& m);     // Problem, and its files
+void add_results(pybind11::module_& m);      // Result, LogEntry
+void add_solvers(pybind11::module_& m);      // Solver, solve_many, methods written in Python
+void add_analysis(pybind11::module_& m);     // analyse, enumerate_solutions, error_bound
 void add_derivatives(pybind11::module_& m);  // sensitivities of solutions
 void add_nonlinear(pybind11::module_& m);    // mixed complementarity problems by callbacks, bimatrix games
 void add_mechanics(pybind11::module_& m);    // scenes, simulate

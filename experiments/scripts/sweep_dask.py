@@ -1,10 +1,12 @@
 """A sweep by the workers of a Dask scheduler, into the same results file as `orthant sweep` writes.
 
 Each worker runs `orthant sweep FILE --case KEY`, so it needs the same build and the same files at the same places (a
-folder that all machines share). Rows are kept here, as they come: a worker that dies costs the case that it had, which another
-one gets; stopped here and started again, what is missing is done. Timed cases are timed on workers as busy as they are.
+folder that all machines share). Rows are kept here, as they come: a worker that dies costs the case that it had, which
+another one gets; stopped here and started again, what is missing is done. Timed cases are timed on workers as busy as
+they are.
 
-    sweep_dask.py experiments/studies/slider_crank.sweep.toml --results OUT.sqlite [--scheduler tcp://host:8786] [--quick]
+    sweep_dask.py experiments/studies/slider_crank.sweep.toml --results OUT.sqlite [--scheduler tcp://host:8786] \\
+        [--quick]
 """
 import argparse
 import subprocess
@@ -33,7 +35,8 @@ def main():
 
     command = [str(a.orthant.resolve()), "sweep", str(a.sweep.resolve()), *(["--quick"] if a.quick else []),
                *(["--max-input", a.max_input] if a.max_input else [])]
-    listed = subprocess.run([*command, "--results", a.results, "--list", *(["--retry"] if a.retry else [])], stdout=subprocess.PIPE, text=True)
+    listed = subprocess.run([*command, "--results", a.results, "--list", *(["--retry"] if a.retry else [])],
+                            stdout=subprocess.PIPE, text=True)
     if listed.returncode:
         sys.exit(listed.returncode)
     keys = listed.stdout.split()

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """A sweep in shards: for SLURM arrays, or processes of this machine; the rows end in one results file.
 
-    sweep_shards.py split FILE --results OUT.sqlite --shards 64 --folder SHARDS   # the missing cases, dealt into 64 lists
+    sweep_shards.py split FILE --results OUT.sqlite --shards 64 --folder SHARDS   # deals the missing cases out
     sbatch --array=0-63 --wrap "sweep_shards.py work FILE --folder SHARDS"        # shard: $SLURM_ARRAY_TASK_ID
     sweep_shards.py work FILE --folder SHARDS --shard 3                           # the same by hand
     sweep_shards.py merge FILE --results OUT.sqlite --folder SHARDS               # exit code 1 while cases are missing
 
 A worker writes each finished case at once, a line of JSON in SHARDS/rows.N, under a lock: two workers of one shard take
-turns, a killed one loses the case that it had. Started again it does what is missing. `merge` may run at any time and as
-often as wanted; a line cut short is left out. SHARDS lies on a disk that all machines share, the SQLite file on a local
-one. All machines need the same build at the same place: a case's key names the revision.
+turns, a killed one loses the case that it had. Started again it does what is missing. `merge` may run at any time and
+as often as wanted; a line cut short is left out. SHARDS lies on a disk that all machines share, the SQLite file on a
+local one. All machines need the same build at the same place: a case's key names the revision.
 """
 import argparse
 import fcntl
@@ -76,8 +76,10 @@ def merge(a, command):
                 rows.setdefault(row["key"], line)
             except (ValueError, KeyError, TypeError):
                 continue
-    subprocess.run([command[0], "results", a.results, "--add"], check=True, input=b"".join(line + b"\n" for line in rows.values()))
-    missing = subprocess.run([*command, "--results", a.results, "--list"], check=True, stdout=subprocess.PIPE, text=True).stdout.split()
+    subprocess.run([command[0], "results", a.results, "--add"], check=True,
+                   input=b"".join(line + b"\n" for line in rows.values()))
+    missing = subprocess.run([*command, "--results", a.results, "--list"], check=True, stdout=subprocess.PIPE,
+                             text=True).stdout.split()
     print(f"{len(rows)} rows, {len(missing)} cases missing")
     return 1 if missing else 0
 

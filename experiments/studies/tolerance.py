@@ -3,12 +3,12 @@
 
     experiments/run tolerance [--scenes N] [--seed S] [--kinds K,…] [--rtol R,…] [--orthant PROGRAM] [--keep FOLDER]
 
-Kinds: tumbling (three boxes and discs fall onto a floor and onto one another), polygons (two convex polygons), journals (rods in
-bearings with clearance), linkages (a driven four-bar with a clearance pin and a stop). The reference is `event-driven` at its
-defaults; where it is not within rtol of itself at rtol = 1e-11, accumulation = 1e-12, the motion is too sensitive to be judged
-and is not counted. In space (kinds of tolerance_space.py: balls, solids, sliders, pendulums) it is `adaptive` at rtol = 1e-10
-and 1e-9; --witness counts the scenes that `moreau-jean` contradicts: at two steps it differs from the reference by more than its
-own difference, ten times over.
+Kinds: tumbling (three boxes and discs fall onto a floor and onto one another), polygons (two convex polygons), journals
+(rods in bearings with clearance), linkages (a driven four-bar with a clearance pin and a stop). The reference is
+`event-driven` at its defaults; where it is not within rtol of itself at rtol = 1e-11, accumulation = 1e-12, the motion
+is too sensitive to be judged and is not counted. In space (kinds of tolerance_space.py: balls, solids, sliders,
+pendulums) it is `adaptive` at rtol = 1e-10 and 1e-9; --witness counts the scenes that `moreau-jean` contradicts: at two
+steps it differs from the reference by more than its own difference, ten times over.
 A word: the run did not end solved, or crossed crowds of events and says so. --keep writes the scenes that err silently.
 """
 import argparse
@@ -83,7 +83,8 @@ def centred(points):
 
 
 def shapes_scene(draw, shapes, duration):
-    """Shapes (corners, second moment per area) or (radius, …) one above the other over a floor, all of which may meet."""
+    """Shapes (corners, second moment per area) or (radius, …) one above the other over a floor, all of which may
+    meet."""
     law = law_of(draw)
     text = f"gravity = [0, -9.81]\nduration = {duration}\nstep = {duration / 10}\n\n"
     contacts = ""
@@ -100,12 +101,13 @@ def shapes_scene(draw, shapes, duration):
         if disc:
             contacts += table("contact", kind='"disc-wall"', body=f'"b{i}"', radius=number(shape), wall=wall, **law)
         else:
-            contacts += table("contact", kind='"polygon-wall"', body=f'"b{i}"', corners=list_of(shape), wall=wall, **law)
+            contacts += table("contact", kind='"polygon-wall"', body=f'"b{i}"', corners=list_of(shape), wall=wall,
+                              **law)
         for j, (other, _) in enumerate(shapes[:i]):
             flat = isinstance(other, list)
             if disc and not flat:
-                contacts += table("contact", kind='"disc-disc"', bodies=quoted(f"b{i}", f"b{j}"), radius_a=number(shape),
-                                  radius_b=number(other), **law)
+                contacts += table("contact", kind='"disc-disc"', bodies=quoted(f"b{i}", f"b{j}"),
+                                  radius_a=number(shape), radius_b=number(other), **law)
             elif disc or not flat:
                 round_one, edged, radius, corners = (i, j, shape, other) if disc else (j, i, other, shape)
                 contacts += table("contact", kind='"disc-polygon"', bodies=quoted(f"b{round_one}", f"b{edged}"),
@@ -135,7 +137,7 @@ def journals(draw):
     law = law_of(draw)
     text = "gravity = [0, -9.81]\nduration = 1\nstep = 0.1\n\n"
     contacts = ""
-    x = y = 0.0
+    x = y = last = 0.0
     for i in range(draw.randint(1, 3)):
         length, angle, radius = draw.uniform(0.2, 0.6), draw.uniform(-math.pi, math.pi), draw.uniform(0.005, 0.03)
         clearance = radius * 10 ** draw.uniform(-2.5, -0.5)
@@ -143,14 +145,15 @@ def journals(draw):
         mass = draw.uniform(0.5, 2)
         text += body(f"rod{i}", mass, mass * length**2 / 12, middle, angle, omega=0 if i else draw.uniform(-3, 3))
         contacts += table("contact", kind='"journal"', bodies=quoted(f"rod{i}", f"rod{i - 1}" if i else "ground"),
-                          centre_a=vector(-length / 2, 0), centre_b=vector(last if i else 0, 0), radius_a=number(radius),
-                          radius_b=number(radius + clearance), **law)
+                          centre_a=vector(-length / 2, 0), centre_b=vector(last, 0),
+                          radius_a=number(radius), radius_b=number(radius + clearance), **law)
         x, y, last = x + length * math.cos(angle), y + length * math.sin(angle), length / 2
     return text + contacts
 
 
 def linkages(draw):
-    crank, coupler, rocker, base = (draw.uniform(*range_) for range_ in ((0.05, 0.12), (0.25, 0.4), (0.2, 0.3), (0.25, 0.35)))
+    crank, coupler, rocker, base = (draw.uniform(*range_)
+                                    for range_ in ((0.05, 0.12), (0.25, 0.4), (0.2, 0.3), (0.25, 0.35)))
     angle = draw.uniform(0, 2 * math.pi)
     ax, ay = crank * math.cos(angle), crank * math.sin(angle)
     dx, dy = base - ax, -ay
@@ -164,7 +167,8 @@ def linkages(draw):
     text = "gravity = [0, -9.81]\nduration = 0.5\nstep = 0.05\n\n"
     masses = [draw.uniform(0.3, 1.5) for _ in range(3)]
     text += body("crank", masses[0], masses[0] * crank**2 / 12, (ax / 2, ay / 2), angle, omega=draw.uniform(-15, 15))
-    text += body("coupler", masses[1], masses[1] * coupler**2 / 12, ((ax + bx) / 2, (ay + by) / 2), math.atan2(by - ay, bx - ax))
+    text += body("coupler", masses[1], masses[1] * coupler**2 / 12, ((ax + bx) / 2, (ay + by) / 2),
+                 math.atan2(by - ay, bx - ax))
     text += body("rocker", masses[2], masses[2] * rocker**2 / 12, ((base + bx) / 2, by / 2), math.atan2(by, bx - base))
     for name, bodies, point_a, point_b in (("shaft", ("ground", "crank"), (0, 0), (-crank / 2, 0)),
                                            ("A", ("crank", "coupler"), (crank / 2, 0), (-coupler / 2, 0)),
@@ -173,9 +177,9 @@ def linkages(draw):
                       point_b=vector(*point_b))
     text += table("load", name='"motor"', body='"crank"', torque=number(draw.uniform(-1, 1)))
     radius = 0.01
-    text += table("contact", kind='"journal"', name='"B"', bodies=quoted("coupler", "rocker"), centre_a=vector(coupler / 2, 0),
-                  centre_b=vector(rocker / 2, 0), radius_a=number(radius),
-                  radius_b=number(radius * (1 + 10 ** draw.uniform(-2.5, -1))), **law)
+    text += table("contact", kind='"journal"', name='"B"', bodies=quoted("coupler", "rocker"),
+                  centre_a=vector(coupler / 2, 0), centre_b=vector(rocker / 2, 0), radius_a=number(radius),
+                  radius_b=number(radius * (1 + 10**draw.uniform(-2.5, -1))), **law)
     if draw.random() < 0.5:
         text += table("contact", kind='"limit"', name='"stop"', joint='"D"',
                       lower=number(math.atan2(by, bx - base) - draw.uniform(0.05, 0.5)), e_n=law["e_n"])
@@ -213,7 +217,8 @@ def run(program, file, integrator, limit, *more):
 
 
 def contradicted(program, file, exact, limit):
-    """Whether moreau-jean, at two steps, differs from `exact` by more than ten times what they differ by; None: no answer."""
+    """Whether moreau-jean, at two steps, differs from `exact` by more than ten times what they differ by; None: no
+    answer."""
     ends = [run(program, file, "moreau-jean", limit, "--step", step)[0] for step in ("2e-4", "5e-5")]
     if None in ends:
         return None
@@ -232,7 +237,13 @@ def judge(program, reference, kind, seed, tolerances, limit, keep, witness=False
         references = IN_SPACE if kind in tolerance_space.KINDS else REFERENCES
         exact, near = (run(reference, file, spec, limit)[0] for spec in references)
         verdicts = []
-        if witness and exact is not None and near is not None and off(near, exact) < 1e-6 and contradicted(program, file, exact, limit):
+        if (
+            witness
+            and exact is not None
+            and near is not None
+            and off(near, exact) < 1e-6
+            and contradicted(program, file, exact, limit)
+        ):
             print(f"{kind} {seed}: moreau-jean contradicts the reference", flush=True)
         for rtol in tolerances:
             if exact is None or near is None or off(near, exact) > rtol:
@@ -264,22 +275,26 @@ def main(arguments=None):
     arguments = parser.parse_args(arguments)
     tolerances = [float(rtol) for rtol in arguments.rtol.split(",")]
     worst_share, least_judged = 0.0, 1.0
-    print(f"{'kind':10} {'rtol':>7} {'judged':>7} {'unknown':>8} {'word':>5} {'silent':>7} {'share':>8}  worst silent, seed")
+    print(f"{'kind':10} {'rtol':>7} {'judged':>7} {'unknown':>8} {'word':>5} {'silent':>7} {'share':>8}"
+          "  worst silent, seed")
     for kind in arguments.kinds.split(","):
         if kind not in KINDS:
             parser.error(f"--kinds: '{kind}': must be of {', '.join(KINDS)}")
         seeds = range(arguments.seed, arguments.seed + arguments.scenes)
         with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-            rows = list(pool.map(lambda seed: judge(arguments.orthant, arguments.reference or arguments.orthant, kind, seed,
-                                                    tolerances, arguments.limit, arguments.keep, arguments.witness), seeds))
+            rows = list(
+                pool.map(
+                    lambda seed: judge(arguments.orthant, arguments.reference or arguments.orthant, kind, seed,
+                                       tolerances, arguments.limit, arguments.keep, arguments.witness), seeds))
         for k, rtol in enumerate(tolerances):
-            count = {verdict: sum(row[k][0] == verdict for row in rows) for verdict in ("ok", "word", "silent", "unknown")}
+            count = {verdict: sum(row[k][0] == verdict for row in rows)
+                     for verdict in ("ok", "word", "silent", "unknown")}
             judged = len(rows) - count["unknown"]
             share = count["silent"] / max(1, judged)
             worst_share, least_judged = max(worst_share, share), min(least_judged, judged / len(rows))
             worst = max(((row[k][1], seed) for row, seed in zip(rows, seeds) if row[k][0] == "silent"), default=None)
-            print(f"{kind:10} {rtol:7.0e} {judged:7} {count['unknown']:8} {count['word']:5} {count['silent']:7} {share:8.2%}  "
-                  + (f"{worst[0]:.1e}, {worst[1]}" if worst else "-"), flush=True)
+            print(f"{kind:10} {rtol:7.0e} {judged:7} {count['unknown']:8} {count['word']:5} {count['silent']:7} "
+                  f"{share:8.2%}  " + (f"{worst[0]:.1e}, {worst[1]}" if worst else "-"), flush=True)
     return worst_share, least_judged
 
 

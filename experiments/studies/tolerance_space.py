@@ -1,7 +1,8 @@
 """Random scenes in space for experiments/studies/tolerance.py: balls, solids, mechanisms, as TOML.
 
-balls: three spheres fall onto a floor that slopes, and onto each other. solids: a box, a cylinder or an ellipsoid is thrown onto
-such a floor. sliders: a corner of a spinning body, a ball and a box slide on a slope until they stop, stick or roll.
+balls: three spheres fall onto a floor that slopes, and onto each other. solids: a box, a cylinder or an ellipsoid is
+thrown onto such a floor. sliders: a corner of a spinning body, a ball and a box slide on a slope until they stop, stick
+or roll.
 pendulums: two arms on a ball joint and a hinge, a ball at the end that strikes a wall, or in a socket with clearance.
 """
 import math
@@ -21,7 +22,8 @@ def table(element, **keys):
 
 
 def head(gravity, duration):
-    return f"dimension = 3\ngravity = {vector(*gravity)}\nduration = {number(duration)}\nstep = {number(duration / 20)}\n\n"
+    return (f"dimension = 3\ngravity = {vector(*gravity)}\nduration = {number(duration)}\n"
+            f"step = {number(duration / 20)}\n\n")
 
 
 def law_of(draw):
@@ -61,10 +63,10 @@ def balls(draw):
         radius, mass = draw.uniform(0.05, 0.15), draw.uniform(0.3, 2)
         place = [draw.uniform(-0.1, 0.1), draw.uniform(-0.1, 0.1), 0.2 + 0.35 * i + draw.uniform(0, 0.1)]
         placed.append(radius)
-        text += table("body", name=f'"ball{i}"', mass=number(mass), solid=f"{{sphere = {number(radius)}}}", position=vector(*place),
-                      velocity=vector(*vector_of(draw, 1)), omega=vector(*vector_of(draw, 20)))
-        contacts += table("contact", kind='"sphere-wall"', name=f'"floor{i}"', body=f'"ball{i}"', radius=number(radius), wall=FLOOR,
-                          **law)
+        text += table("body", name=f'"ball{i}"', mass=number(mass), solid=f"{{sphere = {number(radius)}}}",
+                      position=vector(*place), velocity=vector(*vector_of(draw, 1)), omega=vector(*vector_of(draw, 20)))
+        contacts += table("contact", kind='"sphere-wall"', name=f'"floor{i}"', body=f'"ball{i}"', radius=number(radius),
+                          wall=FLOOR, **law)
         for j in range(i):
             contacts += table("contact", kind='"sphere-sphere"', name=f'"pair{j}{i}"', bodies=f'["ball{j}", "ball{i}"]',
                               radius_a=number(placed[j]), radius_b=number(radius), **law)
@@ -85,7 +87,8 @@ def solids(draw):
         solid, contact = f"{{ellipsoid = {vector(*sizes)}}}", {"kind": '"ellipsoid-wall"', "semi_axes": vector(*sizes)}
     height = draw.uniform(0.35, 0.5)
     text += table("body", name='"solid"', mass=number(draw.uniform(0.3, 2)), solid=solid, position=vector(0, 0, height),
-                  orientation=orientation(draw), velocity=vector(*vector_of(draw, 2)), omega=vector(*vector_of(draw, 10)))
+                  orientation=orientation(draw), velocity=vector(*vector_of(draw, 2)),
+                  omega=vector(*vector_of(draw, 10)))
     return text + table("contact", name='"floor"', body='"solid"', wall=FLOOR, **contact, **law)
 
 
@@ -97,17 +100,20 @@ def sliders(draw):
     velocity = vector(speed * math.cos(turn), speed * math.sin(turn), 0)
     law = {"mu": number(mu), "e_n": "0.0"}
     if kind == "ball":
-        text += table("body", name='"ball"', mass="1.0", solid=f"{{sphere = {number(radius)}}}", position=vector(0, 0, radius),
-                      velocity=velocity, omega=vector(*vector_of(draw, 40)))
-        return text + table("contact", kind='"sphere-wall"', name='"floor"', body='"ball"', radius=number(radius), wall=FLOOR, **law)
+        text += table("body", name='"ball"', mass="1.0", solid=f"{{sphere = {number(radius)}}}",
+                      position=vector(0, 0, radius), velocity=velocity, omega=vector(*vector_of(draw, 40)))
+        return text + table("contact", kind='"sphere-wall"', name='"floor"', body='"ball"', radius=number(radius),
+                            wall=FLOOR, **law)
     if kind == "box":
         size = [draw.uniform(0.1, 0.3), draw.uniform(0.1, 0.3), draw.uniform(0.02, 0.05)]
-        text += table("body", name='"box"', mass="1.0", solid=f"{{box = {vector(*size)}}}", position=vector(0, 0, size[2] / 2),
-                      velocity=velocity)
-        return text + table("contact", kind='"box-wall"', name='"floor"', body='"box"', size=vector(*size), wall=FLOOR, **law)
+        text += table("body", name='"box"', mass="1.0", solid=f"{{box = {vector(*size)}}}",
+                      position=vector(0, 0, size[2] / 2), velocity=velocity)
+        return text + table("contact", kind='"box-wall"', name='"floor"', body='"box"', size=vector(*size), wall=FLOOR,
+                            **law)
     text += table("body", name='"puck"', mass="1.0", inertia=number(0.01), position="[0, 0, 0]", velocity=velocity,
                   omega=vector(0, 0, draw.uniform(-5, 5)))
-    return text + table("contact", kind='"corner-wall"', name='"floor"', body='"puck"', point="[0, 0, 0]", wall=FLOOR, **law)
+    return text + table("contact", kind='"corner-wall"', name='"floor"', body='"puck"', point="[0, 0, 0]", wall=FLOOR,
+                        **law)
 
 
 def pendulums(draw):
@@ -118,18 +124,22 @@ def pendulums(draw):
     for i, (length, middle) in enumerate(((first, first / 2), (second, first + second / 2))):
         moments = [masses[i] * length**2 / 12, masses[i] * length**2 / 12, masses[i] * length**2 / 60]
         spin = draw.uniform(-3, 3)
-        text += table("body", name=f'"arm{i}"', mass=number(masses[i]), inertia=vector(moments[2], moments[0], moments[1]),
-                      position=vector(middle, 0, 0), omega=vector(spin if i == 0 else 0, draw.uniform(-3, 3) if i == 0 else 0, 0))
+        text += table("body", name=f'"arm{i}"', mass=number(masses[i]),
+                      inertia=vector(moments[2], moments[0], moments[1]), position=vector(middle, 0, 0),
+                      omega=vector(spin if i == 0 else 0,
+                                   draw.uniform(-3, 3) if i == 0 else 0, 0))
     text += table("joint", kind='"spherical"', name='"shoulder"', bodies='["ground", "arm0"]', point_a=vector(0, 0, 0),
                   point_b=vector(-first / 2, 0, 0))
     if draw.random() < 0.5:
         clearance = radius * 10 ** draw.uniform(-2, -0.5)
-        text += table("contact", kind='"socket"', name='"elbow"', bodies='["arm0", "arm1"]', centre_a=vector(first / 2, 0, 0),
-                      centre_b=vector(-second / 2, 0, 0), radius_a=number(radius), radius_b=number(radius + clearance), **law)
+        text += table("contact", kind='"socket"', name='"elbow"', bodies='["arm0", "arm1"]',
+                      centre_a=vector(first / 2, 0, 0), centre_b=vector(-second / 2, 0, 0), radius_a=number(radius),
+                      radius_b=number(radius + clearance), **law)
         return text
-    text += table("joint", kind='"revolute"', name='"elbow"', bodies='["arm0", "arm1"]', point_a=vector(first / 2, 0, 0),
-                  point_b=vector(-second / 2, 0, 0), axis=vector(*direction(draw)))
-    wall = f'{{body = "ground", point = {vector(0, 0, -draw.uniform(0.3, 0.9) * (first + second))}, normal = [0, 0, 1]}}'
+    text += table("joint", kind='"revolute"', name='"elbow"', bodies='["arm0", "arm1"]',
+                  point_a=vector(first / 2, 0, 0), point_b=vector(-second / 2, 0, 0), axis=vector(*direction(draw)))
+    depth = draw.uniform(0.3, 0.9) * (first + second)
+    wall = f'{{body = "ground", point = {vector(0, 0, -depth)}, normal = [0, 0, 1]}}'
     return text + table("contact", kind='"sphere-wall"', name='"wall"', body='"arm1"', centre=vector(second / 2, 0, 0),
                         radius=number(radius), wall=wall, **law)
 

@@ -1,5 +1,5 @@
-#include <orthant/core/support/options.h>
 #include <orthant/integrators/between_events/contact_transition.h>
+#include <orthant/integrators/between_events/transition_words.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
@@ -114,69 +114,35 @@ bool ContactTransition::relax() {
   return true;
 }
 
-std::string ContactTransition::names(const Vector& u) const {
-  constexpr double kPart = 1e-6;
-  std::string names;
-  for (std::size_t i = 0; i < candidates.size() && u.size() > 0; ++i)
-    if (std::abs(u[static_cast<Index>(i)]) > kPart * u.lpNorm<Eigen::Infinity>())
-      names += (names.empty() ? "\"" : ", \"") +
-               std::visit([](const auto& c) { return c.name; },
-                          system_.scene().contacts[static_cast<std::size_t>(candidates[i].contact)]) +
-               "\"";
-  return names;
-}
-
 /// The judge's status, `unsupported` for several solutions; why_ says so in words.
 Status ContactTransition::examine(Solver& solver, const Eigen::VectorXd& free) {
   constexpr Index kMostRows = 12;
   constexpr int kPasses = 10;
-  constexpr double kSameMotion = 1e-9;  // of what the forces add up to
-  constexpr double kLost = 1e12;        // of all accelerations: forces that make so much of them have lost all digits
   why_.clear(), undecided_ = false;
   for (int pass = 0; pass == 0 || (pass < kPasses && relax()); ++pass) solver.solve(lcp_, solution_);
   refinement_.improve(lcp_, solution_);
   Proof proved = proof();
   if (!has_answer(solution_.status) && proved == Proof::none) second_.solve(lcp_, solution_), proved = proof();
-  if (proved == Proof::paradox)
-    why_ = "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
-  if (proved == Proof::immobile)
-    why_ = "no motion satisfies contacts " +
-           names(solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray) +
-           (system_.joint_rows() > 0 ? " together with the joints" : " together");
+  const Vector& contradiction = solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray;
+  if (proved == Proof::paradox) why_ = kNoAcceleration;
+  if (proved == Proof::immobile) why_ = contacts_together("no motion satisfies", system_, candidates, contradiction);
   if (proved != Proof::none) return solution_.status;
   if (has_answer(solution_.status) && !doubtful()) return Status::solved;
   SolutionSet set;
   if (lcp_.size() <= kMostRows && finite(lcp_)) set = enumerate_solutions(lcp_);
   std::vector<Vector> found = set.isolated;
   for (const SolutionFace& face : set.faces) found.insert(found.end(), face.vertices.begin(), face.vertices.end());
-  std::vector<Vector> different;
-  Eigen::VectorXd one = free, other;
-  for (const Vector& z : found) {
-    if ((equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff() > kLost * lcp_.b.lpNorm<Eigen::Infinity>()) continue;
-    const auto same = [&](const Vector& known) {
-      one = free, other = free;
-      equations_.act(known, one), equations_.act(z, other);
-      const double size = free.lpNorm<Eigen::Infinity>() + (equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff();
-      return (one - other).lpNorm<Eigen::Infinity>() <= kSameMotion * size;
-    };
-    if (std::none_of(different.begin(), different.end(), same)) different.push_back(z);
-  }
+  const std::vector<Vector> different = with_different_accelerations(found, equations_, lcp_.b, free);
   if (different.size() > 1) {
-    why_ = "several acceleration-level solutions (Painleve), normal forces [N]:";
-    for (const Vector& z : different) {
-      for (std::size_t i = 0; i < candidates.size(); ++i)
-        why_ += (i == 0 ? " (" : ", ") + detail::text_of(z[static_cast<Index>(i)]);
-      why_ += ")";
-    }
+    why_ = several_in_words(different, candidates.size());
     return Status::unsupported;
   }
   undecided_ = !has_answer(solution_.status);
   if (undecided_) {
     why_ = solution_.status == Status::infeasible
-               ? "rounding leaves undecided whether accelerations satisfy contacts " +
-                     names(solution_.certificate.size() > 0 ? solution_.certificate : solution_.ray) +
-                     (system_.joint_rows() > 0 ? " together with the joints" : " together")
-               : "the problem at acceleration level was not solved, nor is it proved that it cannot be";
+               ? contacts_together("rounding leaves undecided whether accelerations satisfy", system_, candidates,
+                                   contradiction)
+               : std::string(kNotSolved);
     if (solution_.status == Status::infeasible) return Status::numerical_error;  // by rounding
   }
   return undecided_ ? solution_.status : Status::solved;

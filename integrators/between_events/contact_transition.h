@@ -50,7 +50,6 @@ class ContactTransition {
   Proof proof();
   bool immobile(const Vector& u);
   bool relax();
-  std::string names(const Vector& u) const;
   double zero() const;
   Status examine(Solver& solver, const Eigen::VectorXd& free);
   bool slide_off();

@@ -1,5 +1,5 @@
-#include <orthant/core/support/options.h>
 #include <orthant/integrators/between_events/spatial_transition.h>
+#include <orthant/integrators/between_events/transition_words.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
@@ -80,18 +80,6 @@ SpatialTransition::Proof SpatialTransition::proof() const {
   return moved <= kStill * most ? Proof::immobile : Proof::paradox;
 }
 
-std::string SpatialTransition::names(const Vector& u) const {
-  constexpr double kPart = 1e-6;
-  std::string names;
-  for (std::size_t i = 0; i < candidates.size() && u.size() > 0; ++i)
-    if (std::abs(u[static_cast<Index>(i)]) > kPart * u.lpNorm<Eigen::Infinity>())
-      names += (names.empty() ? "\"" : ", \"") +
-               std::visit([](const auto& c) { return c.name; },
-                          system_.scene().contacts[static_cast<std::size_t>(candidates[i].contact)]) +
-               "\"";
-  return names;
-}
-
 /// All forces of a single contact without slip.
 std::vector<Vector> SpatialTransition::all_of_one() const {
   constexpr int kDirections = 720, kBisections = 60;
@@ -127,8 +115,6 @@ std::vector<Vector> SpatialTransition::all_of_one() const {
 /// All solutions with different accelerations. False: they are not looked for.
 bool SpatialTransition::find_all(const Eigen::VectorXd& free, std::vector<Vector>& different) const {
   constexpr Index kMostRows = 12;
-  constexpr double kSameMotion = 1e-9;  // of what the forces add up to
-  constexpr double kLost = 1e12;        // of all accelerations: forces that make so much of them have lost all digits
   std::vector<Vector> found;
   if (lcp_.friction.empty() && lcp_.size() <= kMostRows && finite(lcp_)) {
     const SolutionSet set = enumerate_solutions(lcp_);
@@ -139,45 +125,27 @@ bool SpatialTransition::find_all(const Eigen::VectorXd& free, std::vector<Vector
   } else {
     return false;
   }
-  Eigen::VectorXd one, other;
-  for (const Vector& z : found) {
-    if ((equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff() > kLost * lcp_.b.lpNorm<Eigen::Infinity>()) continue;
-    const auto same = [&](const Vector& known) {
-      one = free, other = free;
-      equations_.act(known, one), equations_.act(z, other);
-      const double size = free.lpNorm<Eigen::Infinity>() + (equations_.A.cwiseAbs() * z.cwiseAbs()).maxCoeff();
-      return (one - other).lpNorm<Eigen::Infinity>() <= kSameMotion * size;
-    };
-    if (std::none_of(different.begin(), different.end(), same)) different.push_back(z);
-  }
+  different = with_different_accelerations(found, equations_, lcp_.b, free);
   return true;
 }
 
 /// The judge's status, `unsupported` for several solutions; why_ says so in words.
 Status SpatialTransition::examine(const Eigen::VectorXd& free) {
-  constexpr std::string_view kNone =
-      "no acceleration-level solution (none: friction and contact are inconsistent here, Painleve)";
   if (has_answer(solution_.status) && !doubtful()) return Status::solved;
   const Proof proved = proof();
-  if (proved == Proof::paradox) why_ = kNone;
+  if (proved == Proof::paradox) why_ = kNoAcceleration;
   if (proved == Proof::immobile)
-    why_ = "no motion satisfies contacts " + names(solution_.certificate) +
-           (system_.joint_rows() > 0 ? " together with the joints" : " together");
+    why_ = contacts_together("no motion satisfies", system_, candidates, solution_.certificate);
   if (proved != Proof::none) return solution_.status;
   std::vector<Vector> all;
   const bool complete = find_all(free, all);
   if (all.size() > 1) {
-    why_ = "several acceleration-level solutions (Painleve), normal forces [N]:";
-    for (const Vector& z : all) {
-      for (std::size_t i = 0; i < candidates.size(); ++i)
-        why_ += (i == 0 ? " (" : ", ") + detail::text_of(z[static_cast<Index>(i)]);
-      why_ += ")";
-    }
+    why_ = several_in_words(all, candidates.size());
     return Status::unsupported;
   }
   if (has_answer(solution_.status)) return Status::solved;
   if (complete && all.empty()) {
-    why_ = kNone;
+    why_ = kNoAcceleration;
     return Status::infeasible;
   }
   if (complete) {  // the solver missed it
@@ -186,9 +154,9 @@ Status SpatialTransition::examine(const Eigen::VectorXd& free) {
   }
   undecided_ = true;
   why_ = solution_.status == Status::infeasible
-             ? "rounding leaves undecided whether accelerations satisfy contacts " + names(solution_.certificate) +
-                   (system_.joint_rows() > 0 ? " together with the joints" : " together")
-             : "the problem at acceleration level was not solved, nor is it proved that it cannot be";
+             ? contacts_together("rounding leaves undecided whether accelerations satisfy", system_, candidates,
+                                 solution_.certificate)
+             : std::string(kNotSolved);
   return solution_.status == Status::infeasible ? Status::numerical_error : solution_.status;
 }
 

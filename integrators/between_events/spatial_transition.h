@@ -56,7 +56,6 @@ class SpatialTransition {
   bool doubtful() const;
   enum class Proof { none, immobile, paradox };  // immobile: of a combination that no force moves
   Proof proof() const;
-  std::string names(const Vector& u) const;
   std::vector<Vector> all_of_one() const;
   bool find_all(const Eigen::VectorXd& free, std::vector<Vector>& different) const;
   Status examine(const Eigen::VectorXd& free);

@@ -1,8 +1,8 @@
 """Is the article's every number computed? Fails, naming file and line, when
 
-  a number is typed by hand   digits in the text, names in \\code{} included; in a formula two digits, a decimal, a digit
-                              before a unit, a digit alone, one above 1 after a relation (any other single digit there is structure);
-                              a number in words, but for those of STRUCTURE
+  a number is typed by hand   digits in the text, names in \\code{} included; in a formula two digits, a decimal, a
+                              digit before a unit, a digit alone, one above 1 after a relation (any other single digit
+                              there is structure); a number in words, but for those of STRUCTURE
   a key \\R{…} or a generated file is not there, or one that is there is not used
   generated/ is not what tables.py makes of data/
   a study has been changed since data/ was computed   (its sweep file is another one, or its line in paper/results)
@@ -20,18 +20,23 @@ from tables import files  # noqa: E402
 from reduce import STUDIES, fingerprint  # noqa: E402
 
 # Commands whose arguments are names, not text; and lengths and column widths.
-NAMES = re.compile(r"\\(?:R|input|ref|eqref|label|includegraphics|begin|end|citep|citet|cite|bibliography|bibliographystyle|"
-                   r"vspace|hspace|setlength)\*?(?:\[[^\]]*\])*(?:\{[^{}]*\})+")
+NAMES = re.compile(
+    r"\\(?:R|input|ref|eqref|label|includegraphics|begin|end|citep|citet|cite|bibliography|bibliographystyle|"
+    r"vspace|hspace|setlength)\*?(?:\[[^\]]*\])*(?:\{[^{}]*\})+")
 CODE = re.compile(r"\\code\{[^{}]*\}")
-WORDS = re.compile(r"\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve|\w+teen|(?:twenty|thirty|forty|fifty|sixty|seventy|eighty|ninety)(?:-\w+)?|dozens?|"
-                   r"hundred\w*|thousand\w*|million\w*|billion\w*|(?:four|fif|six|seven|eigh|nin|ten|eleven|twelf|\w+teen|\w+tie)ths?|half|thirds?|quarters?|two (?:of|values|runs|scenes|starts|schemes|solvers|where))\b",
-                   re.I)
-# Numbers in words that no run could change: parts of the mechanism, of a formula, of the text itself; names of errors in a table.
-STRUCTURE = ("ask five questions", "Three findings stand out", "The contribution is threefold", "four corners, two walls",
-             "three degrees of freedom", "has three rows a contact", "fall into four kinds", "Third, started tilted",
-             "four-bar", "each digit costs ten times the work", "a hundredth of a radian", "A thousandth takes",
-             "reaches a millionth", "at most half the time", "a thousand-millionth", "hundreds of contacts",
-             "Two schemes satisfy", "two runs of a study", "has two starts")
+WORDS = re.compile(
+    r"\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve|\w+teen|"
+    r"(?:twenty|thirty|forty|fifty|sixty|seventy|eighty|ninety)(?:-\w+)?|dozens?|"
+    r"hundred\w*|thousand\w*|million\w*|billion\w*|"
+    r"(?:four|fif|six|seven|eigh|nin|ten|eleven|twelf|\w+teen|\w+tie)ths?|half|thirds?|quarters?|"
+    r"two (?:of|values|runs|scenes|starts|schemes|solvers|where))\b", re.I)
+# Numbers in words that no run could change: parts of the mechanism, of a formula, of the text itself; names of errors
+# in a table.
+STRUCTURE = ("ask five questions", "Three findings stand out", "The contribution is threefold",
+             "four corners, two walls", "three degrees of freedom", "has three rows a contact", "fall into four kinds",
+             "Third, started tilted", "four-bar", "each digit costs ten times the work", "a hundredth of a radian",
+             "A thousandth takes", "reaches a millionth", "at most half the time", "a thousand-millionth",
+             "hundreds of contacts", "Two schemes satisfy", "two runs of a study", "has two starts")
 MATHS = re.compile(r"\$.+?\$|\\begin\{(equation|align|gather)\*?\}.*?\\end\{\1\*?\}|\\\[.*?\\\]", re.S)
 
 
@@ -45,7 +50,11 @@ def hand_typed(text):
     maths = [(m.start(), m.group(0)) for m in MATHS.finditer(text)]
     for start, formula in maths:
         plain = NAMES.sub(blank, formula)
-        for m in re.finditer(r"\d*\.\d+|\d{2,}|\d(?=\\,\\mathrm)|(?<=^\$)\d(?=\$$)|(?<=[=<>])\s*[2-9]|(?:\\(?:le|ge|approx|sim)\b\s*)[2-9]", plain):
+        for m in re.finditer(
+            r"\d*\.\d+|\d{2,}|\d(?=\\,\\mathrm)|(?<=^\$)\d(?=\$$)|(?<=[=<>])\s*[2-9]|"
+            r"(?:\\(?:le|ge|approx|sim)\b\s*)[2-9]",
+            plain,
+        ):
             yield text.count("\n", 0, start + m.start()) + 1, m.group(0).strip()
     words = NAMES.sub(blank, MATHS.sub(blank, text))
     for m in re.finditer(r"\d[\d.,]*", words):
@@ -75,7 +84,9 @@ def problems():
     yield from (f"no number '{key}', which the text wants" for key in sorted(used - known))
     yield from (f"the number '{key}' is computed, but not used" for key in sorted(known - used))
     yield from (f"no table '{name}', which the text wants" for name in sorted(tables - {n[:-4] for n in made}))
-    yield from (f"the table '{name}' is computed, but not used" for name in sorted({n[:-4] for n in made} - tables - {"numbers"}))
+    yield from (f"the table '{name}' is computed, but not used"
+                for name in sorted({n[:-4]
+                                    for n in made} - tables - {"numbers"}))
     for name, text in made.items():
         path = PAPER / "generated" / name
         if not path.exists() or path.read_text() != text:
@@ -86,7 +97,11 @@ def problems():
         sweep = (STUDIES / f"{study}.sweep.toml").exists()
         if about.get("asked") != fingerprint(study) if sweep else about["command"] not in commands:
             yield f"data/{path.name}: the study has changed since: run paper/results"
-    cited = {key.strip() for keys in re.findall(r"\\cite[pt]?(?:\[[^\]]*\])?\{([^}]+)\}", whole) for key in keys.split(",")}
+    cited = {
+        key.strip()
+        for keys in re.findall(r"\\cite[pt]?(?:\[[^\]]*\])?\{([^}]+)\}", whole)
+        for key in keys.split(",")
+    }
     entries = set(re.findall(r"@\w+\{([^,]+),", (PAPER / "references.bib").read_text()))
     yield from (f"references.bib has no '{key}'" for key in sorted(cited - entries))
     yield from (f"references.bib: '{key}' is not cited" for key in sorted(entries - cited))

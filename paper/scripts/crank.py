@@ -31,14 +31,15 @@ def time_to_error():
 
 
 def reference():
-    """What is said of the exact motion where it stands: (agreement [rad], time to which e = 0.9 is well conditioned [s], final
-    theta1 by (mu, e))."""
+    """What is said of the exact motion where it stands: (agreement [rad], time to which e = 0.9 is well conditioned
+    [s], final theta1 by (mu, e))."""
     scenes = PAPER.parent / "core/scenes"
     said = re.sub(r"\n//\s*", " ", (scenes / "slider_crank_exact.h").read_text())
     agreement = re.search(r"two tolerance sets agree to ([\d.e-]+) rad", said).group(1)
     until = re.search(r"with e = 0\.9 to about ([\d.]+) s only", said).group(1)
     golden = re.search(r"kGolden\[\] = \{(.*?)\n\};", (scenes / "slider_crank_exact.cpp").read_text(), re.S).group(1)
-    lines = [[float(x) for x in re.sub(r"//.*", "", line).strip(" {},").split(",")] for line in golden.split("\n") if line.strip().startswith("{")]
+    lines = [[float(x) for x in re.sub(r"//.*", "", line).strip(" {},").split(",")] for line in golden.split("\n")
+             if line.strip().startswith("{")]
     return float(agreement), float(until), {(mu, e): theta1 for mu, e, theta1, *_ in lines}
 
 
@@ -81,10 +82,15 @@ def numbers(n):
     n["crank/moreau_runs"], n["crank/moreau_failed"] = count(len(moreau)), words(len(moreau) - len(solved(moreau)))
     n["crank/joint_residual"] = tex(max(row["max_joint_residual"] for row in solved(fixed_runs)), 1)
     n["crank/lcp_residual"] = tex(max(row["max_lcp_residual"] for row in solved(fixed_runs)), 1)
-    best = [min((row for row in pick(solved(table), integrator="event-driven", mu=mu, e=e)), key=lambda r: r["rtol"])["error"]
-            for mu in (0, 0.01, 0.1) for e in (0, WELL)]
-    n["crank/adaptive_best"] = tex(max(min(row["error"] for row in pick(solved(table), integrator="adaptive", mu=mu, e=e))
-                                       for mu in (0, 0.01, 0.1) for e in (0, WELL)), 1) + unit("rad")
+    best = [
+        min((row
+             for row in pick(solved(table), integrator="event-driven", mu=mu, e=e)), key=lambda r: r["rtol"])["error"]
+        for mu in (0, 0.01, 0.1) for e in (0, WELL)
+    ]
+    n["crank/adaptive_best"] = tex(
+        max(
+            min(row["error"] for row in pick(solved(table), integrator="adaptive", mu=mu, e=e)) for mu in (0, 0.01, 0.1)
+            for e in (0, WELL)), 1) + unit("rad")
     n["crank/event_driven_best"] = tex(max(best), 1)
     ratios = [near(table, CLASSICAL, mu, e) / near(table, SYMMETRIC, mu, e) for mu in (0, 0.01, 0.1) for e in (0, WELL)]
     n["crank/ratio_least"], n["crank/ratio_most"] = tex(min(ratios)), tex(max(ratios))
@@ -112,10 +118,17 @@ def numbers(n):
     low, middle, high = quantiles(pairs, n=4)
     n["crank/cost_ratio"], n["crank/cost_low"], n["crank/cost_high"] = tex(middle), tex(low), tex(high)
     scatter = [row["slowest"] / row["seconds"] - 1 for row in solved(table) if row["slowest"]]
-    n["crank/scatter_median"], n["crank/scatter_most"] = (rf"{tex(100 * x, 1)}\,\%" for x in (median(scatter), max(scatter)))
+    n["crank/scatter_median"], n["crank/scatter_most"] = (rf"{tex(100 * x, 1)}\,\%"
+                                                          for x in (median(scatter), max(scatter)))
     slow, quick = ([row for name, row in times.items() if (name in FIXED) == fixed] for fixed in (True, False))
-    cheapest = {k: [min((row[k] for row in some if row[k]), default=math.inf) for some in (slow, quick)] for k in TARGETS}
-    wins = [k for i, k in enumerate(TARGETS) if all(quick <= CLEARLY * slow for slow, quick in (cheapest[j] for j in TARGETS[i:]))]
+    cheapest = {
+        k: [min((row[k] for row in some if row[k]), default=math.inf) for some in (slow, quick)]
+        for k in TARGETS
+    }
+    wins = [
+        k for i, k in enumerate(TARGETS)
+        if all(quick <= CLEARLY * slow for slow, quick in (cheapest[j] for j in TARGETS[i:]))
+    ]
     n["crank/tolerance_from"] = tex(float(wins[0]), 1) + unit("rad")
     n["crank/fixed_then"], n["crank/tolerance_then"] = (tex(ms) + unit("ms") for ms in cheapest[wins[0]])
     last = max(slow, key=lambda row: sum(row[k] is not None for k in TARGETS))
@@ -126,7 +139,8 @@ def numbers(n):
     n["crank/repeats"] = numeral(int(max(row["repeats"] for row in table)))
     runner = (PAPER.parent / "experiments/sweep/case.cpp").read_text()
     n["crank/repeats_least"] = numeral(int(re.search(r"kLeast = (\d+);", runner).group(1)))
-    n["crank/mus"], n["crank/es_well"] = numeral(len({mu for mu, e in final})), numeral(len({e for mu, e in final if e <= WELL}))
+    n["crank/mus"] = numeral(len({mu for mu, e in final}))
+    n["crank/es_well"] = numeral(len({e for mu, e in final if e <= WELL}))
     n["crank/near_share"] = rf"{tex(100 * (NEAR[1] - NEAR[0]) / sum(NEAR), 2)}\,\%"
     solver_share(n, table)
     n["crank/symmetric_e3"] = tex(times[SYMMETRIC]["1e-3"]) + unit("ms")
@@ -149,17 +163,29 @@ def numbers(n):
     n["machine/compiler"] = made["compiler"]
     figures = tomllib.loads(FIGURES.read_text(encoding="utf-8"))["time_to_error"]
     n["machine/times"] = figures["machine"]
-    n["machine/times_date"], n["machine/times_revision"] = figures["date"], code(figures["revision"].removesuffix("+changes"))
+    n["machine/times_date"], n["machine/times_revision"] = (
+        figures["date"],
+        code(figures["revision"].removesuffix("+changes")),
+    )
 
 
 def solver_share(n, table):
     """Solvers away from the one setting at which all of them are run: do they end, and with the same motion?"""
-    others = [row for row in table if row["repeats"] == 0 and row["solver"] not in ("lemke", "ipopt", "nlopt") and row["e"] != WELL]
+    others = [
+        row for row in table
+        if row["repeats"] == 0 and row["solver"] not in ("lemke", "ipopt", "nlopt") and row["e"] != WELL
+    ]
     key = ("integrator", "mu", "e", "step")
     settings = {tuple(row[k] for k in key) for row in others}
     lemke = {tuple(row[k] for k in key): row["error"] for row in pick(solved(table), solver="lemke", repeats=0)}
-    n["solvers/share_runs"], n["solvers/share_solvers"] = count(len(others)), count(len({row["solver"] for row in others}))
-    n["solvers/share_settings"], n["solvers/share_schemes"] = count(len(settings)), numeral(len({s[0] for s in settings}))
+    n["solvers/share_runs"], n["solvers/share_solvers"] = (
+        count(len(others)),
+        count(len({row["solver"] for row in others})),
+    )
+    n["solvers/share_settings"], n["solvers/share_schemes"] = (
+        count(len(settings)),
+        numeral(len({s[0] for s in settings})),
+    )
     n["solvers/share_unsolved"] = unsolved(others, "solver")
     n["solvers/share_refused"] = words(len(pick(others, status="unsupported")))
     n["solvers/share_apart"] = tex(max(abs(row["error"] - lemke[at]) for row in solved(others)
@@ -192,7 +218,10 @@ def tables(t):
         for keep in (lambda e: e == 0, lambda e: e == WELL, lambda e: e > WELL):
             some = fits(integrator, keep)
             orders = [fit["order"] for fit in some]
-            line += [rf"{tex(min(orders), 3)} \dots\ {tex(max(orders), 3)}", tex(max(fit["scatter"] for fit in some), 1)]
+            line += [
+                rf"{tex(min(orders), 3)} \dots\ {tex(max(orders), 3)}",
+                tex(max(fit["scatter"] for fit in some), 1)
+            ]
         lines.append(line)
     es = [tex(e, 1) for e in (0, 0.4, 0.9)]
     t["orders"] = tabular("lllllll", ["scheme"] + [x for e in es for x in (rf"$e = {e}$", "scatter")], lines)

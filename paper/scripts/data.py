@@ -92,8 +92,11 @@ def tabular(columns, header, lines):
 
 def short(integrator):
     """A name that distinguishes the two treatments of the joints of moreau-jean."""
-    names = {"moreau-jean:joints=position": r"\code{moreau-jean}, classical",
-             "moreau-jean:joints=symmetric": r"\code{moreau-jean}, symmetric", "moreau-jean": r"\code{moreau-jean}, symmetric"}
+    names = {
+        "moreau-jean:joints=position": r"\code{moreau-jean}, classical",
+        "moreau-jean:joints=symmetric": r"\code{moreau-jean}, symmetric",
+        "moreau-jean": r"\code{moreau-jean}, symmetric"
+    }
     return names.get(integrator) or code(re.sub(":.*", "", integrator))
 
 

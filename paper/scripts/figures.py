@@ -13,11 +13,14 @@ sys.path.insert(0, str(PAPER.parent / "experiments/studies/plots"))
 from plot_friction import COLOURS, draw_modes  # noqa: E402
 from plotting import BLUE, GREEN, GREY, ORANGE, PINK, RED, STYLE  # noqa: E402
 
-LOOK = {"moreau-jean:joints=position": (ORANGE, "s", "moreau-jean, classical"), "moreau-jean:joints=symmetric": (BLUE, "o", "moreau-jean, symmetric"),
-        "moreau-jean": (BLUE, "o", "moreau-jean, symmetric"),
-        "stewart-trinkle": (GREEN, "^", "stewart-trinkle"), "anitescu-potra": ("#8C6D1F", "v", "anitescu-potra"),
-        "paoli-schatzman": (PINK, "P", "paoli-schatzman"), "generalized-alpha": ("#56B4E9", "D", "generalized-alpha"),
-        "rattle": (RED, "X", "rattle"), "adaptive": ("black", "*", "adaptive"), "event-driven": (GREY, "d", "event-driven")}
+LOOK = {
+    "moreau-jean:joints=position": (ORANGE, "s", "moreau-jean, classical"),
+    "moreau-jean:joints=symmetric": (BLUE, "o", "moreau-jean, symmetric"), "moreau-jean": (BLUE, "o",
+                                                                                           "moreau-jean, symmetric"),
+    "stewart-trinkle": (GREEN, "^", "stewart-trinkle"), "anitescu-potra": ("#8C6D1F", "v", "anitescu-potra"),
+    "paoli-schatzman": (PINK, "P", "paoli-schatzman"), "generalized-alpha": ("#56B4E9", "D", "generalized-alpha"),
+    "rattle": (RED, "X", "rattle"), "adaptive": ("black", "*", "adaptive"), "event-driven": (GREY, "d", "event-driven")
+}
 ERROR = r"error of $\theta_1$ [rad]"
 
 
@@ -43,7 +46,8 @@ def finish(figure, grid, folder, name, columns=5, room=0.105, each=False):
     if each:
         for axes in grid:
             centre = (axes.get_position().x0 + axes.get_position().x1) / 2
-            figure.legend(*axes.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(centre, room), ncol=columns, **look)
+            figure.legend(*axes.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(centre, room),
+                          ncol=columns, **look)
     else:
         handles = {h.get_label(): h for axes in grid for h in axes.get_legend_handles_labels()[0]}
         figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=columns, **look)
@@ -68,7 +72,8 @@ def convergence(folder):
 def cost(folder):
     table = [row for row in solved(rows("slider_crank")) if row["repeats"] and row["error"]]
     figure, grid = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True)
-    for axes, x, label in zip(grid, ("seconds", "lcp_solves"), ("processor time [s]", "complementarity problems solved")):
+    for axes, x, label in zip(grid, ("seconds", "lcp_solves"),
+                              ("processor time [s]", "complementarity problems solved")):
         for integrator in dict.fromkeys(row["integrator"] for row in table):
             own = pick(table, integrator=integrator)
             settings = {row["rtol"] or row["step"] for row in own}
@@ -104,21 +109,26 @@ def modes(folder):
     figure, axes = plt.subplots(figsize=(7.2, 3.6))
     draw_modes(axes, [(r["mu"], r["face"], r["begin"], r["end"], r["mode"], r["tilt"]) for r in rows("friction.modes")])
     figure.tight_layout(rect=(0, 0.07, 1, 1))
-    figure.legend(handles=[Patch(color=colour, label=mode) for mode, colour in COLOURS.items()], loc="lower center", ncol=3, fontsize=7)
+    figure.legend(handles=[Patch(color=colour, label=mode) for mode, colour in COLOURS.items()], loc="lower center",
+                  ncol=3, fontsize=7)
     figure.savefig(folder / "modes.pdf", metadata={"CreationDate": None})
     plt.close(figure)
 
 
 def tilt(folder):
     figure, grid = plt.subplots(1, 2, figsize=(7.2, 3.1))
-    fits = [fit for fit in load("clearance.orders") if fit["e"] == 0.4 and fit["clearance"] == 0.001 and fit["integrator"] == "rattle"]
+    fits = [
+        fit for fit in load("clearance.orders")
+        if fit["e"] == 0.4 and fit["clearance"] == 0.001 and fit["integrator"] == "rattle"
+    ]
     for fit, colour, marker in zip(fits, (BLUE, GREEN, ORANGE, RED, PINK), "os^vD"):
         grid[0].plot(*zip(*fit["worst"]), color=colour, marker=marker, markersize=4, linewidth=1.1,
                      label=rf"$\omega_3 = {power_of_ten(fit['omega3'])}$ rad/s")
     grid[0].set(xscale="log", yscale="log", xlabel="step size $h$ [s]", ylabel=ERROR)
     ensemble = [row for row in solved(rows("clearance")) if row["repeats"]]
     for integrator in dict.fromkeys(row["integrator"] for row in ensemble):
-        line(grid[1], integrator, [(r["omega3"], r["value"]) for r in pick(ensemble, integrator=integrator)], linestyle="none")
+        line(grid[1], integrator, [(r["omega3"], r["value"]) for r in pick(ensemble, integrator=integrator)],
+             linestyle="none")
     grid[1].ticklabel_format(useOffset=False)
     grid[1].set(xlabel=r"initial $\omega_3$ [rad/s]", ylabel=r"$\theta_1$ at the end [rad]")
     finish(figure, grid, folder, "tilt", 2, room=0.17, each=True)
@@ -127,7 +137,8 @@ def tilt(folder):
 def energy(folder):
     table = [row for row in solved(rows("conservation")) if row["rtol"] is None]
     figure, grid = plt.subplots(1, 3, figsize=(7.2, 3.4))
-    for axes, scene, name in zip(grid, ("chain", "slider_crank_ideal", "floating_box"), ("double pendulum", "ideal slider-crank", "floating box: spin")):
+    for axes, scene, name in zip(grid, ("chain", "slider_crank_ideal", "floating_box"),
+                                 ("double pendulum", "ideal slider-crank", "floating box: spin")):
         own = [row for row in table if scene in row["scene"]]
         if scene == "floating_box":
             own = pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})
@@ -144,7 +155,8 @@ def derivatives(folder):
     figure, axes = plt.subplots(figsize=(4.6, 3.4))
     table = rows("gradients")
     exact = pick(table, step=0.0)[0]
-    for key, colour, marker, label in (("theta", GREY, "d", r"$\theta_1$"), ("mu", BLUE, "o", r"$\partial\theta_1/\partial\mu$"),
+    for key, colour, marker, label in (("theta", GREY, "d", r"$\theta_1$"), ("mu", BLUE, "o",
+                                                                             r"$\partial\theta_1/\partial\mu$"),
                                        ("e", GREEN, "^", r"$\partial\theta_1/\partial e$"),
                                        ("clearance", RED, "s", r"$\partial\theta_1/\partial c$")):
         points = [(row["step"], abs(row[key] / exact[key] - 1)) for row in table if row["step"] > 0]
@@ -155,8 +167,11 @@ def derivatives(folder):
 
 def main(folder):
     plt.switch_backend("Agg")
-    plt.rcParams.update(STYLE | {"font.family": "serif", "font.serif": ["Latin Modern Roman", "DejaVu Serif"], "font.size": 8.5,
-                                 "mathtext.fontset": "cm", "axes.titlesize": 9})
+    plt.rcParams.update(
+        STYLE | {
+            "font.family": "serif", "font.serif": ["Latin Modern Roman", "DejaVu Serif"], "font.size": 8.5,
+            "mathtext.fontset": "cm", "axes.titlesize": 9
+        })
     folder.mkdir(parents=True, exist_ok=True)
     for draw in (convergence, cost, friction, modes, tilt, energy, derivatives):
         draw(folder)

@@ -1,4 +1,5 @@
-"""Derivatives of the crank angle, by steps and of the motion: gradients.py ORTHANT DATA. Writes gradients.csv and its about."""
+"""Derivatives of the crank angle, by steps and of the motion: gradients.py ORTHANT DATA. Writes gradients.csv and its
+about."""
 import csv
 import json
 import subprocess
@@ -24,8 +25,10 @@ def main(orthant, data):
         for step in (0, *STEPS):
             how = ["--step", str(step)] if step else ["--integrator", "event-driven", "--step", "0.2"]
             out.writerow([f"{step:g}", *(f"{x:.9g}" for x in gradient(orthant, *how))])
-    version = json.loads(subprocess.run([orthant, "--version", "--json"], check=True, capture_output=True, text=True).stdout)
-    (data / "gradients.about.json").write_text(json.dumps({"command": COMMAND, "revision": version["revision"]}, indent=1) + "\n")
+    version = json.loads(
+        subprocess.run([orthant, "--version", "--json"], check=True, capture_output=True, text=True).stdout)
+    (data / "gradients.about.json"
+     ).write_text(json.dumps({"command": COMMAND, "revision": version["revision"]}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

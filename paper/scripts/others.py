@@ -46,16 +46,27 @@ def friction_numbers(n):
     n["friction/h_solvers"] = tex(1e3 * timed[0]["step"], 1) + unit("ms")
     n["friction/values"] = count(len({row["mu"] for row in timed}))
     n["friction/tilt"] = tex(min(row["omega3"] for row in schemes), 1) + unit("rad/s")
-    worst = {mu: [row["value"] for row in pick(solved(schemes), omega3=0, mu=mu) if row["integrator"] in FIXED] for mu in one}
+    worst = {
+        mu: [row["value"] for row in pick(solved(schemes), omega3=0, mu=mu) if row["integrator"] in FIXED]
+        for mu in one
+    }
     n["friction/spread_before"] = tex(max(max(v) - min(v) for mu, v in worst.items() if mu < jammed), 1) + unit("rad")
     n["friction/spread_jammed"] = tex(max(max(v) - min(v) for mu, v in worst.items() if mu >= jammed), 1) + unit("rad")
-    tilted = {mu: [row["value"] for row in pick(solved(schemes), omega3=TILT, mu=mu) if row["integrator"] in FIXED] for mu in one}
+    tilted = {
+        mu: [row["value"] for row in pick(solved(schemes), omega3=TILT, mu=mu) if row["integrator"] in FIXED]
+        for mu in one
+    }
     at, most = max(((mu, max(v) - min(v)) for mu, v in tilted.items()), key=lambda x: x[1])
     n["friction/spread_tilted"], n["friction/spread_at"] = tex(most, 1) + unit("rad"), tex(at, 3)
     ways = {name: pick(schemes, integrator=name, omega3=0, mu=0.0)[0] for name in ("moreau-jean", "stewart-trinkle")}
-    n["friction/touch_share"] = rf"{tex(100 * ways['stewart-trinkle']['touching'] / ways['moreau-jean']['touching'], 2)}\,\%"
-    n["friction/impulse_apart"] = rf"{tex(100 * abs(ways['stewart-trinkle']['impulse'] / ways['moreau-jean']['impulse'] - 1), 1)}\,\%"
-    cost = {mu: row["seconds"] for mu, row in {row["mu"]: row for row in pick(solved(table), repeats=1, solver="lemke")}.items()}
+    share, impulse = (ways["stewart-trinkle"][key] / ways["moreau-jean"][key] for key in ("touching", "impulse"))
+    n["friction/touch_share"] = rf"{tex(100 * share, 2)}\,\%"
+    n["friction/impulse_apart"] = rf"{tex(100 * abs(impulse - 1), 1)}\,\%"
+    cost = {
+        mu: row["seconds"]
+        for mu, row in {row["mu"]: row
+                        for row in pick(solved(table), repeats=1, solver="lemke")}.items()
+    }
     n["friction/dear"] = tex(max(cost.values()) / cost[0.0], 2)
     friction_modes(n)
     made = [row for row in solved(schemes) if row["energy_final"] > row["energy_initial"]]
@@ -71,19 +82,31 @@ def friction_numbers(n):
     n["friction/single"], n["friction/flush"] = (tex(mu, 3) for mu in least())
     n["friction/leaning"] = tex(leaning(), 3)
     beyond = pick(event, mu=lambda mu: mu > least()[0])
-    n["friction/beyond_runs"], n["friction/beyond_failed"] = count(len(beyond)), words(len(beyond) - len(solved(beyond)))
+    n["friction/beyond_runs"], n["friction/beyond_failed"] = (
+        count(len(beyond)),
+        words(len(beyond) - len(solved(beyond))),
+    )
 
 
 def friction_modes(n):
     """How long faces slide and stick, by friction: time of both faces together."""
     modes = rows("friction.modes")
     critical = least()[0]
-    locked = [max(pick(modes, mode="stick", mu=mu), key=lambda r: r["end"] - r["begin"]) for mu in {r["mu"] for r in modes} if mu > critical]
+    locked = [
+        max(pick(modes, mode="stick", mu=mu), key=lambda r: r["end"] - r["begin"]) for mu in {r["mu"]
+                                                                                              for r in modes}
+        if mu > critical
+    ]
     n["modes/locked"] = tex(1e3 * max(row["begin"] for row in locked), 2) + unit("ms")
     n["modes/tilt_below"] = tex(max(row["tilt"] for row in modes if row["mu"] < critical), 1) + unit("rad")
-    n["modes/tilt_beyond"] = tex(min(max(r["tilt"] for r in pick(modes, mu=row["mu"])) for row in locked), 1) + unit("rad")
+    n["modes/tilt_beyond"] = tex(min(max(r["tilt"] for r in pick(modes, mu=row["mu"]))
+                                     for row in locked), 1) + unit("rad")
     below = [row for row in modes if row["mu"] < critical]
-    n["modes/stick_below"] = tex(1e3 * max(sum(r["end"] - r["begin"] for r in pick(below, mode="stick", mu=mu)) for mu in {r["mu"] for r in below}), 2) + unit("ms")
+    n["modes/stick_below"] = tex(
+        1e3 *
+        max(sum(r["end"] - r["begin"] for r in pick(below, mode="stick", mu=mu))
+            for mu in {r["mu"]
+                       for r in below}), 2) + unit("ms")
 
 
 def friction_tables(t):
@@ -91,8 +114,9 @@ def friction_tables(t):
     shown = (0, 0.25, 0.5, 1, 2, 3, 4.75, 6)
     lines = []
     for omega3, name in ((0, "upright"), (TILT, "tilted")):
-        for label, what in (("energy left [J]", lambda r: r["energy_final"]), (r"$\theta_1$ at the end [rad]", lambda r: r["value"]),
-                            ("time in contact [ms]", lambda r: 1e3 * r["touching"])):
+        for label, what in (("energy left [J]", lambda r: r["energy_final"]),
+                            (r"$\theta_1$ at the end [rad]", lambda r: r["value"]), ("time in contact [ms]",
+                                                                                     lambda r: 1e3 * r["touching"])):
             lines.append([f"{name}: {label}"] + [
                 tex(what(pick(table, integrator="moreau-jean", omega3=omega3, mu=mu)[0]), 3) for mu in shown])
         spread = []
@@ -103,8 +127,8 @@ def friction_tables(t):
         ended = [f"{len(pick(solved(table), omega3=omega3, mu=mu))}" for mu in shown]
         lines.append([f"{name}: schemes that end solved"] + [rf"\ensuremath{{{x}}}" for x in ended])
         lines.append(r"\midrule")
-    t["friction"] = tabular("l" + len(shown) * "r", [r"$\mu$"] + [tex(mu, 3 if mu == 4.75 else 2 if mu % 1 else 1) for mu in shown],
-                            lines[:-1])
+    t["friction"] = tabular("l" + len(shown) * "r",
+                            [r"$\mu$"] + [tex(mu, 3 if mu == 4.75 else 2 if mu % 1 else 1) for mu in shown], lines[:-1])
 
 
 def solvers(t, n):
@@ -124,13 +148,18 @@ def solvers(t, n):
         good, asked = tally(name, lambda f: f == "steps")
         runs = pick(crank, solver=name)
         jam = pick(friction, solver=name)
-        lines.append([code(name), *(count(int(k)) for k in (row["certified"], row["refused"], row["failed"] + row["skipped"], row["wrong"])),
-                      tex(row["median_time_to_best"]), rf"\ensuremath{{{good}/{asked}}}",
-                      rf"\ensuremath{{{len(solved(runs))}/{len(runs)}}}" if runs else "--",
-                      rf"\ensuremath{{{len(solved(jam))}/{len(jam)}}}" if jam else "--"])
-    t["solvers"] = tabular("lrrrrrrrr", ["solver", "certified", "refused", "failed", "wrong", "time", "steps", "runs", "jam"],
-                           lines)
-    n["solvers/scenes"] = numeral(len(about["options"]["scenes"]) if isinstance(about["options"]["scenes"], list) else len(about["options"]["scenes"].split()))
+        lines.append([
+            code(name), *(count(int(k))
+                          for k in (row["certified"], row["refused"], row["failed"] + row["skipped"], row["wrong"])),
+            tex(row["median_time_to_best"]), rf"\ensuremath{{{good}/{asked}}}",
+            rf"\ensuremath{{{len(solved(runs))}/{len(runs)}}}" if runs else "--",
+            rf"\ensuremath{{{len(solved(jam))}/{len(jam)}}}" if jam else "--"
+        ])
+    t["solvers"] = tabular("lrrrrrrrr",
+                           ["solver", "certified", "refused", "failed", "wrong", "time", "steps", "runs", "jam"], lines)
+    n["solvers/scenes"] = numeral(
+        len(about["options"]["scenes"]) if isinstance(about["options"]["scenes"], list
+                                                      ) else len(about["options"]["scenes"].split()))
     n["solvers/problems"] = count(int(summary[0]["problems"]))
     n["solvers/solvers"] = count(len(summary))
     n["solvers/largest"] = count(int(about["options"]["largest"]))
@@ -169,15 +198,19 @@ def conservation(t, n):
     for integrator in schemes:
         line = [short(integrator)]
         for scene in scenes:
-            own = sorted(pick(solved(table), scene=scene, integrator=integrator), key=lambda r: r["step"] if r["rtol"] is None else r["rtol"])
+            own = sorted(pick(solved(table), scene=scene, integrator=integrator), key=lambda r: r["step"]
+                         if r["rtol"] is None else r["rtol"])
             power = slope([(r["step"], r["energy_drift"]) for r in own]) if own and own[0]["rtol"] is None else None
             line += [tex(own[0]["energy_drift"], 1) if own else "--", tex(power, 2) if power else "--"]
         for scene in ("bouncing_ball", "slider_crank"):
             own = sorted(pick(solved(table), scene=scene, integrator=integrator), key=lambda r: r["step"])
             line.append(tex(own[0]["energy_drift"], 1) if own else "--")
         lines.append(line)
-    t["energy"] = tabular("lrlrlrlrr", ["scheme", *(x for s in ("chain", "four-bar", "crank") for x in (s, "power")), "ball",
-                                        "crank, $e = 1$"], lines)
+    t["energy"] = tabular(
+        "lrlrlrlrr",
+        ["scheme", *(x for s in ("chain", "four-bar", "crank") for x in (s, "power")), "ball", "crank, $e = 1$"],
+        lines,
+    )
     box = [row for row in table if "floating_box" in row["scene"]]
     lines = []
     for integrator in schemes:
@@ -187,12 +220,20 @@ def conservation(t, n):
         finest = min(row["step"] for row in own)
         fine = pick(own, step=finest)
         smooth = pick(own, **{"collision.all.mu": 0, "collision.all.e_n": 1})
-        spin = None if integrator == "adaptive" else slope([(row["step"], row["spin_drift"]) for row in pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})])
-        lines.append([short(integrator), tex(max(row["momentum_drift"] for row in own), 1),
-                      tex(max(row["spin_drift"] for row in fine), 1), tex(spin, 2) if spin else "--",
-                      tex(max(row["energy_drift"] for row in smooth), 1), tex(max(row["max_energy_rise"] for row in fine), 1),
-                      tex(max(row["max_penetration"] for row in fine), 1)])
-    t["box"] = tabular("lrrrrrr", ["scheme", "momentum", "spin", "power", r"energy, $\mu=0$, $e=1$", "energy rise", "penetration"],
+        spin = None if integrator == "adaptive" else slope([
+            (row["step"], row["spin_drift"]) for row in pick(own, **{"collision.all.mu": 0.3, "collision.all.e_n": 0.8})
+        ])
+        lines.append([
+            short(integrator),
+            tex(max(row["momentum_drift"] for row in own), 1),
+            tex(max(row["spin_drift"] for row in fine), 1),
+            tex(spin, 2) if spin else "--",
+            tex(max(row["energy_drift"] for row in smooth), 1),
+            tex(max(row["max_energy_rise"] for row in fine), 1),
+            tex(max(row["max_penetration"] for row in fine), 1)
+        ])
+    t["box"] = tabular("lrrrrrr",
+                       ["scheme", "momentum", "spin", "power", r"energy, $\mu=0$, $e=1$", "energy rise", "penetration"],
                        lines)
     n["conservation/runs"], n["conservation/failed"] = count(len(table)), words(len(table) - len(solved(table)))
     for name, scene in (("long", "chain"), ("short", "slider_crank_ideal"), ("longest", "bouncing_ball")):
@@ -212,10 +253,14 @@ def conservation(t, n):
     n["conservation/h"] = tex(1e6 * least[0], 3) + unit(r"\mu s")
     n["conservation/energy"] = tex(classical[0]["energy_initial"], 3) + unit("J")
     rubbing = max(pick(box, **{"collision.all.mu": lambda mu: mu > 0}), key=lambda r: r["max_energy_rise"])
-    n["conservation/rise"], n["conservation/rise_by"] = tex(rubbing["max_energy_rise"], 1) + unit("J"), code(rubbing["integrator"])
+    n["conservation/rise"], n["conservation/rise_by"] = (
+        tex(rubbing["max_energy_rise"], 1) + unit("J"),
+        code(rubbing["integrator"]),
+    )
     smooth = pick(box, integrator=rubbing["integrator"], **{"collision.all.mu": 0})
     n["conservation/rise_smooth"] = tex(max(r["max_energy_rise"] for r in smooth), 1) + unit("J")
-    n["conservation/rise_event"] = tex(max(r["max_energy_rise"] for r in pick(box, integrator="event-driven")), 1) + unit("J")
+    n["conservation/rise_event"] = tex(max(r["max_energy_rise"]
+                                           for r in pick(box, integrator="event-driven")), 1) + unit("J")
     for name, integrator in (("event", "event-driven"), ("adaptive", "adaptive")):
         n[f"conservation/spin_{name}"] = tex(max(r["spin_drift"] for r in pick(solved(box), integrator=integrator)), 1)
     ball = pick(table, scene="bouncing_ball", integrator="moreau-jean")
@@ -230,7 +275,8 @@ def notation(t):
     def plain(text):
         return re.sub(r"`([^`]*)`", lambda m: code(m.group(1)), text.replace("²", r"\textsuperscript{2}"))
 
-    t["notation"] = tabular(r"lp{0.18\textwidth}p{0.36\textwidth}p{0.12\textwidth}l", header, [[plain(cell) for cell in line] for line in lines])
+    t["notation"] = tabular(r"lp{0.18\textwidth}p{0.36\textwidth}p{0.12\textwidth}l", header,
+                            [[plain(cell) for cell in line] for line in lines])
 
 
 def numbers(n):

@@ -14,14 +14,16 @@ from pathlib import Path
 STUDIES = Path(__file__).resolve().parents[2] / "experiments/studies"
 COLUMNS = {
     "slider_crank": "integrator solver mu e step rtol repeats status error lcp_solves seconds slowest "
-                    "max_lcp_residual max_joint_residual",
-    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final max_energy_rise touching impulse seconds",
+    "max_lcp_residual max_joint_residual",
+    "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final "
+    "max_energy_rise touching impulse seconds",
     "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
-                 "first_touch first_release last_release",
-    "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial energy_drift "
-                    "max_energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
+    "first_touch first_release last_release",
+    "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial "
+    "energy_drift max_energy_rise momentum_drift spin_drift max_joint_residual max_penetration",
 }
-EXACT = ("value", "energy_initial", "energy_final", "impulse", "first_touch", "first_release", "last_release")  # differences of these are looked at
+# Differences of these are looked at.
+EXACT = ("value", "energy_initial", "energy_final", "impulse", "first_touch", "first_release", "last_release")
 MACHINE = ("revision", "compiler", "flags", "cpu", "cores", "packages")
 
 

@@ -1,4 +1,5 @@
-"""What the article says of space and of derivatives: limits of closing clearances, other programs, gradients of steps."""
+"""What the article says of space and of derivatives: limits of closing clearances, other programs, gradients of
+steps."""
 from data import code, pick, rows, tabular, tex, unit
 
 FAMILIES = {"socket at the slider": ("socket", "ball in a socket of the slider"),
@@ -49,7 +50,8 @@ def numbers(n):
         rivals = [min(r["error"] for r in runs if r["error"] is not None)
                   for (program, _), runs in settings(scene).items() if program != "orthant"]
         n[f"space/{scene}_rival"] = tex(min(rivals), 2) + unit("m")
-        n[f"space/{scene}_adaptive"] = tex(1e3 * least_time(settings(scene)["orthant", "adaptive"], 1e-6), 2) + unit("ms")
+        n[f"space/{scene}_adaptive"] = tex(1e3 * least_time(settings(scene)["orthant", "adaptive"], 1e-6),
+                                           2) + unit("ms")
 
 
 def tables(t):
@@ -59,8 +61,11 @@ def tables(t):
         for (program, setting), runs in settings(scene).items():
             good = [row["error"] for row in runs if row["error"] is not None]
             cells = [least_time(runs, goal) for goal in GOALS]
-            body.append([SCENES[scene], f"{PROGRAMS[program]}, {code(setting) if program == 'orthant' else setting}", tex(min(good), 1),
-                         *("--" if s is None else tex(1e3 * s, 2) for s in cells), str(len(runs) - len(good) or "--")])
+            body.append([
+                SCENES[scene], f"{PROGRAMS[program]}, {code(setting) if program == 'orthant' else setting}",
+                tex(min(good), 1), *("--" if s is None else tex(1e3 * s, 2) for s in cells),
+                str(len(runs) - len(good) or "--")
+            ])
     t["space"] = tabular("llrrrrrr", ["motion", "by", "least [m]", *(f"to {tex(g, 1)}" for g in GOALS), "failed"], body)
     lines = []
     for name, (key, words) in FAMILIES.items():

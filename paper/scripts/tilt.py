@@ -24,7 +24,8 @@ OCTAVES = 3  # the finest, in which a statistic has to fall
 
 
 def fit(errors):
-    """(order, worst error of the finest octave) of errors by step in the finest octaves, as experiments/support/fit_order.h has it."""
+    """(order, worst error of the finest octave) of errors by step in the finest octaves, as
+    experiments/support/fit_order.h has it."""
     errors = {h: e for h, e in errors.items() if h <= 2**OCTAVES * min(errors) * (1 + 1e-9)}
     coarsest = max(errors)
     worst = {}
@@ -48,7 +49,8 @@ def exact(omega3, e, of):
 
 
 def convergence(omega3, e, of):
-    """By scheme (order, error); a scheme that anywhere lacks what the exact motion has, or has what it lacks, has none."""
+    """By scheme (order, error); a scheme that anywhere lacks what the exact motion has, or has what it lacks, has
+    none."""
     right, found = exact(omega3, e, of), {}
     for scheme in dict.fromkeys(row["integrator"] for row in ladder(omega3, e)):
         own = pick(ladder(omega3, e), integrator=scheme)
@@ -56,7 +58,8 @@ def convergence(omega3, e, of):
             continue
         values = {row["step"]: of(row) if row["status"] == "solved" else None for row in own}
         errors = {h: abs(v - right) for h, v in values.items() if v is not None and right is not None and v != right}
-        found[scheme] = fit(errors) if len(values) == sum(v is not None for v in values.values()) and right is not None else None
+        found[scheme] = fit(errors) if len(values) == sum(v is not None
+                                                          for v in values.values()) and right is not None else None
     return found
 
 
@@ -75,25 +78,33 @@ def statistics_table(t, n):
                 known = [f[1] for f in found.values() if f]
                 line += ["--" if right is None else rf"\ensuremath{{{factor * right:.{3 if factor > 1 else 5}f}}}"]
                 line += [rf"\ensuremath{{{len(good)}}}"] if right is not None else ["--"]
-                line += [rf"{tex(factor * min(known), 1)} \dots\ {tex(factor * max(known), 1)}" if known and right is not None else "--"]
+                line += [
+                    rf"{tex(factor * min(known), 1)} \dots\ {tex(factor * max(known), 1)}"
+                    if known and right is not None else "--"
+                ]
             lines.append(line)
         schemes = len(convergence(B, e, STATISTICS[0][1]))
         key = f"tilt/falling_{es.index(e)}"
-        n[key] = ", ".join(f"{name} by {numeral(k) if k < schemes else 'all'}" for name, k in sorted(falling.items(), key=lambda x: -x[1]) if k) or "none"
+        n[key] = ", ".join(f"{name} by {numeral(k) if k < schemes else 'all'}"
+                           for name, k in sorted(falling.items(), key=lambda x: -x[1]) if k) or "none"
         if e == es[0]:
             n["tilt/all_0"] = ", ".join(name for name, k in falling.items() if k == schemes) or "none"
         n[f"tilt/floor_{es.index(e)}"] = ", ".join(name for name, k in falling.items() if not k) or "none"
         n[f"tilt/e_{es.index(e)}"] = tex(e, 1)
         lines.append(r"\midrule")
-    n["tilt/b_falls"] = words(max(sum(f is not None and f[0] >= NO_ORDER for f in convergence(B, e, lambda row: row["value"]).values())
-                                  for e in es))
+    n["tilt/b_falls"] = words(
+        max(
+            sum(f is not None and f[0] >= NO_ORDER for f in convergence(B, e, lambda row: row["value"]).values())
+            for e in es))
     n["tilt/schemes"], n["tilt/octaves"] = numeral(schemes), numeral(OCTAVES)
     lines = lines[:len(STATISTICS)] + [r"\midrule"] + lines[len(STATISTICS) + 1:-1]
     head = ["", r"exact", "falls", "errors, finest steps", r"exact", "falls", "errors, finest steps"]
     t["statistics"] = tabular("lrrlrrl", head, lines).replace(
-        r"\toprule", r"\toprule & \multicolumn{3}{l}{A, upright} & \multicolumn{3}{l}{B, $\omega_3 = " + tex(B, 1) + r"\,\mathrm{rad/s}$} \\")
+        r"\toprule", r"\toprule & \multicolumn{3}{l}{A, upright} & \multicolumn{3}{l}{B, $\omega_3 = " + tex(B, 1) +
+        r"\,\mathrm{rad/s}$} \\")
     for index, e in enumerate(es):
-        for (name, of, factor, unit_name), key in zip(STATISTICS, ("theta", "energy", "impulse", "touch", "release", "last")):
+        for (name, of, factor, unit_name), key in zip(STATISTICS,
+                                                      ("theta", "energy", "impulse", "touch", "release", "last")):
             a, b = exact(A, e, of), exact(B, e, of)
             if key in ("energy", "impulse"):
                 n[f"tilt/jump_{key}_{index}"] = rf"{tex(100 * abs(a - b) / abs(b), 1)}\,\%"
@@ -114,7 +125,8 @@ def orders_table(t, n):
             lines.append([short(scheme) if e == es[0] else "", tex(e, 1)] +
                          [f"{tex(f[0]['order'], 2)} ({tex(f[0]['worst'][-1][1], 1)})" if f else "--" for f in fits])
         lines.append(r"\addlinespace")
-    t["tilt"] = tabular("ll" + len(tilts) * "l", ["scheme", "$e$"] + [rf"$\omega_3 = {tex(w, 1)}$" for w in tilts], lines[:-1])
+    t["tilt"] = tabular("ll" + len(tilts) * "l", ["scheme", "$e$"] + [rf"$\omega_3 = {tex(w, 1)}$" for w in tilts],
+                        lines[:-1])
     tilted = [f for f in orders if f["omega3"] != 0 and f["e"] > 0]
     rest = [f for f in orders if f["omega3"] == 0 or f["e"] == 0]
     good = [f for f in rest if f["e"] <= 0.4]
@@ -123,7 +135,10 @@ def orders_table(t, n):
     n["tilt/finest_least"] = tex(min(f["worst"][-1][1] for f in tilted), 1) + unit("rad")
     n["tilt/good_settings"], n["tilt/good_least"] = count(len(good)), tex(min(f["order"] for f in good), 2)
     upright = [f for f in rest if f["e"] > 0.4]
-    n["tilt/bouncy"], n["tilt/bouncy_below"] = count(len(upright)), numeral(len([f for f in upright if f["order"] < NO_ORDER]))
+    n["tilt/bouncy"], n["tilt/bouncy_below"] = (
+        count(len(upright)),
+        numeral(len([f for f in upright if f["order"] < NO_ORDER])),
+    )
     n["tilt/bouncy_least"] = tex(min(f["order"] for f in upright), 2)
     n["tilt/bouncy_falls"] = words(sum(f is not None and f[0] >= NO_ORDER for f in
                                        convergence(A, max(es), lambda row: row["value"]).values()))
@@ -131,7 +146,9 @@ def orders_table(t, n):
 
 
 def clearance_table(t, n):
-    orders = [f for f in load("clearance.orders") if f["omega3"] in (A, B) and f["integrator"] in ("moreau-jean", "rattle")]
+    orders = [
+        f for f in load("clearance.orders") if f["omega3"] in (A, B) and f["integrator"] in ("moreau-jean", "rattle")
+    ]
     gaps, es = sorted({f["clearance"] for f in orders}), sorted({f["e"] for f in orders})
     lines = []
     for scheme in ("moreau-jean", "rattle"):
@@ -141,12 +158,15 @@ def clearance_table(t, n):
                 lines.append([code(scheme) if (start, e) == (A, es[0]) else "", name if e == es[0] else "", tex(e, 1)] +
                              [f"{tex(f[0]['order'], 2)} ({tex(f[0]['worst'][-1][1], 1)})" if f else "--" for f in fits])
         lines.append(r"\addlinespace")
-    t["clearance"] = tabular("lll" + len(gaps) * "l", ["scheme", "start", "$e$"] + [rf"${tex(1e3 * g, 2)}\,\mathrm{{mm}}$" for g in gaps], lines[:-1])
+    t["clearance"] = tabular("lll" + len(gaps) * "l",
+                             ["scheme", "start", "$e$"] + [rf"${tex(1e3 * g, 2)}\,\mathrm{{mm}}$" for g in gaps],
+                             lines[:-1])
     for name, gap in (("small", min(gaps)), ("large", max(gaps))):
         n[f"tilt/{name}_error"] = tex(max(f["worst"][-1][1] for f in pick(orders, clearance=gap)), 1) + unit("rad")
     n["tilt/clearance_least"] = tex(1e3 * min(gaps), 1) + unit("mm")
     n["tilt/clearance_most"] = tex(1e3 * max(gaps), 2) + unit("mm")
-    for name, keep in (("upright", lambda f: f["omega3"] == A and f["e"] <= 0.4), ("bouncy", lambda f: f["omega3"] == A and f["e"] > 0.4),
+    for name, keep in (("upright", lambda f: f["omega3"] == A and f["e"] <= 0.4),
+                       ("bouncy", lambda f: f["omega3"] == A and f["e"] > 0.4),
                        ("tilted", lambda f: f["omega3"] == B and f["e"] > 0)):
         own = [f for f in orders if keep(f)]
         n[f"tilt/clear_{name}"] = count(len(own))
@@ -179,7 +199,8 @@ def ensemble_table(t, n):
 
 
 def corners_in_turn(n):
-    """What a tilted face does where it first strikes, by masses and geometry; the crank has turned by omega t there, or a little less."""
+    """What a tilted face does where it first strikes, by masses and geometry; the crank has turned by omega t there,
+    or a little less."""
     e = max(row["e"] for row in rows("clearance"))
     touch = exact(B, e, lambda row: row["first_touch"])
     c = coupling(mechanism()[2][0]["omega"] * touch)
@@ -193,7 +214,8 @@ def everything(t, n):
     for part in (orders_table, statistics_table, clearance_table, ensemble_table):
         part(t, n)
     n["tilt/b"] = tex(B, 1) + unit("rad/s")
-    n["tilt/looked"] = tex(1e6 * pick(rows("clearance"), integrator="event-driven", repeats=0)[0]["step"], 1) + unit(r"\mu s")
+    n["tilt/looked"] = tex(1e6 * pick(rows("clearance"), integrator="event-driven", repeats=0)[0]["step"],
+                           1) + unit(r"\mu s")
     n["tilt/runs"] = count(len(rows("clearance")))
     n["tilt/failed"] = words(len(rows("clearance")) - len(solved(rows("clearance"))))
 

@@ -14,16 +14,6 @@ constexpr double kExact = 1e-13;   // residual, relative as certify() has it, at
 constexpr double kExplained = 16;  // ρ (solution.h) times this: what rounding explains
 constexpr std::array kStarts = {1.0, 1e3, 1e6, 1e9};  // the slacks at the start, relative to Mehrotra's
 
-/// The largest entry of each row, 1 for none.
-void row_sizes(const Matrix& A, Vector& size) {
-  size.resize(order(A));
-  size.setZero();
-  if (!for_each_entry(A, [&size](Index i, Index, double a) { size[i] = std::max(size[i], std::abs(a)); }))
-    diagonal(A, size);
-  for (double& value : size)
-    if (!(value > 0)) value = 1;
-}
-
 }  // namespace
 
 std::string InteriorPoint::why_not(const Lcp& problem) const {
@@ -34,7 +24,7 @@ std::string InteriorPoint::why_not(const Lcp& problem) const {
 
 void InteriorPoint::load(const Lcp& p) {
   block_.load(p.A, &budget());
-  row_sizes(p.A, scale_);
+  detail::row_sizes(p.A, scale_);
   lo_ = p.lo, hi_ = p.hi;
   for (const Friction& f : p.friction) lo_[f.first] = hi_[f.first] = 0;  // μ = 0
   bounds_.clear(), open_.clear();

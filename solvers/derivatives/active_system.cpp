@@ -97,6 +97,18 @@ void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, 
   unknowns_ = D.size(), extra_ = 0, singular_ = monotone_ = false, rcond_ = 1;
   if (factors_->kind != Factors::Kind::none) factors_ = std::make_unique<Factors>();
   if (unknowns_ == 0) return;
+  form(A, E, P, D);
+  const bool definite = scale_rows_and_columns();  // perhaps
+  factorize_regular(definite);
+  rcond_ = factors_->kind == Factors::Kind::none ? 0 : estimate_condition();
+  const double noise = 16 * std::numeric_limits<double>::epsilon() * std::sqrt(static_cast<double>(extra_ + unknowns_));
+  if (rcond_ > noise) return;
+  singular_ = true;
+  factorize_singular(definite || (extra_ > 0 && (E - P).norm() == 0), noise);
+}
+
+/// The matrix, dense where A is; else sparse, with the rows of u first where A is a Delassus matrix.
+void ActiveSystem::form(const Matrix& A, const Sparse& E, const Sparse& P, const Eigen::VectorXd& D) {
   Sparse diagonal_part(unknowns_, unknowns_);
   diagonal_part.setIdentity();
   diagonal_part.diagonal() = D;
@@ -146,10 +158,9 @@ void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, 
     }
     rows_ = two_by_two(identity_rows(extra_), to_u, PW, diagonal_part);
   }
-  const bool definite = scale_rows_and_columns();  // perhaps
+}
 
-  const Index n = extra_ + unknowns_;
-  const double noise = 16 * std::numeric_limits<double>::epsilon() * std::sqrt(static_cast<double>(n));
+void ActiveSystem::factorize_regular(bool definite) {
   using Kind = Factors::Kind;
   Factors& f = *factors_;
   if (dense_) {
@@ -168,10 +179,14 @@ void ActiveSystem::factorize(const Matrix& A, const Sparse& E, const Sparse& P, 
     else if (factorize_sparse(f.sparse_lu, rows_))
       f.kind = Kind::sparse_lu;
   }
-  rcond_ = f.kind == Kind::none ? 0 : estimate_condition();
-  if (rcond_ > noise) return;
-  singular_ = true;
-  if (definite || (extra_ > 0 && (E - P).norm() == 0)) {  // positive semidefinite, or nearly
+}
+
+/// monotone: positive semidefinite, or nearly. noise: below it a pivot of the orthogonal decomposition is zero.
+void ActiveSystem::factorize_singular(bool monotone, double noise) {
+  using Kind = Factors::Kind;
+  Factors& f = *factors_;
+  const Index n = extra_ + unknowns_;
+  if (monotone) {
     if (dense_) {
       Eigen::MatrixXd shifted = full_;
       shifted.diagonal().array() += kShiftOfMonotone;

@@ -44,6 +44,9 @@ class ActiveSystem {
 
  private:
   struct Factors;
+  void form(const Matrix& A, const Sparse& E, const Sparse& P, const Eigen::VectorXd& D);
+  void factorize_regular(bool definite);
+  void factorize_singular(bool monotone, double noise);
   bool scale_rows_and_columns();                                  // true: symmetric, with a positive diagonal
   void apply_inverse(Eigen::VectorXd& x, bool transposed) const;  // regular
   double least_norm(Eigen::VectorXd& x, bool transposed) const;

@@ -1,4 +1,4 @@
-// solvers/linear_algebra/scalars.h — scalar types of higher precision for the tableau (tableau.h).
+// solvers/linear_algebra/scalars.h — scalar types of higher precision, with their roundings (roundings.h).
 //
 //   Friction at mass ratios of 1e10: the Delassus matrix has as many tiny singular values as contacts beyond the
 //   freedoms and a pivot path divides by one after the other, so that quadruple precision loses every digit at n = 80.
@@ -7,7 +7,7 @@
 #pragma once
 
 #include <orthant/core/lcp/judge/exact.h>
-#include <orthant/solvers/pivoting/tableau.h>
+#include <orthant/solvers/linear_algebra/roundings.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>

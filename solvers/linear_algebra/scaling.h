@@ -15,6 +15,16 @@
 
 namespace orthant::detail {
 
+/// The largest |A_ij| of each row, of a Delassus matrix A_ii; 1 where that is 0.
+inline void row_sizes(const Matrix& A, Vector& size) {
+  size.resize(order(A));
+  size.setZero();
+  if (!for_each_entry(A, [&size](Index i, Index, double a) { size[i] = std::max(size[i], std::abs(a)); }))
+    diagonal(A, size);
+  for (double& value : size)
+    if (!(value > 0)) value = 1;
+}
+
 class Scaling {  // reuse it: the second problem of a size allocates nothing
  public:
   Vector row, col;

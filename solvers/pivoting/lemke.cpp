@@ -170,11 +170,7 @@ struct Lemke::Work {
   Vector& cover_of(const Matrix& A) {
     cover.resize(order(A));
     cover.setOnes();
-    if (lemke.options_.cover == LemkeCover::ones) return cover;
-    cover.setZero();
-    for_each_entry(A, [this](Index i, Index, double a) { cover[i] = std::max(cover[i], std::abs(a)); });
-    for (double& d : cover)
-      if (!(d > 0)) d = 1;
+    if (lemke.options_.cover != LemkeCover::ones) detail::row_sizes(A, cover);
     return cover;
   }
 

@@ -1,6 +1,7 @@
 """completion.py ORTHANT: completions in bash, zsh and fish, each asked as a user would.
 
-bash: its function is called with the words of a line. zsh: a shell of its own in a terminal, to which the line and a tab are typed.
+bash: its function is called with the words of a line. zsh: a shell of its own in a terminal, to which the line and a
+tab are typed.
 fish: `complete -C LINE`. A shell that is not installed is named, and skipped.
 """
 
@@ -48,7 +49,8 @@ LINES = {
 
 def bash(folder, line):
     words = " ".join(f"'{word}'" for word in line.split())
-    code = f"source <({ORTHANT} completion); COMP_WORDS=(orthant {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _orthant; echo ${{COMPREPLY[@]}}"
+    code = (f"source <({ORTHANT} completion); COMP_WORDS=(orthant {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); "
+            "_orthant; echo ${COMPREPLY[@]}")
     found = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True, cwd=folder).stdout.split()
     if not found:  # files, as `complete -o default` has them
         last = line.split()[-1]

@@ -28,7 +28,8 @@ def rows():
 def main(folder, processes):
     def start(*words):
         log = open(folder / f"{len(processes)}.log", "w")
-        processes.append(subprocess.Popen([*python, *words], stdout=log, stderr=log, cwd=folder, start_new_session=True))
+        processes.append(subprocess.Popen([*python, *words], stdout=log, stderr=log, cwd=folder,
+                                          start_new_session=True))
         return processes[-1]
 
     told = folder / "scheduler.json"

@@ -2,9 +2,11 @@
 So do the C++, the scene and the commands on built-in scenes and lists of README.md and experiments/README.md.
 
 A page's blocks share one empty folder. By language:
-  python    one after the other in one namespace, by this interpreter; those after a console block run with all before them
-  toml, cpp, cmake, xml   a first line `# file: NAME`, `// file: NAME`, `<!-- file: NAME -->` writes the file for the blocks that follow; a C++ program
-            that no console block of its page builds is built and run here
+  python    one after the other in one namespace, by this interpreter; those after a console block run with all
+            before them
+  toml, cpp, cmake, xml
+            a first line `# file: NAME`, `// file: NAME`, `<!-- file: NAME -->` writes the file for the blocks that
+            follow; a C++ program that no console block of its page builds is built and run here
   console   `$ COMMAND` by bash; the lines below it, if any, are its output, where ... stands for anything
 Any other language is an error, except `text` and `none`, which are not code. SETS_UP lists commands that are not run,
 since they install or measure for minutes; each must be on some page.
@@ -62,8 +64,11 @@ class Page:
         self.folder, self.home = (Path(tempfile.mkdtemp(prefix=kind)) for kind in ("page", "home"))
         self.python, self.programs, self.failures, self.run_count, self.not_run = [], [], 0, 0, set()
         self.python_done = 0
-        self.environment = {**os.environ, "PATH": f"{build}:{build}/experiments:{os.environ['PATH']}", "HOME": str(self.home), "CXX": compiler,
-                            "PYTHONPATH": f"{build}/python", "PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{prefix}/share/pkgconfig"}
+        self.environment = {
+            **os.environ, "PATH": f"{build}:{build}/experiments:{os.environ['PATH']}", "HOME": str(self.home),
+            "CXX": compiler, "PYTHONPATH": f"{build}/python",
+            "PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{prefix}/share/pkgconfig"
+        }
         (self.home / "orthant").symlink_to(prefix)
 
     def fail(self, line, words):
@@ -71,7 +76,8 @@ class Page:
         print(f"{self.file}:{line}: {words}", file=sys.stderr)
 
     def bash(self, command):
-        return subprocess.run(["bash", "-c", command], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+        return subprocess.run(["bash", "-c", command], cwd=self.folder, env=self.environment, capture_output=True,
+                              text=True)
 
     def console(self, line, lines):
         commands = []
@@ -93,9 +99,11 @@ class Page:
             self.run_count += 1
             done = self.bash(f"{ROOT}/{command}" if command.startswith("experiments/studies/plots/plot_") else command)
             if done.returncode != 0:
-                self.fail(line, f"$ {command}\nended with {done.returncode}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+                self.fail(line,
+                          f"$ {command}\nended with {done.returncode}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
             elif expected and not matches(done.stdout, expected):
-                self.fail(line, f"$ {command}\nshould say:\n" + "\n".join(expected) + f"\nand says:\n{done.stdout[:2000]}")
+                self.fail(line,
+                          f"$ {command}\nshould say:\n" + "\n".join(expected) + f"\nand says:\n{done.stdout[:2000]}")
 
     def keep(self, line, language, lines):
         match = re.match(r"(?:#|//|<!--) file: (\S+)( -->)?$", lines[0] if lines else "")
@@ -131,7 +139,8 @@ class Page:
         for line, lines in self.python:
             source += [""] * (line - len(source)) + lines
         (self.folder / "page.py").write_text("\n".join(source) + "\n", encoding="utf-8")
-        done = subprocess.run([sys.executable, "-s", "page.py"], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-s", "page.py"], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True)
         if done.returncode != 0:
             self.fail(self.python[-1][0], done.stderr)
 
@@ -156,7 +165,8 @@ class Page:
         return self.failures
 
     def check_readme(self, least):
-        """Its C++ is the inside of a program. Of its commands those run that need no file of the reader's and no minutes."""
+        """Its C++ is the inside of a program. Of its commands those run that need no file of the reader's and no
+        minutes."""
         text = self.file.read_text(encoding="utf-8")
         for line, language, lines in blocks(text):
             if language == "toml":
@@ -164,7 +174,8 @@ class Page:
             if language == "cpp":
                 top = [x for x in lines if x.startswith(("#include", "using "))]
                 inside = [x for x in lines if x not in top]
-                (self.folder / "main.cpp").write_text("\n".join([*top, "int main() {", *inside, "}", ""]), encoding="utf-8")
+                (self.folder / "main.cpp").write_text("\n".join([*top, "int main() {", *inside, "}", ""]),
+                                                      encoding="utf-8")
                 self.programs.append((line, "main.cpp"))
         self.build_programs(text)
         for number, line in enumerate(text.splitlines(), 1):

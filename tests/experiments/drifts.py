@@ -1,4 +1,5 @@
-"""A sweep over several scenes: what drifts and what does not, each scene's own duration, times to an error. drifts.py ORTHANT"""
+"""A sweep over several scenes: what drifts and what does not, each scene's own duration, times to an error. drifts.py
+ORTHANT"""
 import csv
 import io
 import subprocess
@@ -29,13 +30,19 @@ def table(orthant, folder, *options):
 def main(orthant):
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "s.sweep.toml").write_text(SWEEP)
-        subprocess.run([orthant, "sweep", "s.sweep.toml", "--results", "r.sqlite"], cwd=folder, capture_output=True, check=True)
+        subprocess.run([orthant, "sweep", "s.sweep.toml", "--results", "r.sqlite"], cwd=folder, capture_output=True,
+                       check=True)
         rows = table(orthant, folder, "results", "r.sqlite", "--csv")
-        assert [Path(row["scene"]).stem for row in rows] == 2 * ["floating_box"] + 2 * ["chain"] + 2 * ["pendulum"], rows
+        assert [Path(row["scene"]).stem
+                for row in rows] == 2 * ["floating_box"] + 2 * ["chain"] + 2 * ["pendulum"], rows
         assert all(row["status"] == "solved" for row in rows), rows
         exact, stepped, *held = rows
         for row in (exact, stepped):  # nothing acts from outside; friction and e < 1 inside
-            assert float(row["duration"]) == 2 and float(row["momentum_drift"]) < 1e-13 and float(row["energy_drift"]) > 0.1, row
+            assert (
+                float(row["duration"]) == 2
+                and float(row["momentum_drift"]) < 1e-13
+                and float(row["energy_drift"]) > 0.1
+            ), row
         assert float(exact["spin_drift"]) < 1e-9 < 1e-5 < float(stepped["spin_drift"]) < 0.1, (exact, stepped)
         for row in held:  # by the ground: only energy is kept
             assert row["momentum_drift"] == row["spin_drift"] == "" and float(row["duration"]) == 0.5, row

@@ -10,7 +10,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments/docs"))
+import figure_pages  # noqa: E402
 import figure_places  # noqa: E402
+import figure_tables  # noqa: E402
 import figures  # noqa: E402
 
 
@@ -72,11 +74,11 @@ def reading(program):
 def pages(tables):
     """The site's tables are the data's."""
     with tempfile.TemporaryDirectory() as folder:
-        figures.pages(Path(folder), tables)
+        figure_pages.pages(Path(folder), tables)
         with open(Path(folder) / "integrators.csv", encoding="utf-8") as stream:
             rows = {row[0]: row[1:] for row in csv.reader(stream)}
         number = figure_places.cell(tables, "time_to_error", ("event-driven",), "1e-9")
-        if rows["`event-driven`"][3] != str(figures.digits(number, 2)):
+        if rows["`event-driven`"][3] != str(figure_tables.digits(number, 2)):
             yield f"the site's table of integrators has {rows['`event-driven`']}"
         if tables["time_to_error"]["date"] not in (Path(folder) / "integrators.txt").read_text(encoding="utf-8"):
             yield "the site's table of integrators has no date"

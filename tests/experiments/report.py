@@ -1,4 +1,5 @@
-"""Opens a report in headless Chromium as its reader would; prints what went wrong, if anything, and how many checks held.
+"""Opens a report in headless Chromium as its reader would; prints what went wrong, if anything, and how many checks
+held.
 
 report.py REPORT.html [SCREENSHOT.png WIDTH HEIGHT light|dark]
 """
@@ -71,7 +72,8 @@ def test_animation(page):
     times = "const t = %s * animations[0].duration; return animations[0].films.map(f => f.film.frames[f.frameAt(t)][0])"
     left, right = page.execute_script(times % 0.5)
     check(left > 0 and abs(left - right) < 1e-5, "both films show the same time")
-    cut = "const all = animations[0].films[1].film.frames; animations[0].films[1].film.frames = all.slice(0, %s); return all.length"
+    cut = ("const film = animations[0].films[1].film, all = film.frames; film.frames = all.slice(0, %s); "
+           "return all.length")
     length = page.execute_script(cut % 300)  # as if it had ended early
     left, right = page.execute_script(times % 0.2)
     check(left > 0 and abs(left - right) < 1e-5, "and so they do where one has ended early")
@@ -104,7 +106,9 @@ def test_plot(page, index):
     ActionChains(page).double_click(over).perform()
     time.sleep(0.2)
     check(page.execute_script(limits) == whole, f"a double click shows all of plot {index} again")
-    if page.execute_script(f"return plots[{index}].plot.scales.x.distr") == 3:  # logarithmic: labels in any range, at once
+    if (
+        page.execute_script(f"return plots[{index}].plot.scales.x.distr") == 3
+    ):  # logarithmic: labels in any range, at once
         for low, high in ((2e-5, 3e-5), (2e-5, 9e-5), (23.2, 309), (1e-9, 1e3)):
             begin = time.monotonic()
             labels = page.execute_script(f"const p = plots[{index}].plot; p.setScale('x', {{min: {low}, max: {high}}});"
@@ -122,12 +126,15 @@ def test_page(page):
     check(page.execute_script("return document.title").startswith("Orthant: "), "the page has a title")
     check(len(page.find_elements(By.CSS_SELECTOR, ".answer")) > 0, "the page has an answer")
     plots = page.execute_script("return plots.length")
-    check(page.execute_script("return plots.filter(p => p.figure.x_label === 'mu').every(p => p.figure.lines.every(l => "
-                              "l.x.every((x, i) => i === 0 || l.x[i - 1] <= x)))"), "a line goes from left to right")
+    check(
+        page.execute_script("return plots.filter(p => p.figure.x_label === 'mu').every(p => p.figure.lines.every(l => "
+                            "l.x.every((x, i) => i === 0 || l.x[i - 1] <= x)))"), "a line goes from left to right")
     check(plots > 0, "the page has plots")
     check("`" not in page.find_element(By.TAG_NAME, "body").text, "no mark of a source text is left")
-    check(page.execute_script("return [...document.querySelectorAll('table')].every(t => [...t.rows[0].cells].every((_, c) => "
-                              "[...t.rows].slice(1).some(row => row.cells[c].textContent)))"), "no column of a table is empty")
+    check(
+        page.execute_script(
+            "return [...document.querySelectorAll('table')].every(t => [...t.rows[0].cells].every((_, c) => "
+            "[...t.rows].slice(1).some(row => row.cells[c].textContent)))"), "no column of a table is empty")
     for width, scheme in ((1100, "light"), (390, "dark"), (1100, "dark")):
         look(page, width, 900, scheme)
         check(page.execute_script("return document.documentElement.scrollWidth") <= width,

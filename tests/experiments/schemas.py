@@ -1,4 +1,5 @@
-"""schemas.py ORTHANT: what each command prints with --json holds to its `orthant schema`, and the documented scenes to `scene`.
+"""schemas.py ORTHANT: what each command prints with --json holds to its `orthant schema`, and the documented scenes to
+`scene`.
 
 Every schema is also given what it must refuse: an output with a key more, and one with a key less.
 """
@@ -58,35 +59,40 @@ omega = 50
 """
 # schema: the commands, and their exit codes
 COMMANDS = {
-    "version": [("--version --json", 0)],
-    "error": [("simulate nothing.toml --json", 1), ("check slider_crank --set mu=-1 --json", 1), ("solve --json --nothing", 1)],
+    "version": [("--version --json", 0)], "error": [("simulate nothing.toml --json", 1),
+                                                    ("check slider_crank --set mu=-1 --json", 1),
+                                                    ("solve --json --nothing", 1)],
     "solve": [("solve p.json --error-bound --log --json", 0), ("solve none.json --json", 2),
-              ("solve disc.json --json", 0), ("solve disc.json --facets 8 --json", 3), ("solve p.json --solver lemke-howson --json", 3),
-              ("solve p.json --solver pgs:max_sweeps=1 --json", 3)],
-    "analyse": [("analyse p.json --json", 0), ("analyse none.json --json", 0), ("analyse half.json --json", 0)],
-    "enumerate": [("enumerate p.json --json", 0), ("enumerate half.json --json", 0), ("enumerate none.json --json", 2)],
-    "replay": [("replay p.json --json", 0), ("replay none.json --json", 2)],
+              ("solve disc.json --json", 0), ("solve disc.json --facets 8 --json", 3),
+              ("solve p.json --solver lemke-howson --json", 3),
+              ("solve p.json --solver pgs:max_sweeps=1 --json", 3)], "analyse": [("analyse p.json --json", 0),
+                                                                                 ("analyse none.json --json", 0),
+                                                                                 ("analyse half.json --json", 0)],
+    "enumerate": [("enumerate p.json --json", 0), ("enumerate half.json --json", 0),
+                  ("enumerate none.json --json", 2)], "replay": [("replay p.json --json", 0),
+                                                                 ("replay none.json --json", 2)],
     "simulate": [("simulate slider_crank --integrator adaptive --duration 0.02 --json", 0),
                  ("simulate bouncing_ball --check --json", 0), ("simulate top --duration 0.01 --json", 0),
-                 ("simulate slider_crank --step 1e-7 --time-limit 1e-3 --json", 3)],
-    "list": [(f"list{what} --json", 0) for what in ("", " solvers", " integrators", " scenes", " summary")],
-    "check": [("check slider_crank --json", 0), ("check jam.toml --json", 0), ("check pile --json", 0),
-              ("check bennett --json", 0)],
-    "sweep-list": [("sweep s.sweep.toml --results s.sqlite --list --json", 0)],
-    "sweep": [("sweep s.sweep.toml --results s.sqlite --json", 0)],
-    "results": [("results s.sqlite --json", 0)],
-    "results-failures": [("results s.sqlite --failures --json", 0)],
-    "results-orders": [("results s.sqlite --orders --json", 0)],
-    "results-times": [("results s.sqlite --times --json", 0)],
-    "report": [("report s.sqlite --output s.html --json", 0)],
-    "view": [("view bouncing_ball --output v.html --json", 0)],
-    "new": [("new mechanism --output m.toml --json", 0)],
-    "import": [(f"import {ROOT}/core/scenes/robot_arm.urdf{more} --json", 0) for more in ("", " --output arm.toml")],
-    "gradient": [("gradient slider_crank --duration 0.02 --of crank.theta,slider.x --wrt mu,start.crank.omega --json", 0),
-                 ("gradient slider_crank --duration 1e3 --time-limit 0.05 --of crank.theta --wrt mu --json", 3)],
-    "lyapunov": [("lyapunov bouncing_ball --set e=0.5 --duration 0.6 --count 2 --json", 0)],
-    "completion": [(f"completion {shell} --json", 0) for shell in ("bash", "zsh", "fish")],
-    "man": [("man --json", 0), ("man solve --json", 0)],
+                 ("simulate slider_crank --step 1e-7 --time-limit 1e-3 --json", 3)], "list": [
+                     (f"list{what} --json", 0) for what in ("", " solvers", " integrators", " scenes", " summary")
+                 ], "check": [("check slider_crank --json", 0), ("check jam.toml --json", 0), ("check pile --json", 0),
+                              ("check bennett --json", 0)], "sweep-list": [
+                                  ("sweep s.sweep.toml --results s.sqlite --list --json", 0)
+                              ], "sweep": [("sweep s.sweep.toml --results s.sqlite --json", 0)], "results": [
+                                  ("results s.sqlite --json", 0)
+                              ], "results-failures": [("results s.sqlite --failures --json", 0)], "results-orders": [
+                                  ("results s.sqlite --orders --json", 0)
+                              ], "results-times": [("results s.sqlite --times --json", 0)], "report": [
+                                  ("report s.sqlite --output s.html --json", 0)
+                              ], "view": [("view bouncing_ball --output v.html --json", 0)],
+    "new": [("new mechanism --output m.toml --json", 0)], "import": [
+        (f"import {ROOT}/core/scenes/robot_arm.urdf{more} --json", 0) for more in ("", " --output arm.toml")
+    ], "gradient": [
+        ("gradient slider_crank --duration 0.02 --of crank.theta,slider.x --wrt mu,start.crank.omega --json", 0),
+        ("gradient slider_crank --duration 1e3 --time-limit 0.05 --of crank.theta --wrt mu --json", 3)
+    ], "lyapunov": [("lyapunov bouncing_ball --set e=0.5 --duration 0.6 --count 2 --json", 0)], "completion": [
+        (f"completion {shell} --json", 0) for shell in ("bash", "zsh", "fish")
+    ], "man": [("man --json", 0), ("man solve --json", 0)],
 }
 
 
@@ -127,7 +133,9 @@ def main():
             for words, code in commands:
                 printed = json.loads(orthant(folder, words, code))
                 assert printed, f"{words}: printed nothing to compare"
-                problems = [f"{words}: {'/'.join(map(str, e.path))}: {e.message[:300]}" for e in validator.iter_errors(printed)]
+                problems = [
+                    f"{words}: {'/'.join(map(str, e.path))}: {e.message[:300]}" for e in validator.iter_errors(printed)
+                ]
                 assert not problems, "\n".join(problems)
                 seen += 1
             refuses(validator, printed, name)
@@ -136,7 +144,8 @@ def main():
         said = subprocess.run([ORTHANT, "schema", "nothing"], capture_output=True, text=True).stderr
         names = set(re.findall(r"[a-z-]+", said[said.index("{"):said.index("}")]))
         assert names == {"scene", *COMMANDS}, names ^ {"scene", *COMMANDS}
-        commands = re.findall(r"^  ([a-z]+) ", orthant(folder, "--help").split("Subcommands:")[1].split("Exit codes")[0], re.M)
+        commands = re.findall(r"^  ([a-z]+) ",
+                              orthant(folder, "--help").split("Subcommands:")[1].split("Exit codes")[0], re.M)
         assert len(commands) > 10
         for command in set(commands) - {"schema"}:  # which prints JSON anyway
             assert command in {name.split("-")[0] for name in COMMANDS}, command
@@ -150,7 +159,9 @@ def main():
                   for file in glob.glob(str(ROOT / files))] + [Path(folder, "m.toml").read_text()]
         assert len(texts) > 20
         for text in texts:
-            problems = [f"{'/'.join(map(str, e.path))}: {e.message[:200]}" for e in scene.iter_errors(tomllib.loads(text))]
+            problems = [
+                f"{'/'.join(map(str, e.path))}: {e.message[:200]}" for e in scene.iter_errors(tomllib.loads(text))
+            ]
             assert not problems, text[:200] + "\n" + "\n".join(problems)
         assert not scene.is_valid({"gravityy": [0, 1]}) and not scene.is_valid({"body": [{"name": 3}]})
         assert sum("dimension = 3" in text for text in texts) >= 2

@@ -24,7 +24,8 @@ TIMES = {"seconds", "slowest"}  # differ from run to run
 
 
 def table(orthant, folder, file):
-    text = subprocess.run([orthant, "results", file, "--csv"], cwd=folder, capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([orthant, "results", file, "--csv"], cwd=folder, capture_output=True, text=True,
+                          check=True).stdout
     return [{k: v for k, v in row.items() if k not in TIMES} for row in csv.DictReader(io.StringIO(text))]
 
 
@@ -34,15 +35,17 @@ def main(orthant):
         (folder / "a.sweep.toml").write_text(SWEEP)
 
         def start(verb, *options, **environment):
-            return subprocess.Popen([sys.executable, SCRIPT, verb, "a.sweep.toml", "--folder", "shards", "--orthant", orthant, *options],
-                                    cwd=folder, stdout=subprocess.PIPE, text=True, env={**os.environ, **environment},
-                                    start_new_session=True)
+            return subprocess.Popen(
+                [sys.executable, SCRIPT, verb, "a.sweep.toml", "--folder", "shards", "--orthant", orthant, *options],
+                cwd=folder, stdout=subprocess.PIPE, text=True, env={**os.environ,
+                                                                    **environment}, start_new_session=True)
 
         def run(verb, *options):
             process = start(verb, *options)
             return process.communicate()[0], process.returncode
 
-        subprocess.run([orthant, "sweep", "a.sweep.toml", "--results", "whole.sqlite"], cwd=folder, check=True, capture_output=True)
+        subprocess.run([orthant, "sweep", "a.sweep.toml", "--results", "whole.sqlite"], cwd=folder, check=True,
+                       capture_output=True)
         assert run("split", "--results", "out.sqlite", "--shards", "4") == (f"{CASES} cases in 4 shards\n", 0)
         workers = [start("work", SLURM_ARRAY_TASK_ID=str(k)) for k in range(4)]
         rows = folder / "shards/rows.2"

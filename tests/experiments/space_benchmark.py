@@ -12,8 +12,10 @@ import space  # noqa: E402
 
 
 def row(at, error):
-    return {"scene": "masse", "program": "x", "setting": "y", "swept": "step", "at": at, "seconds": 1 / at, "error": error,
-            "failure": "" if error != "" else "it broke"}
+    return {
+        "scene": "masse", "program": "x", "setting": "y", "swept": "step", "at": at, "seconds": 1 / at, "error": error,
+        "failure": "" if error != "" else "it broke"
+    }
 
 
 def main(orthant):
@@ -32,7 +34,8 @@ def main(orthant):
                         "--output", folder], check=True, capture_output=True, timeout=300)
         with open(f"{folder}/space.csv", newline="") as file:
             rows = list(csv.DictReader(file))
-        assert (Path(folder) / "space.svg").exists() and (Path(folder) / "space.md").read_text().count("| orthant |") == 6
+        assert (Path(folder) / "space.svg").exists() and (Path(folder) /
+                                                          "space.md").read_text().count("| orthant |") == 6
     assert len(rows) == 24 and not any(r["failure"] for r in rows), rows
     finest = {(r["scene"], r["setting"]): float(r["error"]) for r in rows}  # the last of each
     for key, error in finest.items():

@@ -9,7 +9,9 @@ tolerance = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(tolerance)
 
 kinds = "tumbling,polygons,journals,linkages"
-silent, judged = tolerance.main(["--kinds", kinds, "--scenes", "12", "--seed", "10", "--rtol", "1e-6", "--limit", "30", "--orthant", sys.argv[1]])
+silent, judged = tolerance.main(
+    ["--kinds", kinds, "--scenes", "12", "--seed", "10", "--rtol", "1e-6", "--limit", "30", "--orthant", sys.argv[1]]
+)
 if silent > 0:
     sys.exit(f"tolerance: {silent:.1%} of the scenes of a kind err by more than 100 rtol, and no word is said")
 if judged < 0.6:

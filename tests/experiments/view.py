@@ -42,11 +42,15 @@ def stage(page):
 
 def test_view(page, events, drawn):
     check(page.execute_script("return document.title").startswith("Orthant: "), "the page has a title")
-    check(page.execute_script("return (scene.outlines ?? scene.solids).length > 0") == drawn, "there is a drawing where the run has one")
+    check(
+        page.execute_script("return (scene.outlines ?? scene.solids).length > 0") == drawn,
+        "there is a drawing where the run has one")
     check(page.execute_script("return plots.length") == 2, "two plots to begin with")
     for width, scheme in ((1100, "light"), (390, "dark")):
         look(page, width, 900, scheme)
-        check(page.execute_script("return document.documentElement.scrollWidth") <= width, f"nothing is wider than {width} pixels")
+        check(
+            page.execute_script("return document.documentElement.scrollWidth") <= width,
+            f"nothing is wider than {width} pixels")
     before = stage(page)
     body = page.find_element(By.TAG_NAME, "body")
     page.execute_script("player.seconds *= 8")  # on a busy machine it must not come to its end meanwhile
@@ -58,8 +62,9 @@ def test_view(page, events, drawn):
     browsing.time.sleep(0.2)
     check(page.execute_script("return player.time") == time, "and pauses")
     page.execute_script("player.seconds /= 8")
-    missed = page.execute_script("const now = player.position, missed = t.filter((when, k) => { player.position = when / last;"
-                                 "return frameAt(player.time) !== k; }); player.position = now; return missed.length")
+    missed = page.execute_script(
+        "const now = player.position, missed = t.filter((when, k) => { player.position = when / last;"
+        "return frameAt(player.time) !== k; }); player.position = now; return missed.length")
     check(missed == 0, f"a frame's own time shows it; {missed} do not")
     frame = page.execute_script("return frameAt(player.time)")
     body.send_keys(browsing_keys().ARROW_RIGHT)
@@ -75,21 +80,27 @@ def test_view(page, events, drawn):
           "a click into a plot moves the animation there")
     page.execute_script("const s = plots[0].bar.querySelector('select'); s.value = choices[0]; s.onchange()")
     check(page.execute_script("return plots[0].plot.series.length") == 3, "a column is added to a plot")
-    force = page.execute_script("const f = forces.filter(n => n.endsWith('_n')); return f.some(n => values[n].some(x => x > 0))")
+    force = page.execute_script(
+        "const f = forces.filter(n => n.endsWith('_n')); return f.some(n => values[n].some(x => x > 0))")
     check(force, "there are contact forces")
-    sums = page.execute_script("return forces.every(n => { const i = values[n.replace('force', 'impulse')];"
-                               "return values[n].every((x, k) => k === 0 || Math.abs(x * (t[k] - t[k - 1]) - i[k]) <= 1e-9 * Math.abs(i[k])) })")
+    sums = page.execute_script(
+        "return forces.every(n => { const i = values[n.replace('force', 'impulse')];"
+        "return values[n].every((x, k) => k === 0 ||"
+        "  Math.abs(x * (t[k] - t[k - 1]) - i[k]) <= 1e-9 * Math.abs(i[k])) })")
     check(sums, "a force times the length of its frame is the impulse")
-    shown = page.execute_script("const before = player.films[0].canvas.toDataURL(), now = player.time;"
-                                "const k = player.films[0].film.frames.findIndex(f => scene.contacts.some((_, i) => player.films[0].impulse(f, i) > 0));"
-                                "player.go(t[k]); const on = player.films[0].canvas.toDataURL(); show.forces.click();"
-                                "const off = player.films[0].canvas.toDataURL(); show.forces.click(); return on !== off")
+    shown = page.execute_script(
+        "const before = player.films[0].canvas.toDataURL(), now = player.time;"
+        "const k = player.films[0].film.frames.findIndex("
+        "  f => scene.contacts.some((_, i) => player.films[0].impulse(f, i) > 0));"
+        "player.go(t[k]); const on = player.films[0].canvas.toDataURL(); show.forces.click();"
+        "const off = player.films[0].canvas.toDataURL(); show.forces.click(); return on !== off")
     check(shown == drawn, "forces are drawn where the drawing knows their place, and can be switched off")
     rows = page.find_elements(By.CSS_SELECTOR, ".events tr")
     check((len(rows) > 1) == events, "located events are listed")
     if events:
         page.execute_script("arguments[0].click()", rows[2])
-        check(page.execute_script("return Math.abs(player.time - events[1][0]) < 1e-9"), "a click on an event goes there")
+        check(page.execute_script("return Math.abs(player.time - events[1][0]) < 1e-9"),
+              "a click on an event goes there")
         check("now" in rows[2].get_attribute("class") or page.execute_script("return events[1][0] === events[2][0]"),
               "and marks it")
 
@@ -116,11 +127,13 @@ def test_orbit(page):
     now = page.execute_script("return player.films[0].camera.position.toArray()")
     check(now != where and abs(distance(page) - far) < 1e-6 * far, "dragging turns about the middle")
     check(stage(page) != before, "and draws at once")
-    page.execute_script("arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -400, bubbles: true, cancelable: true}))", canvas)
+    page.execute_script(
+        "arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -400, bubbles: true, cancelable: true}))", canvas)
     browsing.time.sleep(0.2)
     check(distance(page) < 0.99 * far, "the wheel zooms")
     for axis, words in enumerate(("along x", "along y", "along z")):
-        page.execute_script("[...document.querySelectorAll('button')].find(b => b.textContent === arguments[0]).click()", words)
+        page.execute_script(
+            "[...document.querySelectorAll('button')].find(b => b.textContent === arguments[0]).click()", words)
         sight = page.execute_script("return player.films[0].camera.position.toArray().map(Math.abs)")
         check(sight[axis] > 0.999 * sum(sight), f"a button looks {words}")
     page.execute_script("[...document.querySelectorAll('button')].find(b => b.textContent === 'whole').click()")
@@ -154,14 +167,17 @@ def test_space(page, name):
         check(force["shown"] and force["cone"], "a pushing contact has its arrow and its cone")
         x, y, z = (page.execute_script(f"return values['ball.{part}'][10]") for part in "xyz")
         radius = page.execute_script("return scene.contacts[0].radius")
-        check(max(abs(a - b) for a, b in zip(force["at"], (x, y, z - radius))) < 1e-6, "the arrow begins where the ball touches")
+        check(
+            max(abs(a - b) for a, b in zip(force["at"], (x, y, z - radius))) < 1e-6,
+            "the arrow begins where the ball touches")
         cosine = sum(a * b for a, b in zip(force["along"], force["normal"]))
         mu = page.execute_script("return scene.contacts[0].mu")
         check(abs(cosine - 1 / (1 + mu * mu) ** 0.5) < 1e-5, "while it slides, the force lies on the cone")
         slip = page.execute_script("const v = n => values[`ball.${n}`][10], r = scene.contacts[0].radius;"
                                    "return [v('vx') - r * v('wy'), v('vy') + r * v('wx')]")
         tangent = [force["along"][0], force["along"][1]]
-        against = sum(a * b for a, b in zip(slip, tangent)) / (sum(a * a for a in slip) * sum(a * a for a in tangent)) ** 0.5
+        against = sum(a * b for a, b in zip(slip, tangent)) / (sum(a * a for a in slip) * sum(a * a
+                                                                                              for a in tangent))**0.5
         check(against < -0.999, "against its slip")
         page.execute_script("show.cones.click()")
         check(not page.execute_script(ARROW, 0)["cone"], "cones can be switched off")
@@ -172,9 +188,12 @@ def test_space(page, name):
 
 def test_without_webgl(page, file):
     """In a browser that has none, plots and events remain."""
-    hide = page.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source":
-        "const get = HTMLCanvasElement.prototype.getContext;"
-        "HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return /webgl/.test(kind) ? null : get.call(this, kind, ...more); }"})
+    hide = page.execute_cdp_cmd(
+        "Page.addScriptToEvaluateOnNewDocument", {
+            "source": "const get = HTMLCanvasElement.prototype.getContext;"
+            "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
+            "  return /webgl/.test(kind) ? null : get.call(this, kind, ...more); }"
+        })
     page.get(file.resolve().as_uri())
     check("no WebGL" in page.find_element(By.CSS_SELECTOR, ".films").text, "without WebGL the page says so")
     check(page.execute_script("return plots.length") == 2, "and has its plots")
@@ -194,39 +213,48 @@ def test_strangers(page, command, folder):
     page.execute_script("plots[0] || plots.push(new TimePlot(columns, [choices[0]]));"
                         "for (const name of choices) plots[0].columns.push(name); plots[0].draw(); player.go(0.5)")
     browsing.time.sleep(0.3)
-    check(page.execute_script("return window.broken === undefined && document.images.length === 0"), "names are text, not markup")
+    check(page.execute_script("return window.broken === undefined && document.images.length === 0"),
+          "names are text, not markup")
     check(page.execute_script("return document.body.textContent").count("onerror=") > 4, "and they are shown")
     for entry in page.get_log("browser"):
         check(entry["level"] != "SEVERE", f"strange: console: {entry['message']}")
-    for name, text, words in (
-            ("empty.csv", "t,a.x\n", "must be a trajectory"), ("word.csv", "t,a.x\n0,1\n1,x\n", "line 3: must hold numbers"),
-            ("short.csv", "t,a.x\n0\n", "has 1 cells: must have 2"), ("back.csv", "t,a.x\n1,1\n0,2\n", "row 2: t must be finite"),
-            ("nan.csv", "t,a.x\nnan,1\n", "row 1: t must be finite"), ("twice.csv", "t,a.x,a.x\n0,1,2\n", "column a.x: is there twice"),
-            ("junk.h5", "junk", "is no HDF5 file")):
+    for name, text, words in (("empty.csv", "t,a.x\n", "must be a trajectory"), ("word.csv", "t,a.x\n0,1\n1,x\n",
+                                                                                 "line 3: must hold numbers"),
+                              ("short.csv", "t,a.x\n0\n", "has 1 cells: must have 2"), ("back.csv", "t,a.x\n1,1\n0,2\n",
+                                                                                        "row 2: t must be finite"),
+                              ("nan.csv", "t,a.x\nnan,1\n", "row 1: t must be finite"),
+                              ("twice.csv", "t,a.x,a.x\n0,1,2\n", "column a.x: is there twice"), ("junk.h5", "junk",
+                                                                                                  "is no HDF5 file")):
         (folder / name).write_text(text)
         run = subprocess.run([command, "view", name], cwd=folder, capture_output=True, text=True)
         check(run.returncode == 1 and words in run.stderr and not (folder / name).with_suffix(".html").exists(),
               f"{name} is refused: {run.returncode} {run.stderr}")
     (folder / "bytes.csv").write_bytes(b"t,\xff.x\n0,1\n1,2\n")
     run = subprocess.run([command, "view", "bytes.csv"], cwd=folder, capture_output=True, text=True)
-    check(run.returncode == 0 and "\\\\xff.x" in (folder / "bytes.html").read_text(), f"a name that is no UTF-8 is shown: {run.stderr}")
+    check(run.returncode == 0 and "\\\\xff.x" in (folder / "bytes.html").read_text(),
+          f"a name that is no UTF-8 is shown: {run.stderr}")
 
 
 def test_pile(page, command, folder):
     """Of searched collisions each pair that pushes has its arrow: their impulses add up to the collision's."""
-    subprocess.run([command, "view", "pile", "--integrator", "moreau-jean", "--step", "2e-3", "--duration", "0.4"], cwd=folder,
-                   capture_output=True, check=True)
+    subprocess.run([command, "view", "pile", "--integrator", "moreau-jean", "--step", "2e-3", "--duration", "0.4"],
+                   cwd=folder, capture_output=True, check=True)
     check((folder / "pile.html").stat().st_size < 2_000_000, "pile: less than 2 MB")
     page.get((folder / "pile.html").resolve().as_uri())
-    sums = page.execute_script("const c = data.columns.filter(n => n.endsWith('.impulse_n') && !scene.contacts.some(o => n === o.name + '.impulse_n'));"
-                               "return data.pushes.map((frame, k) => [frame.reduce((s, p) => s + p[4], 0), c.reduce((s, n) => s + values[n][k], 0)])")
+    sums = page.execute_script(
+        "const of_contact = n => scene.contacts.some(o => n === o.name + '.impulse_n');"
+        "const c = data.columns.filter(n => n.endsWith('.impulse_n') && !of_contact(n));"
+        "return data.pushes.map((frame, k) =>"
+        "  [frame.reduce((s, p) => s + p[4], 0), c.reduce((s, n) => s + values[n][k], 0)])")
     check(any(there > 0 for there, _ in sums), "pairs push")
     check(all(abs(a - b) <= 1e-3 * b for a, b in sums), "the arrows' impulses add up to the collision's")
-    unit = page.execute_script("return data.pushes.every(f => f.every(p => Math.abs(Math.hypot(p[2], p[3]) - 1) < 1e-3))")
+    unit = page.execute_script(
+        "return data.pushes.every(f => f.every(p => Math.abs(Math.hypot(p[2], p[3]) - 1) < 1e-3))")
     check(unit, "along unit normals")
-    shown = page.execute_script("const k = data.pushes.findIndex(f => f.length > 0); player.go(t[k]);"
-                                "const on = player.films[0].canvas.toDataURL(); show.forces.click();"
-                                "const off = player.films[0].canvas.toDataURL(); show.forces.click(); return on !== off")
+    shown = page.execute_script(
+        "const k = data.pushes.findIndex(f => f.length > 0); player.go(t[k]);"
+        "const on = player.films[0].canvas.toDataURL(); show.forces.click();"
+        "const off = player.films[0].canvas.toDataURL(); show.forces.click(); return on !== off")
     check(shown, "and they are drawn")
     for entry in page.get_log("browser"):
         check(entry["level"] != "SEVERE", f"pile: console: {entry['message']}")
@@ -238,7 +266,8 @@ def browsing_keys():
 
 
 def test_server(command, folder):
-    server = subprocess.Popen([command, "view", "ball.h5", "--serve", "0"], cwd=folder, stdout=subprocess.PIPE, text=True)
+    server = subprocess.Popen([command, "view", "ball.h5", "--serve", "0"], cwd=folder, stdout=subprocess.PIPE,
+                              text=True)
     try:
         address = server.stdout.readline().split()[1]
         check(address.startswith("http://127.0.0.1:"), "the server is on this machine only")

@@ -166,3 +166,18 @@ TEST_CASE("same input, same bits") {
   CHECK(a.final.q == b.final.q);
   CHECK(a.final.v == b.final.v);
 }
+
+TEST_CASE(
+    "the motion does not depend on the solver's tolerance: adaptive and event-driven with sweeps meet the exact "
+    "angle") {
+  const SliderCrankExact exact = *slider_crank_exact(0.01, 0.4);
+  const System system(slider_crank({.mu = exact.mu, .e = exact.e}));
+  for (const std::string_view integrator : {"adaptive:rtol=1e-11", "event-driven:rtol=1e-11"})
+    for (const std::string_view by : {"pgs", "psor", "lemke"}) {
+      CAPTURE(integrator);
+      CAPTURE(by);
+      const Run run = simulate(*make_integrator(integrator, system), *make_solver(by), {.step = 2e-3, .duration = 0.2});
+      CHECK(run.status == Status::solved);
+      CHECK(std::abs(run.final.q[kTheta1] - exact.theta1) < 1e-9);
+    }
+}

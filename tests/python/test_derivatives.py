@@ -107,7 +107,8 @@ def test_gradients_of_a_run_are_central_differences_of_runs():
 def test_gradients_take_keys_of_texts_and_entries_of_arrays():
     scene = orthant.Scene(gravity=[0, -9.81], duration=0.6, step=1e-3)
     scene.add("body", name="ball", mass=1, inertia=0.004, position=[0, 1], velocity=[5, 0])
-    scene.add("contact", name="floor", type="disc-wall", body="ball", radius=0.1, wall={"normal": [0, 1]}, e_n=0.5, mu=0.1)
+    scene.add("contact", name="floor", type="disc-wall", body="ball", radius=0.1, wall={"normal": [0, 1]}, e_n=0.5,
+              mu=0.1)
     found = orthant.gradient(scene, "ball.vx", ["contact.floor.mu", "body.ball.velocity[0]", "gravity[1]"])
     ball = orthant.simulate(scene)
     assert np.isclose(found.final["body.ball.velocity[0]"], 1, rtol=1e-9)  # it slides all the time
@@ -120,7 +121,8 @@ def test_gradients_warn_as_the_command_does():
     ball = orthant.Scene(duration=0.1, step=0.01)
     ball.add("body", name="ball", mass=2, inertia=1, position=[0, 1])
     ball.add("contact", type="disc-wall", name="floor", body="ball", radius=1, wall={"normal": [0, 1]})
-    with pytest.warns(orthant.OrthantWarning, match=r"^10 steps have weakly active contacts, the first at t = 0 s \(floor\)"):
+    with pytest.warns(orthant.OrthantWarning,
+                      match=r"^10 steps have weakly active contacts, the first at t = 0 s \(floor\)"):
         assert len(orthant.gradient(ball, "ball.y", "body.ball.mass").degenerate) == 10
 
 
@@ -151,7 +153,9 @@ def test_reverse_mode_is_forward_mode():
         assert np.allclose(end.by[0], rows.by[-1], rtol=1e-8, atol=1e-12)
         assert np.allclose(total.by[0], rows.by.sum(axis=0), rtol=1e-8, atol=1e-12)
         assert np.isclose(total.values[0], rows.values.sum()) and end.t[0] == run.t[-1]
-        assert np.allclose(run.gradient(column, WRT, at="end").by, run.gradient(column, WRT, at="end", mode="forward").by, rtol=1e-8)
+        assert np.allclose(
+            run.gradient(column, WRT, at="end").by, run.gradient(column, WRT, at="end", mode="forward").by, rtol=1e-8
+        )
     assert abs(run.gradient("corner2.impulse_n", "mu").by).max() > 0
 
 
@@ -159,7 +163,8 @@ def test_products_with_the_jacobian_of_a_run_and_its_transpose():
     run = orthant.simulate(crank(), **HOW)
     columns, change = ["crank.theta", "slider.y"], {"mu": 0.3, "e": -2.0}
     t = run.jvp(columns, change)
-    assert t.change.shape == (len(run), 2) == t.values.shape and np.allclose(t.values[:, 0], run["crank.theta"], rtol=1e-12)
+    assert t.change.shape == (len(run), 2) == t.values.shape and np.allclose(t.values[:, 0], run["crank.theta"],
+                                                                             rtol=1e-12)
     weights = np.random.default_rng(3).normal(size=len(run))
     back = run.vjp({"crank.theta": weights, "slider.y": 2.0}, list(change))
     assert np.isclose(back.value, weights @ run["crank.theta"] + 2 * run["slider.y"][-1], rtol=1e-12)
@@ -191,7 +196,9 @@ def test_pytorch_takes_a_vector_of_parameters_and_no_second_derivative():
     torch = pytest.importorskip("torch")
     run = orthant.as_torch(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
     p = torch.tensor([0.01, 0.4], dtype=torch.float64, requires_grad=True)
-    expected = [orthant.gradient(crank(), column, ["mu", "e"], at="end", **HOW).by[0] for column in ("crank.theta", "slider.y")]
+    expected = [
+        orthant.gradient(crank(), column, ["mu", "e"], at="end", **HOW).by[0] for column in ("crank.theta", "slider.y")
+    ]
     assert np.allclose(torch.autograd.functional.jacobian(run, p), expected, rtol=1e-8)
     (g,) = torch.autograd.grad(run(p)[0], p, create_graph=True)
     with pytest.raises(RuntimeError, match="once_differentiable"):
@@ -205,7 +212,9 @@ def test_jax_compiles_and_maps_runs():
     jax.config.update("jax_enable_x64", True)
     run = orthant.as_jax(crank, ["crank.theta", "slider.y"], ["mu", "e"], **HOW)
     p = jax.numpy.array([0.01, 0.4])
-    expected = [orthant.gradient(crank(), column, ["mu", "e"], at="end", **HOW).by[0] for column in ("crank.theta", "slider.y")]
+    expected = [
+        orthant.gradient(crank(), column, ["mu", "e"], at="end", **HOW).by[0] for column in ("crank.theta", "slider.y")
+    ]
     assert np.allclose(jax.jit(jax.jacrev(run))(p), expected, rtol=1e-8)
     several = jax.numpy.stack([p, 1.5 * p])
     assert np.array_equal(jax.vmap(run)(several), [run(several[0]), run(several[1])])

@@ -1,4 +1,5 @@
-"""Long calls from Python: other threads run meanwhile; time limits and Ctrl-C end them; values go to other processes."""
+"""Long calls from Python: other threads run meanwhile; time limits and Ctrl-C end them; values go to other
+processes."""
 
 import copy
 import pickle
@@ -106,7 +107,8 @@ def test_values_go_to_other_processes():
             assert np.array_equal(orthant.solve(p).z, orthant.solve(matrix, q, friction=[(1, 0, 0.3)]).z)
     result = orthant.solve([[-1.0, 0], [0, 1]], [-1.0, 1], solver="lemke", log=True)
     for r in copies(result):
-        assert (r.status, r.iterations, r.seconds, len(r.log)) == (result.status, result.iterations, result.seconds, len(result.log))
+        assert (r.status, r.iterations, r.seconds, len(r.log)) == (result.status, result.iterations, result.seconds,
+                                                                   len(result.log))
         assert np.array_equal(r.certificate, result.certificate) and r.log[0].event == result.log[0].event
     for s in copies(orthant.enumerate_solutions([[1.0, -1], [-1, 1]], [0.0, 0])):
         assert s.complete and s.faces[0].directions[0].tolist() == [1, 1]
@@ -164,7 +166,7 @@ def test_ctrl_c_ends_long_calls(ctrl_c, name):
     assert time.perf_counter() - begin < 10
 
 
-def test_what_is_not_done_in_time_is_said():
+def test_answers_cut_short_by_the_time_limit_say_so():
     assert orthant.enumerate_solutions(*CORNERS, time_limit=1e-3).complete is False
     assert orthant.enumerate_solutions(M, q, time_limit=60).complete is True
     a = orthant.analyse(random_problem(12)[0], time_limit=1e-9)

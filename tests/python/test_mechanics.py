@@ -46,7 +46,7 @@ def test_names_and_files_and_overrides(tmp_path):
     assert orthant.Scene.load(file).bodies == ["ball"]
 
 
-def test_what_is_wrong_is_named(tmp_path):
+def test_errors_name_element_key_and_value(tmp_path):
     with pytest.raises(ValueError, match="kind 'bdy': must be one of body"):
         ball().add("bdy")
     with pytest.raises(ValueError, match="contact.*floor.*mu.*-1"):
@@ -106,7 +106,8 @@ def test_trajectories_as_files(tmp_path):
 
 
 def test_runs_and_scenes_go_to_other_processes(tmp_path):
-    failed = orthant.simulate(orthant.Scene.named("slider_crank", mu=0.1), solver="pgs:max_sweeps=1,tolerance=1e-15", step=1e-4)
+    failed = orthant.simulate(orthant.Scene.named("slider_crank", mu=0.1), solver="pgs:max_sweeps=1,tolerance=1e-15",
+                              step=1e-4)
     for run in (copy.deepcopy(failed), pickle.loads(pickle.dumps(failed))):
         assert np.array_equal(run.table, failed.table) and run.summary == failed.summary
         assert orthant.solve(run.unsolved, solver="lemke").solved
@@ -148,7 +149,7 @@ def test_check_claims_no_more_digits_than_are_true():
     assert "check" not in orthant.simulate(ball(), duration=0.01).summary
 
 
-def test_what_the_command_warns_of_python_warns_of(recwarn):
+def test_python_warns_of_the_same_as_the_command(recwarn):
     scene = ball()
     scene._elements[0][1]["position"] = [0, 0.05]  # 5 cm deep
     with pytest.warns(orthant.OrthantWarning, match="at the start contacts penetrate by 0.05 m"):
@@ -259,14 +260,16 @@ def test_repr():
     assert repr(named) == "Scene('slider_crank', set=['mu=0.1'], 3 bodies, 4 contacts)"
 
 
-def test_what_is_added_is_checked_at_once_in_the_words_of_the_file_reader(tmp_path):
+def test_added_elements_are_checked_at_once_in_the_words_of_the_file_reader(tmp_path):
     scene = orthant.Scene(gravity=[0, -9.81])
     scene.add("body", name="b", mass=1, inertia=1)
     wrong = [("body", dict(name="c", mass=-1, inertia=1), 'body "c": mass = -1: must be > 0'),
              ("body", dict(name="c", mass=float("nan"), inertia=1), 'body "c": mass = nan: must be finite'),
              ("body", dict(name="c", mass=1, inertia=1, positon=[0, 1]), 'body "c": unknown key "positon"'),
-             ("contact", dict(type="disc-wall", body="b", radius=-1, wall={"normal": [0, 1]}), 'contact "contact1": radius = -1: must'),
-             ("contact", dict(type="disc-wall", body="b", radius=1, wall={"normal": [0, 0]}), "wall.normal = .* a direction, not zero"),
+             ("contact", dict(type="disc-wall", body="b", radius=-1,
+                              wall={"normal": [0, 1]}), 'contact "contact1": radius = -1: must'),
+             ("contact", dict(type="disc-wall", body="b", radius=1,
+                              wall={"normal": [0, 0]}), "wall.normal = .* a direction, not zero"),
              ("joint", dict(type="revolute", name="pin", bodies=["b", "b"]), 'joint "pin": joins body "b" to itself'),
              ("body", dict(name="b", mass=1, inertia=1), 'body "b": name = "b": must be distinct, is taken'),
              ("load", dict(body="b", force=[0, np.nan]), 'load "load1": force = nan: must be finite')]
@@ -276,7 +279,8 @@ def test_what_is_added_is_checked_at_once_in_the_words_of_the_file_reader(tmp_pa
         assert "scene:" not in str(said.value)
         if kind == "body" and keys["name"] == "c":  # a file's error ends with the same words
             file = tmp_path / "wrong.toml"
-            file.write_text("[[body]]\n" + "\n".join(f"{key} = {value!r}" for key, value in keys.items()), encoding="utf-8")
+            file.write_text("[[body]]\n" + "\n".join(f"{key} = {value!r}" for key, value in keys.items()),
+                            encoding="utf-8")
             with pytest.raises(ValueError) as read:
                 orthant.Scene.load(file)
             assert str(read.value).endswith(": " + str(said.value))

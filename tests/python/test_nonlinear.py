@@ -31,7 +31,7 @@ def test_bounds():
     assert r.solved and r.z[0] == 2
 
 
-def test_what_callbacks_raise_or_return_is_told():
+def test_errors_of_callbacks_reach_the_caller():
     def fails(z):
         raise KeyError("mine")
 
@@ -50,7 +50,8 @@ def test_what_callbacks_raise_or_return_is_told():
 
 
 def test_games():
-    A, B = -np.array([[3.0, 3], [2, 5], [0, 6]]), -np.array([[3.0, 2], [2, 6], [3, 1]])  # von Stengel 2002: three equilibria
+    A, B = -np.array([[3.0, 3], [2, 5], [0, 6]]), -np.array([[3.0, 2], [2, 6], [3, 1]
+                                                             ])  # von Stengel 2002: three equilibria
     all_of_them = orthant.equilibria(A, B)
     assert sorted(np.round(e.x, 6).tolist() for e in all_of_them) == [[0, 0.333333, 0.666667], [0.8, 0.2, 0], [1, 0, 0]]
     e = orthant.equilibrium(A, B, 0)
@@ -68,7 +69,7 @@ def test_complex_numbers_from_callbacks_are_refused():
         orthant.solve_mcp(lambda z: kojima_shindo(z)[:, None], slope, np.zeros(4))
 
 
-def test_what_is_not_finite_is_named():
+def test_entries_that_are_not_finite_are_named():
     bad = orthant.solve_mcp(lambda z: np.array([z[0] - 1, np.nan]), lambda z: np.eye(2), [0.0, 0.0])
     assert bad.status == "numerical_error" and bad.why == "F[1] = nan: must be finite"
     bad = orthant.solve_mcp(lambda z: z - 1, lambda z: np.array([[1.0, np.inf], [0, 1]]), [0.0, 0.0])

@@ -28,7 +28,7 @@ def test_import_is_quick():
 
 
 def test_examples_in_docstrings():
-    for module in (orthant, orthant._mechanics, orthant._sweep):
+    for module in (orthant, orthant._scene, orthant._sweep):
         assert doctest.testmod(module, extraglobs=vars(orthant)).failed == 0
 
 
@@ -85,18 +85,23 @@ print(mcp.x, mcp["fun"], first, height)
 def test_type_hints_hold(tmp_path):
     """mypy, strict, over the sources and the stub of the compiled part; and what the stub promises is there."""
     package = pathlib.Path(orthant.__file__).resolve().parent
-    if package.parts[-3:] == ("experiments", "python", "orthant") and shutil.which("mypy"):  # an installed one has neighbours
-        run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), "-p", "orthant"],
-                             cwd=package.parent, capture_output=True, text=True)
+    if package.parts[-3:] == ("experiments", "python",
+                              "orthant") and shutil.which("mypy"):  # an installed one has neighbours
+        run = subprocess.run(
+            ["mypy", "--strict", "--ignore-missing-imports", "--cache-dir",
+             str(tmp_path), "-p", "orthant"], cwd=package.parent, capture_output=True, text=True)
         assert run.returncode == 0, run.stdout
         (tmp_path / "use.py").write_text(USE, encoding="utf-8")
-        run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path), str(tmp_path / "use.py")],
-                             cwd=package.parent, capture_output=True, text=True)
-        assert re.findall(r'Revealed type is "(.*)"', run.stdout) == ["builtins.int", "orthant._orthant.Result"], run.stdout
+        run = subprocess.run(
+            ["mypy", "--strict", "--ignore-missing-imports", "--cache-dir",
+             str(tmp_path),
+             str(tmp_path / "use.py")], cwd=package.parent, capture_output=True, text=True)
+        assert re.findall(r'Revealed type is "(.*)"', run.stdout) == ["builtins.int",
+                                                                      "orthant._orthant.Result"], run.stdout
         assert "error" not in run.stdout, run.stdout
     if package.parts[-3:] == ("experiments", "python", "orthant") and shutil.which("pyright"):
-        run = subprocess.run(["pyright", "--pythonpath", sys.executable, "orthant"], cwd=package.parent, capture_output=True,
-                             text=True)
+        run = subprocess.run(["pyright", "--pythonpath", sys.executable, "orthant"], cwd=package.parent,
+                             capture_output=True, text=True)
         assert run.returncode == 0, run.stdout
     stub = (package / "_orthant.pyi").read_text(encoding="utf-8")
     promised = set(re.findall(r"^(?:def|class) (\w+)", stub, re.M)) | {"__version__", "revision"}
@@ -115,12 +120,12 @@ def test_type_hints_hold(tmp_path):
 def test_decision_tables_name_what_there_is_and_come_from_a_run(tmp_path):
     """The tables of the documentation name registered solvers and integrators; figures.py reads the results of runs."""
     sys.path.insert(0, str(DOCS))
-    figures = importlib.import_module("figures")
+    figure_pages, figures = map(importlib.import_module, ("figure_pages", "figures"))
 
     def names(file):
         return set(re.findall(r"`([a-z-]+)`", (tmp_path / file).read_text(encoding="utf-8")))
 
-    figures.pages(tmp_path)
+    figure_pages.pages(tmp_path, figures.load())
     assert "auto" in names("solvers.csv") <= {entry.name for entry in orthant.solvers()}
     assert names("integrators.csv") <= {entry.name for entry in orthant.integrators()}
     (tmp_path / "shootout.csv").write_text(
@@ -139,7 +144,7 @@ def test_decision_tables_name_what_there_is_and_come_from_a_run(tmp_path):
         data = tmp_path / "figures.toml"
         command = [sys.executable, DOCS / "figures.py", "quiet", table, "--from", tmp_path, "--data", data]
         subprocess.run(command, check=True)
-        figures.pages(tmp_path, figures.load(data))
+        figure_pages.pages(tmp_path, figures.load(data))
         assert (tmp_path / f"{page}.txt").read_text() == \
             "Measured at revision `abc`, 2026-01-02, on 2 cores of one with no other work.\n"
         return (tmp_path / f"{page}.csv").read_text(encoding="utf-8").splitlines()

@@ -116,31 +116,43 @@ def hostile_archives():
     """Files that lie: about shapes, types, sizes, names, or that are more than arrays."""
     whole = npy("(2,)", data=q.tobytes())
     square = npy("(2, 2)", data=M.tobytes())
-    shapes = ["(1099511627776,)", "(1152921504606846976, 16)", "(-2,)", "(2.0,)", "2", "()", "(0,)", "[2]", "None", "(True,)", "('2',)",
-              "(" + "[" * 3000 + "]" * 3000 + ",)", "(" * 150 + "2," + ")" * 150, "(" + "1," * 100 + ")", "(2, 1)", "(3,)", "(1,)",
-              "(9" + "9" * 4000 + ",)"]
+    shapes = [
+        "(1099511627776,)", "(1152921504606846976, 16)", "(-2,)", "(2.0,)", "2", "()", "(0,)", "[2]", "None", "(True,)",
+        "('2',)", "(" + "[" * 3000 + "]" * 3000 + ",)", "(" * 150 + "2," + ")" * 150, "(" + "1," * 100 + ")", "(2, 1)",
+        "(3,)", "(1,)", "(9" + "9" * 4000 + ",)"
+    ]
     for shape in shapes:
         for version in (1, 2, 3):
             yield archive([("M.npy", square), ("q.npy", npy(shape, data=q.tobytes(), version=version))])
         yield archive([("M.npy", npy(shape, data=M.tobytes())), ("q.npy", whole)])
-    for descr in ["|O", "O", "<f2", ">f8", "<f16", "<c16", "|b1", "<i8", "<U4", "|S8", "<M8[s]", "|V8", "", "f", 7, None, [("a", "<f8")],
-                  [("a", "|O")], [("a", "<f8", (1 << 30,))], ["<f8"], {"a": 1}, "<f8, <f8", "|S" + "9" * 30, "|V1073741824"]:
+    for descr in [
+            "|O", "O", "<f2", ">f8", "<f16", "<c16", "|b1", "<i8", "<U4", "|S8", "<M8[s]", "|V8", "", "f", 7, None,
+        [("a", "<f8")], [("a", "|O")], [("a", "<f8", (1 << 30, ))], ["<f8"], {"a": 1}, "<f8, <f8", "|S" + "9" * 30,
+            "|V1073741824"
+    ]:
         for key in ("q", "M", "lower", "friction"):
             members = {"M": square, "q": whole, key: npy("(2,)" if key != "M" else "(2, 2)", descr, data=M.tobytes())}
             yield archive([(f"{name}.npy", content) for name, content in members.items()])
-    for more in ["'shape': (2,)", "'more': 1", "**{}", "'a' * (1 << 40): 1", "[]: 1", "\x00", "__import__('os').mkdir('run'): 1"]:
+    for more in [
+            "'shape': (2,)", "'more': 1", "**{}", "'a' * (1 << 40): 1", "[]: 1", "\x00",
+            "__import__('os').mkdir('run'): 1"
+    ]:
         yield archive([("M.npy", square), ("q.npy", npy("(2,)", data=q.tobytes(), more=more))])
     pickled = io.BytesIO()
     np.save(pickled, np.array([Payload(), 1.0], dtype=object), allow_pickle=True)
-    for content in (pickled.getvalue(), pickle.dumps(Payload()), b"", b"\x93NUMPY", whole[:20], whole[:-1], whole + b"more",
-                    b"\x93NUMPY\x02\x00" + b"\xff" * 4 + whole[10:], b"\x93NUMPY\x09\x09" + whole[8:]):
+    for content in (pickled.getvalue(), pickle.dumps(Payload()), b"", b"\x93NUMPY", whole[:20], whole[:-1],
+                    whole + b"more", b"\x93NUMPY\x02\x00" + b"\xff" * 4 + whole[10:], b"\x93NUMPY\x09\x09" + whole[8:]):
         yield archive([("M.npy", square), ("q.npy", content)])
         yield content
-    for name in ("q", "q.npy.npy", "../q.npy", "/q.npy", "Q.npy", ".npy", "q.npy/", "\x07.npy", "ü.npy", "q" * 60000, "M_data", "M.npy"):
+    for name in ("q", "q.npy.npy", "../q.npy", "/q.npy", "Q.npy", ".npy", "q.npy/", "\x07.npy", "ü.npy", "q" * 60000,
+                 "M_data", "M.npy"):
         yield archive([("M.npy", square), (name, whole)])
         yield archive([("M.npy", square), ("q.npy", whole), (name, whole)])
-    for table in ([[1.0, 0, np.nan]], [[np.nan, 0, 1]], [[np.inf, 0, 1]], [[1e300, 0, 1]], [[-1, 0, 1]], [[1, 1, 1]], [[1, 0, -1]]):
-        yield archive([("M.npy", square), ("q.npy", whole), ("friction.npy", npy("(1, 3)", data=np.array(table).tobytes()))])
+    for table in ([[1.0, 0, np.nan]], [[np.nan, 0, 1]], [[np.inf, 0, 1]], [[1e300, 0,
+                                                                            1]], [[-1, 0, 1]], [[1, 1, 1]], [[1, 0,
+                                                                                                              -1]]):
+        yield archive([("M.npy", square), ("q.npy", whole),
+                       ("friction.npy", npy("(1, 3)", data=np.array(table).tobytes()))])
     for size in (1 << 20, 1 << 22):  # zeros, packed a thousandfold
         bomb = npy(f"({size},)", data=bytes(8 * size))
         yield archive([("M.npy", square), ("q.npy", whole), ("M_data.npy", bomb)], compression=zipfile.ZIP_DEFLATED)
@@ -149,7 +161,8 @@ def hostile_archives():
 
 
 def mutations(count, wholes):
-    """Flips, cuts, runs of one byte, pieces of the other file, numbers in the zip's own headers; the same in each run."""
+    """Flips, cuts, runs of one byte, pieces of the other file, numbers in the zip's own headers; the same in each
+    run."""
     random = np.random.default_rng(11)
     for trial in range(count):
         data = bytearray(wholes[trial % len(wholes)])
@@ -172,7 +185,8 @@ def mutations(count, wholes):
                 starts = [m.start() for m in re.finditer(b"PK(?:\x01\x02|\x03\x04|\x05\x06)", bytes(data))]
                 if starts:
                     field = starts[random.integers(len(starts))] + int(random.integers(4, 46))
-                    data[field:field + 4] = int(random.choice([0, 1, 8, 99, 0x7FFFFFFF, 0xFFFFFFFF, len(data)])).to_bytes(4, "little")
+                    data[field:field + 4] = int(random.choice([0, 1, 8, 99, 0x7FFFFFFF, 0xFFFFFFFF,
+                                                               len(data)])).to_bytes(4, "little")
             if not data:
                 break
         yield bytes(data)
@@ -206,12 +220,15 @@ def counted(tmp_path, monkeypatch):
 def test_npz_with_mutations_is_read_or_refused_by_name(counted):
     wholes = []
     for matrix, friction in ((M, None), (sp.csr_matrix(M), [(1, 0, 0.5)])):
-        orthant.write_npz(counted, orthant.Problem(matrix, q, lower=None if friction is None else [0, -np.inf], friction=friction))
+        orthant.write_npz(
+            counted, orthant.Problem(matrix, q, lower=None if friction is None else [0, -np.inf], friction=friction))
         wholes.append(counted.read_bytes())
     fields = {"M": M, "q": q}
     np.savez(counted, **fields)  # not packed: what is changed inside an array is seen by its checksum alone
     wholes.append(counted.read_bytes())
-    flips = [whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1:] for whole in wholes for at in range(0, len(whole), 7)]
+    flips = [
+        whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1:] for whole in wholes for at in range(0, len(whole), 7)
+    ]
     said = [read_or_refused(counted, data) for data in [*flips, *mutations(600, wholes)]]
     assert len(set(said)) > 30 and 0 < said.count("read") < len(said) / 2
 
@@ -248,7 +265,7 @@ def test_largest_input_holds_for_every_file(tmp_path):
             orthant.set_largest_input(value)
 
 
-def test_what_is_no_npz(tmp_path):
+def test_files_that_are_no_npz_are_refused(tmp_path):
     (tmp_path / "p.npz").write_bytes(b"garbage")
     with pytest.raises(ValueError, match="p.npz: must be NumPy's NPZ"):
         orthant.read_problem(tmp_path / "p.npz")

@@ -20,9 +20,9 @@ def test_solves_and_gives_back_what_was_recomputed():
 
 
 @pytest.mark.parametrize("form", [
-    lambda A: A, np.asfortranarray, lambda A: A.T.copy().T, lambda A: np.repeat(A, 2, axis=1)[:, ::2], lambda A: A.tolist(),
-    lambda A: A[::-1, ::-1].copy()[::-1, ::-1], lambda A: np.ascontiguousarray(A).astype(">f8"), sp.csr_matrix, sp.csc_matrix, sp.coo_matrix,
-    sp.csr_array,
+    lambda A: A, np.asfortranarray, lambda A: A.T.copy().T, lambda A: np.repeat(A, 2, axis=1)[:, ::2],
+    lambda A: A.tolist(), lambda A: A[::-1, ::-1].copy()[::-1, ::-1], lambda A: np.ascontiguousarray(A).astype(">f8"),
+    sp.csr_matrix, sp.csc_matrix, sp.coo_matrix, sp.csr_array,
 ])
 def test_layout_and_storage_do_not_matter(form):
     A, b = random_problem(7)
@@ -96,7 +96,7 @@ def test_options_are_checked_and_reach_the_solver():
     (TypeError, "M has dtype object", ([[None, 1], [1, 1]], q)),
     (TypeError, r"q is missing: must be \(2,\)", (M,)),
 ])
-def test_what_is_wrong_is_named(error, words, arguments):
+def test_errors_name_argument_value_and_rule(error, words, arguments):
     with pytest.raises(error, match=words):
         orthant.solve(*arguments)
 
@@ -179,9 +179,12 @@ def test_an_option_is_one_option(value):
 
 
 def test_messages_speak_of_what_the_user_wrote():
-    for call, words in ((lambda: orthant.solve(M, q, [2, 0], [1, 1]), r"row 0 has bounds \[2, 1\]: must be lower <= upper"),
-                        (lambda: orthant.solve(M, q, lower=[-1, 0], friction=[(1, 0, 0.5)]), "friction row 1 has bounds"),
-                        (lambda: orthant.solve_mcp(lambda z: z, lambda z: np.eye(1), [0.0], [2.0], [1.0]), "row 0 has bounds .*lower <= upper")):
+    for call, words in ((lambda: orthant.solve(M, q, [2, 0], [1, 1]),
+                         r"row 0 has bounds \[2, 1\]: must be lower <= upper"),
+                        (lambda: orthant.solve(M, q, lower=[-1, 0], friction=[(1, 0, 0.5)]),
+                         "friction row 1 has bounds"),
+                        (lambda: orthant.solve_mcp(lambda z: z, lambda z: np.eye(1), [0.0], [2.0], [1.0]),
+                         "row 0 has bounds .*lower <= upper")):
         with pytest.raises(ValueError, match=words):
             call()
     assert "entry (0, 0) = 0" in orthant.solve(np.zeros((1, 1)), [1.0], solver="pgs").why_not

@@ -122,8 +122,9 @@ def test_own_names_in_sweeps_run_apart_from_this_process(tmp_path):
     stone.add("contact", type="disc-wall", name="floor", body="stone", radius=0.1, wall={"normal": [0, 1]})
     orthant.register_scene("rolling_stone", stone)
     def statuses(**grid):
-        frame = orthant.sweep("rolling_stone", results=tmp_path / "s.sqlite", duration=0.1, measure="stone.y", progress=False,
-                              grid={"integrator": "moreau-jean", "solver": "slow-or-dead", **grid}, jobs=2)
+        frame = orthant.sweep("rolling_stone", results=tmp_path / "s.sqlite", duration=0.1, measure="stone.y",
+                              progress=False, grid={"integrator": "moreau-jean", "solver": "slow-or-dead",
+                                                    **grid}, jobs=2)
         return dict(zip(frame["step"], frame["status"]))
 
     assert statuses(step=[0.02, 0.005]) == {0.02: "crashed", 0.005: "solved"}
@@ -145,7 +146,8 @@ def test_a_scene_in_space_has_a_name(tmp_path):
             orthant.register_scene("ball_in_space", scenes)
     assert "ball_in_space" in [entry.name for entry in orthant.scenes()]
     orthant.register_solver("swept-in-space", sweeps)
-    frame = orthant.sweep("ball_in_space", results=tmp_path / "b.sqlite", duration=0.1, measure="ball.z", progress=False,
+    frame = orthant.sweep("ball_in_space", results=tmp_path / "b.sqlite", duration=0.1, measure="ball.z",
+                          progress=False,
                           grid={"integrator": ["moreau-jean", "rattle"], "solver": "swept-in-space", "step": [0.01]})
     assert (frame["status"] == "solved").all() and (frame["value"] - (1 - 0.04905)).abs().max() < 5e-3
 
@@ -190,8 +192,11 @@ def test_an_integrator_written_in_python_has_a_name():
     run = orthant.simulate("bouncing_ball", integrator="my-euler", step=1e-3, duration=1.0)
     exact = orthant.simulate("bouncing_ball", integrator="event-driven", step=1e-3, duration=1.0)
     assert run.solved and np.max(np.abs(run["ball.y"] - exact["ball.y"])) < 0.02
-    assert np.isclose(run.table[:, run.columns.index(next(c for c in run.columns if c.endswith("impulse_n")))].sum(),
-                      exact.table[:, exact.columns.index(next(c for c in exact.columns if c.endswith("impulse_n")))].sum(), rtol=0.05)
+    assert np.isclose(
+        run.table[:, run.columns.index(next(c for c in run.columns if c.endswith("impulse_n")))].sum(),
+        exact.table[:, exact.columns.index(next(c for c in exact.columns if c.endswith("impulse_n")))].sum(),
+        rtol=0.05,
+    )
     swing = orthant.simulate("pendulum", integrator="my-euler", step=1e-4, duration=0.2)
     other = orthant.simulate("pendulum", integrator="rattle", step=1e-4, duration=0.2)
     assert swing.solved and 0 < swing.summary["max_joint_residual"] < 1e-3  # measured, not taken on trust
@@ -240,11 +245,14 @@ def double_pendulum(**own):
 
 
 def elbow_residual(a, b):
-    return [a[0] + 0.5 * np.cos(a[2]) - b[0] + 0.5 * np.cos(b[2]), a[1] + 0.5 * np.sin(a[2]) - b[1] + 0.5 * np.sin(b[2])]
+    return [
+        a[0] + 0.5 * np.cos(a[2]) - b[0] + 0.5 * np.cos(b[2]), a[1] + 0.5 * np.sin(a[2]) - b[1] + 0.5 * np.sin(b[2])
+    ]
 
 
 def elbow_rows(a, b):
-    return [[1, 0, -0.5 * np.sin(a[2]), -1, 0, -0.5 * np.sin(b[2])], [0, 1, 0.5 * np.cos(a[2]), 0, -1, 0.5 * np.cos(b[2])]]
+    return [[1, 0, -0.5 * np.sin(a[2]), -1, 0, -0.5 * np.sin(b[2])],
+            [0, 1, 0.5 * np.cos(a[2]), 0, -1, 0.5 * np.cos(b[2])]]
 
 
 def elbow_bias(a, b, va, vb):
@@ -299,10 +307,12 @@ def test_many_contacts_in_one_call_are_the_same_as_one_by_one():
     def balls(together):
         scene = orthant.Scene(gravity=[0, -9.81], duration=0.6, step=1e-3)
         for i in range(8):
-            scene.add("body", name=f"ball{i}", mass=1, inertia=0.01, position=[0.3 * i, 0.3 + 0.05 * i], velocity=[0.4, 0])
+            scene.add("body", name=f"ball{i}", mass=1, inertia=0.01, position=[0.3 * i, 0.3 + 0.05 * i],
+                      velocity=[0.4, 0])
         names = [f"ball{i}" for i in range(8)]
         if together:
-            scene.add("contact", type="custom", name="ridge", bodies=[names, ["ground"] * 8], e_n=0.4, gap=ridge, rows=ridge_rows)
+            scene.add("contact", type="custom", name="ridge", bodies=[names, ["ground"] * 8], e_n=0.4, gap=ridge,
+                      rows=ridge_rows)
         else:
             for i, name in enumerate(names):
                 scene.add("contact", type="custom", name=f"ridge-{i + 1}", bodies=[name, "ground"], e_n=0.4, gap=ridge,
@@ -326,7 +336,8 @@ def test_many_contacts_in_one_call_are_the_same_as_one_by_one():
         short = orthant.Scene()
         for name in ("a", "b"):
             short.add("body", name=name, mass=1, inertia=1)
-        short.add("contact", type="custom", bodies=[["a", "b"], ["ground", "ground"]], gap=lambda a, b: a[1][:1], rows=ridge_rows)
+        short.add("contact", type="custom", bodies=[["a", "b"], ["ground", "ground"]], gap=lambda a, b: a[1][:1],
+                  rows=ridge_rows)
         orthant.simulate(short)
 
 

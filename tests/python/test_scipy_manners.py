@@ -1,5 +1,5 @@
-"""What users of NumPy and SciPy expect: bounds as a pair, results with SciPy's names, sparse formats, tensors, many problems at
-once."""
+"""What users of NumPy and SciPy expect: bounds as a pair, results with SciPy's names, sparse formats, tensors, many
+problems at once."""
 
 import pickle
 import threading
@@ -41,7 +41,8 @@ def test_bounds_are_a_list_of_pairs_as_scipy_writes_them():
     assert np.allclose(M @ orthant.solve(M, -q, bounds=[(None, None), (None, None)]).z, q)
     assert orthant.solve([[2.0]], [-5.0], bounds=[(0, 1)]).z.tolist() == [1]
     A, b = np.diag([2.0, 2, 2]), np.array([-5.0, 5, -1])
-    for three in ([(0, 1), (-2, None), (None, 0)], np.array([[0, 1], [-2, np.inf], [-np.inf, 0]]), ((0, 1), (-2, None), [None, 0])):
+    for three in ([(0, 1), (-2, None), (None, 0)], np.array([[0, 1], [-2, np.inf], [-np.inf, 0]]),
+                  ((0, 1), (-2, None), [None, 0])):
         assert orthant.solve(A, b, bounds=three).z.tolist() == [1, -2, 0]
     # Of two rows with two numbers each, what could be both is refused; a pair of lists or arrays is (lower, upper).
     assert orthant.Problem(M, q, bounds=([0, 1], [2, 3])).upper.tolist() == [2, 3]
@@ -232,9 +233,12 @@ def test_many_problems_are_stacked_arrays_or_one_matrix_of_many():
     same(orthant.solve_many(A, b, friction=friction), [orthant.solve(A, c, friction=friction) for c in b])
     assert orthant.solve_many(A, np.empty((0, 6))) == []
 
-    for wrong, words in ((dict(q=b[0]), r"q has shape \(6,\): must be \(k, n\)"), (dict(q=b[:5]), r"must be \(5, n, n\)"),
-                         (dict(q=b, lower=np.zeros((3, 6))), r"lower has shape \(3, 6\)"),
-                         (dict(q=b[:, :4]), r"problem 0: q has shape \(4,\)")):
+    for wrong, words in (
+        (dict(q=b[0]), r"q has shape \(6,\): must be \(k, n\)"),
+        (dict(q=b[:5]), r"must be \(5, n, n\)"),
+        (dict(q=b, lower=np.zeros((3, 6))), r"lower has shape \(3, 6\)"),
+        (dict(q=b[:, :4]), r"problem 0: q has shape \(4,\)"),
+    ):
         with pytest.raises(ValueError, match=words):
             orthant.solve_many(stack, **wrong)
     with pytest.raises(ValueError, match="must be given with q"):
@@ -253,7 +257,8 @@ def test_many_problems_start_from_guesses_or_earlier_results():
     for start in (cold, list(cold), z, list(z)):
         warm = orthant.solve_many(problems, solver="pgs", start=start)
         assert all(r.solved for r in warm) and all(r.iterations <= 3 for r in warm)
-        stacked = orthant.solve_many(np.array([A for A, _ in problems]), np.array([c for _, c in problems]), solver="pgs", start=start)
+        stacked = orthant.solve_many(np.array([A for A, _ in problems]), np.array([c for _, c in problems]),
+                                     solver="pgs", start=start)
         assert [r.iterations for r in stacked] == [r.iterations for r in warm]
     half = orthant.solve_many(problems, solver="pgs", max_sweeps=100000, start=[cold[0], None, z[2], *[None] * 5])
     assert [r.iterations <= 3 for r in half] == [True, False, True] + [False] * 5

@@ -28,7 +28,9 @@ def turn_of(run, row, body):
 
 def test_a_scene_built_here_slides_by_coulombs_law():
     run = orthant.simulate(ball(mu=0.2))
-    assert run.solved and run.columns[:8] == ["t", "ball.x", "ball.y", "ball.z", "ball.qw", "ball.qx", "ball.qy", "ball.qz"]
+    assert run.solved and run.columns[:8] == [
+        "t", "ball.x", "ball.y", "ball.z", "ball.qw", "ball.qx", "ball.qy", "ball.qz"
+    ]
     assert run.columns[14:18] == ["floor.gap", "floor.impulse_n", "floor.impulse_t1", "floor.impulse_t2"]
     # Sliding: the deceleration is µ g along the velocity, the spin grows by µ m g r / J.
     speed = np.hypot(run["ball.vx"], run["ball.vy"])
@@ -130,7 +132,8 @@ def test_drawings(name, tmp_path):
 def test_a_box_is_drawn_where_its_pose_is():
     scene = orthant.Scene(dimension=3, duration=1, step=0.01)
     scene.add("body", name="box", mass=1, inertia=[1, 1, 1], position=[1, 2, 3], omega=[1, 2, 3])
-    scene.add("contact", type="box-wall", name="floor", body="box", size=[0.2, 0.4, 0.6], wall={"point": [0, 0, -9], "normal": [0, 0, 1]})
+    scene.add("contact", type="box-wall", name="floor", body="box", size=[0.2, 0.4, 0.6],
+              wall={"point": [0, 0, -9], "normal": [0, 0, 1]})
     run = orthant.simulate(scene)
     sketch = SolidSketch(run._scene, ["red"])
     [(body, plane, own, faces, kind)] = [solid for solid in sketch.solids if not solid[1]]
@@ -156,7 +159,7 @@ def test_check_claims_no_more_digits_than_agree():
     assert all(error >= 0 for error in check["error"].values())
 
 
-def test_what_planar_scenes_alone_have_is_said():
+def test_elements_of_planar_scenes_alone_are_refused_in_space():
     scene = ball()
     scene.add("contact", type="custom", bodies=["ball", "ground"], gap=lambda a, b: 1.0, rows=lambda a, b: [0] * 6)
     with pytest.raises(ValueError, match="must be in a planar scene"):

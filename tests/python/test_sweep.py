@@ -18,7 +18,8 @@ def test_every_combination_is_a_row_and_a_second_call_does_nothing(tmp_path):
     assert len(frame) == 4 and (frame["status"] == "solved").all()
     assert sorted(set(zip(frame["integrator"], frame["step"]))) == [
         ("moreau-jean", 1e-3), ("moreau-jean", 1e-2), ("rattle", 1e-3), ("rattle", 1e-2)]
-    coarse, fine = (frame[(frame["integrator"] == "moreau-jean") & (frame["step"] == h)]["error"].iloc[0] for h in (1e-2, 1e-3))
+    coarse, fine = (frame[(frame["integrator"] == "moreau-jean") & (frame["step"] == h)]["error"].iloc[0]
+                    for h in (1e-2, 1e-3))
     assert 0 < abs(fine) < abs(coarse)
     before = (tmp_path / "ball.sweep.toml").stat().st_mtime_ns
     again = orthant.sweep("bouncing_ball", results=tmp_path / "ball.sqlite", progress=False, **BALL)
@@ -31,7 +32,8 @@ def test_the_command_gives_the_same(tmp_path):
     if not command.exists():
         pytest.skip("the tests stand alone here")
     frame = orthant.sweep("bouncing_ball", results=tmp_path / "ball.sqlite", progress=False, **BALL)
-    subprocess.run([command, "sweep", "ball.sweep.toml", "--results", "theirs.sqlite"], cwd=tmp_path, check=True, capture_output=True)
+    subprocess.run([command, "sweep", "ball.sweep.toml", "--results", "theirs.sqlite"], cwd=tmp_path, check=True,
+                   capture_output=True)
     theirs = orthant._sweep._table(orthant._orthant._sweep_rows(tmp_path / "theirs.sqlite", "ball"))
     assert [c for c in FIGURES if c in frame] and all(frame[c].equals(theirs[c]) for c in FIGURES if c in frame)
 
@@ -63,11 +65,12 @@ def test_a_scene_built_here(tmp_path):
         orthant.sweep(orthant.Scene.named("bouncing_ball"), results=tmp_path / "named.sqlite", progress=False, **ask)
 
 
-def test_what_is_wrong_is_named(tmp_path):
+def test_errors_name_key_and_value(tmp_path):
     with pytest.raises(ValueError, match="integrator.*eulr|eulr"):
         orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", grid={"integrator": "eulr"})
     with pytest.raises(ValueError, match="no_such"):
-        orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", no_such=1, grid={"integrator": "rattle"})
+        orthant.sweep("bouncing_ball", results=tmp_path / "a.sqlite", measure="ball.y", no_such=1,
+                      grid={"integrator": "rattle"})
     file = tmp_path / "b.sweep.toml"
     shutil.copy(tmp_path / "a.sweep.toml", file)
     with pytest.raises(TypeError, match="measure: a sweep file holds its keys itself"):

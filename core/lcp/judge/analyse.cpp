@@ -1,7 +1,7 @@
 #include <orthant/core/lcp/judge/analyse.h>
 
 #include <orthant/core/lcp/judge/definite.h>
-#include <orthant/core/lcp/judge/exact.h>
+#include <orthant/core/lcp/judge/exact_classes.h>
 #include <orthant/core/support/factorization_cost.h>
 
 #include <Eigen/Eigenvalues>
@@ -23,106 +23,11 @@ using exact::Sign;
 using Sparse = Formed::Sparse;
 
 constexpr Index kElimination = 40;  // rows that are eliminated in rationals
-constexpr Index kSubsets = 12;      // rows of which all subsets are looked at
-constexpr Index kSignPatterns = 5;  // rows of which all supports with all signs are looked at
+constexpr Index kSubsets = 12;      // rows of which all subsets are examined
+constexpr Index kSignPatterns = 5;  // rows of which all supports with all signs are examined
 constexpr Index kDense = 1000;      // rows for dense eigenvalues and factorizations
 
 Verdict verdict(bool yes) { return yes ? Verdict::yes : Verdict::no; }
-
-exact::Table symmetric_part(const exact::Table& A) {
-  exact::Table S = A;
-  for (std::size_t i = 0; i < A.size(); ++i)
-    for (std::size_t j = 0; j < A.size(); ++j) S[i][j] = (A[i][j] + A[j][i]) / 2;
-  return S;
-}
-
-exact::Table transposed(const exact::Table& A) {
-  exact::Table T = A;
-  for (std::size_t i = 0; i < A.size(); ++i)
-    for (std::size_t j = 0; j < A.size(); ++j) T[i][j] = A[j][i];
-  return T;
-}
-
-exact::Table comparison(const exact::Table& A) {
-  exact::Table C = A;
-  for (std::size_t i = 0; i < A.size(); ++i)
-    for (std::size_t j = 0; j < A.size(); ++j) C[i][j] = i == j ? Rational(abs(A[i][i])) : Rational(-abs(A[i][j]));
-  return C;
-}
-
-// All pivots on the diagonal, in the given order, are positive: all leading principal minors are.
-bool leading_minors_positive(exact::Table A) {
-  for (std::size_t k = 0; k < A.size(); ++k) {
-    if (A[k][k] <= 0) return false;
-    for (std::size_t i = k + 1; i < A.size(); ++i) {
-      const Rational factor = A[i][k] / A[k][k];
-      for (std::size_t j = k; j < A.size(); ++j) exact::subtract_product(A[i][j], factor, A[k][j]);
-    }
-  }
-  return true;
-}
-
-// S symmetric. Diagonal pivots where positive; the rest must then be zero.
-bool semidefinite(exact::Table S) {
-  std::vector<char> done(S.size(), 0);
-  for (;;) {
-    std::size_t p = 0;
-    while (p < S.size() && (done[p] != 0 || S[p][p].is_zero())) ++p;
-    if (p == S.size()) break;
-    if (S[p][p] < 0) return false;
-    done[p] = 1;
-    for (std::size_t i = 0; i < S.size(); ++i) {
-      if (done[i] != 0) continue;
-      const Rational factor = S[i][p] / S[p][p];
-      for (std::size_t j = 0; j < S.size(); ++j)
-        if (done[j] == 0) exact::subtract_product(S[i][j], factor, S[p][j]);
-    }
-  }
-  for (std::size_t i = 0; i < S.size(); ++i)
-    for (std::size_t j = 0; j < S.size(); ++j)
-      if (done[i] == 0 && done[j] == 0 && !S[i][j].is_zero()) return false;
-  return true;
-}
-
-// Solves B x = rhs (last column) for a principal block; the sign of det B, zero or unknown: x is not to be used.
-template <class T> Sign eliminate(std::vector<std::vector<T>>& B) {
-  const std::size_t m = B.size();
-  int det = 1;
-  for (std::size_t k = 0; k < m; ++k) {
-    std::size_t r = k;
-    bool open = false;
-    for (std::size_t i = k; i < m; ++i) {
-      open = open || exact::sign(B[i][k]) == Sign::unknown;
-      if (exact::weight(B[i][k]) > exact::weight(B[r][k])) r = i;
-    }
-    if (exact::weight(B[r][k]) == 0) return open ? Sign::unknown : Sign::zero;
-    if (r != k) std::swap(B[r], B[k]), det = -det;
-    if (exact::sign(B[k][k]) == Sign::negative) det = -det;
-    for (std::size_t i = 0; i < m; ++i) {
-      if (i == k) continue;
-      const T factor = exact::quotient(B[i][k], B[k][k]);
-      for (std::size_t j = k + 1; j < B[i].size(); ++j) exact::subtract_product(B[i][j], factor, B[k][j]);
-    }
-  }
-  for (std::size_t k = 0; k < m; ++k)
-    for (std::size_t j = m; j < B[k].size(); ++j) B[k][j] = exact::quotient(B[k][j], B[k][k]);
-  return static_cast<Sign>(det);
-}
-
-template <class T> std::vector<std::vector<T>> block(const exact::Table& A, const std::vector<std::size_t>& rows) {
-  std::vector<std::vector<T>> B(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (const std::size_t j : rows) B[i].push_back(T(A[rows[i]][j]));
-    B[i].push_back(T(1.0));
-  }
-  return B;
-}
-
-struct Late {};  // thrown where the caller has waited long enough
-
-void ask(const std::function<bool()>& stop) {
-  if (stop && stop()) throw Late{};
-}
 
 class Deadline {
  public:
@@ -141,94 +46,6 @@ class Deadline {
   double seconds_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
-
-template <class Visit>  // not ∅; visit returns false to end
-void for_each_subset(std::size_t n, const std::function<bool()>& stop, Visit&& visit) {
-  std::vector<std::size_t> rows;
-  for (unsigned long subset = 1; subset >> n == 0; ++subset) {
-    ask(stop);
-    rows.clear();
-    for (std::size_t i = 0; i < n; ++i)
-      if ((subset >> i & 1UL) != 0) rows.push_back(i);
-    if (!visit(rows)) return;
-  }
-}
-
-void principal_minors(const exact::Table& A, const std::function<bool()>& stop, Analysis& result) {
-  Verdict p = Verdict::yes, p0 = Verdict::yes;
-  for_each_subset(A.size(), stop, [&](const std::vector<std::size_t>& rows) {
-    auto fast = block<Filtered>(A, rows);
-    Sign det = eliminate(fast);
-    if (det == Sign::unknown) {
-      auto slow = block<Rational>(A, rows);
-      det = eliminate(slow);
-    }
-    if (det != Sign::positive && p == Verdict::yes) {
-      p = result.p = Verdict::no;
-      result.not_p.assign(rows.begin(), rows.end());
-    }
-    if (det == Sign::negative) p0 = Verdict::no;
-    return p0 == Verdict::yes;
-  });
-  result.p = p, result.p0 = p0;
-}
-
-// A minimizer of xᵀS x on the simplex with the fewest entries has a regular block S_αα, and S_αα x_α = λ e: λ < 0 ⟺
-// S_αα⁻¹ e < 0.
-bool copositive(const exact::Table& S, const std::function<bool()>& stop) {
-  bool yes = true;
-  const auto negative = [](const auto& B) {
-    bool all = true;
-    for (const auto& row : B) {
-      const Sign s = exact::sign(row.back());
-      if (s == Sign::positive || s == Sign::zero) return Sign::positive;
-      all = all && s == Sign::negative;
-    }
-    return all ? Sign::negative : Sign::unknown;
-  };
-  for_each_subset(S.size(), stop, [&](const std::vector<std::size_t>& rows) {
-    auto fast = block<Filtered>(S, rows);
-    Sign outcome = eliminate(fast);
-    if (outcome != Sign::unknown && outcome != Sign::zero) outcome = negative(fast);
-    if (outcome == Sign::unknown) {
-      auto slow = block<Rational>(S, rows);
-      outcome = eliminate(slow);
-      if (outcome != Sign::zero) outcome = negative(slow);
-    }
-    return yes = outcome != Sign::negative;
-  });
-  return yes;
-}
-
-// For each support α and signs σ: some x_α > 0 with B x ≤ 0, B x ≠ 0, B = σ A_αα σ, is a counterexample. The sum of all
-// generators of { x ≥ 0, B x ≤ 0 } has every x_i > 0 and every (B x)_i < 0 that any member has.
-bool column_sufficient(const exact::Table& A, const std::function<bool()>& stop) {
-  bool yes = true;
-  for_each_subset(A.size(), stop, [&](const std::vector<std::size_t>& rows) {
-    const std::size_t m = rows.size();
-    for (unsigned long signs = 0; yes && signs >> (m - 1) == 0; ++signs) {
-      exact::Table G(2 * m, exact::Row(m));
-      for (std::size_t i = 0; i < m; ++i) {
-        G[i][i] = 1;
-        for (std::size_t j = 0; j < m; ++j)
-          G[m + i][j] = ((signs >> i ^ signs >> j) & 1UL) != 0 ? A[rows[i]][rows[j]] : Rational(-A[rows[i]][rows[j]]);
-      }
-      exact::Row sum(m);
-      for (const exact::Row& ray : exact::cone(G, m).rays)
-        for (std::size_t i = 0; i < m; ++i) sum[i] += ray[i];
-      bool positive = true, strict = false;
-      for (std::size_t i = 0; i < m; ++i) {
-        positive = positive && sum[i] > 0;
-        Rational value = 0;
-        for (std::size_t j = 0; j < m; ++j) value += G[m + i][j] * sum[j];
-        strict = strict || value > 0;
-      }
-      yes = !(positive && strict);
-    }
-    return yes;
-  });
-  return yes;
-}
 
 // Sign of xᵀS x with all errors counted.
 Sign quadratic(const Formed& S, const Eigen::VectorXd& x) {
@@ -311,7 +128,7 @@ double exact_condition(const exact::Table& A) {
   exact::Table B = A;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) B[i].push_back(i == j ? 1 : 0);
-  eliminate(B);
+  exact::eliminate(B);
   const auto norm = [n](const exact::Table& table, std::size_t first) {
     Rational largest = 0;
     for (std::size_t j = first; j < first + n; ++j) {
@@ -426,15 +243,15 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
   result.diagonally_dominant = dominant(f);
 
   // Definiteness, H₊ and K, rank.
-  ask(stop);
+  exact::ask(stop);
   if (!exactly.empty()) {
-    const exact::Table symmetric = symmetric_part(exactly);
-    result.positive_definite = verdict(leading_minors_positive(symmetric));
-    result.positive_semidefinite = verdict(semidefinite(symmetric));
+    const exact::Table symmetric = exact::symmetric_part(exactly);
+    result.positive_definite = verdict(exact::leading_minors_positive(symmetric));
+    result.positive_semidefinite = verdict(exact::semidefinite(symmetric));
     result.h_plus = Verdict::yes;
     for (std::size_t i = 0; i < at(n); ++i)
       if (exactly[i][i] <= 0) result.h_plus = Verdict::no;
-    if (is_yes(result.h_plus)) result.h_plus = verdict(leading_minors_positive(comparison(exactly)));
+    if (is_yes(result.h_plus)) result.h_plus = verdict(exact::leading_minors_positive(exact::comparison(exactly)));
     exact::Table copy = exactly;
     result.rank = static_cast<Index>(exact::reduce(copy, at(n)).size());
   } else {
@@ -445,7 +262,7 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
       result.positive_semidefinite = Verdict::yes;  // W M⁻¹ Wᵀ + R with M⁻¹, R ≥ 0
     else if (surely_not_semidefinite(S, deadline))
       result.positive_definite = result.positive_semidefinite = Verdict::no;
-    ask(stop);
+    exact::ask(stop);
     if (dominates || (diagonal_positive && deadline.affords(f.value) && surely_h_matrix(f)))
       result.h_plus = Verdict::yes;
     else if (!delassus && !diagonal_positive)
@@ -458,8 +275,8 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
 
   // Minors.
   if (n <= kSubsets) {
-    principal_minors(exactly, stop, result);
-    result.copositive = verdict(copositive(symmetric_part(exactly), stop));
+    exact::principal_minors(exactly, stop, result);
+    result.copositive = verdict(exact::copositive(exact::symmetric_part(exactly), stop));
   } else {
     if (is_yes(result.positive_definite) || is_yes(result.h_plus))
       result.p = Verdict::yes;
@@ -477,11 +294,11 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
   } else if (is_yes(result.p) || is_yes(result.positive_semidefinite)) {
     result.column_sufficient = result.row_sufficient = Verdict::yes;
   } else if (n <= kSignPatterns) {
-    result.column_sufficient = verdict(column_sufficient(exactly, stop));
-    result.row_sufficient = verdict(column_sufficient(transposed(exactly), stop));
+    result.column_sufficient = verdict(exact::column_sufficient(exactly, stop));
+    result.row_sufficient = verdict(exact::column_sufficient(exact::transposed(exactly), stop));
   }
   if (result.rank < 0 && (is_yes(result.p) || is_yes(result.positive_definite))) result.rank = n;
-  ask(stop);
+  exact::ask(stop);
   const bool regular = result.rank == n;
   if (!deadline.affords(f.value)) return;
   result.condition = condition(f.value, regular && exactly.empty());
@@ -508,7 +325,7 @@ Analysis analyse(const Matrix& A, const std::function<bool()>& stop, double time
   result.condition = std::numeric_limits<double>::quiet_NaN();
   try {
     decide(A, stop, deadline, result);
-  } catch (const Late&) {
+  } catch (const exact::Late&) {
   }
   return result;
 }

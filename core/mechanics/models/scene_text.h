@@ -96,9 +96,12 @@ class SceneText {
   void wall(const Carrier& c, const ModelShape& s, const ModelShape& plane);
   static std::vector<Vector3d> moved(const Carrier& c, std::vector<Vector3d> points);
 
-  /// Writes one collision of all shapes. Bodies that are joined, or overlap at the start within one tree, are apart.
-  /// One function: the text of one element, key by key.
-  void collision(const std::vector<std::pair<std::size_t, const ModelShape*>>& all);
+  using Shapes = std::vector<std::pair<std::size_t, const ModelShape*>>;  // with the carrier of each
+  using Pair = std::pair<int, int>;                                       // of carriers, the lesser one first
+  /// Writes one collision of all shapes.
+  void collision(const Shapes& all);
+  /// Carriers that do not meet: joined ones, those masked, and those that overlap at the start within one tree.
+  std::set<Pair> pairs_apart(const Shapes& all, const spatial::Collision& set, const std::vector<spatial::Pose>& poses);
 
   const std::string& name_of(int carrier) const { return carriers_[static_cast<std::size_t>(carrier)].name; }
 

@@ -126,8 +126,7 @@ std::vector<Vector3d> SceneText::moved(const Carrier& c, std::vector<Vector3d> p
   return points;
 }
 
-void SceneText::collision(const std::vector<std::pair<std::size_t, const ModelShape*>>& all) {
-  using Pair = std::pair<int, int>;
+void SceneText::collision(const Shapes& all) {
   std::set<std::size_t> bodies;
   for (const auto& [c, s] : all) bodies.insert(c);
   if (bodies.size() < 2) return;
@@ -169,6 +168,20 @@ void SceneText::collision(const std::vector<std::pair<std::size_t, const ModelSh
     throw std::invalid_argument(model_.file + ": a mesh: its corners " + error.what());
   }
 
+  const std::set<Pair> apart = pairs_apart(all, set, poses);
+  collisions_ += "\n[[collision]]\nname = \"shapes\"\n";
+  if (most > 0) collisions_ += "mu = " + number(most) + "\n";
+  collisions_ += "shapes = [\n" + list_of + "]\n";
+  std::string pairs;
+  for (const Pair& pair : apart)
+    if (bodies.contains(static_cast<std::size_t>(pair.first)) &&
+        bodies.contains(static_cast<std::size_t>(pair.second)) && pair.first != pair.second)
+      pairs += (pairs.empty() ? "" : ", ") + pair_of(name_of(pair.first), name_of(pair.second));
+  if (!pairs.empty()) collisions_ += "apart = [" + pairs + "]\n";
+}
+
+std::set<SceneText::Pair> SceneText::pairs_apart(const Shapes& all, const spatial::Collision& set,
+                                                 const std::vector<spatial::Pose>& poses) {
   std::set<Pair> apart, masked, overlapping;
   const auto in_order = [](int a, int b) { return Pair{std::min(a, b), std::max(a, b)}; };
   for (const auto& [i, k] : model_.apart)
@@ -202,15 +215,7 @@ void SceneText::collision(const std::vector<std::pair<std::size_t, const ModelSh
     note("overlap at the start, and do not meet: " + names);
     apart.insert(overlapping.begin(), overlapping.end());
   }
-  collisions_ += "\n[[collision]]\nname = \"shapes\"\n";
-  if (most > 0) collisions_ += "mu = " + number(most) + "\n";
-  collisions_ += "shapes = [\n" + list_of + "]\n";
-  std::string pairs;
-  for (const Pair& pair : apart)
-    if (bodies.contains(static_cast<std::size_t>(pair.first)) &&
-        bodies.contains(static_cast<std::size_t>(pair.second)) && pair.first != pair.second)
-      pairs += (pairs.empty() ? "" : ", ") + pair_of(name_of(pair.first), name_of(pair.second));
-  if (!pairs.empty()) collisions_ += "apart = [" + pairs + "]\n";
+  return apart;
 }
 
 bool SceneText::overlap(const spatial::Shape& x, const spatial::Pose& at_x, const spatial::Shape& y,

@@ -1,75 +1,19 @@
 #include <orthant/core/mechanics/scene/derivatives.h>
+#include <orthant/core/mechanics/scene/element_check.h>
 #include <orthant/core/mechanics/scene/scene.h>
-#include <orthant/core/support/options.h>
-#include <orthant/core/support/shortened.h>
 
 #include <cmath>
-#include <set>
 
 namespace orthant {
 namespace {
 
-constexpr double kLeastMass = 1e-300;  // below, 1/m is not a number any more
-constexpr double kLargestMu = 1e6;     // steeper than any digits tell from a wall
-constexpr double kUnit = 1e-12;        // how far from 1 a unit vector's length may be
-
-std::string text(double value) { return detail::text_of(value); }
-std::string text(const Vector2d& v) { return std::string("(").append(text(v.x()) + ", " + text(v.y()) + ")"); }
-
-/// One element of the scene while its fields are examined; the first rule that fails throws.
-class Element {
+/// One element of a planar scene.
+class Element : public ElementCheck<Scene> {
  public:
   Element(const Scene& scene, const Kinematics& start, std::string_view kind, std::size_t index,
           const std::string& name)
-      : scene_(scene), start_(start), kind_(kind), index_(index), name_(name) {}
+      : ElementCheck(scene, kind, index, name), start_(start) {}
 
-  [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
-    const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + in_one_line(name_) + "\"";
-    throw SceneError(who + ": " + sentence, kind_, index_, field);
-  }
-  template <class Value>
-  void require(bool holds, const std::string& field, const Value& value, const std::string& rule) const {
-    if (!holds) fail(field, field + " = " + text(value) + ": must be " + rule);
-  }
-
-  void finite(const std::string& field, double value) const { require(std::isfinite(value), field, value, "finite"); }
-  void finite(const std::string& field, const Vector2d& v) const { require(v.allFinite(), field, v, "finite"); }
-  void within(const std::string& field, double value, double low, double high) const {
-    require(value >= low && value <= high, field, value, "in [" + text(low) + ", " + text(high) + "]");
-  }
-  void not_negative(const std::string& field, double value) const {
-    finite(field, value);
-    require(value >= 0, field, value, ">= 0");
-  }
-  void friction(const std::string& field, double value) const {
-    not_negative(field, value);
-    require(value <= kLargestMu, field, value, "<= " + text(kLargestMu));
-  }
-  void positive(const std::string& field, double value) const {
-    finite(field, value);
-    require(value > 0, field, value, "> 0");
-  }
-  void invertible(const std::string& field, double value) const {
-    positive(field, value);
-    require(value >= kLeastMass, field, value, ">= " + text(kLeastMass));
-  }
-  void unit(const std::string& field, const Vector2d& v) const {
-    finite(field, v);
-    require(std::abs(v.norm() - 1) <= kUnit, field, v, "a unit vector");
-  }
-  void exists(BodyId body) const {
-    const auto bodies = static_cast<BodyId>(scene_.bodies.size());
-    if (body < kGround || body >= bodies)
-      fail("body", "body " + std::to_string(body) + " does not exist (the scene has " + std::to_string(bodies) +
-                       (bodies == 1 ? " body)" : " bodies)"));
-  }
-  void pair(BodyId a, BodyId b) const {
-    exists(a), exists(b);
-    if (a != b) return;
-    const std::string same =
-        a == kGround ? "the ground" : "body \"" + scene_.bodies[static_cast<std::size_t>(a)].name + "\"";
-    fail("bodies", "joins " + same + " to itself: must be two different bodies");
-  }
   void loads(int joint) const {
     const auto* one = joint >= 0 && joint < static_cast<int>(scene_.joints.size())
                           ? &scene_.joints[static_cast<std::size_t>(joint)]
@@ -89,25 +33,7 @@ class Element {
   const Kinematics& start() const { return start_; }
 
  private:
-  const Scene& scene_;
   const Kinematics& start_;
-  std::string kind_;
-  std::size_t index_;
-  std::string name_;
-};
-
-/// Names address elements ("contact.corner1.mu"), so each must be there, be plain, and be the only one of its kind.
-class Names {
- public:
-  void add(const Element& element, const std::string& name) {
-    constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-    if (name.empty() || name.find_first_not_of(plain) != std::string::npos)
-      element.fail("name", "name = \"" + name + "\": must be of letters, digits, _ and -");
-    if (!taken_.insert(name).second) element.fail("name", "name = \"" + name + "\": must be distinct, is taken");
-  }
-
- private:
-  std::set<std::string> taken_;
 };
 
 void examine(const Element& e, const Body& b) {
@@ -185,10 +111,10 @@ void examine(const Element& e, const PolygonPolygon& c) {
 void examine(const Element& e, const Journal& c) {
   e.pair(c.a, c.b), e.finite("centre_a", c.centre_a), e.finite("centre_b", c.centre_b);
   e.positive("radius_a", c.radius_a), e.positive("radius_b", c.radius_b), e.law(c.law);
-  e.require(c.radius_b > c.radius_a, "radius_b", c.radius_b, "> radius_a = " + text(c.radius_a));
+  e.require(c.radius_b > c.radius_a, "radius_b", c.radius_b, "> radius_a = " + e.text(c.radius_a));
   const double off = Span{c.a, c.b, c.centre_a, c.centre_b}.value(e.start());
   if (!(off <= c.radius_b))
-    e.fail("bodies", "its centres start " + text(off) + " m apart: must be at most radius_b = " + text(c.radius_b) +
+    e.fail("bodies", "its centres start " + e.text(off) + " m apart: must be at most radius_b = " + e.text(c.radius_b) +
                          ", the pin is out of its hole");
 }
 void examine(const Element& e, const Limit& c) {
@@ -250,7 +176,7 @@ void examine(const Element& e, const Load& l) {
 
 template <class T>
 void examine_all(const Scene& scene, const Kinematics& start, std::string_view kind, const std::vector<T>& elements) {
-  Names names;
+  ElementNames names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const auto one = [&](const auto& x) {
       const Element element(scene, start, kind, i, x.name);

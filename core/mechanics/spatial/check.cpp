@@ -1,103 +1,49 @@
-#include <orthant/core/mechanics/scene/scene.h>
+#include <orthant/core/mechanics/scene/element_check.h>
 #include <orthant/core/mechanics/spatial/scene.h>
-#include <orthant/core/support/options.h>
-#include <orthant/core/support/shortened.h>
 
 #include <cmath>
-#include <set>
 #include <stdexcept>
 #include <string_view>
 
 namespace orthant::spatial {
 namespace {
 
-constexpr double kLeastMass = 1e-300;  // below, 1/m is not a number any more
-constexpr double kLargestMu = 1e6;     // steeper than any digits tell from a wall
-constexpr double kUnit = 1e-12;        // how far from 1 a unit vector's length may be
-constexpr double kRounding = 1e-9;     // of the largest moment of inertia
+constexpr double kRounding = 1e-9;  // of the largest moment of inertia
+constexpr double kUnit = ElementCheck<Scene>::kUnit;
 
-/// One element of a spatial scene while its fields are examined; the first rule that fails throws.
-class SpatialElement {
+/// One element of a scene in space.
+class SpatialElement : public ElementCheck<Scene> {
  public:
-  SpatialElement(const Scene& scene, std::string_view kind, std::size_t index, const std::string& name)
-      : scene_(scene), kind_(kind), index_(index), name_(name) {}
+  using ElementCheck::ElementCheck;
 
-  [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
-    const std::string who = kind_.empty() ? "scene" : kind_ + " \"" + in_one_line(name_) + "\"";
-    throw SceneError(who + ": " + sentence, kind_, index_, field);
-  }
-  void require(bool holds, const std::string& field, const std::string& value, const std::string& rule) const {
-    if (!holds) fail(field, field + " = " + value + ": must be " + rule);
-  }
-  static std::string text(double x) { return orthant::detail::text_of(x); }
-  template <class X> static std::string text(const Eigen::MatrixBase<X>& x) {
-    std::string all = "(";
-    for (Eigen::Index i = 0; i < x.size(); ++i) all += (i > 0 ? ", " : "") + text(x(i));
-    return all + ")";
-  }
-
-  void finite(const std::string& field, double x) const { require(std::isfinite(x), field, text(x), "finite"); }
-  template <class X> void finite(const std::string& field, const Eigen::MatrixBase<X>& x) const {
-    require(x.allFinite(), field, text(x), "finite");
-  }
-  void positive(const std::string& field, double x) const { finite(field, x), require(x > 0, field, text(x), "> 0"); }
-  void not_negative(const std::string& field, double x) const {
-    finite(field, x), require(x >= 0, field, text(x), ">= 0");
-  }
-  template <class X> void unit(const std::string& field, const Eigen::MatrixBase<X>& x) const {
-    finite(field, x);
-    require(std::abs(x.norm() - 1) <= kUnit, field, text(x), x.size() == 4 ? "a unit quaternion" : "a unit vector");
-  }
-  void exists(BodyId body) const {
-    const auto bodies = static_cast<BodyId>(scene_.bodies.size());
-    if (body < kGround || body >= bodies)
-      fail("body", "body " + std::to_string(body) + " does not exist (the scene has " + std::to_string(bodies) +
-                       (bodies == 1 ? " body)" : " bodies)"));
-  }
-  void pair(BodyId a, BodyId b) const {
-    exists(a), exists(b);
-    if (a != b) return;
-    const std::string same =
-        a == kGround ? "the ground" : "body \"" + scene_.bodies[static_cast<std::size_t>(a)].name + "\"";
-    fail("bodies", "joins " + same + " to itself: must be two different bodies");
-  }
   void law(const ContactLaw& law) const {
     for (const auto& [field, mu] : {std::pair{"mu", law.mu}, std::pair{"mu_static", law.mu_static}})
-      not_negative(field, mu), require(mu <= kLargestMu, field, text(mu), "<= " + text(kLargestMu));
-    require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", text(law.mu_static), ">= mu = " + text(law.mu));
-    require(law.e >= 0 && law.e <= 1, "e_n", text(law.e), "in [0, 1]");
-    require(law.e_t >= -1 && law.e_t <= 1, "e_t", text(law.e_t), "in [-1, 1]");
-    require(law.belt == 0, "belt", text(law.belt),
-            "0: it is planar only, in space a surface has a velocity and an omega");
+      friction(field, mu);
+    require(law.mu_static == 0 || law.mu_static >= law.mu, "mu_static", law.mu_static, ">= mu = " + text(law.mu));
+    require(law.e >= 0 && law.e <= 1, "e_n", law.e, "in [0, 1]");
+    require(law.e_t >= -1 && law.e_t <= 1, "e_t", law.e_t, "in [-1, 1]");
+    require(law.belt == 0, "belt", law.belt, "0: it is planar only, in space a surface has a velocity and an omega");
     const SurfaceLaw& s = law.surface;
-    not_negative("rolling", s.rolling), not_negative("spinning", s.spinning), not_negative("mu_across", s.mu_across);
-    require(s.mu_across <= kLargestMu, "mu_across", text(s.mu_across), "<= " + text(kLargestMu));
-    if (s.orthotropic()) require(law.mu > 0, "mu", text(law.mu), "> 0 where mu_across is");
+    not_negative("rolling", s.rolling), not_negative("spinning", s.spinning), friction("mu_across", s.mu_across);
+    if (s.orthotropic()) require(law.mu > 0, "mu", law.mu, "> 0 where mu_across is");
     if (s.orthotropic() || !s.direction.isZero(0)) unit("direction", s.direction);
     finite("velocity", s.velocity), finite("omega", s.omega), finite("centre", s.centre);
     require(!s.turns() || (scene_.restitution == Restitution::newton && scene_.impacts == Impacts::simultaneous),
-            s.rolling > 0 ? "rolling" : "spinning", text(s.rolling > 0 ? s.rolling : s.spinning),
+            s.rolling > 0 ? "rolling" : "spinning", s.rolling > 0 ? s.rolling : s.spinning,
             "0 where restitution is not newton, or impacts are not simultaneous");
   }
-
- private:
-  const Scene& scene_;
-  std::string kind_;
-  std::size_t index_;
-  std::string name_;
 };
 
 void examine(const SpatialElement& e, const Body& b) {
   if (b.name == "ground") e.fail("name", "name = \"ground\": must not be ground, which is always there");
-  e.positive("mass", b.mass);
-  e.require(b.mass >= kLeastMass, "mass", e.text(b.mass), ">= " + e.text(kLeastMass));
+  e.invertible("mass", b.mass);
   e.finite("inertia", b.inertia);
   const double most = b.inertia.cwiseAbs().maxCoeff();
   e.require((b.inertia - b.inertia.transpose()).cwiseAbs().maxCoeff() <= kRounding * most, "inertia",
-            e.text(b.inertia.reshaped()), "symmetric");
+            b.inertia.reshaped(), "symmetric");
   const Vector3d J = principal(b.inertia).moments;
-  e.require(J.minCoeff() >= kLeastMass, "inertia", e.text(J), "positive in its principal axes");
-  e.require(2 * J.maxCoeff() <= J.sum() + kRounding * most, "inertia", e.text(J),
+  e.require(J.minCoeff() >= SpatialElement::kLeastMass, "inertia", J, "positive in its principal axes");
+  e.require(2 * J.maxCoeff() <= J.sum() + kRounding * most, "inertia", J,
             "that of a body: no principal moment larger than the sum of the others");
   e.finite("position", b.position), e.unit("orientation", b.orientation);
   e.finite("velocity", b.velocity), e.finite("omega", b.omega);
@@ -114,7 +60,7 @@ template <class T> void examine_places(const SpatialElement& e, const T& x) {
     const auto square = [&](const char* field, const Vector3d& reference, const Vector3d& axis) {
       if (reference.isZero(0)) return;
       e.unit(field, reference);
-      e.require(std::abs(reference.dot(axis)) <= kUnit, field, e.text(reference), "at right angles to the axis");
+      e.require(std::abs(reference.dot(axis)) <= kUnit, field, reference, "at right angles to the axis");
     };
     square("reference_a", x.reference_a, x.axis_a), square("reference_b", x.reference_b, x.axis_b);
   }
@@ -145,7 +91,7 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
     e.positive("radius", x.radius), e.not_negative("tube", x.tube), e.finite("phase", x.phase);
   if constexpr (std::is_same_v<T, EllipsoidPlane>) {
     e.finite("semi_axes", x.semi_axes);
-    e.require(x.semi_axes.minCoeff() > 0, "semi_axes", e.text(x.semi_axes), "> 0");
+    e.require(x.semi_axes.minCoeff() > 0, "semi_axes", x.semi_axes, "> 0");
   }
   if constexpr (requires { x.radius_a; }) {
     e.finite("centre_a", x.centre_a), e.finite("centre_b", x.centre_b);
@@ -153,19 +99,18 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
   }
   if constexpr (requires { x.rim_of_pin; }) e.finite("along", x.along);
   if constexpr (std::is_same_v<T, Screw>) {
-    e.finite("pitch", x.pitch), e.require(x.pitch != 0, "pitch", e.text(x.pitch), "not 0"),
-        e.finite("offset", x.offset);
+    e.finite("pitch", x.pitch), e.require(x.pitch != 0, "pitch", x.pitch, "not 0"), e.finite("offset", x.offset);
   }
   if constexpr (std::is_same_v<T, Gear>) {
     examine_coordinate(e, x.first), examine_coordinate(e, x.second);
     e.finite("offset", x.offset);
   }
   if constexpr (std::is_same_v<T, Socket> || std::is_same_v<T, PinBush>)
-    e.require(x.radius_b > x.radius_a, "radius_b", e.text(x.radius_b), "> radius_a = " + e.text(x.radius_a));
+    e.require(x.radius_b > x.radius_a, "radius_b", x.radius_b, "> radius_a = " + e.text(x.radius_a));
   if constexpr (requires { x.law.mu_static; }) e.law(x.law);
   if constexpr (std::is_same_v<T, Limit>) {
     e.finite("bound", x.bound);
-    e.require(!x.law.frictional(), "mu", e.text(std::max(x.law.mu, x.law.mu_static)), "0: a limit has no friction");
+    e.require(!x.law.frictional(), "mu", std::max(x.law.mu, x.law.mu_static), "0: a limit has no friction");
   }
 }
 
@@ -176,7 +121,7 @@ void examine(const SpatialElement& e, const Load& l) {
       e.not_negative("omega", l.omega);
   for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {
     e.finite("breakpoints", l.breakpoints[i]);
-    e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", e.text(l.breakpoints[i]), "ascending");
+    e.require(i == 0 || l.breakpoints[i - 1] < l.breakpoints[i], "breakpoints", l.breakpoints[i], "ascending");
   }
 }
 
@@ -188,7 +133,7 @@ void examine(const SpatialElement& e, const Collision& c) {
     if (s.corners.empty()) e.fail(field + "corners", field + "corners: must be at least one point");
     for (const Vector3d& corner : s.corners) e.finite(field + "corners", corner);
     if (s.polytope()) {
-      e.require(s.radius == 0, field + "radius", e.text(s.radius), "0: a polytope is not rounded");
+      e.require(s.radius == 0, field + "radius", s.radius, "0: a polytope is not rounded");
       try {
         static_cast<void>(hull_of(s.corners));
       } catch (const std::invalid_argument& wrong) {
@@ -206,18 +151,15 @@ void examine(const SpatialElement& e, const Collision& c) {
   if (s.moves() || s.orthotropic())
     e.fail(s.moves() ? "surface" : "mu_across",
            "surfaces that move, and friction by direction, are for listed contacts: must be left out");
-  e.require(c.neighbours <= 1e6, "neighbours", e.text(c.neighbours), "<= 1e6");
+  e.require(c.neighbours <= 1e6, "neighbours", c.neighbours, "<= 1e6");
 }
 
 template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
-  constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-  std::set<std::string> taken;
+  ElementNames names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const auto one = [&](const auto& x) {
       const SpatialElement e(scene, kind, i, x.name);
-      if (x.name.empty() || x.name.find_first_not_of(plain) != std::string::npos)
-        e.fail("name", "name = \"" + x.name + "\": must be of letters, digits, _ and -");
-      if (!taken.insert(x.name).second) e.fail("name", "name = \"" + x.name + "\": must be distinct, is taken");
+      names.add(e, x.name);
       examine(e, x);
     };
     if constexpr (requires { elements[i].index(); })

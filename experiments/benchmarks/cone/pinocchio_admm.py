@@ -1,4 +1,5 @@
-"""Pinocchio (PyPI: pin): its ADMM of contact problems with Coulomb's cone, symmetric matrices; the protocol of driver.h."""
+"""Pinocchio (PyPI: pin): its ADMM of contact problems with Coulomb's cone, symmetric matrices; the protocol of
+driver.h."""
 import sys
 import time
 

@@ -1,4 +1,5 @@
-"""What the slider-cranks in Python share: parameters, contact parameters from a restitution, the protocol of driver.h."""
+"""What the slider-cranks in Python share: parameters, contact parameters from a restitution, the protocol of
+driver.h."""
 import math
 import sys
 import time

@@ -39,7 +39,8 @@ def plant(mu, e, step, omega):
         tip = plant.AddFrame(FixedOffsetFrame(f"{name}_tip", slider.body_frame(), RigidTransform([length, 0, 0])))
     for x in (-A, A):
         for y in (-B + RADIUS, B - RADIUS):
-            plant.RegisterCollisionGeometry(slider, RigidTransform([x, y, 0]), Sphere(RADIUS), f"corner{x}{y}", material)
+            plant.RegisterCollisionGeometry(slider, RigidTransform([x, y, 0]), Sphere(RADIUS), f"corner{x}{y}",
+                                            material)
     plant.Finalize()
     if step == 0:
         plant.set_stiction_tolerance(1e-3)

@@ -24,7 +24,8 @@ def build(solver):
             node = mbs.AddNode(item.NodeRigidBody2D(referenceCoordinates=[x, 0, 0], initialVelocities=[0, vy, omega]))
             marker = mbs.AddMarker(item.MarkerNodeRigid(nodeNumber=node))
             mbs.AddLoad(item.Force(markerNumber=marker, loadVector=[0, -mass * G, 0]))
-            return mbs.AddObject(item.ObjectRigidBody2D(nodeNumber=node, physicsMass=mass, physicsInertia=inertia)), node
+            return mbs.AddObject(item.ObjectRigidBody2D(nodeNumber=node, physicsMass=mass,
+                                                        physicsInertia=inertia)), node
 
         def marker(number, x, y):
             return mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=number, localPosition=[x, y, 0]))
@@ -33,8 +34,9 @@ def build(solver):
         crank, node = body(M1, J1, L1 / 2, tip / 2, OMEGA1)
         rod, _ = body(M2, J2, L1 + L2 / 2, tip + L2 / 2 * OMEGA2, OMEGA2)
         slider, _ = body(M3, J3, L1 + L2, tip + L2 * OMEGA2, 0)
-        for pair in ((marker(ground, 0, 0), marker(crank, -L1 / 2, 0)), (marker(crank, L1 / 2, 0), marker(rod, -L2 / 2, 0)),
-                     (marker(rod, L2 / 2, 0), marker(slider, 0, 0))):
+        pairs = ((marker(ground, 0, 0), marker(crank, -L1 / 2, 0)), (marker(crank, L1 / 2, 0), marker(rod, -L2 / 2, 0)),
+                 (marker(rod, L2 / 2, 0), marker(slider, 0, 0)))
+        for pair in pairs:
             mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=list(pair)))
 
         omega, log = 2 * math.pi / (40 * step), math.log(max(e, 0.01))

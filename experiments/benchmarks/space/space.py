@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Work and precision in space: two motions with known ends, by Orthant, MuJoCo and Drake, their settings swept.
 
-masse         a ball slides on a rough table along a parabola, then rolls: the place after 1 s, in closed form (Coriolis)
+masse         a ball slides on a rough table along a parabola, then rolls: the place after 1 s (Coriolis)
 slider_crank  the rigid spatial slider-crank of the IFToMM library: the slider after 5 s, published to 11 digits
 
-Writes space.csv, space.md and space.png, space.svg. Times are processor times of the run alone, the best of REPEATS. The
-models differ: contacts of MuJoCo and Drake are soft (also with their stiffest settings), Drake's discrete solvers regularize
-friction, MuJoCo's closed loop is a soft constraint. With a stiffness that does not grow as the step shrinks errors level off. A
-setting that fails is a row that says why.
+Writes space.csv, space.md and space.png, space.svg. Times are processor times of the run alone, the best of REPEATS.
+The models differ: contacts of MuJoCo and Drake are soft (also with their stiffest settings), Drake's discrete solvers
+regularize friction, MuJoCo's closed loop is a soft constraint. With a stiffness that does not grow as the step shrinks
+errors level off. A setting that fails is a row that says why.
 
     build/peers/python/bin/python experiments/benchmarks/space/space.py --orthant build/release --output results/peers
 """
@@ -68,7 +68,8 @@ class Orthant:
         done = subprocess.run(command, capture_output=True, text=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode != 0:
-            raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"exit code {done.returncode}")
+            raise RuntimeError(
+                done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"exit code {done.returncode}")
         return json.loads(done.stdout)["final"], after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
     def best(self, scene, method, at, duration):
@@ -114,10 +115,11 @@ class Mujoco:
     def masse(self, method, h):
         contact = f'{self.soft(method, h)} friction="{MU} 0 0" condim="3"'
         inertia = 0.4 * MASS * RADIUS**2
-        text = (f'<mujoco><option timestep="{h}" gravity="0 0 {-G}" cone="elliptic" iterations="200" tolerance="1e-12"/>'
-                f'<worldbody><geom type="plane" size="50 50 1" {contact}/><body pos="0 0 {RADIUS}"><freejoint/>'
-                f'<inertial pos="0 0 0" mass="{MASS}" diaginertia="{inertia} {inertia} {inertia}"/>'
-                f'<geom type="sphere" size="{RADIUS}" {contact}/></body></worldbody></mujoco>')
+        text = (
+            f'<mujoco><option timestep="{h}" gravity="0 0 {-G}" cone="elliptic" iterations="200" tolerance="1e-12"/>'
+            f'<worldbody><geom type="plane" size="50 50 1" {contact}/><body pos="0 0 {RADIUS}"><freejoint/>'
+            f'<inertial pos="0 0 0" mass="{MASS}" diaginertia="{inertia} {inertia} {inertia}"/>'
+            f'<geom type="sphere" size="{RADIUS}" {contact}/></body></worldbody></mujoco>')
         return self.run(text, [*V, *OMEGA], 1.0, h, lambda data: data.qpos[:2].copy())
 
     def slider_crank(self, method, h):
@@ -128,15 +130,17 @@ class Mujoco:
         start = (PIN - END) / 2
         rates = np.linalg.lstsq(np.stack([[1, 0, 0], SQUARE], axis=1), TURN, rcond=None)[0]
         assert abs(third @ SQUARE) < 1e-12
-        text = (f'<mujoco><option timestep="{h}" gravity="0 0 -9.81" integrator="implicitfast" iterations="200" '
-                f'tolerance="1e-14"/><worldbody>'
-                f'<body name="crank" pos="0 0.1 0.12"><joint type="hinge" axis="1 0 0"/><inertial pos="0 0 0.04" mass="0.12" '
-                f'diaginertia="1e-4 1e-4 1e-5"/></body>'
-                f'<body name="slider" pos="0.2 0 0"><joint type="slide" axis="1 0 0"/><inertial pos="0 0 0" mass="2" '
-                f'diaginertia="1e-4 1e-4 1e-4"/><body name="rod"><joint type="hinge" axis="1 0 0"/>'
-                f'<joint type="hinge" axis="{axis}"/><inertial pos="{start[0]} {start[1]} {start[2]}" mass="0.5" '
-                f'diaginertia="4e-4 4e-3 4e-3" xyaxes="{frame}"/></body></body></worldbody>'
-                f'<equality><connect body1="crank" body2="rod" anchor="0 0 0.08" {self.soft(method, h)}/></equality></mujoco>')
+        text = (
+            f'<mujoco><option timestep="{h}" gravity="0 0 -9.81" integrator="implicitfast" iterations="200" '
+            f'tolerance="1e-14"/><worldbody>'
+            f'<body name="crank" pos="0 0.1 0.12"><joint type="hinge" axis="1 0 0"/>'
+            f'<inertial pos="0 0 0.04" mass="0.12" diaginertia="1e-4 1e-4 1e-5"/></body>'
+            f'<body name="slider" pos="0.2 0 0"><joint type="slide" axis="1 0 0"/><inertial pos="0 0 0" mass="2" '
+            f'diaginertia="1e-4 1e-4 1e-4"/><body name="rod"><joint type="hinge" axis="1 0 0"/>'
+            f'<joint type="hinge" axis="{axis}"/><inertial pos="{start[0]} {start[1]} {start[2]}" mass="0.5" '
+            f'diaginertia="4e-4 4e-3 4e-3" xyaxes="{frame}"/></body></body></worldbody>'
+            f'<equality><connect body1="crank" body2="rod" anchor="0 0 0.08" {self.soft(method, h)}/></equality>'
+            '</mujoco>')
         return self.run(text, [6, 0.24, *rates], 5.0, h, lambda data: 0.2 + data.qpos[1:2].copy())
 
 
@@ -239,7 +243,8 @@ def measure(programs, quick, only):
                 for at in SWEEPS[swept][:4 if quick else None]:
                     if only and scene not in only:
                         continue
-                    row = dict.fromkeys(COLUMNS, "") | {"scene": scene, "program": name, "setting": setting, "swept": swept, "at": at}
+                    row = dict.fromkeys(
+                        COLUMNS, "") | {"scene": scene, "program": name, "setting": setting, "swept": swept, "at": at}
                     try:
                         got, seconds = getattr(program, scene)(setting, at)
                         row |= {"seconds": seconds, "error": float(np.linalg.norm(got - end))}
@@ -285,8 +290,10 @@ def draw(rows, folder):
     for axis, scene in zip(grid[0], scenes):
         own = [row for row in rows if row["scene"] == scene and row["error"] != ""]
         for key in dict.fromkeys((row["program"], row["setting"]) for row in own):
-            points = sorted((row["seconds"], max(row["error"], 1e-16)) for row in own if (row["program"], row["setting"]) == key)
-            axis.loglog(*np.array(points).T, {"orthant": "o-", "mujoco": "s--", "drake": "^:"}[key[0]], ms=4, label=", ".join(key))
+            points = sorted(
+                (row["seconds"], max(row["error"], 1e-16)) for row in own if (row["program"], row["setting"]) == key)
+            axis.loglog(*np.array(points).T, {"orthant": "o-", "mujoco": "s--", "drake": "^:"}[key[0]], ms=4,
+                        label=", ".join(key))
         axis.set(title=scene, xlabel="processor time [s]", ylabel="error of the end [m]")
         axis.legend(fontsize=6)
     page.tight_layout()
@@ -299,7 +306,8 @@ def main():
     parser.add_argument("--orthant", default="build/release", help="folder of Orthant's programs")
     parser.add_argument("--output", type=Path, default=Path("results/peers"))
     parser.add_argument("--quick", action="store_true", help="the four coarsest values of each setting")
-    parser.add_argument("--programs", nargs="+", default=["orthant", "mujoco", "drake"], choices=["orthant", "mujoco", "drake"])
+    parser.add_argument("--programs", nargs="+", default=["orthant", "mujoco", "drake"],
+                        choices=["orthant", "mujoco", "drake"])
     parser.add_argument("--scenes", nargs="+", choices=["masse", "slider_crank"])
     arguments = parser.parse_args()
     made = {"orthant": lambda: Orthant(arguments.orthant), "mujoco": Mujoco, "drake": Drake}

@@ -9,7 +9,7 @@ def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[st
           how: dict[str, Any]) -> tuple[int, Callable[[Any], list[float]], Callable[[Any, Any], list[float]]]:
     """The number of columns; their last values of parameters; the gradient of a weighted sum of them."""
     from ._derivatives import _words, vjp
-    from ._mechanics import simulate
+    from ._simulate import simulate
 
     columns, parameters = _words("of", of), _words("wrt", wrt)
 
@@ -27,11 +27,13 @@ def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[st
     return len(columns), value, pull
 
 
-def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]], **how: Any) -> Callable[[Any], Any]:
+def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
+             **how: Any) -> Callable[[Any], Any]:
     """A function of a tensor of parameter values to the last values of columns of a run, differentiable by PyTorch.
 
     make: a function of the parameters' values, one each, that returns the scene. of, wrt: columns and parameters as of
-    `gradient`; step, duration, ... as of `simulate`. Reverse mode, once a backward pass; second derivatives are refused.
+    `gradient`; step, duration, ... as of `simulate`. Reverse mode, once a backward pass; second derivatives are
+    refused.
     """
     import torch
 
@@ -52,8 +54,10 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
     return Run.apply  # type: ignore[no-any-return]
 
 
-def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]], **how: Any) -> Callable[[Any], Any]:
-    """The same for JAX, by custom_vjp; `vmap` and `jacrev` make one run after another. Numbers have JAX's precision: set jax_enable_x64 for 64 bits."""
+def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
+           **how: Any) -> Callable[[Any], Any]:
+    """The same for JAX, by custom_vjp; `vmap` and `jacrev` make one run after another. Numbers have JAX's precision:
+    set jax_enable_x64 for 64 bits."""
     import jax
     import numpy
 
@@ -61,7 +65,8 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
 
     def primal(parameters: Any) -> Any:
         shape = jax.ShapeDtypeStruct((columns,), parameters.dtype)
-        return jax.pure_callback(lambda p: numpy.asarray(value(p), p.dtype), shape, parameters, vmap_method="sequential")
+        return jax.pure_callback(lambda p: numpy.asarray(value(p), p.dtype), shape, parameters,
+                                 vmap_method="sequential")
 
     run: Any = jax.custom_vjp(primal)
 

@@ -41,7 +41,8 @@ def custom_element(kind: str, keys: dict[str, Any], place: int) -> dict[str, Any
 
 
 class Missing:
-    """In place of a function in a run that was copied or pickled: a run needs none, and a lambda has no name to pickle by."""
+    """In place of a function in a run that was copied or pickled: a run needs none, and a lambda has no name to pickle
+    by."""
 
     def __init__(self, where: str) -> None:
         self.where = where
@@ -60,7 +61,8 @@ def without_functions(customs: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 class Together:
-    """A function of n contacts at once: numbers in what it returns count for all of them. A class, so that it pickles."""
+    """A function of n contacts at once: numbers in what it returns count for all of them. A class, so that it
+    pickles."""
 
     def __init__(self, function: Callable[..., Any], n: int) -> None:
         self.function, self.n = function, n

@@ -84,8 +84,8 @@ class Sensitivity:
             dmu: Optional[Array] = None) -> Tangent:
         """The tangent along a change of M, q, bounds and friction coefficients; None: no change.
 
-        dM: an array or scipy.sparse matrix; of a problem with a Delassus matrix also a Delassus of changes of W, inverse_mass
-        and regularization. dmu: one number a friction. Weakly active rows are held at their bounds.
+        dM: an array or scipy.sparse matrix; of a problem with a Delassus matrix also a Delassus of changes of W,
+        inverse_mass and regularization. dmu: one number a friction. Weakly active rows are held at their bounds.
         """
         return Tangent(*self._of.tangent(dM, dq, dlo, dhi, dmu, False))
 
@@ -93,8 +93,8 @@ class Sensitivity:
                     dhi: Optional[Array] = None, dmu: Optional[Array] = None) -> Tangent:
         """The one-sided derivative along the change: weakly active rows go as the change lets them.
 
-        They solve a complementarity problem of their own. Without such rows the same as `jvp`. Raises RuntimeError where that
-        problem is not solved.
+        They solve a complementarity problem of their own. Without such rows the same as `jvp`. Raises RuntimeError
+        where that problem is not solved.
         """
         return Tangent(*self._of.tangent(dM, dq, dlo, dhi, dmu, True))
 
@@ -122,7 +122,8 @@ def sensitivity(problem: Problem, result: Result) -> Sensitivity:
 
 
 class RunGradient(NamedTuple):
-    """Derivatives of one column of a run with respect to parameters: a row a record, or one row (`at`); `final` is the last."""
+    """Derivatives of one column of a run with respect to parameters: a row a record, or one row (`at`); `final` is the
+    last."""
 
     of: str
     wrt: list[str]
@@ -159,7 +160,8 @@ class RunAdjoint(NamedTuple):
 
 
 class Lyapunov(NamedTuple):
-    """Lyapunov exponents, the largest first; -inf: of a direction that a lasting contact or a plastic impact takes away."""
+    """Lyapunov exponents, the largest first; -inf: of a direction that a lasting contact or a plastic impact takes
+    away."""
 
     exponents: Vector  # [1/s]
     last_half: Vector  # [1/s] of the second half of the time: how far they have settled
@@ -171,9 +173,9 @@ class _Call:
 
     def __init__(self, scene: Any, integrator: str, solver: str, step: Optional[float], duration: Optional[float],
                  every: int) -> None:
-        from ._mechanics import _scene_of
+        from ._scene import scene_of
 
-        made = scene if isinstance(scene, _orthant._Scene) else _scene_of(scene)
+        made = scene if isinstance(scene, _orthant._Scene) else scene_of(scene)
         if getattr(scene, "_customs", None):
             raise ValueError("gradient: joints and contacts written in Python have no derivatives here")
         self.scene = (made.text, made.name, made.sets)
@@ -211,19 +213,21 @@ def _words(what: str, names: Union[str, Sequence[str]]) -> list[str]:
 def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto",
              integrator: str = "moreau-jean", solver: str = "auto", step: Optional[float] = None,
              duration: Optional[float] = None, every: int = 1) -> RunGradient:
-    """Derivatives of a run of a planar scene: by moreau-jean those of the discrete run, step by step, impacts included; by
-    event-driven those of the motion itself (variational equations and saltation; forward, of bodies and gaps).
+    """Derivatives of a run of a planar scene: by moreau-jean those of the discrete run, step by step, impacts included;
+    by event-driven those of the motion itself (variational equations and saltation; forward, of bodies and gaps).
 
-    of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n, impulse_t.
+    of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n,
+    impulse_t.
     wrt: parameters: keys with a number, of a built-in scene its options, "mu", else key paths of the scene's text,
     "body.rod.mass", "contact.corner1.mu", entries of arrays by their place, "body.rod.position[0]"; and of the start
     "start.BODY.x", ... "start.BODY.omega".
     at: "records": at each of them; "end": at the last one; "sum": of the sum over all of them.
-    mode: "forward": its cost grows with the parameters; "reverse", not for at="records": it does not; "auto": the cheaper one.
-    scene, integrator, solver, step, duration, every: as of `simulate`.
-    They hold while the sequence of closed contacts, stick and slip stays as it is; `degenerate` lists steps where it may change.
-    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end, or the motion has
-    no derivative (a graze, contacts that part, a crowd of events).
+    mode: "forward": its cost grows with the parameters; "reverse", not for at="records": it does not; "auto": the
+    cheaper one. scene, integrator, solver, step, duration, every: as of `simulate`.
+    They hold while the sequence of closed contacts, stick and slip stays as it is; `degenerate` lists steps where it
+    may change.
+    Raises ValueError for what has no derivative here, RuntimeError where the run does not come to its end, or the
+    motion has no derivative (a graze, contacts that part, a crowd of events).
     """
     call = _Call(scene, integrator, solver, step, duration, every)
     parameters = _words("wrt", wrt)
@@ -273,13 +277,15 @@ _REVERSE_FROM = 4  # parameters: up to here forward mode costs less
 
 
 def jvp(scene: Any, of: Union[str, Sequence[str]], change: Mapping[str, float], **how: Any) -> RunTangent:
-    """Derivatives of columns along a change of parameters {name: change}, at each record, by forward mode; see `gradient`."""
+    """Derivatives of columns along a change of parameters {name: change}, at each record, by forward mode; see
+    `gradient`."""
     call = _Call(scene, **{**_HOW, **how})
     columns, parameters = _words("of", of), [word("change", key) for key in change]
     t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
     import numpy
 
-    return RunTangent(columns, t, values, by @ numpy.array([float(x) for x in change.values()]), degenerate, inconsistent)
+    return RunTangent(columns, t, values, by @ numpy.array([float(x) for x in change.values()]), degenerate,
+                      inconsistent)
 
 
 def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], **how: Any) -> RunAdjoint:
@@ -314,11 +320,13 @@ def _warn(degenerate: list[tuple[float, list[str]]], inconsistent: int) -> None:
     """What `orthant gradient` warns of."""
     import warnings
 
-    from ._mechanics import OrthantWarning
+    from ._simulate import OrthantWarning
 
     if degenerate:
         t, contacts = degenerate[0]
-        warnings.warn(f"{len(degenerate)} steps have weakly active contacts, the first at t = {t:g} s ({contacts[0]}): only "
-                      "one-sided derivatives exist, these hold such contacts as they are", OrthantWarning, stacklevel=3)
+        warnings.warn(
+            f"{len(degenerate)} steps have weakly active contacts, the first at t = {t:g} s ({contacts[0]}): only "
+            "one-sided derivatives exist, these hold such contacts as they are", OrthantWarning, stacklevel=3)
     if inconsistent > 0:
-        warnings.warn(f"in {inconsistent} steps a parameter parts redundant contacts: there is no derivative", OrthantWarning, stacklevel=3)
+        warnings.warn(f"in {inconsistent} steps a parameter parts redundant contacts: there is no derivative",
+                      OrthantWarning, stacklevel=3)

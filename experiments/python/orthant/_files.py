@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     Path = Union[str, os.PathLike[str]]
 
 # What reading an archive of a stranger may raise.
-_BROKEN = (ValueError, TypeError, EOFError, NotImplementedError, OSError, RuntimeError, MemoryError, OverflowError, KeyError,
-           SyntaxError, TokenError, struct.error, zipfile.BadZipFile, zlib.error)
+_BROKEN = (ValueError, TypeError, EOFError, NotImplementedError, OSError, RuntimeError, MemoryError, OverflowError,
+           KeyError, SyntaxError, TokenError, struct.error, zipfile.BadZipFile, zlib.error)
 _LARGEST_FILE, _LARGEST_ARRAY = 4 << 30, 1 << 30  # [bytes]: as of FCLIB files and their datasets
 _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed: M is square
 
@@ -28,14 +28,16 @@ _SPARSE = ("M_data", "M_indices", "M_indptr")  # by rows; M_shape is not needed:
 def read_problem(file: Path) -> Problem:
     """A problem file, by its name's end: .npz, .hdf5 or .h5 (FCLIB contact problems), else JSON.
 
-    NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3), or (k, 4)
-    with the number of rows, 2 a disc, may be absent; arrays of numbers. A file has at most 4 GiB, an array of a packed one
+    NPZ keys: M (n, n), or M_data, M_indices, M_indptr (compressed rows); q (n,); lower, upper (n,), friction (k, 3), or
+    (k, 4) with the number of rows, 2 a disc, may be absent; arrays of numbers. A file has at most 4 GiB, an array of a
+    packed one
     1 GiB: `set_largest_input` sets another limit.
     Raises ValueError or RuntimeError naming file, field and rule.
     """
     file = path("file", file)
     if file.endswith(".mtx"):
-        raise ValueError(f"{file}: Matrix Market holds a matrix, not a problem: must be read by scipy.io.mmread, and q as well")
+        raise ValueError(
+            f"{file}: Matrix Market holds a matrix, not a problem: must be read by scipy.io.mmread, and q as well")
     if not file.endswith(".npz"):
         return _orthant._read_problem(file)
     fields = _arrays(file)
@@ -52,8 +54,9 @@ def read_problem(file: Path) -> Problem:
 
 
 def set_largest_input(bytes: int) -> None:
-    """How large files may be that are read, and arrays of packed ones [bytes], from now on and in every thread; 0: the usual of
-    each kind, 4 GiB of a problem, 1 GiB of an array in it, 16 MiB of a scene or a sweep. `orthant --max-input` is the same."""
+    """How large files may be that are read, and arrays of packed ones [bytes], from now on and in every thread; 0: the
+    usual of each kind, 4 GiB of a problem, 1 GiB of an array in it, 16 MiB of a scene or a sweep. `orthant --max-input`
+    is the same."""
     _orthant._set_largest_input(whole("bytes", bytes, 0, 2**62))
 
 
@@ -81,7 +84,8 @@ def _arrays(file: str) -> dict[str, Any]:
         for member in members:
             key = member.filename[:-4] if member.filename.endswith(".npy") else member.filename
             if key not in known or key == member.filename:
-                raise ValueError(f"{file}: {_line(key)} is no known field: must be one of {', '.join(sorted(known))}, with .npy")
+                raise ValueError(
+                    f"{file}: {_line(key)} is no known field: must be one of {', '.join(sorted(known))}, with .npy")
             if key in fields:
                 raise ValueError(f"{file}: {key} is there twice")
             fields[key] = None
@@ -141,8 +145,9 @@ def _by_rows(fields: dict[str, Any], n: int) -> Any:
         raise ValueError(f"{missing[0]} is missing: must be there with {', '.join(k for k in _SPARSE if k in fields)}")
     for key in _SPARSE:
         if fields[key].ndim != 1 or (key != "M_data" and fields[key].dtype.kind not in "iu"):
-            raise ValueError(f"{key} has shape {fields[key].shape} and type {fields[key].dtype}: must be one-dimensional"
-                             + ("" if key == "M_data" else ", of integers"))
+            raise ValueError(
+                f"{key} has shape {fields[key].shape} and type {fields[key].dtype}: must be one-dimensional" +
+                ("" if key == "M_data" else ", of integers"))
     try:
         return scipy.sparse.csr_matrix(tuple(fields[key] for key in _SPARSE), shape=(n, n))
     except ValueError as error:
@@ -170,8 +175,8 @@ def write_problem(file: Path, problem: Problem, note: str = "") -> None:
 
 
 def write_fclib(file: Path, problem: Problem, dimension: int, title: str = "", description: str = "") -> None:
-    """A contact problem for the FCLIB collection, HDF5: dimension 2, 3 or 5 (with rolling) rows a contact, the normal one
-    first, then an interval, a disc or two discs."""
+    """A contact problem for the FCLIB collection, HDF5: dimension 2, 3 or 5 (with rolling) rows a contact, the normal
+    one first, then an interval, a disc or two discs."""
     file, dimension = path("file", file), whole("dimension", dimension, 1, 5)
     if not file.endswith((".hdf5", ".h5")):
         raise ValueError(f"{file}: must end in .hdf5 or .h5, by which read_problem knows it")
@@ -179,7 +184,8 @@ def write_fclib(file: Path, problem: Problem, dimension: int, title: str = "", d
 
 
 def write_npz(file: Path, problem: Problem) -> None:
-    """A problem as NumPy's NPZ (NAME.npz), which `read_problem` reads back bit for bit. A Delassus operator is refused."""
+    """A problem as NumPy's NPZ (NAME.npz), which `read_problem` reads back bit for bit. A Delassus operator is
+    refused."""
     import numpy as np
 
     file = path("file", file)

@@ -6,7 +6,7 @@ import os
 from typing import Any, NamedTuple, Union
 
 from . import _orthant
-from ._mechanics import _lines, _text_of_file
+from ._scene import override_lines, text_of_file
 from ._spec import path
 
 
@@ -20,10 +20,10 @@ class ImportedModel(NamedTuple):
 def import_model(file: Union[str, os.PathLike[str]], **options: Any) -> ImportedModel:
     """A robot in URDF, or a model in MJCF (MuJoCo's XML), as a scene file's text, commented.
 
-    options: base="free" (of URDF; default "fixed"), floor (height of a half-space, m), mu, fixed_joints="keep", folder (from
-    which meshes may be read; default: the model's), and by ** {"at.JOINT": value} (rad or m at the start).
+    options: base="free" (of URDF; default "fixed"), floor (height of a half-space, m), mu, fixed_joints="keep", folder
+    (from which meshes may be read; default: the model's), and by ** {"at.JOINT": value} (rad or m at the start).
 
     `simulate` and `Scene.load` take models as they are: orthant.Scene.load("arm.urdf", **{"model.at.elbow": 0.5}).
     """
     name = path("file", file)
-    return ImportedModel(*_orthant._import_model(_text_of_file(name), name, _lines(options)))
+    return ImportedModel(*_orthant._import_model(text_of_file(name), name, override_lines(options)))

@@ -84,7 +84,8 @@ def solve_mcp(F: Callable[[Vector], npt.ArrayLike], jacobian: Callable[[Vector],
                                            seconds("time_limit", time_limit)))
 
 
-def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0, *, time_limit: Optional[float] = None) -> Equilibrium:
+def equilibrium(A: npt.ArrayLike, B: npt.ArrayLike, label: int = 0, *,
+                time_limit: Optional[float] = None) -> Equilibrium:
     """The equilibrium of the game with costs A, B (m, k) that misses `label` in [0, m + k).
 
     Raises TimeoutError where its path does not end in time_limit [s], RuntimeError where the costs span so many orders

@@ -19,14 +19,17 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from ._mechanics import Trajectory
+    from ._trajectory import Trajectory
 
     File = Union[str, os.PathLike[str], None]
     Poses = npt.NDArray[np.float64]
 
-_UNITS = {"x": "m", "y": "m", "z": "m", "gap": "m", "theta": "rad", "angle": "rad", "displacement": "m", "vx": "m/s",
-          "vy": "m/s", "vz": "m/s", "omega": "rad/s", "wx": "rad/s", "wy": "rad/s", "wz": "rad/s", "impulse_n": "N s",
-          "impulse_t": "N s", "impulse_t1": "N s", "impulse_t2": "N s", "impulse": "N s", "energy": "J", "penetration": "m", "joint_residual": "m"}
+_UNITS = {
+    "x": "m", "y": "m", "z": "m", "gap": "m", "theta": "rad", "angle": "rad", "displacement": "m", "vx": "m/s",
+    "vy": "m/s", "vz": "m/s", "omega": "rad/s", "wx": "rad/s", "wy": "rad/s", "wz": "rad/s", "impulse_n": "N s",
+    "impulse_t": "N s", "impulse_t1": "N s", "impulse_t2": "N s", "impulse": "N s", "energy": "J", "penetration": "m",
+    "joint_residual": "m"
+}
 _COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56a0d3", "#6b4fa0", "#8a4b2a", "#444c55"]
 _LARGEST_FRAME = 8 << 20  # [bytes] of a page inside a notebook
 

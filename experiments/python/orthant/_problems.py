@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     Array = npt.ArrayLike
     MatrixLike = Union[npt.ArrayLike, "Delassus", Any]  # or a scipy.sparse matrix
     # (lower, upper), [(low, high), ...] a row, or scipy.optimize.Bounds
-    Bounds = Union[tuple[Optional[Array], Optional[Array]], Sequence[tuple[Optional[float], Optional[float]]], Any, None]
-    FrictionRows = Optional[Union[Iterable[Union[tuple[int, int, float], tuple[int, int, float, int]]], npt.NDArray[Any]]]
+    Bounds = Union[tuple[Optional[Array], Optional[Array]], Sequence[tuple[Optional[float], Optional[float]]], Any,
+                   None]
+    FrictionRows = Optional[Union[Iterable[Union[tuple[int, int, float], tuple[int, int, float, int]]],
+                                  npt.NDArray[Any]]]
 
 
 class Delassus(NamedTuple):
@@ -73,14 +75,16 @@ def _pair_a_row(bounds: Any) -> bool:
         return False
     if isinstance(bounds, list) and all(hasattr(one, "shape") for one in bounds):
         return False
-    raise ValueError(f"bounds = {shown(bounds)}: could be (lower, upper) or a pair a row: must be a tuple of two lists or "
-                     "arrays (lower, upper), or a list of tuples [(low, high), (low, high)]")
+    raise ValueError(
+        f"bounds = {shown(bounds)}: could be (lower, upper) or a pair a row: must be a tuple of two lists or "
+        "arrays (lower, upper), or a list of tuples [(low, high), (low, high)]")
 
 
 class Solver:
     """A solver kept: the second problem of a size allocates nothing. One thread at a time.
 
-    name: a registered solver (`solvers()` lists them with their options); options: its own, checked against their ranges.
+    name: a registered solver (`solvers()` lists them with their options); options: its own, checked against their
+    ranges.
     Raises ValueError for an unknown name or option and a value out of range.
     """
 
@@ -92,7 +96,8 @@ class Solver:
               start: Optional[Array] = None, time_limit: Optional[float] = None, log: bool = False) -> Result:
         """As the function `solve`."""
         lower, upper = _bounds(bounds, lower, upper)
-        return self._solver.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit), flag("log", log))
+        return self._solver.solve(M, q, lower, upper, friction, start, seconds("time_limit", time_limit),
+                                  flag("log", log))
 
     def __repr__(self) -> str:
         return f"Solver('{self._solver.spec}')"
@@ -107,19 +112,20 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
           time_limit: Optional[float] = None, log: bool = False, **options: Any) -> Result:
     """Find lower <= z <= upper with w = M z + q: w >= 0 where z = lower, w <= 0 where z = upper, else w = 0.
 
-    M: (n, n) array, scipy.sparse matrix or Delassus; or a Problem alone. q: (n,). Arrays are NumPy's, lists, or tensors of
-    other libraries in this processor's memory (DLPack).
+    M: (n, n) array, scipy.sparse matrix or Delassus; or a Problem alone. q: (n,). Arrays are NumPy's, lists, or tensors
+    of other libraries in this processor's memory (DLPack).
     lower, upper: (n,) or one number for all rows, infinite where there is no bound; default 0 and infinity.
     bounds: (lower, upper) in one, where None is no bound; SciPy's list of pairs [(low, high), ...], one a row; or
     scipy.optimize.Bounds. With bounds=None they are 0 and infinity, as without.
-    friction: (row, normal row, mu) triples, or a (k, 3) array: |z[row]| <= mu z[normal row]; such rows have no bounds of
-    their own. (first row, normal row, mu, 2) is a disc, Coulomb's cone in space, of the rows first row and first row + 1:
-    norm(z[both]) <= mu z[normal row].
+    friction: (row, normal row, mu) triples, or a (k, 3) array: |z[row]| <= mu z[normal row]; such rows have no bounds
+    of their own. (first row, normal row, mu, 2) is a disc, Coulomb's cone in space, of the rows first row and first row
+    + 1: norm(z[both]) <= mu z[normal row].
     solver: a name of `solvers()`; options: that solver's, such as solve(M, q, solver="pgs", omega=1.3).
     start: (n,) a guess. time_limit: [s] of wall time. log: keep what the solver did in `result.log`.
-    Returns a Result; a hard problem has a status, never a wrong answer called solved. The interpreter's lock is released
-    meanwhile; Ctrl-C ends a solve. Raises ValueError or TypeError naming argument, place and rule. The result also answers to
-    SciPy's names, as an OptimizeResult does: result.x, .fun, .success, .message, .nit, .nfev, result["x"], .get, .keys().
+    Returns a Result; a hard problem has a status, never a wrong answer called solved. The interpreter's lock is
+    released meanwhile; Ctrl-C ends a solve. Raises ValueError or TypeError naming argument, place and rule. The result
+    also answers to SciPy's names, as an OptimizeResult does: result.x, .fun, .success, .message, .nit, .nfev,
+    result["x"], .get, .keys().
     Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
     """
     key = spec(solver, options) if options or not isinstance(solver, str) else solver
@@ -135,17 +141,17 @@ def solve(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = Non
 
 def solve_many(problems: Union[Iterable[Union[Problem, tuple[Any, ...]]], MatrixLike], q: Optional[Array] = None,
                lower: Optional[Array] = None, upper: Optional[Array] = None, *, bounds: Bounds = None,
-               friction: FrictionRows = None, start: Union[Array, Sequence[Optional[Union[Result, Array]]], None] = None,
-               solver: str = "auto", threads: Optional[int] = None, time_limit: Optional[float] = None,
-               **options: Any) -> list[Result]:
+               friction: FrictionRows = None,
+               start: Union[Array, Sequence[Optional[Union[Result, Array]]], None] = None, solver: str = "auto",
+               threads: Optional[int] = None, time_limit: Optional[float] = None, **options: Any) -> list[Result]:
     """Solve many problems on several threads, without the interpreter's lock; the results in the problems' order.
 
     solve_many(problems): Problems, or tuples (M, q), (M, q, lower, upper), (M, q, lower, upper, friction).
-    solve_many(M, q): q is (k, n), M (k, n, n), or one matrix of all, as in `solve`. lower, upper: a number, (n,) for all, or
-    (k, n); bounds: (lower, upper) of those, or as in `solve` for all. friction: as in `solve`, of all.
+    solve_many(M, q): q is (k, n), M (k, n, n), or one matrix of all, as in `solve`. lower, upper: a number, (n,) for
+    all, or (k, n); bounds: (lower, upper) of those, or as in `solve` for all. friction: as in `solve`, of all.
     start: guesses, (k, n) or (n,) for all, or a list of k arrays, earlier Results (a warm start) or None.
-    threads: default one a processor. solver, options: as in `solve`. time_limit: [s] of each problem. Answers do not depend
-    on the threads.
+    threads: default one a processor. solver, options: as in `solve`. time_limit: [s] of each problem. Answers do not
+    depend on the threads.
     """
     if q is not None:
         wanted = _stacked(problems, q, *_bounds(bounds, lower, upper), friction)
@@ -162,7 +168,8 @@ def solve_many(problems: Union[Iterable[Union[Problem, tuple[Any, ...]]], Matrix
             elif isinstance(one, (tuple, list)) and 2 <= len(one) <= 5:
                 wanted.append((*one, *[None] * (5 - len(one))))
             else:
-                raise TypeError(f"problems[{i}] = {shown(one)}: must be a Problem or a tuple (M, q, lower, upper, friction)")
+                raise TypeError(
+                    f"problems[{i}] = {shown(one)}: must be a Problem or a tuple (M, q, lower, upper, friction)")
     count = (os.cpu_count() or 1) if threads is None else whole("threads", threads, 1, 1024)
     return _orthant._solve_many(spec(solver, options), wanted, count, seconds("time_limit", time_limit),
                                 _starts(start, len(wanted)))
@@ -227,7 +234,8 @@ def register_solver(name: str, function: Callable[[Problem, npt.NDArray[np.float
     """A method of your own under a name, for `solve`, `Solver`, `solve_many` and `simulate` of this process.
 
     function(problem, start) -> z: (n,) numbers, or None where it gives up; start is a guess. The judge decides what is
-    solved. `sweep` takes it too. It may be called from any thread, with the interpreter's lock. An exception ends the solve.
+    solved. `sweep` takes it too. It may be called from any thread, with the interpreter's lock. An exception ends the
+    solve.
     Raises ValueError for a name that is taken, or made of other than a-z, 0-9 and -.
     """
     if not callable(function):
@@ -245,10 +253,11 @@ def analyse(M: MatrixLike, *, time_limit: Optional[float] = None) -> dict[str, A
     """What kind of matrix M is, an array, scipy.sparse matrix, Delassus or Problem.
 
     True, False, or None where it is not decided, never a guess: symmetric, positive_definite, positive_semidefinite,
-    diagonally_dominant, z (no positive entry off the diagonal), p and p0 (principal minors > 0, >= 0), k (z and p), h_plus
-    (its comparison matrix is k), copositive, column_sufficient, row_sufficient.
-    n; rank (None: not decided); smallest, largest: of |M_ij|, zeros left out; condition: an estimate, inf where M is singular to
-    working precision, nan where there is none; not_p: rows of a principal minor <= 0, where p is False and one is known.
+    diagonally_dominant, z (no positive entry off the diagonal), p and p0 (principal minors > 0, >= 0), k (z and p),
+    h_plus (its comparison matrix is k), copositive, column_sufficient, row_sufficient.
+    n; rank (None: not decided); smallest, largest: of |M_ij|, zeros left out; condition: an estimate, inf where M is
+    singular to working precision, nan where there is none; not_p: rows of a principal minor <= 0, where p is False and
+    one is known.
     time_limit: [s]; what is open by then is None. Ctrl-C ends it. Cost: a few factorizations of M, or about a second.
     Source: Cottle, Pang & Stone (1992), ch. 3.
     """
@@ -266,16 +275,20 @@ def _problem(M: Any, q: Any, lower: Any, upper: Any, friction: Any) -> Problem:
 def enumerate_solutions(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = None,
                         upper: Optional[Array] = None, *, bounds: Bounds = None, friction: FrictionRows = None,
                         time_limit: Optional[float] = None) -> Solutions:
-    """Every solution, exactly: isolated points and maximal faces. At most 20 rows [0, inf), or 12 boxes or friction rows.
+    """Every solution, exactly: isolated points and maximal faces. At most 20 rows [0, inf), or 12 boxes or friction
+    rows.
 
     Arguments as in `solve`. time_limit: [s]; what is found by then, with `complete` False. Ctrl-C ends it.
     Raises ValueError where the problem is too large.
     """
-    return _orthant._enumerate(_problem(M, q, *_bounds(bounds, lower, upper), friction), seconds("time_limit", time_limit))
+    return _orthant._enumerate(_problem(M, q, *_bounds(bounds, lower, upper), friction),
+                               seconds("time_limit", time_limit))
 
 
 def error_bound(M: MatrixLike, q: Optional[Array] = None, lower: Optional[Array] = None,
                 upper: Optional[Array] = None, *, z: Array, bounds: Bounds = None,
                 time_limit: Optional[float] = None) -> float:
-    """A proved bound on max |z - solution|, rounding included; inf where theory gives none, or not in time_limit [s]."""
-    return _orthant._error_bound(_problem(M, q, *_bounds(bounds, lower, upper), None), z, seconds("time_limit", time_limit))
+    """A proved bound on max |z - solution|, rounding included; inf where theory gives none, or not in time_limit
+    [s]."""
+    return _orthant._error_bound(_problem(M, q, *_bounds(bounds, lower, upper), None), z,
+                                 seconds("time_limit", time_limit))

@@ -73,7 +73,8 @@ class SolidSketch:
         for body, plane, own, own_faces, kind in self.solids:
             if plane:  # no wider than the picture
                 middle = own.mean(axis=0)
-                own = middle + (own - middle) * min(1.0, float(np.linalg.norm(high - low) / np.linalg.norm(own[2] - own[0])))
+                share = float(np.linalg.norm(high - low) / np.linalg.norm(own[2] - own[0]))
+                own = middle + (own - middle) * min(1.0, share)
             points = self.place(poses, body, own)
             colour = np.array(to_rgb(_GROUND if body < 0 else self.colours[body % len(self.colours)]))
             for face in own_faces:

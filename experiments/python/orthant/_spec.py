@@ -1,4 +1,5 @@
-"""Arguments in words: names with options, as every table writes them ("pgs:omega=1.3"), and what is wrong with the others."""
+"""Arguments in words: names with options, as every table writes them ("pgs:omega=1.3"), and what is wrong with the
+others."""
 
 from __future__ import annotations
 

@@ -12,10 +12,10 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, NoReturn, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NoReturn, Union
 
 from . import _orthant
-from ._mechanics import Scene, _registered_scenes, toml_lines
+from ._scene import Scene, registered_scenes, toml_lines
 from ._spec import flag, path, registered, shown, whole
 
 if TYPE_CHECKING:
@@ -25,23 +25,24 @@ _LOOK_AGAIN = 0.2  # [s]
 _WRITTEN = "# Written by orthant.sweep"
 
 
-def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.PathLike[str], None] = None, quick: bool = False,
-          retry: bool = False, jobs: int = 0, client: Any = None, progress: bool = True, **keys: Any) -> Union[pandas.DataFrame, list[dict[str, Any]]]:
+def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.PathLike[str], None] = None,
+          quick: bool = False, retry: bool = False, jobs: int = 0, client: Any = None, progress: bool = True,
+          **keys: Any) -> Union[pandas.DataFrame, list[dict[str, Any]]]:
     """Run every case of a sweep that its results lack; give back all its rows, as a pandas frame where there is pandas.
 
-    what: a sweep file, NAME.sweep.toml, or a scene (a Scene, built-in name or TOML file) with that file's keys by keyword: measure (a column
-    of the trajectory), duration [s], reference ("exact", an integrator, a number, or a CSV file's path),
-    grid={"integrator": [...], "step": [...], "set": {"mu": [...]}} or a list
+    what: a sweep file, NAME.sweep.toml, or a scene (a Scene, built-in name or TOML file) with that file's keys by
+    keyword: measure (a column of the trajectory), duration [s], reference ("exact", an integrator, a number, or a CSV
+    file's path), grid={"integrator": [...], "step": [...], "set": {"mu": [...]}} or a list
     of such. Then the file is written next to the results, and `orthant sweep` takes it, too.
-    results: SQLite file, default results/NAME.sqlite. A row a case, by a key of all that determines it: killed and called
-    again, what is missing is done; several programs may work at one file. quick: the file's reduced grid.
+    results: SQLite file, default results/NAME.sqlite. A row a case, by a key of all that determines it: killed and
+    called again, what is missing is done; several programs may work at one file. quick: the file's reduced grid.
     retry: run what a time limit or a crash ended once more; what had less time than it gets now is run anyway.
     jobs: processes on this machine, 0: one a core. client: a distributed.Client or its scheduler's address; its workers
-    run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is tqdm.
-    Names that this process has registered (register_solver, register_integrator, register_scene) are known to no fresh one:
-    then a fork of this process runs the cases, each in a fork of its own, with the same jobs and time limits; where a crash is
-    a row, too. What functions change or print there is lost. Systems without fork run such cases in this process, one by one.
-    Rows do not notice that a function has changed.
+    run the cases then, and need this build and the sweep's file at the same place. progress: a tqdm bar, where there is
+    tqdm. Names that this process has registered (register_solver, register_integrator, register_scene) are known to no
+    fresh one: then a fork of this process runs the cases, each in a fork of its own, with the same jobs and time
+    limits; where a crash is a row, too. What functions change or print there is lost. Systems without fork run such
+    cases in this process, one by one. Rows do not notice that a function has changed.
     A case that fails is a row with its status. Raises ValueError naming file, key, value and rule, RuntimeError for a
     file that cannot be read.
     """
@@ -52,8 +53,9 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
     name, count, missing = _orthant._declare_sweep(file, quick, results, retry)
     ours = sorted(registered & _orthant._names_in_sweep(file, quick))
     if ours and client is not None:
-        raise ValueError(f"{ours[0][0]} '{ours[0][1]}': is registered in this process only: must not be in a sweep with a client; "
-                         "without one, forks of this process know it")
+        raise ValueError(
+            f"{ours[0][0]} '{ours[0][1]}': is registered in this process only: must not be in a sweep with a client; "
+            "without one, forks of this process know it")
     with _Bar(name, count, progress) as bar:
         bar.at(count - len(missing))
         if not missing:
@@ -72,7 +74,7 @@ def sweep(what: Union[str, os.PathLike[str], Scene], *, results: Union[str, os.P
 
 
 def _files(what: Any, results: Any, keys: dict[str, Any]) -> tuple[Path, Path]:
-    if isinstance(what, str) and what in _registered_scenes and not (known := _registered_scenes[what])._customs:
+    if isinstance(what, str) and what in registered_scenes and not (known := registered_scenes[what])._customs:
         what = known if known._read is None or known._read.text and not known._read.sets else what
     text = _text_of(what) if isinstance(what, Scene) else None
     given = Path("scene" if text is not None else path("what", what))
@@ -98,7 +100,8 @@ def _text_of(scene: Scene) -> str:
     try:
         return scene.toml()
     except ValueError as error:
-        raise ValueError(f"{error}; sweep takes its name (register_scene) or file, and values in grid={{'set': ...}}") from None
+        raise ValueError(
+            f"{error}; sweep takes its name (register_scene) or file, and values in grid={{'set': ...}}") from None
 
 
 def _write(file: Path, toml: str) -> None:
@@ -158,13 +161,15 @@ _FRESH = ("import json, sys; sys.path[:], largest, call = json.loads(sys.argv[1]
 
 
 def _fresh(code: str, largest: int, *call: Any) -> list[str]:
-    """A command that runs `code` on `call` in an interpreter without threads, which may fork; files are as large as here."""
+    """A command that runs `code` on `call` in an interpreter without threads, which may fork; files are as large as
+    here."""
     return [sys.executable, "-c", _FRESH + code, json.dumps([sys.path, largest, call])]
 
 
 def _by_processes(file: Path, quick: bool, results: Path, jobs: int, name: str, bar: _Bar) -> None:
     """By a fresh interpreter, which forks one process a case: a crash there is a row, and nothing happens here."""
-    command = _fresh("_orthant._run_sweep(*call)", _orthant._largest_input(0), str(file), bool(quick), str(results), int(jobs))
+    command = _fresh("_orthant._run_sweep(*call)", _orthant._largest_input(0), str(file), bool(quick), str(results),
+                     int(jobs))
     child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                              stderr=subprocess.PIPE, text=True)
     try:
@@ -195,7 +200,7 @@ def _by_forks(file: Path, quick: bool, results: Path, jobs: int, name: str, bar:
     to_read, to_write = os.pipe()
     for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.flush()  # or the fork would have the text as well
-    with warnings.catch_warnings():  # of Python 3.12 and later, where other threads run: they are not needed in the fork
+    with warnings.catch_warnings():  # of Python 3.12 and later, where other threads run: the fork needs none
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if child == 0:
@@ -244,7 +249,8 @@ def _run_case(file: Path, quick: bool, key: str, largest: int) -> list[str]:
     command = _fresh("print(*_orthant._run_case(*call), sep='\\n')", largest, str(file), bool(quick), key)
     run = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if run.returncode != 0:
-        raise RuntimeError(run.stderr.strip().splitlines()[-1] if run.stderr.strip() else f"ended with code {run.returncode}")
+        raise RuntimeError(
+            run.stderr.strip().splitlines()[-1] if run.stderr.strip() else f"ended with code {run.returncode}")
     return run.stdout.splitlines()
 
 
@@ -253,7 +259,10 @@ def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[
     ours = isinstance(client, str)
     workers = distributed.Client(client) if ours else client
     try:
-        futures = [workers.submit(_run_case, file, quick, key, _orthant._largest_input(0), key=f"orthant-{key}", retries=2) for key in missing]
+        futures = [
+            workers.submit(_run_case, file, quick, key, _orthant._largest_input(0), key=f"orthant-{key}", retries=2)
+            for key in missing
+        ]
         total, done, lost = len(missing), 0, []
         for future in distributed.as_completed(futures):
             if future.status == "finished":
@@ -265,7 +274,8 @@ def _by_dask(client: Any, file: Path, quick: bool, results: Path, missing: list[
                 lost.append(f"{future.key}: {future.exception()!r}")
             future.release()
         if lost:
-            raise RuntimeError(f"sweep: {len(lost)} of {total} cases were lost, the first: {lost[0]}; called again, it goes on")
+            raise RuntimeError(
+                f"sweep: {len(lost)} of {total} cases were lost, the first: {lost[0]}; called again, it goes on")
     finally:
         if ours:
             workers.close()

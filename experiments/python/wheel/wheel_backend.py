@@ -27,14 +27,16 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def kept(package: str, distribution: str) -> Path:
-    """The package's copy in build/: a folder that stays the same, for objects are thrown away when one of these moves."""
+    """The package's copy in build/: a folder that stays the same, for objects are thrown away when one of these
+    moves."""
     where = ROOT / "build/wheel_tools" / f"{distribution}-{importlib.metadata.version(distribution)}"
     if not where.exists():
         found = importlib.util.find_spec(package)
         assert found is not None and found.submodule_search_locations
         where.parent.mkdir(parents=True, exist_ok=True)
         half = Path(tempfile.mkdtemp(dir=where.parent))
-        shutil.copytree(found.submodule_search_locations[0], half / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(found.submodule_search_locations[0], half / package,
+                        ignore=shutil.ignore_patterns("__pycache__"))
         half.rename(where)
     return where
 
@@ -50,18 +52,20 @@ SYSTEM = re.compile(r"(ld-linux.*|lib(c|m|dl|rt|pthread|util|resolv|stdc\+\+|gcc
 
 ECLIPSE = re.compile(r"lib(Clp|CoinUtils|ipopt)\b")
 
-NOTE = """Orthant itself is under BSD-3-Clause. This wheel also contains the libraries below; their licences lie beside this file.
-UMFPACK and CHOLMOD's Supernodal and MatrixOps modules are under the GPL, version 2 or later; KLU, BTF, CHOLMOD's other modules,
-libquadmath and a part of NLopt under the LGPL, version 2.1 or later; GNU MP under LGPL-3 or GPL-2; METIS under Apache-2.0;
-Eigen under MPL-2.0; the GCC runtime under the GPL with its exception; the others under permissive licences.
+NOTE = """Orthant itself is under BSD-3-Clause. This wheel also contains the libraries below; their licences lie beside
+this file. UMFPACK and CHOLMOD's Supernodal and MatrixOps modules are under the GPL, version 2 or later; KLU,
+BTF, CHOLMOD's other modules, libquadmath and a part of NLopt under the LGPL, version 2.1 or later; GNU MP
+under LGPL-3 or GPL-2; METIS under Apache-2.0; Eigen under MPL-2.0; the GCC runtime under the GPL with its
+exception; the others under permissive licences.
 """
 WHOLE = """So the wheel as a whole may be used by anybody for anything, and passed on under the terms of the GPL,
-version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named below, in
-these versions.
+version 3 or later. Whoever passes it on offers the sources with it: of Orthant, and of the Debian packages named
+below, in these versions.
 
 """
-MIXED = """It also contains libraries under the Eclipse Public License (CLP, CoinUtils, Ipopt), whose terms cannot be met
-together with those of the GPL. The wheel may be used by whoever built it, but NOT PASSED ON. Build without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
+MIXED = """It also contains libraries under the Eclipse Public License (CLP, CoinUtils, Ipopt), whose terms cannot be
+met together with those of the GPL. The wheel may be used by whoever built it, but NOT PASSED ON. Build
+without ORTHANT_WITH_CLP and ORTHANT_WITH_IPOPT one that may be.
 
 """
 
@@ -87,11 +91,14 @@ def fetch_page_parts() -> None:
         return
     npm = shutil.which("npm")
     if npm is None:
-        raise SystemExit("orthant: npm is needed to fetch uplot and three.js, the libraries that pages are drawn with:\n"
-                         "  Debian, Ubuntu: apt-get install npm      Fedora: dnf install nodejs-npm\n"
-                         "  Homebrew: brew install node              conda-forge: conda install -c conda-forge nodejs")
-    subprocess.run([npm, "install", "--prefix", str(folder), "--no-package-lock", "--ignore-scripts", "--no-audit", "--no-fund",
-                    "--loglevel=error"], check=True)
+        raise SystemExit(
+            "orthant: npm is needed to fetch uplot and three.js, the libraries that pages are drawn with:\n"
+            "  Debian, Ubuntu: apt-get install npm      Fedora: dnf install nodejs-npm\n"
+            "  Homebrew: brew install node              conda-forge: conda install -c conda-forge nodejs")
+    subprocess.run([
+        npm, "install", "--prefix",
+        str(folder), "--no-package-lock", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"
+    ], check=True)
     subprocess.run([npm, "run", "--prefix", str(folder), "--silent", "bundle"], check=True)
 
 
@@ -103,7 +110,8 @@ def slim_hdf5() -> Optional[Path]:
     prefix = Path(given) if given else ROOT / "build/slim_hdf5"
     if not (prefix / "complete").exists():
         if given:
-            raise SystemExit(f"orthant: ORTHANT_SLIM_HDF5 = {given}: must be a folder that experiments/scripts/slim_hdf5 made")
+            raise SystemExit(
+                f"orthant: ORTHANT_SLIM_HDF5 = {given}: must be a folder that experiments/scripts/slim_hdf5 made")
         say("building a static HDF5 (once, about a minute)")
         if subprocess.run(["bash", str(ROOT / "experiments/scripts/slim_hdf5"), str(prefix)]).returncode != 0:
             say("taking the system's HDF5 instead: the wheel becomes larger")
@@ -112,8 +120,10 @@ def slim_hdf5() -> Optional[Path]:
 
 
 def with_defines(settings: Settings, hdf5: Optional[Path]) -> dict[str, Any]:
-    mine: dict[str, Any] = {"cmake.define.pybind11_DIR": str(kept("pybind11", "pybind11") / "pybind11/share/cmake/pybind11"),
-                            "cmake.define.ORTHANT_SLIM_HDF5": str(hdf5 or "")}
+    mine: dict[str, Any] = {
+        "cmake.define.pybind11_DIR": str(kept("pybind11", "pybind11") / "pybind11/share/cmake/pybind11"),
+        "cmake.define.ORTHANT_SLIM_HDF5": str(hdf5 or "")
+    }
     return {**mine, **(settings or {})}
 
 
@@ -176,8 +186,11 @@ def repair(wheel: Path, into: Path) -> Path:
     environment = dict(os.environ)
     plain = [str(p) for kind in ("blas", "lapack") for p in Path("/usr/lib").glob(f"*/{kind}")]  # not a large OpenBLAS
     environment["LD_LIBRARY_PATH"] = os.pathsep.join([*plain, environment.get("LD_LIBRARY_PATH", "")]).strip(os.pathsep)
-    subprocess.run([sys.executable, "-m", "auditwheel", "repair", "--strip", "--zip-compression-level", "9", "--wheel-dir", str(into), str(wheel)],
-                   check=True, env=environment, stdout=sys.stderr)
+    subprocess.run([
+        sys.executable, "-m", "auditwheel", "repair", "--strip", "--zip-compression-level", "9", "--wheel-dir",
+        str(into),
+        str(wheel)
+    ], check=True, env=environment, stdout=sys.stderr)
     (repaired,) = into.glob("*.whl")
     return repaired
 

@@ -9,7 +9,7 @@
 //   tolerances  when the finest error is at most 1e-6.
 // Nothing is left out: a case that does not pass says why.
 #include "experiments/runs/manifest.h"
-#include "experiments/studies/exact_cases/exact_case.h"
+#include "experiments/studies/exact_cases/case_results.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/fit_order.h"
@@ -26,7 +26,6 @@
 
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <thread>
 
 using namespace orthant;
@@ -38,19 +37,6 @@ struct Setting {
   std::string spec;  // of the integrator
   double step = 0;   // of the calls [s]
 };
-
-struct Row {
-  std::size_t exact_case = 0;
-  std::string integrator, solver;
-  double setting = 0;
-  std::string status, why;
-  double error = kInf, seconds = kInf;
-  double lcp_solves = 0, lcp_iterations = 0, residual = 0, penetration = 0, joint_residual = 0, energy_defect = 0;
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Row, exact_case, integrator, solver, setting, status, why, error, seconds,
-                                   lcp_solves, lcp_iterations, residual, penetration, joint_residual, energy_defect)
-
-bool by_tolerance(std::string_view integrator) { return integrator == "adaptive" || integrator == "event-driven"; }
 
 constexpr int kStepsPerOctave = 4;  // where events make the error a sawtooth in h
 
@@ -98,11 +84,11 @@ template <class Space> class EnergyDefect {
 };
 
 /// Bisects until the bracket is a tenth of `exact`; the worst of the runs' reports, the sums of their work.
-Row bisect(const ExactCase& exact_case, const std::string& solver, const Setting& setting);
+CaseRow bisect(const ExactCase& exact_case, const std::string& solver, const Setting& setting);
 
 /// One run; `error` of each recorded moment.
-template <class Space, class Error> Row run_of(const ExactCase& exact_case, const SystemOf<Space>& system,
-                                               const std::string& solver, const Setting& setting, Error&& error) {
+template <class Space, class Error> CaseRow run_of(const ExactCase& exact_case, const SystemOf<Space>& system,
+                                                   const std::string& solver, const Setting& setting, Error&& error) {
   const auto scheme = make_integrator(setting.spec, system);
   const auto lcp = make_solver(solver);
   EnergyDefect<Space> defect(system, exact_case.energy);
@@ -113,7 +99,7 @@ template <class Space, class Error> Row run_of(const ExactCase& exact_case, cons
                              last = exact_case.throughout ? std::max(last, now) : now;
                              defect.see(m.state);
                            });
-  Row row;
+  CaseRow row;
   row.status = name(run.status), row.why = run.why;
   row.seconds = run.seconds;
   if (run.status == Status::solved) row.error = last;
@@ -123,7 +109,7 @@ template <class Space, class Error> Row run_of(const ExactCase& exact_case, cons
   return row;
 }
 
-Row visit(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
+CaseRow visit(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
   if (exact_case.family) return bisect(exact_case, solver, setting);
   if (exact_case.in_space()) {
     const SystemOf<Spatial> system(std::get<spatial::Scene>(exact_case.scene));
@@ -145,18 +131,19 @@ Row visit(const ExactCase& exact_case, const std::string& solver, const Setting&
   return run_of(exact_case, system, solver, setting, error);
 }
 
-Row bisect(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
+CaseRow bisect(const ExactCase& exact_case, const std::string& solver, const Setting& setting) {
   ExactCase probe = exact_case;
   probe.family = nullptr;
   double low = exact_case.low, high = exact_case.high;
-  Row all;
+  CaseRow all;
   all.seconds = all.error = 0;
   const auto holds = [&](double parameter) {
     probe.scene = exact_case.family(parameter);
-    const Row row = visit(probe, solver, setting);
+    const CaseRow row = visit(probe, solver, setting);
     all.status = row.status, all.why = row.why;
     all.seconds += row.seconds, all.lcp_solves += row.lcp_solves, all.lcp_iterations += row.lcp_iterations;
-    for (double Row::*most : {&Row::residual, &Row::penetration, &Row::joint_residual, &Row::energy_defect})
+    for (double CaseRow::*most :
+         {&CaseRow::residual, &CaseRow::penetration, &CaseRow::joint_residual, &CaseRow::energy_defect})
       all.*most = std::max(all.*most, row.*most);
     return row.error <= 0.5;
   };
@@ -182,7 +169,7 @@ struct Plan {
   unsigned jobs = 1;
 };
 
-std::vector<Row> visit_all(const Plan& plan, const std::vector<ExactCase>& all) {
+std::vector<CaseRow> visit_all(const Plan& plan, const std::vector<ExactCase>& all) {
   struct Ticket {
     std::size_t exact_case;
     std::string integrator, solver;
@@ -200,7 +187,7 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<ExactCase>& all) 
         for (const Setting& setting : ladder(all[i], std::string(entry.name), plan.levels))
           tickets.push_back({i, std::string(entry.name), solver, setting});
     }
-  std::vector<Row> rows(tickets.size());
+  std::vector<CaseRow> rows(tickets.size());
   Progress progress("exact_cases", static_cast<double>(tickets.size()));
   Isolated processes(plan.jobs, 0);  // no limit of memory: sanitizers take terabytes of addresses
   for (std::size_t k = 0; k < tickets.size(); ++k) {
@@ -209,13 +196,13 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<ExactCase>& all) 
         [&] { return nlohmann::json(visit(all[t.exact_case], t.solver, t.setting)).dump(); }, plan.time_limit,
         [&rows, &progress, &tickets, k](const Outcome& outcome) {
           const Ticket& ticket = tickets[k];
-          Row& row = rows[k];
+          CaseRow& row = rows[k];
           if (outcome.kind == Outcome::finished) {
             // JSON has no infinity: null there
             auto json = nlohmann::json::parse(outcome.text);
             for (auto& [key, value] : json.items())
               if (value.is_null()) value = std::numeric_limits<double>::max();
-            row = json.get<Row>();
+            row = json.get<CaseRow>();
             if (row.error == std::numeric_limits<double>::max()) row.error = kInf;
           } else {
             row.status = outcome.kind == Outcome::killed ? "out of time" : "crashed";
@@ -228,150 +215,6 @@ std::vector<Row> visit_all(const Plan& plan, const std::vector<ExactCase>& all) 
   }
   processes.wait_for_all();
   return rows;
-}
-
-/// The runs of one integrator with one solver on one case, coarse to fine.
-struct Series {
-  std::vector<const Row*> rows;
-  /// By the worst error of each octave; not a number where errors are 0, infinite or too few.
-  double order() const {
-    std::vector<Sample> samples;
-    for (const Row* r : rows)
-      if (r->error > 1e-13 && r->error < kInf) samples.push_back({r->setting, r->error});
-    try {
-      return fit_order(samples).order;
-    } catch (const std::invalid_argument&) {
-      return std::nan("");
-    }
-  }
-  /// Of the last octave, the worst.
-  double finest_error() const {
-    double worst = 0;
-    for (const Row* r : rows)
-      if (r == rows.back() || (!by_tolerance(r->integrator) && r->setting < 1.9 * rows.back()->setting))
-        worst = std::max(worst, r->error);
-    return worst;
-  }
-};
-
-double expected_order(const ExactCase& exact_case, const std::string& integrator) {
-  if (exact_case.motion != ExactCase::Motion::smooth) return 1;
-  return integrator == "moreau-jean" || integrator == "rattle" || integrator == "generalized-alpha" ? 2 : 1;
-}
-
-std::string verdict(const ExactCase& exact_case, const Series& series) {
-  if (const Row& r = *series.rows.front(); !exact_case.word.empty() && r.why.find(exact_case.word) != std::string::npos)
-    return "pass";
-  for (const Row* r : series.rows)
-    if (r->status != "solved")
-      return r->status + " at " + detail::text_of(r->setting) + (r->why.empty() ? "" : ": " + r->why);
-  const Row& finest = *series.rows.back();
-  if (series.finest_error() <= exact_case.exact) return "pass";
-  if (by_tolerance(finest.integrator)) return finest.error <= 1e-6 ? "pass" : "error above 1e-6";
-  if (exact_case.motion == ExactCase::Motion::instant) return "another answer";
-  const double order = series.order(), wanted = expected_order(exact_case, finest.integrator) - 0.15;
-  if (order >= wanted) return "pass";
-  return "order below " + detail::text_of(wanted);
-}
-
-constexpr const char* kMotions[] = {"smooth", "events", "instant"};
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", x);
-  return std::isfinite(x) ? text : "";
-}
-
-/// One function: a pass over the rows for the CSV file, one over the series for the Markdown table.
-void report(const std::filesystem::path& output, const std::vector<ExactCase>& all, const std::vector<Row>& rows) {
-  std::string csv =
-      "case,title,motion,measure,integrator,solver,setting,status,error,seconds,lcp_solves,lcp_iterations,lcp_residual,"
-      "penetration,"
-      "joint_residual,energy_defect,why\n";
-  const auto quoted = [](std::string text) {
-    std::erase(text, '"');
-    return '"' + text + '"';
-  };
-  for (const Row& r : rows) {
-    const ExactCase& exact_case = all[r.exact_case];
-    csv += exact_case.id + ',' + quoted(exact_case.title) + ',' + kMotions[static_cast<int>(exact_case.motion)] + ',' +
-           quoted(exact_case.measure) + ',' + r.integrator + ',' + quoted(r.solver) + ',' + detail::text_of(r.setting) +
-           ',' + r.status;
-    for (const double x : {r.error, r.seconds, r.lcp_solves, r.lcp_iterations, r.residual, r.penetration,
-                           r.joint_residual, r.energy_defect})
-      csv += ',' + (std::isfinite(x) ? detail::text_of(x) : "");
-    csv += ',' + quoted(r.why) + '\n';
-  }
-  write_whole(output / "runs.csv", csv);
-
-  std::string table =
-      "| case | integrator | solvers | coarsest | finest error | order | ms | residual | penetration | joints | energy "
-      "| |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  std::map<std::string, std::map<std::string, std::pair<int, int>>> tally;  // passed, all: by integrator, by solver
-  std::vector<std::string> columns;
-  for (std::size_t k = 0; k < rows.size();) {
-    // One line for all solvers that agree to rounding.
-    std::vector<std::pair<std::string, Series>> by_solver;
-    const std::size_t first = k;
-    for (; k < rows.size() && rows[k].exact_case == rows[first].exact_case &&
-           rows[k].integrator == rows[first].integrator;
-         ++k) {
-      if (by_solver.empty() || by_solver.back().first != rows[k].solver) by_solver.push_back({rows[k].solver, {}});
-      by_solver.back().second.rows.push_back(&rows[k]);
-    }
-    const ExactCase& exact_case = all[rows[first].exact_case];
-    const auto same = [](const Series& a, const Series& b) {
-      for (std::size_t i = 0; i < a.rows.size(); ++i)
-        if (a.rows[i]->status != b.rows[i]->status ||
-            !(std::abs(a.rows[i]->error - b.rows[i]->error) <= 1e-3 * a.rows[i]->error + 1e-12))
-          return false;
-      return true;
-    };
-    std::vector<bool> told(by_solver.size());
-    for (std::size_t i = 0; i < by_solver.size(); ++i) {
-      const std::string& solver = by_solver[i].first;
-      const std::string column = !exact_case.has_contacts() ? "no contacts" : solver.substr(0, solver.find(':'));
-      if (std::find(columns.begin(), columns.end(), column) == columns.end()) columns.push_back(column);
-      auto& [passed, run] = tally[rows[first].integrator][column];
-      ++run, passed += verdict(exact_case, by_solver[i].second) == "pass";
-      if (told[i]) continue;
-      std::string names;
-      for (std::size_t j = i; j < by_solver.size(); ++j) {
-        if (told[j] || (j > i && !same(by_solver[i].second, by_solver[j].second))) continue;
-        told[j] = true;
-        names += (names.empty() ? "" : " ") + by_solver[j].first;
-      }
-      if (!exact_case.has_contacts()) names = "(none)";
-      const Series& series = by_solver[i].second;
-      const Row &coarse = *series.rows.front(), &fine = *series.rows.back();
-      const auto worst = [&](double Row::*field) {
-        double most = 0;
-        for (const Row* r : series.rows) most = std::max(most, r->*field);
-        return number(most);
-      };
-      table += "| " + exact_case.id + " " + exact_case.title + " | `" + fine.integrator + "` | " + names + " | " +
-               number(coarse.error) + " | " + number(fine.error) + " | " +
-               (by_tolerance(fine.integrator) ? "" : number(series.order())) + " | " + number(1e3 * fine.seconds) +
-               " | " + worst(&Row::residual) + " | " + worst(&Row::penetration) + " | " + worst(&Row::joint_residual) +
-               " | " + (exact_case.energy == ExactCase::Energy::driven ? "" : worst(&Row::energy_defect)) + " | " +
-               verdict(exact_case, series) + " |\n";
-    }
-  }
-  table += "\nPassed:\n\n| integrator |";
-  for (const std::string& column : columns) table += ' ' + column + " |";
-  table += "\n|---|";
-  for (std::size_t i = 0; i < columns.size(); ++i) table += "---|";
-  for (const IntegratorEntry& entry : integrators()) {
-    table += "\n| `" + std::string(entry.name) + "` |";
-    for (const std::string& column : columns) {
-      const auto [passed, run] = tally[std::string(entry.name)][column];
-      table += ' ' + std::to_string(passed) + " of " + std::to_string(run) + " |";
-    }
-  }
-  table += '\n';
-  write_whole(output / "table.md", table);
-  std::cout << table;
 }
 
 void run(const std::filesystem::path& output, const Plan& plan, int dimension, const std::string& command_line) {

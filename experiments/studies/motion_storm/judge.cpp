@@ -1,17 +1,15 @@
 #include "experiments/studies/motion_storm/judge.h"
 
 #include "experiments/studies/motion_storm/closed_terms.h"
-#include "experiments/studies/motion_storm/examine.h"
 #include "experiments/studies/motion_storm/painleve.h"
+#include "experiments/studies/motion_storm/scene_runs.h"
 #include "experiments/studies/motion_storm/shared_load.h"
-#include "experiments/studies/motion_storm/spatial_twin.h"
 
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/registry.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
@@ -20,19 +18,14 @@ namespace {
 
 using detail::text_of;
 
-constexpr int kFine = 140, kCoarse = 4;  // output steps; all times of the coarse ones are among the fine
-constexpr int kFinest = 256;             // parts of a step
-constexpr double kNudge = 1e-9;          // for conditioning of references
-constexpr double kWell = 1e-5;           // difference that such a nudge makes at the most in a well-conditioned motion
-constexpr double kOwnNudge = 1e-7;       // of schemes of fixed step: more than rounding, less than h
+constexpr int kFinest = 256;        // parts of a step
+constexpr double kNudge = 1e-9;     // for conditioning of references
+constexpr double kWell = 1e-5;      // difference that such a nudge makes at the most in a well-conditioned motion
+constexpr double kOwnNudge = 1e-7;  // of schemes of fixed step: more than rounding, less than h
 constexpr double kMoreNudges[] = {3e-8, -1e-8, 1e-9};                // where a fault depends on what that one shows
 constexpr double kFineNudges[] = {-1e-9, 5e-10, 2e-9, -2e-9, 1e-8};  // likewise, of precise ones
 constexpr double kClosed = 1e-6;   // [m] contacts with no larger gap, where a run says that it cannot go on
 constexpr double kStrikes = 1e-9;  // [m/s]
-constexpr double kLeast = 1e-8;    // [J/kg] of energy, and the square of a speed, that count
-
-bool precise(const std::string& spec) { return spec.starts_with("event-driven") || spec.starts_with("adaptive"); }
-bool event_driven(const std::string& spec) { return spec.starts_with("event-driven"); }
 
 const Twin kTwins[] = {
     {.name = "mirrored", .m = -1},           {.name = "turned", .phi = 0.7},
@@ -52,19 +45,6 @@ template <class Space> const TwinOf<Space>& twin_number(std::uint64_t number) {
     return kSpatialTwins[number % std::size(kSpatialTwins)];
 }
 
-/// [m/s] of b's surface, at most.
-double surface_speed(const Contact& contact) {
-  return std::visit([](const auto& x) { return std::abs(ContactLaw(x.law).belt); }, contact);
-}
-double surface_speed(const spatial::Contact& contact) {
-  const SurfaceLaw s = std::visit([](const auto& x) { return x.law.surface; }, contact);
-  return s.velocity.norm() + 10 * s.omega.norm();
-}
-double torque_of(const Load& l) { return std::abs(l.torque); }
-double torque_of(const spatial::Load& l) { return l.moment.norm(); }
-double spin_of(const Body& b) { return std::abs(b.omega); }
-double spin_of(const spatial::Body& b) { return b.omega.norm(); }
-
 std::vector<ContactLaw> laws_of(const Scene& scene) {
   std::vector<ContactLaw> all;
   for (const Contact& c : scene.contacts) all.push_back(std::visit([](const auto& x) { return ContactLaw(x.law); }, c));
@@ -77,15 +57,22 @@ std::vector<ContactLaw> laws_of(const spatial::Scene& scene) {
   return all;
 }
 
-template <class Space> class Court {
+template <class Space> class Court : private SceneRuns<Space> {
+  using Runs = SceneRuns<Space>;
+  using Seen = typename Runs::Seen;
+  using Runs::admissible;
+  using Runs::allowance;
+  using Runs::base;
+  using Runs::figures_fault;
+  using Runs::nudged;
+  using Runs::own_step;
+  using Runs::quarter;
+  using Runs::run;
   using Scene = SceneOf<Space>;
 
  public:
   Court(const Scene& scene, std::uint64_t number, const Limits& limits)
-      : scene_(scene), twin_(twin_number<Space>(number)), limits_(limits) {
-    for (const auto& j : scene.joints) driven_ = driven_ || driven(j);
-    for (const auto& b : scene.bodies) mass_ += b.mass;
-  }
+      : Runs(scene, limits), scene_(scene), twin_(twin_number<Space>(number)), limits_(limits) {}
 
   Verdict judge(const std::string& spec) {
     Verdict v{spec};
@@ -98,122 +85,6 @@ template <class Space> class Court {
   }
 
  private:
-  struct Seen {
-    Trace trace;
-    Figures figures;
-  };
-  using Key = std::pair<std::string, std::string>;  // integrator, what is different
-
-  double own_step(const std::string& spec) const { return precise(spec) ? scene_.duration / kFine : scene_.step; }
-
-  static Allowance allowance(const std::string& spec, double step) {
-    return {precise(spec) ? 0 : step, precise(spec) && !event_driven(spec) ? 1e-4 : 1e-7};
-  }
-
-  const Seen& run(const std::string& spec, const std::string& how, double step, const TwinOf<Space>& change = {}) {
-    const auto [at, fresh] = seen_.try_emplace(Key{spec, how});
-    if (!fresh) return at->second;
-    const bool same = change.name.empty() && change.nudge == 0;
-    const Scene other = same ? scene_ : twin_of(scene_, change);
-    Seen& s = at->second;
-    s.trace = trace(other, spec, step * change.tau, limits_.time, limits_.grace);
-    if (!change.name.empty())
-      for (State& x : s.trace.rows) x.q = back(change, x.q), x.t /= change.tau;
-    s.figures = examine(scene_, s.trace, allowance(s.trace.run.crossings > 0 ? "adaptive" : spec, step));
-    return s;
-  }
-  const Seen& base(const std::string& spec) { return run(spec, "", own_step(spec)); }
-  const Seen& quarter(const std::string& spec) { return run(spec, "h/4", own_step(spec) / 4); }
-  const Seen& nudged(const std::string& spec, double by) {
-    return run(spec, "nudged by " + text_of(by), own_step(spec), {.nudge = by});
-  }
-
-  /// The first fault of the figures, in words; of schemes of fixed step those that a quarter of the step does not mend.
-  Result admissible(const std::string& spec, std::string& why) {
-    const Seen& s = base(spec);
-    const Result first = figures_fault(spec, s, why);
-    if (precise(spec) || first == Result::solved || first == Result::nan || first == Result::passage) return first;
-    const Seen& q = quarter(spec);
-    std::string again;
-    if (q.trace.solved() && (figures_fault(spec, q, again) != first || size_of(first, q) < size_of(first, s) / 2)) {
-      why.clear();
-      return Result::solved;
-    }
-    if (first != Result::energy) return first;
-    // With few steps a bounce the energy of a quarter may be off by as much: then a 32nd tells.
-    const Seen& fine = run(spec, "h/32", own_step(spec) / 32);
-    if (!fine.trace.solved()) return first;
-    if (figures_fault(spec, fine, again) == first && size_of(first, fine) >= size_of(first, s) / 2) return first;
-    why.clear();
-    return Result::solved;
-  }
-
-  static double size_of(Result what, const Seen& s) {
-    if (what == Result::joints) return s.figures.joint.value;
-    if (what == Result::penetration) return s.figures.depth.value;
-    return s.figures.gain.value / s.figures.energy;
-  }
-
-  Result figures_fault(const std::string& spec, const Seen& s, std::string& why) {
-    const Figures& f = s.figures;
-    const double h = precise(spec) ? 0 : own_step(spec);
-    if (!f.finite) return why = "numbers that are none", Result::nan;
-    if (f.joint.value > 1e-6 * f.size + h * f.speed) return why = f.joint.where, Result::joints;
-    const Admissibility& reported = s.trace.run.motion;
-    const bool warned = h > 0 && reported.deep() && f.depth.value <= 1.1 * reported.max_overlap;
-    if (f.depth_share.value > 1 && !warned) return why = f.depth.where, Result::penetration;
-    if (f.passed.value > 0.2 && s.trace.run.passages == 0) return why = f.passed.where, Result::passage;
-    const bool exact = event_driven(spec) && s.trace.run.crossings == 0;
-    const double share = exact ? 1e-6 : precise(spec) ? 1e-3 : 0.05;
-    if (!driven_ && f.overlap < 1e-9 && f.gain.value > share * f.energy + kLeast * mass_)
-      return why = f.gain.where + " of " + text_of(f.energy), Result::energy;
-    if (f.speed > 100 * expected_speed() && !others_as_fast(spec))
-      return why = "points at " + text_of(f.speed) + " m/s, expected are some " + text_of(expected_speed()),
-             Result::energy;
-    return Result::solved;
-  }
-
-  /// Whether two other schemes make points as fast, those of fixed step with a 32nd of the step, or the other precise
-  /// one comes to the same motion: a disc between faces that a drive closes to
-  /// a wedge is pressed out the faster the sharper that is.
-  bool others_as_fast(const std::string& spec) {
-    int fast = 0;
-    if (precise(spec)) {
-      const Seen &s = base(spec), &other = base(event_driven(spec) ? "adaptive" : "event-driven");
-      if (other.trace.solved() && difference<Space>(s.trace.rows, other.trace.rows, s.figures.size) < 1e-3) return true;
-    }
-    for (const char* other : {"event-driven", "adaptive", "moreau-jean", "stewart-trinkle", "rattle"}) {
-      if (other == spec) continue;
-      const Seen& fine = precise(other) ? base(other) : run(other, "h/32", own_step(other) / 32);
-      fast += fine.trace.solved() && fine.figures.finite && fine.figures.speed > 100 * expected_speed();
-    }
-    return fast >= 2;
-  }
-
-  /// [m/s] What drives, gravity, loads, springs and the start can make of points, by a rough bound. Heavy bodies make
-  /// light ones faster than they are: by the root of their ratio at the most, as kinetic energy goes over.
-  double expected_speed() const {
-    MeasureOf<Space> measure(scene_);
-    double speed = std::sqrt(kLeast), light = kInf, heavy = 0, reach = 0.1;
-    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      const auto& body = scene_.bodies[b];
-      reach = std::max(reach, measure.reach(static_cast<BodyId>(b)));
-      speed = std::max(speed, body.velocity.norm() + reach * spin_of(body));
-      light = std::min(light, body.mass), heavy = std::max(heavy, body.mass);
-    }
-    for (const auto& joint : scene_.joints)
-      if (const auto* d = std::get_if<typename ElementsOf<Space>::Drive>(&joint)) {
-        const double rate = std::abs(d->law.rate_of_change) + std::abs(d->law.amplitude * d->law.omega);
-        speed = std::max(speed, rate * (is_angle(d->of) ? reach : 1));
-      }
-    speed += scene_.gravity.norm() * scene_.duration;
-    for (const auto& c : scene_.contacts) speed = std::max(speed, surface_speed(c));
-    double stored = 0;
-    for (const auto& l : scene_.loads) stored += l.force.norm() + torque_of(l);
-    stored += std::abs(measure.potential(SystemOf<Space>(scene_).initial_state().q)) * (scene_.springs.empty() ? 0 : 1);
-    return (speed + std::sqrt(2 * stored / light)) * std::sqrt(heavy / light);
-  }
-
   /// A reference that knows this motion: it ends solved, is admissible, and hardly changes when it is nudged.
   const std::string* reference() {
     if (looked_) return reference_ ? &*reference_ : nullptr;
@@ -437,15 +308,15 @@ template <class Space> class Court {
   }
 
   Result ended_early(const std::string& spec, std::string& why) {
-    const Run& run = base(spec).trace.run;
-    const bool painleve = run.why.find("Painlev") != std::string::npos;
-    if (run.status != Status::infeasible && !painleve) return Result::stopped;
+    const Run& ended = base(spec).trace.run;
+    const bool painleve = ended.why.find("Painlev") != std::string::npos;
+    if (ended.status != Status::infeasible && !painleve) return Result::stopped;
     const double t = base(spec).trace.end(), past = t + std::max(0.1 * (scene_.duration - t), 20 * scene_.step);
     if (past >= scene_.duration) return Result::stopped;
     const State& last = base(spec).trace.rows.back();
     if (painleve && (painleve_possible(scene_, last, kClosed) || painleve_begins(scene_, last, kClosed)))
       return Result::stopped;
-    if (run.why.starts_with("Newton's law of impact") && impact_impossible(scene_, last, kClosed))
+    if (ended.why.starts_with("Newton's law of impact") && impact_impossible(scene_, last, kClosed))
       return Result::stopped;
     for (const std::string& other : all_integrators<Space>()) {
       if (other == spec) continue;
@@ -454,7 +325,7 @@ template <class Space> class Court {
       Seen part{s.trace, examine(scene_, s.trace, allowance(other, own_step(other)), past)};
       std::string bad;
       if (figures_fault(other, part, bad) != Result::solved || s.trace.run.passages > 0) continue;
-      why = "ends at t = " + text_of(t) + ": " + run.why + "; " + other + " goes on";
+      why = "ends at t = " + text_of(t) + ": " + ended.why + "; " + other + " goes on";
       return Result::infeasible;
     }
     return Result::stopped;
@@ -463,11 +334,9 @@ template <class Space> class Court {
   const Scene& scene_;
   const TwinOf<Space>& twin_;
   const Limits& limits_;
-  bool driven_ = false, looked_ = false;
+  bool looked_ = false;
   std::optional<std::string> reference_;
   double moved_ = 0;  // by the nudge
-  double mass_ = 0;   // [kg] of all
-  std::map<Key, Seen> seen_;
 };
 
 template <class Space> std::vector<Verdict> verdicts(const SceneOf<Space>& scene,

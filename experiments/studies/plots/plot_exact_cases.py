@@ -1,4 +1,5 @@
-"""Draws hard cases with exact answers: reads runs.csv, which exact_cases wrote into a folder; puts PNG and SVG there."""
+"""Draws hard cases with exact answers: reads runs.csv, which exact_cases wrote into a folder; puts PNG and SVG
+there."""
 import textwrap
 
 import matplotlib.pyplot as plt
@@ -57,8 +58,9 @@ def draw_instants(axes, runs):
 
 
 def plot_exact_cases(folder, about):
-    runs = of_first_solver(read_table(folder / "runs.csv", ["case", "title", "motion", "integrator", "solver", "status"],
-                                      ["setting", "error", "seconds"]))
+    runs = of_first_solver(
+        read_table(folder / "runs.csv", ["case", "title", "motion", "integrator", "solver", "status"],
+                   ["setting", "error", "seconds"]))
     instant = runs["motion"] == "instant"
     laddered = select(runs, ~instant)
     names = list(dict.fromkeys(zip(laddered["case"], laddered["title"])))
@@ -80,8 +82,11 @@ def plot_exact_cases(folder, about):
     if instant.any():
         draw_instants(lower.subplots(), select(runs, instant))
         lower.subplots_adjust(left=0.1, right=0.99, top=0.97, bottom=0.5)
-    handles = [plt.Line2D([], [], color=colour, marker=marker, label=name) for name, (colour, marker) in INTEGRATORS.items()]
-    save(figure, folder / "exact_cases", "Hard cases with exact answers: errors against exact answers", about, handles, columns=8)
+    handles = [
+        plt.Line2D([], [], color=colour, marker=marker, label=name) for name, (colour, marker) in INTEGRATORS.items()
+    ]
+    save(figure, folder / "exact_cases", "Hard cases with exact answers: errors against exact answers", about, handles,
+         columns=8)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""Contact modes over time: reads modes_muX.csv, trajectories, from a folder; puts modes.csv and a picture as PNG, SVG there."""
+"""Contact modes over time: reads modes_muX.csv, trajectories, from a folder; puts modes.csv and a picture as PNG, SVG
+there."""
 import csv
 
 import matplotlib.pyplot as plt
@@ -14,7 +15,8 @@ BRIDGED = 5  # steps without force that end no contact: experiments/sweep/case.c
 
 
 def modes_of(path, mu, face):
-    """(begin, end, mode, largest tilt of the slider) of one face: open; slip, where every corner that presses slides; stick."""
+    """(begin, end, mode, largest tilt of the slider) of one face: open; slip, where every corner that presses slides;
+    stick."""
     impulses = [(path[corner + ".impulse_n"], np.abs(path[corner + ".impulse_t"])) for corner in FACES[face]]
     presses = [normal > 0 for normal, _ in impulses]
     slides = [tangent >= (1 - 1e-6) * mu * normal for normal, tangent in impulses]
@@ -47,7 +49,8 @@ def plot_modes(folder, about):
     with open(folder / "modes.csv", "w", newline="") as table:
         out = csv.writer(table, lineterminator="\n")
         out.writerow(["mu", "face", "begin", "end", "mode", "tilt"])
-        out.writerows([mu, face, f"{begin:.6g}", f"{end:.6g}", mode, f"{tilt:.3g}"] for mu, face, begin, end, mode, tilt in rows)
+        out.writerows([mu, face, f"{begin:.6g}", f"{end:.6g}", mode, f"{tilt:.3g}"]
+                      for mu, face, begin, end, mode, tilt in rows)
     page, axes = plt.subplots(figsize=(9, 5.6))
     draw_modes(axes, rows)
     page.tight_layout(rect=(0, 0.09, 1, 0.95))
@@ -60,7 +63,8 @@ def draw_modes(axes, rows):
     values = sorted({mu for mu, *_ in rows})
     for mu, face, begin, end, mode, _ in rows:
         low = values.index(mu) + (0.02 if face == "top" else -0.38)
-        axes.broken_barh([(1e3 * begin, 1e3 * (end - begin))], (low, 0.36), color=COLOURS[mode], zorder=1 + (mode != OPEN),
+        axes.broken_barh([(1e3 * begin, 1e3 * (end - begin))], (low, 0.36), color=COLOURS[mode],
+                         zorder=1 + (mode != OPEN),
                          linewidth=0 if mode == OPEN else 0.7)  # an impact of one step is seen, too
     for i in range(len(values)):
         for low, face in ((0.2, "top"), (-0.2, "bottom")):

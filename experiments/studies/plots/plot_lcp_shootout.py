@@ -85,8 +85,9 @@ def plot_profiles(folder, about):
     panels[0][0].set_ylabel("share of problems solved, certified")
     left = 0.12 / len(parts)
     figure.subplots_adjust(left=left, right=1 - 2 * left, top=0.88, bottom=0.15, wspace=0.42)
-    figure.text(left, 0.02, "A curve's left end: how often that solver is the fastest; its right end: how many it solves\n"
-                "at all (refused problems count as not solved).", fontsize=8.5, color=GREY)
+    figure.text(
+        left, 0.02, "A curve's left end: how often that solver is the fastest; its right end: how many it solves\n"
+        "at all (refused problems count as not solved).", fontsize=8.5, color=GREY)
     save(figure, folder / "performance_profiles", "Performance profiles: higher and further left is better", about)
 
 

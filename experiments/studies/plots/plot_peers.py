@@ -56,9 +56,10 @@ def lcp_report(table):
         if taken == 0:
             lines.append(f"| {solver} | absent |")
             continue
-        lines.append(f"| {solver} | {taken} | {count['certified']} | {100 * count['certified'] / taken:.0f} | {count['wrong']} "
-                     f"| {count['crashed'] + count['late'] + count['skipped']} | {count['failed']} "
-                     f"| {text(geometric_mean(both))} |")
+        lines.append(
+            f"| {solver} | {taken} | {count['certified']} | {100 * count['certified'] / taken:.0f} | {count['wrong']} "
+            f"| {count['crashed'] + count['late'] + count['skipped']} | {count['failed']} "
+            f"| {text(geometric_mean(both))} |")
     return lines
 
 
@@ -79,8 +80,8 @@ def plot_profile(folder, about):
 
 
 def ladder(runs, name, cases):
-    """Settings from coarse to fine → (worst seconds, worst error, steps); a setting that failed on a case has error ∞, one
-    that took too long on a case is none."""
+    """Settings from coarse to fine → (worst seconds, worst error, steps); a setting that failed on a case has error ∞,
+    one that took too long on a case is none."""
     part = select(runs, runs["integrator"] == name)
     points = {}
     for setting in np.unique(part["setting"])[::-1]:
@@ -113,12 +114,15 @@ def plot_slider_crank(folder, about):
     runs = read_table(folder / "slider_crank/runs.csv", ["integrator", "status"],
                       ["setting", "mu", "e", "error", "seconds", "accepted"])
     names = list(dict.fromkeys(runs["integrator"]))
-    lines = ["# The slider-crank with clearance, 0.2 s", "",
-             "Milliseconds until the error of θ₁(0.2 s) stays below a bound; first µ = 0.01, e = 0.4, then the worst of "
-             "µ in {0, 0.01, 0.1}, e in {0, 0.4}. Steps: of about 1e-5 s, at µ = 0.01, e = 0.4.", "",
-             "| | " + " | ".join(f"{target:g}" for target in TARGETS) + " | "
-             + " | ".join(f"worst, {target:g}" for target in TARGETS) + " | µs a step |",
-             "|---" * (2 + 2 * len(TARGETS)) + "|"]
+    lines = [
+        "# The slider-crank with clearance, 0.2 s", "",
+        "Milliseconds until the error of θ₁(0.2 s) stays below a bound; first µ = 0.01, e = 0.4, then the worst of "
+        "µ in {0, 0.01, 0.1}, e in {0, 0.4}. Steps: of about 1e-5 s, at µ = 0.01, e = 0.4.", "",
+        "| | " + " | ".join(f"{target:g}"
+                            for target in TARGETS) + " | " + " | ".join(f"worst, {target:g}"
+                                                                        for target in TARGETS) + " | µs a step |",
+        "|---" * (2 + 2 * len(TARGETS)) + "|"
+    ]
     for name in names:
         one, worst = ladder(runs, name, CASES[:1]), ladder(runs, name, CASES)
         cells = [text(time_to(target, points), 1e3) for points in (one, worst) for target in TARGETS]

@@ -54,8 +54,13 @@ def draw_panel(axes, sweep, rows, figure, parameters):
             axes.plot(*zip(*points or NOTHING), ".", color=colour, markersize=3, alpha=0.4, markeredgewidth=0)
             fits = [o for o in sweep["orders"] if o["integrator"] == name and o["parameters"] == parameters]
             points = fits[0]["worst"] if fits else []
-        axes.plot(*zip(*points or NOTHING), label=name, color=colour, marker=marker, markersize=6.5 - 3 * at / len(shown),  # coinciding marks are all seen
-                  linestyle="none" if figure.get("dots") else "-")
+        axes.plot(
+            *zip(*points or NOTHING),
+            label=name,
+            color=colour,
+            marker=marker,
+            markersize=6.5 - 3 * at / len(shown),  # coinciding marks are all seen
+            linestyle="none" if figure.get("dots") else "-")
 
 
 def beside_axes(row, figure):
@@ -79,12 +84,20 @@ def in_words(name, value):
 
 
 def draw(sweep, rows, figure, folder, about):
-    rows = [row for row in rows if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"]) and
-            all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator")) and
-            all(key not in row or row[key] in (wanted if isinstance(wanted, list) else [wanted])
-                for key, wanted in figure.get("where", {}).items()) and
-            row.get(figure["x"]) is not None and row.get(figure["y"]) is not None and not (figure["x"] == "step" and row["rtol"]) and
-            all(row[figure[axis]] > 0 for axis in figure.get("log", ""))]  # nothing else has a place there
+    rows = [
+        row
+        for row in rows
+        if ("timed" not in figure or (row["repeats"] > 0) == figure["timed"])
+        and all(row[key] == figure.get(key, row[key]) for key in ("solver", "integrator"))
+        and all(
+            key not in row or row[key] in (wanted if isinstance(wanted, list) else [wanted])
+            for key, wanted in figure.get("where", {}).items()
+        )
+        and row.get(figure["x"]) is not None
+        and row.get(figure["y"]) is not None
+        and not (figure["x"] == "step" and row["rtol"])
+        and all(row[figure[axis]] > 0 for axis in figure.get("log", ""))
+    ]  # nothing else has a place there
     panels = sorted(dict.fromkeys(beside_axes(row, figure) for row in rows), key=numbers_of)
     if figure.get("worst"):
         panels = [None]

@@ -95,12 +95,15 @@ def draw_errors(axes, runs, orders):
         octave = np.floor(np.log2(part["step"].max(initial=0) * 1.001 / part["step"]))  # as the order was fitted
         worst = [np.flatnonzero(octave == o)[np.argmax(part["error"][octave == o])] for o in np.unique(octave)]
         axes.plot(1e6 * part["step"], part["error"], ".", markersize=3.5, color=colour, alpha=0.4, markeredgewidth=0)
-        axes.plot(1e6 * part["step"][worst], part["error"][worst], marker=marker, markersize=4, color=colour, label=label)
-        axes.plot(1e6 * failed["step"], 0.97 + 0 * failed["step"], "x", color=colour, transform=axes.get_xaxis_transform())
+        axes.plot(1e6 * part["step"][worst], part["error"][worst], marker=marker, markersize=4, color=colour,
+                  label=label)
+        axes.plot(1e6 * failed["step"], 0.97 + 0 * failed["step"], "x", color=colour,
+                  transform=axes.get_xaxis_transform())
 
 
 def plot_error_vs_step(folder, about):
-    table = read_table(folder / "sweep.csv", ["integrator", "solver", "status"], ["mu", "e", "step", "error", "repeats"])
+    table = read_table(folder / "sweep.csv", ["integrator", "solver", "status"],
+                       ["mu", "e", "step", "error", "repeats"])
     keep = np.isin(table["integrator"], list(INTEGRATORS)) & (table["repeats"] == 0) & (table["solver"] == "lemke")
     table = select(table, keep)
     orders = read_table(folder / "orders.csv", ["integrator"], ["mu", "e", "order"])

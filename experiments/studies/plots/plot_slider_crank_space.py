@@ -1,8 +1,9 @@
 """The ball in its socket: reads path_muX.csv (runs), sweep.csv and ideal*.json; draws PNG and SVG.
 
 ball: contact phases on the ball's surface. closing: the slider's distance from its limit as clearances go to zero; also
-closing_rates.csv, with the order in the clearance, from the distance and (change_order) from successive changes, which needs
-no limit. With friction the limit is another motion: the ball's dry friction stays when the clearance goes to zero.
+closing_rates.csv, with the order in the clearance, from the distance and (change_order) from successive changes, which
+needs no limit. With friction the limit is another motion: the ball's dry friction stays when the clearance goes to
+zero.
 """
 import csv
 import json
@@ -23,7 +24,8 @@ def rotated_back(q, v):
 
 
 def contact_phases(path):
-    """Direction of the contact point from the ball's centre in the rod's frame; where the ball touches; where it slips."""
+    """Direction of the contact point from the ball's centre in the rod's frame; where the ball touches; where it
+    slips."""
     q = np.stack([path[f"rod.q{c}"] for c in "wxyz"], axis=1)
     back = np.stack([q[:, 0], *(-q[:, 1:].T)], axis=1)
     three = lambda body, columns: np.stack([path[f"{body}.{c}"] for c in columns], axis=1)  # noqa: E731
@@ -63,7 +65,9 @@ def plot_ball(folder, about):
                 side.set_visible(False)
     for axis, label in zip(grid[:, 0], ("the end of the rod", "the side of the rod")):
         axis.set_ylabel(label)
-    handles = [plt.Line2D([], [], ls="", marker="o", ms=4, color=c, label=n) for c, n in ((BLUE, "slides"), (RED, "sticks"))]
+    handles = [
+        plt.Line2D([], [], ls="", marker="o", ms=4, color=c, label=n) for c, n in ((BLUE, "slides"), (RED, "sticks"))
+    ]
     page.tight_layout(rect=(0, 0.06, 1, 0.93))
     page.legend(handles=handles, loc="lower left", ncol=2)
     save(page, folder / "ball", "Contact phases on the ball's surface (e = 0; circles every 30°)", about)
@@ -84,12 +88,16 @@ def plot_closing(folder, about):
     numbers = ["clearance", "mu", "guide", "at_crank", "duration", "value"]
     sweep = read_table(folder / "sweep.csv", ["integrator"], numbers)
     closing = select(sweep, (sweep["integrator"] == "adaptive:rtol=1e-10") & ~np.isnan(sweep["clearance"]))
-    limit = {name: json.loads((folder / f"{name}.json").read_text())["final"]["slider.x"] for name in ("ideal", "ideal_5s")}
+    limit = {
+        name: json.loads((folder / f"{name}.json").read_text())["final"]["slider.x"]
+        for name in ("ideal", "ideal_5s")
+    }
     socket = np.isnan(closing["guide"]) & np.isnan(closing["at_crank"])
     guide = ~np.isnan(closing["guide"])
     families = [("socket at the slider", mu, "clearance", socket & (closing["mu"] == mu),
                  limit["ideal"] if mu == 0 else np.nan) for mu in sorted(set(closing["mu"][socket]))]
-    families.append(("channel", 0, "guide", guide & (closing["guide"] > 0), closing["value"][guide & (closing["guide"] == 0)][0]))
+    families.append(
+        ("channel", 0, "guide", guide & (closing["guide"] > 0), closing["value"][guide & (closing["guide"] == 0)][0]))
     families.append(("socket at the crank, 5 s", 0, "clearance", ~np.isnan(closing["at_crank"]), limit["ideal_5s"]))
     page, axis = plt.subplots(figsize=(7, 4.4))
     table = []
@@ -97,7 +105,8 @@ def plot_closing(folder, about):
         found = with_orders(closing[key][rows], closing["value"][rows], end)
         table += [(name, mu, *row) for row in found]
         if not np.isnan(end):
-            axis.loglog([row[0] for row in found], [row[2] for row in found], marker + "-", ms=4, label=f"{name}, μ = {mu:g}")
+            axis.loglog([row[0] for row in found], [row[2] for row in found], marker + "-", ms=4,
+                        label=f"{name}, μ = {mu:g}")
     ends = np.array([min(row[2] for row in table), max(row[2] for row in table)])
     axis.loglog(ends, ends, "--", color=GREY, lw=0.8, label="first order")
     axis.set(xlabel="clearance [m]", ylabel="distance of the slider from its limit [m]")
@@ -107,7 +116,8 @@ def plot_closing(folder, about):
     with open(folder / "closing_rates.csv", "w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["family", "mu", "clearance", "x", "distance", "order", "change_order"])
-        out.writerows((n, f"{mu:g}", f"{c:g}", f"{x:.12g}", f"{d:.3g}", f"{r:.3g}", f"{k:.3g}") for n, mu, c, x, d, r, k in table)
+        out.writerows(
+            (n, f"{mu:g}", f"{c:g}", f"{x:.12g}", f"{d:.3g}", f"{r:.3g}", f"{k:.3g}") for n, mu, c, x, d, r, k in table)
 
 
 if __name__ == "__main__":

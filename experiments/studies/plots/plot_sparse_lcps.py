@@ -1,4 +1,5 @@
-"""Draws the study of large sparse problems: reads sparse_lcps.csv, which sparse_lcps wrote into a folder; puts PNG, SVG there."""
+"""Draws the study of large sparse problems: reads sparse_lcps.csv, which sparse_lcps wrote into a folder; puts PNG,
+SVG there."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -14,7 +15,8 @@ def plot_sparse_lcps(folder, about):
     table = read_table(folder / "sparse_lcps.csv", ["problem", "solver", "status"],
                        ["n", "holds", "iterations", "seconds", "megabytes"])
     problems = [p for p in TITLES if p in table["problem"]]
-    figure, grid = plt.subplots(3, len(problems), squeeze=False, sharex="col", sharey="row", figsize=(2.9 * len(problems), 8.2))
+    figure, grid = plt.subplots(3, len(problems), squeeze=False, sharex="col", sharey="row",
+                                figsize=(2.9 * len(problems), 8.2))
     for column, problem in enumerate(problems):
         for solver, (colour, marker) in SOLVERS.items():
             part = select(table, (table["problem"] == problem) & (table["solver"] == solver) & (table["holds"] == 1))

@@ -1,4 +1,5 @@
-"""Draws the work-precision experiment: reads runs.csv, which work_precision wrote into a folder; puts PNG, SVG there."""
+"""Draws the work-precision experiment: reads runs.csv, which work_precision wrote into a folder; puts PNG, SVG
+there."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -34,8 +35,8 @@ def plot_work_precision(folder, about):
     grid[0].set_ylabel("|error of θ₁(0.2 s)| [rad]")
     figure.tight_layout(rect=(0, 0.12, 1, 0.95))
     handles = grid[0].get_legend_handles_labels()[0]
-    save(figure, folder / "work_precision", "What an error costs, by integrator: a point a step size or tolerance", about,
-         handles, columns=4)
+    save(figure, folder / "work_precision", "What an error costs, by integrator: a point a step size or tolerance",
+         about, handles, columns=4)
 
 
 if __name__ == "__main__":

@@ -54,111 +54,123 @@ std::vector<std::vector<ConeEntry>> entries_of(const Lcp& p) {
   return rows;
 }
 
-struct ConeContact {
-  Index normal;
-  std::vector<const Friction*> parts;
-};
-
-}  // namespace
-
-Finding examine_cones(const Lcp& p, const Vector& z, double tolerance, Status claimed) {
-  if (z.size() != p.size() || !z.allFinite()) return {.why = "z is not finite, or of another size"};
-  if (claimed != Status::solved && claimed != Status::rounded) return {.why = "no answer is claimed"};
-  const Index n = p.size();
-  const auto rows = entries_of(p);
-  std::vector<char> tangential(at(n), 0);
-  std::vector<std::vector<const Friction*>> parts(at(n));
-  for (const Friction& f : p.friction) {
-    parts[at(f.normal)].push_back(&f);
-    for (Index r = 0; r < f.rows; ++r) tangential[at(f.first + r)] = 1;
-  }
-  std::vector<double> diagonal(at(n), 0);
-  for (Index i = 0; i < n; ++i)
-    for (const ConeEntry& e : rows[at(i)])
-      if (e.column == i) diagonal[at(i)] = std::abs(static_cast<double>(e.value));
-  double largest = 0;
-  for (const double a : diagonal)
-    if (a < kInf) largest = std::max(largest, std::abs(a));
-  std::vector<Digits> d(at(n));
-  std::vector<Index> head(at(n));  // the normal of each row's contact
-  const auto unit = [&](double sum, double count) {
-    const double mean = sum / count;
-    return Digits(1) / sqrt(Digits(mean > 0 && mean < kInf ? mean : largest > 0 ? largest : 1.0));
-  };
-  for (Index i = 0; i < n; ++i) {
-    if (tangential[at(i)] != 0) continue;
-    head[at(i)] = i;
-    double sum = diagonal[at(i)], count = 1;
-    for (std::size_t k = 0; k < parts[at(i)].size(); ++k) {
-      const Friction& f = *parts[at(i)][k];
-      double own = 0;
-      for (Index r = 0; r < f.rows; ++r) own += diagonal[at(f.first + r)], head[at(f.first + r)] = i;
-      if (k == 0)
-        sum += own, count += static_cast<double>(f.rows);
-      else
-        for (Index r = 0; r < f.rows; ++r) d[at(f.first + r)] = unit(own, static_cast<double>(f.rows));
+/// The problem in the units of the judge: contacts by their normal rows, scales d, sums w' and their sizes.
+class ConeRows {
+ public:
+  ConeRows(const Lcp& p, const Vector& z)
+      : p_(p), z_(z), n_(p.size()), rows_(entries_of(p)), tangential_(at(n_), 0), parts_(at(n_)) {
+    for (const Friction& f : p.friction) {
+      parts_[at(f.normal)].push_back(&f);
+      for (Index r = 0; r < f.rows; ++r) tangential_[at(f.first + r)] = 1;
     }
-    d[at(i)] = unit(sum, count);
-    if (!parts[at(i)].empty())
-      for (Index r = 0; r < parts[at(i)][0]->rows; ++r) d[at(parts[at(i)][0]->first + r)] = d[at(i)];
+    set_scales();
+    couple();
+    sum();
   }
-  // w', the terms it is the sum of, data brought in by bounds; parts of contacts that A couples.
-  std::vector<Digits> w(at(n)), terms(at(n)), data(at(n)), widest(at(n));
-  std::vector<Index> part(head);
-  for (bool changed = true; changed;) {
-    changed = false;
-    const auto join = [&](Index i, Index j) {
-      const Index least = std::min(part[at(i)], part[at(j)]);
-      changed = changed || part[at(i)] != least || part[at(j)] != least;
-      part[at(i)] = part[at(j)] = least;
+
+  bool normal(Index i) const { return tangential_[at(i)] == 0; }
+  Digits error(Index i) const { return sqrt(missed(i)); }
+  Digits scale(Index i) const { return beta_[at(part_[at(i)])]; }
+  Digits terms(Index i) const { return norm(i, terms_); }
+  Digits widest(Index i) const { return norm(i, widest_); }
+
+ private:
+  /// d: 1 / √(mean diagonal entry) of a contact's normal and first disc, of each further disc by itself.
+  void set_scales() {
+    std::vector<double> diagonal(at(n_), 0);
+    for (Index i = 0; i < n_; ++i)
+      for (const ConeEntry& e : rows_[at(i)])
+        if (e.column == i) diagonal[at(i)] = std::abs(static_cast<double>(e.value));
+    double largest = 0;
+    for (const double a : diagonal)
+      if (a < kInf) largest = std::max(largest, std::abs(a));
+    d_.resize(at(n_)), head_.resize(at(n_));
+    const auto unit = [&](double sum, double count) {
+      const double mean = sum / count;
+      return Digits(1) / sqrt(Digits(mean > 0 && mean < kInf ? mean : largest > 0 ? largest : 1.0));
     };
-    for (Index i = 0; i < n; ++i) {
-      join(i, head[at(i)]);
-      for (const ConeEntry& e : rows[at(i)]) join(i, e.column);
+    for (Index i = 0; i < n_; ++i) {
+      if (!normal(i)) continue;
+      head_[at(i)] = i;
+      double sum = diagonal[at(i)], count = 1;
+      for (std::size_t k = 0; k < parts_[at(i)].size(); ++k) {
+        const Friction& f = *parts_[at(i)][k];
+        double own = 0;
+        for (Index r = 0; r < f.rows; ++r) own += diagonal[at(f.first + r)], head_[at(f.first + r)] = i;
+        if (k == 0)
+          sum += own, count += static_cast<double>(f.rows);
+        else
+          for (Index r = 0; r < f.rows; ++r) d_[at(f.first + r)] = unit(own, static_cast<double>(f.rows));
+      }
+      d_[at(i)] = unit(sum, count);
+      if (!parts_[at(i)].empty())
+        for (Index r = 0; r < parts_[at(i)][0]->rows; ++r) d_[at(parts_[at(i)][0]->first + r)] = d_[at(i)];
     }
   }
-  std::vector<Digits> most(at(n), Digits(0));
-  for (Index i = 0; i < n; ++i) {
-    Digits& of_part = most[at(part[at(i)])];
-    of_part = std::max(of_part, Digits(abs(Digits(z[i])) / d[at(i)]));
-  }
-  for (Index i = 0; i < n; ++i) {
-    Digits sum(p.b[i]), size = abs(sum), given = size, wide = size;
-    for (const ConeEntry& e : rows[at(i)]) {
-      const Index j = e.column;
-      const double lo = p.lo[j], hi = p.hi[j];
-      const double bound = (z[j] == lo || z[j] == hi) ? z[j] : lo > 0 ? lo : hi < 0 ? hi : 0;
-      sum += e.value * Digits(z[j]), size += e.size * abs(Digits(z[j]));
-      given += e.size * Digits(std::abs(bound)), wide += e.size * most[at(part[at(j)])] * d[at(j)];
+
+  /// Parts of the problem that A couples, each named by its first row.
+  void couple() {
+    part_ = head_;
+    for (bool changed = true; changed;) {
+      changed = false;
+      const auto join = [&](Index i, Index j) {
+        const Index least = std::min(part_[at(i)], part_[at(j)]);
+        changed = changed || part_[at(i)] != least || part_[at(j)] != least;
+        part_[at(i)] = part_[at(j)] = least;
+      };
+      for (Index i = 0; i < n_; ++i) {
+        join(i, head_[at(i)]);
+        for (const ConeEntry& e : rows_[at(i)]) join(i, e.column);
+      }
     }
-    w[at(i)] = sum * d[at(i)], terms[at(i)] = size * d[at(i)];
-    data[at(i)] = given * d[at(i)], widest[at(i)] = wide * d[at(i)];
   }
-  const auto norm = [&](Index normal, const std::vector<Digits>& of) {
+
+  /// w', the sum of its terms' sizes, that of the data brought in by bounds, and that at the largest z' of the part.
+  void sum() {
+    std::vector<Digits> most(at(n_), Digits(0)), data(at(n_));
+    for (Index i = 0; i < n_; ++i) {
+      Digits& of_part = most[at(part_[at(i)])];
+      of_part = std::max(of_part, Digits(abs(Digits(z_[i])) / d_[at(i)]));
+    }
+    w_.resize(at(n_)), terms_.resize(at(n_)), widest_.resize(at(n_));
+    for (Index i = 0; i < n_; ++i) {
+      Digits sum(p_.b[i]), size = abs(sum), given = size, wide = size;
+      for (const ConeEntry& e : rows_[at(i)]) {
+        const Index j = e.column;
+        const double lo = p_.lo[j], hi = p_.hi[j];
+        const double bound = (z_[j] == lo || z_[j] == hi) ? z_[j] : lo > 0 ? lo : hi < 0 ? hi : 0;
+        sum += e.value * Digits(z_[j]), size += e.size * abs(Digits(z_[j]));
+        given += e.size * Digits(std::abs(bound)), wide += e.size * most[at(part_[at(j)])] * d_[at(j)];
+      }
+      w_[at(i)] = sum * d_[at(i)], terms_[at(i)] = size * d_[at(i)];
+      data[at(i)] = given * d_[at(i)], widest_[at(i)] = wide * d_[at(i)];
+    }
+    beta_.assign(at(n_), Digits(0));
+    for (Index i = 0; i < n_; ++i)
+      if (normal(i)) beta_[at(part_[at(i)])] = std::max(beta_[at(part_[at(i)])], norm(i, data));
+  }
+
+  Digits norm(Index normal, const std::vector<Digits>& of) const {
     Digits sum = of[at(normal)] * of[at(normal)];
-    for (const Friction* f : parts[at(normal)])
+    for (const Friction* f : parts_[at(normal)])
       for (Index r = f->first; r < f->first + f->rows; ++r) sum += of[at(r)] * of[at(r)];
     return Digits(sqrt(sum));
-  };
-  std::vector<Digits> beta(at(n), Digits(0));
-  for (Index i = 0; i < n; ++i)
-    if (tangential[at(i)] == 0) beta[at(part[at(i)])] = std::max(beta[at(part[at(i)])], norm(i, data));
-  Finding finding;
-  finding.error = 0;
-  for (Index i = 0; i < n; ++i) {
-    if (tangential[at(i)] != 0) continue;
+  }
+
+  /// ‖z' − nearest point of the cone to z' − û'‖² of the contact with normal row i.
+  Digits missed(Index i) const {
     // x = z' − û'; the nearest point's normal part a: φ'(a) = a − x_n − Σ μ (‖x_T‖ − μ a)₊ = 0.
     struct Slope {
       Digits mu, length;
     };
     std::vector<Slope> slopes;
-    Digits x = Digits(z[i]) / d[at(i)] - w[at(i)];
-    for (const Friction* f : parts[at(i)]) {
-      const Digits mu = Digits(f->mu) * d[at(i)] / d[at(f->first)];
+    Digits x = Digits(z_[i]) / d_[at(i)] - w_[at(i)];
+    for (const Friction* f : parts_[at(i)]) {
+      const Digits mu = Digits(f->mu) * d_[at(i)] / d_[at(f->first)];
       Digits slip(0), length(0);
       for (Index r = f->first; r < f->first + f->rows; ++r) {
-        const Digits t = Digits(z[r]) / d[at(r)] - w[at(r)];
-        slip += w[at(r)] * w[at(r)], length += t * t;
+        const Digits t = Digits(z_[r]) / d_[at(r)] - w_[at(r)];
+        slip += w_[at(r)] * w_[at(r)], length += t * t;
       }
       x -= mu * sqrt(slip);
       slopes.push_back({mu, sqrt(length)});
@@ -174,20 +186,43 @@ Finding examine_cones(const Lcp& p, const Vector& z, double tolerance, Status cl
       top += slopes[k].mu * slopes[k].length, below += slopes[k].mu * slopes[k].mu;
       a = top / below;
     }
-    if (p.lo[i] > -kInf) a = std::max(a, Digits(p.lo[i]) / d[at(i)]);
-    if (p.hi[i] < kInf) a = std::min(a, Digits(p.hi[i]) / d[at(i)]);
-    Digits missed = (Digits(z[i]) / d[at(i)] - a) * (Digits(z[i]) / d[at(i)] - a);
+    if (p_.lo[i] > -kInf) a = std::max(a, Digits(p_.lo[i]) / d_[at(i)]);
+    if (p_.hi[i] < kInf) a = std::min(a, Digits(p_.hi[i]) / d_[at(i)]);
+    Digits sum = (Digits(z_[i]) / d_[at(i)] - a) * (Digits(z_[i]) / d_[at(i)] - a);
     for (std::size_t k = 0; k < slopes.size(); ++k) {
-      const Friction& f = *parts[at(i)][k];
+      const Friction& f = *parts_[at(i)][k];
       const Digits radius = slopes[k].mu * std::max(a, Digits(0));
       const Digits share = slopes[k].length > radius ? Digits(radius / slopes[k].length) : Digits(1);
       for (Index r = f.first; r < f.first + f.rows; ++r) {
-        const Digits off = Digits(z[r]) / d[at(r)] - share * (Digits(z[r]) / d[at(r)] - w[at(r)]);
-        missed += off * off;
+        const Digits off = Digits(z_[r]) / d_[at(r)] - share * (Digits(z_[r]) / d_[at(r)] - w_[at(r)]);
+        sum += off * off;
       }
     }
-    const Digits e = sqrt(missed), &scale = beta[at(part[at(i)])], own = std::min(scale, norm(i, terms));
-    const Digits noise = Digits(kConeEpsilon) * norm(i, widest);
+    return sum;
+  }
+
+  const Lcp& p_;
+  const Vector& z_;
+  Index n_;
+  std::vector<std::vector<ConeEntry>> rows_;
+  std::vector<char> tangential_;
+  std::vector<std::vector<const Friction*>> parts_;  // of a normal row
+  std::vector<Index> head_, part_;                   // the normal of each row's contact
+  std::vector<Digits> d_, w_, terms_, widest_, beta_;
+};
+
+}  // namespace
+
+Finding examine_cones(const Lcp& p, const Vector& z, double tolerance, Status claimed) {
+  if (z.size() != p.size() || !z.allFinite()) return {.why = "z is not finite, or of another size"};
+  if (claimed != Status::solved && claimed != Status::rounded) return {.why = "no answer is claimed"};
+  const ConeRows rows(p, z);
+  Finding finding;
+  finding.error = 0;
+  for (Index i = 0; i < p.size(); ++i) {
+    if (!rows.normal(i)) continue;
+    const Digits e = rows.error(i), scale = rows.scale(i), own = std::min(scale, rows.terms(i));
+    const Digits noise = Digits(kConeEpsilon) * rows.widest(i);
     if (own > 0) finding.error = std::max(finding.error, static_cast<double>(e / own));
     const auto says = [&](const char* what) {
       finding.why = "contact of row " + std::to_string(i) + ": " + what + ", e " +

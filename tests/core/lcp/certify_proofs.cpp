@@ -189,7 +189,7 @@ TEST_CASE("certify: an overflow in its own measures excuses nothing") {
   }
 }
 
-TEST_CASE("what stands in the way of solved is told: the row, by how much, against which bound") {
+TEST_CASE("a z that is not accepted is explained: the row, by how much it misses, against which bound") {
   Judge judge;
   Solution s;
   s.z = Vector{0.5, 0.25};

@@ -104,36 +104,6 @@ void compare(const Scene& scene, Draws& random, double k_weight = 0, double c_we
 
 }  // namespace
 
-TEST_CASE("redundant cranks of unlike masses: no rounding makes their rows independent in any pose") {
-  const std::array<double, 4> masses{24.883, 0.0197, 0.0929, 4.516};
-  constexpr double kApart = 0.1144, kHalf = 0.178, kTurned = 0.7;
-  const Vector2d base(std::cos(kTurned), std::sin(kTurned));
-  Scene s;
-  const auto coupler = s.body({.mass = 0.163, .inertia = 0.00165});
-  for (int i = 0; i < 4; ++i) {
-    const double mass = masses[static_cast<std::size_t>(i)];
-    const auto crank = s.body({.mass = mass, .inertia = mass * kHalf * kHalf / 3});
-    s.joint(Revolute{"", kGround, crank, i * kApart * base, {-kHalf, 0}});
-    s.joint(Revolute{"", crank, coupler, {kHalf, 0}, {(i - 1.5) * kApart, 0}});
-  }
-  const System system(s);
-  BasicSystem basic(system);
-  Terms terms(system);
-  VectorXd q(system.dof());
-  for (int k = 0; k < 500; ++k) {
-    INFO(k);
-    const double angle = kTurned + 0.5 + 0.004 * k;
-    const Vector2d arm = kHalf * Vector2d(std::cos(angle), std::sin(angle));
-    q.head<3>() << 1.5 * kApart * base + 2 * arm, kTurned;
-    for (int i = 0; i < 4; ++i) q.segment<3>(3 * i + 3) << i * kApart * base + arm, angle;
-    set_poses(system, 0, q, terms.at);
-    evaluate_joint_rows(system, terms);
-    REQUIRE(basic.factorize(system, terms));
-    CHECK(basic.rank() == 14);  // of 16
-    CHECK(basic.independence() > 1e-3);
-  }
-}
-
 TEST_CASE(
     "the saddle system is solved as its definition says: no joints, dense, KLU, springs with and without weight") {
   for (int seed = 0; seed < 10; ++seed) {

@@ -175,3 +175,29 @@ TEST_CASE("adaptive: the impulses of contacts that last are those of the forces,
     CHECK(std::abs(std::abs(seen.sum[0].tangent + seen.sum[1].tangent) - std::abs(expected)) < 1e-6);
   }
 }
+
+TEST_CASE("impacts between two looks: the tip of a spinning bar, a disc that flies past a peg, at any output step") {
+  Scene bar;
+  bar.body({.mass = 1, .inertia = 0.3, .position = {0, 1.01}, .velocity = {0, -0.05}, .omega = 200});
+  bar.contact(CornerWall{.a = 0, .point = {1, 0}, .law = {.e = 0.5}});
+  Scene peg;
+  peg.body({.mass = 1, .inertia = 1, .position = {-1000, 0.199}, .velocity = {1000, 0}});
+  peg.contact(DiscDisc{.a = 0, .radius_a = 0.1, .b = kGround, .radius_b = 0.1, .law = {.e = 1}});
+  for (const double step : {1.0, 0.25, 1e-2}) {
+    CAPTURE(step);
+    const Run struck = run_for(bar, 0.21388512155672565, "adaptive", 0.2139 * step);
+    CHECK(struck.final.q[1] == doctest::Approx(1.02005537).epsilon(1e-6));  // event-driven
+    const Run passed = run_for(peg, 2, "adaptive", 2 * step);
+    CHECK(passed.final.v[1] == doctest::Approx(198.75109).epsilon(1e-5));  // 2 · 1000 · 0.199/0.2 · √(1 − 0.995²)
+  }
+}
+
+TEST_CASE("output times that fall on impacts: the shortest step is one that can be done") {
+  const double omega = 1.8, period = 2 * std::numbers::pi / omega;
+  const ImpactOscillator scene{.omega = omega, .disturbance = 0.05};
+  for (const double part : {1, 2, 7}) {
+    const Run r = run_for(impact_oscillator(scene), 160 * period, "adaptive:rtol=1e-10", period / part);
+    CHECK(r.status == Status::solved);
+    CHECK(std::abs(r.final.q[0]) <= 1e-6);
+  }
+}

@@ -82,48 +82,7 @@ TEST_CASE("tangent of a run: masses, inertias, lengths of the slider-crank, by i
 
 TEST_CASE(
     "tangent of a run: springs, dampers, a drive, dry friction in a joint, tangential restitution, a moving belt") {
-  const std::string text = R"(
-gravity = [0, -9.81]
-[[body]]
-name = "arm"
-mass = 1.3
-inertia = 0.2
-position = [0.5, 0]
-[[body]]
-name = "ball"
-mass = 0.7
-inertia = 0.03
-position = [1.3, 0.4]
-velocity = [0.4, -1]
-omega = 2
-[[joint]]
-name = "pin"
-type = "revolute"
-bodies = ["ground", "arm"]
-point_b = [-0.5, 0]
-[[spring]]
-name = "coil"
-type = "point"
-bodies = ["arm", "ball"]
-point_a = [0.4, 0]
-stiffness = 30
-damping = 0.6
-rest = 0.5
-[[friction]]
-name = "bearing"
-joint = "pin"
-bound = 0.4
-[[contact]]
-name = "floor"
-type = "disc-wall"
-body = "ball"
-radius = 0.2
-wall = {point = [0, -0.1], normal = [0, 1]}
-mu = 0.1
-e_n = 0.6
-e_t = 0.2
-belt = 1.5
-)";
+  const std::string& text = kArmAndBall;
   check_tangents(from_text(text),
                  {{"spring.coil.stiffness", 30},
                   {"spring.coil.damping", 0.6},

@@ -391,23 +391,3 @@ TEST_CASE("adaptive in space goes on from a checkpoint bit for bit, in flight an
     }
   }
 }
-
-TEST_CASE("adaptive in space refuses what it does not follow") {
-  spatial::Scene s = masse();
-  s.friction({.name = "brake", .of = spatial::Slide{kGround, 0}, .bound = 0.4});
-  const SpatialSystem system(s);
-  CHECK_THROWS_WITH_AS(static_cast<void>(make_integrator("adaptive", system)),
-                       "integrator adaptive: takes no dry friction in joints in space: must be moreau-jean or another "
-                       "integrator of fixed step",
-                       std::invalid_argument);
-}
-
-TEST_CASE("adaptive in space: a sign that is rounding hides no later contact of the same inner step") {
-  const auto scene = std::get<spatial::Scene>(read_any_scene(ORTHANT_TEST_DATA "/bush_two_rims.toml"));
-  const SpatialSystem system(scene);
-  for (const std::string_view scheme : {"adaptive", "event-driven"}) {
-    CAPTURE(scheme);
-    const Run run = run_in_space(system, scheme, scheme == "adaptive" ? scene.step : 0.2, scene.duration);
-    CHECK(run.max_penetration < 1e-9);
-  }
-}

@@ -105,7 +105,7 @@ TEST_CASE("a searched pair of spheres moves as a listed one") {
   }
 }
 
-TEST_CASE("what is stacked stays: a tower of planks, a pyramid of cubes, a house of cards") {
+TEST_CASE("stacks stay: a tower of planks, a pyramid of cubes, a house of cards") {
   for (const auto& [scene, name] :
        {std::pair{kapla_tower(), "tower"}, std::pair{box_pyramid(), "pyramid"}, std::pair{card_house(), "house"}})
     for (const std::string_view scheme : kStackers) {

@@ -298,3 +298,13 @@ TEST_CASE("event-driven in space refuses what it does not follow") {
                        "another integrator of fixed step",
                        std::invalid_argument);
 }
+
+TEST_CASE("adaptive in space refuses dry friction in joints") {
+  spatial::Scene s = masse();
+  s.friction({.name = "brake", .of = spatial::Slide{kGround, 0}, .bound = 0.4});
+  const SpatialSystem system(s);
+  CHECK_THROWS_WITH_AS(static_cast<void>(make_integrator("adaptive", system)),
+                       "integrator adaptive: takes no dry friction in joints in space: must be moreau-jean or another "
+                       "integrator of fixed step",
+                       std::invalid_argument);
+}

@@ -126,3 +126,13 @@ TEST_CASE("in space: shapes that pass through each other within a step are repor
       CHECK(hit.final.v[0] < 90);
     }
 }
+
+TEST_CASE("adaptive in space: a sign that is rounding hides no later contact of the same inner step") {
+  const auto scene = std::get<spatial::Scene>(read_any_scene(ORTHANT_TEST_DATA "/bush_two_rims.toml"));
+  const SpatialSystem system(scene);
+  for (const std::string_view scheme : {"adaptive", "event-driven"}) {
+    CAPTURE(scheme);
+    const Run run = run_in_space(system, scheme, scheme == "adaptive" ? scene.step : 0.2, scene.duration);
+    CHECK(run.max_penetration < 1e-9);
+  }
+}

@@ -176,7 +176,7 @@ TEST_CASE("a disc on a fast arm and a ball: struck, or passed with a report, by 
 }
 
 TEST_CASE(
-    "what is deeper on the way than at both ends is reported, wherever a step begins; what is not is no passage") {
+    "an overlap deeper on the way than at both ends is reported, wherever a step begins; any other is no passage") {
   Random random(7);
   const auto uniform = [&](double low, double high) { return random.uniform(low, high); };
   int deeper = 0, from_inside = 0, none = 0;

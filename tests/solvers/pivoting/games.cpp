@@ -127,7 +127,7 @@ TEST_CASE("costs that span 14 orders: a path that rounding leads in circles ends
   CHECK(asked < 100000);
 }
 
-TEST_CASE("where the first label's path ends next to an equilibrium, another label's path answers") {
+TEST_CASE("another label's path answers if the first label's ends next to an equilibrium") {
   const Eigen::MatrixXd A{{2.0417512226993906e-07, 7.143456962073979e-07},
                           {4.358957119623648e-05, 1.352040713379342e-08},
                           {6.751009476282847e-08, 0.0016189547973605768}},

@@ -35,6 +35,7 @@ void Reader::collision(Fields& f) {
 }
 
 void Reader::list_pairs() {
+  if (scene_.collisions.empty()) return;
   Scene all = scene_;
   all.collisions.clear();
   std::vector<Collision> searched;

@@ -185,4 +185,20 @@ class Fields {
   std::vector<std::string> known_;
 };
 
+/// The elements [[kind]]: calls read(fields, index) for each, with its name in `name`.
+template <class Read>
+void each_element(Fields& top, std::string_view kind, const std::string& file, std::string& name, const Read& read) {
+  const toml::node* list = top.find(kind, Form::tables);
+  if (list == nullptr) return;
+  if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
+  const toml::array& elements = *list->as_array();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const toml::table* table = elements.get(i)->as_table();
+    if (table == nullptr) top.refuse(kind, *elements.get(i), "a table");
+    name = name_of(*table, kind, i);
+    Fields fields(*table, std::string(kind) + " " + in_quotes(name) + ": ", file);
+    read(fields, i);
+  }
+}
+
 }  // namespace orthant::scene_file

@@ -30,19 +30,11 @@ class Reader {
   enum class Search { grid, none };
 
   template <class Read> void each(Fields& top, std::string_view kind, Read&& read) {
-    const toml::node* list = top.find(kind, Form::tables);
-    if (list == nullptr) return;
-    if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
-    const toml::array& elements = *list->as_array();
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-      const toml::table* table = elements.get(i)->as_table();
-      if (table == nullptr) top.refuse(kind, *elements.get(i), "a table");
-      given_name_ = name_of(*table, kind, i);
-      Fields fields(*table, std::string(kind) + " " + in_quotes(given_name_) + ": ", file_);
+    each_element(top, kind, file_, given_name_, [&](Fields& fields, std::size_t i) {
       read(fields);
       fields.done();
       if (kind == "contact") written_.resize(scene_.contacts.size(), i);
-    }
+    });
   }
   void body(Fields& f);
   /// The initial poses: angles and lengths that the file leaves out are taken from them.

@@ -41,19 +41,11 @@ spatial::Scene SpatialReader::scene() {
 }
 
 template <class Read> void SpatialReader::each(Fields& top, std::string_view kind, Read&& read) {
-  const toml::node* list = top.find(kind, Form::tables);
-  if (list == nullptr) return;
-  if (!list->is_array()) top.refuse(kind, *list, "a list of tables [[" + std::string(kind) + "]]");
-  const toml::array& elements = *list->as_array();
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const toml::table* table = elements.get(i)->as_table();
-    if (table == nullptr) top.refuse(kind, *elements.get(i), "a table");
-    given_name_ = name_of(*table, kind, i);
-    Fields fields(*table, std::string(kind) + " " + in_quotes(given_name_) + ": ", file_);
+  each_element(top, kind, file_, given_name_, [&](Fields& fields, std::size_t i) {
     read(fields);
     fields.done();
     written_.resize(scene_.contacts.size(), {kind, i});
-  }
+  });
 }
 
 void SpatialReader::body(Fields& f) {

@@ -138,7 +138,7 @@ TEST_CASE("hulls of many points: all corners where there are few, else the ones 
   CHECK(spatial::flat_hull({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}}).empty());
 }
 
-TEST_CASE("what a mesh loses is said: corners, open surfaces, dents") {
+TEST_CASE("a mesh that is open or dented is taken as its convex hull, with a note") {
   auto surface = box_surface({1, 1, 1});
   Mesh dented;
   dented.surface = surface;

@@ -134,7 +134,7 @@ TEST_CASE("mistakes in scenes in space name file or override, element, key, valu
         std::string::npos);
 }
 
-TEST_CASE("what takes planar scenes refuses a file in space by its dimension") {
+TEST_CASE("readers of planar scenes refuse a file in space by its dimension") {
   CHECK_THROWS_WITH_AS(static_cast<void>(parse_scene(kText, {}, "arm.toml")),
                        "arm.toml:1: dimension = 3: must be 2 here, or 3 where scenes in space are taken",
                        std::invalid_argument);
