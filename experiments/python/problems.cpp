@@ -10,6 +10,7 @@
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>
 #include <orthant/core/lcp/judge/analyse.h>
+#include <orthant/core/lcp/judge/cell_words.h>
 #include <orthant/core/lcp/judge/cells.h>
 #include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/core/support/file.h>
@@ -122,6 +123,7 @@ struct Result {
   double seconds;
   std::string why_not, why;
   double cells;
+  py::object cell_search;
   std::vector<LogEntry> log;
 
   bool solved() const { return status == name(Status::solved); }
@@ -132,6 +134,17 @@ struct Result {
     return text.str();
   }
 };
+
+/// The search of all cells as `orthant solve --json` has it, or None.
+py::object search_of(const Lcp& problem, const std::vector<Cell>& cells) {
+  if (cells.empty()) return py::none();
+  py::list classes;
+  for (const Cell& cell : cells)
+    classes.append(py::dict(py::arg("sides") = letters(cell), py::arg("expressed") = cell.expressed,
+                            py::arg("why") = words_of(cell.why), py::arg("row") = cell.row));
+  return py::dict(py::arg("count") = count_cells(problem), py::arg("order") = order_of_decision(problem),
+                  py::arg("classes") = classes);
+}
 
 Result result_of(const Lcp& problem, const Solution& s, double seconds, std::string why_not,
                  std::vector<LogEntry> log) {
@@ -147,14 +160,15 @@ Result result_of(const Lcp& problem, const Solution& s, double seconds, std::str
           std::move(why_not),
           why(s),
           s.cells.empty() ? 0.0 : count_cells(problem),
+          search_of(problem, s.cells),
           std::move(log)};
 }
 
 /// What scipy.optimize calls things, for result["x"] and result.x alike.
-constexpr std::array<const char*, 20> kResultKeys = {
-    "status",         "solved",  "z",       "w",   "certificate", "residual", "rounding", "iterations",
-    "factorizations", "seconds", "why_not", "why", "cells",       "log",      "x",        "fun",
-    "success",        "message", "nit",     "nfev"};
+constexpr std::array<const char*, 21> kResultKeys = {
+    "status",  "solved",  "z",   "w",     "certificate", "residual", "rounding", "iterations", "factorizations",
+    "seconds", "why_not", "why", "cells", "cell_search", "log",      "x",        "fun",        "success",
+    "message", "nit",     "nfev"};
 
 bool is_result_key(py::handle key) {  // any object may be a key, as in a dict
   return py::isinstance<py::str>(key) &&
@@ -503,6 +517,10 @@ void add_problems(py::module_& m) {
       .def_readonly("why", &Result::why, "in one line why the status is not 'solved', as far as z tells")
       .def_readonly("cells", &Result::cells,
                     "choices of sides searched, all without a solution, where that is the proof")
+      .def_readonly(
+          "cell_search", &Result::cell_search,
+          "that proof: dict of count, order (rows) and classes, each with sides (a letter a row), expressed, why "
+          "and row; else None")
       .def_readonly("log", &Result::log, "list of LogEntry, if requested")
       .def_readonly("x", &Result::z, "z, as scipy.optimize calls it")
       .def_property_readonly("success", &Result::solved, "solved, as scipy.optimize calls it")
@@ -544,7 +562,7 @@ void add_problems(py::module_& m) {
            })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
-                      &Result::why_not, &Result::why, &Result::cells, &Result::log>())
+                      &Result::why_not, &Result::why, &Result::cells, &Result::cell_search, &Result::log>())
       .def("__repr__", &Result::repr);
 
   py::class_<PythonSolver>(m, "_Solver")

@@ -1,0 +1,275 @@
+#include <orthant/core/lcp/judge/exact_proof.h>
+
+#include <orthant/core/lcp/judge/exact.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace orthant {
+namespace {
+
+using exact::Rational;
+using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;
+
+constexpr double kNear = 0x1p-30;  // of its terms: a sum that may be meant to be 0
+constexpr int kRounds = 8;         // of new equations
+constexpr double kMostWork = 4e9;  // products of 64-bit words in one elimination: some seconds
+
+/// √x, or a little more: exact where it is rational.
+Rational root_above(const Rational& x) {
+  const Integer square = numerator(x) * denominator(x), scale = Integer(1) << 128;
+  const Integer root = sqrt(square);
+  if (root * root == square) return Rational(root, denominator(x));
+  return Rational(sqrt(Integer(square * scale * scale)) + 1, denominator(x) * scale);
+}
+
+/// Σ_i a_i û_i with the size of its terms.
+struct Sum {
+  Rational value;
+  double terms = 0;
+
+  void add(const Rational& product) {
+    if (product.is_zero()) return;
+    value += product;
+    terms += std::abs(product.convert_to<double>());
+  }
+  bool near_zero() const { return std::abs(value.convert_to<double>()) <= kNear * terms; }
+};
+
+/// û and what its conditions demand of it.
+class ExactProof {
+ public:
+  ExactProof(const Lcp& problem, const std::function<bool()>& stop)
+      : p_(problem), stop_(stop), operator_(std::get_if<Delassus>(&problem.A)) {}
+
+  /// Only the columns of the wrong sign are made 0; else all that may be meant to be.
+  bool holds(const Vector& u, bool few) {
+    rows_.clear(), weights_.clear(), equations_.clear();
+    for (Index i = 0; i < u.size(); ++i)
+      if (u[i] != 0) rows_.push_back(i);
+    std::stable_sort(rows_.begin(), rows_.end(), [&](Index i, Index j) { return std::abs(u[i]) > std::abs(u[j]); });
+    for (const Index i : rows_) weights_.emplace_back(u[i]);
+    for (int round = 0; round < kRounds && !stopped(); ++round) {
+      find_columns();
+      if (std::none_of(columns_.begin(), columns_.end(), [this](Index j) { return wrong(j); })) return below_zero();
+      if (!take_equations(round == 0 && !few) || !solve(u)) return false;
+    }
+    return false;
+  }
+
+  /// Multiples of û, or their nearest doubles.
+  void put(Vector& u) const {
+    Integer scale = 1;
+    for (const Rational& x : weights_) scale = lcm(scale, Integer(denominator(x)));
+    std::vector<Integer> whole;
+    Integer divisor = 0;
+    for (const Rational& x : weights_) {
+      whole.push_back(numerator(x) * (scale / denominator(x)));
+      divisor = gcd(divisor, whole.back());
+    }
+    Integer largest = 1;
+    for (Integer& x : whole) x /= divisor, largest = std::max(largest, Integer(abs(x)));
+    const Rational unit(largest <= Integer(1) << 53 ? Integer(1) : Integer(1) << msb(largest));
+    for (std::size_t k = 0; k < rows_.size(); ++k) u[rows_[k]] = exact::nearest(Rational(whole[k]) / unit);
+  }
+
+ private:
+  using Equation = std::vector<Rational>;  // per entry of rows_
+
+  bool stopped() const { return stop_ && stop_(); }
+
+  // g_ ← Aᵀû, inner_ ← Wᵀû; columns_ ← where there is a condition.
+  void find_columns() {
+    const auto n = at(p_.size());
+    g_.assign(n, {});
+    if (operator_ == nullptr) {
+      for (std::size_t k = 0; k < rows_.size(); ++k)
+        for_each_in_row(p_.A, rows_[k], [&](Index j, double a) {
+          if (a != 0) g_[at(j)].add(Rational(a) * weights_[k]);
+        });
+    } else {
+      const RowSparse& W = operator_->W;
+      inner_.assign(at(W.cols), {});
+      for (std::size_t k = 0; k < rows_.size(); ++k)
+        W.for_each_in_row(rows_[k], [&](Index m, double w) { inner_[at(m)].add(Rational(w) * weights_[k]); });
+      std::vector<Rational> velocity(at(W.cols));
+      for (Index m = 0; m < W.cols; ++m) velocity[at(m)] = inner_[at(m)].value * Rational(operator_->inverse_mass[m]);
+      for (Index j = 0; j < W.rows; ++j)
+        W.for_each_in_row(j, [&](Index m, double w) {
+          if (inner_[at(m)].terms == 0) return;
+          g_[at(j)].add(Rational(w) * velocity[at(m)]);
+          g_[at(j)].terms += std::abs(w) * operator_->inverse_mass[m] * inner_[at(m)].terms;
+        });
+      if (operator_->regularization.size() != 0)
+        for (std::size_t k = 0; k < rows_.size(); ++k)
+          g_[at(rows_[k])].add(Rational(operator_->regularization[rows_[k]]) * weights_[k]);
+    }
+    c_ = g_;
+    std::vector<char> friction(n, 0);
+    for (const Friction& f : p_.friction) {
+      Rational square = 0;
+      double terms = 0;
+      for (Index t = f.first; t < f.first + f.rows; ++t) {
+        friction[at(t)] = 1;
+        square += g_[at(t)].value * g_[at(t)].value;
+        terms += g_[at(t)].terms;
+      }
+      Sum& c = c_[at(f.normal)];
+      c.value += Rational(f.mu) * (f.rows == 1 ? Rational(abs(g_[at(f.first)].value)) : root_above(square));
+      c.terms += f.mu * terms;
+    }
+    columns_.clear();
+    for (Index j = 0; j < p_.size(); ++j)
+      if (friction[at(j)] == 0 && c_[at(j)].terms > 0) columns_.push_back(j);
+  }
+
+  bool wrong(Index j) const {
+    const Rational& c = c_[at(j)].value;
+    return (p_.hi[j] == kInf && c > 0) || (p_.lo[j] == -kInf && c < 0);
+  }
+  bool bounded(Index j) const { return p_.hi[j] < kInf && p_.lo[j] > -kInf; }
+
+  // The last line of (1).
+  bool below_zero() const {
+    Rational most = 0;
+    for (std::size_t k = 0; k < rows_.size(); ++k) most += weights_[k] * Rational(p_.b[rows_[k]]);
+    for (const Index j : columns_) {
+      const Rational& c = c_[at(j)].value;
+      const double bound = c > 0 ? p_.hi[j] : p_.lo[j];
+      if (!c.is_zero() && bound != 0) most += c * Rational(bound);
+    }
+    return most < 0;
+  }
+
+  // False: none is new, or a sum is too far from 0.
+  bool take_equations(bool all) {
+    const std::size_t before = equations_.size();
+    if (all && operator_ != nullptr)
+      for (Index m = 0; m < operator_->W.cols; ++m)
+        if (inner_[at(m)].terms > 0 && inner_[at(m)].near_zero()) take({m, -1}, velocity_of(m));
+    for (const Index j : columns_) {
+      const bool is_wrong = wrong(j);
+      if (is_wrong && !c_[at(j)].near_zero()) return false;
+      if (!is_wrong && !(all && !bounded(j) && c_[at(j)].near_zero())) continue;
+      if (operator_ != nullptr && all && !is_wrong) continue;  // mostly what the velocities demand already
+      Equation equation = column(j);
+      for (const Friction& f : p_.friction) {
+        if (f.normal != j || f.mu == 0) continue;
+        bool still = true;
+        for (Index t = f.first; t < f.first + f.rows; ++t) still = still && g_[at(t)].near_zero();
+        if (still) {
+          for (Index t = f.first; t < f.first + f.rows; ++t) take({t, 0}, column(t));
+        } else if (f.rows == 1) {
+          const Equation along = column(f.first);
+          const Rational factor(g_[at(f.first)].value > 0 ? f.mu : -f.mu);
+          for (std::size_t k = 0; k < along.size(); ++k) exact::add_product(equation[k], factor, along[k]);
+        } else {
+          return false;  // no linear equation
+        }
+      }
+      take({j, 0}, std::move(equation));
+    }
+    return equations_.size() > before;
+  }
+  void take(std::pair<Index, int> name, Equation equation) { equations_.emplace(name, std::move(equation)); }
+
+  Equation velocity_of(Index m) const {
+    Equation equation;
+    for (const Index i : rows_) equation.emplace_back(operator_->W.entry(i, m));
+    return equation;
+  }
+  Equation column(Index j) const {
+    Equation equation;
+    for (const Index i : rows_) {
+      if (const auto* dense = std::get_if<DenseMatrix>(&p_.A)) {
+        equation.emplace_back((*dense)(i, j));
+      } else if (const auto* sparse = std::get_if<RowSparse>(&p_.A)) {
+        equation.emplace_back(sparse->entry(i, j));
+      } else {
+        Rational sum(i == j && operator_->regularization.size() != 0 ? operator_->regularization[i] : 0.0);
+        operator_->W.for_each_in_row(i, [&](Index m, double w) {
+          const double other = operator_->W.entry(j, m);
+          if (w != 0 && other != 0) sum += Rational(w) * Rational(operator_->inverse_mass[m]) * Rational(other);
+        });
+        equation.push_back(std::move(sum));
+      }
+    }
+    return equation;
+  }
+
+  // weights_ ← (2). False: only 0 is left, or a sign is wrong, or it takes too long. Gauss and Jordan's elimination in
+  // whole numbers, in which each division by the last pivot is exact.
+  bool solve(const Vector& u) {
+    std::vector<std::vector<Integer>> rows;
+    for (const auto& [name, equation] : equations_) {
+      Integer scale = 1;
+      for (const Rational& x : equation) scale = lcm(scale, Integer(denominator(x)));
+      rows.emplace_back();
+      for (const Rational& x : equation) rows.back().push_back(numerator(x) * (scale / denominator(x)));
+    }
+    const std::size_t unknowns = rows_.size();
+    std::vector<std::size_t> pivots;
+    Integer last = 1;
+    double work = 0;
+    for (std::size_t c = 0; c < unknowns && pivots.size() < rows.size(); ++c) {
+      std::size_t best = rows.size();
+      const std::size_t rank = pivots.size();
+      for (std::size_t r = rank; r < rows.size(); ++r)
+        if (!rows[r][c].is_zero() && (best == rows.size() || abs(rows[r][c]) < abs(rows[best][c]))) best = r;
+      if (best == rows.size()) continue;
+      std::swap(rows[rank], rows[best]);
+      const Integer pivot = rows[rank][c];
+      const double words = 1 + static_cast<double>(msb(abs(pivot))) / 64;
+      work += static_cast<double>(rows.size() * unknowns) * words * words;
+      if (work > kMostWork || stopped()) return false;
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        if (r == rank) continue;
+        const Integer factor = rows[r][c];
+        for (std::size_t k = 0; k < unknowns; ++k) {
+          Integer& x = rows[r][k];
+          if (x.is_zero() && (factor.is_zero() || rows[rank][k].is_zero())) continue;
+          x = (pivot * x - factor * rows[rank][k]) / last;
+        }
+      }
+      last = pivot;
+      pivots.push_back(c);
+    }
+    if (pivots.size() == unknowns) return false;
+    for (std::size_t k = 0; k < unknowns; ++k) weights_[k] = u[rows_[k]];
+    for (std::size_t r = 0, p = 0; r < pivots.size(); ++r) {
+      Rational sum = 0;
+      p = pivots[r];
+      for (std::size_t k = 0; k < unknowns; ++k)
+        if (!rows[r][k].is_zero() && !std::binary_search(pivots.begin(), pivots.end(), k))
+          sum -= Rational(rows[r][k]) * Rational(u[rows_[k]]);
+      weights_[p] = sum / Rational(last);
+      const Index i = rows_[p];
+      if ((weights_[p] < 0 && p_.lo[i] > -kInf) || (weights_[p] > 0 && p_.hi[i] < kInf)) return false;
+    }
+    return true;
+  }
+
+  const Lcp& p_;
+  const std::function<bool()>& stop_;
+  const Delassus* operator_;
+  std::vector<Index> rows_;        // with û ≠ 0, the largest first
+  std::vector<Rational> weights_;  // û there
+  std::vector<Sum> g_, c_, inner_;
+  std::vector<Index> columns_;
+  std::map<std::pair<Index, int>, Equation> equations_;  // by column, or by velocity and −1
+};
+
+}  // namespace
+
+bool proves_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop) {
+  ExactProof proof(problem, stop);
+  for (const bool few : {false, true})
+    if (proof.holds(u, few)) return proof.put(u), true;
+  return false;
+}
+
+}  // namespace orthant
