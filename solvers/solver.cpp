@@ -98,13 +98,16 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   } else if (!farkas_.propose(problem, proof_, share)) {
     return;
   }
-  if (!judge_.proves_infeasible(problem, proof_) &&
-      !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_))) {
-    if (has_few_cells(problem)) search_cells(problem, s, share);
-    return;
-  }
-  s.certificate = judge_.proof();
-  judge_.certify(problem, tolerance(), Claim::stalled, s);
+  const Status before = s.status;
+  const auto proves = [&](const Vector& u) {
+    s.certificate = u;
+    judge_.certify(problem, tolerance(), Claim::stalled, s);
+    if (s.status != Status::infeasible) s.status = before;
+    return s.status == Status::infeasible;
+  };
+  scratch_ = proof_;
+  if (!(in_whole_numbers(scratch_) && proves(scratch_)) && !proves(proof_) && has_few_cells(problem))
+    search_cells(problem, s, share);
 }
 
 /// Where the last digits of a ray stand in the way of a proof.

@@ -48,6 +48,7 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
   };
   if (for_each_entry(A, [&](Index i, Index j, double a) { add(transposed ? j : i, a, u[transposed ? i : j]); })) return;
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);  // symmetric: Aᵀu = A u
+  const long double unit = transposed ? static_cast<long double>(terms(A) + 4) * kRounding : 0;
   inner_ld_.assign(at(W.cols), 0);
   inner_abs_ld_.assign(at(W.cols), 0);
   for (Index i = 0; i < n; ++i)
@@ -66,7 +67,7 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
       g_[at(i)] += product;
       g_abs_[at(i)] += std::abs(product);
     }
-    g_error_[at(i)] = static_cast<long double>(terms(A) + 4) * kRounding * g_abs_[at(i)];
+    g_error_[at(i)] = unit * g_abs_[at(i)];
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -17,7 +18,7 @@ using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, bo
 
 constexpr double kNear = 0x1p-30;  // of its terms: a sum that may be meant to be 0
 constexpr int kRounds = 8;         // of new equations
-constexpr double kMostWork = 4e9;  // products of 64-bit words in one elimination: some seconds
+constexpr double kMostWork = 5e8;  // products in one elimination or solution: some seconds
 
 /// √x, or a little more: exact where it is rational.
 Rational root_above(const Rational& x) {
@@ -27,17 +28,161 @@ Rational root_above(const Rational& x) {
   return Rational(sqrt(Integer(square * scale * scale)) + 1, denominator(x) * scale);
 }
 
-/// Σ_i a_i û_i with the size of its terms.
+using Word = std::uint64_t;
+constexpr Word kPrime = 2147483647;  // 2³¹ − 1
+
+Word power(Word base, Word exponent) {
+  Word result = 1;
+  for (; exponent > 0; exponent >>= 1, base = base * base % kPrime)
+    if ((exponent & 1) != 0) result = result * base % kPrime;
+  return result;
+}
+Word inverse(Word x) { return power(x, kPrime - 2); }
+Word remainder(const Integer& x) {
+  const auto r = static_cast<std::int64_t>(Integer(x % kPrime));  // of x's sign
+  return static_cast<Word>(r < 0 ? r + static_cast<std::int64_t>(kPrime) : r);
+}
+
+struct Pivots {
+  std::vector<std::size_t> rows, columns;
+};
+
+/// A largest regular block, the first columns preferred, by elimination modulo the prime. Empty: stopped or too long.
+Pivots find_pivots(const std::vector<std::vector<Integer>>& A, std::size_t columns, const std::function<bool()>& stop) {
+  std::vector<std::vector<Word>> m;
+  std::vector<std::size_t> place(A.size());
+  std::iota(place.begin(), place.end(), std::size_t{0});
+  for (const auto& row : A) {
+    m.emplace_back();
+    for (const Integer& x : row) m.back().push_back(remainder(x));
+  }
+  Pivots result;
+  double work = 0;
+  for (std::size_t c = 0; c < columns && result.rows.size() < m.size(); ++c) {
+    const std::size_t rank = result.rows.size();
+    std::size_t r = rank;
+    while (r < m.size() && m[r][c] == 0) ++r;
+    if (r == m.size()) continue;
+    std::swap(m[rank], m[r]), std::swap(place[rank], place[r]);
+    work += static_cast<double>((m.size() - rank) * (columns - c));
+    if (work > 4 * kMostWork || (stop && stop())) return {};
+    const Word unit = inverse(m[rank][c]);
+    for (r = rank + 1; r < m.size(); ++r) {
+      if (m[r][c] == 0) continue;
+      const Word factor = kPrime - m[r][c] * unit % kPrime;
+      for (std::size_t k = c; k < columns; ++k) m[r][k] = (m[r][k] + factor * m[rank][k]) % kPrime;
+    }
+    result.rows.push_back(place[rank]), result.columns.push_back(c);
+  }
+  return result;
+}
+
+/// The inverse of a matrix that is regular modulo the prime.
+std::vector<std::vector<Word>> inverse(const std::vector<std::vector<Integer>>& A) {
+  const std::size_t n = A.size();
+  std::vector<std::vector<Word>> m(n, std::vector<Word>(2 * n));
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) m[i][j] = remainder(A[i][j]);
+    m[i][n + i] = 1;
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    std::size_t r = c;
+    while (r < n && m[r][c] == 0) ++r;
+    if (r == n) return {};
+    std::swap(m[c], m[r]);
+    const Word unit = inverse(m[c][c]);
+    for (Word& x : m[c]) x = x * unit % kPrime;
+    for (r = 0; r < n; ++r) {
+      if (r == c || m[r][c] == 0) continue;
+      const Word factor = kPrime - m[r][c];
+      for (std::size_t k = c; k < 2 * n; ++k) m[r][k] = (m[r][k] + factor * m[c][k]) % kPrime;
+    }
+  }
+  for (auto& row : m) row.erase(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(n));
+  return m;
+}
+
+struct Ratios {
+  std::vector<Integer> numerators;
+  Integer denominator = 1;
+};
+
+/// The fractions with numerators and denominator below √(modulus / 2) that are x modulo `modulus`, if they exist.
+std::optional<Ratios> reconstruct(const std::vector<Integer>& x, const Integer& modulus) {
+  const Integer bound = sqrt(Integer(modulus / 2));
+  Ratios result;
+  for (const Integer& each : x) {
+    Integer y = each * result.denominator % modulus;
+    if (y > modulus - bound) y -= modulus;
+    if (abs(y) > bound) {  // Euclid's algorithm, half way
+      Integer r0 = modulus, r1 = y < 0 ? Integer(y + modulus) : y, t0 = 0, t1 = 1;
+      while (r1 > bound) {
+        const Integer q = r0 / r1;
+        Integer r = r0 - q * r1, t = t0 - q * t1;
+        r0 = std::move(r1), r1 = std::move(r);
+        t0 = std::move(t1), t1 = std::move(t);
+      }
+      if (t1 < 0) r1 = -r1, t1 = -t1;
+      if (t1.is_zero() || t1 > bound) return std::nullopt;
+      for (Integer& before : result.numerators) before *= t1;
+      result.denominator *= t1;
+      if (result.denominator > bound) return std::nullopt;
+      y = r1;
+    }
+    result.numerators.push_back(y);
+  }
+  return result;
+}
+
+/// M x = right by Dixon's lifting: x modulo the prime's powers, until the fractions that these stand for solve it.
+std::optional<Ratios> solve_exactly(const std::vector<std::vector<Integer>>& M, const std::vector<Integer>& right,
+                                    const std::function<bool()>& stop) {
+  const std::size_t n = M.size();
+  if (static_cast<double>(n) * static_cast<double>(n) * static_cast<double>(n) > kMostWork) return std::nullopt;
+  const auto inverse_of = inverse(M);
+  if (inverse_of.empty()) return std::nullopt;
+  std::vector<Integer> x(n, 0), rest = right;
+  std::vector<Word> digit(n), modulo(n);
+  Integer modulus = 1;
+  double work = 0;
+  for (int lifts = 1, look_at = 8;; ++lifts) {
+    for (std::size_t i = 0; i < n; ++i) modulo[i] = remainder(rest[i]);
+    for (std::size_t i = 0; i < n; ++i) {
+      Word sum = 0;
+      for (std::size_t j = 0; j < n; ++j) sum = (sum + inverse_of[i][j] * modulo[j]) % kPrime;
+      digit[i] = sum;
+      x[i] += modulus * sum;
+    }
+    modulus *= kPrime;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j)
+        if (digit[j] != 0 && !M[i][j].is_zero()) rest[i] -= M[i][j] * digit[j];
+      rest[i] /= kPrime;
+    }
+    work += 2 * static_cast<double>(n * n);
+    if (work > kMostWork || (stop && stop())) return std::nullopt;
+    if (lifts < look_at) continue;
+    look_at *= 2;
+    const std::optional<Ratios> found = reconstruct(x, modulus);
+    bool solves = found.has_value();
+    for (std::size_t i = 0; i < n && solves; ++i) {
+      Integer sum = -right[i] * found->denominator;
+      for (std::size_t j = 0; j < n; ++j) sum += M[i][j] * found->numerators[j];
+      solves = sum.is_zero();
+    }
+    if (solves) return found;
+  }
+}
+
+/// Σ_i a_i û_i, and Σ_i |a_i u_i|.
 struct Sum {
   Rational value;
   double terms = 0;
 
-  void add(const Rational& product) {
-    if (product.is_zero()) return;
-    value += product;
-    terms += std::abs(product.convert_to<double>());
+  void add(const Rational& product, double size) {
+    if (!product.is_zero()) value += product;
+    terms += size;
   }
-  bool near_zero() const { return std::abs(value.convert_to<double>()) <= kNear * terms; }
 };
 
 /// û and what its conditions demand of it.
@@ -48,11 +193,12 @@ class ExactProof {
 
   /// Only the columns of the wrong sign are made 0; else all that may be meant to be.
   bool holds(const Vector& u, bool few) {
-    rows_.clear(), weights_.clear(), equations_.clear();
+    rows_.clear(), weights_.clear(), sizes_.clear(), equations_.clear();
+    unit_ = 1;
     for (Index i = 0; i < u.size(); ++i)
       if (u[i] != 0) rows_.push_back(i);
     std::stable_sort(rows_.begin(), rows_.end(), [&](Index i, Index j) { return std::abs(u[i]) > std::abs(u[j]); });
-    for (const Index i : rows_) weights_.emplace_back(u[i]);
+    for (const Index i : rows_) weights_.emplace_back(u[i]), sizes_.push_back(std::abs(u[i]));
     for (int round = 0; round < kRounds && !stopped(); ++round) {
       find_columns();
       if (std::none_of(columns_.begin(), columns_.end(), [this](Index j) { return wrong(j); })) return below_zero();
@@ -89,24 +235,27 @@ class ExactProof {
     if (operator_ == nullptr) {
       for (std::size_t k = 0; k < rows_.size(); ++k)
         for_each_in_row(p_.A, rows_[k], [&](Index j, double a) {
-          if (a != 0) g_[at(j)].add(Rational(a) * weights_[k]);
+          if (a != 0) g_[at(j)].add(Rational(a) * weights_[k], std::abs(a) * sizes_[k]);
         });
     } else {
-      const RowSparse& W = operator_->W;
+      const auto& [W, inverse_mass, regularization] = *operator_;
       inner_.assign(at(W.cols), {});
       for (std::size_t k = 0; k < rows_.size(); ++k)
-        W.for_each_in_row(rows_[k], [&](Index m, double w) { inner_[at(m)].add(Rational(w) * weights_[k]); });
-      std::vector<Rational> velocity(at(W.cols));
-      for (Index m = 0; m < W.cols; ++m) velocity[at(m)] = inner_[at(m)].value * Rational(operator_->inverse_mass[m]);
-      for (Index j = 0; j < W.rows; ++j)
-        W.for_each_in_row(j, [&](Index m, double w) {
-          if (inner_[at(m)].terms == 0) return;
-          g_[at(j)].add(Rational(w) * velocity[at(m)]);
-          g_[at(j)].terms += std::abs(w) * operator_->inverse_mass[m] * inner_[at(m)].terms;
+        W.for_each_in_row(rows_[k], [&](Index m, double w) {
+          inner_[at(m)].add(Rational(w) * weights_[k], std::abs(w) * sizes_[k]);
         });
-      if (operator_->regularization.size() != 0)
-        for (std::size_t k = 0; k < rows_.size(); ++k)
-          g_[at(rows_[k])].add(Rational(operator_->regularization[rows_[k]]) * weights_[k]);
+      std::vector<Rational> velocity(at(W.cols));
+      for (Index m = 0; m < W.cols; ++m) velocity[at(m)] = inner_[at(m)].value * Rational(inverse_mass[m]);
+      for (Index j = 0; j < W.rows; ++j)
+        W.for_each_in_row(j, [&, &masses = inverse_mass](Index m, double w) {
+          const Sum& inner = inner_[at(m)];
+          if (inner.terms > 0) g_[at(j)].add(Rational(w) * velocity[at(m)], std::abs(w) * masses[m] * inner.terms);
+        });
+      if (regularization.size() != 0)
+        for (std::size_t k = 0; k < rows_.size(); ++k) {
+          const double r = regularization[rows_[k]];
+          g_[at(rows_[k])].add(Rational(r) * weights_[k], r * sizes_[k]);
+        }
     }
     c_ = g_;
     std::vector<char> friction(n, 0);
@@ -131,6 +280,10 @@ class ExactProof {
     const Rational& c = c_[at(j)].value;
     return (p_.hi[j] == kInf && c > 0) || (p_.lo[j] == -kInf && c < 0);
   }
+  // Within rounding of u.
+  bool near_zero(const Sum& sum) const {
+    return sum.value.is_zero() || std::abs((sum.value / unit_).convert_to<double>()) <= kNear * sum.terms;
+  }
   bool bounded(Index j) const { return p_.hi[j] < kInf && p_.lo[j] > -kInf; }
 
   // The last line of (1).
@@ -150,17 +303,17 @@ class ExactProof {
     const std::size_t before = equations_.size();
     if (all && operator_ != nullptr)
       for (Index m = 0; m < operator_->W.cols; ++m)
-        if (inner_[at(m)].terms > 0 && inner_[at(m)].near_zero()) take({m, -1}, velocity_of(m));
+        if (inner_[at(m)].terms > 0 && near_zero(inner_[at(m)])) take({m, -1}, velocity_of(m));
     for (const Index j : columns_) {
       const bool is_wrong = wrong(j);
-      if (is_wrong && !c_[at(j)].near_zero()) return false;
-      if (!is_wrong && !(all && !bounded(j) && c_[at(j)].near_zero())) continue;
+      if (is_wrong && !near_zero(c_[at(j)])) return false;
+      if (!is_wrong && !(all && !bounded(j) && near_zero(c_[at(j)]))) continue;
       if (operator_ != nullptr && all && !is_wrong) continue;  // mostly what the velocities demand already
       Equation equation = column(j);
       for (const Friction& f : p_.friction) {
         if (f.normal != j || f.mu == 0) continue;
         bool still = true;
-        for (Index t = f.first; t < f.first + f.rows; ++t) still = still && g_[at(t)].near_zero();
+        for (Index t = f.first; t < f.first + f.rows; ++t) still = still && near_zero(g_[at(t)]);
         if (still) {
           for (Index t = f.first; t < f.first + f.rows; ++t) take({t, 0}, column(t));
         } else if (f.rows == 1) {
@@ -201,8 +354,7 @@ class ExactProof {
     return equation;
   }
 
-  // weights_ ← (2). False: only 0 is left, or a sign is wrong, or it takes too long. Gauss and Jordan's elimination in
-  // whole numbers, in which each division by the last pivot is exact.
+  // weights_ ← a multiple of (2). False: only 0 is left, or a sign is wrong, or it takes too long.
   bool solve(const Vector& u) {
     std::vector<std::vector<Integer>> rows;
     for (const auto& [name, equation] : equations_) {
@@ -212,45 +364,40 @@ class ExactProof {
       for (const Rational& x : equation) rows.back().push_back(numerator(x) * (scale / denominator(x)));
     }
     const std::size_t unknowns = rows_.size();
-    std::vector<std::size_t> pivots;
-    Integer last = 1;
-    double work = 0;
-    for (std::size_t c = 0; c < unknowns && pivots.size() < rows.size(); ++c) {
-      std::size_t best = rows.size();
-      const std::size_t rank = pivots.size();
-      for (std::size_t r = rank; r < rows.size(); ++r)
-        if (!rows[r][c].is_zero() && (best == rows.size() || abs(rows[r][c]) < abs(rows[best][c]))) best = r;
-      if (best == rows.size()) continue;
-      std::swap(rows[rank], rows[best]);
-      const Integer pivot = rows[rank][c];
-      const double words = 1 + static_cast<double>(msb(abs(pivot))) / 64;
-      work += static_cast<double>(rows.size() * unknowns) * words * words;
-      if (work > kMostWork || stopped()) return false;
-      for (std::size_t r = 0; r < rows.size(); ++r) {
-        if (r == rank) continue;
-        const Integer factor = rows[r][c];
-        for (std::size_t k = 0; k < unknowns; ++k) {
-          Integer& x = rows[r][k];
-          if (x.is_zero() && (factor.is_zero() || rows[rank][k].is_zero())) continue;
-          x = (pivot * x - factor * rows[rank][k]) / last;
-        }
-      }
-      last = pivot;
-      pivots.push_back(c);
+    const Pivots pivots = find_pivots(rows, unknowns, stop_);
+    if (pivots.columns.empty() || pivots.columns.size() == unknowns) return false;
+    std::vector<char> dependent(unknowns, 0);
+    for (const std::size_t c : pivots.columns) dependent[c] = 1;
+    const bool one_free = pivots.columns.size() + 1 == unknowns;  // its size has no meaning
+    Integer unit = 1;
+    std::vector<Integer> free(unknowns, 0);
+    for (std::size_t k = 0; k < unknowns; ++k)
+      if (dependent[k] == 0 && !one_free) unit = lcm(unit, Integer(denominator(Rational(u[rows_[k]]))));
+    for (std::size_t k = 0; k < unknowns; ++k) {
+      if (dependent[k] != 0) continue;
+      const Rational x(u[rows_[k]]);
+      free[k] = one_free ? Integer(x < 0 ? -1 : 1) : Integer(numerator(x) * (unit / denominator(x)));
     }
-    if (pivots.size() == unknowns) return false;
-    for (std::size_t k = 0; k < unknowns; ++k) weights_[k] = u[rows_[k]];
-    for (std::size_t r = 0, p = 0; r < pivots.size(); ++r) {
-      Rational sum = 0;
-      p = pivots[r];
+    std::vector<std::vector<Integer>> M;
+    std::vector<Integer> right;
+    for (const std::size_t r : pivots.rows) {
+      M.emplace_back();
+      for (const std::size_t c : pivots.columns) M.back().push_back(rows[r][c]);
+      right.emplace_back(0);
       for (std::size_t k = 0; k < unknowns; ++k)
-        if (!rows[r][k].is_zero() && !std::binary_search(pivots.begin(), pivots.end(), k))
-          sum -= Rational(rows[r][k]) * Rational(u[rows_[k]]);
-      weights_[p] = sum / Rational(last);
-      const Index i = rows_[p];
-      if ((weights_[p] < 0 && p_.lo[i] > -kInf) || (weights_[p] > 0 && p_.hi[i] < kInf)) return false;
+        if (!free[k].is_zero() && !rows[r][k].is_zero()) right.back() -= rows[r][k] * free[k];
     }
-    return true;
+    const std::optional<Ratios> solution = solve_exactly(M, right, stop_);
+    if (!solution) return false;
+    for (std::size_t k = 0; k < unknowns; ++k) weights_[k] = Rational(free[k] * solution->denominator);
+    for (std::size_t k = 0; k < pivots.columns.size(); ++k)
+      weights_[pivots.columns[k]] = Rational(solution->numerators[k]);
+    for (std::size_t k = 0; k < unknowns; ++k) {
+      const Index i = rows_[k];
+      if ((weights_[k] < 0 && p_.lo[i] > -kInf) || (weights_[k] > 0 && p_.hi[i] < kInf)) return false;
+    }
+    unit_ = abs(weights_[0]) / Rational(sizes_[0]);
+    return !unit_.is_zero();
   }
 
   const Lcp& p_;
@@ -258,6 +405,8 @@ class ExactProof {
   const Delassus* operator_;
   std::vector<Index> rows_;        // with û ≠ 0, the largest first
   std::vector<Rational> weights_;  // û there
+  std::vector<double> sizes_;      // |u| there
+  Rational unit_ = 1;              // of û over u
   std::vector<Sum> g_, c_, inner_;
   std::vector<Index> columns_;
   std::map<std::pair<Index, int>, Equation> equations_;  // by column, or by velocity and −1
