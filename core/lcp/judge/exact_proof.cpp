@@ -143,6 +143,16 @@ std::optional<Ratios> solve_exactly(const std::vector<std::vector<Integer>>& M, 
   if (inverse_of.empty()) return std::nullopt;
   std::vector<Integer> x(n, 0), rest = right;
   std::vector<Word> digit(n), modulo(n);
+  // Entries that are small: sums in 64 bits.
+  std::vector<std::vector<std::int64_t>> few(n < 4096 ? n : 0);
+  for (std::size_t i = 0; i < few.size(); ++i)
+    for (const Integer& entry : M[i]) {
+      if (abs(entry) >= 1 << 20) {
+        few.clear();
+        break;
+      }
+      few[i].push_back(static_cast<std::int64_t>(entry));
+    }
   Integer modulus = 1;
   double work = 0;
   for (int lifts = 1, look_at = 8;; ++lifts) {
@@ -155,7 +165,10 @@ std::optional<Ratios> solve_exactly(const std::vector<std::vector<Integer>>& M, 
     }
     modulus *= kPrime;
     for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j)
+      std::int64_t sum = 0;
+      for (std::size_t j = 0; j < n && !few.empty(); ++j) sum += few[i][j] * static_cast<std::int64_t>(digit[j]);
+      rest[i] -= sum;
+      for (std::size_t j = 0; j < n && few.empty(); ++j)
         if (digit[j] != 0 && !M[i][j].is_zero()) rest[i] -= M[i][j] * digit[j];
       rest[i] /= kPrime;
     }
