@@ -1,4 +1,4 @@
-# orthant_require(WHAT FOUND PACKAGES…), then orthant_check_requirements(): one message for all libraries that are missing,
+# orthant_require(WHAT FOUND PACKAGES…), then orthant_check_requirements(): one message for all that is missing,
 # with the names of their packages: Debian (and Ubuntu), Fedora, Homebrew, conda-forge, in this order.
 set(orthant_missing "" CACHE INTERNAL "")
 
@@ -28,7 +28,7 @@ function(orthant_check_requirements)
   endforeach()
   set(orthant_missing "" CACHE INTERNAL "")
   if(text)
-    message(FATAL_ERROR "Orthant needs libraries that were not found:\n${text}Install them by one of:\n"
+    message(FATAL_ERROR "Orthant needs, but did not find:\n${text}Install them by one of:\n"
       "  Debian, Ubuntu:  apt-get install${packages_1}\n"
       "  Fedora:          dnf install${packages_2}\n"
       "  Homebrew:        brew install${packages_3}\n"

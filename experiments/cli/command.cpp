@@ -6,7 +6,6 @@
 
 #include "experiments/runs/manifest.h"
 #include "experiments/support/help_text.h"
-#include "experiments/support/plugin.h"
 #include "experiments/support/printable.h"
 
 #include <orthant/core/support/file.h>
@@ -69,22 +68,15 @@ void add_max_input(CLI::App& app) {
 }
 
 /// Wherever it stands, and more than once.
-void add_plugin(CLI::App& app) {
+void add_plugin(CLI::App& app, const orthant::PluginKind& kind) {
   app.add_option_function<std::vector<std::string>>(
          "--plugin",
-         [](const std::vector<std::string>& files) {
-           for (const std::string& file : files) orthant::load_plugin(file);
+         [load = kind.load](const std::vector<std::string>& files) {
+           for (const std::string& file : files) load(file);
          },
-         "shared library that registers solvers, integrators and scenes of its own; may be repeated")
+         kind.what)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-[[noreturn]] void refuse_plugin() {
-  throw std::invalid_argument(
-      "--plugin: must be given to an orthant that was built from its sources: the command of the Python package "
-      "exports "
-      "no code");
 }
 
 bool has(int argc, const char* const* argv, std::string_view word) {
@@ -114,7 +106,7 @@ int print_subcommands(const CLI::App& app) {
 
 }  // namespace
 
-int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
+int orthant::run_command(int argc, const char* const* argv, const PluginKind& plugins) {
   CLI::App app("Orthant: linear complementarity problems and nonsmooth mechanics");
   app.footer(
       "Exit codes: 0 solved, 1 bad input, 2 proved infeasible, 3 not solved.\n"
@@ -156,15 +148,13 @@ int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
   orthant::add_schema(app, exit_code);
   orthant::add_completion(app, exit_code);
   orthant::add_man(app, exit_code);
-  const bool loads = plugins == Plugins::load;
   add_max_input(app);
-  if (loads) add_plugin(app);
+  add_plugin(app, plugins);
   for (CLI::App* command : app.get_subcommands(nullptr)) {
     add_max_input(*command);
-    if (loads) add_plugin(*command);
+    add_plugin(*command, plugins);
   }
   try {
-    if (!loads && has(argc, argv, "--plugin")) refuse_plugin();
     const std::string first = argc > 1 ? argv[1] : "-";
     if (!first.starts_with('-') &&
         app.get_subcommands([&](const CLI::App* c) { return c->get_name() == first; }).empty())
@@ -181,7 +171,7 @@ int orthant::run_command(int argc, const char* const* argv, Plugins plugins) {
   } catch (const CLI::Success& other) {
     return finish(app.exit(other));
   } catch (const std::exception& error) {  // a bad command line or bad input: one line
-    const std::string words = orthant::printable(error.what());
+    const std::string words = orthant::printable(plugins.words(error));
     if (has(argc, argv, "--json")) std::cout << orthant::error_object(words).dump() << '\n', finish(1);
     std::cerr << "orthant: " << words << '\n';
     return 1;

@@ -144,18 +144,17 @@ class CallbackIntegrator final : public Integrator {
  private:
   void take(const py::object& made, double h, State& x, StepReport& report) {
     const bool pair = py::isinstance<py::tuple>(made) && (py::len(made) == 2 || py::len(made) == 3);
-    if (!pair)
-      throw py::type_error("integrator '" + name_ +
-                           "': must return (q, v), (q, v, impulses), or None where it gives up");
+    const std::string label = "integrator '" + name_ + "': ";
+    if (!pair) throw py::type_error(label + "must return (q, v), (q, v, impulses), or None where it gives up");
     const auto parts = py::reinterpret_borrow<py::tuple>(made);
     Vector q, v;
-    read(parts[0], "q", system_.dof(), Entries::finite, q);
-    read(parts[1], "v", system_.dof(), Entries::finite, v);
+    read(parts[0], label + "q", system_.dof(), Entries::finite, q);
+    read(parts[1], label + "v", system_.dof(), Entries::finite, v);
     std::fill(impulses_.begin(), impulses_.end(), Impulse{});
     if (parts.size() == 3) {
-      const Eigen::MatrixXd impulses = read_table(parts[2], "impulses");
+      const Eigen::MatrixXd impulses = read_table(parts[2], label + "impulses");
       if (impulses.rows() != system_.contacts() || impulses.cols() != 2)
-        throw std::invalid_argument("impulses: must have a row (normal, tangent) [N s] for each contact");
+        throw std::invalid_argument(label + "impulses: must have a row (normal, tangent) [N s] for each contact");
       for (Index i = 0; i < impulses.rows(); ++i)
         impulses_[static_cast<std::size_t>(i)] = {impulses(i, 0), impulses(i, 1)};
     }

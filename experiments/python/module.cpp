@@ -25,6 +25,29 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+/// Runs a Python file for what it registers.
+void load_python_plugin(const std::filesystem::path& file) {
+  const pybind11::gil_scoped_acquire python;
+  try {
+    pybind11::module_::import("orthant._command").attr("load_plugin")(file.string());
+  } catch (pybind11::error_already_set& error) {
+    throw std::invalid_argument(pybind11::str(error.value()).cast<std::string>());
+  }
+}
+
+/// An exception of a function of a plugin with its place, in one line.
+std::string words_of(const std::exception& error) {
+  const auto* raised = dynamic_cast<const pybind11::error_already_set*>(&error);
+  if (raised == nullptr) return error.what();
+  const pybind11::gil_scoped_acquire python;
+  if (raised->trace()) PyException_SetTraceback(raised->value().ptr(), raised->trace().ptr());
+  return pybind11::module_::import("orthant._command").attr("described")(raised->value()).cast<std::string>();
+}
+
+constexpr orthant::PluginKind kPythonPlugin{
+    "Python file that registers solvers, integrators and scenes of its own; may be repeated", &load_python_plugin,
+    &words_of};
+
 }  // namespace
 
 PYBIND11_MODULE(_orthant, m) {
@@ -35,7 +58,7 @@ PYBIND11_MODULE(_orthant, m) {
     std::vector<const char*> argv;
     for (const std::string& word : words) argv.push_back(word.c_str());
     const pybind11::gil_scoped_release others_may_run;
-    return orthant::run_command(static_cast<int>(argv.size()), argv.data(), orthant::Plugins::refuse);
+    return orthant::run_command(static_cast<int>(argv.size()), argv.data(), kPythonPlugin);
   });
   orthant::python::add_problems(m);
   orthant::python::add_results(m);

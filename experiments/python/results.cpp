@@ -146,8 +146,10 @@ void add_results(py::module_& m) {
       .def("__contains__", [](const Result&, py::handle key) { return is_result_key(key); })
       .def("__getitem__",
            [](const py::object& self, py::handle key) -> py::object {
-             if (!is_result_key(key)) throw py::key_error(py::str(key).cast<std::string>());
-             return self.attr(key);
+             if (is_result_key(key)) return self.attr(key);
+             std::string known;
+             for (const char* one : kResultKeys) known += (known.empty() ? "" : ", ") + std::string(one);
+             throw py::key_error(py::str(key).cast<std::string>() + ": must be one of " + known);
            })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,

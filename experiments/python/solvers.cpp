@@ -27,28 +27,30 @@ double solve_timed(Solver& solver, const Lcp& problem, Solution& solution, Start
 /// A method written in Python: function(problem, start) gives z; the judge decides, as of every method.
 class CallbackSolver final : public Solver {
  public:
-  explicit CallbackSolver(const py::function& function) : function_(function) {}
+  CallbackSolver(const std::string& name, const py::function& function)
+      : label_("solver '" + name + "': z"), function_(function) {}
 
  private:
   Claim run(const Lcp& problem, Solution& s, Start) override {
     const py::gil_scoped_acquire interpreter;
     const py::object z = function_(py::cast(Lcp(problem)), to_numpy(s.z));
     if (z.is_none()) return Claim::stalled;
-    read(z, "z", problem.size(), Entries::any, s.z);
+    read(z, label_, problem.size(), Entries::any, s.z);
     s.iterations = 1;
     return Claim::candidate;
   }
   double tolerance() const override { return 1e-10; }
 
+  std::string label_;
   const py::function& function_;  // of the registry, which keeps it
 };
 
 void register_callback(const std::string& name, const py::function& function, const std::string& summary) {
   const auto* kept = new py::function(function);  // as long as the process lives, longer than the interpreter
-  const auto make_one = [kept](std::string_view options) -> std::unique_ptr<Solver> {
+  const auto make_one = [kept, name](std::string_view options) -> std::unique_ptr<Solver> {
     if (!options.empty())
       throw std::invalid_argument("options '" + std::string(options) + "': a solver written in Python has none");
-    return std::make_unique<CallbackSolver>(*kept);
+    return std::make_unique<CallbackSolver>(name, *kept);
   };
   register_solver(SolverEntry{name, summary, make_one, [] { return std::vector<OptionEntry>(); }});
 }

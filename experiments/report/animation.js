@@ -79,7 +79,7 @@ class Shots {
     if (!count) return;
     const details = document.createElement("details");
     details.className = "events";
-    details.append(Object.assign(document.createElement("summary"), { textContent: `${count} events` }));
+    details.append(Object.assign(document.createElement("summary"), { textContent: count === 1 ? "1 event" : `${count} events` }));
     const table = document.createElement("table");
     const row = (cells, tag) => {
       const tr = table.insertRow();

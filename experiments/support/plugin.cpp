@@ -8,6 +8,10 @@
 namespace orthant {
 
 void load_plugin(const std::filesystem::path& file) {
+  if (file.extension() == ".py")
+    throw std::invalid_argument(
+        "--plugin '" + file.string() +
+        "': is a Python file: must be given to the command of the Python package (python -m orthant)");
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     throw std::invalid_argument("--plugin '" + file.string() + "': must be a shared library that exists");

@@ -4,7 +4,7 @@ So do the C++, the scene and the commands on built-in scenes and lists of README
 A page's blocks share one empty folder. By language:
   python    one after the other in one namespace, by this interpreter; those after a console block run with all
             before them
-  toml, cpp, cmake, xml
+  toml, cpp, cmake, xml, python
             a first line `# file: NAME`, `// file: NAME`, `<!-- file: NAME -->` writes the file for the blocks that
             follow; a C++ program that no console block of its page builds is built and run here
   console   `$ COMMAND` by bash; the lines below it, if any, are its output, where ... stands for anything
@@ -147,12 +147,12 @@ class Page:
     def check(self):
         text = self.file.read_text(encoding="utf-8")
         for line, language, lines in blocks(text):
-            if language == "python":
+            if language == "python" and not (lines and lines[0].startswith("# file: ")):
                 self.python.append((line, lines))
             elif language == "console":
                 self.run_python()  # files it writes may be wanted
                 self.console(line, lines)
-            elif language in ("toml", "cpp", "cmake", "xml"):
+            elif language in ("toml", "cpp", "cmake", "xml", "python"):
                 self.keep(line, language, lines)
             elif language not in NOT_CODE:
                 self.fail(line, f"language '{language}': must be python, toml, cpp, cmake, xml, console, text or none")

@@ -56,6 +56,9 @@ TEST_CASE("plugins: their solvers, integrators and scenes have names everywhere"
   const Reply none = folder.orthant("list --plugin ./nothing.so");
   CHECK(none.exit_code == 1);
   CHECK(none.err.find("must be a shared library that exists") != std::string::npos);
+  folder.write("mine.py", "import orthant");
+  CHECK(folder.orthant("list --plugin ./mine.py")
+            .err.find("is a Python file: must be given to the command of the Python") != std::string::npos);
   folder.write("text.so", "no library");
   CHECK(folder.orthant("list --plugin ./text.so").err.find("cannot be loaded") != std::string::npos);
   const Reply twice = folder.orthant("list --plugin ./mine.so --plugin ./mine.so");

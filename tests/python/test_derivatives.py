@@ -1,5 +1,8 @@
 """Derivatives of solutions from Python: against differences of solves, adjoint against tangent, what is refused."""
 
+import copy
+import pickle
+
 import numpy as np
 import orthant
 import pytest
@@ -28,6 +31,16 @@ def test_tangents_are_differences_of_solves_and_adjoints_their_transposes(form):
     back = s.vjp(g, h)
     dense = back.M.toarray() if sp.issparse(back.M) else back.M
     assert np.isclose((dense * dM).sum() + back.q @ dq, g @ t.z + h @ t.w, rtol=1e-11)
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+def test_a_sensitivity_goes_to_other_processes(again):
+    M, q = random_problem(6)
+    problem = orthant.Problem(M, q)
+    s = orthant.sensitivity(problem, orthant.solve(problem))
+    other = again(s)
+    assert repr(other) == repr(s)
+    np.testing.assert_array_equal(other.jvp(dq=q).z, s.jvp(dq=q).z)
 
 
 def test_bounds_friction_and_the_parts_of_an_operator():

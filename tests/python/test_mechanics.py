@@ -300,11 +300,3 @@ def test_added_elements_are_checked_at_once_in_the_words_of_the_file_reader(tmp_
 def test_a_name_in_place_of_keys_is_told_where_it_belongs():
     with pytest.raises(TypeError, match=r"Scene\.named\('slider_crank'\)"):
         orthant.Scene("slider_crank")
-
-
-def test_the_command_of_the_package_offers_no_plugins(capfd):
-    for words in (["--help"], ["solve", "--help"], ["completion"], ["man", "solve"]):
-        assert orthant._orthant._main(["orthant", *words]) == 0
-        assert "plugin" not in capfd.readouterr().out
-    assert orthant._orthant._main(["orthant", "--plugin", "mine.so", "list"]) == 1
-    assert "--plugin: must be given to an orthant that was built from its sources" in capfd.readouterr().err

@@ -1,6 +1,7 @@
 """Pages, plots, drawings and films of runs: they show the run's own numbers."""
 
 import html
+import importlib.util
 import json
 import re
 import shutil
@@ -93,3 +94,33 @@ def test_films_have_a_picture_a_frame(run, tmp_path):
         run.film(tmp_path / "film.avi")
     with pytest.raises(ValueError, match="speed = 0: must be > 0"):
         run.film(tmp_path / "film.gif", speed=0)
+
+
+@pytest.mark.parametrize("draw, words", [
+    (lambda run: run.draw(0.3), r"t = 0.3: must be in \[0, 0.2\] \[s\]"),
+    (lambda run: run.draw(float("nan")), "t = nan: must be finite"),
+    (lambda run: run.draw("now"), "t = 'now': must be a number"),
+    (lambda run: run.draw(0.1, file="pose.xyz"), r"pose.xyz: must end in one of .*, \.png, .*, \.svg"),
+    (lambda run: run.plot("energy", file="energy"), r"energy: must end in one of"),
+    (lambda run: run.film("long.gif", speed=1e-9), r"speed = 1e-09: gives 5e\+09 pictures: must be at most 100000"),
+    (lambda run: run.film("none.gif", speed=float("nan")), "speed = nan: must be finite"),
+])
+def test_pictures_refuse_other_times_and_files(run, tmp_path, monkeypatch, draw, words):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((TypeError, ValueError), match=words):
+        draw(run)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("draw, words", [
+    (lambda run: run.plot(), "a picture needs matplotlib: pip install matplotlib"),
+    (lambda run: run.film("a.gif"), "a film needs matplotlib: pip install matplotlib"),
+    (lambda run: run.to_pandas(), r"to_pandas\(\) needs pandas: pip install pandas"),
+])
+def test_a_package_that_is_missing_is_named_with_its_remedy(run, monkeypatch, draw, words):
+    found = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None
+                        if name in ("matplotlib", "pandas") else found(name))
+    with pytest.raises(ModuleNotFoundError, match=words):
+        draw(run)

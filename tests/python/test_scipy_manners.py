@@ -84,6 +84,11 @@ def test_results_answer_as_an_optimize_result_does():
         mcp["nothing"]
 
 
+def test_a_name_that_results_lack_is_an_error_with_those_they_have():
+    with pytest.raises(KeyError, match="'slack: must be one of status, solved, z, w, .*, nit, nfev'"):
+        orthant.solve([[1.0]], [-1.0])["slack"]
+
+
 def test_results_have_the_names_of_scipy():
     result = orthant.solve(M, q)
     assert result.x is result.z or np.array_equal(result.x, result.z)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Callable
 
-from ._spec import shown, whole, word
+from ._spec import number, shown, whole, word
 
 _LAW = ("mu", "e_n", "e_t", "mu_static", "belt")
 _FUNCTIONS = {"contact": ("gap", "rows", "bias"), "joint": ("residual", "rows", "bias", "rate")}
@@ -35,8 +35,11 @@ def custom_element(kind: str, keys: dict[str, Any], place: int) -> dict[str, Any
     if kind == "joint":
         made["count"] = whole("count", keys.get("count", 1), 1, 3)
         return made
-    made.update({key: float(keys.get(key, 0)) for key in _LAW})
-    made["length"] = None if keys.get("length") is None else float(keys["length"])
+    where = f"{kind} \"{name}\": "
+    made.update({key: number(where + key, keys.get(key, 0)) for key in _LAW})
+    made["length"] = None if keys.get("length") is None else number(where + "length", keys["length"])
+    if made["length"] is not None and made["length"] < 0:
+        raise ValueError(f"{where}length = {made['length']:g}: must be >= 0 [m]")
     return made
 
 

@@ -48,6 +48,10 @@ class Sensitivity:
 
     def __init__(self, problem: Problem, result: Result) -> None:
         self._of = _orthant._Sensitivity(problem, result.status, result.z, result.w, result.residual, result.rounding)
+        self._from = problem, result
+
+    def __reduce__(self) -> tuple[type[Sensitivity], tuple[Problem, Result]]:
+        return type(self), self._from
 
     @property
     def degenerate(self) -> list[WeaklyActive]:

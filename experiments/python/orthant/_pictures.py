@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Sequence, Union
 
 from . import _orthant
 from ._solids import SolidSketch
-from ._spec import path
+from ._spec import installed, path
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,6 +31,7 @@ _UNITS = {
     "joint_residual": "m"
 }
 _COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56a0d3", "#6b4fa0", "#8a4b2a", "#444c55"]
+_MOST_PICTURES = 100_000  # of a film: more than an hour at 25 a second
 _LARGEST_FRAME = 8 << 20  # [bytes] of a page inside a notebook
 
 
@@ -60,6 +61,7 @@ def in_frame(page: str, words: str) -> str:
 def _axes(axes: Any, projection: Any = None, **size: Any) -> Any:
     if axes is not None:
         return axes
+    installed("matplotlib", "a picture")
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -71,7 +73,11 @@ def _axes(axes: Any, projection: Any = None, **size: Any) -> Any:
 def _saved(axes: Any, file: File) -> Any:
     if file is not None:
         room = 0.3 if axes.name == "3d" else 0.1  # [inches] matplotlib forgets the label of z
-        axes.figure.savefig(path("file", file), bbox_inches="tight", pad_inches=room, dpi=150)
+        name = path("file", file)
+        known = axes.figure.canvas.get_supported_filetypes()
+        if (end := os.path.splitext(name)[1][1:].lower()) not in known:
+            raise ValueError(f"{name}: must end in one of {', '.join('.' + one for one in sorted(known))}")
+        axes.figure.savefig(name, bbox_inches="tight", pad_inches=room, dpi=150)
     return axes
 
 
@@ -170,10 +176,14 @@ def write_film(run: Trajectory, file: str, speed: float, fps: int) -> None:
     if end == ".mp4" and shutil.which("ffmpeg") is None:
         raise RuntimeError(f"{file}: needs the program ffmpeg; a .gif or a folder of pictures needs none")
     import numpy as np
+    installed("matplotlib", "a film")
     from matplotlib.animation import FFMpegWriter, PillowWriter
 
     t = run.t
-    count = max(2, int((t[-1] - t[0]) / speed * fps) + 1)
+    wanted = (t[-1] - t[0]) / speed * fps
+    if wanted > _MOST_PICTURES:
+        raise ValueError(f"speed = {speed:g}: gives {wanted:g} pictures: must be at most {_MOST_PICTURES}")
+    count = max(2, int(wanted) + 1)
     rows = np.searchsorted(t, np.linspace(t[0], t[-1], count), side="right") - 1
     sketch = _sketch(run._scene)
     corners = [point for row in rows[:: max(1, count // 100)] for point in sketch.extent(run._poses(int(row)))]

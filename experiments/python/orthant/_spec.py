@@ -3,6 +3,8 @@ others."""
 
 from __future__ import annotations
 
+import importlib.util
+import math
 import operator
 import os
 import re
@@ -39,6 +41,25 @@ def seconds(name: str, value: Any) -> Optional[float]:
     if not number > 0:
         raise ValueError(f"{name} = {number:g}: must be > 0 [s]")
     return number
+
+
+def number(name: str, value: Any) -> float:
+    """A finite number."""
+    try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError
+        read = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} = {shown(value)}: must be a number") from None
+    if not math.isfinite(read):
+        raise ValueError(f"{name} = {read:g}: must be finite")
+    return read
+
+
+def installed(module: str, what: str) -> None:
+    """Of a package that only some parts need: what lacks it, and the command that installs it."""
+    if importlib.util.find_spec(module) is None:
+        raise ModuleNotFoundError(f"{what} needs {module}: pip install {module}", name=module)
 
 
 def whole(name: str, value: Any, least: int, most: int = 2**31 - 1, what: str = "") -> int:

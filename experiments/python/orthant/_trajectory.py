@@ -9,7 +9,7 @@ from . import _orthant
 from ._custom import without_functions
 from ._orthant import Problem
 from ._pictures import draw_pose, in_frame, plot_columns, write_film, write_view
-from ._spec import path, whole
+from ._spec import installed, number, path, whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -146,6 +146,7 @@ class Trajectory:
 
     def frame(self) -> pandas.DataFrame:
         """As a pandas frame, indexed by time."""
+        installed("pandas", "to_pandas()")
         import pandas
 
         return pandas.DataFrame(self.table, columns=self.columns).set_index("t")
@@ -179,7 +180,11 @@ class Trajectory:
         plot()."""
         import numpy as np
 
-        row = len(self) - 1 if t is None else int(np.argmin(np.abs(self.t - float(t))))
+        row = len(self) - 1
+        if t is not None:
+            if not self.t[0] <= number("t", t) <= self.t[-1]:
+                raise ValueError(f"t = {t:g}: must be in [{self.t[0]:g}, {self.t[-1]:g}] [s]")
+            row = int(np.argmin(np.abs(self.t - t)))
         return draw_pose(self._scene, self._poses(row), file, axes)
 
     def _poses(self, row: int) -> npt.NDArray[np.float64]:
@@ -192,7 +197,7 @@ class Trajectory:
     def film(self, file: Union[str, os.PathLike[str]], *, speed: float = 1.0, fps: int = 25) -> None:
         """The motion as a film by matplotlib: .mp4 or .gif (the first needs ffmpeg), or a folder, which gets a PNG
         picture a frame. speed: 1 is real time, 0.1 ten times slower. fps: frames a second."""
-        write_film(self, path("file", file), float(speed), whole("fps", fps, 1, 1000))
+        write_film(self, path("file", file), number("speed", speed), whole("fps", fps, 1, 1000))
 
     def write(self, file: Union[str, os.PathLike[str]]) -> None:
         """As a file, by its name's end: .csv, .h5 (HDF5, a data set a column), .pvd (VTK of the outlines or surfaces,

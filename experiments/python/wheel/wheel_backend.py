@@ -102,6 +102,16 @@ def fetch_page_parts() -> None:
     subprocess.run([npm, "run", "--prefix", str(folder), "--silent", "bundle"], check=True)
 
 
+def require_compiler() -> None:
+    """CMake's own words name no packages."""
+    given = os.environ.get("CXX", "").split()[:1] or ["c++", "g++", "clang++"]
+    if not any(map(shutil.which, given)):
+        raise SystemExit(
+            f"orthant: a compiler with C++20 is needed, GCC 11, Clang 14 or newer: {' or '.join(given)} is not found:\n"
+            "  Debian, Ubuntu: apt-get install g++      Fedora: dnf install gcc-c++\n"
+            "  Homebrew: brew install gcc               conda-forge: conda install -c conda-forge cxx-compiler")
+
+
 def slim_hdf5() -> Optional[Path]:
     """None: the system's own."""
     given = os.environ.get("ORTHANT_SLIM_HDF5", "")
@@ -196,6 +206,7 @@ def repair(wheel: Path, into: Path) -> Path:
 
 
 def build_wheel(directory: str, settings: Settings = None, metadata: Optional[str] = None) -> str:
+    require_compiler()
     fetch_page_parts()
     hdf5 = slim_hdf5()
     if not sys.platform.startswith("linux") or os.environ.get("ORTHANT_REPAIR") == "0":
@@ -214,6 +225,7 @@ def build_sdist(directory: str, settings: Settings = None) -> str:
 
 
 def build_editable(directory: str, settings: Settings = None, metadata: Optional[str] = None) -> str:
+    require_compiler()
     fetch_page_parts()
     return inner.build_editable(directory, with_defines(settings, None), metadata)
 
