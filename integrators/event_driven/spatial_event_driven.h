@@ -39,6 +39,7 @@
 #include <orthant/integrators/between_events/spatial_transition.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/event_driven/spatial_arc.h>
+#include <orthant/integrators/step/turn_watch.h>
 
 namespace orthant {
 
@@ -109,6 +110,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   void end_call(State& x, StepReport& report);
 
   bool give_up(Status status, std::string why);
+  bool tells_turns();
   bool begin(Solver& solver, StepReport& report);
   bool advance(double h, Solver& solver, StepReport& report);
   double longest(double rest) const;
@@ -166,6 +168,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   ImpactOf<Spatial> impact_;
   SpatialFlow flow_;
   MoreauJeanOf<Spatial> stepping_;  // of crossings
+  TurnWatch turns_;
 
   double time_ = 0;                     // [s] where the steps are
   double next_ = 0;                     // [s] length of the next step
