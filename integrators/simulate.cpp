@@ -2,6 +2,7 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/run_fields.h>
 #include <orthant/integrators/step/projection.h>
+#include <orthant/integrators/step/turn_watch.h>
 
 #include <chrono>
 #include <cmath>
@@ -109,6 +110,30 @@ template <class Space> class Watchdog {
   double time_limit_before_ = kInf;  // [s]
 };
 
+/// Angles in space that a scheme of fixed step turns (turn_watch.h); those that divide their step watch them within it.
+template <class Space> class AngleWatch {
+ public:
+  AngleWatch(const IntegratorOf<Space>& /*integrator*/, const State& /*start*/) {}
+  bool admits(const State& /*x*/) { return true; }
+  std::string why() const { return {}; }
+  void remember(CheckpointData& /*memory*/) {}
+};
+template <> class AngleWatch<Spatial> {
+ public:
+  AngleWatch(const IntegratorOf<Spatial>& integrator, const State& start) {
+    if (!integrator.controls_step()) turns_.emplace(integrator.system(), kMostTurn).follow(start.t, start.q, start.v);
+  }
+  bool admits(const State& x) { return !turns_ || turns_->follow(x.t, x.q, x.v); }
+  const std::string& why() const { return turns_->why(); }
+  void remember(CheckpointData& memory) {
+    if (turns_) memory(*turns_);
+  }
+
+ private:
+  static constexpr double kMostTurn = 1.5;  // [rad] in a step: with both signs less than half a turn
+  std::optional<TurnWatch> turns_;
+};
+
 void note(const StepReport& report, Run& run) {
   run.energy_rises += report.energy_rise > 0;
   if (report.energy_rise > run.max_energy_rise) {
@@ -143,7 +168,7 @@ void remember(Run& run, CheckpointData& memory) {
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
 template <class Space, class Watch> void remember(const Clock& clock, Run& run, Recording<Space>& recording,
                                                   IntegratorOf<Space>& integrator, Watch& watch,
-                                                  CheckpointData& memory) {
+                                                  AngleWatch<Space>& angles, CheckpointData& memory) {
   Clock same = clock;
   memory(same.step, same.duration, same.every);
   if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
@@ -151,7 +176,7 @@ template <class Space, class Watch> void remember(const Clock& clock, Run& run, 
                                 ", duration = " + detail::text_of(same.duration) +
                                 ", every = " + std::to_string(same.every) + ": must be those of this run");
   remember(run, memory);
-  memory(recording, integrator, watch);
+  memory(recording, integrator, watch, angles);
 }
 
 /// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that
@@ -216,11 +241,12 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
   BroadPhaseOf<Space>(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
   MotionWatchOf<Space> watch(integrator, x, start.gap);
+  AngleWatch<Space> angles(integrator, x);
   if (restart.from.empty()) {
     recording.write(x, StepReport::solved(), start.gap);
   } else {
     CheckpointData memory(restart.from);
-    remember(clock, run, recording, integrator, watch, memory);
+    remember(clock, run, recording, integrator, watch, angles, memory);
     memory.end();
     if (x.q.size() != system.coordinates() || x.v.size() != system.dof())
       throw std::invalid_argument("checkpoint: is of another scene");
@@ -262,6 +288,12 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding
+    if (!angles.admits(x)) {
+      run.status = Status::numerical_error, run.why = angles.why();
+      note(report, run);
+      recording.end(true, x, report, integrator);
+      break;
+    }
     if (!watch.admits(before, x, h, report, k + 1 == total)) {
       run.status = watch.status(), run.why = watch.why();
       if (watch.jammed()) x = before;
@@ -280,7 +312,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
     if (restart.every > 0 && run.steps % restart.every == 0) {
       const auto saving = WallClock::now();
       CheckpointData memory;
-      remember(clock, run, recording, integrator, watch, memory);
+      remember(clock, run, recording, integrator, watch, angles, memory);
       restart.save(memory.bytes());
       recording.seconds += std::chrono::duration<double>(WallClock::now() - saving).count();
     }

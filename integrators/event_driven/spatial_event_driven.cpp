@@ -35,6 +35,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
       impact_(system),
       flow_(system, measures_),
       stepping_(system, {}),
+      turns_(system, kInf),
       now_(system),
       trial_(system),
       path_scale_(system.dof()),
@@ -63,7 +64,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
 
 void SpatialEventDriven::remember(CheckpointData& memory) {
   memory(time_, next_, begun_, load_, flight_, now_.q, now_.v, arc_, last_, crowd_.steps, crowd_.standstill,
-         crowd_.length, crowd_.end, bounces_, motion_, transition_, formulation_, impact_, stepping_);
+         crowd_.length, crowd_.end, bounces_, motion_, transition_, formulation_, impact_, stepping_, turns_);
   memory(now_.residual.joint, now_.residual.rate, now_.residual.off);
   fresh_ = false;
 }
@@ -78,6 +79,7 @@ bool SpatialEventDriven::goes_on(const State& x) const {
 void SpatialEventDriven::restart(const State& x) {
   now_.q = x.q, now_.v = x.v;
   next_ = options_.first_step;
+  turns_.restart();
   begun_ = fresh_ = false;
   std::fill(bounces_.begin(), bounces_.end(), Bounces{});
   crowd_ = {}, flight_ = {};
@@ -148,11 +150,17 @@ bool SpatialEventDriven::go(double h, Solver& solver, StepReport& report) {
   arc_.length = 0;
   const double from = time_;
   stop_ = kInf;
+  if (!tells_turns()) return false;
   bool going = begun_ || begin(solver, report);
   if (going && !fresh_) going = observe(now_, time_) || give_up(Status::numerical_error, "no accelerations");
   if (going && time_ == from) going = advance(h, solver, report);
+  if (going) going = tells_turns();
   if (going) report.status = Status::solved, failed_ = {};
   return going;
+}
+
+bool SpatialEventDriven::tells_turns() {
+  return turns_.follow(time_, now_.q, now_.v) || give_up(Status::numerical_error, turns_.why());
 }
 
 /// Accelerations and all that is watched; p.q and p.v are given.
@@ -292,6 +300,7 @@ bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
   ++report.accepted;
   report.error_estimate += error * path_scale_.maxCoeff();
   accept(s, s >= rest, stop);
+  if (!tells_turns()) return false;
   if (s >= rest) {  // a force or its slope jumps
     stop_ = kInf;
     if (!observe(now_, time_)) return give_up(Status::numerical_error, "no accelerations");

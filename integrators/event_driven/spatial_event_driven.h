@@ -40,6 +40,7 @@
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/event_driven/spatial_arc.h>
 #include <orthant/integrators/step/step_work.h>
+#include <orthant/integrators/step/turn_watch.h>
 
 namespace orthant {
 
@@ -110,6 +111,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   void end_call(State& x, StepReport& report);
 
   bool give_up(Status status, std::string why);
+  bool tells_turns();
   bool begin(Solver& solver, StepReport& report);
   bool advance(double h, Solver& solver, StepReport& report);
   double longest(double rest) const;
@@ -168,6 +170,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   SpatialFlow flow_;
   MoreauJeanOf<Spatial> stepping_;            // of crossings
   std::optional<StepWorkOf<Spatial>> meter_;  // of crossings, where there is work to measure
+  TurnWatch turns_;
 
   double time_ = 0;                     // [s] where the steps are
   double next_ = 0;                     // [s] length of the next step

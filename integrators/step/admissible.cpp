@@ -31,6 +31,9 @@ template <class Space> double look_at(const IntegratorOf<Space>& integrator) {
 std::string words_of(const std::string& contact, const std::string& overlap, OverlapScale scale,
                      const std::string& length) {
   if (scale == OverlapScale::angle) return "the limit of contact " + contact + " is exceeded by " + overlap + " rad";
+  if (scale == OverlapScale::length)
+    return "the limit of contact " + contact + " is exceeded by " + overlap + " m, where a body's half width is " +
+           length + " m";
   return "bodies overlap by " + overlap + " m at contact " + contact + ", where " +
          (scale == OverlapScale::clearance ? "the clearance is " : "the thinner body's half width is ") + length + " m";
 }
@@ -61,7 +64,8 @@ Measured<Vector2d> measured(const Contact& contact) {
   if (const auto* pp = std::get_if<PolygonPolygon>(&contact))
     return {std::min(width_of(pp->corners_a), width_of(pp->corners_b)) / 2};
   if (const auto* limit = std::get_if<Limit>(&contact))
-    if (std::holds_alternative<Angle>(limit->of.kind())) return {1, OverlapScale::angle};
+    return std::holds_alternative<Angle>(limit->of.kind()) ? Measured<Vector2d>{1, OverlapScale::angle}
+                                                           : Measured<Vector2d>{kInf, OverlapScale::length};
   return {};
 }
 Measured<Vector3d> measured(const spatial::Contact& contact) {
@@ -74,7 +78,8 @@ Measured<Vector3d> measured(const spatial::Contact& contact) {
     return {s->radius > 0 ? s->radius : kInf, OverlapScale::body, s->normal};
   if (const auto* e = std::get_if<spatial::EllipsoidPlane>(&contact)) return {e->semi_axes.minCoeff()};
   if (const auto* limit = std::get_if<spatial::Limit>(&contact))
-    if (limit->of.angle()) return {1, OverlapScale::angle};
+    return limit->of.angle() ? Measured<Vector3d>{1, OverlapScale::angle}
+                             : Measured<Vector3d>{kInf, OverlapScale::length};
   return {};
 }
 

@@ -30,8 +30,9 @@
 
 namespace orthant {
 
-/// The length that an overlap is compared with: a body's half width, a clearance, or 1 rad of an angle's limit.
-enum class OverlapScale { body, clearance, angle };
+/// The length that an overlap is compared with: a body's half width, a clearance, 1 rad of an angle's limit, or a
+/// body's half width for the limit of a length (a stop, a rope).
+enum class OverlapScale { body, clearance, angle, length };
 
 /// Overlaps and energy balance of a run so far.
 struct Admissibility {

@@ -24,7 +24,9 @@ MeshHull hull_of_mesh(Mesh mesh, const Vector3d& scale, const std::string& who) 
   }
   result.corners = fit.hull.corners;
   const spatial::Polyhedron hull = spatial::polyhedron(fit.hull);
-  result.solid = closed(mesh) ? spatial::polyhedron(mesh.surface) : spatial::Polyhedron{};
+  const bool is_closed = closed(mesh);
+  if (is_closed) result.solid = spatial::polyhedron(mesh.surface);
+  const bool inside_out = is_closed && result.solid.volume < 0;
   const bool whole = result.solid.volume > 0 && result.solid.volume <= 1.001 * hull.volume + fit.outside * hull.volume;
   if (!whole) result.solid = hull;
   constexpr double kConvex = 1e-3;  // of the hull's volume
@@ -32,7 +34,11 @@ MeshHull hull_of_mesh(Mesh mesh, const Vector3d& scale, const std::string& who) 
     result.note = who + ": a hull of " + std::to_string(result.corners.size()) + " corners, up to " +
                   detail::text_of(static_cast<float>(fit.outside)) + " m of the mesh outside";
   else if (!whole && !mesh.surface.empty())
-    result.note = who + ": the surface is not closed: taken as its convex hull";
+    result.note = who +
+                  (inside_out  ? ": the surface is inside out (corners clockwise, seen from outside)"
+                   : is_closed ? ": the surface overlaps itself"
+                               : ": the surface is not closed") +
+                  ": taken as its convex hull";
   else if (whole && result.solid.volume < (1 - kConvex) * hull.volume)
     result.note = who + ": is not convex: meets others as its convex hull, " +
                   detail::text_of(std::round(100 * (hull.volume / result.solid.volume - 1))) + " % more volume";

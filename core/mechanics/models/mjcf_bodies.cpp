@@ -66,6 +66,9 @@ void MjcfReader::given_inertia(const XmlElement& e, ModelLink& link) const {
   Matrix3d I = Matrix3d::Zero();
   const Attribute diagonal = e.find("diaginertia"), full = e.find("fullinertia");
   if ((diagonal != nullptr) == (full != nullptr)) refuse(e, "must have either diaginertia or fullinertia");
+  for (const char* turn : {"quat", "axisangle", "xyaxes", "zaxis", "euler"})
+    if (const Attribute given = e.find(turn); full != nullptr && given != nullptr)
+      refuse(e, *given, "left out next to fullinertia, which has its own axes");
   if (diagonal != nullptr) I.diagonal() = vector_of(e, *diagonal);
   if (full != nullptr) {
     const auto x = numbers_of(e, *full, 6, 6);

@@ -47,7 +47,7 @@ void MjcfReader::geom(const Styled& e, int number, const Place& at) {
   if (const Found f = e.find("condim")) {
     constexpr std::array<std::string_view, 4> kDimensions = {"1", "3", "4", "6"};
     const std::size_t dimension = choice_of(*f.element, *f.attribute, kDimensions);
-    if (dimension == 0) s.mu = 0;
+    s.slippery = dimension == 0;
     if (dimension > 1) ++torsion_;
   }
   const auto mask = [&](const char* name) {

@@ -32,6 +32,7 @@ struct ModelShape {
   Vector3d size{0, 0, 0};         // [m] radius; radius, length between the ends; radius, height; edges; semi-axes
   std::vector<Vector3d> corners;  // of a polytope
   double mu = 0;
+  bool slippery = false;            // has no friction with another such shape, whatever their mu
   unsigned type = 1, affinity = 1;  // meets shapes with type & affinity of the other, or the other way round
   std::string name;
 };

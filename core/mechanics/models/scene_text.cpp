@@ -81,9 +81,13 @@ void SceneText::make_carriers() {
   }
   if (carriers_.size() == 1) {
     const ModelLink& last = model_.links.back();
+    std::string left_out;
+    for (const std::string& one : model_.notes)
+      if (one.find("> of <worldbody>") < one.size() || one.find("> of <body>") < one.size()) left_out += "; " + one;
     const std::string why =
         "nothing can move: must have a joint that moves, or a base that is free "
-        "(--set model.base=free)";
+        "(--set model.base=free)" +
+        left_out;
     if (last.element == nullptr) throw std::invalid_argument(model_.file + ": " + why);
     refuse(*last.element, why);
   }

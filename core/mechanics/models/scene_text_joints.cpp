@@ -46,7 +46,13 @@ void SceneText::joints(const Carrier& c) {
   const auto axes = [&](const Vector3d& axis) {
     return "axis = " + list(in_a(axis)) + "\naxis_b = " + list(axis) + "\n";
   };
-  const auto start = [](const ModelJoint& j) { return j.start == 0 ? "" : "angle = " + number(j.start) + "\n"; };
+  const auto turns = [](const ModelJoint& j) {  // full ones: a joint in space starts with less than half a turn
+    return std::abs(j.start) > kFullTurn / 2 ? kFullTurn * std::round(j.start / kFullTurn) : 0.0;
+  };
+  const auto start = [&](const ModelJoint& j) {
+    const double angle = j.start - turns(j);
+    return angle == 0 ? "" : "angle = " + number(angle) + "\n";
+  };
   const auto angle_to = [&](const ModelJoint& j, const Vector3d& axis) {
     return CoordinateKeys{"of = \"angle\"\n" + bodies + axes(axis), true, j.start};
   };
@@ -70,7 +76,7 @@ void SceneText::joints(const Carrier& c) {
     if (j.kind == Kind::hinge) {
       const std::string keys = begin("revolute", j.name);
       joints_ += points(j.anchor, Vector3d::Zero()) + axes(j.axis) + start(j);
-      along(c, j, CoordinateKeys{keys, true, 0});
+      along(c, j, CoordinateKeys{keys, true, turns(j)});
     } else if (j.kind == Kind::slide) {
       const std::string keys = begin("prismatic", j.name);
       joints_ += points(j.anchor, -j.reference * in_a(j.axis)) + "axis = " + list(in_a(j.axis)) + "\n";
@@ -86,7 +92,7 @@ void SceneText::joints(const Carrier& c) {
     const double sense = s.axis.dot(h.axis) < 0 ? -1 : 1;
     const std::string keys = begin("cylindrical", h.name);
     joints_ += points(h.anchor, -s.reference * in_a(s.axis)) + axes(h.axis) + start(h);
-    along(c, h, CoordinateKeys{keys + "of = \"angle\"\n", true, 0});
+    along(c, h, CoordinateKeys{keys + "of = \"angle\"\n", true, turns(h)});
     if (sense > 0)
       along(c, s, CoordinateKeys{keys + "of = \"displacement\"\n", false, 0});
     else

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -13,6 +14,11 @@ namespace {
 
 constexpr std::size_t kMostShapes = 2000;
 constexpr int kSides = 24;  // of the prism that stands for a cylinder
+
+/// As MuJoCo takes it: condim and friction are each the larger of the two; a condim of 1 has no friction.
+double friction_of(const ModelShape& x, const ModelShape& y) {
+  return x.slippery && y.slippery ? 0 : std::max(x.mu, y.mu);
+}
 
 }  // namespace
 
@@ -100,7 +106,7 @@ void SceneText::wall(const Carrier& c, const ModelShape& s, const ModelShape& pl
     contacts_ += "\n[[contact]]\ntype = \"" + std::string(type) + "\"\nname = " + in_quotes(name) +
                  "\nbody = " + in_quotes(c.name) + "\nwall = {point = " + list(plane.at.p) +
                  ", normal = " + list(Vector3d(plane.at.R.col(2))) + "}\n" + keys;
-    const double mu = std::max(s.mu, plane.mu);
+    const double mu = friction_of(s, plane);
     if (mu > 0) contacts_ += "mu = " + number(mu) + "\n";
   };
   const auto centre = [&] { return "centre = " + list(from_centre(c, s.at.p)) + "\n"; };
@@ -131,7 +137,8 @@ void SceneText::collision(const Shapes& all) {
   for (const auto& [c, s] : all) bodies.insert(c);
   if (bodies.size() < 2) return;
   std::string list_of;
-  double least = all.front().second->mu, most = least;
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  const auto smooth = std::ranges::count_if(all, [](const auto& one) { return one.second->slippery; });
   int prisms = 0, ellipsoids = 0;
   spatial::Collision set{.name = "shapes", .shapes = {}, .law = {}};
   std::vector<spatial::Pose> poses;
@@ -140,7 +147,8 @@ void SceneText::collision(const Shapes& all) {
   for (const auto& [c, s] : all) {
     const auto points = moved(carriers_[c], corners_of(*s));
     set.shapes.push_back({.body = static_cast<BodyId>(c), .corners = points, .radius = rounded(*s) ? s->size.x() : 0});
-    least = std::min(least, s->mu), most = std::max(most, s->mu);
+    const bool none = smooth == static_cast<std::ptrdiff_t>(all.size());  // with any other
+    least = std::min(least, none || (s->slippery && smooth > 1) ? 0 : s->mu), most = std::max(most, none ? 0 : s->mu);
     prisms += s->kind == ModelShape::Kind::cylinder, ellipsoids += s->kind == ModelShape::Kind::ellipsoid;
     list_of += "  {body = " + in_quotes(carriers_[c].name) + ", ";
     if (s->kind == ModelShape::Kind::sphere)

@@ -1,15 +1,19 @@
 #include <orthant/core/mechanics/scene/element_check.h>
 #include <orthant/core/mechanics/spatial/scene.h>
+#include <orthant/core/support/disjoint_sets.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
+#include <type_traits>
 
 namespace orthant::spatial {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of the largest moment of inertia
 constexpr double kUnit = ElementCheck<Scene>::kUnit;
+constexpr double kSameAxis = 1e-6;  // [rad] between axes that count as parallel
 
 /// One element of a scene in space.
 class SpatialElement : public ElementCheck<Scene> {
@@ -154,6 +158,73 @@ void examine(const SpatialElement& e, const Collision& c) {
   e.require(c.neighbours <= 1e6, "neighbours", c.neighbours, "<= 1e6");
 }
 
+Kinematics at_start(const Scene& scene) {
+  Kinematics k;
+  k.pose.resize(scene.bodies.size() + 1);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    k.pose[i].x = scene.bodies[i].position, k.pose[i].R = quaternions::matrix_of(scene.bodies[i].orientation);
+  return k;
+}
+
+/// Whether joints keep directions along `axis` (in the world, at the start) the same in both bodies.
+bool keeps(const Scene& scene, const Kinematics& k, BodyId a, BodyId b, const Vector3d& axis) {
+  const auto place = [](BodyId body) { return body + 1; };  // the ground's is 0
+  DisjointSets same(scene.bodies.size() + 1);
+  const auto look = [&](const auto& j) {
+    bool holds = requires { j.orientation; };
+    if constexpr (requires { j.axis_a, j.reference_a; } || std::is_same_v<std::decay_t<decltype(j)>, PlaneJoint>)
+      holds = k.at(j.a).turn(j.axis_a).cross(axis).norm() <= kSameAxis;
+    if (holds) same.join(place(j.a), place(j.b));
+  };
+  for (const Joint& joint : scene.joints) {
+    std::visit(
+        [&](const auto& j) {
+          if constexpr (requires { j.point_a; }) look(j);
+        },
+        joint);
+    if (same.find(place(a)) == same.find(place(b))) return true;
+  }
+  return false;
+}
+
+/// What angles need of the scene around them: joints that keep their axes together, and a start from which what reads
+/// them can tell their turns.
+void examine_angles(const Scene& scene) {
+  const Kinematics k = at_start(scene);
+  const auto axis = [&](const SpatialElement& e, const Coordinate& c) {
+    const auto* angle = std::get_if<Angle>(&c.kind());
+    if (angle != nullptr && !keeps(scene, k, angle->a, angle->b, k.at(angle->a).turn(angle->axis_a)))
+      e.fail("of",
+             "of = \"angle\": must be about an axis that joints keep together in both bodies (revolute, cylindrical, "
+             "screw, planar about it; prismatic, fixed)");
+    return angle;
+  };
+  const auto near = [&](const SpatialElement& e, const Angle& angle, const char* field, double value, double middle) {
+    const double start = angle.value(k);
+    e.require(std::abs(start - middle) < std::numbers::pi, field, e.text(value),
+              (value == middle ? std::string("less than half a turn from the angle at the start, ")
+                               : "so that the middle of the bounds, " + e.text(middle) +
+                                     ", is less than half a turn from the angle at the start, ") +
+                  e.text(start));
+  };
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    if (const auto* drive = std::get_if<Drive>(&scene.joints[i])) axis({scene, "joint", i, drive->name}, drive->of);
+  for (std::size_t i = 0; i < scene.frictions.size(); ++i)
+    axis({scene, "friction", i, scene.frictions[i].name}, scene.frictions[i].of);
+  for (std::size_t i = 0; i < scene.springs.size(); ++i)
+    if (const auto* spring = std::get_if<JointSpring>(&scene.springs[i])) {
+      const SpatialElement e(scene, "spring", i, spring->name);
+      const Angle* angle = axis(e, spring->of);
+      if (angle != nullptr && spring->stiffness > 0) near(e, *angle, "rest", spring->rest, spring->rest);
+    }
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
+    if (const auto* limit = std::get_if<Limit>(&scene.contacts[i])) {
+      const SpatialElement e(scene, "contact", i, limit->name);
+      const char* field = limit->side == Limit::Side::lower ? "lower" : "upper";
+      if (const Angle* angle = axis(e, limit->of)) near(e, *angle, field, limit->bound, limit->bound + limit->beyond);
+    }
+}
+
 template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
   ElementNames names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -183,6 +254,7 @@ void check(const Scene& scene) {
   examine_all(scene, "friction", scene.frictions);
   examine_all(scene, "spring", scene.springs);
   examine_all(scene, "load", scene.loads);
+  examine_angles(scene);
 }
 
 }  // namespace orthant::spatial

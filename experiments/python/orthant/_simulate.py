@@ -35,7 +35,7 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
     rounded: what to do with a step whose problem is 'rounded' only, "take" (counted in summary["rounded_steps"], with a
     warning) or "stop" (the run ends before it).
     check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an
-    estimate) and "digits" (significant decimal digits that agree) of the last state. In the plane only, as warnings.
+    estimate) and "digits" (significant decimal digits that agree) of the last state.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
     What `orthant simulate` warns of is an OrthantWarning here, and in the run's `warnings`.
     """

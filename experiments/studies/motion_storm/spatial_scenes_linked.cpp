@@ -134,11 +134,17 @@ void loop(SpatialMaker& m) {  // four-bar: pins (redundant in space), or ball jo
   };
   join(4, kGround, crank, O, false), join(1, crank, coupler, A, balls), join(2, coupler, rocker, B, balls);
   join(5, kGround, rocker, D, false);
-  if (m.chance(0.4))
-    m.drive(m.angle(kGround, crank, y), 0, m.random.uniform(-20, 20));
-  else if (m.chance(0.5))
+  const auto holds = [&](int i) { return !(balls && loose == i); };  // the axis: then its angle is a coordinate
+  if (m.chance(0.4)) {
+    const double rate = m.random.uniform(-20, 20);
+    if (holds(4)) m.drive(m.angle(kGround, crank, y), 0, rate);
+  } else if (m.chance(0.5)) {
     m.scene.load({.body = crank, .moment = m.random.uniform(-1, 1) * y});
-  if (m.chance(0.3)) m.limit(m.angle(kGround, rocker, y), Side::upper, m.random.uniform(0.05, 0.5));
+  }
+  if (m.chance(0.3)) {
+    const double bound = m.random.uniform(0.05, 0.5);
+    if (holds(5)) m.limit(m.angle(kGround, rocker, y), Side::upper, bound);
+  }
 }
 
 void slider(SpatialMaker& m) {  // crank, rod on ball joints, piston in a guide: prismatic, cylindrical, channel or bush

@@ -232,6 +232,18 @@ TEST_CASE("an angle that passes its limit is reported in rad") {
   CHECK(warnings_of(r.motion)[0].find("the limit of contact \"stop\" is exceeded by up to 0.29 rad") == 0);
 }
 
+TEST_CASE("a body that passes the end of its rope is reported as beyond a limit, not as an overlap of bodies") {
+  Scene s;
+  const BodyId stone = s.body({.name = "stone", .inertia = 0.1, .position = {1, 0}, .velocity = {30, 0}});
+  s.contact(Limit{"rope", Span{kGround, stone}, Limit::Side::upper, 1.16, {}});
+  const Run r = run_for(s, 0.1, "moreau-jean", 1e-2);
+  CHECK(r.status == Status::solved);
+  CHECK(r.motion.overlap_scale == OverlapScale::length);
+  REQUIRE(warnings_of(r.motion).size() == 1);
+  CHECK(warnings_of(r.motion)[0].find("the limit of contact \"rope\" is exceeded by up to 0.29 m, where a body's half "
+                                      "width is 0.316 m") == 0);
+}
+
 TEST_CASE("a pin that drifts out of its bearing as it whirls ends the run, at ten clearances") {
   Scene s{.gravity = {0, -9.81}, .duration = 0.28};  // found by the storm of motions
   const BodyId rotor = s.body({.mass = 10, .inertia = 0.06, .position = {0, -3e-5}, .omega = -30});

@@ -3,6 +3,9 @@
 
 #include "spatial_reader.h"
 
+#include <cmath>
+#include <numbers>
+
 namespace orthant::scene_file {
 
 /// A unit vector at right angles to u, next to `near` where that is not along u.
@@ -30,7 +33,8 @@ template <class T> void SpatialReader::axes_of(Fields& f, T& x) const {
 /// `angle` [rad] in the initial poses; 0.
 template <class T> void SpatialReader::angle_of(Fields& f, T& x) const {
   double angle = 0;
-  f.maybe("angle", angle);
+  if (f.maybe("angle", angle) && !(std::abs(angle) <= std::numbers::pi))
+    f.refuse("angle", *f.table().get("angle"), "from -pi to pi: an angle in space is known up to full turns");
   const Vector3d u = initial_.at(x.a).turn(x.axis_a), from = spatial::perpendicular(x.axis_a);
   const Vector3d world = Eigen::AngleAxisd(angle, u) * initial_.at(x.a).turn(from);
   x.reference_a = from, x.reference_b = square_to(x.axis_b, initial_.at(x.b).turn_back(world));

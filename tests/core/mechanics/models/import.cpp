@@ -244,6 +244,10 @@ TEST_CASE("wrong models are refused with file, line, element, value and rule") {
       {mujoco("<compiler eulerseq='xyw'/>" + world("")), "eulerseq = 'xyw': must be three letters"},
       {mujoco("<compiler coordinate='global'/>" + world("")), "coordinate = 'global': must be local"},
       {mujoco(world("")), "nothing can move"},
+      {mujoco(world("<replicate count='3'><body><freejoint/>" + ball + "</body></replicate>")),
+       "not taken: <replicate> of <worldbody> (line 2)"},
+      {body("<joint/><inertial mass='1' pos='0 0 0' quat='0 1 0 0' fullinertia='1 1 1 0 0 0'/>"),
+       "quat = '0 1 0 0': must be left out next to fullinertia"},
   };
   for (const auto& [text, words] : wrong) {
     CAPTURE(text);

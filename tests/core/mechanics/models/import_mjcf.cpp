@@ -81,6 +81,38 @@ TEST_CASE("MJCF: stacks of joints as one joint of the scene") {
             .find("m.xml:2: <body name=\"b\">: has 2 joints: must be one, or") == 0);
 }
 
+TEST_CASE("MJCF: condim and friction of a contact are each the larger of the two") {
+  const auto mu = [](const char* floor, const char* ball, const std::string& other = "") {
+    const Imported t =
+        taken(mujoco(world("<geom type='plane' size='1 1 1' " + std::string(floor) +
+                           "/><body name='a' pos='0 0 1'><freejoint/><geom size='0.1' " + ball + "/></body>" + other)));
+    return other.empty() ? std::get<spatial::SpherePlane>(t.scene.contacts.at(0)).law.mu
+                         : t.scene.collisions.at(0).law.mu;
+  };
+  CHECK(mu("condim='1' friction='1'", "friction='0.2'") == 1);
+  CHECK(mu("friction='0.5'", "friction='0.9' condim='1'") == 0.9);
+  CHECK(mu("condim='1'", "condim='1'") == 0);
+  const std::string slippery =
+      "<body name='b' pos='0 0 2'><freejoint/><geom size='0.1' condim='1' friction='0.7'/></body>";
+  CHECK(mu("", "condim='1'", slippery) == 0);
+  CHECK(mu("", "friction='0.3'", slippery) == 0.7);
+}
+
+TEST_CASE(
+    "MJCF: a hinge with a reference beyond half a turn starts within it, and takes its limits and springs along") {
+  const Imported t =
+      taken(mujoco(world("<body><joint ref='270' range='200 300' stiffness='1' springref='260'/>"
+                         "<geom size='0.1'/></body>")));
+  const auto k = at_start(t.scene);
+  const double degree = std::numbers::pi / 180;
+  CHECK(std::get<spatial::Revolute>(t.scene.joints[0]).angle().value(k) == doctest::Approx(-90 * degree));
+  CHECK(std::get<spatial::Limit>(t.scene.contacts[0]).gap(k) == doctest::Approx(70 * degree));
+  CHECK(std::get<spatial::Limit>(t.scene.contacts[1]).gap(k) == doctest::Approx(30 * degree));
+  CHECK(std::get<spatial::JointSpring>(t.scene.springs[0]).rest == doctest::Approx(-100 * degree));
+  CHECK(refusal_of_model(mujoco(world("<body><joint stiffness='1' springref='300'/><geom size='0.1'/></body>")))
+            .find("must be less than half a turn from the angle at the start, 0") != std::string::npos);
+}
+
 TEST_CASE("MJCF: masks, exclusions, ties, files that are included") {
   const std::string body = "<geom size='0.1' contype='2' conaffinity='2'/>";
   const Imported t = taken(mujoco(world("<body name='a'><freejoint/><geom size='0.1'/></body><body name='b' pos='0 0 "

@@ -155,6 +155,14 @@ TEST_CASE("a mesh that is open or dented is taken as its convex hull, with a not
   const models::MeshHull hull = models::hull_of_mesh(open, {1, 1, 1}, "open.stl");
   CHECK(hull.note == "open.stl: the surface is not closed: taken as its convex hull");
   CHECK(hull.solid.volume == doctest::Approx(1).epsilon(1e-14));
+
+  Mesh turned;
+  for (const spatial::Triangle& t : box_surface({1, 1, 1})) {
+    turned.surface.push_back({t[0], t[2], t[1]});
+    turned.points.insert(turned.points.end(), t.begin(), t.end());
+  }
+  CHECK(models::hull_of_mesh(turned, {1, 1, 1}, "turned.stl").note ==
+        "turned.stl: the surface is inside out (corners clockwise, seen from outside): taken as its convex hull");
 }
 
 TEST_CASE("wrong meshes are refused with file, line and rule") {

@@ -134,6 +134,56 @@ TEST_CASE("mistakes in scenes in space name file or override, element, key, valu
         std::string::npos);
 }
 
+TEST_CASE("angles in space: axes that no joint keeps, and starts from which turns cannot be told, are refused") {
+  const auto said = [](const std::string& joint, const std::string& reader) -> std::string {
+    try {
+      static_cast<void>(
+          parse_any_scene("dimension = 3\n[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n[[body]]\n"
+                          "name = 'c'\nmass = 1\ninertia = 1\n[[joint]]\nname = 'j'\nbodies = "
+                          "['ground', 'b']\n" +
+                              joint + reader,
+                          {}, "x.toml"));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  const std::string about = "of = 'angle'\nbodies = ['ground', 'b']\naxis = [0, 0, 1]\n", ball = "type = 'spherical'\n",
+                    hinge = "type = 'revolute'\naxis = [0, 0, 1]\n", tilted = "type = 'revolute'\naxis = [0, 1, 1]\n",
+                    second = "[[joint]]\ntype = 'revolute'\nbodies = ['b', 'c']\naxis = [0, 0, -1]\n",
+                    drive = "[[joint]]\ntype = 'drive'\nname = 'd'\nrate = 1\n",
+                    spring = "[[spring]]\ntype = 'joint'\nname = 's'\nstiffness = 1\n",
+                    stop = "[[contact]]\ntype = 'limit'\nname = 'l'\n",
+                    friction = "[[friction]]\nname = 'f'\nbound = 1\n", of_j = "joint = 'j'\n",
+                    far = "of = 'angle'\nbodies = ['ground', 'c']\naxis = [0, 0, 1]\n";
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    INFO(text);
+    CHECK(text.starts_with("x.toml:"));
+    CHECK(text.find(words) != std::string::npos);
+  };
+  const std::string axis = "of = \"angle\": must be about an axis that joints keep together in both bodies";
+  refused(said(ball, drive + about), "joint \"d\": " + axis);
+  refused(said(ball, spring + about), "spring \"s\": " + axis);
+  refused(said(ball, stop + about + "upper = 1\n"), "contact \"l\": " + axis);
+  refused(said(ball, friction + about), "friction \"f\": " + axis);
+  refused(said(tilted, drive + about), axis);
+  refused(said(hinge, drive + far), axis);
+  CHECK(said(hinge, drive + about) == "taken");
+  CHECK(said(hinge + second, drive + far) == "taken");
+
+  refused(said(hinge, spring + of_j + "rest = 4\n"),
+          "spring \"s\": rest = 4: must be less than half a turn from the angle at the start, 0");
+  refused(said(hinge + "angle = 2\n", spring + of_j + "rest = -2\n"), "rest = -2: must be");
+  CHECK(said(hinge + "angle = 2\n", spring + of_j + "rest = 4\n") == "taken");
+  CHECK(said(hinge, "[[spring]]\ntype = 'joint'\ndamping = 1\nrest = 4\n" + of_j) == "taken");
+  refused(said(hinge, stop + of_j + "upper = 4\n"), "contact \"l\": upper = 4: must be less than half a turn");
+  refused(said(hinge, stop + of_j + "lower = 3\nupper = 5\n"),
+          "lower = 3: must be so that the middle of the bounds, 4, is less than half a turn from the angle at the "
+          "start, 0");
+  CHECK(said(hinge, stop + of_j + "lower = -1\nupper = 5\n") == "taken");
+  refused(said(hinge + "angle = 4\n", ""), "angle = 4: must be from -pi to pi");
+}
+
 TEST_CASE("readers of planar scenes refuse a file in space by its dimension") {
   CHECK_THROWS_WITH_AS(static_cast<void>(parse_scene(kText, {}, "arm.toml")),
                        "arm.toml:1: dimension = 3: must be 2 here, or 3 where scenes in space are taken",
