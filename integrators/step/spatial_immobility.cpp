@@ -17,11 +17,10 @@ bool immobile(const RowOf<Spatial>& row, double effective, const Eigen::VectorXd
 SpatialImmobility::SpatialImmobility(const SystemOf<Spatial>& system)
     : system_(system), terms_(system), basic_(system), change_(system.dof()), sum_(change_), sizes_(change_) {}
 
-bool SpatialImmobility::stand(double t, const Eigen::VectorXd& q, const std::vector<Pair>& pairs) {
+bool SpatialImmobility::stand(double t, const Eigen::VectorXd& q) {
   usable_ = false;
   if (system_.joint_rows() == 0) return false;
   set_poses(system_, t, q, terms_.at);
-  terms_.pairs = pairs;
   evaluate_joint_rows(system_, terms_);
   return usable_ = basic_.factorize(system_, terms_);
 }

@@ -21,9 +21,9 @@ class SpatialImmobility {
  public:
   explicit SpatialImmobility(const SystemOf<Spatial>& system);
 
-  /// From now on rows are those at q, which satisfies the joints at time t. pairs: of the contacts that are not listed.
-  /// False: no joints, or no usable matrix; then nothing is immobile.
-  bool stand(double t, const Eigen::VectorXd& q, const std::vector<Pair>& pairs = {});
+  /// From now on rows are those at q, which satisfies the joints at time t. False: no joints, or no usable matrix; then
+  /// nothing is immobile.
+  bool stand(double t, const Eigen::VectorXd& q);
   /// Of the contact's normal.
   bool immobile(int contact);
   /// [m/s] of the last contact's normal; 0: no more than rounding.

@@ -7,7 +7,6 @@ bool SpatialRankDeficiency::find(const StepProblem& problem) {
   const auto still = [&](Index row) {
     return immobile(problem.rows()[static_cast<std::size_t>(row)], problem.entry(row, row), system_.inverse_mass());
   };
-  bool stands = false;
   problem.each_contact([&](Index normal, Index edge, Index tangent, const StepProblem::Contact& c) {
     const auto entry = [&](Index i, Index j) { return problem.entry(i, j); };
     // Opposite edges n ± μ t have the mean n.
@@ -17,10 +16,6 @@ bool SpatialRankDeficiency::find(const StepProblem& problem) {
     if (!held && !(tangent >= 0 && still(tangent) && still(tangent + 1))) return;
     held_.resize(terms_->closed.size(), Held::nowhere);
     held_[c.closed] = held ? Held::normal : Held::tangent;
-    if (!held || !system_.driven() || anchor_ == nullptr) return;
-    if (!immobility_) immobility_.emplace(system_);
-    stands = stands || immobility_->stand(anchor_t_, *anchor_, terms_->pairs);
-    if (immobility_->immobile(c.index) && immobility_->rate() < 0) held_[c.closed] = Held::inwards;
   });
   return !held_.empty();
 }

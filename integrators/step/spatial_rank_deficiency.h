@@ -2,10 +2,10 @@
 // immobilise.
 //
 // No impulse moves what joints immobilise (spatial_immobility.h). Such a contact has no rows, and its rates are what
-// the joints make them; one of which both tangents are immobile has no friction. Where the joints' drives move it
-// inwards it has a row of zeros with that rate, and the judge proves the contradiction. Reduced form only, and contact
-// by contact: combinations of contacts are left to the solver (rank_deficiency.h has them for the plane), but for
-// relaxed cones: where a proof has edges of cones and its normals do not contradict the drives, the step stalls.
+// the joints make them: where drives move it inwards, the search for jams finds it (jam.h). One of which both tangents
+// are immobile has no friction. Reduced form only, and contact by contact: combinations of contacts are left to the
+// solver (rank_deficiency.h has them for the plane), but for relaxed cones: where a proof has edges of cones and its
+// normals do not contradict the drives, the step stalls.
 #pragma once
 
 #include <orthant/integrators/step/rank_deficiency.h>
@@ -24,8 +24,8 @@ class SpatialRankDeficiency {
   using StepProblem = StepProblemOf<Spatial>;
   SpatialRankDeficiency(const SystemOf<Spatial>& system, Form /*form*/) : system_(system) {}
 
-  void anchor(double t, const Eigen::VectorXd& q) { anchor_t_ = t, anchor_ = &q; }
-  std::optional<double> time() const { return anchor_ != nullptr ? std::optional(anchor_t_) : std::nullopt; }
+  void anchor(double t, const Eigen::VectorXd& /*q*/) { time_ = t; }
+  std::optional<double> time() const { return time_; }
   void begin(const Terms& terms) { terms_ = &terms, held_.clear(); }
   bool find(const StepProblem& problem);
   std::span<const Held> held() const { return held_; }
@@ -38,9 +38,8 @@ class SpatialRankDeficiency {
  private:
   const SystemOf<Spatial>& system_;
   const Terms* terms_ = nullptr;
-  double anchor_t_ = 0;
-  const Eigen::VectorXd* anchor_ = nullptr;      // coordinates that satisfy the joints
-  std::optional<SpatialImmobility> immobility_;  // from the first suspicion on
+  std::optional<double> time_;
+  std::optional<SpatialImmobility> immobility_;  // from the first proof on
   std::vector<Held> held_;
   bool relaxed_ = false;
 };
