@@ -11,13 +11,28 @@ namespace orthant {
 SpatialTransition::SpatialTransition(const SystemOf<Spatial>& system)
     : system_(system), equations_(system, 3 * system.scene().contacts.size()) {}
 
+/// Contacts that joints immobilise are no candidates: no force moves them, and they go where the joints take them.
+void SpatialTransition::leave_out_immobile(SpatialMotion& motion) {
+  if (candidates.empty() || system_.joint_rows() == 0) return;
+  contacts_.clear(), equations_.clear();
+  for (const Candidate& c : candidates) contacts_.push_back(c.contact);
+  evaluate_closed(system_, contacts_, motion.terms());
+  const auto& closed = motion.terms().closed;
+  for (const auto& c : closed) equations_.add(c.rows.normal, c.rows.normal, 0);
+  equations_.assemble(motion.basic(), motion.free());
+  std::size_t i = 0;
+  std::erase_if(candidates, [&](const Candidate&) {
+    const auto row = static_cast<Index>(i);
+    return immobile(closed[i++].rows.normal, equations_.A(row, row), system_.inverse_mass());
+  });
+}
+
 /// Rows: the normals of all candidates, then the tangents of those with friction that do not slide.
 void SpatialTransition::formulate(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-  constexpr double kImmobile = 1e-12;  // of the coupling without joints
   contacts_.clear(), rows_.clear(), equations_.clear(), lcp_.friction.clear();
   for (const Candidate& c : candidates) contacts_.push_back(c.contact);
   evaluate_closed(system_, contacts_, motion.terms());
-  std::vector<RowOf<Spatial>> all;
+  std::vector<RowOf<Spatial>> tangents;
   std::vector<SpatialMotion::Bias> biases;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
@@ -31,7 +46,6 @@ void SpatialTransition::formulate(SpatialMotion& motion, const Eigen::VectorXd& 
       force = combined(force, -mu * along.second, rows.tangents[1]);
     }
     equations_.add(rows.normal, force, biases[i].normal);
-    all.push_back(rows.normal);
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double mu = static_friction(system_.law(candidates[i].contact));
@@ -39,16 +53,15 @@ void SpatialTransition::formulate(SpatialMotion& motion, const Eigen::VectorXd& 
     lcp_.friction.push_back({.normal = static_cast<Index>(i), .first = equations_.size(), .rows = 2, .mu = mu});
     for (std::size_t k = 0; k < 2; ++k) {
       equations_.add(rows_[i].tangents[k], rows_[i].tangents[k], tangent_part(biases[i].tangent, k));
-      all.push_back(rows_[i].tangents[k]);
+      tangents.push_back(rows_[i].tangents[k]);
     }
   }
   equations_.assemble(motion.basic(), motion.free());
   const Index n = equations_.size(), normals = static_cast<Index>(candidates.size());
-  for (Index i = 0; i < n; ++i) {
-    const RowOf<Spatial>& row = all[static_cast<std::size_t>(i)];
+  for (Index i = normals; i < n; ++i) {
+    const RowOf<Spatial>& row = tangents[static_cast<std::size_t>(i - normals)];
+    if (!immobile(row, equations_.A(i, i), system_.inverse_mass())) continue;
     const double free = coupling(row, row, system_.inverse_mass());
-    if (equations_.A(i, i) > kImmobile * free || (i < normals && candidates[static_cast<std::size_t>(i)].slides))
-      continue;
     equations_.A.row(i).setZero(), equations_.A.col(i).setZero();
     equations_.A(i, i) = free > 0 ? free : 1, equations_.b[i] = 0;
   }
@@ -186,6 +199,7 @@ bool SpatialTransition::slide_off() {
 Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                  Solver& solver, StepReport& report) {
   lcp_.b.resize(0), why_.clear(), undecided_ = false;
+  leave_out_immobile(motion);
   if (!candidates.empty()) {
     do {
       formulate(motion, q, v);

@@ -6,9 +6,10 @@
 //   λ_N > 0: the contact lasts, as one does that stays closed while others bear its load; else it opens. γ_T = 0 with
 //   |λ_T| inside its disc: it sticks, else it slides off along γ̇_T; with a greater static coefficient the problem is
 //   then solved again with the kinetic one.
-//   Directions that joints immobilise have no force. With friction there may be no solution or several (Painlevé).
-//   "None" is reported with a proof that rounding of the problem could not have produced, or if all modes were tried; a
-//   problem neither solved nor proved is undecided(). Several solutions are searched for where a contact's own coupling
+//   Contacts that joints immobilise are no candidates, immobile tangents have no force (spatial_immobility.h). With
+//   friction there may be no solution or several (Painlevé). "None" is reported with a proof that rounding of the
+//   problem could not have produced, or if all modes were tried; a problem neither solved nor proved is undecided().
+//   Several solutions are searched for where a contact's own coupling
 //   allows them (W_N B (W_N − μ W_T d)ᵀ ≤ 0 for a direction d that it may take), of at most 12 contacts that all slide
 //   or have no friction, by enumeration, and of a single contact without slip. Its directions of departure are the
 //   zeros of
@@ -21,6 +22,7 @@
 
 #include <orthant/integrators/between_events/spatial_motion.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/spatial_immobility.h>
 #include <orthant/solvers/refinement.h>
 
 #include <string>
@@ -50,6 +52,7 @@ class SpatialTransition {
   void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
 
  private:
+  void leave_out_immobile(SpatialMotion& motion);
   void formulate(SpatialMotion& motion, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   bool slide_off();
   double zero() const;

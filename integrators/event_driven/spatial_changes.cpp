@@ -43,6 +43,7 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
     const bool hit = event && event->watch == Watch::gap && event->contact == c, lasts = motion_.modes[i].lasting;
     tie_[i] = roundings * gap_zero(c) + options_.touching + since * kSame * now_.w.rate_scale[c];
     touching_[i] = hit || lasts || now_.w.gap[c] <= tie_[i];
+    if (touching_[i] && !lasts && !hit && stands_still(c)) touching_[i] = false;
     if (!touching_[i] || lasts || now_.w.gap_rate[c] >= -rate_zero(c)) continue;
     ++struck;
     Bounces& b = bounces_[i];

@@ -31,6 +31,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
       measures_(has_work(system)),
       motion_(system),
       transition_(system),
+      immobility_(system),
       formulation_(system),
       impact_(system),
       flow_(system, measures_),

@@ -66,6 +66,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
  private:
   static constexpr double kTurnOfNode = 0.25;  // [rad] of a contact's rows between two looks at its gap
   static constexpr int kMostNodes = 64;        // looks at gaps in a step
+  static constexpr double kStays = 256;        // roundings of a gap that does not change
   static double time_rounding(double t) { return 0x1p-49 * std::abs(t); }
   enum class Watch { gap, force, cone, stop };
   struct Sign {  // of an event
@@ -125,6 +126,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   void accept(double s, bool at_stop, double stop);
 
   std::optional<Sign> first_sign(double s);  // without those dismissed
+  bool stands_still(int contact);
   bool dismissed(Watch watch, int contact) const;
   void find_gaps(double s, std::optional<Sign>& first);
   std::optional<double> closing(int contact, double s, const Node& low, const Node& high, int depth);
@@ -150,6 +152,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   void sort_events();
 
   double gap_zero(int c) const { return 0x1p-52 * now_.w.gap_scale[c]; }
+  bool stays(const Point& p, int c) const { return std::abs(p.w.gap[c]) <= kStays * gap_zero(c) + options_.touching; }
   double rate_zero(int c) const { return options_.atol + 1e-12 * now_.w.rate_scale[c]; }
   double slip_zero(const Point& p) const { return options_.atol + 10 * motion_.slip_rounding(p.v); }
   double room(int contact, const Point& p) const;
@@ -165,6 +168,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
 
   SpatialMotion motion_;
   SpatialTransition transition_;
+  SpatialImmobility immobility_;
   FormulationOf<Spatial> formulation_;
   ImpactOf<Spatial> impact_;
   SpatialFlow flow_;

@@ -38,6 +38,11 @@ double SpatialEventDriven::slack(const Sign& sign) const {
   return kForceRounding * (load_ + now_.w.normal.lpNorm<Eigen::Infinity>());
 }
 
+/// Whether no force at now_ moves the contact, and the joints' drives do not press it shut.
+bool SpatialEventDriven::stands_still(int contact) {
+  return immobility_.stand(time_, now_.q) && immobility_.immobile(contact) && immobility_.rate() >= 0;
+}
+
 bool SpatialEventDriven::dismissed(Watch watch, int contact) const {
   return std::ranges::any_of(dismissed_,
                              [&](const Sign& sign) { return sign.watch == watch && sign.contact == contact; });
@@ -102,7 +107,9 @@ void SpatialEventDriven::find_gaps(double s, std::optional<Sign>& first) {
     for (int c = 0; c < system_.contacts(); ++c) {
       if (motion_.modes[static_cast<std::size_t>(c)].lasting || dismissed(Watch::gap, c)) continue;
       const std::optional<double> x = closing(c, s, low, high, 0);
-      if (x && (!first || *x < first->x)) first = Sign{Watch::gap, c, *x};
+      if (!x || (first && first->x <= *x)) continue;
+      if (stays(now_, c) && stays(trial_, c) && stands_still(c)) continue;  // rounding of what the joints hold
+      first = Sign{Watch::gap, c, *x};
     }
     if (first) return;
     std::swap(low, high);

@@ -8,8 +8,9 @@
 //   their rows are evaluated for all contacts of the scene, O(contacts) a step. With e > 0 an impact with slip rebounds
 //   at e |γ_N⁻| + μ |γ_T|, for any h: restitution and relaxed friction are not compatible, take another scheme. Static
 //   friction above kinetic acts on contacts that stick at the step's start, not on those that come to rest within it.
-// In space the cone is a pyramid of eight edges, the first one along the slip of free flight: it turns with the scene,
-// and a body that slides straight on has the relaxed disc's motion.
+// In space the cone is a pyramid of eight edges, the first one along the slip of free flight, or, where there is none,
+// along the slip that normal impulses begin: it turns with the scene, and a body that slides straight on has the
+// relaxed disc's motion.
 // Order 1 for e = 0, as Stewart–Trinkle.
 // Source: Anitescu & Potra, Nonlinear Dynamics 14 (1997) 231-247; Anitescu & Hart, Math. Program. 101 (2004) 57-91;
 // Anitescu, Math. Program. 105 (2006) 113-143.

@@ -1,13 +1,15 @@
 // integrators/step/spatial_rank_deficiency.h — rank deficiency of a step's problem in space: contacts that joints
 // immobilise.
 //
-// A contact of which joints leave less than 1e-12 of the effective inverse mass that it has without joints has no rows:
-// no impulse moves it. One of which both tangents are immobile has no friction. Reduced form only, and contact by
-// contact: combinations of contacts, and what drives do to them, are left to the solver (rank_deficiency.h has both for
-// the plane).
+// No impulse moves what joints immobilise (spatial_immobility.h). Such a contact has no rows, and its rates are what
+// the joints make them: where drives move it inwards, the search for jams finds it (jam.h). One of which both tangents
+// are immobile has no friction. Reduced form only, and contact by contact: combinations of contacts are left to the
+// solver (rank_deficiency.h has them for the plane), but for relaxed cones: where a proof has edges of cones and its
+// normals do not contradict the drives, the step stalls.
 #pragma once
 
 #include <orthant/integrators/step/rank_deficiency.h>
+#include <orthant/integrators/step/spatial_immobility.h>
 
 #include <optional>
 #include <span>
@@ -27,15 +29,19 @@ class SpatialRankDeficiency {
   void begin(const Terms& terms) { terms_ = &terms, held_.clear(); }
   bool find(const StepProblem& problem);
   std::span<const Held> held() const { return held_; }
-  void start_solving() {}
-  bool give_way(StepProblem&, const Solution&, bool, StepReport&) { return false; }
+  void start_solving() { relaxed_ = false; }
+  /// Never changes the problem; it tells whether the relaxation of cones is to blame: relaxed(), stalled.
+  bool give_way(const StepProblem& problem, const Solution& solution, bool solved, StepReport& report);
   void note_undecided() {}
+  bool relaxed() const { return relaxed_; }  // the relaxation of cones alone leaves the problem without a solution
 
  private:
   const SystemOf<Spatial>& system_;
   const Terms* terms_ = nullptr;
   std::optional<double> time_;
+  std::optional<SpatialImmobility> immobility_;  // from the first proof on
   std::vector<Held> held_;
+  bool relaxed_ = false;
 };
 
 template <class Space> using RankDeficiencyOf =

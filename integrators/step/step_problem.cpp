@@ -40,6 +40,33 @@ Tangents direction_of_slip(const Tangents& slip) {
   return size > kStickSpeed ? Tangents(slip.first / size, slip.second / size) : Tangents(1, 0);
 }
 
+/// Velocities that normal impulses begin, by a few Jacobi iterations without friction and joints: a contact that does
+/// not slip yet takes its direction from them, as it turns with the scene and depends on no order.
+Eigen::VectorXd begun_by_normals(const SystemOf<Spatial>& system, const TermsOf<Spatial>& terms,
+                                 const std::vector<RateTargetOf<Spatial>>& targets) {
+  constexpr int kSweeps = 4;
+  constexpr double kDamping = 0.5;
+  const Eigen::VectorXd& inverse_mass = system.inverse_mass();
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(system.dof()), v = force;
+  std::vector<double> impulse(targets.size()), own(targets.size());
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const RowOf<Spatial>& N = terms.closed[k].rows.normal;
+    own[k] = coupling(N, N, inverse_mass);
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      if (!(own[k] > 0)) continue;
+      const RowOf<Spatial>& N = terms.closed[k].rows.normal;
+      const double rate = targets[k].free + apply(N, v.data());
+      const double next = std::max(0.0, impulse[k] - kDamping * rate / own[k]);
+      apply_transposed(N, next - impulse[k], force.data());
+      impulse[k] = next;
+    }
+    v = inverse_mass.cwiseProduct(force);
+  }
+  return v;
+}
+
 /// z or w at the tangent rows from `first` on.
 template <class Space> Tangent<Space> tangent_at(const Vector& x, Index first) {
   if constexpr (kPlanar<Space>)
@@ -126,6 +153,7 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
   if (form_ == Form::full) rows_.insert(rows_.end(), terms.G.begin(), terms.G.end());
   no_normal_ = -1, collected_ = targets.size(), formed_ = false;
   const auto joints = static_cast<Index>(rows_.size());
+  [[maybe_unused]] Eigen::VectorXd begun;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     const auto& c = terms.closed[k];
     places_[k] = {};
@@ -144,7 +172,12 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
       if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
     } else if (edges) {
       Contact& contact = contacts_.back();
-      contact.along = direction_of_slip(targets[k].free_slip);
+      Tangents slip = targets[k].free_slip;
+      if (!(size_of(slip) > kStickSpeed)) {
+        if (begun.size() == 0) begun = begun_by_normals(system_, terms, targets);
+        slip = slip_rate(c.rows, begun.data());
+      }
+      contact.along = direction_of_slip(slip);
       for (Index j = 0; j < kEdges; ++j) {
         const auto [one, other] = edge_of(mu, contact.along, j, kEdges);
         rows_.push_back(combined(combined(c.rows.normal, one, c.rows.tangents[0]), other, c.rows.tangents[1]));

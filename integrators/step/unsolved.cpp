@@ -6,6 +6,35 @@
 
 namespace orthant {
 
+namespace {
+
+/// The contacts of which a proof u is made.
+template <class Space>
+std::vector<std::string> contacts_of_proof(const SystemOf<Space>& system, const std::vector<Pair>& pairs,
+                                           const StepProblemOf<Space>& problem, const Vector& u) {
+  const double least = kPartOfProof * u.lpNorm<Eigen::Infinity>();
+  std::vector<std::string> names;
+  problem.each_contact([&](Index i, Index edge, Index, const typename StepProblemOf<Space>::Contact& c) {
+    const auto entries = u.segment(i, edge >= 0 ? StepProblemOf<Space>::kEdges : 1);
+    if (entries.template lpNorm<Eigen::Infinity>() > least)
+      names.push_back(contact_name<Space>(system, pairs, c.index));
+  });
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string why_relaxed(const std::vector<std::string>& contacts, const std::string& when) {
+  return "the relaxed friction cones of contacts " + joined(contacts) + " have no common velocity" + when +
+         ": a contact that slides must open in this scheme; a shorter step, or a scheme with Coulomb's law, goes on";
+}
+
+}  // namespace
+
 std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, const StepProblem& problem,
                          const Solution& solution, const RankDeficiency& deficiency) {
   const std::string when = deficiency.time() ? " at t = " + detail::text_of(*deficiency.time()) + " s" : "";
@@ -24,21 +53,12 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
     return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
            (solution.miss.row >= 0 ? "; " + why(solution) : "") + ": try another solver or a shorter step";
-  const double least = kPartOfProof * u.lpNorm<Eigen::Infinity>();
   Jam jam;
-  problem.each_contact([&](Index i, Index edge, Index, const StepProblem::Contact& c) {
-    if (std::abs(u[i]) > least || (edge >= 0 && std::abs(u[edge]) > least))
-      jam.contacts.push_back(contact_name<Planar>(system, pairs, c.index));
-  });
+  jam.contacts = contacts_of_proof<Planar>(system, pairs, problem, u);
   jam.joints = jam.contacts.empty();
   if ((deficiency.undecided() || deficiency.relaxed()) && !jam.joints) {
-    std::string names;
-    for (const std::string& name : jam.contacts) names += (names.empty() ? "" : ", ") + name;
-    if (deficiency.relaxed())
-      return "the relaxed friction cones of contacts " + names + " have no common velocity" + when +
-             ": a contact that slides must open in this scheme; a shorter step, or a scheme with Coulomb's law, "
-             "goes on";
-    return "rounding leaves undecided whether a motion satisfies contacts " + names +
+    if (deficiency.relaxed()) return why_relaxed(jam.contacts, when);
+    return "rounding leaves undecided whether a motion satisfies contacts " + joined(jam.contacts) +
            (system.joint_rows() > 0 ? " together with the joints" : " together");
   }
   return words(jam);
@@ -53,6 +73,8 @@ std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair
            " has no normal: its centres, or points, are in one place";
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
+  if (deficiency.relaxed() && solution.certificate.size() == problem.size())
+    return why_relaxed(contacts_of_proof<Spatial>(system, pairs, problem, solution.certificate), when);
   return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
          std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
          ": try another solver or a shorter step";

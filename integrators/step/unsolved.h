@@ -12,7 +12,7 @@ namespace orthant {
 std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, const StepProblem& problem,
                          const Solution& solution, const RankDeficiency& deficiency);
 
-/// In space: the status, or the contact that has no normal.
+/// In space: the status, the contact that has no normal, or those with relaxed cones that contradict each other.
 std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair>& pairs,
                          const StepProblemOf<Spatial>& problem, const Solution& solution,
                          const SpatialRankDeficiency& deficiency);

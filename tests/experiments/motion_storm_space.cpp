@@ -215,6 +215,31 @@ TEST_CASE("motion storm in space: friction of a spinning box on four corners is 
   CHECK(open(1, 3) > 0.01);
 }
 
+TEST_CASE("motion storm in space: an impact in the last step leaves friction open from its time on") {
+  spatial::Scene s{.gravity = {0, 0, -10}};
+  s.body({.mass = 2, .inertia = spatial::box({0.4, 0.2, 0.1}).inertia * 2, .position = {0, 0, 0.05}});
+  s.contact_set(
+      spatial::corners_plane({.name = "floor", .a = 0, .law = {.mu = 0.3}}, spatial::box_corners({0.2, 0.1, 0.05})));
+  Trace t = rows_of_ball({{0, 0, 0.05, 1, 0}, {0.5, 0, 0.05, 1, 0}, {0.75, 0, 0.05, 1, 0}});
+  for (State& x : t.rows) x.v[5] = 3;
+  t.pressed = {0, 0, 5};
+  CHECK(friction_left_open(s, t, 4) == 0);  // what acts at the end moves nothing
+  const auto struck_at = [&](double when) {
+    t.events = {{when, EventKind::impact, 0, 5, 1.5}};
+    return friction_left_open(s, t, 4);
+  };
+  CHECK(struck_at(0.7) > 0.01);
+  CHECK(struck_at(0.65) == doctest::Approx(2 * struck_at(0.7)).epsilon(1e-9));
+}
+
+TEST_CASE("motion storm in space: a moment spins a slender body as fast as it does, and no fault is found in that") {
+  const auto scene = random_scene<Spatial>(5, 880).scene;  // 0.4 N m about an axis of 7e-8 kg m²
+  for (const Verdict& v : judge(scene, {"adaptive", "event-driven"}, 880 / kinds<Spatial>().size(), {10, 30})) {
+    INFO(v.integrator, ": ", v.why);
+    CHECK(v.result == Result::solved);
+  }
+}
+
 TEST_CASE("motion storm in space: a fault is shrunk to what it needs, sets of contacts as a whole") {
   const auto whole = random_scene<Spatial>(1, 20).scene;
   REQUIRE(whole.bodies.size() > 1);

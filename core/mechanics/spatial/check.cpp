@@ -201,7 +201,7 @@ void examine_angles(const Scene& scene) {
   };
   const auto near = [&](const SpatialElement& e, const Angle& angle, const char* field, double value, double middle) {
     const double start = angle.value(k);
-    e.require(std::abs(start - middle) < std::numbers::pi, field, e.text(value),
+    e.require(std::abs(start - middle) < std::numbers::pi, field, value,
               (value == middle ? std::string("less than half a turn from the angle at the start, ")
                                : "so that the middle of the bounds, " + e.text(middle) +
                                      ", is less than half a turn from the angle at the start, ") +

@@ -93,6 +93,7 @@ template <class Space> class Court : private SceneRuns<Space> {
       std::string why;
       const Seen& s = base(spec);
       if (!s.trace.solved() || s.trace.run.crossings > 0 || figures_fault(spec, s, why) != Result::solved) continue;
+      if (s.figures.speed > 100 * Runs::expected_speed()) continue;  // crushed: it magnifies more than nudges show
       const Seen& n = nudged(spec, kNudge);
       if (!n.trace.solved()) continue;
       moved_ = difference<Space>(s.trace.rows, n.trace.rows, s.figures.size);
@@ -307,6 +308,15 @@ template <class Space> class Court : private SceneRuns<Space> {
     return opens && strikes;
   }
 
+  /// Whether a run of this scheme is admissible until `past`.
+  bool goes_on(const std::string& spec, const Seen& s, double past) {
+    if (!s.trace.ran() || s.trace.end() < past || s.trace.run.passages > 0) return false;
+    const double step = own_step(spec) / (&s == &base(spec) ? 1 : 4);
+    const Seen part{s.trace, examine(scene_, s.trace, Runs::allowance(spec, step), past)};
+    std::string bad;
+    return figures_fault(spec, part, bad) == Result::solved;
+  }
+
   Result ended_early(const std::string& spec, std::string& why) {
     const Run& ended = base(spec).trace.run;
     const bool painleve = ended.why.find("Painlev") != std::string::npos;
@@ -320,11 +330,8 @@ template <class Space> class Court : private SceneRuns<Space> {
       return Result::stopped;
     for (const std::string& other : all_integrators<Space>()) {
       if (other == spec) continue;
-      const Seen& s = base(other);
-      if (!s.trace.ran() || s.trace.end() < past) continue;
-      Seen part{s.trace, examine(scene_, s.trace, allowance(other, own_step(other)), past)};
-      std::string bad;
-      if (figures_fault(other, part, bad) != Result::solved || s.trace.run.passages > 0) continue;
+      if (!goes_on(other, base(other), past)) continue;
+      if (!precise(other) && !goes_on(other, quarter(other), past)) continue;  // steps that overlap go through jams
       why = "ends at t = " + text_of(t) + ": " + ended.why + "; " + other + " goes on";
       return Result::infeasible;
     }

@@ -33,6 +33,15 @@ inline double surface_speed(const spatial::Contact& contact) {
 }
 inline double torque_of(const Load& l) { return std::abs(l.torque); }
 inline double torque_of(const spatial::Load& l) { return l.moment.norm(); }
+/// [N m] about the body's centre, at most.
+inline double moment_of(const Load& l) { return torque_of(l) + l.point.norm() * l.force.norm(); }
+inline double moment_of(const spatial::Load& l) { return torque_of(l) + l.point.norm() * l.force.norm(); }
+inline double least_inertia_of(const Scene& scene, const Measure& /*measure*/, BodyId b) {
+  return scene.bodies[static_cast<std::size_t>(b)].inertia;
+}
+inline double least_inertia_of(const spatial::Scene& /*scene*/, const SpatialMeasure& measure, BodyId b) {
+  return measure.least_inertia(b);
+}
 inline double spin_of(const Body& b) { return std::abs(b.omega); }
 inline double spin_of(const spatial::Body& b) { return b.omega.norm(); }
 
@@ -160,10 +169,14 @@ template <class Space> class SceneRuns {
       }
     speed += scene_.gravity.norm() * scene_.duration;
     for (const auto& c : scene_.contacts) speed = std::max(speed, surface_speed(c));
+    double spun = 0;  // by moments, which a slender body has next to no inertia against
+    for (const auto& l : scene_.loads)
+      if (l.body >= 0)
+        spun += measure.reach(l.body) * moment_of(l) / least_inertia_of(scene_, measure, l.body) * scene_.duration;
     double stored = 0;
     for (const auto& l : scene_.loads) stored += l.force.norm() + torque_of(l);
     stored += std::abs(measure.potential(SystemOf<Space>(scene_).initial_state().q)) * (scene_.springs.empty() ? 0 : 1);
-    return (speed + std::sqrt(2 * stored / light)) * std::sqrt(heavy / light);
+    return spun + (speed + std::sqrt(2 * stored / light)) * std::sqrt(heavy / light);
   }
 
   const Scene& scene_;

@@ -123,8 +123,8 @@ template <class Space> double left_open(const SceneOf<Space>& scene, const Trace
     double range = shared.range(trace.rows[r], kClosed, moves);
     State struck;
     double error = 0;
-    if (range == 0 && last_impact<Space>(scene, measure, trace, r, struck, error) != nullptr)
-      range = shared.range(struck, kClosed + error, moves);
+    const Event* hit = last_impact<Space>(scene, measure, trace, r, struck, error);
+    if (range == 0 && hit != nullptr) range = shared.range(struck, kClosed + error, moves);
     double compliance = 0;  // [1/(N s)] of the motion that goes farthest: sizes/s, rad/s
     for (std::size_t b = 0; range > 0 && b < scene.bodies.size(); ++b) {
       const auto at = static_cast<Eigen::Index>(n * b);
@@ -133,7 +133,7 @@ template <class Space> double left_open(const SceneOf<Space>& scene, const Trace
       if (moves.segment<n - translations>(at + translations).norm() > kRounded)
         compliance = std::max(compliance, measure.reach(static_cast<BodyId>(b)) / least_inertia(scene, measure, b));
     }
-    sum += range * trace.pressed[r] * compliance * (trace.end() - trace.rows[r].t);
+    sum += range * trace.pressed[r] * compliance * (trace.end() - (hit != nullptr ? hit->t : trace.rows[r].t));
   }
   return sum;
 }

@@ -17,7 +17,7 @@ namespace orthant::motion_storm {
 /// In each step a normal impulse P [N s] that goes over from one contact to another changes the friction on a body of
 /// mass m by (max σμ − min σμ) P (in space: |μ u − μ' u'| P at the most), its speed by that over m, and its place by
 /// that speed times the rest of the run. P is at most the sum of all normal impulses of the step. 0 where friction is
-/// determined. Contacts of the last impact between two rows count, too, where the trace has events.
+/// determined. Contacts of the last impact between two rows count, too, where the trace has events: from its time on.
 double friction_left_open(const Scene& scene, const Trace& trace, double size);
 double friction_left_open(const spatial::Scene& scene, const Trace& trace, double size);
 
