@@ -63,6 +63,7 @@ template <class Space> class Court : private SceneRuns<Space> {
   using Runs::admissible;
   using Runs::allowance;
   using Runs::base;
+  using Runs::expected_speed;
   using Runs::figures_fault;
   using Runs::nudged;
   using Runs::own_step;
@@ -93,7 +94,7 @@ template <class Space> class Court : private SceneRuns<Space> {
       std::string why;
       const Seen& s = base(spec);
       if (!s.trace.solved() || s.trace.run.crossings > 0 || figures_fault(spec, s, why) != Result::solved) continue;
-      if (s.figures.speed > 100 * Runs::expected_speed()) continue;  // crushed: it magnifies more than nudges show
+      if (s.figures.speed > 100 * expected_speed()) continue;  // crushed: it magnifies more than nudges show
       const Seen& n = nudged(spec, kNudge);
       if (!n.trace.solved()) continue;
       moved_ = difference<Space>(s.trace.rows, n.trace.rows, s.figures.size);
@@ -312,7 +313,7 @@ template <class Space> class Court : private SceneRuns<Space> {
   bool goes_on(const std::string& spec, const Seen& s, double past) {
     if (!s.trace.ran() || s.trace.end() < past || s.trace.run.passages > 0) return false;
     const double step = own_step(spec) / (&s == &base(spec) ? 1 : 4);
-    const Seen part{s.trace, examine(scene_, s.trace, Runs::allowance(spec, step), past)};
+    const Seen part{s.trace, examine(scene_, s.trace, allowance(spec, step), past)};
     std::string bad;
     return figures_fault(spec, part, bad) == Result::solved;
   }

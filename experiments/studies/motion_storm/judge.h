@@ -25,14 +25,15 @@
 //                   below, where two of fixed step are nearer to the reference, and at rtol = 1e-9, too
 //   any run when it is
 //     infeasible    ended so, or by "Painlevé" where that is not possible (painleve.h), and a second integrator goes on
-//                   admissibly past that time (one of fixed step with a quarter of its step, too); not where an impact without a solution is proved (painleve.h)
+//                   admissibly past that time (one of fixed step with a quarter of its step, too); not where an impact
+//                   without a solution is proved (painleve.h)
 //     late          more than `grace` seconds of the processor past its limit
 //     crashed       ended by an exception or a signal
 //   With fixed steps, joints, penetration, energy, twin and astray count only where a quarter of the step (energy:
 //   and a 32nd) shows them, too, at more than half the size: else they are the step's error. Output step, twin and
 //   astray count only in motions that are well conditioned: a reference (event-driven, else adaptive) without crossed
-//   crowds, that is not crushed (points at most 100 times as fast
-//   as expected), whose masses, gravity and speeds are off by 1e-9, and places by 1e-10 m, is off by less than 1e-5.
+//   crowds, in which points are at most 100 times as fast as expected (a wedge that closes magnifies without bound),
+//   and whose masses, gravity and speeds are off by 1e-9, and places by 1e-10 m, is off by less than 1e-5.
 //   Allowed are 1e-6 (event-driven), 1e-3 (adaptive), each with ten times what the nudge makes, or ten times the most
 //   that nudges of 1e-9 to 1e-7 (precise ones: 5e-10 to 1e-8), both ways, make with the scheme itself (event-driven:
 //   and a tighter tolerance), the square of a step's way (fixed steps) and what friction that the model leaves open

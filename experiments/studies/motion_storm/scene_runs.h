@@ -151,6 +151,7 @@ template <class Space> class SceneRuns {
     return fast >= 2;
   }
 
+ protected:
   /// [m/s] What drives, gravity, loads, springs and the start can make of points, by a rough bound. Heavy bodies make
   /// light ones faster than they are: by the root of their ratio at the most, as kinetic energy goes over.
   double expected_speed() const {
@@ -179,6 +180,7 @@ template <class Space> class SceneRuns {
     return spun + (speed + std::sqrt(2 * stored / light)) * std::sqrt(heavy / light);
   }
 
+ private:
   const Scene& scene_;
   const Limits& limits_;
   bool driven_ = false;
