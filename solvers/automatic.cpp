@@ -16,7 +16,7 @@ struct Look {
   Index n = 0;
   bool sparse = false, applied = false;  // storage: rows, or an operator that is only applied
   bool warm = false;                     // a start value is given
-  bool friction = false, symmetric = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
+  bool friction = false, symmetric = true, skew = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
   bool grid = false;  // of two or three dimensions: more than four entries a row
 };
 
@@ -53,7 +53,15 @@ bool sweeps(const Look& p) { return quadratic_friction(p) && p.n > (p.warm ? kRe
 bool resumed(const Look& p) { return quadratic_friction(p) && p.warm && p.n > kDriven && p.n <= kResumed; }
 bool followed(const Look& p) { return p.friction && p.n > (p.warm ? kTiny : kBoldRows) && p.n <= kSmall; }
 bool pyramids(const Look& p) {
-  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && p.n > kDriven && p.n <= kSmall;
+  const bool skew = p.skew && p.no_diagonal && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
+  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !skew && p.n > kDriven && p.n <= kSmall;
+}
+bool swept(const Look& p) {
+  return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kBoldRows;
+}
+bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
+bool dense_friction(const Look& p) {
+  return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
 
 // Where the driving variable does not end soon it seldom ends.
@@ -82,6 +90,9 @@ constexpr Step kSteps[] = {
     // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of
     // them.
     {"psor:max_sweeps=6000,stop_early=true", "friction, symmetric, cheap sweeps", sweeps},
+    // Random contacts on bodies of several, n = 300 and 600, where sweeps crawl: 4 and 33 ms; mprgp and path 50 and
+    // 400 ms.
+    {"prox:max_outer=100", "friction, symmetric, dense", dense_friction},
     // Stacks and tables with 240 to 324 rows: 1 to 6 ms, path 8 to 31 ms.
     {"mprgp:max_iterations=4000,stop_early=true", "friction, symmetric", sweeps},
     // An arch of ten stones, 44 rows: 0.1 ms a step of stewart-trinkle, path 35 ms, Lemke's tableau 31 ms.
@@ -92,7 +103,11 @@ constexpr Step kSteps[] = {
     // Ten bricks, 64 rows, from the last step's impulses: 0.3 ms a solve, Lemke's tableau 1.5 ms.
     // Cold, steps of an arch and random contacts up to 84 rows: Lemke's tableau is 1.3 to 40 times as quick.
     {"path:restarts=0", "friction, from the start value or large", followed},
-    {kTableau, "small", [](const Look& p) { return p.n <= kSmall; }},
+    // Tridiagonal and a random entry or two a row. 150 rows: 0.06 ms, Lemke's revised form 0.2 ms, its tableau 1.4 ms.
+    // 10 000 rows: 0.02 s, path 0.09 s, interior-point 10 s, as the factors of such matrices fill in.
+    {"psor:max_sweeps=200,stop_early=true", "sparse, unsymmetric, cheap sweeps", swept},
+    {"lemke:form=revised,rescue=false,max_pivots=5000", "small, sparse, unsymmetric", unswept},
+    {kTableau, "small", [](const Look& p) { return p.n <= kSmall && !unswept(p); }},
     {"path:restarts=0", "friction", [](const Look& p) { return p.friction && p.n > kTiny && p.n <= kSmall; }},
     {"lemke:rescue=false,max_pivots=10000", "dense",
      [](const Look& p) { return smooth(p) && !p.sparse && p.n > kSmall && p.n <= kFull; }},
@@ -102,10 +117,6 @@ constexpr Step kSteps[] = {
      [](const Look& p) {
        return smooth(p) && !p.applied && !p.sparse && p.symmetric && p.positive_diagonal && p.n > kSmall;
      }},
-    // Tridiagonal and a random entry or two a row, 10 000 rows: 0.02 s and 0.09 s, where interior-point takes 10 s, as
-    // the factors of such matrices fill in.
-    {"pgs:max_sweeps=200", "large, sparse, unsymmetric, cheap sweeps",
-     [](const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kSmall; }},
     {"path:restarts=0", "large, sparse, unsymmetric",
      [](const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
@@ -134,6 +145,7 @@ Look look(const Lcp& problem) {
       for (Index i = 0; i < j; ++i) {
         const double a = (*dense)(i, j), b = (*dense)(j, i);
         p.symmetric = p.symmetric && a == b;
+        p.skew = p.skew && a == -b;
         p.z_matrix = p.z_matrix && a <= 0 && b <= 0;
       }
       p.positive_diagonal = p.positive_diagonal && (*dense)(j, j) > 0;
@@ -277,7 +289,8 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   claim = handed_on(work.inner, s);
   s.iterations = work.iterations += work.inner.iterations;
   const auto when = kSteps[k].when;
-  const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids;
+  const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids ||
+                     when == &swept || when == &dense_friction;
   const bool in_vain = tried && !has_answer(work.inner.status) && work.inner.status != Status::infeasible;
   if (logging())
     log(attempt, work.inner.residual, 0,

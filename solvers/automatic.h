@@ -9,12 +9,16 @@
 //                          frictionless to 6 rows then dantzig
 //     friction             symmetric from 60 rows on: psor and mprgp, both abandoned if they make no progress; to 400
 //                          rows, with a start value or beyond 100 rows: path without restarts
-//     pyramids             unsymmetric, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not the guess
+//                          dense, without a start value: prox after psor
+//     pyramids             unsymmetric, not skew, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not
+//                          the guess
+//     sparse, unsymmetric  from 100 rows on, positive diagonal: 200 sweeps of psor, abandoned if they make no progress;
+//                          to 400 rows lemke's revised form
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) psor on grids to 2000 rows, multigrid beyond, 10 iterations of block-pivot, newton-min
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0, 50 iterations
 //                          or, sparse, 10; interior-point
-//     large, sparse, unsymmetric   200 sweeps of pgs, path without restarts, then as the others
+//     large, sparse, unsymmetric   those sweeps, path without restarts, then as the others
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
 //     up to 2²⁰ cells      at last every cell (enumerate.h): a solution, or the proof that there is none

@@ -18,6 +18,10 @@ constexpr double kFine = 1e-10;
 
 bool open(const Solution& s) { return !has_answer(s.status) && s.status != Status::infeasible; }
 
+bool better(const Solution& a, const Solution& b) {
+  return has_answer(a.status) == has_answer(b.status) ? a.residual < b.residual : has_answer(a.status);
+}
+
 }  // namespace
 
 Claim handed_on(const Solution& inner, Solution& s) {
@@ -39,23 +43,25 @@ Claim handed_on(const Solution& inner, Solution& s) {
   }
 }
 
+bool Solver::unsettled(const Solution& s) const { return open(s) || (s.status == Status::rounded && coarse_); }
+
 /// The judge's status, or the better one of z with its fine rows settled.
 void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   judge_at_bounds(problem, tolerance, claim, s);
-  if (open(s) && s.residual <= kFine * problem.b.lpNorm<Eigen::Infinity>()) judge_fine_rows(problem, tolerance, s);
+  if (unsettled(s) && s.residual <= kFine * problem.b.lpNorm<Eigen::Infinity>()) judge_fine_rows(problem, tolerance, s);
 }
 
 /// The judge on z with the rows settled that violate by little beside the others' data.
 void Solver::judge_fine_rows(const Lcp& problem, double tolerance, Solution& s) {
   if (!fine_rows_.settle(problem, s.z, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
-  if (!has_answer(put_.status)) return;
+  if (!has_answer(put_.status) || (judge_.coarse() && has_answer(s.status))) return;
   take_put(s);
 }
 
 /// What was last judged in put_ into s; its status only where it is an answer.
 void Solver::take_put(Solution& s) {
-  accepted_ = judge_.accepted();
+  accepted_ = judge_.accepted(), coarse_ = judge_.coarse();
   if (has_answer(put_.status)) s.status = put_.status;
   s.z = put_.z, s.w = put_.w;
   s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
@@ -64,13 +70,13 @@ void Solver::take_put(Solution& s) {
 /// The judge on z; where z does not pass for solved, also on z put at its bounds, and the better of both is kept.
 void Solver::judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   judge_.certify(problem, tolerance, claim, s);
-  accepted_ = judge_.accepted();
+  accepted_ = judge_.accepted(), coarse_ = judge_.coarse();
   const double excess = judge_.excess();
   if (s.status == Status::solved || s.status == Status::infeasible || !s.z.allFinite() || !s.w.allFinite()) return;
   if (!at_bounds_.put(problem, s, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
-  const bool nearer = judge_.excess() < excess;
-  if (put_.status != Status::solved && (has_answer(s.status) || !(nearer || has_answer(put_.status)))) return;
+  const bool nearer = judge_.excess() < excess, answers = has_answer(put_.status) && !(coarse_ && judge_.coarse());
+  if (put_.status != Status::solved && (!unsettled(s) || !(nearer || answers))) return;
   take_put(s);
 }
 
@@ -92,18 +98,21 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   } else if (!farkas_.propose(problem, proof_, share)) {
     return;
   }
-  if (!judge_.proves_infeasible(problem, proof_) &&
-      !(in_whole_numbers(proof_) && judge_.proves_infeasible(problem, proof_))) {
-    if (Judge::wants_exact_proof(problem)) search_cells(problem, s, share);
-    return;
-  }
-  s.certificate = proof_;
-  judge_.certify(problem, tolerance(), Claim::stalled, s);
+  const Status before = s.status;
+  const auto proves = [&](const Vector& u) {
+    s.certificate = u;
+    judge_.certify(problem, tolerance(), Claim::stalled, s);
+    if (s.status != Status::infeasible) s.status = before;
+    return s.status == Status::infeasible;
+  };
+  scratch_ = proof_;
+  if (!(in_whole_numbers(scratch_) && proves(scratch_)) && !proves(proof_) && has_few_cells(problem))
+    search_cells(problem, s, share);
 }
 
 /// Where the last digits of a ray stand in the way of a proof.
 void Solver::take_ray_in_whole_numbers(const Lcp& problem, Solution& s) {
-  if (s.ray.size() != problem.size() || !Judge::wants_exact_proof(problem)) return;
+  if (s.ray.size() != problem.size()) return;
   proof_ = s.ray;
   if (!in_whole_numbers(proof_)) return;
   s.certificate = proof_;
@@ -118,17 +127,20 @@ void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) 
   Solution found;
   search.solve(problem, found);
   const bool better = found.status == Status::infeasible || found.status == Status::solved ||
-                      (found.status == Status::rounded && open(s));
+                      (found.status == Status::rounded && unsettled(s));
   if (!better) return;
   found.iterations = s.iterations;
   if (found.status == Status::infeasible) found.ray = proof_;  // a proof but for rounding
   s = std::move(found);
+  if (!has_answer(s.status)) return;
+  judge_.certify(problem, tolerance(), Claim::candidate, s);
+  coarse_ = judge_.coarse();
 }
 
 bool Solver::passes(const Lcp& problem, Solution& s) {
   before_ = s.z;
   judge(problem, std::min(goal(), tolerance()), Claim::stalled, s);
-  if (has_answer(s.status)) return true;
+  if (has_answer(s.status) && !coarse_) return true;
   s.z = before_;
   return false;
 }
@@ -196,14 +208,14 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   const double goal_residual = std::min(goal(), tolerance());
   judge(problem, goal_residual, claim, s);
   if (s.status == Status::ray) take_ray_in_whole_numbers(problem, s);
-  if (open(s)) seek_proof(problem, s);
-  best_.residual = kInf;
-  for (int attempt = 1; open(s) && !budget_.exhausted(); ++attempt) {
-    if (!(s.residual >= best_.residual)) best_ = s;
+  if (unsettled(s)) seek_proof(problem, s);
+  best_.residual = kInf, best_.status = Status::not_run;
+  for (int attempt = 1; unsettled(s) && !budget_.exhausted(); ++attempt) {
+    if (!better(best_, s)) best_ = s;
     if (!run_again(problem, s, attempt, claim)) break;
     judge(problem, goal_residual, claim, s);
   }
-  if (open(s) && best_.residual < s.residual) {  // a harder attempt may do worse: the best z is what is reported
+  if (unsettled(s) && better(best_, s)) {  // a harder attempt may do worse: the best z is what is reported
     best_.iterations = s.iterations;
     s = best_;
   }
@@ -214,6 +226,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   }
   if (s.status == Status::rounded) seek_proof(problem, s);
   if (open(s) && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
+  if (open(s)) judge_.explain(problem, tolerance(), s);
   s.factorizations = factorization_count().factorizations - before.factorizations;
   s.factorized_rows = factorization_count().rows - before.rows;
   return s;

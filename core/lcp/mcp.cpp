@@ -92,7 +92,10 @@ void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
   Vector scratch;
   multiply(linear.A, s.z, linear.b, scratch);
   linear.b = F - linear.b;
-  Judge().certify(linear, tolerance, claim == Claim::exhausted ? Claim::stalled : claim, s);
+  Judge judge;
+  judge.certify(linear, tolerance, claim == Claim::exhausted ? Claim::stalled : claim, s);
+  if (judge.coarse()) s.status = claim == Claim::candidate ? Status::stalled : status_of(claim);
+  if (!has_answer(s.status) && s.status != Status::infeasible) judge.explain(linear, tolerance, s);
   s.w = F;
   if (!has_answer(s.status)) return;
   if (const Miss miss = misfit(p, linear.A, s.z, F, tolerance); miss.row >= 0) {

@@ -6,6 +6,7 @@
 
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/judge/active_set.h>
+#include <orthant/core/lcp/judge/cell_words.h>
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/judge/error_bound.h>
 #include <orthant/solvers/cones/facets.h>
@@ -56,16 +57,10 @@ nlohmann::ordered_json facet_error(const Lcp& problem, const Solution& s, const 
 
 /// Each class of the exhaustive search (judge/cells.h): sides by row of the problem, and why none has a solution.
 nlohmann::ordered_json cells_of(const Lcp& problem, const std::vector<Cell>& cells) {
-  constexpr const char* kWhy[] = {"z - lower < 0", "upper - z < 0", "w", "equation", "within", "polyhedron"};
   auto classes = nlohmann::ordered_json::array();
-  for (const Cell& cell : cells) {
-    std::string sides;
-    for (const signed char side : cell.sides) sides += side < 0 ? 'L' : side > 0 ? 'U' : 'I';
-    classes.push_back({{"sides", sides},
-                       {"expressed", cell.expressed},
-                       {"why", kWhy[static_cast<int>(cell.why)]},
-                       {"row", cell.row}});
-  }
+  for (const Cell& cell : cells)
+    classes.push_back(
+        {{"sides", letters(cell)}, {"expressed", cell.expressed}, {"why", words_of(cell.why)}, {"row", cell.row}});
   return {{"count", count_cells(problem)}, {"order", order_of_decision(problem)}, {"classes", std::move(classes)}};
 }
 

@@ -5,6 +5,7 @@
 #include "experiments/python/pickle.h"
 #include "experiments/python/problem_arrays.h"
 
+#include <orthant/core/lcp/judge/cell_words.h>
 #include <orthant/core/lcp/judge/cells.h>
 
 #include <pybind11/stl.h>
@@ -18,10 +19,10 @@ namespace py = pybind11;
 namespace {
 
 /// What scipy.optimize calls things, for result["x"] and result.x alike.
-constexpr std::array<const char*, 20> kResultKeys = {
-    "status",         "solved",  "z",       "w",   "certificate", "residual", "rounding", "iterations",
-    "factorizations", "seconds", "why_not", "why", "cells",       "log",      "x",        "fun",
-    "success",        "message", "nit",     "nfev"};
+constexpr std::array<const char*, 21> kResultKeys = {
+    "status",  "solved",  "z",   "w",     "certificate", "residual", "rounding", "iterations", "factorizations",
+    "seconds", "why_not", "why", "cells", "cell_search", "log",      "x",        "fun",        "success",
+    "message", "nit",     "nfev"};
 
 bool is_result_key(py::handle key) {  // any object may be a key, as in a dict
   return py::isinstance<py::str>(key) &&
@@ -36,6 +37,17 @@ std::string message_of(const Result& r) {
   else
     text << r.status << (r.why_not.empty() && r.why.empty() ? "" : ": ") << r.why_not << r.why;
   return text.str();
+}
+
+/// The search of all cells as `orthant solve --json` has it, or None.
+py::object search_of(const Lcp& problem, const std::vector<Cell>& cells) {
+  if (cells.empty()) return py::none();
+  py::list classes;
+  for (const Cell& cell : cells)
+    classes.append(py::dict(py::arg("sides") = letters(cell), py::arg("expressed") = cell.expressed,
+                            py::arg("why") = words_of(cell.why), py::arg("row") = cell.row));
+  return py::dict(py::arg("count") = count_cells(problem), py::arg("order") = order_of_decision(problem),
+                  py::arg("classes") = classes);
 }
 
 }  // namespace
@@ -61,6 +73,7 @@ Result result_of(const Lcp& problem, const Solution& s, double seconds, std::str
           std::move(why_not),
           why(s),
           s.cells.empty() ? 0.0 : count_cells(problem),
+          search_of(problem, s.cells),
           std::move(log)};
 }
 
@@ -93,6 +106,10 @@ void add_results(py::module_& m) {
       .def_readonly("why", &Result::why, "in one line why the status is not 'solved', as far as z tells")
       .def_readonly("cells", &Result::cells,
                     "choices of sides searched, all without a solution, where that is the proof")
+      .def_readonly(
+          "cell_search", &Result::cell_search,
+          "that proof: dict of count, order (rows) and classes, each with sides (a letter a row), expressed, why "
+          "and row; else None")
       .def_readonly("log", &Result::log, "list of LogEntry, if requested")
       .def_readonly("x", &Result::z, "z, as scipy.optimize calls it")
       .def_property_readonly("success", &Result::solved, "solved, as scipy.optimize calls it")
@@ -136,7 +153,7 @@ void add_results(py::module_& m) {
            })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
                       &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
-                      &Result::why_not, &Result::why, &Result::cells, &Result::log>())
+                      &Result::why_not, &Result::why, &Result::cells, &Result::cell_search, &Result::log>())
       .def("__repr__", &Result::repr);
 }
 

@@ -21,6 +21,7 @@ struct Result {
   double seconds;
   std::string why_not, why;
   double cells;
+  pybind11::object cell_search;
   std::vector<LogEntry> log;
 
   bool solved() const { return status == name(Status::solved); }

@@ -152,10 +152,11 @@ bool InteriorPoint::start(const Lcp& p, double farther) {
 bool InteriorPoint::keep(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(lo_).cwiseMin(hi_);
   judge_.certify(p, kExact, Claim::candidate, trial_);
-  bool solved = has_answer(trial_.status);  // row by row: the largest residual may still be another's
+  const auto settled = [this](const Solution& s) { return has_answer(s.status) && !judge_.coarse(); };
+  bool solved = settled(trial_);  // row by row: the largest residual may still be another's
   if (!solved && at_bounds_.put(p, trial_, put_.z)) {
     judge_.certify(p, kExact, Claim::candidate, put_);
-    solved = has_answer(put_.status);
+    solved = settled(put_);
     if (solved || put_.residual < best_.residual) best_.residual = put_.residual, best_.z = put_.z;
     return solved;
   }
@@ -384,7 +385,7 @@ Claim InteriorPoint::method(const Lcp& p, Solution& s, Start start) {
     claim = iterate(p, s, farther);
     if (budget().exhausted() || s.ray.size() > 0 || s.iterations >= options_.max_iterations) break;
     judge_.certify(p, options_.tolerance, Claim::candidate, best_);
-    if (has_answer(best_.status)) break;
+    if (has_answer(best_.status) && !judge_.coarse()) break;
   }
   return claim;
 }

@@ -21,9 +21,13 @@ double error(const Solution& s) { return std::max(s.residual, s.rounding); }
 /// Judges z, clamped to the bounds; the best so far is kept.
 bool Polish::better(const Lcp& p, const Vector& z) {
   trial_.z = z.cwiseMax(p.lo).cwiseMin(p.hi);
-  judge_.certify(p, 0, Claim::stalled, trial_);
+  const auto judge = [&](Solution& s) {
+    judge_.certify(p, 0, Claim::stalled, s);
+    if (judge_.coarse()) s.status = Status::stalled;  // a better one is looked for
+  };
+  judge(trial_);
   if (!is_exact(trial_) && at_bounds_.put(p, trial_, put_.z)) {
-    judge_.certify(p, 0, Claim::stalled, put_);
+    judge(put_);
     if (is_exact(put_) || error(put_) < error(trial_)) std::swap(trial_, put_);
   }
   const bool smaller = error(trial_) < error(best_);

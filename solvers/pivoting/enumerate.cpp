@@ -118,7 +118,7 @@ Claim Enumerate::run(const Lcp& problem, Solution& s, Start) {
     candidate_judge_.certify(problem, options_.tolerance, Claim::candidate, candidate);
     if (!found || has_answer(candidate.status)) s.z = candidate.z;
     found = true;
-    return has_answer(candidate.status);
+    return has_answer(candidate.status) && !candidate_judge_.coarse();
   };
   Walk walk(
       problem,

@@ -56,7 +56,7 @@ struct SolutionSet {
 SolutionSet enumerate_solutions(const Lcp& problem, const std::function<bool()>& stop = {});
 
 struct EnumerateOptions {
-  double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   template <class V> void visit(V&& v) { v("tolerance", tolerance, 0.0, 1.0); }
 };
 
@@ -69,6 +69,7 @@ class Enumerate final : public Solver {
  private:
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
 
   Options options_;
   Judge candidate_judge_;

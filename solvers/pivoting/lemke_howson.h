@@ -39,7 +39,7 @@ std::vector<Equilibrium> lemke_howson_all(const Eigen::MatrixXd& A, const Eigen:
                                           const std::function<bool()>& stop = {});
 
 struct LemkeHowsonOptions {
-  double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   int label = -1;            // −1: all in turn
   template <class V> void visit(V&& v) { v("tolerance", tolerance, 0.0, 1.0), v("label", label, -1, 1000000); }
 };
@@ -54,6 +54,7 @@ class LemkeHowson final : public Solver {
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
   Claim follow(int label, Solution& s);
 
   Options options_;

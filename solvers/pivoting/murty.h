@@ -18,7 +18,7 @@
 namespace orthant {
 
 struct MurtyOptions {
-  double tolerance = 1e-12;  // accepted residual relative to the problem's scale, as certify() measures it
+  double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   int max_pivots = 100000;
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_pivots", max_pivots, 1, 1000000000);
@@ -35,6 +35,7 @@ class Murty final : public Solver {
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
+  double goal() const override { return 1e-12; }  // a right basis, refined, is at rounding level
   Claim attempt(int precision, Solution& s);
   template <class T> Claim method(detail::PrincipalTableau<T>& t);
 

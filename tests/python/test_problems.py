@@ -58,6 +58,19 @@ def test_infeasible_comes_with_a_proof():
     assert u.min() >= 0 and np.all(np.array([[-1.0, 0], [0, 1]]).T @ u <= 0) and np.dot([-1, 1], u) < 0
 
 
+def test_infeasible_by_search_lists_the_cells():
+    # w = (z2 - 1, z1 + z2): w1 >= 0 needs z2 >= 1, where w2 > 0. z = (0, 1) has the signs, so there is no vector u.
+    r = orthant.solve([[0, 1], [1, 1]], [-1, 0])
+    assert r.status == "infeasible" and r.certificate is None
+    search = r.cell_search
+    assert search["count"] == r.cells == 4 and sorted(search["order"]) == [0, 1]
+    begun = [c["sides"] for c in search["classes"]]
+    for cell in ("LL", "LI", "IL", "II"):  # each belongs to one class
+        assert sum(cell.startswith(sides) for sides in begun) == 1
+    assert all(c["why"] for c in search["classes"])
+    assert orthant.solve([[1.0]], [-1.0]).cell_search is None
+
+
 def test_every_solver_solves_or_says_why_not():
     A, b = random_problem(5)
     for entry in orthant.solvers():

@@ -117,6 +117,57 @@ TEST_CASE("a step of a pile: auto sweeps, where pivoting takes many times as lon
   CHECK(newton.factorizations < 190);
 }
 
+TEST_CASE(
+    "auto: sweeps on sparse unsymmetric rows, a tableau on skew ones, prox on dense friction where sweeps crawl") {
+  const auto solver = make_solver("auto");
+  IterationLog log;
+  solver->set_log(&log);
+  const auto by = [&](const Lcp& problem) {
+    Solution s;
+    CHECK(solver->solve(problem, s).status == Status::solved);
+    return log.back().event;
+  };
+  Random random(12);
+  const auto entries = [&random](Index rows, Index columns) {
+    Eigen::MatrixXd result(rows, columns);
+    for (double& entry : result.reshaped()) entry = random.uniform(-1, 1);
+    return result;
+  };
+  for (const Index n : {150, 300, 600}) {
+    CAPTURE(n);
+    Eigen::MatrixXd A = 4 * Eigen::MatrixXd::Identity(n, n);
+    A.diagonal(1).setConstant(-1), A.diagonal(-1).setConstant(-1);
+    for (Index k = 0; k < 3 * n / 2; ++k) {
+      const int i = random.integer(0, static_cast<int>(n) - 1), j = random.integer(0, static_cast<int>(n) - 1);
+      A(i, j) += random.uniform(-1, 1);
+    }
+    const Lcp sparse = Lcp::standard(RowSparse::from(A.sparseView()), Vector(entries(n, 1)));
+    CHECK(by(sparse).starts_with("psor"));
+    const Eigen::MatrixXd half = entries(n, n);
+    const Vector q(entries(n, 1).array() + 0.8);
+    CHECK(by(Lcp::standard(DenseMatrix(half - half.transpose()), q)).starts_with("lemke"));
+  }
+  random = Random(5);
+  int proximal = 0;
+  for (int trial = 0; trial < 8; ++trial) {  // contacts of four random columns a row
+    CAPTURE(trial);
+    const Index n = 600;
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n, n);
+    for (Index k = 0; k < 4 * n; ++k) {
+      const int i = random.integer(0, static_cast<int>(n) - 1), j = random.integer(0, static_cast<int>(n) - 1);
+      W(i, j) += random.uniform(0, 1);
+    }
+    Lcp friction = Lcp::standard(DenseMatrix(W * W.transpose() + 1e-9 * Eigen::MatrixXd::Identity(n, n)),
+                                 Vector(W * entries(n, 1)));
+    for (Index i = 0; i < n; i += 2)
+      friction.friction.push_back({.normal = i, .first = i + 1, .mu = 0.4}), friction.lo[i + 1] = -kInf;
+    const std::string event = by(friction);
+    CHECK((event.starts_with("psor") || event.starts_with("prox")));
+    proximal += event.starts_with("prox");
+  }
+  CHECK(proximal > 0);
+}
+
 TEST_CASE("stop_early gives up within hundreds of sweeps where thousands would not do, and nowhere else") {
   const auto solved = [](const char* spec, const Lcp& problem) {
     Solution s;

@@ -1,8 +1,10 @@
 #include <orthant/core/lcp/judge/cells.h>
 
+#include <orthant/core/lcp/judge/cell_words.h>
 #include <orthant/core/lcp/judge/exact.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orthant {
@@ -12,6 +14,8 @@ using exact::Rational;
 using exact::Row;
 using exact::Table;
 
+constexpr Index kFewRows = 12;
+constexpr double kFewCells = 4096;
 constexpr signed char kLower = -1, kInside = 0, kUpper = 1;
 
 struct RowKind {
@@ -226,6 +230,10 @@ double count_cells(const Lcp& problem) {
   return count;
 }
 
+bool has_few_cells(const Lcp& problem) {
+  return problem.size() <= kFewRows && !problem.discs() && count_cells(problem) <= kFewCells;
+}
+
 std::vector<Index> order_of_decision(const Lcp& problem) {
   const auto all = kinds_of_rows(problem);
   std::vector<Index> order;
@@ -237,6 +245,18 @@ std::vector<Index> order_of_decision(const Lcp& problem) {
 
 bool no_cell_has_a_solution(const Lcp& problem, const std::vector<Cell>& cells, const std::function<bool()>& stop) {
   return problem.size() > 0 && finite(problem) && CellCheck(problem, cells, stop).run();
+}
+
+std::string letters(const Cell& cell) {
+  std::string sides;
+  for (const signed char side : cell.sides) sides += side < 0 ? 'L' : side > 0 ? 'U' : 'I';
+  return sides;
+}
+
+std::string_view words_of(Cell::Why why) {
+  constexpr std::array<std::string_view, 6> kWords = {"z - lower < 0", "upper - z < 0", "w",
+                                                      "equation",      "within",        "polyhedron"};
+  return kWords[at(static_cast<int>(why))];
 }
 
 }  // namespace orthant

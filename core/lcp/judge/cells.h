@@ -23,6 +23,8 @@ namespace orthant {
 
 /// Number of cells.
 double count_cells(const Lcp& problem);
+/// True when their search costs little: at most 12 rows, none of a disc, and 4096 cells.
+bool has_few_cells(const Lcp& problem);
 
 /// Rows in the order of decision.
 std::vector<Index> order_of_decision(const Lcp& problem);

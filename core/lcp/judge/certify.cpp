@@ -15,7 +15,7 @@ namespace {
 using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRounding;
 constexpr double kRoundings = 20;  // units in the last place that `rounded` may change
 constexpr double kMost = std::numeric_limits<double>::max();
-constexpr double kCoarsest = 1e-4;                // of β_P: a larger violation is no answer, whatever z is
+constexpr double kCoarse = 1e-4;                  // of β_P: a larger violation is worth another attempt
 constexpr Index kExactOperator = 400;             // rows of an operator up to which a w_i is summed in rationals
 constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
 constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
@@ -37,8 +37,8 @@ template <class T> T wrong_by(double z, T w, double lo, double hi) {
 /// The limit of v_i for solved.   tol = 1e-10, s = 5, β = 2: 2e-10.   s = 1e-3: 1e-13.
 double limit_of_solved(double tolerance, double s, double beta) { return tolerance * std::min(s, beta); }
 
-/// The limit of v_i for rounded.   s = 1e9, β_P = 1: 4.4e-6.   s = 1e12: 1e-4, where 20 ε s is 4.4e-3.
-double limit_of_rounded(double s, double part) { return std::min(kRoundings * kEpsilon * s, kCoarsest * part); }
+/// The limit of v_i for rounded.   s = 1e9: 4.4e-6.
+double limit_of_rounded(double s) { return kRoundings * kEpsilon * s; }
 
 /// w_i in rationals.
 exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
@@ -156,8 +156,7 @@ bool Judge::surely_missed(const Lcp& problem, double tolerance, Solution& s, dou
   for (Index i = 0; i < problem.size(); ++i) {
     const double wrong = wrong_by(s.z[i], s.w[i], lower_[i], upper_[i]);
     const double least = wrong - unit_ * size_[i];
-    const double limit =
-        std::max(limit_of_solved(tolerance, size_[i], data), limit_of_rounded(size_[i], data)) + kProducts;
+    const double limit = std::max(limit_of_solved(tolerance, size_[i], data), limit_of_rounded(size_[i])) + kProducts;
     if (std::isfinite(s.w[i]) && wrong < kInf && least <= 1.001 * limit) continue;
     const double ratio = std::isfinite(s.w[i]) && wrong < kInf ? wrong / limit : kInf;
     if (ratio <= worst && worst > 0) continue;
@@ -213,8 +212,7 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     const bool passes = within(solved);
     size = std::max(size, sum), residual = std::max(residual, static_cast<double>(wrong));
     if (passes) continue;
-    if (!parts) find_part_data(problem), parts = true;
-    double rounded = kSure * limit_of_rounded(sum, part_data_[part_[at(i)]]);
+    double rounded = kSure * limit_of_rounded(sum);
     if (!within(rounded) && wrong < kProducts) {
       if (!floors) {  // beta_ ← 2⁻¹⁰²² (1 + Σ_j |A_ij|)
         floors = true;
@@ -230,6 +228,8 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     const Miss miss{i, against(s.z[i], lower_[i], upper_[i]), by, solved, tolerance};
     const auto ratio = [by](double limit) { return limit > 0 && by < kInf ? by / limit : kInf; };
     if (is_rounded) {
+      if (!parts) find_part_data(problem), parts = true;
+      coarse_ = coarse_ || by > std::max(kCoarse * part_data_[part_[at(i)]], kProducts);
       if (pass == Pass::solved) pass = Pass::rounded;
       if (ratio(solved) >= worst_solved) worst_solved = ratio(solved), solved_miss = miss;
     } else {
@@ -238,6 +238,7 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     }
   }
   if (pass == Pass::rounded) s.miss = solved_miss;
+  coarse_ = coarse_ && pass == Pass::rounded;
   s.residual = residual;
   s.rounding = kEpsilon * size;
   excess_ = worst;
@@ -256,7 +257,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   unit_ = kDouble * (terms(problem.A) + 3);
   s.miss = {};
   const bool solved = surely_solved(problem, tolerance, s);
-  accepted_ = s.residual, excess_ = 0;
+  accepted_ = s.residual, excess_ = 0, coarse_ = false;
   if (solved) {
     s.status = Status::solved;
     if (s.certificate.size() > 0 || !s.cells.empty()) s.certificate.resize(0), s.cells.clear();
@@ -267,10 +268,10 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
       data < kInf && !surely_missed(problem, tolerance, s, data) ? weigh(problem, tolerance, s) : Pass::no;
   if (pass == Pass::no && excess_ == 0) excess_ = kInf, s.miss = overflown(problem, s, tolerance);
   const auto disproved = [&] {
-    if (s.certificate.size() == n && proves_infeasible(problem, s.certificate)) return true;
-    if (claim == Claim::exhausted) return proves_infeasible(problem, s.cells);
-    if (claim != Claim::ray || s.ray.size() != n || !proves_infeasible(problem, s.ray)) return false;
-    s.certificate = s.ray;
+    const bool proved = s.certificate.size() == n && proves_infeasible(problem, s.certificate);
+    if (!proved && claim == Claim::exhausted) return proves_infeasible(problem, s.cells);
+    if (!proved && !(claim == Claim::ray && s.ray.size() == n && proves_infeasible(problem, s.ray))) return false;
+    s.certificate = proof_;
     return true;
   };
   if (pass == Pass::solved) {
@@ -288,6 +289,14 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
                                                     : Status::numerical_error;
 }
 
+void Judge::explain(const Lcp& problem, double tolerance, Solution& s) {
+  if (s.miss.row < 0 || problem.discs() || !s.z.allFinite() || !s.w.allFinite()) return;
+  prepare(problem);
+  unit_ = kDouble * (terms(problem.A) + 3);
+  find_bounds(problem, s.z);
+  if (find_data(problem, s.z) < kInf) weigh(problem, tolerance, s);
+}
+
 // The first row with data that overflow.
 Miss Judge::overflown(const Lcp& problem, const Solution& s, double tolerance) const {
   for (Index i = 0; i < problem.size(); ++i)
@@ -301,11 +310,11 @@ void Judge::certify_cones(const Lcp& problem, double tolerance, Claim claim, Sol
   s.w.resize(problem.size());
   s.miss = {};
   const bool accepted = judge.passes(problem, tolerance, s);
-  accepted_ = accepted ? s.residual : 0, excess_ = accepted ? 0 : kInf;
+  accepted_ = accepted ? s.residual : 0, excess_ = accepted ? 0 : kInf, coarse_ = false;
   const auto disproved = [&] {
-    if (s.certificate.size() == problem.size() && proves_infeasible(problem, s.certificate)) return true;
-    if (claim != Claim::ray || s.ray.size() != problem.size() || !proves_infeasible(problem, s.ray)) return false;
-    s.certificate = s.ray;
+    const auto proves = [&](const Vector& u) { return u.size() == problem.size() && proves_infeasible(problem, u); };
+    if (!proves(s.certificate) && !(claim == Claim::ray && proves(s.ray))) return false;
+    s.certificate = proof_;
     return true;
   };
   if (accepted && !judge.rounded()) {

@@ -10,16 +10,15 @@
 //               friction row has its normal's, too.   A = (2, 1; 1, 2), b = (−3, 0), z = (2, 0): β = (3, 2).
 //   solved      v_i ≤ tol min(s_i, β_i) in every row.
 //                 z = 0.5 (1 + 1e-11): w = 1e-11, s = 2, β = 1: passes for tol = 1e-10.
-//   rounded     v_i ≤ min(20 ε s_i, 1e-4 β_P) in every row, and no proof of infeasibility; β_P is the largest β of the
-//               rows that A connects with row i. z is the exact solution of a problem whose numbers differ from these
-//               by at most 20 units in the last place (Oettli & Prager); the distance of z from the solution of this
-//               problem is unknown. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes too: z has no more digits.
+//   rounded     v_i ≤ 20 ε s_i in every row, and no proof of infeasibility. z is the exact solution of a problem whose
+//               numbers differ from these by at most 20 units in the last place (Oettli & Prager); the distance of z
+//               from the solution of this problem is unknown. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes
+//               too: z has no more digits.
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
 //   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
 //               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
-//                 A = −1, b = −1: u = 1.   Or all cells searched: cells.h. Beyond 12 rows or 4096 cells also where
-//               rounding leaves Aᵀu a slack of at most 32 ε Σ_i |A_ij u_i| on the wrong side: then for every z with
-//               s_i ≤ 0.01 β / ε.
+//                 A = −1, b = −1: u = 1.   Where no doubles are such a u, the doubles nearest to one: exact_proof.h.
+//               Or all cells searched: cells.h.
 //   The verdicts hold in exact arithmetic: sums with bounds of their rounding, rationals where these leave it open.
 //   Sources: Oettli & Prager, Numer. Math. 6 (1964); Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
 #pragma once
@@ -37,18 +36,26 @@ class Judge {  // the members are scratch: after the first problem of a size not
   /// Fills w, residual, rounding and miss from z, and writes solution.status: solved, rounded or infeasible where that
   /// holds, whatever the claim. A proof, in solution.certificate or the ray that is claimed, goes before rounded.
   /// A candidate that does not pass is stalled, or numerical_error where z is not finite or A z overflows; other claims
-  /// stand. A certificate that proves nothing is removed.
+  /// stand. A certificate that proves nothing is removed. The miss of a z that is far off may be measured by the
+  /// largest data of all rows.
   void certify(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
 
+  /// The miss of an unaccepted z that certify() has seen, by each row's own data. One product with A.
+  void explain(const Lcp& problem, double tolerance, Solution& solution);
+
+  /// True when the last z is rounded, with a v_i above 1e-4 β_P, the largest β of the rows that A connects with row i:
+  /// w is wrong in its first digits. An answer, but another z may be a better one.
+  bool coarse() const { return coarse_; }
   /// The residual up to which a multiple of the violations last judged would have been accepted.
   double accepted() const { return accepted_; }
   /// The largest v_i over its limit, of those that do not pass; 0: all do.
   double excess() const { return excess_; }
 
-  /// True when u proves that no z in the bounds has the signs of w that its rows demand.
+  /// True when u, or the exact vector that it is nearest to (exact_proof.h), proves that no z in the bounds has the
+  /// signs of w that its rows demand.
   bool proves_infeasible(const Lcp& problem, const Vector& u);
-  /// True when a proof must be exact, since cells could be searched instead: at most 12 rows and 4096 cells.
-  static bool wants_exact_proof(const Lcp& problem);
+  /// The u that last proved it: with its last digits, where doubles hold them.
+  const Vector& proof() const { return proof_; }
   /// True when the cells are all that there are, and none of them holds a solution (cells.h).
   bool proves_infeasible(const Lcp& problem, const std::vector<Cell>& cells) const {
     return no_cell_has_a_solution(problem, cells, stop_);
@@ -59,6 +66,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
  private:
   using Coupling = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
   enum class Pass { solved, rounded, no };
+  enum class Weighed { proves, open, no };
   void prepare(const Lcp& problem);
   void certify_cones(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
   Miss overflown(const Lcp& problem, const Solution& s, double tolerance) const;
@@ -67,6 +75,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   bool surely_solved(const Lcp& problem, double tolerance, Solution& s);
   bool surely_missed(const Lcp& problem, double tolerance, Solution& s, double data);
   Pass weigh(const Lcp& problem, double tolerance, Solution& s);
+  Weighed weigh_proof(const Lcp& problem, const Vector& u);
   void label_parts(const Lcp& problem);
   void find_part_data(const Lcp& problem);
   void spread(const Lcp& problem, const Vector& z, Vector& x);
@@ -74,16 +83,15 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void product(const Matrix& A, const Vector& u, bool transposed);
 
   std::function<bool()> stop_;
-  Vector lo_, hi_, size_, beta_, data_, part_data_, floor_, zero_w_, inner_, inner_abs_;
+  Vector lo_, hi_, size_, beta_, data_, part_data_, floor_, zero_w_, inner_, inner_abs_, proof_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
   RowSparse entries_;              // of an operator
   std::vector<Coupling> couplings_, heap_;
-  std::vector<char> spoken_;
   const double *lower_ = nullptr, *upper_ = nullptr;  // with friction's
   double unit_ = 0;                                   // error of a sum of doubles, over s_i
   double accepted_ = 0, excess_ = 0;
+  bool coarse_ = false;
   std::vector<long double> g_, g_abs_, g_error_;  // Aᵀu and |A|ᵀ|u|, or A z and |A| |z|; the rounding of Aᵀu
-  std::vector<long double> least_;                // what a slack in g_j is measured by
   std::vector<long double> inner_ld_, inner_abs_ld_;
 };
 

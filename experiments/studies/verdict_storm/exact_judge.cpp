@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 namespace orthant {
@@ -28,9 +27,8 @@ template <class T> struct Copy {
   };
   std::vector<std::vector<Entry>> rows;
   std::vector<T> b;
-  std::vector<Index> part;  // the first row of what row i is coupled with
 
-  explicit Copy(const Lcp& p) : rows(at(p.size())), part(at(p.size())) {
+  explicit Copy(const Lcp& p) : rows(at(p.size())) {
     for (const double value : p.b) b.emplace_back(value);
     const auto put = [&](Index i, Index j, const T& value, const T& size) {
       if (size != 0) rows[at(i)].push_back({j, value, size});
@@ -61,19 +59,6 @@ template <class T> struct Copy {
           put(i, j, sum, size);
         }
     }
-    std::iota(part.begin(), part.end(), Index{0});
-    for (bool changed = true; changed;) {  // few rows: the simplest way there is
-      changed = false;
-      const auto join = [&](Index i, Index j) {
-        const Index least = std::min(part[at(i)], part[at(j)]);
-        changed = changed || part[at(i)] != least || part[at(j)] != least;
-        part[at(i)] = part[at(j)] = least;
-      };
-      for (Index i = 0; i < p.size(); ++i)
-        for (const Entry& entry : rows[at(i)]) join(i, entry.column);
-      for (const Friction& f : p.friction)
-        for (Index r = 0; r < f.rows; ++r) join(f.first + r, f.normal);
-    }
   }
 };
 
@@ -81,10 +66,6 @@ double near_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
 template <class T> T least_of(const T& a, const T& b) { return a < b ? a : b; }
 template <class T> T most_of(const T& a, const T& b) { return a < b ? b : a; }
-Rational runaway(const Rational& beta) {
-  return least_of<Rational>(Rational(1e-6) * (1 + beta), Rational(1e-4) * beta);
-}
-
 /// ‖x_T‖; of a disc to 100 digits, exact where it is a double.
 Rational length(const std::vector<Rational>& x, const Friction& f) {
   if (f.rows == 1) return abs(x[at(f.first)]);
@@ -131,11 +112,6 @@ Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status
         raise(i, least_of<Rational>(of_a * abs(Rational(z[j])), data[at(j)]));
     for (const Friction& f : p.friction) raise(f.first, data[at(f.normal)]);
   }
-  std::vector<Rational> part_data(at(n));
-  for (Index i = 0; i < n; ++i) {
-    Rational& whole = part_data[at(copy.part[at(i)])];
-    whole = most_of(whole, data[at(i)]);
-  }
   Finding finding;
   finding.error = 0;
   for (Index i = 0; i < n; ++i) {
@@ -153,8 +129,7 @@ Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status
     const Rational& beta = data[at(i)];
     if (beta > 0) finding.error = std::max(finding.error, static_cast<double>(v / beta));
     const Rational solved = Rational(tolerance) * least_of(size[at(i)], beta);
-    const Rational rounded = least_of<Rational>(Rational(20 * kEpsilon) * size[at(i)],
-                                                Rational(1e-4) * part_data[at(copy.part[at(i)])]),
+    const Rational rounded = Rational(20 * kEpsilon) * size[at(i)],
                    least =
                        Rational(20 * kEpsilon) * Rational(std::numeric_limits<double>::min()) * (1 + entries[at(i)]);
     if (v <= solved || (claimed == Status::rounded && (v <= rounded || v <= least))) continue;
@@ -166,82 +141,176 @@ Finding examine_solution(const Lcp& p, const Vector& z, double tolerance, Status
   return finding;
 }
 
+namespace {
+
+/// û: u, or what u is nearest to (judge/exact_proof.h).
+class ProofExam {
+ public:
+  ProofExam(const Lcp& p, const Vector& u) : p_(p), copy_(p), friction_(at(p.size()), 0), u_(at(p.size())) {
+    for (Index i = 0; i < p.size(); ++i)
+      if (u_[at(i)] = Rational(u[i]); u[i] != 0) support_.push_back(at(i));
+    std::stable_sort(support_.begin(), support_.end(),
+                     [&](auto i, auto j) { return std::abs(u[Index(i)]) > std::abs(u[Index(j)]); });
+    for (const Friction& f : p.friction)
+      for (Index r = 0; r < f.rows; ++r) friction_[at(f.first + r)] = 1;
+  }
+
+  /// Empty when it proves.
+  std::string run(bool all) {
+    x_ = u_, equations_.clear();
+    for (int round = 0; round < 8; ++round) {
+      sums();
+      double worst = 0;
+      for (Index j = 0; j < p_.size(); ++j)
+        if (wrong(j)) worst = std::max(worst, static_cast<double>(abs(c_[at(j)]) / terms_[at(j)]));
+      if (worst == 0) {
+        const Rational value = most();
+        if (value < 0) return {};
+        return "the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0";
+      }
+      if (!add_equations(all && round == 0) || !eliminate()) return "g misses its sign by " + detail::text_of(worst);
+    }
+    return "g misses its sign";
+  }
+  /// The largest change of an entry of u over the largest entry.
+  double change() const {
+    Rational largest(0), off(0);
+    for (const auto i : support_)
+      largest = most_of<Rational>(largest, abs(u_[i])), off = most_of<Rational>(off, abs(x_[i] - u_[i]));
+    return largest == 0 ? 0 : static_cast<double>(off / largest);
+  }
+
+ private:
+  bool near_zero(Index j) const { return abs(c_[at(j)]) <= Rational(0x1p-30) * terms_[at(j)]; }
+  bool wrong(Index j) const {
+    return friction_[at(j)] == 0 && ((p_.hi[j] == kInf && c_[at(j)] > 0) || (p_.lo[j] == -kInf && c_[at(j)] < 0));
+  }
+
+  void sums() {
+    g_.assign(x_.size(), Rational(0)), terms_ = g_;
+    for (const auto i : support_)
+      for (const auto& [j, a, of_a] : copy_.rows[i]) {
+        g_[at(j)] += x_[i] * a;
+        terms_[at(j)] += abs(x_[i]) * of_a;
+      }
+    c_ = g_;
+    for (const Friction& f : p_.friction) {
+      c_[at(f.normal)] += Rational(f.mu) * length(g_, f);
+      for (Index r = 0; r < f.rows; ++r) terms_[at(f.normal)] += Rational(f.mu) * terms_[at(f.first + r)];
+    }
+  }
+
+  Rational most() const {
+    Rational value(0);
+    for (const auto i : support_) value += x_[i] * copy_.b[i];
+    for (Index j = 0; j < p_.size(); ++j) {
+      const double bound = c_[at(j)] > 0 ? p_.hi[j] : p_.lo[j];
+      if (friction_[at(j)] == 0 && c_[at(j)] != 0) value += c_[at(j)] * Rational(bound);
+    }
+    return value;
+  }
+
+  // Over all rows; of column j, with the friction that pushes it.
+  std::vector<Rational> column(Index j) const {
+    std::vector<Rational> result(x_.size(), Rational(0));
+    for (const auto i : support_)
+      for (const auto& [k, a, of_a] : copy_.rows[i])
+        if (k == j) result[i] += a;
+    return result;
+  }
+
+  bool add_equations(bool all) {
+    const std::size_t before = equations_.size();
+    for (Index j = 0; j < p_.size(); ++j) {
+      if (friction_[at(j)] != 0 || terms_[at(j)] == 0) continue;
+      const bool open = p_.hi[j] == kInf || p_.lo[j] == -kInf;
+      if (wrong(j) && !near_zero(j)) return false;
+      if (!wrong(j) && !(all && open && near_zero(j))) continue;
+      std::vector<Rational> equation = column(j);
+      for (const Friction& f : p_.friction) {
+        if (f.normal != j || f.mu == 0) continue;
+        bool still = true;
+        for (Index t = f.first; t < f.first + f.rows; ++t)
+          still = still && abs(g_[at(t)]) <= Rational(0x1p-30) * terms_[at(t)];
+        for (Index t = f.first; still && t < f.first + f.rows; ++t) equations_.push_back(column(t));
+        if (still) continue;
+        if (f.rows > 1) return false;
+        const Rational push(g_[at(f.first)] > 0 ? f.mu : -f.mu);
+        const std::vector<Rational> along = column(f.first);
+        for (std::size_t i = 0; i < along.size(); ++i) equation[i] += push * along[i];
+      }
+      equations_.push_back(std::move(equation));
+    }
+    return equations_.size() > before;
+  }
+
+  bool eliminate() {
+    auto rows = equations_;
+    std::vector<std::size_t> pivots;
+    for (const auto c : support_) {
+      const auto found = std::find_if(rows.begin() + static_cast<std::ptrdiff_t>(pivots.size()), rows.end(),
+                                      [c](const auto& row) { return row[c] != 0; });
+      if (found == rows.end()) continue;
+      auto& pivot = rows[pivots.size()];
+      std::swap(pivot, *found);
+      const Rational unit = pivot[c];
+      for (const auto k : support_) pivot[k] /= unit;
+      for (auto& row : rows) {
+        if (&row == &pivot || row[c] == 0) continue;
+        const Rational factor = row[c];
+        for (const auto k : support_) row[k] -= factor * pivot[k];
+      }
+      pivots.push_back(c);
+    }
+    if (pivots.size() == support_.size()) return false;
+    x_ = u_;
+    for (const auto c : pivots) x_[c] = 0;
+    std::vector<Rational> solved;
+    for (std::size_t r = 0; r < pivots.size(); ++r) {
+      solved.emplace_back(0);
+      for (const auto k : support_) solved.back() -= rows[r][k] * x_[k];
+    }
+    for (std::size_t r = 0; r < pivots.size(); ++r) {
+      x_[pivots[r]] = solved[r];
+      const auto i = static_cast<Index>(pivots[r]);
+      if ((solved[r] < 0 && p_.lo[i] > -kInf) || (solved[r] > 0 && p_.hi[i] < kInf)) return false;
+    }
+    return true;
+  }
+
+  const Lcp& p_;
+  const Copy<Rational> copy_;
+  std::vector<char> friction_;
+  std::vector<Rational> u_, x_, g_, c_, terms_;
+  std::vector<std::size_t> support_;
+  std::vector<std::vector<Rational>> equations_;
+};
+
+}  // namespace
+
 Finding examine_proof(const Lcp& p, const Vector& u) {
-  const Index n = p.size();
   Finding finding;
   const auto refuse = [&](std::string why) {
     finding.why = std::move(why);
     return finding;
   };
-  if (u.size() != n || !u.allFinite()) return refuse("u is not finite, or of another size");
-  std::vector<char> friction(at(n));
+  if (u.size() != p.size() || !u.allFinite()) return refuse("u is not finite, or of another size");
+  std::vector<char> friction(at(p.size()));
   for (const Friction& f : p.friction)
     for (Index r = 0; r < f.rows; ++r) friction[at(f.first + r)] = 1;
-  const Copy<Rational> copy(p);
-  std::vector<Rational> g(at(n)), terms(at(n)),
-      sizes(at(n));  // sizes: of an operator's terms, at least those of its sums
-  Rational value(0), norm(0), data(0);
-  std::vector<char> spoken(at(n));
-  for (Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < p.size(); ++i) {
     if (u[i] == 0) continue;
     const bool below = p.lo[i] > -kInf, above = p.hi[i] < kInf;
     if (friction[at(i)] != 0 || (below && above)) return refuse(row_says(i, "w has either sign, but u", u[i]));
     if ((below && u[i] < 0) || (above && u[i] > 0)) return refuse(row_says(i, "wrong sign of u", u[i]));
-    spoken[at(copy.part[at(i)])] = 1;
-    const Rational weight(u[i]);
-    norm += abs(weight);
-    value += weight * copy.b[at(i)];
-    for (const auto& [j, a, of_a] : copy.rows[at(i)]) {
-      const Rational term = weight * a;
-      g[at(j)] += term;
-      terms[at(j)] += abs(term);
-      sizes[at(j)] += abs(weight) * of_a;
-    }
   }
-  for (Index i = 0; i < n; ++i) {
-    if (spoken[at(copy.part[at(i)])] == 0) continue;
-    Rational given = abs(copy.b[at(i)]);
-    for (const auto& [j, a, of_a] : copy.rows[at(i)])
-      for (const double bound : {p.lo[j], p.hi[j]})
-        if (std::abs(bound) < kInf) given += abs(a) * Rational(std::abs(bound));
-    data = most_of(data, given);
+  ProofExam exam(p, u);
+  for (const bool all : {true, false}) {
+    finding.why = exam.run(all);
+    finding.holds = finding.why.empty();
+    finding.error = exam.change();
+    if (finding.holds) break;
   }
-  // Where friction alone can make g positive, a z that uses that has friction: then its least term counts as well,
-  // since Σ_t |g_t z_t| > −g_n z_n needs a z_t off its bound, as large as the gain compared with g_n + Σ μ |g_t|.
-  std::vector<Rational> least(at(n), Rational(-1)), push(at(n));
-  for (const Friction& f : p.friction) {
-    const Rational share = Rational(f.mu) * length(g, f), term = Rational(f.mu) * length(terms, f);
-    if (share == 0) continue;
-    push[at(f.normal)] += share;
-    if (least[at(f.normal)] < 0 || term < least[at(f.normal)]) least[at(f.normal)] = term;
-  }
-  for (Index j = 0; j < n; ++j) {
-    if (push[at(j)] == 0) continue;
-    if (g[at(j)] <= 0) terms[at(j)] += least[at(j)], sizes[at(j)] += least[at(j)];
-    g[at(j)] += push[at(j)];
-  }
-  Rational kappa(0), rounding(0);  // the slack beside what a z multiplies, and beside what was summed
-  for (Index j = 0; j < n; ++j) {
-    if (friction[at(j)] != 0 || g[at(j)] == 0) continue;
-    const double bound = g[at(j)] > 0 ? p.hi[j] : p.lo[j];
-    if (std::abs(bound) < kInf) {
-      value += g[at(j)] * Rational(bound);
-      continue;
-    }
-    if (terms[at(j)] == 0) return refuse(row_says(j, "friction alone pushes, g", static_cast<double>(g[at(j)])));
-    kappa = most_of<Rational>(kappa, abs(g[at(j)]) / terms[at(j)]);
-    rounding = most_of<Rational>(rounding, abs(g[at(j)]) / sizes[at(j)]);
-    const double finite = g[at(j)] > 0 ? p.lo[j] : p.hi[j];  // the slack counts from there
-    if (std::abs(finite) < kInf) value += g[at(j)] * Rational(finite);
-  }
-  finding.error = static_cast<double>(kappa);
-  if (value >= 0) return refuse("the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0");
-  if (rounding > Rational(32.5 * kEpsilon)) return refuse("g misses its sign by " + detail::text_of(finding.error));
-  // A z that lifts u'w to 0 has Σ_j |A_ij z_j| ≥ −value / (κ ‖u‖₁) for some i. None that is accepted may; certify()
-  // asks for more.
-  if (kappa > 0 && -value * Rational(kEpsilon) < runaway(data) * kappa * norm)
-    return refuse("a z within reach may use the slack of g");
-  finding.holds = true;
   return finding;
 }
 

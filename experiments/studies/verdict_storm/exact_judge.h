@@ -4,7 +4,7 @@
 //   friction discs: cone_judge.h.
 //
 //   Claim of `infeasible`: uᵀ(A z + b) < 0 for every z within the bounds, u with the signs that make uᵀw ≥ 0 a
-//   consequence. Exactly; or up to roundings of Aᵀu, where every z that uses them is so large that w is unknown.
+//   consequence; exactly, of u or of the vector that it is nearest to (judge/exact_proof.h).
 #pragma once
 
 #include <orthant/core/lcp/solution.h>
@@ -15,7 +15,7 @@ namespace orthant {
 
 struct Finding {
   bool holds = false;
-  double error = kInf;  // of a solution: the largest violation over β; of a proof: κ, 0 when it is exact
+  double error = kInf;  // of a solution: the largest violation over β; of a proof: the change of u, 0 when u proves
   std::string why;      // empty when it holds
 };
 

@@ -2,6 +2,7 @@
 #include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
+#include <Eigen/LU>
 
 #include <cmath>
 #include <ctime>
@@ -145,9 +146,28 @@ TEST_CASE("z = 0 does not pass because the numbers are small") {
   CHECK(verdict(scalar(1e-300, -1e-300), Vector{1}) == Status::solved);
 }
 
-TEST_CASE("a runaway z is no solution, however small its relative residual") {
+TEST_CASE("a runaway z is rounded at most, coarsely, and never where a proof is found") {
   const Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});  // infeasible: the rows sum to −2
-  for (const double far : {1e10, 1e14, 1e17}) CHECK(verdict(p, Vector{far, far}) == Status::stalled);
+  Judge judge;
+  Solution s;
+  for (const double far : {1e10, 1e14, 1e17}) {
+    s.z = Vector{far, far}, s.certificate = {};
+    judge.certify(p, 1e-10, Claim::candidate, s);
+    CHECK(s.status == (far < 1e15 ? Status::stalled : Status::rounded));
+    CHECK(judge.coarse() == (far > 1e15));
+    s.certificate = Vector{1, 1};
+    judge.certify(p, 1e-10, Claim::candidate, s);
+    CHECK(s.status == Status::infeasible);
+  }
+  // The double nearest to the only solution, three blocks whose masses grow by 1e7: w_1 misses by all of the data.
+  const double a = 1e-7;
+  const Eigen::Matrix3d A{{1, -1, 0}, {-1, 1 + a, -a}, {0, -a, a + a * a}};
+  const Eigen::Vector3d b(-0.0766, 0, 0);
+  const Eigen::Vector3d nearest = A.cast<long double>().fullPivLu().solve(-b.cast<long double>()).cast<double>();
+  const Lcp tower = Lcp::standard(DenseMatrix(A), Vector(b));
+  s.z = Vector(nearest), s.certificate = {};
+  judge.certify(tower, 1e-10, Claim::candidate, s);
+  CHECK(has_answer(s.status));
   for (const double unit : {1.0, 1e-150, 1e-300, 1e-310, 0x1p-1074}) {  // down to where ε s is no number any more
     const Lcp q = pair({unit, -unit, -unit, unit}, Vector{-unit, unit});
     INFO("unit ", unit);
@@ -332,7 +352,8 @@ TEST_CASE("solved, rounded, stalled: each clause at its limit, from both sides")
   CHECK(verdict(scalar(2, -1), Vector{0.5 + 4.9e-7}, Claim::candidate, 1e-6) == Status::solved);
   // z = (1e9, 1e9): s = 2e9 in both rows; 20 ε s = 8.9e-6, β = 1.
   const auto near = [](double off) { return pair({1, -1, -1, 1}, Vector{-off, off}); };
-  CHECK(verdict(near(8e-6), Vector{1e9, 1e9}) == Status::stalled);  // more than 1e-4 of data of 8e-6
+  CHECK(verdict(near(8e-6), Vector{1e9, 1e9}) == Status::rounded);
+  CHECK(verdict(near(9e-6), Vector{1e9, 1e9}) == Status::stalled);
   // Row 0 has 1 of row 1's data, by way of z_1: limits of 1e-10 and, s = 2e9 + v, of 8.9e-6.
   const auto beside = [](double v) {
     return Lcp::standard(DenseMatrix(Eigen::Matrix3d{{1, -1, 0}, {-1, 1, 1}, {0, 1e-9, 0}}), Vector{v, -1, -1});
@@ -343,7 +364,7 @@ TEST_CASE("solved, rounded, stalled: each clause at its limit, from both sides")
   CHECK(verdict(beside(9e-6), Vector{1e9, 1e9, 1}) == Status::stalled);
 }
 
-TEST_CASE("rounded is bounded by 1e-4 of the part's data also among the smallest and the largest numbers") {
+TEST_CASE("rounded is coarse above 1e-4 of the part's data, also among the smallest and the largest numbers") {
   Judge judge;
   const auto status = [&](double a, double b, double z0, double z1) {
     const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{a, -a}, {-a, a}}), Vector{b, -b});
@@ -352,8 +373,14 @@ TEST_CASE("rounded is bounded by 1e-4 of the part's data also among the smallest
     judge.certify(p, 1e-10, Claim::candidate, s);
     return s.status;
   };
-  CHECK(status(1e-300, -7e-301, 0x1p50 + 1, 0x1p50) == Status::stalled);  // 20 ε s = 1e-299, but β_P = 7e-301
-  CHECK(status(1, -0.7, 0x1p50 + 1, 0x1p50) == Status::stalled);          // the same in other units
+  CHECK(status(1, -0.7, 0x1p50 + 1, 0x1p50) == Status::rounded);  // w = ±0.3: 20 ε s = 10, but β_P = 0.7
+  CHECK(judge.coarse());
+  CHECK(status(1, -0.7, 0x1p36 + 0.7, 0x1p36) == Status::rounded);  // w = 2e-6
+  CHECK(!judge.coarse());
+  CHECK(status(1e-200, -7e-201, 0x1p50 + 1, 0x1p50) == Status::rounded);  // the same in other units
+  CHECK(judge.coarse());
+  CHECK(status(1, -0.7, 0.7, 0) == Status::solved);
+  CHECK(!judge.coarse());
   // s = 3e308 is no double; the violation 1e299 is far above 20 ε s = 1e294, though not above 1e-4 β_P = 1e300.
   CHECK(status(1e308, -1e304, 1.5, 1.5 - 1e-4 * (1 - 1e-5)) == Status::stalled);
 }

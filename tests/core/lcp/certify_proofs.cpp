@@ -3,6 +3,7 @@
 #include <orthant/core/lcp/problems/collection.h>
 
 #include <doctest/doctest.h>
+#include <Eigen/LU>
 
 #include "tests/core/lcp/judged.h"
 #include "tests/support/judge.h"
@@ -112,7 +113,6 @@ TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing prov
   const Lcp contacts = Lcp::standard(A, Vector(W * v));
   CHECK_FALSE(Judge{}.proves_infeasible(contacts, Vector{1, 1, 0}));
   CHECK_FALSE(Judge{}.proves_infeasible(Lcp::standard(A, Vector{-1e3, -1e3, 1e3}), Vector{1, 1, 0}));
-  // Of more rows than 12 a proof may have slack where no digits are left of any z.
   const auto beside_others = [&W](const Vector& b) {
     Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(13, 12);
     wide.topLeftCorner(3, 2) = W, wide.bottomRightCorner(10, 10).setIdentity();
@@ -123,10 +123,17 @@ TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing prov
   Vector u = Vector::Zero(13);
   u[0] = u[1] = 1;
   CHECK_FALSE(Judge{}.proves_infeasible(beside_others(Vector(W * v)), u));
-  CHECK(Judge{}.proves_infeasible(beside_others(Vector{-1e3, -1e3, 1e3}), u));
+  CHECK_FALSE(Judge{}.proves_infeasible(beside_others(Vector{-1e3, -1e3, 1e3}), u));
+  Vector still = u;  // with walls for both that stand, no rounding is left
+  Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(13, 12);
+  walls.topLeftCorner(2, 1) << 1, -1, walls.bottomRightCorner(11, 11).setIdentity();
+  Vector q = Vector::Zero(13);
+  q[0] = q[1] = -1;
+  CHECK(Judge{}.proves_infeasible(Lcp::standard(Delassus{RowSparse::from(walls.sparseView()), Vector::Ones(12), {}}, q),
+                                  still));
 }
 
-TEST_CASE("up to 12 rows a proof is exact: 2^52 (1, 1) solves what (1, 1) speaks against but for a last digit") {
+TEST_CASE("a proof is exact: 2^52 (1, 1) solves what (1, 1) speaks against but for a last digit") {
   const double e = 0x1p-52;
   const Lcp p = pair({1, -1, -1, 1 + e}, Vector{0, -1});
   CHECK(verdict(p, Vector{0x1p52, 0x1p52}) == Status::solved);  // w = 0: long double has no digits for it
@@ -142,6 +149,73 @@ TEST_CASE("up to 12 rows a proof is exact: 2^52 (1, 1) solves what (1, 1) speaks
     contact.friction = {{.normal = 0, .first = 1, .mu = mu}};
     CHECK(verdict_on_proof(contact, Vector{1, 0}) == (mu > 1 ? Status::ray : Status::infeasible));
   }
+}
+
+TEST_CASE("a proof is exact of many rows too: two rows with a solution near 2^51, beside others") {
+  const double e = 0x1p-52;
+  const auto beside = [](const Lcp& few, Index n) {
+    DenseMatrix A(Eigen::MatrixXd::Identity(n, n));
+    A.topLeftCorner(2, 2) = std::get<DenseMatrix>(few.A);
+    Vector b = Vector::Ones(n);
+    b.head(2) = few.b;
+    return Lcp::standard(A, b);
+  };
+  for (const Index n : {2, 13, 200}) {
+    CAPTURE(n);
+    Vector u = Vector::Zero(n), z = u;
+    u[0] = u[1] = 1;
+    z[0] = 1 + 0x1p51, z[1] = 0x1p51;
+    const Lcp p = beside(pair({1, -1, -1, 1 + e}, Vector{-1, 0.5}), n);
+    for (const Lcp& q : {p, as_sparse(p)}) {
+      CHECK(verdict(q, z) == Status::solved);
+      CHECK(verdict_on_proof(q, u) == Status::ray);
+    }
+    CHECK(verdict_on_proof(beside(pair({1, -1, -1, 1}, Vector{-1, 0.5}), n), u) == Status::infeasible);
+  }
+}
+
+TEST_CASE(
+    "a proof that no doubles hold is the exact vector next to the certificate, or its multiple in whole numbers") {
+  // The kernel of the first two columns is spanned by a vector of large fractions near (0.55, 0.02, 0.23).
+  const Eigen::Matrix3d A{{0.1, 0.3, -1}, {0.7, -0.2, -1}, {-0.3, -0.7, -1}};
+  const Lcp p = Lcp::standard(DenseMatrix(A), Vector{-1, 1, 1});
+  Judge judge;
+  for (const double off : {0.0, 1e-16, -3e-16}) {
+    CAPTURE(off);
+    CHECK(judge.proves_infeasible(p, Vector{0.55 + off, 0.02, 0.23}));
+    CHECK((judge.proof() - Vector{0.55, 0.02, 0.23} * (judge.proof()[0] / 0.55)).norm() < 1e-12 * judge.proof()[0]);
+    CHECK(judge.proves_infeasible(p, Vector(judge.proof())));
+  }
+  CHECK(!judge.proves_infeasible(p, Vector{0.55, 0.02 + 1e-7, 0.23}));  // another vector
+  CHECK(!judge.proves_infeasible(Lcp::standard(DenseMatrix(A), Vector{-0.23, 0, 0.55}), Vector{0.55, 0.02, 0.23}));
+  // One more digit in A, and the three columns have no kernel.
+  Lcp open = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{0.1, 0.3, 0}, {0.7, -0.2, 0}, {-0.3, -0.7, 0x1p-60}}),
+                           Vector{-1, 1, 1});
+  CHECK(!judge.proves_infeasible(open, Vector{0.55, 0.02, 0.23}));
+  std::get<DenseMatrix>(open.A)(2, 2) = -0x1p-60;
+  CHECK(judge.proves_infeasible(open, Vector{0.55, 0.02, 0.23}));
+  // Four walls around a body with three velocities: the velocities, not their products, are what must vanish.
+  const Eigen::MatrixXd W{{0.1, 0.3, 0.7}, {0.7, -0.2, -0.1}, {-0.3, -0.7, 0.2}, {-0.5, 0.6, -0.8}};
+  const Eigen::Vector4d kernel = W.transpose().fullPivLu().kernel().col(0);
+  REQUIRE((kernel.array() > 0).all() != (kernel.array() < 0).all());
+  const Vector u(kernel.cwiseAbs());
+  const auto squeezed = [&](double free) {
+    return Lcp::standard(Delassus{RowSparse::from(W.sparseView()), Vector{1, 1e-3, 7}, Vector{0, 0, 0, free}},
+                         Vector{-1, -1, -1, -1});
+  };
+  CHECK(judge.proves_infeasible(squeezed(0), u));
+  CHECK(!judge.proves_infeasible(squeezed(1e-18), u));
+  // Whole numbers are found.
+  CHECK(judge.proves_infeasible(pair({3, -3, -1, 1}, Vector{-1, -1}), Vector{1.0 / 3, 1}));
+  CHECK(judge.proof() == Vector{1, 3});
+  // Friction at its bound: g_n + μ |g_t| = 0 for the exact u only.
+  Lcp contact =
+      Lcp::standard(DenseMatrix(Eigen::Matrix3d{{-0.1, 0.3, 0}, {0.1, 0, 0}, {0.3, 0.7, 0}}), Vector{-1, 0, 0});
+  contact.lo[1] = -kInf;
+  contact.friction = {{.normal = 0, .first = 1, .mu = 0.3}};
+  const double share = (0.1 - 0.3 * 0.3) / (0.3 + 0.3 * 0.7);  // of row 2
+  CHECK(judge.proves_infeasible(contact, Vector{1, 0, share}));
+  CHECK(!judge.proves_infeasible(contact, Vector{1, 0, share * (1 + 1e-6)}));
 }
 
 TEST_CASE("certify: where the rounding of its own sums stands in the way, they are done with more digits") {
@@ -162,7 +236,7 @@ TEST_CASE("certify: where the rounding of its own sums stands in the way, they a
   CHECK(s.residual == 0);
   problem.b[0] += 10 * small;  // now it is off by that much
   judge.certify(problem, 1e-10, Claim::candidate, s);
-  CHECK(s.status == Status::stalled);
+  CHECK(s.status == Status::rounded);
   // Terms of 2e12, the sum 1e-16: below a last digit of long double's.
   const double a = 1 + 1e-12, z = 2 / (a - 1);
   CHECK(verdict(pair({1, -1, -1, a}, Vector{-1, -1}), Vector{z + 1, z}) == Status::solved);
@@ -174,7 +248,7 @@ TEST_CASE("certify: an operator's numbers are those of its factors: where these 
   W << big, 1, big, 1, 1, -1;
   const Delassus A{RowSparse::from(W.sparseView()), Vector{1, 1, 1}, {}};
   const Lcp problem = Lcp::standard(A, Vector{-1.0625, -3});
-  CHECK(verdict(problem, Vector{0, 1}) == Status::stalled);                 // w_0 = -1/16: more than 1e-4 of the data
+  CHECK(verdict(problem, Vector{0, 1}) == Status::rounded);                 // w_0 = -1/16: 2^51 in its terms
   CHECK(verdict(problem, Vector{0.0625 * 0x1p-101, 1}) == Status::solved);  // w_0 = 2^-105
   CHECK(verdict(problem, Vector{0.0625 * 0x1p-101 * (1 + 1e-8), 1}) == Status::rounded);  // w_0 = 6e-10
 }
@@ -214,6 +288,13 @@ TEST_CASE("a z that is not accepted is explained: the row, by how much it misses
   large.lo[1] = large.hi[1] = 1e300;
   judge.certify(large, 1e-10, Claim::candidate, s);
   CHECK(why(s) == "row 1 is not finite");
+  // By a row's own terms, however large another part's data.
+  const Lcp apart = Lcp::standard(DenseMatrix(Eigen::Matrix3d::Identity()), Vector{-1, -1e-3, -1e12});
+  s.z = Vector{1, 0.5e-3, 1e12};
+  judge.certify(apart, 1e-10, Claim::candidate, s);
+  judge.explain(apart, 1e-10, s);
+  CHECK(s.status == Status::stalled);
+  CHECK(why(s) == "row 1 misses by 0.0005 inside its bounds; 1e-10 of its data is 1e-13");
 }
 
 TEST_CASE("only a proof stays in the certificate, and a claimed ray becomes one where it proves") {

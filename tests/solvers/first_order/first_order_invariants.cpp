@@ -165,10 +165,9 @@ TEST_CASE("first-order methods end by time, by flag, and where there is nothing 
     CHECK(solver->solve(slow, s).status == Status::cancelled);
     solver->set_cancel(nullptr);
     solver->solve(infeasible, s);
-    // apgd runs away along the ray, ever faster; mprgp knows a ray when it meets one.
-    CHECK(s.status == (spec == "mprgp"  ? Status::infeasible
-                       : spec == "apgd" ? Status::numerical_error
-                                        : Status::stalled));
+    // apgd runs away along the ray, ever faster, to where last digits of z are more than w; nobody looks for a proof.
+    // mprgp knows a ray when it meets one.
+    CHECK(s.status == (spec == "mprgp" ? Status::infeasible : spec == "apgd" ? Status::rounded : Status::stalled));
     CHECK(s.iterations <= 16384);
   }
 }
