@@ -56,9 +56,7 @@ bool pyramids(const Look& p) {
   const bool skew = p.skew && p.no_diagonal && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
   return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !skew && p.n > kDriven && p.n <= kSmall;
 }
-bool swept(const Look& p) {
-  return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kBoldRows;
-}
+bool swept(const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kBoldRows; }
 bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool dense_friction(const Look& p) {
   return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kBoldRows && p.n <= kFull;
@@ -289,8 +287,8 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   claim = handed_on(work.inner, s);
   s.iterations = work.iterations += work.inner.iterations;
   const auto when = kSteps[k].when;
-  const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids ||
-                     when == &swept || when == &dense_friction;
+  const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids || when == &swept ||
+                     when == &dense_friction;
   const bool in_vain = tried && !has_answer(work.inner.status) && work.inner.status != Status::infeasible;
   if (logging())
     log(attempt, work.inner.residual, 0,

@@ -270,9 +270,8 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
                       ": bodies would pass through each other in the shortest step");
     }
     if (!leaves_room(crossing_.state)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
-    const double work = meter_ ? meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {}) : 0.0;
-    work_ += work;
-    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossing_.state, work));
+    const double worked = work_;
+    if (meter_) work_ += meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {});
     report.error_estimate += s * (crossing_.state.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossing_.state.q, now_.v = crossing_.state.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
@@ -294,6 +293,9 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     std::fill(freed_.held.begin(), freed_.held.end(), false);
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
+    report.energy_rise =
+        std::max(report.energy_rise, gain_of_crossing(system_, before, crossing_.state, work_ - worked));
     if (!calm && !no_answer_ && !options_.go_on) return false;
     crossing_.goes_on = striding_ && !calm;
     if (crossing_.goes_on) break;  // the next stride crosses on

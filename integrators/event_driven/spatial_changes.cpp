@@ -321,11 +321,9 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
       return give_up(Status::numerical_error, "a crowd of events cannot be crossed at t = " + detail::text_of(time_) +
                                                   ": bodies would pass through each other");
     }
-    const double work =
-        meter_ ? meter_->over_step(before, crossed_, stepping_.impulses(), stepping_.frictions(), stepping_.pairs())
-               : 0.0;
-    work_ += work;
-    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossed_, work));
+    const double worked = work_;
+    if (meter_)
+      work_ += meter_->over_step(before, crossed_, stepping_.impulses(), stepping_.frictions(), stepping_.pairs());
     report.error_estimate += s * (crossed_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossed_.q, now_.v = crossed_.v;
     time_ += s;
@@ -347,6 +345,8 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
     std::fill(slides_.begin(), slides_.end(), Vector3d::Zero());
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
+    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossed_, work_ - worked));
     for (Bounces& b : bounces_) b.over = false;
     if (!calm && !no_answer_ && !options_.go_on) return false;
   }

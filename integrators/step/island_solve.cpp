@@ -7,6 +7,13 @@ namespace {
 
 constexpr Index kShared = 100;  // rows beyond the largest island's, from which on threads gain
 
+/// A z that is rounded although w is wrong in its first digits (Judge::coarse(); its large terms cancel) is no motion.
+void leave_coarse(Solution& s) {
+  constexpr double kCoarse = 1e-4;  // of the data
+  if (s.status == Status::rounded && s.miss.tolerance * s.miss.by > kCoarse * s.miss.allowed)
+    s.status = Status::stalled;
+}
+
 }  // namespace
 
 template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem)
@@ -23,6 +30,7 @@ template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& probl
   if (count == 1) {
     solver.solve(problem.whole(), s, Start::warm);
     if (refines_) benches_[0].refinement.improve(problem.whole(), s);
+    leave_coarse(s);
     return report.note(problem.whole(), s);
   }
   const Index n = problem.size();
@@ -83,6 +91,7 @@ template <class Space> void IslandSolveOf<Space>::solve_island(const StepProblem
   for (Index i = 0; i < block.size(); ++i) bench.part.z[i] = guess[rows[static_cast<std::size_t>(i)]];
   const Solution& part = solver.solve(block, bench.part, Start::warm);
   if (refines_) bench.refinement.improve(block, bench.part);
+  leave_coarse(bench.part);
   Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
   outcome.miss = part.miss;
