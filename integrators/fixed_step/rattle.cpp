@@ -1,4 +1,5 @@
 #include <orthant/integrators/fixed_step/rattle.h>
+#include <algorithm>
 
 namespace orthant {
 
@@ -121,13 +122,15 @@ bool RattleOf<Space>::reach_turning(double h, const State& x, Solver& solver, St
 }
 
 template <class Space> void RattleOf<Space>::note_carried() {
-  if constexpr (!kPlanar<Space>)
+  if constexpr (!kPlanar<Space>) {
+    std::ranges::fill(carried_, Vector3d(0, 0, 0));  // contacts that touch at the end had no rows, maybe
     for (const ClosedContact& c : start_.closed) {
       const auto contact = static_cast<std::size_t>(c.contact);
       const Tangents& carried = impulses_[contact].tangent;
       carried_[contact] = carried.first * spatial::direction_of(c.rows.tangents[0]) +
                           carried.second * spatial::direction_of(c.rows.tangents[1]);
     }
+  }
 }
 
 template <class Space> bool RattleOf<Space>::other_half(double h, const State& x, StepReport& report) {

@@ -5,6 +5,11 @@
 #include <algorithm>
 
 namespace orthant {
+namespace {
+
+constexpr double kOfPlaces = 1e-14, kOfGaps = 10;  // roundings of places; of gaps, in those
+
+}  // namespace
 
 template <class Space>
 TwoLevelOf<Space>::TwoLevelOf(const System& system, std::string_view name, const Capabilities& can)
@@ -81,11 +86,12 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
     set_poses(system_, x.t + h, q_end_, end_.at);
     evaluate_joint_residual(system_, end_);
     evaluate_gaps(system_, end_);
+    const std::size_t known = start_.closed.size();
     bool more = close_gaps() || joins;
     joins = false;
     i += !more;  // rows that join are as many as the contacts at the most
-    left = mismatch(accuracy);
-    if ((!more || solved) && left.none) return true;  // contacts that came to touch within rounding need no push
+    left = mismatch(accuracy, start_.closed.size());
+    if (more ? solved && mismatch(accuracy, known).none && touch_only(known) : left.none) return true;
     if (!more && left.relative > before / 2) {
       if (++stalls > 2 && left.relative <= kRounded) return true;
       if (!freeze_here(stalls > 2, report)) return false;
@@ -159,8 +165,8 @@ template <class Space> bool TwoLevelOf<Space>::close_gaps() {
   return more;
 }
 
-template <class Space> typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::mismatch(double accuracy) const {
-  constexpr double kOfPlaces = 1e-14, kOfGaps = 10;
+template <class Space>
+typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::mismatch(double accuracy, std::size_t count) const {
   Mismatch m;
   const auto note = [&](double off, double rounding, double allowed) {
     m.size = std::max(m.size, off), m.relative = std::max(m.relative, off / rounding);
@@ -170,7 +176,7 @@ template <class Space> typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::m
     const double rounding = kOfPlaces * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
     note(std::abs(end_.phi[i]), rounding, rounding);
   }
-  for (std::size_t k = 0; k < start_.closed.size(); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     if (positions_.immobile(k)) continue;  // its gap is what the joints make it
     const ClosedContact& c = start_.closed[k];
     const double gap = end_.gap[c.contact], rounding = kOfPlaces * (1 + far_.of(c.rows.normal));
@@ -178,6 +184,14 @@ template <class Space> typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::m
          kOfGaps * rounding + 2 * accuracy);
   }
   return m;
+}
+
+template <class Space> bool TwoLevelOf<Space>::touch_only(std::size_t known) const {
+  for (std::size_t k = known; k < start_.closed.size(); ++k) {
+    const ClosedContact& c = start_.closed[k];
+    if (end_.gap[c.contact] < -kOfGaps * kOfPlaces * (1 + far_.of(c.rows.normal))) return false;
+  }
+  return true;
 }
 
 template <class Space> bool TwoLevelOf<Space>::solve(Formulation& formulation, Solver& solver, StepReport& report) {

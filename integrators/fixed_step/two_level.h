@@ -91,7 +91,8 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
     double size = 0, relative = 0;  // [m, rad]; over what rounding makes of it
     bool none = true;               // it is no more than rounding, and accuracy of the gaps
   };
-  Mismatch mismatch(double accuracy) const;
+  Mismatch mismatch(double accuracy, std::size_t count) const;  // of the first `count` closed contacts
+  bool touch_only(std::size_t known) const;  // those closed after these overlap within rounding: they need no push
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
