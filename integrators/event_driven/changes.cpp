@@ -207,10 +207,6 @@ bool EventDriven::meets_in_turn(int c) const {
 bool EventDriven::accumulates() {
   const double t = start_ + elapsed_;
   const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), strike_.tie[at(c)]}); };
-  // A contact that strikes now and is of no series has its impact first: in one without restitution it has no part.
-  const bool fresh =
-      std::ranges::any_of(bounces_, [&](const Bounces& b) { return b.last == t && !b.rounding && !b.accumulates(); });
-  if (fresh) return false;
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];

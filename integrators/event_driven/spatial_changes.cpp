@@ -180,10 +180,6 @@ bool SpatialEventDriven::meets_in_turn(int c) const {
 
 /// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
 bool SpatialEventDriven::accumulates() {
-  // A contact that strikes now and is of no series has its impact first: in one without restitution it has no part.
-  const bool fresh = std::ranges::any_of(
-      bounces_, [&](const Bounces& b) { return b.last == time_ && !b.rounding && !b.accumulates(); });
-  if (fresh) return false;
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[static_cast<std::size_t>(c)];
