@@ -126,7 +126,8 @@ TEST_CASE("contacts of a heavy body: its impulse of 1e15 exists, so nothing prov
   CHECK_FALSE(Judge{}.proves_infeasible(beside_others(Vector{-1e3, -1e3, 1e3}), u));
   Vector still = u;  // with walls for both that stand, no rounding is left
   Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(13, 12);
-  walls.topLeftCorner(2, 1) << 1, -1, walls.bottomRightCorner(11, 11).setIdentity();
+  walls(0, 0) = 1, walls(1, 0) = -1;
+  walls.bottomRightCorner(11, 11).setIdentity();
   Vector q = Vector::Zero(13);
   q[0] = q[1] = -1;
   CHECK(Judge{}.proves_infeasible(Lcp::standard(Delassus{RowSparse::from(walls.sparseView()), Vector::Ones(12), {}}, q),
