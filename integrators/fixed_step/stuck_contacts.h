@@ -29,7 +29,7 @@ template <class Space> class StuckContacts {
 
   /// Lets the closed contacts that stuck at the end of the step to x keep their static coefficient.
   void choose(const State& x, const Terms& terms, std::vector<RateTargetOf<Space>>& targets) const {
-    if (stuck_.empty() || x.q != q_ || x.v != v_) return;
+    if (stuck_.empty() || q_.size() != x.q.size() || x.q != q_ || x.v != v_) return;
     for (std::size_t k = 0; k < targets.size(); ++k)
       if (const auto c = static_cast<std::size_t>(terms.closed[k].contact); stuck_[c] && same_pair(c, terms))
         targets[k].slip = {};
