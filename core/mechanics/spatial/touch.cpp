@@ -299,7 +299,7 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const Hull::Face& face = hull.faces[static_cast<std::size_t>(of_b ? face_b.face : face_a.face)];
   std::array<Vector3d, 2 * kMostHullPoints> polygon;
   std::size_t count = clipped(hull, face, other, corners, of_b ? back : R, polygon);
-  // The deepest corner over the face may belong to another face than the clipped one. A corner beside the face is no
+  // The deepest corner over the face may belong to another face than the clipped one. A corner outside of it is no
   // point of two faces that lie on each other: nothing is below it. Elsewhere it tells how deep the shapes overlap.
   const auto over = [&](const Vector3d& x) {
     for (std::size_t i = 0; i < face.corners.size(); ++i) {

@@ -34,7 +34,7 @@ def load_plugin(file: str) -> None:
             "from its sources")
     if not path.is_file():
         raise ValueError(f"--plugin '{file}': must be a Python file that exists")
-    sys.path.insert(0, str(path.parent))  # modules beside it, as of a script
+    sys.path.insert(0, str(path.parent))  # modules of its folder, as of a script
     name = f"orthant_plugin_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None

@@ -116,18 +116,18 @@ std::string table_of(const std::vector<ExactCase>& all, const std::vector<CaseRo
           return false;
       return true;
     };
-    std::vector<bool> told(by_solver.size());
+    std::vector<bool> named(by_solver.size());
     for (std::size_t i = 0; i < by_solver.size(); ++i) {
       const std::string& solver = by_solver[i].first;
       const std::string column = !exact_case.has_contacts() ? "no contacts" : solver.substr(0, solver.find(':'));
       if (std::find(columns.begin(), columns.end(), column) == columns.end()) columns.push_back(column);
       auto& [passed, run] = tally[rows[first].integrator][column];
       ++run, passed += verdict(exact_case, by_solver[i].second) == "pass";
-      if (told[i]) continue;
+      if (named[i]) continue;
       std::string names;
       for (std::size_t j = i; j < by_solver.size(); ++j) {
-        if (told[j] || (j > i && !same(by_solver[i].second, by_solver[j].second))) continue;
-        told[j] = true;
+        if (named[j] || (j > i && !same(by_solver[i].second, by_solver[j].second))) continue;
+        named[j] = true;
         names += (names.empty() ? "" : " ") + by_solver[j].first;
       }
       if (!exact_case.has_contacts()) names = "(none)";
