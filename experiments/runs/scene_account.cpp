@@ -7,7 +7,6 @@
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/integrators/step/jam.h>
-#include <orthant/integrators/step/projection.h>
 
 #include <nlohmann/json.hpp>
 
@@ -110,25 +109,15 @@ void choose_integrator(const SystemOf<Spatial>& system, SceneAccount& account) {
 }
 
 /// The scene with its bodies moved into their joints, where they start off them; nothing, where they do not.
-std::optional<System> in_joints(const System& system) {
+template <class Space> std::optional<SystemOf<Space>> in_joints(const SystemOf<Space>& system) {
   constexpr double kOff = 1e-6;  // [m, rad] what a scene file's digits may leave
   const State x = system.initial_state();
   if (!(off_most(system, x.t, x.q).off > kOff)) return std::nullopt;
   try {
-    return System(assembled(system.scene()));
+    return SystemOf<Space>(assembled(system.scene()));
   } catch (const std::invalid_argument&) {  // no such place: the remarks on the start say how far they are off
     return std::nullopt;
   }
-}
-std::optional<SystemOf<Spatial>> in_joints(const SystemOf<Spatial>& /*system*/) { return std::nullopt; }
-
-/// The coordinates at the start; in space moved onto the joints, if they can be.
-Eigen::VectorXd start_of(const System& system) { return system.initial_state().q; }
-Eigen::VectorXd start_of(const SystemOf<Spatial>& system) {
-  const State x = system.initial_state();
-  TermsOf<Spatial> terms(system);
-  Eigen::VectorXd q = x.q;
-  return ProjectionOf<Spatial>(system).position(x.t, terms, q) <= kJointsHold ? q : x.q;
 }
 
 template <class Space> void find_jam(const SystemOf<Space>& system, SceneAccount& account) {
@@ -153,7 +142,7 @@ template <class Space> SceneAccount account_for(const SystemOf<Space>& given) {
   account.collisions = static_cast<int>(scene.collisions.size()), account.pairs = system.pairs().back();
   for (const auto& body : scene.bodies) account.mass += body.mass;
   account.gruebler = system.dof() - system.joint_rows();
-  const Eigen::VectorXd q = start_of(system);
+  const Eigen::VectorXd q = system.initial_state().q;
   account.ranked = system.joint_rows() <= kMostRanked;
   if (account.ranked) {
     account.redundancy = find_redundancy(system, q);

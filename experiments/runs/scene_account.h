@@ -2,7 +2,7 @@
 //
 //   Grübler     3 bodies − Σ rows of joints, in space 6 bodies − …; by rank the rank of G in place of the sum. They
 //               differ by redundant rows. Where bodies start off their joints, all is said of the place into which they
-//               are moved (assemble.h; in space projection.h).
+//               are moved (assemble.h).
 //   step        h = 0.02 min(1/ω, √(ρ/g), ρ/|v|, 1/|ω_b|): ω of springs, drives, loads, ρ a body's radius of gyration
 //               about its centre, v and ω_b its velocities at the start; at most the duration / 100. For fixed steps.
 //   integrator  adaptive where it takes the scene, with at most 30 contacts and pairs; else moreau-jean. In space

@@ -67,26 +67,13 @@ namespace {
 
 constexpr double kSmall = 1e-6;  // [m, rad], [m/s, rad/s]: what a scene file's digits may leave
 
-OffMost joint_off_most(const System& system, const State& x, const Terms& /*at_x*/) {
-  return off_most(system, x.t, x.q);
-}
-OffMost joint_off_most(const SystemOf<Spatial>& system, const State& /*x*/, const TermsOf<Spatial>& at_x) {
-  OffMost most;
-  const auto& joints = system.scene().joints;
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    for (int row = system.first_row(i); row < system.first_row(i) + row_count(joints[i]); ++row)
-      if (const double off = std::abs(at_x.phi[row]); off > most.off)
-        most = {off, std::visit([](const auto& j) { return j.name; }, joints[i])};
-  return most;
-}
-
 bool limits_an_angle(const Contact& contact) { return along_an_angle(contact); }
 bool limits_an_angle(const spatial::Contact& contact) {
   const auto* limit = std::get_if<spatial::Limit>(&contact);
   return limit != nullptr && limit->of.angle();
 }
 
-template <class Space> std::vector<Remark> wrong_at_start(const SystemOf<Space>& system, const char* moved_onto) {
+template <class Space> std::vector<Remark> wrong_at_start(const SystemOf<Space>& system) {
   std::vector<Remark> remarks;
   const State x = system.initial_state();
   TermsOf<Space> terms(system);
@@ -100,8 +87,9 @@ template <class Space> std::vector<Remark> wrong_at_start(const SystemOf<Space>&
   const auto warn = [&](const char* what, double size, const char* unit, const char* then) {
     remarks.push_back({true, words_of("at the start ", what, " by ", size, " ", unit, ": ", then)});
   };
-  if (const OffMost most = joint_off_most(system, x, terms); most.off > kSmall)
-    warn("joints are off", most.off, ("m or rad, \"" + most.joint + "\" most").c_str(), moved_onto);
+  if (const OffMost most = off_most(system, x.t, x.q); most.off > kSmall)
+    warn("joints are off", most.off, ("m or rad, \"" + most.joint + "\" most").c_str(),
+         "the bodies are moved onto them, except with joints=none (assemble = true in the scene: by the least motion)");
   if (rate > kSmall * (1 + x.v.template lpNorm<Eigen::Infinity>()))
     warn("velocities break joints", rate, "m/s or rad/s", "they are changed to keep them");
   Index deepest = 0;
@@ -117,9 +105,7 @@ template <class Space> std::vector<Remark> wrong_at_start(const SystemOf<Space>&
 }  // namespace
 
 std::vector<Remark> remarks_on_start(const System& system) {
-  std::vector<Remark> remarks = wrong_at_start(
-      system,
-      "the bodies are moved onto them, except with joints=none (assemble = true in the scene: by the least motion)");
+  std::vector<Remark> remarks = wrong_at_start(system);
   constexpr int kMostRows = 600;  // more would take longer than a word is worth
   if (system.joint_rows() > kMostRows) return remarks;
   if (const std::string words = describe(find_redundancy(system, system.initial_state().q), system); !words.empty())
@@ -128,7 +114,7 @@ std::vector<Remark> remarks_on_start(const System& system) {
 }
 
 std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system) {
-  std::vector<Remark> remarks = wrong_at_start(system, "the bodies are moved onto them");
+  std::vector<Remark> remarks = wrong_at_start(system);
   for (const std::string& note : system.scene().notes) remarks.push_back({false, note});
   return remarks;
 }

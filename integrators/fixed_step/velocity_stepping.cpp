@@ -59,14 +59,11 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   if (geometric_.possible() && !stiffen(h, x, report)) return report;
   measure(h, x);
   if (!find_pairs(h, x, report)) return report;
-  if constexpr (kPlanar<Space>) sleep_.begin(x, terms_, v_new_);
+  sleep_.begin(x, terms_, v_new_);
   Step step{system_, h, x, terms_, targets_, v_new_, q_new_, joined_, near_, frames_};
   do {
-    if constexpr (kPlanar<Space>) do
-        close(step);
-      while (sleep_.disturbed(terms_, targets_, v_new_));
-    else
-      close(step);
+    do close(step);
+    while (sleep_.disturbed(terms_, targets_, v_new_));
     note_forces(terms_, v_new_, targets_);
     restrict_to_strikes(targets_);
     stuck_.choose(x, terms_, targets_);
@@ -79,7 +76,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   } while (missed(step));
   report.energy_rise = energy_rise(system_, terms_, targets_, v_new_, impulses_, kSameRows, &taken_);
   stuck_.note(terms_, impulses_, v_new_, system_);
-  if constexpr (kPlanar<Space>) sleep_.hold(h, impulses_);
+  sleep_.hold(h, impulses_);
   if (geometric_.possible()) note_stiffness(h, x);
   if constexpr (!kPlanar<Space>) to_end_axes(system_, frames(h), x.v, v_new_);
   move<Space>(x.q, h * (plan_.theta * v_new_ + (1 - plan_.theta) * x.v), q_new_);
@@ -88,7 +85,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   x.t += h;
   x.q.swap(q_new_);
   x.v.swap(v_new_);
-  if constexpr (kPlanar<Space>) sleep_.end(h, terms_, impulses_, x);
+  sleep_.end(h, terms_, impulses_, x);
   if (!loads_.empty() || geometric_.possible()) last_q_ = x.q, last_v_ = x.v;
   stuck_.end(x);
   return report;

@@ -162,7 +162,7 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
   ImpactOf<Space> impact_;
   Magnitudes near_;  // [m]
   BroadPhaseOf<Space> broad_phase_;
-  InPlane<Space, Sleep> sleep_;
+  SleepOf<Space> sleep_;
   TunnellingDetectorOf<Space> tunnelling_;
   StuckContacts<Space> stuck_;
   FormulationOf<Space> formulation_;

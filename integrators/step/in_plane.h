@@ -8,7 +8,7 @@
 
 namespace orthant {
 
-/// In space: no sleep, no geometric stiffness.
+/// In space: no geometric stiffness.
 template <class Space> struct NotInSpace {
   template <class... T> explicit NotInSpace(const SystemOf<Space>& /*system*/, const T&... /*more*/) {}
   static constexpr bool possible() { return false; }

@@ -25,16 +25,20 @@ struct SleepOptions {
   double speed = 1e-6;  // [m/s, rad/s]
 };
 
-class Sleep {
+template <class Space> class SleepOf {
  public:
-  Sleep(const System& system, const SleepOptions& options);
+  using System = SystemOf<Space>;
+  using Terms = TermsOf<Space>;
+  using Impulse = ImpulseOf<Space>;
+
+  SleepOf(const System& system, const SleepOptions& options);
 
   /// Before contacts are closed: wakes whom the state or the forces terms.f wake; the others' v_free becomes 0.
   void begin(const State& x, const Terms& terms, Eigen::VectorXd& v_free);
 
   /// Contacts are closed: true, they woke some (whose v_free is back): close them again. False: those of the sleeping
   /// are taken out.
-  bool disturbed(Terms& terms, std::vector<RateTarget>& targets, Eigen::VectorXd& v_free);
+  bool disturbed(Terms& terms, std::vector<RateTargetOf<Space>>& targets, Eigen::VectorXd& v_free);
 
   /// The forces of the sleeping contacts, as impulses of the step.
   void hold(double h, std::vector<Impulse>& impulses) const;
@@ -61,11 +65,13 @@ class Sleep {
   int islands_so_far_ = 0;
   std::vector<double> rest_;  // [s] that each body has been slow
   std::vector<double> least_;
-  std::vector<Row> rows_;
+  std::vector<RowOf<Space>> rows_;
   std::vector<Impulse> force_;  // of contacts that sleep [N]
   std::vector<Impulse> scratch_;
   std::vector<Pair> pairs_;  // of the last step
   Eigen::VectorXd f_, v_free_, last_q_, last_v_;
 };
+extern template class SleepOf<Planar>;
+extern template class SleepOf<Spatial>;
 
 }  // namespace orthant

@@ -13,13 +13,28 @@ namespace {
 constexpr double kMostTurn = 0.5;  // [rad] of a body in one step, at the most
 constexpr double kClosed = 1e-13;  // of 1 m + the largest coordinate: rounding
 
-class Assembly {
+/// A joint with clearance.
+bool has_clearance(const Contact& contact) { return std::holds_alternative<Journal>(contact); }
+bool has_clearance(const spatial::Contact& contact) {
+  return std::holds_alternative<spatial::Socket>(contact) || std::holds_alternative<spatial::PinBush>(contact);
+}
+
+void put(Body& body, const Eigen::VectorXd& q, BodyId i) {
+  body.position = translation(q, i), body.angle = rotation(q, i);
+}
+void put(spatial::Body& body, const Eigen::VectorXd& q, BodyId i) {
+  const Eigen::Vector4d back{body.axes[0], -body.axes[1], -body.axes[2], -body.axes[3]};
+  body.position = place_of<Spatial>(q, i);
+  body.orientation = quaternions::product(quaternion(q, i), back);
+}
+
+template <class Space> class Assembly {
  public:
-  explicit Assembly(const System& system)
+  explicit Assembly(const SystemOf<Space>& system)
       : system_(system), terms_(system), start_(system.initial_state()), root_(system.mass().cwiseSqrt()) {
     for (std::size_t i = 0; i < system.scene().contacts.size(); ++i)
-      if (std::holds_alternative<Journal>(system.scene().contacts[i])) journals_.push_back(static_cast<int>(i));
-    held_.assign(journals_.size(), false);
+      if (has_clearance(system.scene().contacts[i])) clearances_.push_back(static_cast<int>(i));
+    held_.assign(clearances_.size(), false);
   }
 
   /// q: from the scene's start to the nearest place that closes all. False: not found.
@@ -40,24 +55,25 @@ class Assembly {
     double most = 0;
     std::string words;
     std::size_t row = 0;
-    for (const Joint& joint : system_.scene().joints)
+    for (const auto& joint : system_.scene().joints)
       for (int k = 0; k < row_count(joint); ++k, ++row)
         if (const double off = std::abs(terms_.phi[static_cast<Index>(row)]); !(off <= most)) {
           most = off;
           words = "joint \"" + std::visit([](const auto& j) { return j.name; }, joint) + "\" is off by " +
                   detail::text_of(off) + " m or rad";
         }
-    for (const int j : journals_)
+    for (const int j : clearances_)
       if (-terms_.gap[j] > most) {
         most = -terms_.gap[j];
-        words = "journal \"" + name_of(j) + "\" is off by " + detail::text_of(most) + " m";
+        words = std::string(kPlanar<Space> ? "journal" : "contact") + " \"" + name_of(j) + "\" is off by " +
+                detail::text_of(most) + " m";
       }
     return words;
   }
 
  private:
   std::string name_of(int contact) const {
-    const Contact& named = system_.scene().contacts[static_cast<std::size_t>(contact)];
+    const auto& named = system_.scene().contacts[static_cast<std::size_t>(contact)];
     return std::visit([](const auto& c) { return c.name; }, named);
   }
   void evaluate(const Eigen::VectorXd& q) {
@@ -65,12 +81,12 @@ class Assembly {
     evaluate_joint_residual(system_, terms_);
     evaluate_joint_rows(system_, terms_);
     evaluate_gaps(system_, terms_);
-    evaluate_closed(system_, journals_, terms_);
+    evaluate_closed(system_, clearances_, terms_);
   }
   double zero(const Eigen::VectorXd& q) const { return kClosed * (1 + q.lpNorm<Eigen::Infinity>()); }
   double off() const {
-    double most = terms_.phi.size() > 0 ? terms_.phi.lpNorm<Eigen::Infinity>() : 0;
-    for (const int j : journals_) most = std::max(most, -terms_.gap[j]);
+    double most = terms_.phi.size() > 0 ? terms_.phi.template lpNorm<Eigen::Infinity>() : 0;
+    for (const int j : clearances_) most = std::max(most, -terms_.gap[j]);
     return most;
   }
 
@@ -79,8 +95,8 @@ class Assembly {
     evaluate(q);
     const bool closed = off() <= zero(q);
     std::vector<std::size_t> taking_part;
-    for (std::size_t k = 0; k < journals_.size(); ++k)
-      if (held_[k] || terms_.gap[journals_[k]] < 0) taking_part.push_back(k);
+    for (std::size_t k = 0; k < clearances_.size(); ++k)
+      if (held_[k] || terms_.gap[clearances_[k]] < 0) taking_part.push_back(k);
     const Index joints = terms_.phi.size(), rows = joints + static_cast<Index>(taking_part.size());
     if (rows == 0) return true;
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(system_.dof(), rows);
@@ -92,61 +108,64 @@ class Assembly {
     for (Index i = joints; i < rows; ++i) {
       const std::size_t k = taking_part[static_cast<std::size_t>(i - joints)];
       apply_transposed(terms_.closed[k].rows.normal, 1.0, J.col(i).data());
-      missing[i] = -terms_.gap[journals_[k]];
+      missing[i] = -terms_.gap[clearances_[k]];
     }
     J = root_.cwiseInverse().asDiagonal() * J;
     const Eigen::VectorXd length = J.colwise().norm().transpose().cwiseMax(1e-300);
     J = J * length.cwiseInverse().asDiagonal();
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> A(J.transpose());
     const Eigen::VectorXd back =
-        near ? Eigen::VectorXd(root_.cwiseProduct(between(q, start_.q))) : Eigen::VectorXd::Zero(q.size());
+        near ? Eigen::VectorXd(root_.cwiseProduct(between<Space>(q, start_.q))) : Eigen::VectorXd::Zero(system_.dof());
     const Eigen::VectorXd pushed = A.solve(missing.cwiseQuotient(length) - J.transpose() * back);
     const Eigen::VectorXd forces = A.transpose().solve(pushed);
     for (Index i = joints; i < rows; ++i) held_[taking_part[static_cast<std::size_t>(i - joints)]] = forces[i] > 0;
     Eigen::VectorXd step = root_.cwiseInverse().cwiseProduct(back + pushed);
-    if (const double turn = largest_rotation(step); turn > kMostTurn) step *= kMostTurn / turn;
+    if (const double turn = largest_rotation<Space>(step); turn > kMostTurn) step *= kMostTurn / turn;
     if (closed && (!near || step.lpNorm<Eigen::Infinity>() <= 1e-9 * (1 + q.lpNorm<Eigen::Infinity>()))) return true;
-    move(q, step);
+    move<Space>(q, step);
     return false;
   }
 
-  const System& system_;
-  Terms terms_;
+  const SystemOf<Space>& system_;
+  TermsOf<Space> terms_;
   State start_;
   Eigen::VectorXd root_;  // √M
-  std::vector<int> journals_;
+  std::vector<int> clearances_;
   std::vector<bool> held_;  // at the bearing
 };
 
-}  // namespace
-
-Scene assembled(const Scene& scene) {
-  Scene moved = scene;
+template <class Space> typename SystemOf<Space>::Scene assembly_of(typename SystemOf<Space>::Scene moved) {
   moved.assemble = false;
-  const System system(moved);
-  Assembly assembly(system);
+  const SystemOf<Space> system(moved);
+  Assembly<Space> assembly(system);
   Eigen::VectorXd q;
   if (!assembly.find(q))
     throw std::invalid_argument("assemble = true: " + assembly.off_most_words() +
                                 " at the best place found: must be reachable from where the scene puts its bodies");
-  for (std::size_t i = 0; i < moved.bodies.size(); ++i) {
-    const auto body = static_cast<BodyId>(i);
-    moved.bodies[i].position = translation(q, body), moved.bodies[i].angle = rotation(q, body);
-  }
+  moved.bodies = system.scene().bodies;  // with their principal axes
+  for (std::size_t i = 0; i < moved.bodies.size(); ++i) put(moved.bodies[i], q, static_cast<BodyId>(i));
   return moved;
 }
 
-OffMost off_most(const System& system, double t, const Eigen::VectorXd& q) {
-  Terms terms(system);
+}  // namespace
+
+Scene assembled(const Scene& scene) { return assembly_of<Planar>(scene); }
+spatial::Scene assembled(const spatial::Scene& scene) { return assembly_of<Spatial>(scene); }
+
+template <class Space> OffMost off_most(const SystemOf<Space>& system, double t, const Eigen::VectorXd& q) {
+  TermsOf<Space> terms(system);
   set_poses(system, t, q, terms.at);
   evaluate_joint_residual(system, terms);
   OffMost most;
   Index row = 0;
-  for (const Joint& joint : system.scene().joints)
+  for (const auto& joint : system.scene().joints)
     for (int k = 0; k < row_count(joint); ++k, ++row)
       if (const double off = std::abs(terms.phi[row]); off > most.off)
         most = {off, std::visit([](const auto& j) { return j.name; }, joint)};
   return most;
 }
+
+template OffMost off_most(const SystemOf<Planar>&, double, const Eigen::VectorXd&);
+template OffMost off_most(const SystemOf<Spatial>&, double, const Eigen::VectorXd&);
 
 }  // namespace orthant

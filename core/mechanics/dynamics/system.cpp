@@ -18,6 +18,7 @@ void prepare(Scene& scene) {
 }
 void prepare(spatial::Scene& scene) {
   spatial::check(scene);
+  if (scene.assemble) scene = assembled(scene);
   for (spatial::Body& body : scene.bodies) {
     body.axes = spatial::principal(body.inertia).axes;
     body.to_axes = quaternions::matrix_of(body.axes).transpose();

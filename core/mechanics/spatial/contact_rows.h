@@ -20,6 +20,7 @@ struct Tangents {
   friend Tangents operator+(Tangents x, Tangents y) { return {x.first + y.first, x.second + y.second}; }
   friend Tangents operator-(Tangents x, Tangents y) { return {x.first - y.first, x.second - y.second}; }
   friend Tangents operator*(double by, Tangents x) { return {by * x.first, by * x.second}; }
+  friend Tangents operator/(Tangents x, double by) { return {x.first / by, x.second / by}; }
   Tangents& operator+=(Tangents y) { return *this = *this + y; }
   friend bool operator==(const Tangents&, const Tangents&) = default;
 };

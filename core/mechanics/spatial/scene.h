@@ -74,6 +74,7 @@ struct Scene {
   Restitution restitution = Restitution::newton;
   Impacts impacts = Impacts::simultaneous;
   double duration = 1, step = 1e-3;  // [s] defaults of `simulate`
+  bool assemble = false;             // bodies are moved into their joints at the start (dynamics/assemble.h)
   std::vector<std::string> notes;    // of an imported model: how it was taken, and what was not
 
   /// Each adds one element; without a name it becomes body1, body2, … joint1, … by its place.

@@ -21,6 +21,7 @@ spatial::Scene SpatialReader::scene() {
   double dimension = 3;
   top.need("dimension", dimension);
   top.maybe("gravity", scene_.gravity), top.maybe("duration", scene_.duration), top.maybe("step", scene_.step);
+  top.maybe("assemble", scene_.assemble);
   top.choice("restitution", scene_.restitution, kRestitutionNames);
   top.choice("impacts", scene_.impacts, kImpactsNames);
   each(top, "body", [&](Fields& f) { body(f); });
