@@ -26,7 +26,7 @@ StepMatrixOf<Space>::StepMatrixOf(const SystemOf<Space>& system, bool diagonal, 
   if (!dense_) {
     prepare(A);
   } else if (most <= static_cast<Index>(kFormedRows)) {
-    std::get<DenseMatrix>(A).resize(most, most);
+    as<DenseMatrix>(A).resize(most, most);
     columns_.resize(system.dof(), most);
   }
 }
@@ -53,7 +53,7 @@ template <class Space> void StepMatrixOf<Space>::fill(const std::vector<Row>& ro
     fill_delassus(rows, inverse_mass_, *delassus);
     return;
   }
-  auto& formed = std::get<DenseMatrix>(A);
+  auto& formed = as<DenseMatrix>(A);
   const auto n = static_cast<Index>(rows.size());
   formed.resize(n, n);
   for (Index j = 0; j < n; ++j)
@@ -69,7 +69,7 @@ template <class Space> void StepMatrixOf<Space>::cut(const std::vector<Row>& row
     fill_delassus(scratch, inverse_mass_, *delassus);
     return;
   }
-  auto& formed = std::get<DenseMatrix>(A);
+  auto& formed = as<DenseMatrix>(A);
   const auto n = static_cast<Index>(numbers.size());
   formed.resize(n, n);
   for (Index j = 0; j < n; ++j)

@@ -190,10 +190,8 @@ class ExactProof {
   Equation column(Index j) const {
     Equation equation;
     for (const Index i : rows_) {
-      if (const auto* dense = std::get_if<DenseMatrix>(&p_.A)) {
-        equation.emplace_back((*dense)(i, j));
-      } else if (const auto* sparse = std::get_if<RowSparse>(&p_.A)) {
-        equation.emplace_back(sparse->entry(i, j));
+      if (operator_ == nullptr) {
+        equation.emplace_back(entry(p_.A, i, j));
       } else {
         Rational sum(i == j && operator_->regularization.size() != 0 ? operator_->regularization[i] : 0.0);
         operator_->W.for_each_in_row(i, [&](Index m, double w) {
