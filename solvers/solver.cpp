@@ -43,7 +43,7 @@ Claim handed_on(const Solution& inner, Solution& s) {
   }
 }
 
-bool Solver::unsettled(const Solution& s) const { return open(s) || (s.status == Status::rounded && coarse_); }
+bool Solver::unsettled(const Solution& s) { return open(s) || (s.status == Status::rounded && s.coarse); }
 
 /// The judge's status, or the better one of z with its fine rows settled.
 void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
@@ -55,27 +55,27 @@ void Solver::judge(const Lcp& problem, double tolerance, Claim claim, Solution& 
 void Solver::judge_fine_rows(const Lcp& problem, double tolerance, Solution& s) {
   if (!fine_rows_.settle(problem, s.z, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
-  if (!has_answer(put_.status) || (judge_.coarse() && has_answer(s.status))) return;
+  if (!has_answer(put_.status) || (put_.coarse && has_answer(s.status))) return;
   take_put(s);
 }
 
 /// What was last judged in put_ into s; its status only where it is an answer.
 void Solver::take_put(Solution& s) {
-  accepted_ = judge_.accepted(), coarse_ = judge_.coarse();
+  accepted_ = judge_.accepted();
   if (has_answer(put_.status)) s.status = put_.status;
   s.z = put_.z, s.w = put_.w;
-  s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss;
+  s.residual = put_.residual, s.rounding = put_.rounding, s.miss = put_.miss, s.coarse = put_.coarse;
 }
 
 /// The judge on z; where z does not pass for solved, also on z put at its bounds, and the better of both is kept.
 void Solver::judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   judge_.certify(problem, tolerance, claim, s);
-  accepted_ = judge_.accepted(), coarse_ = judge_.coarse();
+  accepted_ = judge_.accepted();
   const double excess = judge_.excess();
   if (s.status == Status::solved || s.status == Status::infeasible || !s.z.allFinite() || !s.w.allFinite()) return;
   if (!at_bounds_.put(problem, s, put_.z)) return;
   judge_.certify(problem, tolerance, Claim::stalled, put_);
-  const bool nearer = judge_.excess() < excess, answers = has_answer(put_.status) && !(coarse_ && judge_.coarse());
+  const bool nearer = judge_.excess() < excess, answers = has_answer(put_.status) && !(s.coarse && put_.coarse);
   if (put_.status != Status::solved && (!unsettled(s) || !(nearer || answers))) return;
   take_put(s);
 }
@@ -134,13 +134,12 @@ void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) 
   s = std::move(found);
   if (!has_answer(s.status)) return;
   judge_.certify(problem, tolerance(), Claim::candidate, s);
-  coarse_ = judge_.coarse();
 }
 
 bool Solver::passes(const Lcp& problem, Solution& s) {
   before_ = s.z;
   judge(problem, std::min(goal(), tolerance()), Claim::stalled, s);
-  if (has_answer(s.status) && !coarse_) return true;
+  if (has_answer(s.status) && !s.coarse) return true;
   s.z = before_;
   return false;
 }
@@ -178,6 +177,7 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   s.factorizations = 0;
   s.factorized_rows = 0;
   s.miss = {};
+  s.coarse = false;
   s.certificate.resize(0), s.ray.resize(0), s.cells.clear();
   if (start == Start::cold || s.z.size() != n || !s.z.allFinite()) {
     start = Start::cold;

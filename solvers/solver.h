@@ -83,7 +83,7 @@ class Solver {
   /// Not where a proof would answer another question than the caller's: the plain form of a method, say.
   virtual bool seeks_proof() const { return true; }
   /// No answer and no proof, or an answer that another attempt may better.
-  bool unsettled(const Solution& s) const;
+  static bool unsettled(const Solution& s);
   void judge(const Lcp& problem, double tolerance, Claim claim, Solution& s);
   void judge_at_bounds(const Lcp& problem, double tolerance, Claim claim, Solution& s);
   void judge_fine_rows(const Lcp& problem, double tolerance, Solution& s);
@@ -103,7 +103,6 @@ class Solver {
   AtBounds at_bounds_;
   FineRows fine_rows_;
   double accepted_ = 0;
-  bool coarse_ = false;  // of the last z judged, where it is rounded (certify.h)
   Vector scratch_, proof_, before_;
   Farkas farkas_;
   bool proof_search_ = true, proof_sought_ = false;

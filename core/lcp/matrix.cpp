@@ -113,12 +113,30 @@ void multiply(const Matrix& A, const Eigen::Ref<const Eigen::VectorXd>& x, Vecto
   }
 }
 
+Eigen::VectorXd multiply_transposed(const Matrix& A, const Eigen::VectorXd& x) {
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) return dense->transpose() * x;
+  if (const auto* sparse = std::get_if<RowSparse>(&A)) return sparse->view().transpose() * x;
+  Vector y, scratch;
+  multiply(A, x, y, scratch);
+  return y;
+}
+
 double diagonal(const Matrix& A, Index i) {
   if (const auto* dense = std::get_if<DenseMatrix>(&A)) return (*dense)(i, i);
   if (const auto* rows = std::get_if<RowSparse>(&A)) return rows->entry(i, i);
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
   double sum = regularization.size() != 0 ? regularization[i] : 0.0;
   W.for_each_in_row(i, [&sum, &m = inverse_mass](Index k, double value) { sum += value * value * m[k]; });
+  return sum;
+}
+
+double entry(const Matrix& A, Index i, Index j) {
+  if (const auto* dense = std::get_if<DenseMatrix>(&A)) return (*dense)(i, j);
+  if (const auto* rows = std::get_if<RowSparse>(&A)) return rows->entry(i, j);
+  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
+  double sum = i == j && regularization.size() != 0 ? regularization[i] : 0.0;
+  W.for_each_in_row(
+      i, [&sum, j, &W = W, &m = inverse_mass](Index k, double value) { sum += value * W.entry(j, k) * m[k]; });
   return sum;
 }
 

@@ -57,6 +57,12 @@ Index order(const Matrix& A);
 double diagonal(const Matrix& A, Index i);
 void diagonal(const Matrix& A, Vector& diag);
 
+/// A_ij: stored, 0 where nothing is, or summed for an operator.
+double entry(const Matrix& A, Index i, Index j);
+
+/// y = Aᵀx, in the order of multiply() for an operator, which is symmetric.
+Eigen::VectorXd multiply_transposed(const Matrix& A, const Eigen::VectorXd& x);
+
 /// use(i, j, A_ij) for the stored entries: zeros of a dense matrix too, column by column, or row by row. Ends where
 /// `use` returns false, if it returns a bool. An operator has no entries: nothing is called, and the result is false.
 template <class Use> bool for_each_entry(const Matrix& A, const Use& use) {

@@ -53,6 +53,12 @@ void check_friction(const Lcp& p) {
     }
 }
 
+/// All but the matrix.
+const Lcp& with_parts_of(const Lcp& problem, Lcp& room) {
+  room.b = problem.b, room.lo = problem.lo, room.hi = problem.hi, room.friction = problem.friction;
+  return room;
+}
+
 // x · 0 is 0 for a finite x and NaN for any other: sums without branches, four of them so that none waits for the last.
 bool finite(const double* x, std::size_t size) {
   double sum = 0;
@@ -98,6 +104,16 @@ void check(const Lcp& problem) {
       refuse("problem: row ", i, " has bounds [", problem.lo[i], ", ", problem.hi[i],
              "]: must be lower <= upper, lower < inf, upper > -inf");
   check_friction(problem);
+}
+
+const Lcp& with_dense_matrix(const Lcp& problem, Lcp& room) {
+  auto& dense = as<DenseMatrix>(room.A);
+  return &dense_of(problem.A, dense) == &dense ? with_parts_of(problem, room) : problem;
+}
+
+const Lcp& with_rows(const Lcp& problem, Lcp& room) {
+  auto& rows = as<RowSparse>(room.A);
+  return rows_of(problem.A, rows) == &rows ? with_parts_of(problem, room) : problem;
 }
 
 bool finite(const Lcp& problem) { return std::visit(Finite{}, problem.A) && finite(problem.b); }

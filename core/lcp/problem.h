@@ -46,6 +46,10 @@ struct Lcp {
 /// normal a row with lo ≥ 0 that is no friction row itself). The entries of A and b are not checked here: see finite().
 void check(const Lcp& problem);
 
+/// The problem with a dense matrix, or with one by rows: itself where it is stored so, else in `room`.
+const Lcp& with_dense_matrix(const Lcp& problem, Lcp& room);
+const Lcp& with_rows(const Lcp& problem, Lcp& room);
+
 /// Every number of A and b is finite.
 bool finite(const Lcp& problem);
 

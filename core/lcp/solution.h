@@ -65,6 +65,7 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
   double residual = kInf;  // max_i v_i, how far w_i is from what z_i allows (judge/certify.h)        [units of w]
   double rounding = 0;     // ε max_i (|b_i| + Σ_j |A_ij z_j|): a last digit of the terms of w        [units of w]
   Miss miss;
+  bool coarse = false;  // rounded, but w is wrong in its first digits: another z may be better (judge/certify.h)
   int iterations = 0;
   long factorizations = 0;     // of matrices, by the library's own methods (factorization_count.h)
   double factorized_rows = 0;  // their rows in all: over n, the same in units of a whole matrix

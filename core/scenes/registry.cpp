@@ -190,4 +190,14 @@ AnyScene make_any_scene(std::string_view name_or_path, std::span<const std::stri
   return read_any_scene(std::filesystem::path(name_or_path), sets);
 }
 
+AnySystem make_any_system(std::string_view name_or_path, std::span<const std::string> sets) {
+  const Examined examined = is_built_in(name_or_path) ? Examined::no : Examined::yes;
+  return std::visit(
+      [examined](auto&& scene) -> AnySystem {
+        using Space = std::conditional_t<std::is_same_v<std::decay_t<decltype(scene)>, Scene>, Planar, Spatial>;
+        return SystemOf<Space>(std::move(scene), examined);
+      },
+      make_any_scene(name_or_path, sets));
+}
+
 }  // namespace orthant

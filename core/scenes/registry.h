@@ -4,6 +4,7 @@
 //   Scene t = make_scene("door.toml", std::vector<std::string>{"contact.corner1.mu=0.1"});
 #pragma once
 
+#include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/support/option_list.h>
 
@@ -40,5 +41,9 @@ Scene make_scene(std::string_view name_or_path, std::span<const std::string> set
 
 /// Likewise of a scene in the plane or in space. make_scene() takes the former only.
 AnyScene make_any_scene(std::string_view name_or_path, std::span<const std::string> sets = {});
+
+/// The system of that scene. A scene that comes from a file is examined once, by its reader.
+using AnySystem = std::variant<System, SystemOf<Spatial>>;
+AnySystem make_any_system(std::string_view name_or_path, std::span<const std::string> sets = {});
 
 }  // namespace orthant

@@ -8,8 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include <iostream>
-#include <type_traits>
-#include <utility>
 
 namespace orthant {
 
@@ -31,12 +29,8 @@ void add_check(CLI::App& app, int& exit_code) {
       "  orthant check mine.toml\n"
       "  orthant check slider_crank --set clearance=1e-4 --json");
   command->callback([arguments, &exit_code] {
-    const SceneAccount account = std::visit(
-        [](auto&& scene) {
-          using Space = std::conditional_t<std::is_same_v<std::decay_t<decltype(scene)>, Scene>, Planar, Spatial>;
-          return account_of(SystemOf<Space>(std::move(scene)));
-        },
-        make_any_scene(arguments->scene, arguments->sets));
+    const SceneAccount account = std::visit([](const auto& system) { return account_of(system); },
+                                            make_any_system(arguments->scene, arguments->sets));
     std::cout << (arguments->json ? as_json(account).dump(2) + "\n" : in_words(account));
     exit_code = account.jam.empty() ? 0 : 3;
   });

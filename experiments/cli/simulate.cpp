@@ -293,9 +293,8 @@ int run_simulate(SimulateArguments arguments) {
   for (const std::string& set : arguments.sets)
     if (set.find('=') == std::string::npos)
       throw std::invalid_argument("--set '" + set + "': must have the form KEY=VALUE");
-  AnyScene scene = make_any_scene(arguments.scene, arguments.sets);
-  if (std::holds_alternative<Scene>(scene)) return run_system(arguments, System(std::get<Scene>(std::move(scene))));
-  return run_system(arguments, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(scene))));
+  return std::visit([&arguments](const auto& system) { return run_system(arguments, system); },
+                    make_any_system(arguments.scene, arguments.sets));
 }
 
 }  // namespace

@@ -88,11 +88,9 @@ template <class Space> Viewed of_system(const ViewArguments& a, const SystemOf<S
 }
 
 Viewed of_scene(ViewArguments a) {
-  AnyScene any = make_any_scene(a.input, a.sets);
-  const bool planar = std::holds_alternative<Scene>(any);
-  if (a.integrator.empty()) a.integrator = planar ? kPlanarIntegrator : kSpatialIntegrator;
-  if (planar) return of_system(a, System(std::get<Scene>(std::move(any))));
-  return of_system(a, SystemOf<Spatial>(std::get<spatial::Scene>(std::move(any))));
+  const AnySystem any = make_any_system(a.input, a.sets);
+  if (a.integrator.empty()) a.integrator = std::holds_alternative<System>(any) ? kPlanarIntegrator : kSpatialIntegrator;
+  return std::visit([&a](const auto& system) { return of_system(a, system); }, any);
 }
 
 /// The drawing of --scene, which must have the run's columns.

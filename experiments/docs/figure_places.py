@@ -21,7 +21,7 @@ QUOTES = [
     (TOP, "an error of 1e-9 rad takes_N ms", [("time_to_error", ("event-driven",), "1e-9")]),
     (TOP, "_N_of its time without friction,_N_without contacts,_N_without joints",
      [("content", (scene,), "of the whole") for scene in ("frictionless", "without contacts", "bodies alone")]),
-    (TOP, r"Of_N_problems_`auto` solves_N_within_a_second.*?solves_N,",
+    (TOP, r"Of_N_problems_`auto` solves_N_within_a_second.*?rival solves_N and",
      [("right", (), column) for column in ("problems", "auto", "best rival")]),
     (STUDIES, r"\| N complementarity_problems up to 300 rows.*?`auto` N, none wrong \| the best N; N to N wrong",
      [("right", (), column) for column in ("problems", "auto", "best rival", "wrong, least", "wrong, most")]),

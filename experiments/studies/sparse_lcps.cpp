@@ -99,6 +99,39 @@ std::string measure(const Kind& kind, Index side, const std::string& solver, con
   return text.str();
 }
 
+/// The case in a process of its own.
+Row row_of(const Kind& kind, Index side, const std::string& solver, const Rival* rival, double limit) {
+  Row row;
+  const auto take = [&row](const Outcome& outcome) {
+    if (outcome.kind != Outcome::finished) {
+      row.status = outcome.kind == Outcome::killed ? "late" : "crashed";
+      return;
+    }
+    std::istringstream in(outcome.text);
+    std::string residual, seconds;
+    in >> row.status >> row.n >> row.entries >> residual >> row.holds >> row.iterations >> row.factorizations >>
+        row.full >> seconds >> row.megabytes;
+    row.residual = std::strtod(residual.c_str(), nullptr);
+    row.seconds = std::strtod(seconds.c_str(), nullptr);
+  };
+  Isolated process(1, 0);
+  process.start([&] { return measure(kind, side, solver, rival, limit); }, 2 * limit + 60, take);
+  process.wait_for_all();
+  return row;
+}
+
+/// The row of the CSV file, and of the Markdown table on the screen.
+void write(std::ostream& csv, const Kind& kind, Index side, const std::string& solver, const Row& row) {
+  csv << kind.name << ',' << side << ',' << row.n << ',' << row.entries << ',' << solver << ',' << row.status << ','
+      << row.holds << ',' << row.residual << ',' << row.iterations << ',' << row.factorizations << ',' << row.full
+      << ',' << row.seconds << ',' << row.megabytes << std::endl;
+  std::cout << "| " << kind.name << " | " << row.n << " | `" << solver << "` | " << row.status
+            << (row.holds || row.status != "solved" ? "" : ", wrong") << " | " << std::setprecision(2) << row.residual
+            << " | " << row.iterations << " | " << row.factorizations << " | " << std::setprecision(3) << row.seconds
+            << " | " << 1e6 * row.seconds / static_cast<double>(std::max(row.n, 1L)) << " | "
+            << std::lround(row.megabytes) << " |" << std::endl;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -144,33 +177,10 @@ int main(int argc, char** argv) {
       for (const Index side : kind->dimension == 2 ? sides : cubes) {
         const auto run = [&](const std::string& solver, const Rival* rival) {
           if (late[solver]) return;
-          Row row;
-          Isolated process(1, 0);
-          process.start([&] { return measure(*kind, side, solver, rival, limit); }, 2 * limit + 60,
-                        [&](const Outcome& outcome) {
-                          if (outcome.kind != Outcome::finished) {
-                            row.status = outcome.kind == Outcome::killed ? "late" : "crashed";
-                            return;
-                          }
-                          std::istringstream in(outcome.text);
-                          std::string residual, seconds;
-                          in >> row.status >> row.n >> row.entries >> residual >> row.holds >> row.iterations >>
-                              row.factorizations >> row.full >> seconds >> row.megabytes;
-                          row.residual = std::strtod(residual.c_str(), nullptr);
-                          row.seconds = std::strtod(seconds.c_str(), nullptr);
-                        });
-          process.wait_for_all();
+          const Row row = row_of(*kind, side, solver, rival, limit);
           late[solver] = !row.holds;
           all = all && (rival != nullptr || row.holds);
-          csv << kind->name << ',' << side << ',' << row.n << ',' << row.entries << ',' << solver << ',' << row.status
-              << ',' << row.holds << ',' << row.residual << ',' << row.iterations << ',' << row.factorizations << ','
-              << row.full << ',' << row.seconds << ',' << row.megabytes << std::endl;
-          std::cout << "| " << kind->name << " | " << row.n << " | `" << solver << "` | " << row.status
-                    << (row.holds || row.status != "solved" ? "" : ", wrong") << " | " << std::setprecision(2)
-                    << row.residual << " | " << row.iterations << " | " << row.factorizations << " | "
-                    << std::setprecision(3) << row.seconds << " | "
-                    << 1e6 * row.seconds / static_cast<double>(std::max(row.n, 1L)) << " | "
-                    << std::lround(row.megabytes) << " |" << std::endl;
+          write(csv, *kind, side, solver, row);
         };
         for (const std::string& spec : specs) run(spec, nullptr);
         for (const Rival& rival : others) run(rival.name, &rival);

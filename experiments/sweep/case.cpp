@@ -102,9 +102,9 @@ template <> struct Followed<Spatial> {
   std::vector<double> values;
 };
 
-template <class Scene> void run_in(ResultRow& row, const Case& c, std::optional<double> reference, const Scene& scene) {
-  using Space = std::conditional_t<std::is_same_v<Scene, orthant::Scene>, Planar, Spatial>;
-  const SystemOf<Space> system(scene);
+template <class Space>
+void run_in(ResultRow& row, const Case& c, std::optional<double> reference, const SystemOf<Space>& system) {
+  const auto& scene = system.scene();
   const auto columns = measures_of(scene);
   const auto column = std::find(columns.begin(), columns.end(), c.measure);
   if (column == columns.end()) throw std::invalid_argument("measure '" + c.measure + "': the scene has no such column");
@@ -172,7 +172,7 @@ template <class Scene> void run_in(ResultRow& row, const Case& c, std::optional<
 }
 
 void run_into(ResultRow& row, const Case& c, std::optional<double> reference) {
-  std::visit([&](const auto& scene) { run_in(row, c, reference, scene); }, make_any_scene(c.scene, c.sets()));
+  std::visit([&](const auto& system) { run_in(row, c, reference, system); }, make_any_system(c.scene, c.sets()));
 }
 
 /// The file that this code was loaded from: the program, or the Python package's module.

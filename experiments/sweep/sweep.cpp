@@ -296,7 +296,7 @@ class Reader {
         const AnyScene any = in_file("grid.set", [&] { return make_any_scene(c.scene, c.sets()); });
         std::visit(
             [&](const auto& scene) {
-              in_file("grid.set", [&] { return check_scene(scene), 0; });
+              if (is_built_in(c.scene)) in_file("grid.set", [&] { return check_scene(scene), 0; });
               const auto columns = measures_of(scene);
               if (std::find(columns.begin(), columns.end(), c.measure) == columns.end())
                 fail("measure", '"' + c.measure + '"', "the scene has no such column");

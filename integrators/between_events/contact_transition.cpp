@@ -54,7 +54,7 @@ void ContactTransition::formulate(ContactMotion& motion) {
   }
   equations_.assemble(motion.basic(), motion.free());
   const Index n = equations_.size(), normals = static_cast<Index>(candidates.size());
-  std::get<DenseMatrix>(lcp_.A) = equations_.A;
+  as<DenseMatrix>(lcp_.A) = equations_.A;
   lcp_.b = equations_.b;
   lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.hi.setConstant(kInf), lcp_.lo.setConstant(-kInf);

@@ -65,7 +65,7 @@ void SpatialTransition::formulate(SpatialMotion& motion, const Eigen::VectorXd& 
     equations_.A.row(i).setZero(), equations_.A.col(i).setZero();
     equations_.A(i, i) = free > 0 ? free : 1, equations_.b[i] = 0;
   }
-  std::get<DenseMatrix>(lcp_.A) = equations_.A;
+  as<DenseMatrix>(lcp_.A) = equations_.A;
   lcp_.b = equations_.b;
   lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.hi.setConstant(kInf), lcp_.lo.setConstant(-kInf);

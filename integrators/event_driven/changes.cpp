@@ -1,6 +1,7 @@
 // Events of an EventDriven integrator: impacts, accumulations, crossings of crowds, changes of contact modes.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven/event_driven.h>
+#include <orthant/integrators/step/unsolved.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
@@ -91,14 +92,6 @@ void EventDriven::close_together() {
   motion_.modes_changed();
 }
 
-/// Without friction at the contacts that strike only drives can leave no velocity.
-std::string EventDriven::why_no_impact(const Terms& terms) const {
-  if (std::ranges::any_of(terms.closed, [&](const ClosedContact& c) { return system_.law(c.contact).frictional(); }))
-    return "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)";
-  const std::string why = formulation_.contradiction();
-  return why.starts_with("jammed") ? why : "jammed: contacts and drives leave no motion";
-}
-
 bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   Terms& terms = motion_.terms();
   if (!motion_.accelerations(start_ + elapsed_, now_.q, now_.v, now_.a))
@@ -115,7 +108,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   strike_.v_before = now_.v;
   shown_ = &impact_.formulation();
   impact_.anchor(start_ + elapsed_, now_.q), formulation_.anchor(start_ + elapsed_, now_.q);
-  const bool in_turn = plastic && ends_in_turn();
+  const bool in_turn = plastic && ends_in_turn(start_ + elapsed_, bounces_, motion_.modes, strike_.in_turn);
   if (in_turn)
     no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), strike_.in_turn, now_.v, solver, report);
   else if (!plastic)
@@ -130,7 +123,7 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   if (no_answer_) {
     const bool none = contradictory(formulation_.problem());
     return fail(report, none ? Status::infeasible : report.status,
-                none ? why_no_impact(terms) : "the impact was not solved");
+                none ? why_no_impact(system_, terms, formulation_.contradiction()) : "the impact was not solved");
   }
   formulation_.advance(now_.v, strike_.impulses);
   if (in_turn || !plastic) impact_.add_to(strike_.impulses);
@@ -158,16 +151,6 @@ void EventDriven::note_bounce(int c) {
   b.rounding = height <= 16 * gap_zero(c);
 }
 
-/// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
-template <class Low> bool EventDriven::waits(const Bounces& ending, const Low& low) const {
-  for (int c = 0; c < system_.contacts(); ++c) {
-    const Bounces& b = bounces_[at(c)];
-    const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
-    if (between && !motion_.modes[at(c)].lasting && !(b.accumulates() && now_.w.gap[c] <= low(c))) return true;
-  }
-  return false;
-}
-
 /// Whether forces bring contact c back from bounce to bounce. Where it is other impacts, as of a body crushed between
 /// others, the bounces become low as all gaps close, but no slower, and their impulses remain large.
 bool EventDriven::pulled(int c) const {
@@ -188,32 +171,20 @@ template <class Low> bool EventDriven::disturbed(int c, const Low& low) const {
   return false;
 }
 
-/// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
-/// intervals. Rounding hides which of them is next. Together they would strike by another law, which may have no
-/// solution.
-bool EventDriven::meets_in_turn(int c) const {
-  const Bounces& one = bounces_[at(c)];
-  for (int k = 0; k < system_.contacts(); ++k) {
-    const Bounces& b = bounces_[at(k)];
-    if (k == c || !strike_.touching[at(k)] || motion_.modes[at(k)].lasting || !b.accumulates()) continue;
-    const bool recent = one.last - b.last <= b.interval;
-    if (recent && std::abs(before_now(b) - before_now(one)) > kInTurn * one.interval) return true;
-  }
-  return false;
-}
-
 /// Marks the contacts whose bounces need not be resolved any more, if there are any at this time. Those are no higher
 /// than what counts as touching: contacts of a series, struck in turn, would else strike at once, with restitution.
 bool EventDriven::accumulates() {
   const double t = start_ + elapsed_;
   const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), strike_.tie[at(c)]}); };
+  const auto is_low = [&](std::size_t c) { return now_.w.gap[static_cast<Index>(c)] <= low(static_cast<int>(c)); };
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];
     if (b.last != t) continue;
-    meet = meet || (b.accumulates() && meets_in_turn(c));
+    meet = meet || (b.accumulates() && meets_in_turn(at(c), t, bounces_, motion_.modes, strike_.touching));
     any = any || meet || b.rounding ||
-          (b.accumulates() && b.height <= low(c) && pulled(c) && !waits(b, low) && !disturbed(c, low));
+          (b.accumulates() && b.height <= low(c) && pulled(c) && !waits(b, bounces_, motion_.modes, is_low) &&
+           !disturbed(c, low));
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];
@@ -222,19 +193,6 @@ bool EventDriven::accumulates() {
     strike_.touching[at(c)] = strike_.touching[at(c)] || b.over;
   }
   return any;
-}
-
-/// Whether several of the series that are over had their impacts in turn: strike_.in_turn.
-bool EventDriven::ends_in_turn() {
-  double first = kInf, last = -kInf, interval = kInf;
-  for (std::size_t c = 0; c < strike_.in_turn.size(); ++c) {
-    const Bounces& b = bounces_[c];
-    strike_.in_turn[c] = b.over && !motion_.modes[c].lasting;
-    if (!strike_.in_turn[c]) continue;
-    const double before = before_now(b);
-    first = std::min(first, before), last = std::max(last, before), interval = std::min(interval, b.interval);
-  }
-  return last - first > kInTurn * interval;
 }
 
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it

@@ -54,8 +54,8 @@
 #include <orthant/integrators/between_events/contact_transition.h>
 #include <orthant/integrators/between_events/contact_watch.h>
 #include <orthant/integrators/between_events/continuous_collision.h>
-#include <orthant/integrators/between_events/impact_series.h>
 #include <orthant/integrators/between_events/substitute.h>
+#include <orthant/integrators/event_driven/bounces.h>
 #include <orthant/integrators/event_driven/dormand_prince.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
 #include <orthant/integrators/step/immobility.h>
@@ -106,11 +106,6 @@ class EventDriven final : public Integrator {
   static constexpr double kInstant = 8;     // roundings of the time: the shortest crossing
   static constexpr double kCrowded = 1e-4;  // of a crossing: events are taken to have no end
   static constexpr double kSoon = 50;       // crossings: no calm has come since the last one
-  struct Bounces : ImpactSeries {           // a contact's impacts
-    double height = 0;                      // [m] bound of the next bounce
-    bool rounding = false;                  // the last bounce was of the size of rounding
-    bool over = false;                      // accumulated, just now
-  };
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
     using MotionPoint::MotionPoint;
@@ -209,20 +204,14 @@ class EventDriven final : public Integrator {
   bool land(const Sign& sign, double& s);
 
   bool change_modes(Solver& solver, const std::optional<Sign>& event, StepReport& report);
-  std::string why_no_impact(const Terms& terms) const;
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool cross(Solver& solver, double end, StepReport& report);
   bool leaves_room(const State& x);
   void close_together();
   void note_bounce(int contact);
-  template <class Low> bool waits(const Bounces& ending, const Low& low) const;
   bool pulled(int contact) const;
   template <class Low> bool disturbed(int contact, const Low& low) const;
-  bool meets_in_turn(int contact) const;
   bool accumulates();
-  bool ends_in_turn();
-  /// When the contact struck last before now [s].
-  double before_now(const Bounces& b) const { return b.last == start_ + elapsed_ ? b.last - b.interval : b.last; }
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool shares_anew(const Sign& event);
   double force_zero() const;

@@ -1,6 +1,7 @@
 // Events of a SpatialEventDriven integrator: impacts, accumulations, changes of contact modes, crossings of crowds.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven/spatial_event_driven.h>
+#include <orthant/integrators/step/unsolved.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +33,7 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
   before_ = motion_.modes;
   std::fill(released_.begin(), released_.end(), false);
   std::fill(slides_.begin(), slides_.end(), Vector3d::Zero());
-  for (Bounces& b : bounces_) b.over = false;
+  for (DatedBounces& b : bounces_) b.over = false;
   int struck = 0;
   // What would touch at once in exact arithmetic has come apart by the rounding of the steps since the last event, and
   // of the velocities that it left.
@@ -46,7 +47,7 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
     if (touching_[i] && !lasts && !hit && stands_still(c)) touching_[i] = false;
     if (!touching_[i] || lasts || now_.w.gap_rate[c] >= -rate_zero(c)) continue;
     ++struck;
-    Bounces& b = bounces_[i];
+    DatedBounces& b = bounces_[i];
     b.add(time_);
     const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
     b.height = height * b.ratio, b.rounding = height <= 16 * gap_zero(c);
@@ -103,7 +104,7 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   v_before_ = now_.v;
   shown_ = &impact_.formulation();
   impact_.anchor(time_, now_.q), formulation_.anchor(time_, now_.q);
-  const bool in_turn = plastic && ends_in_turn();
+  const bool in_turn = plastic && ends_in_turn(time_, bounces_, motion_.modes, in_turn_);
   if (in_turn)
     no_answer_ = !impact_.strike_in_turn(terms, motion_.basic(), in_turn_, now_.v, solver, report);
   else if (!plastic)
@@ -117,16 +118,8 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   no_answer_ = !formulation_.solve(solver, report);
   if (no_answer_) {
     const std::string why = formulation_.contradiction();
-    if (!why.empty()) return give_up(report.status, "in an impact " + why);
-    const bool rough =
-        std::ranges::any_of(terms.closed, [&](const auto& c) { return system_.law(c.contact).frictional(); });
-    if (report.status == Status::infeasible && !rough)
-      return give_up(report.status, "jammed: contacts and drives leave no motion");
-    return give_up(report.status,
-                   report.status == Status::infeasible
-                       ? "Newton's law of impact has no solution here: friction and restitution contradict each other "
-                         "(jamming)"
-                       : "the impact was not solved");
+    if (report.status == Status::infeasible) return give_up(report.status, why_no_impact(system_, terms, why));
+    return give_up(report.status, why.empty() ? "the impact was not solved" : "in an impact " + why);
   }
   std::fill(struck_.begin(), struck_.end(), Impulse{});
   formulation_.advance(now_.v, struck_);
@@ -153,61 +146,28 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   return true;
 }
 
-/// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
-bool SpatialEventDriven::waits(const Bounces& ending) const {
-  for (int c = 0; c < system_.contacts(); ++c) {
-    const Bounces& b = bounces_[static_cast<std::size_t>(c)];
-    const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
-    if (between && !motion_.modes[static_cast<std::size_t>(c)].lasting &&
-        !(b.accumulates() && now_.w.gap[c] <= low_gap(c)))
-      return true;
-  }
-  return false;
-}
-
-/// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
-/// intervals.
-bool SpatialEventDriven::meets_in_turn(int c) const {
-  const Bounces& one = bounces_[static_cast<std::size_t>(c)];
-  for (std::size_t k = 0; k < bounces_.size(); ++k) {
-    const Bounces& b = bounces_[k];
-    if (static_cast<int>(k) == c || !touching_[k] || motion_.modes[k].lasting || !b.accumulates()) continue;
-    const bool recent = one.last - b.last <= b.interval;
-    if (recent && std::abs(before_now(b) - before_now(one)) > kInTurn * one.interval) return true;
-  }
-  return false;
-}
-
 /// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
 bool SpatialEventDriven::accumulates() {
+  const auto is_low = [this](std::size_t c) {
+    return now_.w.gap[static_cast<Index>(c)] <= low_gap(static_cast<int>(c));
+  };
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
-    const Bounces& b = bounces_[static_cast<std::size_t>(c)];
+    const DatedBounces& b = bounces_[static_cast<std::size_t>(c)];
     if (b.last != time_) continue;
-    meet = meet || (b.accumulates() && meets_in_turn(c));
-    any = any || meet || b.rounding || (b.accumulates() && b.height <= low_gap(c) && !waits(b));
+    meet = meet ||
+           (b.accumulates() && meets_in_turn(static_cast<std::size_t>(c), time_, bounces_, motion_.modes, touching_));
+    any = any || meet || b.rounding ||
+          (b.accumulates() && b.height <= low_gap(c) && !waits(b, bounces_, motion_.modes, is_low));
   }
   for (int c = 0; any && c < system_.contacts(); ++c) {
     const auto i = static_cast<std::size_t>(c);
-    Bounces& b = bounces_[i];
+    DatedBounces& b = bounces_[i];
     const bool closed = now_.w.gap[c] <= low_gap(c) || (meet && touching_[i]);
     b.over = (b.rounding || b.accumulates()) && time_ - b.last <= b.interval && closed;
     touching_[i] = touching_[i] || b.over;
   }
   return any;
-}
-
-/// Whether several of the series that are over had their impacts in turn: in_turn_.
-bool SpatialEventDriven::ends_in_turn() {
-  double first = kInf, last = -kInf, interval = kInf;
-  for (std::size_t i = 0; i < in_turn_.size(); ++i) {
-    const Bounces& b = bounces_[i];
-    in_turn_[i] = b.over && !motion_.modes[i].lasting;
-    if (!in_turn_[i]) continue;
-    const double before = before_now(b);
-    first = std::min(first, before), last = std::max(last, before), interval = std::min(interval, b.interval);
-  }
-  return last - first > kInTurn * interval;
 }
 
 /// The modes at now_, after an impact or an event of the motion.
@@ -343,7 +303,7 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
     crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
     report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossed_, work_ - worked));
-    for (Bounces& b : bounces_) b.over = false;
+    for (DatedBounces& b : bounces_) b.over = false;
     if (!calm && !no_answer_ && !options_.go_on) return false;
   }
   failed_ = {}, next_ = 0;

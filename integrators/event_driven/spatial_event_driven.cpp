@@ -82,7 +82,7 @@ void SpatialEventDriven::restart(const State& x) {
   next_ = options_.first_step;
   turns_.restart();
   begun_ = fresh_ = false;
-  std::fill(bounces_.begin(), bounces_.end(), Bounces{});
+  std::fill(bounces_.begin(), bounces_.end(), DatedBounces{});
   crowd_ = {}, flight_ = {};
 }
 

@@ -35,8 +35,8 @@
 //   Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (1993), II.4-6; see chart_runge_kutta.h.
 #pragma once
 
-#include <orthant/integrators/between_events/impact_series.h>
 #include <orthant/integrators/between_events/spatial_transition.h>
+#include <orthant/integrators/event_driven/bounces.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/event_driven/spatial_arc.h>
 #include <orthant/integrators/step/step_work.h>
@@ -85,11 +85,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
     Status status = Status::solved;
     std::string why;
   };
-  struct Bounces : ImpactSeries {  // a contact's impacts
-    double height = 0;             // [m] bound of the next bounce
-    bool rounding = false;         // the last bounce was of the size of rounding
-    bool over = false;             // accumulated, just now
-    double end = kInf;             // [s] of the series; later estimates that agree with it have more rounding
+  struct DatedBounces : Bounces {
+    double end = kInf;  // [s] of the series; later estimates that agree with it have more rounding
   };
   struct Crowd {                     // of events, and its crossing
     int steps = 0, standstill = 0;   // in a row that are short; since time moved
@@ -141,10 +138,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   bool reshare(Solver& solver, const Sign& event, StepReport& report);
   void close_together();
   bool impact(Solver& solver, bool plastic, StepReport& report);
-  bool waits(const Bounces& ending) const;
-  bool meets_in_turn(int contact) const;
   bool accumulates();
-  bool ends_in_turn();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool cross(Solver& solver, StepReport& report);
   void note_changes(bool touched);
@@ -159,8 +153,6 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   double low_gap(int c) const {
     return std::max({options_.accumulation, 256 * gap_zero(c), tie_[static_cast<std::size_t>(c)]});
   }
-  /// When the contact struck last before now [s].
-  double before_now(const Bounces& b) const { return b.last == time_ ? b.last - b.interval : b.last; }
 
   Options options_;
   double swing_ = kInf;  // [s] the longest step
@@ -194,7 +186,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   Crowd crowd_;
   Flight flight_;
   std::vector<double> tie_;  // [m] gaps that count as touching
-  std::vector<Bounces> bounces_;
+  std::vector<DatedBounces> bounces_;
   std::vector<char> touching_, released_, in_turn_;
   std::vector<Vector3d> slides_;  // contacts that slide off, along this
   std::vector<SpatialMode> before_;

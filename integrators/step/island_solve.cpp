@@ -8,12 +8,9 @@ namespace {
 
 constexpr Index kShared = 100;  // rows beyond the largest island's, from which on threads gain
 
-/// A z that is rounded although w is wrong in its first digits (Judge::coarse(); its large terms cancel) is no motion,
-/// unless what is wrong is as slow as a contact at rest.
+/// A coarse answer is no motion, unless its error is as slow as a contact at rest.
 void leave_coarse(Solution& s) {
-  constexpr double kCoarse = 1e-4;  // of the data
-  if (s.status == Status::rounded && s.miss.tolerance * s.miss.by > kCoarse * s.miss.allowed && s.miss.by > kRestSpeed)
-    s.status = Status::stalled;
+  if (s.status == Status::rounded && s.coarse && s.miss.by > kRestSpeed) s.status = Status::stalled;
 }
 
 }  // namespace

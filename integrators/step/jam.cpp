@@ -135,7 +135,7 @@ template <class Space> bool JamSearchOf<Space>::linearize() {
   evaluate_joint_rows(system_, terms_);
   if (n > kMostContacts || !basic_.factorize(system_, terms_)) return false;
   columns_.resize(system_.dof(), n);
-  auto& A = std::get<DenseMatrix>(lcp_.A);
+  auto& A = as<DenseMatrix>(lcp_.A);
   A.resize(n, n), lcp_.b.resize(n), lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.lo.setZero(), lcp_.hi.setConstant(kInf);
   for (Index j = 0; j < n; ++j) {
@@ -151,7 +151,7 @@ template <class Space> bool JamSearchOf<Space>::linearize() {
 /// One accepted step from q, with the problem of linearize(). False: none makes the overlap less.
 template <class Space> bool JamSearchOf<Space>::improve(double t, Eigen::VectorXd& q, double& sum) {
   constexpr double kMostCompliance = 1e6, kLeastCompliance = 1e-10;
-  auto& A = std::get<DenseMatrix>(lcp_.A);
+  auto& A = as<DenseMatrix>(lcp_.A);
   const Vector diagonal = A.diagonal();
   for (; compliance_ <= kMostCompliance; compliance_ *= 10) {
     A.diagonal() = diagonal.array() + compliance_ * diagonal.maxCoeff();

@@ -7,17 +7,6 @@
 namespace orthant {
 namespace {
 
-/// W from its rows.
-template <class Row> void fill_delassus(const std::vector<Row>& rows, Index dof, Delassus& A) {
-  RowSparse& W = A.W;
-  W.rows = static_cast<Index>(rows.size()), W.cols = dof;
-  W.start.assign(1, 0), W.column.clear(), W.value.clear();
-  for (const Row& row : rows) {
-    append_to(W.column, W.value, row);
-    W.start.push_back(static_cast<int>(W.column.size()));
-  }
-}
-
 /// A journal whose centre is the bearing's has no normal and its whole clearance: it cannot touch there.
 bool centred_journal(const Scene& scene, int contact) {
   const auto c = static_cast<std::size_t>(contact);
@@ -84,20 +73,14 @@ template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system,
       most_((cone == Cone::coulomb || kPlanar<Space> ? 1 + Space::kTangents : kEdges) * system.contacts() +
             std::ssize(system.scene().frictions) + joint_rows() +
             3 * std::ranges::count_if(system.laws(), [](const ContactLaw& law) { return law.surface.turns(); })),
-      inverse_mass_(system.inverse_mass()) {
-  const auto contacts = static_cast<std::size_t>(system.contacts()), most = static_cast<std::size_t>(most_);
-  const bool diagonal = system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0);
+      matrix_(system, system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0), most_,
+              lcp_.A) {
+  const auto contacts = static_cast<std::size_t>(system.contacts());
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
-  rows_.reserve(most);
+  rows_.reserve(static_cast<std::size_t>(most_));
   contacts_.reserve(contacts);
   lcp_.friction.reserve(contacts);
   lcp_.b.resize(most_), lcp_.lo.resize(most_), lcp_.hi.resize(most_);
-  if (diagonal && most > kFormedRows) {
-    lcp_.A.emplace<Delassus>().inverse_mass = inverse_mass_;
-  } else if (most <= kFormedRows) {
-    std::get<DenseMatrix>(lcp_.A).resize(most_, most_);
-    columns_.resize(system.dof(), most_);
-  }
   lcp_.b.resize(0);
   places_.resize(contacts);
 }
@@ -108,39 +91,14 @@ template <class Space> bool StepProblemOf<Space>::empty(std::size_t closed) cons
 
 template <class Space> void StepProblemOf<Space>::respond(const BasicSystem& basic) {
   formed_ = false;
-  if (!dense()) {
-    inverse_mass_ = basic.inverse_mass();
-    return;
-  }
-  const auto n = static_cast<Index>(rows_.size());
-  columns_.resize(system_.dof(), n);
-  for (Index j = 0; j < n; ++j) basic.solve_row(rows_[static_cast<std::size_t>(j)], columns_.col(j).data());
-}
-
-/// B is symmetric; one half is computed, so that A is so to the last bit.
-template <class Space> double StepProblemOf<Space>::entry(Index i, Index j) const {
-  const Row& later = rows_[static_cast<std::size_t>(std::max(i, j))];
-  if (dense()) return apply(later, columns_.col(std::min(i, j)).data());
-  return coupling(later, rows_[static_cast<std::size_t>(std::min(i, j))], inverse_mass_);
+  matrix_.respond(basic, rows_);
 }
 
 template <class Space> const Lcp& StepProblemOf<Space>::whole() const {
   if (formed_ || size() == 0) return lcp_;
-  if (auto* delassus = std::get_if<Delassus>(&lcp_.A)) {
-    delassus->inverse_mass = inverse_mass_;
-    fill_delassus(rows_, system_.dof(), *delassus);
-  } else {
-    fill_dense(std::get<DenseMatrix>(lcp_.A));
-  }
+  matrix_.fill(rows_, lcp_.A);
   formed_ = true;
   return lcp_;
-}
-
-template <class Space> void StepProblemOf<Space>::fill_dense(DenseMatrix& A) const {
-  const auto n = static_cast<Index>(rows_.size());
-  A.resize(n, n);
-  for (Index j = 0; j < n; ++j)
-    for (Index i = j; i < n; ++i) A(i, j) = A(j, i) = apply(rows_[static_cast<std::size_t>(i)], columns_.col(j).data());
 }
 
 /// Rows with their bounds: joints, then all normals and all tangents (coulomb) or each contact's edges (relaxed), then
@@ -332,7 +290,7 @@ template <class Space> const Friction* StepProblemOf<Space>::friction_of(int row
 
 template <class Space> const Lcp& StepProblemOf<Space>::cut(std::span<const int> rows, Block& block) const {
   const auto n = static_cast<Index>(rows.size());
-  const bool applied = rows.size() > kFormedRows && !dense();
+  const bool applied = rows.size() > StepMatrixOf<Space>::kFormedRows && !dense();
   Lcp& part = applied ? block.large : block.small;
   part.b.resize(n), part.lo.resize(n), part.hi.resize(n);
   part.friction.clear();
@@ -345,18 +303,7 @@ template <class Space> const Lcp& StepProblemOf<Space>::cut(std::span<const int>
       part.friction.push_back(
           {.normal = block.place[static_cast<std::size_t>(f->normal)], .first = i, .rows = f->rows, .mu = f->mu});
   }
-  if (auto* delassus = std::get_if<Delassus>(&part.A)) {
-    block.rows.clear();
-    for (const int row : rows) block.rows.push_back(rows_[static_cast<std::size_t>(row)]);
-    delassus->inverse_mass = inverse_mass_;
-    fill_delassus(block.rows, system_.dof(), *delassus);
-    return part;
-  }
-  auto& A = std::get<DenseMatrix>(part.A);
-  A.resize(n, n);
-  for (Index j = 0; j < n; ++j)
-    for (Index i = j; i < n; ++i)
-      A(i, j) = A(j, i) = entry(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+  matrix_.cut(rows_, rows, block.rows, part.A);
   return part;
 }
 
@@ -387,11 +334,7 @@ template <class Space>
 void StepProblemOf<Space>::advance(const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const {
   std::fill(impulses.begin(), impulses.end(), Impulse{});
   if (rows_.empty()) return;
-  if (dense()) {
-    v.noalias() += columns_ * z;
-  } else {
-    for (std::size_t i = 0; i < rows_.size(); ++i) apply_impulse(rows_[i], z[static_cast<Index>(i)], inverse_mass_, v);
-  }
+  matrix_.add_response(rows_, z, v);
   Index i = joint_rows();
   for (const Contact& c : contacts_) {
     Impulse& impulse = impulses[static_cast<std::size_t>(c.index)];

@@ -2,14 +2,14 @@
 //
 //   J = [G (full form); normals, or each contact's edges (relaxed); tangents (coulomb); dry friction in joints]
 //   A = J B Jᵀ,  b = J v_free − target,  lo ≤ z ≤ hi, with friction's bounds          (formulate.h has the laws)
-// A is formed where it is read: whole by whole(), or of some rows by cut(). Where B is diagonal and a scene has many
-// contacts, A is a Delassus operator, W = J.
+// A is formed where it is read (step_matrix.h): whole by whole(), or of some rows by cut().
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/rate_targets.h>
+#include <orthant/integrators/step/step_matrix.h>
 
 #include <array>
 #include <span>
@@ -34,8 +34,6 @@ template <class Space> class StepProblemOf {
   using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
-
-  static constexpr std::size_t kFormedRows = 64;  // up to here a dense A costs less than the operator, applied often
 
   struct NoDirection {};
   using Along = std::conditional_t<kPlanar<Space>, NoDirection, Tangents>;
@@ -93,8 +91,8 @@ template <class Space> class StepProblemOf {
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const Vector& b() const { return lcp_.b; }
-  bool dense() const { return std::holds_alternative<DenseMatrix>(lcp_.A); }
-  double entry(Index i, Index j) const;         // A_ij
+  bool dense() const { return matrix_.dense(); }
+  double entry(Index i, Index j) const { return matrix_.entry(rows_, i, j); }  // A_ij
   int no_normal() const { return no_normal_; }  // a closed contact without a normal; −1: none
   /// The place of closed contact k's normal and (first) tangent row; −1: it has none.
   Index normal_row(std::size_t k) const { return places_[k].normal; }
@@ -115,7 +113,7 @@ template <class Space> class StepProblemOf {
   bool has_edges(const Contact& c) const { return cone_ == Cone::relaxed && c.mu > 0; }
 
   const Lcp& whole() const;
-  void prepare(Block& block) const { block.large.A.template emplace<Delassus>().inverse_mass = inverse_mass_; }
+  void prepare(Block& block) const { matrix_.prepare(block.large.A); }
   /// The problem of these rows, ascending.
   const Lcp& cut(std::span<const int> rows, Block& block) const;
 
@@ -127,7 +125,6 @@ template <class Space> class StepProblemOf {
     Index normal = -1, tangent = -1;
   };
   void add_turning(const Terms& terms);
-  void fill_dense(DenseMatrix& A) const;
   const Friction* friction_of(int row) const;  // null: none
 
   const System& system_;
@@ -144,9 +141,8 @@ template <class Space> class StepProblemOf {
   Index turning_ = 0;                 // space: the first row of rolling and spinning friction, behind the tangents
   std::vector<double> turn_targets_;  // likewise, of each such row [rad/s]
   int no_normal_ = -1;
-  DenseMatrix columns_;           // dof × n: B Jᵀ, dense storage only
-  Eigen::VectorXd inverse_mass_;  // of the Delassus operator
-  mutable Lcp lcp_;               // its A only where formed_
+  mutable Lcp lcp_;  // its A only where formed_
+  StepMatrixOf<Space> matrix_;
   mutable bool formed_ = false;
 };
 extern template class StepProblemOf<Planar>;

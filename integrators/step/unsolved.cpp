@@ -2,6 +2,7 @@
 #include <orthant/integrators/step/jam.h>
 #include <orthant/integrators/step/unsolved.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -79,5 +80,15 @@ std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair
          std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
          ": try another solver or a shorter step";
 }
+
+template <class Space>
+std::string why_no_impact(const SystemOf<Space>& system, const TermsOf<Space>& terms, const std::string& proof) {
+  if (std::ranges::any_of(terms.closed, [&](const auto& c) { return system.law(c.contact).frictional(); }))
+    return "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)";
+  // Without friction only drives can leave no velocity.
+  return proof.starts_with("jammed") ? proof : "jammed: contacts and drives leave no motion";
+}
+template std::string why_no_impact(const System&, const Terms&, const std::string&);
+template std::string why_no_impact(const SystemOf<Spatial>&, const TermsOf<Spatial>&, const std::string&);
 
 }  // namespace orthant

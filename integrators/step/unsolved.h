@@ -17,4 +17,9 @@ std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair
                          const StepProblemOf<Spatial>& problem, const Solution& solution,
                          const SpatialRankDeficiency& deficiency);
 
+/// Why an impact leaves no velocities, where a proof says so: friction contradicts restitution, or drives press. terms:
+/// the contacts that strike; proof: Formulation::contradiction().
+template <class Space>
+std::string why_no_impact(const SystemOf<Space>& system, const TermsOf<Space>& terms, const std::string& proof);
+
 }  // namespace orthant

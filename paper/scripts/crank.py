@@ -58,6 +58,7 @@ def fits(integrator, keep):
 
 
 def numbers(n):
+    """Figures about the slider-crank, in the order of the text: one list."""
     table = rows("slider_crank")
     scene, bodies, contacts = mechanism()
     agreement, conditioned, final = reference()

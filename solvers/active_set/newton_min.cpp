@@ -73,10 +73,7 @@ bool NewtonMin::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
 /// A large problem with friction, its matrix by rows; null where it is small or dense.
 const Lcp* NewtonMin::by_rows(const Lcp& problem) {
   if (problem.size() <= kPure || std::holds_alternative<DenseMatrix>(problem.A)) return nullptr;
-  if (std::holds_alternative<RowSparse>(problem.A)) return &problem;
-  to_rows(std::get<Delassus>(problem.A), as<RowSparse>(formed_.A));
-  formed_.b = problem.b, formed_.lo = problem.lo, formed_.hi = problem.hi, formed_.friction = problem.friction;
-  return &formed_;
+  return &with_rows(problem, formed_);
 }
 
 /// Friction frozen round by round, until the judge would take z.

@@ -112,8 +112,9 @@ void ActiveSystem::form(const Matrix& A, const Sparse& E, const Sparse& P, const
   Sparse diagonal_part(unknowns_, unknowns_);
   diagonal_part.setIdentity();
   diagonal_part.diagonal() = D;
-  dense_ = std::holds_alternative<DenseMatrix>(A);
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
+  const auto* dense = std::get_if<DenseMatrix>(&A);
+  dense_ = dense != nullptr;
+  if (dense_) {
     full_.resize(unknowns_, unknowns_);
     std::vector<Index> row(at(unknowns_));  // of P's columns, where each has a single 1
     bool plain = true;

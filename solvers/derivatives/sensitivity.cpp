@@ -76,11 +76,7 @@ Vector Sensitivity::times(const Vector& x) const {
   return y;
 }
 
-Eigen::VectorXd Sensitivity::transposed(const Eigen::VectorXd& x) const {
-  if (const auto* dense = std::get_if<DenseMatrix>(&problem_.A)) return dense->transpose() * x;
-  if (const auto* sparse = std::get_if<RowSparse>(&problem_.A)) return sparse->view().transpose() * x;
-  return times(x);  // symmetric
-}
+Eigen::VectorXd Sensitivity::transposed(const Eigen::VectorXd& x) const { return multiply_transposed(problem_.A, x); }
 
 SolutionTangent Sensitivity::tangent(const Perturbation& change, Eigen::VectorXd& at_rest) const {
   const Index n = problem_.size();

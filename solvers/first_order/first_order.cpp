@@ -66,11 +66,9 @@ std::string diagonal_why_not(const Matrix& A, bool zero_allowed) {
 std::string quadratic_why_not(const Matrix& A) {
   std::string reason = diagonal_why_not(A, true);
   if (!reason.empty()) return reason;
-  const auto* dense = std::get_if<DenseMatrix>(&A);
-  const auto* sparse = std::get_if<RowSparse>(&A);
   for_each_entry(A, [&](Index i, Index j, double value) {
     if (i == j || value == 0) return true;
-    const double other = dense != nullptr ? (*dense)(j, i) : sparse->entry(j, i);
+    const double other = entry(A, j, i);
     const double size = std::sqrt(diagonal(A, i)) * std::sqrt(diagonal(A, j));
     if (!(std::abs(value - other) <= 1e-12 * size))
       reason =

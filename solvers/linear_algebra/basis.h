@@ -13,6 +13,7 @@
 //   Programming (1983), ch. 7, 24.
 #pragma once
 
+#include <orthant/core/lcp/matrix.h>
 #include <orthant/core/support/reusable.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/scalars.h>
@@ -23,6 +24,10 @@
 namespace orthant {
 
 enum class BasisStorage { dense, sparse };
+/// Sparse where A is stored by rows.
+inline BasisStorage storage_of(const Matrix& A) {
+  return std::holds_alternative<RowSparse>(A) ? BasisStorage::sparse : BasisStorage::dense;
+}
 
 template <class T> class Basis {  // reuse it: the second basis of a size allocates nothing (KLU: memory of its own)
  public:

@@ -93,14 +93,8 @@ struct Lemke::Work {
     reduced = Pyramid::needed(problem);
     if (reduced) {
       pure = &pyramid.pure(problem, form);
-    } else if (std::holds_alternative<DenseMatrix>(problem.A)) {
-      pure = &problem;
     } else {
-      to_dense(problem.A, as<DenseMatrix>(dense.A));
-      dense.b = problem.b;
-      dense.lo = problem.lo;
-      dense.hi = problem.hi;
-      pure = &dense;
+      pure = &with_dense_matrix(problem, dense);
     }
     const Index n = pure->size();
     free.resize(at(n));
@@ -202,9 +196,7 @@ struct Lemke::Work {
     const bool friction = !problem.friction.empty();
     const Lcp& p = friction ? copositive.pure(problem, Pyramid::Form::stewart_trinkle) : problem;
     columns.load(p.A);
-    normal_path.load(columns, p.b, p.lo, p.hi,
-                     std::holds_alternative<RowSparse>(p.A) ? BasisStorage::sparse : BasisStorage::dense,
-                     lemke.budget());
+    normal_path.load(columns, p.b, p.lo, p.hi, storage_of(p.A), lemke.budget());
     y.resize(p.size());
     for (Index i = 0; i < p.size(); ++i) y[i] = p.lo[i] != -kInf ? p.lo[i] : p.hi[i] != kInf ? p.hi[i] : 0;
     if (!normal_path.start(y)) return Claim::numerical_error;

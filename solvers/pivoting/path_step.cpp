@@ -9,10 +9,6 @@ namespace {
 
 constexpr int kCrashNonlinear = 2;  // a step costs a Jacobian there, and is counted as one
 
-BasisStorage storage_of(const Matrix& A) {
-  return std::holds_alternative<RowSparse>(A) ? BasisStorage::sparse : BasisStorage::dense;
-}
-
 }  // namespace
 
 double Path::Work::merit(const Vector& at_z, const Vector& at_F) const {

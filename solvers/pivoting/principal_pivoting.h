@@ -28,11 +28,7 @@ class PrincipalPivoting {  // reuse it: the second problem of a size allocates n
     given_ = &problem;
     reduced_ = !problem.friction.empty();
     pure_ = reduced_ ? &pyramid_.pure(problem) : &problem;
-    A_ = std::get_if<DenseMatrix>(&pure_->A);
-    if (A_ == nullptr) {
-      to_dense(pure_->A, dense_);
-      A_ = &dense_;
-    }
+    A_ = &dense_of(pure_->A, dense_);
     scaling_.fit(*A_);
   }
 

@@ -12,6 +12,7 @@
 namespace fs = std::filesystem;
 using orthant::Cli, orthant::Reply, orthant::lines, orthant::slurp;
 
+// One table of bad input and the words that it must give.
 TEST_CASE("bad input: exit code 1, one line that says what and where, nothing half-written") {
   const Cli folder;
   const std::string body = "[[body]]\nname = 'b'\nmass = 1\ninertia = 1\n";

@@ -238,7 +238,7 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     }
   }
   if (pass == Pass::rounded) s.miss = solved_miss;
-  coarse_ = coarse_ && pass == Pass::rounded;
+  s.coarse = coarse_ = coarse_ && pass == Pass::rounded;
   s.residual = residual;
   s.rounding = kEpsilon * size;
   excess_ = worst;
@@ -257,7 +257,7 @@ void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution&
   unit_ = kDouble * (terms(problem.A) + 3);
   s.miss = {};
   const bool solved = surely_solved(problem, tolerance, s);
-  accepted_ = s.residual, excess_ = 0, coarse_ = false;
+  accepted_ = s.residual, excess_ = 0, s.coarse = coarse_ = false;
   if (solved) {
     s.status = Status::solved;
     if (s.certificate.size() > 0 || !s.cells.empty()) s.certificate.resize(0), s.cells.clear();
@@ -310,7 +310,7 @@ void Judge::certify_cones(const Lcp& problem, double tolerance, Claim claim, Sol
   s.w.resize(problem.size());
   s.miss = {};
   const bool accepted = judge.passes(problem, tolerance, s);
-  accepted_ = accepted ? s.residual : 0, excess_ = accepted ? 0 : kInf, coarse_ = false;
+  accepted_ = accepted ? s.residual : 0, excess_ = accepted ? 0 : kInf, s.coarse = coarse_ = false;
   const auto disproved = [&] {
     const auto proves = [&](const Vector& u) { return u.size() == problem.size() && proves_infeasible(problem, u); };
     if (!proves(s.certificate) && !(claim == Claim::ray && proves(s.ray))) return false;

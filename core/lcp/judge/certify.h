@@ -33,8 +33,8 @@ namespace orthant {
 
 class Judge {  // the members are scratch: after the first problem of a size nothing is allocated
  public:
-  /// Fills w, residual, rounding and miss from z, and writes solution.status: solved, rounded or infeasible where that
-  /// holds, whatever the claim. A proof, in solution.certificate or the ray that is claimed, goes before rounded.
+  /// Fills w, residual, rounding, miss and coarse from z. Writes solution.status: solved, rounded or infeasible where
+  /// that holds, whatever the claim. A proof, in solution.certificate or the ray that is claimed, goes before rounded.
   /// A candidate that does not pass is stalled, or numerical_error where z is not finite or A z overflows; other claims
   /// stand. A certificate that proves nothing is removed. The miss of a z that is far off may be measured by the
   /// largest data of all rows.

@@ -81,15 +81,9 @@ void sum_rows(const Matrix& A, const Vector& b, const Vector& z, Vector& w, Vect
 }
 
 void largest_of_columns(const Matrix& A, Vector& d) {
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) {
-    d.resize(dense->cols());
-    for (Index j = 0; j < d.size(); ++j) d[j] = dense->col(j).cwiseAbs().maxCoeff();
-  } else if (const auto* sparse = std::get_if<RowSparse>(&A)) {
-    d.resize(sparse->cols);
-    d.setZero();
-    for (std::size_t k = 0; k < sparse->value.size(); ++k)
-      d[sparse->column[k]] = std::max(d[sparse->column[k]], std::abs(sparse->value[k]));
-  } else {
+  d.resize(order(A));
+  d.setZero();
+  if (!for_each_entry(A, [&d](Index, Index j, double value) { d[j] = std::max(d[j], std::abs(value)); })) {
     diagonal(A, d);
     d = (d * d.maxCoeff()).cwiseSqrt();
   }

@@ -18,9 +18,12 @@ Sparse empty(Index n) { return {n, n}; }
 }  // namespace
 
 Formed formed(const Matrix& A) {
-  if (const auto* dense = std::get_if<DenseMatrix>(&A)) return {dense->sparseView(0, 0), empty(dense->rows())};
-  if (const auto* sparse = std::get_if<RowSparse>(&A)) return {sparse->view(), empty(sparse->rows)};
-  const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
+  const auto* delassus = std::get_if<Delassus>(&A);
+  if (delassus == nullptr) {
+    RowSparse room;
+    return {rows_of(A, room)->view(), empty(order(A))};
+  }
+  const auto& [W, inverse_mass, regularization] = *delassus;
   const Sparse w = W.view(), size = w.cwiseAbs();
   Formed result{w * inverse_mass.asDiagonal() * Sparse(w.transpose()),
                 size * inverse_mass.asDiagonal() * Sparse(size.transpose())};

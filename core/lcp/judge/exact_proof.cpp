@@ -1,24 +1,22 @@
 #include <orthant/core/lcp/judge/exact_proof.h>
 
+#include <orthant/core/lcp/judge/dixon_lifting.h>
 #include <orthant/core/lcp/judge/exact.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 namespace orthant {
 namespace {
 
+using exact::Integer;
 using exact::Rational;
-using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;
 
 constexpr double kNear = 0x1p-30;  // of its terms: a sum that may be meant to be 0
 constexpr int kRounds = 8;         // of new equations
-constexpr double kMostWork = 5e8;  // products in one elimination or solution: some seconds
 
 /// √x, or a little more: exact where it is rational.
 Rational root_above(const Rational& x) {
@@ -26,165 +24,6 @@ Rational root_above(const Rational& x) {
   const Integer root = sqrt(square);
   if (root * root == square) return Rational(root, denominator(x));
   return Rational(sqrt(Integer(square * scale * scale)) + 1, denominator(x) * scale);
-}
-
-using Word = std::uint64_t;
-constexpr Word kPrime = 2147483647;  // 2³¹ − 1
-
-Word power(Word base, Word exponent) {
-  Word result = 1;
-  for (; exponent > 0; exponent >>= 1, base = base * base % kPrime)
-    if ((exponent & 1) != 0) result = result * base % kPrime;
-  return result;
-}
-Word inverse(Word x) { return power(x, kPrime - 2); }
-Word remainder(const Integer& x) {
-  const auto r = static_cast<std::int64_t>(Integer(x % kPrime));  // of x's sign
-  return static_cast<Word>(r < 0 ? r + static_cast<std::int64_t>(kPrime) : r);
-}
-
-struct Pivots {
-  std::vector<std::size_t> rows, columns;
-};
-
-/// A largest regular block, the first columns preferred, by elimination modulo the prime. Empty: stopped or too long.
-Pivots find_pivots(const std::vector<std::vector<Integer>>& A, std::size_t columns, const std::function<bool()>& stop) {
-  std::vector<std::vector<Word>> m;
-  std::vector<std::size_t> place(A.size());
-  std::iota(place.begin(), place.end(), std::size_t{0});
-  for (const auto& row : A) {
-    m.emplace_back();
-    for (const Integer& x : row) m.back().push_back(remainder(x));
-  }
-  Pivots result;
-  double work = 0;
-  for (std::size_t c = 0; c < columns && result.rows.size() < m.size(); ++c) {
-    const std::size_t rank = result.rows.size();
-    std::size_t r = rank;
-    while (r < m.size() && m[r][c] == 0) ++r;
-    if (r == m.size()) continue;
-    std::swap(m[rank], m[r]), std::swap(place[rank], place[r]);
-    work += static_cast<double>((m.size() - rank) * (columns - c));
-    if (work > 4 * kMostWork || (stop && stop())) return {};
-    const Word unit = inverse(m[rank][c]);
-    for (r = rank + 1; r < m.size(); ++r) {
-      if (m[r][c] == 0) continue;
-      const Word factor = kPrime - m[r][c] * unit % kPrime;
-      for (std::size_t k = c; k < columns; ++k) m[r][k] = (m[r][k] + factor * m[rank][k]) % kPrime;
-    }
-    result.rows.push_back(place[rank]), result.columns.push_back(c);
-  }
-  return result;
-}
-
-/// The inverse of a matrix that is regular modulo the prime.
-std::vector<std::vector<Word>> inverse(const std::vector<std::vector<Integer>>& A) {
-  const std::size_t n = A.size();
-  std::vector<std::vector<Word>> m(n, std::vector<Word>(2 * n));
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) m[i][j] = remainder(A[i][j]);
-    m[i][n + i] = 1;
-  }
-  for (std::size_t c = 0; c < n; ++c) {
-    std::size_t r = c;
-    while (r < n && m[r][c] == 0) ++r;
-    if (r == n) return {};
-    std::swap(m[c], m[r]);
-    const Word unit = inverse(m[c][c]);
-    for (Word& x : m[c]) x = x * unit % kPrime;
-    for (r = 0; r < n; ++r) {
-      if (r == c || m[r][c] == 0) continue;
-      const Word factor = kPrime - m[r][c];
-      for (std::size_t k = c; k < 2 * n; ++k) m[r][k] = (m[r][k] + factor * m[c][k]) % kPrime;
-    }
-  }
-  for (auto& row : m) row.erase(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(n));
-  return m;
-}
-
-struct Ratios {
-  std::vector<Integer> numerators;
-  Integer denominator = 1;
-};
-
-/// The fractions with numerators and denominator below √(modulus / 2) that are x modulo `modulus`, if they exist.
-std::optional<Ratios> reconstruct(const std::vector<Integer>& x, const Integer& modulus) {
-  const Integer bound = sqrt(Integer(modulus / 2));
-  Ratios result;
-  for (const Integer& each : x) {
-    Integer y = each * result.denominator % modulus;
-    if (y > modulus - bound) y -= modulus;
-    if (abs(y) > bound) {  // Euclid's algorithm, half way
-      Integer r0 = modulus, r1 = y < 0 ? Integer(y + modulus) : y, t0 = 0, t1 = 1;
-      while (r1 > bound) {
-        const Integer q = r0 / r1;
-        Integer r = r0 - q * r1, t = t0 - q * t1;
-        r0 = std::move(r1), r1 = std::move(r);
-        t0 = std::move(t1), t1 = std::move(t);
-      }
-      if (t1 < 0) r1 = -r1, t1 = -t1;
-      if (t1.is_zero() || t1 > bound) return std::nullopt;
-      for (Integer& before : result.numerators) before *= t1;
-      result.denominator *= t1;
-      if (result.denominator > bound) return std::nullopt;
-      y = r1;
-    }
-    result.numerators.push_back(y);
-  }
-  return result;
-}
-
-/// M x = right by Dixon's lifting: x modulo the prime's powers, until the fractions that these stand for solve it.
-std::optional<Ratios> solve_exactly(const std::vector<std::vector<Integer>>& M, const std::vector<Integer>& right,
-                                    const std::function<bool()>& stop) {
-  const std::size_t n = M.size();
-  if (static_cast<double>(n) * static_cast<double>(n) * static_cast<double>(n) > kMostWork) return std::nullopt;
-  const auto inverse_of = inverse(M);
-  if (inverse_of.empty()) return std::nullopt;
-  std::vector<Integer> x(n, 0), rest = right;
-  std::vector<Word> digit(n), modulo(n);
-  // Entries that are small: sums in 64 bits.
-  std::vector<std::vector<std::int64_t>> few(n < 4096 ? n : 0);
-  for (std::size_t i = 0; i < few.size(); ++i)
-    for (const Integer& entry : M[i]) {
-      if (abs(entry) >= 1 << 20) {
-        few.clear();
-        break;
-      }
-      few[i].push_back(static_cast<std::int64_t>(entry));
-    }
-  Integer modulus = 1;
-  double work = 0;
-  for (int lifts = 1, look_at = 8;; ++lifts) {
-    for (std::size_t i = 0; i < n; ++i) modulo[i] = remainder(rest[i]);
-    for (std::size_t i = 0; i < n; ++i) {
-      Word sum = 0;
-      for (std::size_t j = 0; j < n; ++j) sum = (sum + inverse_of[i][j] * modulo[j]) % kPrime;
-      digit[i] = sum;
-      x[i] += modulus * sum;
-    }
-    modulus *= kPrime;
-    for (std::size_t i = 0; i < n; ++i) {
-      std::int64_t sum = 0;
-      for (std::size_t j = 0; j < n && !few.empty(); ++j) sum += few[i][j] * static_cast<std::int64_t>(digit[j]);
-      rest[i] -= sum;
-      for (std::size_t j = 0; j < n && few.empty(); ++j)
-        if (digit[j] != 0 && !M[i][j].is_zero()) rest[i] -= M[i][j] * digit[j];
-      rest[i] /= kPrime;
-    }
-    work += 2 * static_cast<double>(n * n);
-    if (work > kMostWork || (stop && stop())) return std::nullopt;
-    if (lifts < look_at) continue;
-    look_at *= 2;
-    const std::optional<Ratios> found = reconstruct(x, modulus);
-    bool solves = found.has_value();
-    for (std::size_t i = 0; i < n && solves; ++i) {
-      Integer sum = -right[i] * found->denominator;
-      for (std::size_t j = 0; j < n; ++j) sum += M[i][j] * found->numerators[j];
-      solves = sum.is_zero();
-    }
-    if (solves) return found;
-  }
 }
 
 /// Σ_i a_i û_i, and Σ_i |a_i u_i|.
@@ -351,10 +190,8 @@ class ExactProof {
   Equation column(Index j) const {
     Equation equation;
     for (const Index i : rows_) {
-      if (const auto* dense = std::get_if<DenseMatrix>(&p_.A)) {
-        equation.emplace_back((*dense)(i, j));
-      } else if (const auto* sparse = std::get_if<RowSparse>(&p_.A)) {
-        equation.emplace_back(sparse->entry(i, j));
+      if (operator_ == nullptr) {
+        equation.emplace_back(entry(p_.A, i, j));
       } else {
         Rational sum(i == j && operator_->regularization.size() != 0 ? operator_->regularization[i] : 0.0);
         operator_->W.for_each_in_row(i, [&](Index m, double w) {
@@ -369,7 +206,7 @@ class ExactProof {
 
   // weights_ ← a multiple of (2). False: only 0 is left, or a sign is wrong, or it takes too long.
   bool solve(const Vector& u) {
-    std::vector<std::vector<Integer>> rows;
+    exact::IntegerTable rows;
     for (const auto& [name, equation] : equations_) {
       Integer scale = 1;
       for (const Rational& x : equation) scale = lcm(scale, Integer(denominator(x)));
@@ -377,7 +214,7 @@ class ExactProof {
       for (const Rational& x : equation) rows.back().push_back(numerator(x) * (scale / denominator(x)));
     }
     const std::size_t unknowns = rows_.size();
-    const Pivots pivots = find_pivots(rows, unknowns, stop_);
+    const exact::ModularPivots pivots = exact::find_pivots(rows, unknowns, stop_);
     if (pivots.columns.empty() || pivots.columns.size() == unknowns) return false;
     std::vector<char> dependent(unknowns, 0);
     for (const std::size_t c : pivots.columns) dependent[c] = 1;
@@ -391,7 +228,7 @@ class ExactProof {
       const Rational x(u[rows_[k]]);
       free[k] = one_free ? Integer(x < 0 ? -1 : 1) : Integer(numerator(x) * (unit / denominator(x)));
     }
-    std::vector<std::vector<Integer>> M;
+    exact::IntegerTable M;
     std::vector<Integer> right;
     for (const std::size_t r : pivots.rows) {
       M.emplace_back();
@@ -400,7 +237,7 @@ class ExactProof {
       for (std::size_t k = 0; k < unknowns; ++k)
         if (!free[k].is_zero() && !rows[r][k].is_zero()) right.back() -= rows[r][k] * free[k];
     }
-    const std::optional<Ratios> solution = solve_exactly(M, right, stop_);
+    const std::optional<exact::Ratios> solution = exact::solve_exactly(M, right, stop_);
     if (!solution) return false;
     for (std::size_t k = 0; k < unknowns; ++k) weights_[k] = Rational(free[k] * solution->denominator);
     for (std::size_t k = 0; k < pivots.columns.size(); ++k)

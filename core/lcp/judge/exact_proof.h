@@ -8,9 +8,9 @@
 //   in the columns with |c_j| ≤ 2⁻³⁰ Σ_i |A_ij u_i|, of an operator also of its velocities Wᵀu; if (1) fails for that
 //   û, only in those with the wrong sign. The largest u_i get the pivots, so that signs stay. E.g. the kernel of
 //   Aᵀ = (1, 3): u = (1, −0.333…) means û = (1, −1/3).
-//   Pivots come from elimination modulo a prime, û from Dixon's p-adic lifting; both are checked by (1), in rationals.
+//   Pivots and û come from arithmetic modulo a prime (dixon_lifting.h); (1) checks them in rationals.
 //   Cost: O(k³) for k pivots, and O(k²) for each 31 digits of û, which has at most some 53 k.
-//   Sources: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 3.1; Dixon, Numer. Math. 40 (1982).
+//   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 3.1.
 #pragma once
 
 #include <orthant/core/lcp/problem.h>

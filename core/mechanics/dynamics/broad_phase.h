@@ -1,13 +1,13 @@
 // core/mechanics/dynamics/broad_phase.h — broad phase of collision detection: candidate pairs of shapes within a step.
 //
-//   Every shape has a box (axis-aligned), grown by what it may travel. Cells of a uniform grid, as wide as the median
-//   box, take the shapes that overlap them; two shapes are a candidate when they share a cell and their boxes overlap
-//   (discs and spheres: these themselves). Cells are hashed into a table of a fixed size, so that bodies far away cost
-//   nothing.
-//   A shape of more than kLarge cells is compared with all others instead.
-//   The candidates have the order of the pairs, for any grid: a step with them is the step with all pairs listed.
-// Cost: O(shapes + candidates) for shapes of like size (to a factor of some ten); a large one costs O(shapes). Memory
-// taken once; more near pairs than in any step before may take more.
+//   Each shape has an axis-aligned box, enlarged by the distance that the shape may travel in the step. A uniform grid
+//   has cells as wide as the median box. Each cell lists the shapes with boxes that overlap it. Two shapes are a
+//   candidate pair if they share a cell and their boxes overlap (discs and spheres: if they overlap themselves).
+//   The cells are hashed into a table of fixed size, so that the extent of the scene has no cost. A shape that covers
+//   more than kLarge cells is compared with all other shapes instead.
+//   Candidates are sorted as the listed pairs are. The result of a step does not depend on the grid.
+// Cost: O(shapes + candidates) if sizes differ by no more than about a factor of ten; a larger shape costs O(shapes).
+// Memory is allocated once. It grows in a step with more near pairs than any step before.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 7.
 #pragma once
 

@@ -35,8 +35,8 @@ struct Redundancy {
 /// Looks at the joints at the coordinates q.
 template <class Space> Redundancy find_redundancy(const SystemOf<Space>& system, const Eigen::VectorXd& q);
 
-/// In words, joint by joint: 'row angle of joint "b" repeats (contradicts) what joints "a", "c" already say', and whose
-/// load is not determined by that, where friction depends on it; empty: nothing to say.
+/// In words, joint by joint: 'row angle of joint "b" repeats (contradicts) what joints "a", "c" already say'. Names the
+/// joints with load-dependent friction whose load is therefore undetermined. Empty: no row is dependent.
 template <class Space> std::string describe(const Redundancy& redundancy, const SystemOf<Space>& system);
 
 }  // namespace orthant

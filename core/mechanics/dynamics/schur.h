@@ -1,10 +1,11 @@
 // core/mechanics/dynamics/schur.h — Schur complement of few joint rows: S = G M⁻¹ Gᵀ = L D Lᵀ, L with unit diagonal.
 //
 //   M x − Gᵀ λ = f,  G x = c:   S λ = c − G M⁻¹ f,  x = M⁻¹ f + (M⁻¹ Gᵀ) λ
-// n³/6 multiplications and n divisions, n² a solve. Rows are processed in pairs, since most joints have pairs of rows,
-// and every processor multiplies two numbers at once; an odd row gets a row of zeros. Pairs that have no body in
-// common, every second one of a chain, come first: they do not wait for each other. Up to kUnrolled rows the lengths of
-// the loops and the zeros are compile-time constants.
+// Cost: n³/6 multiplications and n divisions for the factorization, n² multiplications for each solve.
+// Rows are processed in pairs, because most planar joints have two rows and SIMD instructions multiply two numbers at
+// once. An odd last row is paired with a row of zeros. Pairs without a common body, such as every second joint of a
+// chain, come first: their operations do not depend on each other. Up to kUnrolled rows, loop lengths are compile-time
+// constants.
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>
@@ -20,10 +21,10 @@ template <class Space> class SchurOf {
   using Row = RowOf<Space>;
   static constexpr int kUnrolled = 8;
 
-  /// `rows`: with the bodies that all later ones have.
+  /// `rows` states which two bodies each row acts on. These stay the same in all factorizations.
   SchurOf(const Eigen::VectorXd& inverse_mass, std::span<const Row> rows);
 
-  /// For the factorizations from now on.
+  /// Used from the next factorization on.
   void set_inverse_mass(const Eigen::VectorXd& inverse_mass);
 
   /// False: some pivot D_i is at most `dependent` times S_ii (a ratio that neither masses nor units change), or not

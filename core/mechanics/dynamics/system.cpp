@@ -11,13 +11,13 @@
 namespace orthant {
 namespace {
 
-void prepare(Scene& scene) {
-  check(scene);
+void prepare(Scene& scene, Examined examined) {
+  if (examined == Examined::no) check(scene);
   if (scene.assemble) scene = assembled(scene);
   expose(scene);
 }
-void prepare(spatial::Scene& scene) {
-  spatial::check(scene);
+void prepare(spatial::Scene& scene, Examined examined) {
+  if (examined == Examined::no) spatial::check(scene);
   if (scene.assemble) scene = assembled(scene);
   for (spatial::Body& body : scene.bodies) {
     body.axes = spatial::principal(body.inertia).axes;
@@ -48,8 +48,8 @@ void set_start(State& x, int i, const spatial::Body& body) {
 
 }  // namespace
 
-template <class Space> SystemOf<Space>::SystemOf(Scene scene) : scene_(std::move(scene)) {
-  prepare(scene_);
+template <class Space> SystemOf<Space>::SystemOf(Scene scene, Examined examined) : scene_(std::move(scene)) {
+  prepare(scene_, examined);
   DisjointSets groups(scene_.bodies.size());
   const auto join = [&](BodyId a, BodyId b) {  // the ground connects nothing
     if (a >= 0 && b >= 0) groups.join(a, b);

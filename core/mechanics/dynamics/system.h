@@ -7,13 +7,16 @@
 
 namespace orthant {
 
+/// yes: check() has accepted this very scene. A scene that comes from a file was examined by its reader.
+enum class Examined { no, yes };
+
 /// Coordinates stand in a block per body (blocks.h); joint rows stand in the order of the scene's joints.
 template <class Space> class SystemOf {
  public:
   using Scene = typename ElementsOf<Space>::Scene;
 
   /// Throws std::invalid_argument where check(scene) does.
-  explicit SystemOf(Scene scene);
+  explicit SystemOf(Scene scene, Examined examined = Examined::no);
 
   const Scene& scene() const { return scene_; }
   int bodies() const { return static_cast<int>(scene_.bodies.size()); }

@@ -19,6 +19,7 @@ bool square(const Vector3d& u, const Vector3d& w) { return std::abs(u.dot(w)) <=
 
 }  // namespace
 
+/// One function: the forms, tried in order, write the same keys.
 void SceneText::joints(const Carrier& c) {
   using Kind = ModelJoint::Kind;
   const ModelLink& link = model_.links[static_cast<std::size_t>(c.link)];

@@ -5,15 +5,14 @@
 //   1}}}));
 //   for (const Polygon& piece : chain_pieces({.points = profile})) collision.shapes.push_back({.corners = piece});
 //
-//   Each segment is one piece: its face, and a face behind it at a depth, with ends along the joints' bisectors, which
-//   two neighbours share. They are covered, and the joints' inner corners are known as such (exposure.h): no contact
-//   has a normal that the surface does not have. Points in a line are one segment.
-//   The free side is on the left of the way along the points, unless `free_left` is false: a profile from left to right
-//   is a ground, a closed chain counter-clockwise a room, clockwise an island.
-//   Bodies that come deeper than half of the depth may come out behind. Where the strip would reach through the chain
-//   itself (a thin ridge) it is thinner there.
-// Cost: O(n²), once. As shapes of a collision only the pieces near a body are evaluated; as listed contacts all of
-// them.
+//   Each segment becomes one convex polygon: the segment itself, a parallel edge behind it at the given depth, and two
+//   ends along the bisectors at its points. Neighbours share these ends. Ends and inner corners are marked as covered
+//   (exposure.h), so that no contact gets a normal that the surface does not have. Collinear points form one segment.
+//   The free side is on the left when one walks along the points; with free_left = false it is on the right. So points
+//   from left to right form a ground, a closed chain forms a room (counter-clockwise) or an island (clockwise).
+//   A body that penetrates deeper than half of the depth may leave on the back. The strip is thinner where it would
+//   otherwise pass through the chain itself (a thin ridge).
+// Cost: O(n²), once. As shapes of a collision, only the pieces near a body are evaluated. As listed contacts, all are.
 #pragma once
 
 #include <orthant/core/mechanics/planar/disc_polygon.h>
@@ -25,11 +24,11 @@ struct GroundChain {
   std::vector<Vector2d> points;  // [m] at least two, three if closed; in the frame of the body that carries it
   bool closed = false;
   bool free_left = true;
-  double depth = 0;  // [m] of the strip; 0: a tenth of the chain's extent, or its longest segment if that is more
+  double depth = 0;  // [m] of the strip; 0: a tenth of the chain's extent, at least its longest segment
 };
 
-/// One convex polygon a segment, in the order of the points. Throws std::invalid_argument, naming the point, where the
-/// chain is none: points that coincide, a turn straight back, segments that cross.
+/// One convex polygon per segment, in the order of the points. Throws std::invalid_argument, which names the point, if
+/// points coincide, the chain turns straight back, or segments cross.
 std::vector<Polygon> chain_pieces(const GroundChain& chain);
 
 /// A polygon of `pair.a` against the chain in `pair.b`; pair.corners_b and pair.point are not read. Names: NAME_1_1,

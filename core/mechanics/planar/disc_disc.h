@@ -1,6 +1,5 @@
 // core/mechanics/planar/disc_disc.h — disc-disc contact: each disc fixed in a body (or one of them in the ground).
-//   g = |d| − radius_a − radius_b,  d = C_a − C_b, n = d / |d|   [m]. Two centres in one place have no normal: rows of
-//                                   zeros.
+//   g = |d| − radius_a − radius_b,  d = C_a − C_b, n = d / |d|   [m].   d = 0 has no normal: the rows are zero.
 #pragma once
 
 #include <orthant/core/mechanics/planar/contact_law.h>

@@ -174,14 +174,14 @@ void examine(const Element& e, const Load& l) {
   }
 }
 
-template <class T>
-void examine_all(const Scene& scene, const Kinematics& start, std::string_view kind, const std::vector<T>& elements) {
+template <class T> void examine_all(const Scene& scene, const Kinematics& start, std::string_view kind,
+                                    const std::vector<T>& elements, std::size_t first = 0) {
   ElementNames names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const auto one = [&](const auto& x) {
       const Element element(scene, start, kind, i, x.name);
       names.add(element, x.name);
-      examine(element, x);
+      if (i >= first) examine(element, x);
     };
     if constexpr (requires { elements[i].index(); })
       std::visit(one, elements[i]);
@@ -190,12 +190,21 @@ void examine_all(const Scene& scene, const Kinematics& start, std::string_view k
   }
 }
 
-}  // namespace
-
-void check(const Scene& scene) {
+Kinematics start_of(const Scene& scene) {
   Kinematics start;
   for (const Body& b : scene.bodies) start.pose.push_back({b.position, b.angle, std::cos(b.angle), std::sin(b.angle)});
   start.pose.emplace_back();
+  return start;
+}
+
+}  // namespace
+
+void check_contacts(const Scene& scene, std::size_t first) {
+  examine_all(scene, start_of(scene), "contact", scene.contacts, first);
+}
+
+void check(const Scene& scene) {
+  const Kinematics start = start_of(scene);
   const Element whole(scene, start, "", 0, "");
   whole.finite("gravity", scene.gravity);
   whole.positive("duration", scene.duration), whole.positive("step", scene.step);

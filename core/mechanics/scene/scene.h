@@ -130,6 +130,8 @@ struct SceneError : std::invalid_argument {
 /// ascending, rows of custom joints and contacts that are the derivatives they stand for (derivatives.h), at least one
 /// body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
+/// The same of the contacts from number `first` on only, and of the names of all contacts.
+void check_contacts(const Scene& scene, std::size_t first);
 
 /// The same scene with every pair that a collision stands for as a contact of its own, behind the others: NAME_1,
 /// NAME_2, …

@@ -10,19 +10,12 @@
 
 namespace orthant {
 
-/// visit(i, j, A_ij), row by row.
+/// visit(i, j, A_ij) for all entries, the columns of each row ascending; column by column where A is dense.
 template <class Visit> void each_entry(const Matrix& A, const Visit& visit) {
-  if (const auto* rows = std::get_if<RowSparse>(&A)) {
-    for (Index i = 0; i < rows->rows; ++i)
-      for (int k = rows->start[static_cast<std::size_t>(i)]; k < rows->start[static_cast<std::size_t>(i) + 1]; ++k)
-        visit(i, static_cast<Index>(rows->column[static_cast<std::size_t>(k)]),
-              rows->value[static_cast<std::size_t>(k)]);
-    return;
-  }
-  DenseMatrix dense;
-  to_dense(A, dense);
-  for (Index i = 0; i < dense.rows(); ++i)
-    for (Index j = 0; j < dense.cols(); ++j) visit(i, j, dense(i, j));
+  if (for_each_entry(A, visit)) return;
+  Matrix formed;
+  to_dense(A, as<DenseMatrix>(formed));
+  for_each_entry(formed, visit);
 }
 
 /// w = A z + b, and |b| + |A| |z|, its terms added up.

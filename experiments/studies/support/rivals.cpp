@@ -46,12 +46,14 @@ void write_for_driver(const std::filesystem::path& file, const Lcp& p) {
   std::vector<std::int64_t> start(static_cast<std::size_t>(p.size()) + 1);
   std::vector<Index> column, row, normal, rows;
   std::vector<double> value, mu;
-  each_entry(p.A, [&](Index i, Index j, double a) {
-    if (a == 0) return;
-    column.push_back(j), value.push_back(a);
+  RowSparse formed;
+  const RowSparse& A = *rows_of(p.A, formed);
+  for (Index i = 0; i < A.rows; ++i) {
+    A.for_each_in_row(i, [&](Index j, double a) {
+      if (a != 0) column.push_back(j), value.push_back(a);
+    });
     start[static_cast<std::size_t>(i) + 1] = static_cast<std::int64_t>(value.size());
-  });
-  for (std::size_t i = 1; i < start.size(); ++i) start[i] = std::max(start[i], start[i - 1]);  // empty rows
+  }
   for (const Friction& f : p.friction)
     row.push_back(f.first), normal.push_back(f.normal), rows.push_back(f.rows), mu.push_back(f.mu);
   std::ofstream out(file, std::ios::binary);

@@ -1,4 +1,5 @@
 #include "experiments/studies/verdict_storm/cone_judge.h"
+#include "experiments/studies/verdict_storm/entries_as.h"
 
 #include <orthant/core/support/options.h>
 
@@ -24,33 +25,9 @@ struct ConeEntry {
 
 std::vector<std::vector<ConeEntry>> entries_of(const Lcp& p) {
   std::vector<std::vector<ConeEntry>> rows(at(p.size()));
-  const auto put = [&](Index i, Index j, double a) {
-    if (a != 0) rows[at(i)].push_back({j, Digits(a), abs(Digits(a))});
-  };
-  if (const auto* dense = std::get_if<DenseMatrix>(&p.A)) {
-    for (Index i = 0; i < p.size(); ++i)
-      for (Index j = 0; j < p.size(); ++j) put(i, j, (*dense)(i, j));
-  } else if (const auto* sparse = std::get_if<RowSparse>(&p.A)) {
-    for (Index i = 0; i < p.size(); ++i)
-      for (int k = sparse->start[at(i)]; k < sparse->start[at(i) + 1]; ++k)
-        put(i, sparse->column[at(k)], sparse->value[at(k)]);
-  } else {
-    const auto& [W, inverse_mass, regularization] = std::get<Delassus>(p.A);
-    std::vector<std::vector<Digits>> factor(at(W.rows), std::vector<Digits>(at(W.cols), Digits(0)));
-    for (Index i = 0; i < W.rows; ++i)
-      for (int k = W.start[at(i)]; k < W.start[at(i) + 1]; ++k)
-        factor[at(i)][at(W.column[at(k)])] += Digits(W.value[at(k)]);
-    for (Index i = 0; i < W.rows; ++i)
-      for (Index j = 0; j < W.rows; ++j) {
-        Digits sum(i == j && regularization.size() != 0 ? regularization[i] : 0.0), size = sum;
-        for (Index k = 0; k < W.cols; ++k) {
-          if (factor[at(i)][at(k)] == 0 || factor[at(j)][at(k)] == 0) continue;
-          const Digits term = factor[at(i)][at(k)] * factor[at(j)][at(k)] * Digits(inverse_mass[k]);
-          sum += term, size += abs(term);
-        }
-        if (size != 0) rows[at(i)].push_back({j, sum, size});
-      }
-  }
+  for_each_entry_as<Digits>(p.A, [&](Index i, Index j, const Digits& value, const Digits& size) {
+    rows[at(i)].push_back({j, value, size});
+  });
   return rows;
 }
 

@@ -1,6 +1,7 @@
 #include "experiments/studies/verdict_storm/exact_judge.h"
 
 #include "experiments/studies/verdict_storm/cone_judge.h"
+#include "experiments/studies/verdict_storm/entries_as.h"
 
 #include <orthant/core/support/options.h>
 
@@ -30,35 +31,9 @@ template <class T> struct Copy {
 
   explicit Copy(const Lcp& p) : rows(at(p.size())) {
     for (const double value : p.b) b.emplace_back(value);
-    const auto put = [&](Index i, Index j, const T& value, const T& size) {
-      if (size != 0) rows[at(i)].push_back({j, value, size});
-    };
-    const auto put_entry = [&](Index i, Index j, double value) { put(i, j, T(value), T(std::abs(value))); };
-    if (const auto* dense = std::get_if<DenseMatrix>(&p.A)) {
-      for (Index i = 0; i < p.size(); ++i)
-        for (Index j = 0; j < p.size(); ++j) put_entry(i, j, (*dense)(i, j));
-    } else if (const auto* sparse = std::get_if<RowSparse>(&p.A)) {
-      for (Index i = 0; i < p.size(); ++i)
-        for (auto k = at(sparse->start[at(i)]); k < at(sparse->start[at(i) + 1]); ++k)
-          put_entry(i, sparse->column[k], sparse->value[k]);
-    } else {
-      const auto& [W, inverse_mass, regularization] = std::get<Delassus>(p.A);
-      std::vector<std::vector<T>> factor(at(W.rows), std::vector<T>(at(W.cols), T(0)));
-      for (Index i = 0; i < W.rows; ++i)
-        for (auto k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k)
-          factor[at(i)][at(W.column[k])] += T(W.value[k]);
-      for (Index i = 0; i < W.rows; ++i)
-        for (Index j = 0; j < W.rows; ++j) {
-          T sum(i == j && regularization.size() != 0 ? regularization[i] : 0.0), size = sum;
-          for (Index k = 0; k < W.cols; ++k)
-            if (factor[at(i)][at(k)] != 0 && factor[at(j)][at(k)] != 0) {
-              const T term = factor[at(i)][at(k)] * factor[at(j)][at(k)] * T(inverse_mass[k]);
-              sum += term;
-              size += abs(term);
-            }
-          put(i, j, sum, size);
-        }
-    }
+    for_each_entry_as<T>(p.A, [&](Index i, Index j, const T& value, const T& size) {
+      rows[at(i)].push_back({j, value, size});
+    });
   }
 };
 

@@ -29,6 +29,7 @@ TEST_CASE("a guide is the slider-crank's four corners, bit for bit") {
   CHECK(dump(read_scene(kCore / "scenes" / "slider_crank_guide.toml")) == dump(expected));
 }
 
+// One text with every key, and the scene that it must give, side by side.
 TEST_CASE("every element and key arrives where it belongs") {
   const Scene scene = parse_scene(R"(
     gravity = [0.5, -2]

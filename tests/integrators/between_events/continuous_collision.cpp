@@ -139,6 +139,87 @@ BodyId add_body(Scene& s, const Course& c) {
   return id;
 }
 
+/// The places and sizes that both shapes of a case have in common.
+struct Meeting {
+  BodyId a, b;
+  Vector2d off_a, off_b;  // [m] centre or point of the shape on its body
+  double size, other;     // [m] of a's shape and of b's
+  double meet;            // [s] when they come near each other
+};
+
+double between_centres(const Meeting& of, const Pose& p, const Pose& q) {
+  return (p.x + p.turn(of.off_a) - q.x - q.turn(of.off_b)).norm();
+}
+
+Polygon moved(Polygon polygon, const Vector2d& by) {
+  for (Vector2d& corner : polygon) corner += by;
+  return polygon;
+}
+
+/// Discs, corners, polygons and journals: the contact, and its depth by formulas that share nothing with it.
+void add_shapes(Encounter& k, const Meeting& of, const Vector2d& normal, const Polygon& one, const Polygon& two) {
+  const auto& [a, b, off_a, off_b, size, other, meet] = of;
+  const double both = size + other;
+  const ContactLaw law{.e = 0.5};
+  const auto wall = [of, normal](const Vector2d& point, double radius) {
+    return [=](const Pose& p, const Pose& q) {
+      return radius - q.turn(normal).dot(p.x + p.turn(point) - q.x - q.turn(of.off_b));
+    };
+  };
+  Scene& s = k.scene;
+  if (k.kind == "corner-wall") {
+    s.contact(CornerWall{{}, a, off_a, b, off_b, normal, law}), k.depth = wall(off_a, 0);
+  } else if (k.kind == "disc-wall") {
+    s.contact(DiscWall{{}, a, off_a, size, b, off_b, normal, law}), k.depth = wall(off_a, size);
+  } else if (k.kind == "disc-disc" || k.kind == "custom") {
+    const DiscDisc discs{"pegs", a, off_a, size, b, off_b, other, law};
+    if (k.kind == "custom")
+      s.contact(Pegs{discs});
+    else
+      s.contact(discs);
+    k.depth = [=](const Pose& p, const Pose& q) { return both - between_centres(of, p, q); };
+  } else if (k.kind == "disc-polygon") {
+    s.contact(DiscPolygon{{}, a, off_a, size, b, two, law});
+    k.depth = [=](const Pose& p, const Pose& q) { return of.size + depth_in(placed(two, q), p.x + p.turn(of.off_a)); };
+  } else if (k.kind == "polygon-polygon") {
+    for (const int point : {0, 1}) s.contact(PolygonPolygon{{}, a, one, b, two, point, law});
+    k.depth = [=](const Pose& p, const Pose& q) { return depth_of(placed(one, p), placed(two, q)); };
+  } else if (k.kind == "polygon-wall") {
+    for (const Vector2d& corner : one) s.contact(CornerWall{{}, a, corner, b, off_b, normal, law});
+    k.depth = [=](const Pose& p, const Pose& q) {
+      double most = -kInf;
+      for (const Vector2d& corner : one) most = std::max(most, wall(corner, 0)(p, q));
+      return most;
+    };
+  } else {
+    s.contact(Journal{{}, a, off_a, other, b, off_b, both, law});
+    k.depth = [=](const Pose& p, const Pose& q) { return between_centres(of, p, q) - of.size; };
+  }
+}
+
+/// A bound of an angle, a slide or a distance, near its value when the bodies meet.
+void add_limit(Encounter& k, const Meeting& of, const Vector2d& normal, Dice& r) {
+  const auto& [a, b, off_a, off_b, size, other, meet] = of;
+  Coordinate coordinate;
+  std::function<double(const Pose&, const Pose&)> value;
+  if (k.kind == "angle") {
+    coordinate = Angle{a, b}, value = [](const Pose& p, const Pose& q) { return q.theta - p.theta; };
+  } else if (k.kind == "slide") {
+    coordinate = Slide{a, b, off_a, off_b, normal};
+    value = [=](const Pose& p, const Pose& q) {
+      return p.turn(normal).dot(q.x + q.turn(of.off_b) - p.x - p.turn(of.off_a));
+    };
+  } else {
+    coordinate = Span{a, b, off_a, off_b};
+    value = [of](const Pose& p, const Pose& q) { return between_centres(of, p, q); };
+  }
+  const bool lower = k.kind == "shortest" || (k.kind != "longest" && r.below(2));
+  double bound = value(k.a.at(meet), k.b.at(meet)) + r.in(-1, 1) * size;
+  if (k.kind == "shortest") bound = size + other;
+  k.scene.contact(Limit{{}, coordinate, lower ? Limit::Side::lower : Limit::Side::upper, bound, {.e = 0.5}});
+  k.depth = [=](const Pose& p, const Pose& q) { return (lower ? 1 : -1) * (bound - value(p, q)); };
+}
+
 /// Two shapes that come near each other some time; they are apart at the start.
 Encounter random_case(unsigned seed) {
   Dice r(seed);
@@ -150,81 +231,26 @@ Encounter random_case(unsigned seed) {
     if (ground) k.b = {.kind = Course::rests};
     if (weight) k.scene.gravity = {0, -9.81};
     k.scene.duration = std::min(2.0, 200 / std::max(std::abs(k.a.omega), std::abs(k.b.omega)));
-    const double size = k.size = r.log(0.005, 0.3), other = size * r.log(0.2, 5), both = size + other;
-    const double meet = k.kind == "journal" ? 0 : r.in(0.05, 1) * k.scene.duration;
-    const Vector2d off_a = r.below(3) ? r.within(0.5) : Vector2d(0, 0);
-    Vector2d off_b = r.below(3) ? r.within(0.5) : Vector2d(0, 0);
+    Meeting of{};
+    of.size = k.size = r.log(0.005, 0.3), of.other = of.size * r.log(0.2, 5);
+    of.meet = k.kind == "journal" ? 0 : r.in(0.05, 1) * k.scene.duration;
+    of.off_a = r.below(3) ? r.within(0.5) : Vector2d(0, 0);
+    of.off_b = r.below(3) ? r.within(0.5) : Vector2d(0, 0);
     // b is moved to where a passes.
-    Vector2d aside = r.within(1.1 * both);
-    if (k.kind == "journal") aside = r.within(0.9 * size);
-    const auto place = [](const Course& c, const Vector2d& off, double t) -> Vector2d {
-      return c.at(t).x + c.at(t).turn(off);
+    Vector2d aside = r.within(1.1 * (of.size + of.other));
+    if (k.kind == "journal") aside = r.within(0.9 * of.size);
+    const auto place = [&](const Course& c, const Vector2d& off) -> Vector2d {
+      return c.at(of.meet).x + c.at(of.meet).turn(off);
     };
-    (ground ? off_b : k.b.x) += place(k.a, off_a, meet) + aside - place(k.b, off_b, meet);
-    const BodyId a = add_body(k.scene, k.a), b = ground ? kGround : add_body(k.scene, k.b);
-    const ContactLaw law{.e = 0.5};
-    const auto centres = [=](const Pose& p, const Pose& q) {
-      return (p.x + p.turn(off_a) - q.x - q.turn(off_b)).norm();
-    };
+    (ground ? of.off_b : k.b.x) += place(k.a, of.off_a) + aside - place(k.b, of.off_b);
+    of.a = add_body(k.scene, k.a), of.b = ground ? kGround : add_body(k.scene, k.b);
     const Vector2d normal = Dice::towards(r.in(-kHalfTurn, kHalfTurn));
-    const auto wall = [=](const Vector2d& point, double radius) {
-      return [=](const Pose& p, const Pose& q) {
-        return radius - q.turn(normal).dot(p.x + p.turn(point) - q.x - q.turn(off_b));
-      };
-    };
-    const auto moved = [](Polygon polygon, const Vector2d& by) {
-      for (Vector2d& corner : polygon) corner += by;
-      return polygon;
-    };
-    const Polygon one = moved(r.polygon(size), off_a), two = moved(r.polygon(other), off_b);
-    Scene& s = k.scene;
-    if (k.kind == "corner-wall") {
-      s.contact(CornerWall{{}, a, off_a, b, off_b, normal, law}), k.depth = wall(off_a, 0);
-    } else if (k.kind == "disc-wall") {
-      s.contact(DiscWall{{}, a, off_a, size, b, off_b, normal, law}), k.depth = wall(off_a, size);
-    } else if (k.kind == "disc-disc" || k.kind == "custom") {
-      const DiscDisc discs{"pegs", a, off_a, size, b, off_b, other, law};
-      if (k.kind == "custom")
-        s.contact(Pegs{discs});
-      else
-        s.contact(discs);
-      k.depth = [=](const Pose& p, const Pose& q) { return both - centres(p, q); };
-    } else if (k.kind == "disc-polygon") {
-      s.contact(DiscPolygon{{}, a, off_a, size, b, two, law});
-      k.depth = [=](const Pose& p, const Pose& q) { return size + depth_in(placed(two, q), p.x + p.turn(off_a)); };
-    } else if (k.kind == "polygon-polygon") {
-      for (const int point : {0, 1}) s.contact(PolygonPolygon{{}, a, one, b, two, point, law});
-      k.depth = [=](const Pose& p, const Pose& q) { return depth_of(placed(one, p), placed(two, q)); };
-    } else if (k.kind == "polygon-wall") {
-      for (const Vector2d& corner : one) s.contact(CornerWall{{}, a, corner, b, off_b, normal, law});
-      k.depth = [=](const Pose& p, const Pose& q) {
-        double most = -kInf;
-        for (const Vector2d& corner : one) most = std::max(most, wall(corner, 0)(p, q));
-        return most;
-      };
-    } else if (k.kind == "journal") {
-      s.contact(Journal{{}, a, off_a, other, b, off_b, both, law});
-      k.depth = [=](const Pose& p, const Pose& q) { return centres(p, q) - size; };
-    } else {
-      Coordinate of;
-      std::function<double(const Pose&, const Pose&)> value;
-      if (k.kind == "angle") {
-        of = Angle{a, b}, value = [](const Pose& p, const Pose& q) { return q.theta - p.theta; };
-      } else if (k.kind == "slide") {
-        of = Slide{a, b, off_a, off_b, normal};
-        value = [=](const Pose& p, const Pose& q) {
-          return p.turn(normal).dot(q.x + q.turn(off_b) - p.x - p.turn(off_a));
-        };
-      } else {
-        of = Span{a, b, off_a, off_b}, value = centres;
-      }
-      const bool lower = k.kind == "shortest" || (k.kind != "longest" && r.below(2));
-      double bound = value(k.a.at(meet), k.b.at(meet)) + r.in(-1, 1) * size;
-      if (k.kind == "shortest") bound = both;
-      s.contact(Limit{{}, of, lower ? Limit::Side::lower : Limit::Side::upper, bound, law});
-      k.depth = [=](const Pose& p, const Pose& q) { return (lower ? 1 : -1) * (bound - value(p, q)); };
-    }
-    if (k.depth(k.a.at(0), k.b.at(0)) < -0.01 * size) return k;
+    const Polygon one = moved(r.polygon(of.size), of.off_a), two = moved(r.polygon(of.other), of.off_b);
+    if (k.kind == "angle" || k.kind == "slide" || k.kind == "shortest" || k.kind == "longest")
+      add_limit(k, of, normal, r);
+    else
+      add_shapes(k, of, normal, one, two);
+    if (k.depth(k.a.at(0), k.b.at(0)) < -0.01 * k.size) return k;
   }
 }
 

@@ -25,7 +25,13 @@ Scene Reader::scene() {
   } catch (const SceneError& error) {
     throw std::invalid_argument(place(find(error), file_) + ": " + error.what());
   }
+  const std::size_t written = scene_.contacts.size();
   list_pairs();
+  try {
+    if (scene_.contacts.size() > written) check_contacts(scene_, written);
+  } catch (const SceneError& error) {
+    throw std::invalid_argument(file_ + ": " + error.what());
+  }
   return std::move(scene_);
 }
 

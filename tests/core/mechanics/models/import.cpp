@@ -178,6 +178,7 @@ TEST_CASE("meshes: only from the model's folder, or the allowed one; links lead 
           .find("a model without a file of its own names no others") != std::string::npos);
 }
 
+// One table of faults and the words that they must give.
 TEST_CASE("wrong models are refused with file, line, element, value and rule") {
   const std::string base = urdf_link("base", ""), a = urdf_link("a"),
                     hinge = urdf_joint("j", "continuous", "base", "a");
