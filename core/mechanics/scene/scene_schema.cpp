@@ -149,7 +149,8 @@ constexpr std::array kSamplesInSpace = {
     "[[collision]]\nwalls = [{normal = [0, 0, 1]}]\nshapes = [{body = 'a', radius = 1}, {body = 'b', size = [1, 1, "
     "1]},\n"
     "{body = 'a', radius = 1, ends = [[0, 0, 0], [1, 0, 0]]},\n"
-    "{body = 'a', corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}]",
+    "{body = 'a', corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]},\n"
+    "{body = 'a', heights = [[0, 0], [0, 0]]}]",
     "PIN[[friction]]\njoint = 'pin'\nbound = 1",
     "[[friction]]\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nbound = 1",
     "PIN[[friction]]\nof = 'angle'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nbound = 1",
@@ -189,6 +190,8 @@ Json form_as_json(const FieldRecord& field) {
       return {{"anyOf", {number, list_of(3, number), list_of(3, list_of(3, number))}}};
     case Form::numbers:
       return array_of(number);
+    case Form::rows:
+      return array_of(array_of(number));
     case Form::points_in_space:
       return array_of(list_of(3, number));
     case Form::points:

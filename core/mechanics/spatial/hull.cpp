@@ -134,13 +134,17 @@ Hull hull_of(const std::vector<Vector3d>& points) {
                                      [&](const Hull::Edge& e) { return e.from == to && e.to == from; });
       hull.faces[static_cast<std::size_t>(f)].edges.push_back(static_cast<int>(twin - hull.edges.begin()));
       if (twin == hull.edges.end())
-        hull.edges.push_back({from, to, f, -1, false});
+        hull.edges.push_back({.from = from, .to = to, .left = f, .right = -1});
       else
         twin->right = f;
     }
   }
   if (std::any_of(hull.edges.begin(), hull.edges.end(), [](const Hull::Edge& e) { return e.right < 0; }))
     throw std::invalid_argument("must not lie almost in one plane or line");
+  for (Hull::Edge& e : hull.edges) {
+    e.left_normal = hull.faces[static_cast<std::size_t>(e.left)].normal;
+    e.right_normal = hull.faces[static_cast<std::size_t>(e.right)].normal;
+  }
   return hull;
 }
 

@@ -18,7 +18,10 @@ struct Hull {
   struct Edge {
     int from = 0, to = 0;     // corners
     int left = 0, right = 0;  // faces; `left` runs through the edge from `from` to `to`
-    bool covered = false;     // one of its faces is
+    bool covered = false;     // one of its faces is, and the edge is no ridge (exposure.h)
+    Vector3d left_normal{0, 0, 0},
+        right_normal{0, 0, 0};  // of the surface on both sides: of a ridge a neighbour's, too
+    Vector3d beyond{0, 0, 0};   // of a ridge: in the neighbour's face, away from the edge
   };
   std::vector<Vector3d> corners;  // [m] those of the hull, in the order of the points
   std::vector<Face> faces;

@@ -85,6 +85,9 @@ TouchPoints touch_round(const Segment& a, double radius_a, const Segment& b, dou
   return points;
 }
 
+/// Whether the edge can be touched in the direction d from it.
+bool meets(const Hull::Edge& edge, const Vector3d& d) { return !edge.covered && d.dot(edge.beyond) <= 0; }
+
 /// A point grown by a radius and a polytope, in the polytope's frame; false: nothing of it can be touched from there.
 bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint& result) {
   double deepest = -kInf, least = kInf;
@@ -105,8 +108,8 @@ bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint&
       within = false;
       const Vector3d candidate = side.at(side.nearest(p));
       const double away = (p - candidate).squaredNorm();
-      if (away < nearest_edge)
-        nearest_edge = away, on = candidate, off = hull.edges[static_cast<std::size_t>(face.edges[i])].covered;
+      if (away < nearest_edge || (away == nearest_edge && off))
+        nearest_edge = away, on = candidate, off = !meets(hull.edges[static_cast<std::size_t>(face.edges[i])], p - on);
     }
     const double away = within ? height * height : nearest_edge;
     if (away < least) least = away, nearest_point = on, covered = off;
@@ -136,8 +139,8 @@ TouchPoints touch_core(const Segment& core, double radius, const Hull& hull) {
       const auto [s, t] = nearest(core, edge);
       if (!inside(s) || !inside(t)) continue;
       const TouchPoint p = grown(core.at(s), radius, edge.at(t), 0);
-      if (p.n.dot(hull.faces[static_cast<std::size_t>(e.left)].normal) < 0 ||
-          p.n.dot(hull.faces[static_cast<std::size_t>(e.right)].normal) < 0 || !(hull.depth_of(core.at(s)) > 0))
+      if (p.n.dot(e.left_normal) < 0 || p.n.dot(e.right_normal) < 0 || !meets(e, p.n) ||
+          !(hull.depth_of(core.at(s)) > 0))
         continue;
       if (crossings < 2)
         crossed[static_cast<std::size_t>(crossings++)] = p;
@@ -187,8 +190,7 @@ Axis best_edges(const Hull& a, const Hull& b, const Corners& b_corners, const Ma
     if (theirs.covered) continue;
     const Vector3d& q = b_corners[static_cast<std::size_t>(theirs.from)];
     const Vector3d w = b_corners[static_cast<std::size_t>(theirs.to)] - q;
-    const Vector3d left = R * b.faces[static_cast<std::size_t>(theirs.left)].normal;
-    const Vector3d right = R * b.faces[static_cast<std::size_t>(theirs.right)].normal;
+    const Vector3d left = R * theirs.left_normal, right = R * theirs.right_normal;
     for (const Hull::Edge& ours : a.edges) {
       if (ours.covered) continue;
       const Vector3d& p = a.corners[static_cast<std::size_t>(ours.from)];
@@ -196,8 +198,7 @@ Axis best_edges(const Hull& a, const Hull& b, const Corners& b_corners, const Ma
       // The arcs of the two edges' normals on the sphere, one of them reversed, must cross.
       const double left_u = left.dot(u), right_u = right.dot(u);
       if (!(left_u * right_u < 0)) continue;
-      const Vector3d &n_left = a.faces[static_cast<std::size_t>(ours.left)].normal,
-                     &n_right = a.faces[static_cast<std::size_t>(ours.right)].normal;
+      const Vector3d &n_left = ours.left_normal, &n_right = ours.right_normal;
       const double left_w = n_left.dot(w), right_w = n_right.dot(w);
       if (!(left_w * right_w < 0) || !(left_u * right_w < 0)) continue;
       Vector3d n = u.cross(w);

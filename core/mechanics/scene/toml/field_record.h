@@ -23,6 +23,7 @@ enum class Form {
   quadruple,
   tensor,
   numbers,
+  rows,
   points,
   points_in_space,
   table,
@@ -91,6 +92,7 @@ template <class T> constexpr Form form_of() {
   if constexpr (std::is_same_v<T, bool>) return Form::boolean;
   if constexpr (std::is_same_v<T, std::string>) return Form::word;
   if constexpr (std::is_same_v<T, std::vector<double>>) return Form::numbers;
+  if constexpr (std::is_same_v<T, std::vector<std::vector<double>>>) return Form::rows;
   if constexpr (requires { T::SizeAtCompileTime; }) {
     constexpr int size = T::SizeAtCompileTime;
     static_assert(size == 2 || size == 3 || size == 4 || size == 9);

@@ -120,6 +120,12 @@ class Fields {
     values.resize(array->size());
     for (std::size_t i = 0; i < values.size(); ++i) convert(key, *array->get(i), values[i]);
   }
+  void convert(std::string_view key, const toml::node& node, std::vector<std::vector<double>>& rows) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) refuse(key, node, "a list of lists of numbers [[z, ...], ...]");
+    rows.resize(array->size());
+    for (std::size_t i = 0; i < rows.size(); ++i) convert(key, *array->get(i), rows[i]);
+  }
   void convert(std::string_view key, const toml::node& node, Vector2d& value) const {
     const toml::array* array = node.as_array();
     if (array == nullptr || array->size() != 2) refuse(key, node, "two numbers [x, y]");

@@ -1,6 +1,7 @@
 #include "spatial_fields.h"
 
 #include <orthant/core/lcp/problem.h>
+#include <orthant/core/mechanics/spatial/height_field.h>
 
 #include <algorithm>
 #include <numbers>
@@ -63,8 +64,32 @@ template <class Read> void SpatialReader::each_table(Fields& f, std::string_view
   }
 }
 
+/// A terrain: `heights`, `spacing`, `origin`, `depth`.
+void SpatialReader::height_field(Fields& f, spatial::Collision& c) const {
+  constexpr std::size_t kMostCells = 1000000;
+  spatial::HeightField field;
+  std::vector<std::vector<double>> rows;
+  f.need("heights", rows);
+  const BodyId body = body_of(f);
+  const auto refuse = [&](const char* key, const char* rule) { f.refuse(key, *f.table().get(key), rule); };
+  const std::size_t columns = rows.empty() ? 0 : rows.front().size();
+  const bool even = std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return row.size() == columns; });
+  if (rows.size() < 2 || columns < 2 || !even) refuse("heights", "rows of the same length, at least 2 × 2 numbers");
+  if (rows.size() * columns > kMostCells) refuse("heights", "at most 1e6 numbers");
+  Eigen::Vector2d spacing(1, 1);
+  if (f.maybe("spacing", spacing) && !(spacing.minCoeff() > 0)) refuse("spacing", "two lengths > 0");
+  if (f.maybe("depth", field.depth) && !(field.depth > 0)) refuse("depth", "> 0");
+  f.maybe("origin", field.origin);
+  field.dx = spacing.x(), field.dy = spacing.y();
+  field.heights.resize(static_cast<Index>(rows.size()), static_cast<Index>(columns));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < columns; ++j) field.heights(static_cast<Index>(i), static_cast<Index>(j)) = rows[i][j];
+  for (spatial::Shape& prism : spatial::shapes_of(field, body)) c.shapes.push_back(std::move(prism));
+}
+
 /// A sphere: `radius`, `centre`; a capsule: `radius`, `ends`; a box: `size`, `centre`; a polytope: `corners`.
 void SpatialReader::shape(Fields& f, spatial::Collision& c) const {
+  if (f.table().contains("heights")) return height_field(f, c);
   spatial::Shape s{.body = kGround, .corners = {}};
   s.body = body_of(f);
   Vector3d size(0, 0, 0), centre(0, 0, 0);

@@ -48,6 +48,7 @@ class SpatialReader {
   template <class T> void half_space(Fields& w, T& c) const;
   void rims(Fields& f, const std::string& type, const std::string& name);
   void shape(Fields& f, spatial::Collision& c) const;
+  void height_field(Fields& f, spatial::Collision& c) const;
   void collision(Fields& f);
   void apart(Fields& f, spatial::Collision& c) const;
   template <class Read> void each_table(Fields& f, std::string_view key, Read&& read) const;
