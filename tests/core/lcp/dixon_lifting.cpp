@@ -22,7 +22,7 @@ IntegerTable random_table(testing::Draws& random, std::size_t n, double most) {
 TEST_CASE("Dixon's lifting: M x = r holds in integers, for small and for large entries") {
   testing::Draws random(1);
   for (const double most : {9.0, 1e15})
-    for (const std::size_t n : {1, 2, 7, 30}) {
+    for (const std::size_t n : {1U, 2U, 7U, 30U}) {
       CAPTURE(most);
       CAPTURE(n);
       const IntegerTable M = random_table(random, n, most);
