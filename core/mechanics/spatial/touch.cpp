@@ -157,17 +157,32 @@ using Corners = std::array<Vector3d, kMostHullPoints>;
 
 struct Axis {
   double gap = -kInf;
-  int face = -1;  // of the first hull
+  double covered = -kInf;  // the largest gap along a face that meets covered edges only
+  int face = -1;           // of the first hull
   const Hull::Edge *ours = nullptr, *theirs = nullptr;
   Vector3d n{0, 0, 0};  // outwards from the first hull
 };
 
-/// Whether the direction n, in the frame of `hull`, meets a covered face.
-bool meets_covered(const Hull& hull, const Vector3d& n) {
+/// A plane that comes to the hull along n, in its frame, meets this first.
+enum class First { free, covered_face, covered_edges };
+First first_of(const Hull& hull, const Vector3d& n) {
   constexpr double kOpposite = 1e-6;
-  return hull.any_covered && std::any_of(hull.faces.begin(), hull.faces.end(), [&](const Hull::Face& face) {
-           return face.covered && face.normal.dot(n) < kOpposite - 1;
-         });
+  constexpr double kFirst = 1e-9;  // of the size
+  if (!hull.any_covered) return First::free;
+  for (const Hull::Face& face : hull.faces)
+    if (face.normal.dot(n) < kOpposite - 1) return face.covered ? First::covered_face : First::free;
+  double least = kInf;
+  for (const Vector3d& corner : hull.corners) least = std::min(least, n.dot(corner));
+  const auto first = [&](int i) {
+    return n.dot(hull.corners[static_cast<std::size_t>(i)]) <= least + kFirst * hull.size;
+  };
+  bool corner_is_free = false;
+  for (const Hull::Edge& edge : hull.edges) {
+    const bool from = first(edge.from), to = first(edge.to), free = meets(edge, -n);
+    if (from && to) return free ? First::free : First::covered_edges;
+    corner_is_free = corner_is_free || ((from || to) && free);
+  }
+  return corner_is_free ? First::free : First::covered_edges;
 }
 
 /// The best face of `hull`; of `other` the corners in the same frame, into which R turns its own.
@@ -175,10 +190,16 @@ Axis best_face(const Hull& hull, const Hull& other, const Corners& others, const
   Axis best;
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
     const Hull::Face& face = hull.faces[f];
-    if (face.covered || meets_covered(other, R.transpose() * face.normal)) continue;
+    if (face.covered) continue;
+    const First first = first_of(other, R.transpose() * face.normal);
+    if (first == First::covered_face) continue;
     double least = kInf;
     for (std::size_t i = 0; i < other.corners.size(); ++i) least = std::min(least, face.normal.dot(others[i]));
-    if (least - face.offset > best.gap) best.gap = least - face.offset, best.face = static_cast<int>(f);
+    const double gap = least - face.offset;
+    if (first == First::covered_edges)
+      best.covered = std::max(best.covered, gap);
+    else if (gap > best.gap)
+      best.gap = gap, best.face = static_cast<int>(f);
   }
   return best;
 }
@@ -206,7 +227,7 @@ Axis best_edges(const Hull& a, const Hull& b, const Corners& b_corners, const Ma
       if (!(sine > kParallel * u.norm() * w.norm())) continue;
       n /= n.dot(n_left + n_right) < 0 ? -sine : sine;
       const double gap = n.dot(q - p);
-      if (gap > best.gap) best = {gap, -1, &ours, &theirs, n};
+      if (gap > best.gap) best = {gap, -kInf, -1, &ours, &theirs, n};
     }
   }
   return best;
@@ -282,6 +303,7 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const Axis face_a = best_face(a, b, b_in_a, R), face_b = best_face(b, a, a_in_b, back);
   const Axis edges = best_edges(a, b, b_in_a, R);
   const double faces = std::max(face_a.gap, face_b.gap);
+  if (std::max(face_a.covered, face_b.covered) > std::max(faces, edges.gap)) return points;  // a neighbour is nearer
   if (edges.ours != nullptr && edges.gap > faces + kEdges * size) {
     const Vector3d& p = a.corners[static_cast<std::size_t>(edges.ours->from)];
     const Vector3d u = a.corners[static_cast<std::size_t>(edges.ours->to)] - p;

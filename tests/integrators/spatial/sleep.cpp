@@ -89,7 +89,7 @@ TEST_CASE("a sleeping island in space wakes on a strike and on a load, and never
 
   spatial::Scene pushed = cubes();
   pushed.loads.push_back(
-      {.name = "push", .body = 1, .force = 8 * along, .factor = [](double t) { return std::max(0.0, t - 0.5); }});
+      {.name = "push", .body = 1, .force = 30 * along, .factor = [](double t) { return std::max(0.0, t - 0.5); }});
   check_wakes(pushed);
 
   spatial::Scene belt = cubes();  // under cubes that are held: not at rest
