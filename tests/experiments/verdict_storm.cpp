@@ -12,6 +12,8 @@
 #include <doctest/doctest.h>
 
 #include <ctime>
+#include <map>
+#include <numeric>
 #include <set>
 
 #include "tests/support/sanitized.h"
@@ -163,6 +165,43 @@ TEST_CASE("a share of the storm: no wrong verdict, no crash, nothing late") {
   CHECK(sum[0] > (kSanitized ? 80 : 400));
   CHECK(sum[2] > (kSanitized ? 20 : 100));
   CHECK(storm_tally_from_text(to_text(tally)).rows.size() == tally.rows.size());
+}
+
+TEST_CASE("a few solvers to each problem: every one meets every kind, auto all problems, by the seed alone") {
+  for (const bool discs : {false, true})
+    for (const std::size_t each : {1, 3, 50}) {
+      StormChoice choice;
+      choice.discs = discs, choice.solvers = discs ? disc_solvers() : storm_solvers(), choice.solvers_each = each;
+      for (StormSolver& solver : choice.solvers) solver.every = 1;
+      CAPTURE(discs), CAPTURE(each);
+      const std::size_t kinds = discs ? disc_kinds().size() : storm_kinds().size(), others = choice.solvers.size() - 1;
+      const std::size_t turns = (others + each - 1) / each;
+      std::map<std::pair<std::size_t, std::size_t>, std::size_t> met;  // by kind and solver
+      std::set<std::vector<std::size_t>> hands;
+      for (std::uint64_t k = 3 * turns * kinds; k < 4 * turns * kinds; ++k) {
+        const auto hand = solvers_of(choice, k);
+        CHECK(hand.size() <= 1 + each);
+        CHECK(std::set(hand.begin(), hand.end()).size() == hand.size());
+        for (const std::size_t i : hand) ++met[{k % kinds, i}];
+        hands.insert(hand);
+        CHECK(solvers_of(choice, k) == hand);
+      }
+      CHECK(met.size() == kinds * choice.solvers.size());
+      for (const auto& [key, count] : met) CHECK(count == (choice.solvers[key.second].spec == "auto" ? turns : 1));
+      if (each < 50) CHECK(hands.size() > turns);  // not the same for all kinds
+    }
+}
+
+TEST_CASE("a share of the storm, a few solvers to each problem: no wrong verdict, no crash, nothing late") {
+  StormChoice choice;
+  choice.seed = 11, choice.grace = 30, choice.solvers_each = 2;
+  const std::uint64_t problems = kSanitized ? 44 : 880;
+  const StormTally tally = storm(choice, 0, problems);
+  std::uint64_t by_auto = 0;
+  for (const auto& [key, row] : tally.rows)
+    if (key.second == "auto") by_auto = std::accumulate(row.count.begin(), row.count.end(), by_auto);
+  for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
+  CHECK(by_auto == problems);
 }
 
 TEST_CASE("a share of the storm: numbers from the least to the largest, solvers new for each problem") {

@@ -157,6 +157,12 @@ std::vector<StormSolver> disc_solvers() {
   return all;
 }
 
+namespace {
+std::span<const std::string_view> kinds_of(const StormChoice& choice) {
+  return choice.discs ? disc_kinds() : storm_kinds();
+}
+}  // namespace
+
 StormProblem problem_of(const StormChoice& choice, std::uint64_t k) {
   return choice.discs ? disc_problem(choice.seed, k) : storm_problem(choice.seed, k);
 }
@@ -193,30 +199,48 @@ std::string contradiction(const Lcp& p, const Solution& s, Runner& runner, doubl
 
 }  // namespace
 
+std::vector<std::size_t> solvers_of(const StormChoice& choice, std::uint64_t k) {
+  const std::uint64_t kinds = kinds_of(choice).size(), turn = k / kinds;
+  std::vector<std::size_t> always, dealt;
+  for (std::size_t i = 0; i < choice.solvers.size(); ++i)
+    (choice.solvers_each == 0 || choice.solvers[i].spec == "auto" ? always : dealt).push_back(i);
+  if (!dealt.empty()) {
+    const std::uint64_t turns = (dealt.size() + choice.solvers_each - 1) / choice.solvers_each;  // of a deal
+    Random random((choice.seed * 0x9e3779b97f4a7c15u + turn / turns) * kinds + k % kinds);
+    for (std::size_t i = dealt.size(); i-- > 1;)
+      std::swap(dealt[i], dealt[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
+    const std::size_t begin = turn % turns * choice.solvers_each;
+    for (std::size_t i = begin; i < std::min(begin + choice.solvers_each, dealt.size()); ++i)
+      always.push_back(dealt[i]);
+  }
+  std::erase_if(always, [&](std::size_t i) { return turn % static_cast<std::uint64_t>(choice.solvers[i].every) != 0; });
+  std::ranges::sort(always);
+  return always;
+}
+
 StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count) {
   StormTally tally;
-  std::vector<Runner> runners;
+  std::vector<std::unique_ptr<Runner>> runners(choice.solvers.size());  // made when first needed
   for (std::uint64_t k = first; k < first + count; ++k) {
     const StormProblem p = problem_of(choice, k);
     Verdicts verdicts(p);
-    const auto turn = k / (choice.discs ? disc_kinds() : storm_kinds()).size();
-    if (runners.empty() || turn % 2 == 0) {  // both have faults of their own: solvers that are new, and that were used
-      runners.clear();
-      for (const StormSolver& each : choice.solvers) runners.emplace_back(each.spec);
-    }
+    const auto turn = k / kinds_of(choice).size();
+    if (turn % 2 == 0)  // both have faults of their own: solvers that are new, and that were used
+      for (auto& runner : runners) runner.reset();
     const double limit = turn % kPatient == 0 ? choice.time_limit : std::min(kBrief, choice.time_limit);
-    for (std::size_t i = 0; i < runners.size(); ++i) {
+    for (const std::size_t i : solvers_of(choice, k)) {
       const StormSolver& each = choice.solvers[i];
-      if (turn % static_cast<std::uint64_t>(each.every) != 0 || p.problem.size() > each.largest) continue;
+      if (p.problem.size() > each.largest) continue;
       StormTally::Row& row = tally.rows[{std::string(p.kind), each.spec}];
       std::string why;
       StormResult result = StormResult::crashed;
       try {
-        const double seconds = runners[i].solve(p.problem, limit);
-        result = verdicts.judge(runners[i].solution, seconds, limit + choice.grace, why, row);
+        if (!runners[i]) runners[i] = std::make_unique<Runner>(each.spec);
+        const double seconds = runners[i]->solve(p.problem, limit);
+        result = verdicts.judge(runners[i]->solution, seconds, limit + choice.grace, why, row);
         if (choice.discs && why.empty() && (turn + i) % 8 == 0 && can_be_restated(p.problem)) {
-          const Solution said = runners[i].solution;
-          why = contradiction(p.problem, said, runners[i], limit, k);
+          const Solution said = runners[i]->solution;
+          why = contradiction(p.problem, said, *runners[i], limit, k);
           if (!why.empty()) result = StormResult::wrong;
         }
       } catch (const std::exception& error) {
