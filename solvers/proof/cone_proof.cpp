@@ -17,6 +17,7 @@ constexpr double kLastTheta = 1e12;   // then t is known to 1e-9
 constexpr double kCentred = 0.1;      // Newton decrement, squared, of a centre
 constexpr int kMostSteps = 50;        // to one centre
 constexpr double kClear = 1e-9;       // t that rounding leaves positive
+constexpr double kNear = 1e-6;        // |t| that may be meant to be 0
 
 /// det of a second-order cone's vector, without cancellation; of one row its entry.
 double determinant(const Eigen::Ref<const Eigen::VectorXd>& c) {
@@ -224,7 +225,7 @@ ConeProof::End ConeProof::search(const Lcp& problem, const Budget& budget,
     if (decrement <= kCentred && t + 2 * degree / theta < -kClear) return End::none;
   }
   for (const double share : {1e-5, 1e-3})
-    if (!budget.exhausted() && try_proof(problem, share, proves)) return End::proved;
+    if (t > -kNear && !budget.exhausted() && try_proof(problem, share, proves)) return End::proved;
   return End::open;
 }
 

@@ -173,7 +173,8 @@ TEST_CASE("a few solvers to each problem: every one meets every kind, auto all p
       StormChoice choice;
       choice.discs = discs, choice.solvers = discs ? disc_solvers() : storm_solvers(), choice.solvers_each = each;
       for (StormSolver& solver : choice.solvers) solver.every = 1;
-      CAPTURE(discs), CAPTURE(each);
+      CAPTURE(discs);
+      CAPTURE(each);
       const std::size_t kinds = discs ? disc_kinds().size() : storm_kinds().size(), others = choice.solvers.size() - 1;
       const std::size_t turns = (others + each - 1) / each;
       std::map<std::pair<std::size_t, std::size_t>, std::size_t> met;  // by kind and solver
