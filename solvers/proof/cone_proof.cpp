@@ -99,9 +99,8 @@ void ConeProof::set_cones() {
 }
 
 bool ConeProof::interior(const Eigen::VectorXd& c) const {
-  return std::all_of(cones_.begin(), cones_.end(), [&](const Cone& k) {
-    return c[k.first] > 0 && determinant(c.segment(k.first, k.rows)) > 0;
-  });
+  return std::all_of(cones_.begin(), cones_.end(),
+                     [&](const Cone& k) { return c[k.first] > 0 && determinant(c.segment(k.first, k.rows)) > 0; });
 }
 
 double ConeProof::barrier(const Eigen::VectorXd& c) const {

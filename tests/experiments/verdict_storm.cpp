@@ -205,6 +205,44 @@ TEST_CASE("a share of the storm, a few solvers to each problem: no wrong verdict
   CHECK(by_auto == problems);
 }
 
+TEST_CASE("the certificate handed out is a proof itself; data that contradict each other in the last digits are none") {
+  StormChoice choice;
+  choice.seed = 2026, choice.grace = 30;
+  // almost-singular: the doubles nearest to the exact proof stood for another vector, which is none.
+  // family: a planted solution of singular rows, with b rounded.
+  for (const std::uint64_t k : {10575, 98333, 5738, 41620}) {
+    const StormTally tally = storm(choice, k, 1);
+    for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
+    long proofs = 0;
+    for (const auto& [key, row] : tally.rows) proofs += row.exact + row.rounded;
+    CHECK(proofs > 0);
+  }
+  const Lcp apart = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, -1}, {-1, 1}}), Vector{-1, 1 - 0x1p-50});
+  const Finding finding = examine_proof(apart, Vector{1, 1});
+  CHECK(finding.holds);
+  CHECK(finding.margin == 0x1p-50 / (2 - 0x1p-50));
+}
+
+TEST_CASE("a tally goes through a file with an error that is infinite") {
+  StormTally tally;
+  tally.rows[{"extremes", "admm"}].error = kInf;
+  CHECK(storm_tally_from_text(to_text(tally)).rows.at({"extremes", "admm"}).error > 1e308);
+}
+
+TEST_CASE("infeasible contact problems with discs: auto proves each one, and each proof holds exactly") {
+  const auto solver = make_solver("auto");
+  Solution s;
+  int tried = 0;
+  for (std::uint64_t k = 0; tried < 20; ++k) {
+    const StormProblem p = disc_problem(5, k);
+    if (p.kind != "discs-infeasible") continue;
+    ++tried;
+    CAPTURE(k);
+    CHECK(solver->solve(p.problem, s).status == Status::infeasible);
+    CHECK(examine_proof(p.problem, s.certificate).holds);
+  }
+}
+
 TEST_CASE("a share of the storm: numbers from the least to the largest, solvers new for each problem") {
   StormChoice choice;
   choice.seed = 424242, choice.grace = 30;
