@@ -87,27 +87,41 @@ void Solver::seek_proof(const Lcp& problem, Solution& s) {
   if (s.status != Status::ray && s.status != Status::stalled && s.status != Status::numerical_error && !contested &&
       !(cheap && s.status == Status::iteration_limit))
     return;
-  if (!proof_search_ || proof_sought_ || !(seeks_proof() || contested) || budget_.exhausted()) return;
+  if (seeks_proof() || contested) proves_infeasible(problem, s);
+}
+
+bool Solver::proves_infeasible(const Lcp& problem, Solution& s) {
+  if (!proof_search_ || proof_sought_ || budget_.exhausted()) return false;
   proof_sought_ = true;
   Budget share;  // a quarter of what is left
   share.start(budget_.remaining() / 4, budget_.cancel());
-  if (problem.discs()) {
-    FacetForm form;
-    if (!farkas_.propose(form.linear(problem, 32, {}, true), scratch_, share)) return;
-    form.restore_certificate(problem, scratch_, proof_);
-  } else if (!farkas_.propose(problem, proof_, share)) {
-    return;
-  }
-  const Status before = s.status;
-  const auto proves = [&](const Vector& u) {
-    s.certificate = u;
-    judge_.certify(problem, tolerance(), Claim::stalled, s);
-    if (s.status != Status::infeasible) s.status = before;
-    return s.status == Status::infeasible;
-  };
+  if (problem.discs()) return proves_over_cones(problem, share, s);
+  if (!farkas_.propose(problem, proof_, share)) return false;
   scratch_ = proof_;
-  if (!(in_whole_numbers(scratch_) && proves(scratch_)) && !proves(proof_) && has_few_cells(problem))
-    search_cells(problem, s, share);
+  if (in_whole_numbers(scratch_) && takes_proof(problem, scratch_, s)) return true;
+  if (takes_proof(problem, proof_, s)) return true;
+  if (has_few_cells(problem)) search_cells(problem, s, share);
+  return s.status == Status::infeasible;
+}
+
+/// By a barrier method, which takes the cones as they are; else, where it cannot tell, by pyramids that hold them.
+bool Solver::proves_over_cones(const Lcp& problem, const Budget& share, Solution& s) {
+  if (!cone_proof_) cone_proof_ = std::make_unique<ConeProof>();
+  const auto end = cone_proof_->search(problem, share, [&](const Vector& u) { return takes_proof(problem, u, s); });
+  if (end != ConeProof::End::open) return end == ConeProof::End::proved;
+  FacetForm form;
+  if (!farkas_.propose(form.linear(problem, 32, {}, true), scratch_, share)) return false;
+  form.restore_certificate(problem, scratch_, proof_);
+  scratch_ = proof_;
+  return (in_whole_numbers(scratch_) && takes_proof(problem, scratch_, s)) || takes_proof(problem, proof_, s);
+}
+
+bool Solver::takes_proof(const Lcp& problem, const Vector& u, Solution& s) {
+  const Status before = s.status;
+  s.certificate = u;
+  judge_.certify(problem, tolerance(), Claim::stalled, s);
+  if (s.status != Status::infeasible) s.status = before;
+  return s.status == Status::infeasible;
 }
 
 /// Where the last digits of a ray stand in the way of a proof.

@@ -7,6 +7,7 @@
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/fine_rows.h>
 #include <orthant/solvers/iteration_log.h>
+#include <orthant/solvers/proof/cone_proof.h>
 #include <orthant/solvers/proof/farkas.h>
 
 #include <memory>
@@ -70,6 +71,9 @@ class Solver {
   /// which it would have been.
   bool passes(const Lcp& problem, Solution& s);
   double accepted() const { return accepted_; }
+  /// One search a solve for a proof that there is no solution, where the caller wants one: true when the judge takes
+  /// it; it is in s.certificate or s.cells. solve() makes it after a run that did not.
+  bool proves_infeasible(const Lcp& problem, Solution& s);
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }
@@ -89,6 +93,8 @@ class Solver {
   void judge_fine_rows(const Lcp& problem, double tolerance, Solution& s);
   void take_put(Solution& s);
   void seek_proof(const Lcp& problem, Solution& s);
+  bool proves_over_cones(const Lcp& problem, const Budget& share, Solution& s);
+  bool takes_proof(const Lcp& problem, const Vector& u, Solution& s);
   void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
@@ -105,6 +111,7 @@ class Solver {
   double accepted_ = 0;
   Vector scratch_, proof_, before_;
   Farkas farkas_;
+  std::unique_ptr<ConeProof> cone_proof_;  // made when first needed
   bool proof_search_ = true, proof_sought_ = false;
   Budget budget_;
   double time_limit_ = kInf;

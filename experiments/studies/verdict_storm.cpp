@@ -61,9 +61,9 @@ struct Storm {
     if (count > 1) {
       for (std::uint64_t k = first; k < first + count; ++k) tally.add(corner(k, 1, choice));
     } else if (choice.solvers.size() > 1) {
-      for (const StormSolver& solver : choice.solvers) {
+      for (const std::size_t place : solvers_of(choice, first)) {
         StormChoice one = choice;
-        one.solvers = {solver};
+        one.solvers = {choice.solvers[place]}, one.solvers_each = 0;
         tally.add(corner(first, 1, one));
       }
     } else {
@@ -161,6 +161,7 @@ int run(Arguments a) {
   }
   std::filesystem::create_directories(a.output);
   std::vector<std::string> names;
+  if (a.choice.solvers_each > 0) names.push_back("each=" + std::to_string(a.choice.solvers_each));
   for (const StormSolver& solver : a.choice.solvers) names.push_back(solver.spec);
   Storm storm_of{a, Isolated(a.jobs, a.memory << 20)};
   StormTally all;
@@ -191,6 +192,9 @@ int main(int argc, char** argv) {
   app.add_option("--seed", a.choice.seed, "")->capture_default_str();
   app.add_flag("--discs", a.choice.discs, "contact problems with friction discs (Coulomb's cone in space)");
   app.add_option("--solvers", a.specs, "as in orthant list, with options; default: all");
+  app.add_option("--solvers-each", a.choice.solvers_each, "to each problem auto and so many of them in turn; 0: all")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   app.add_option("--only", a.only, "one problem, by its number")->check(kCount);
   app.add_option("--time-limit", a.choice.time_limit, "of a solve [s]")
       ->check(between(1e-3, 1e6))

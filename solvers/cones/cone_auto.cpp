@@ -149,6 +149,9 @@ void ConeAuto::attempt(Method method) {
       return begin("interior"), follow_interior();
     case prox_again:
       return begin("prox"), advance(60);
+    case proof:
+      begin("proof"), end_ = proved();
+      return note(0, least_, 0);
     case path:
       follow_path(0.5), advance(120);
       return restart();

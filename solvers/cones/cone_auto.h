@@ -8,6 +8,7 @@
 //                 hundred times the end
 //     interior    interior-point from its own start (cone_interior_point.h), while ten iterations lower it tenfold
 //     prox        from the best z so far, 60 outer iterations
+//     proof       a search for a proof that there is no solution (cone_proof.h)
 //     path        Tikhonov's path from 0, then proximal point, 120 outer iterations
 //     restart     proximal point from 100, 300, 900 sweeps, 250 outer iterations, and from other steps along the path:
 //                 which solutions of a redundant problem are met depends on the start
@@ -32,7 +33,7 @@ class ConeAuto final : public ConeSolver {
  private:
   Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return tolerance_; }
-  enum Method { sweeps, splitting, newton, prox, interior, prox_again, path };
+  enum Method { sweeps, splitting, newton, prox, interior, prox_again, proof, path };
 
   template <class Advance> void while_foreseen(int look, int foreseen, int most, const Advance& advance);
   void begin(const char* name);

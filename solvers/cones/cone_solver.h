@@ -25,6 +25,8 @@ class ConeSolver : public Solver {
   /// The end: z solves the problem, or time is over. Fills residual().
   bool finished(const Vector& z);
   bool solved() const { return solved_; }
+  /// Another end: a proof that there is no solution.
+  bool proved() { return proves_infeasible(*problem_, *solution_); }
   double residual() const { return sf_; }  // of the z last given to finished()
   double target() const { return target_; }
 

@@ -12,6 +12,8 @@
 #include <doctest/doctest.h>
 
 #include <ctime>
+#include <map>
+#include <numeric>
 #include <set>
 
 #include "tests/support/sanitized.h"
@@ -163,6 +165,82 @@ TEST_CASE("a share of the storm: no wrong verdict, no crash, nothing late") {
   CHECK(sum[0] > (kSanitized ? 80 : 400));
   CHECK(sum[2] > (kSanitized ? 20 : 100));
   CHECK(storm_tally_from_text(to_text(tally)).rows.size() == tally.rows.size());
+}
+
+TEST_CASE("a few solvers to each problem: every one meets every kind, auto all problems, by the seed alone") {
+  for (const bool discs : {false, true})
+    for (const std::size_t each : {1, 3, 50}) {
+      StormChoice choice;
+      choice.discs = discs, choice.solvers = discs ? disc_solvers() : storm_solvers(), choice.solvers_each = each;
+      for (StormSolver& solver : choice.solvers) solver.every = 1;
+      CAPTURE(discs);
+      CAPTURE(each);
+      const std::size_t kinds = discs ? disc_kinds().size() : storm_kinds().size(), others = choice.solvers.size() - 1;
+      const std::size_t turns = (others + each - 1) / each;
+      std::map<std::pair<std::size_t, std::size_t>, std::size_t> met;  // by kind and solver
+      std::set<std::vector<std::size_t>> hands;
+      for (std::uint64_t k = 3 * turns * kinds; k < 4 * turns * kinds; ++k) {
+        const auto hand = solvers_of(choice, k);
+        CHECK(hand.size() <= 1 + each);
+        CHECK(std::set(hand.begin(), hand.end()).size() == hand.size());
+        for (const std::size_t i : hand) ++met[{k % kinds, i}];
+        hands.insert(hand);
+        CHECK(solvers_of(choice, k) == hand);
+      }
+      CHECK(met.size() == kinds * choice.solvers.size());
+      for (const auto& [key, count] : met) CHECK(count == (choice.solvers[key.second].spec == "auto" ? turns : 1));
+      if (each < 50) CHECK(hands.size() > turns);  // not the same for all kinds
+    }
+}
+
+TEST_CASE("a share of the storm, a few solvers to each problem: no wrong verdict, no crash, nothing late") {
+  StormChoice choice;
+  choice.seed = 11, choice.grace = 30, choice.solvers_each = 2;
+  const std::uint64_t problems = kSanitized ? 44 : 880;
+  const StormTally tally = storm(choice, 0, problems);
+  std::uint64_t by_auto = 0;
+  for (const auto& [key, row] : tally.rows)
+    if (key.second == "auto") by_auto = std::accumulate(row.count.begin(), row.count.end(), by_auto);
+  for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
+  CHECK(by_auto == problems);
+}
+
+TEST_CASE("the certificate handed out is a proof itself; data that contradict each other in the last digits are none") {
+  StormChoice choice;
+  choice.seed = 2026, choice.grace = 30;
+  // almost-singular: the doubles nearest to the exact proof stood for another vector, which is none.
+  // family: a planted solution of singular rows, with b rounded.
+  for (const std::uint64_t k : {10575, 98333, 5738, 41620}) {
+    const StormTally tally = storm(choice, k, 1);
+    for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
+    long proofs = 0;
+    for (const auto& [key, row] : tally.rows) proofs += row.exact + row.rounded;
+    CHECK(proofs > 0);
+  }
+  const Lcp apart = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, -1}, {-1, 1}}), Vector{-1, 1 - 0x1p-50});
+  const Finding finding = examine_proof(apart, Vector{1, 1});
+  CHECK(finding.holds);
+  CHECK(finding.margin == 0x1p-50 / (2 - 0x1p-50));
+}
+
+TEST_CASE("a tally goes through a file with an error that is infinite") {
+  StormTally tally;
+  tally.rows[{"extremes", "admm"}].error = kInf;
+  CHECK(storm_tally_from_text(to_text(tally)).rows.at({"extremes", "admm"}).error > 1e308);
+}
+
+TEST_CASE("infeasible contact problems with discs: auto proves each one, and each proof holds exactly") {
+  const auto solver = make_solver("auto");
+  Solution s;
+  int tried = 0;
+  for (std::uint64_t k = 0; tried < 20; ++k) {
+    const StormProblem p = disc_problem(5, k);
+    if (p.kind != "discs-infeasible") continue;
+    ++tried;
+    CAPTURE(k);
+    CHECK(solver->solve(p.problem, s).status == Status::infeasible);
+    CHECK(examine_proof(p.problem, s.certificate).holds);
+  }
 }
 
 TEST_CASE("a share of the storm: numbers from the least to the largest, solvers new for each problem") {

@@ -17,7 +17,7 @@
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
 //   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
 //               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
-//                 A = −1, b = −1: u = 1.   Where no doubles are such a u, the doubles nearest to one: exact_proof.h.
+//                 A = −1, b = −1: u = 1.   Where no doubles are such a u, doubles near to one: exact_proof.h.
 //               Or all cells searched: cells.h.
 //   The verdicts hold in exact arithmetic: sums with bounds of their rounding, rationals where these leave it open.
 //   Sources: Oettli & Prager, Numer. Math. 6 (1964); Cottle, Pang & Stone, The Linear Complementarity Problem (1992).

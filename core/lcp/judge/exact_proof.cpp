@@ -59,7 +59,7 @@ class ExactProof {
     return false;
   }
 
-  /// Multiples of û, or their nearest doubles.
+  /// u ← the least whole multiple of û, where doubles hold it. Others would stand for another û.
   void put(Vector& u) const {
     Integer scale = 1;
     for (const Rational& x : weights_) scale = lcm(scale, Integer(denominator(x)));
@@ -69,10 +69,9 @@ class ExactProof {
       whole.push_back(numerator(x) * (scale / denominator(x)));
       divisor = gcd(divisor, whole.back());
     }
-    Integer largest = 1;
-    for (Integer& x : whole) x /= divisor, largest = std::max(largest, Integer(abs(x)));
-    const Rational unit(largest <= Integer(1) << 53 ? Integer(1) : Integer(1) << msb(largest));
-    for (std::size_t k = 0; k < rows_.size(); ++k) u[rows_[k]] = exact::nearest(Rational(whole[k]) / unit);
+    for (Integer& x : whole) x /= divisor;
+    if (std::ranges::any_of(whole, [](const Integer& x) { return abs(x) > Integer(1) << 53; })) return;
+    for (std::size_t k = 0; k < rows_.size(); ++k) u[rows_[k]] = static_cast<double>(whole[k]);
   }
 
  private:

@@ -20,7 +20,7 @@
 namespace orthant {
 
 /// True when (1) holds for û = u or the û of (2). u has the signs of its rows and is 0 on boxes and friction rows; A
-/// and b are finite. u becomes a multiple of û where doubles hold it, else the doubles nearest to one. stop() is
+/// and b are finite. u becomes a multiple of û where doubles hold it; else it stays, so that it proves again. stop() is
 /// polled; where it says true: false.
 bool proves_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop = {});
 

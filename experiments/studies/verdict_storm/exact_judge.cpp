@@ -147,6 +147,11 @@ class ProofExam {
     }
     return "g misses its sign";
   }
+  double margin() const {
+    Rational terms(0);
+    for (const auto i : support_) terms += abs(x_[i] * copy_.b[i]);
+    return terms == 0 ? kInf : static_cast<double>(-most() / terms);
+  }
   /// The largest change of an entry of u over the largest entry.
   double change() const {
     Rational largest(0), off(0);
@@ -284,7 +289,9 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
     finding.why = exam.run(all);
     finding.holds = finding.why.empty();
     finding.error = exam.change();
-    if (finding.holds) break;
+    if (!finding.holds) continue;
+    finding.margin = exam.margin();
+    break;
   }
   return finding;
 }

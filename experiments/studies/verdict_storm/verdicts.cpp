@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -22,6 +23,8 @@ namespace {
 
 constexpr Index kEnumerated = 8;      // rows up to which the exact set of solutions is looked up
 constexpr double kTolerance = 1e-10;  // the largest default of all solvers
+// Of |uᵀ||b|: planted solutions satisfy their problem up to rounding of b, and exactly the data may contradict each other.
+constexpr double kConstructed = 1e-13;
 // Hopeless problems end slowly: 85 % of a storm's time went into what comes after the first 5 ms of a solve, a third of
 // the rest into what comes after 2 ms.
 constexpr double kBrief = 0.002;        // [s] a solve at most, but in every
@@ -93,7 +96,7 @@ class Verdicts {
     const Finding& f = look(proofs_, s.certificate, [&] { return examine_proof(p_.problem, s.certificate); });
     if (!f.holds)
       why = f.why;
-    else if (p_.answer && p_.answer != Answer::infeasible)
+    else if (p_.answer && p_.answer != Answer::infeasible && f.margin > kConstructed)
       why = "there is no proof, by construction";
     if (!why.empty()) return StormResult::wrong;
     ++(f.error == 0 ? row.exact : row.rounded);
@@ -157,6 +160,12 @@ std::vector<StormSolver> disc_solvers() {
   return all;
 }
 
+namespace {
+std::span<const std::string_view> kinds_of(const StormChoice& choice) {
+  return choice.discs ? disc_kinds() : storm_kinds();
+}
+}  // namespace
+
 StormProblem problem_of(const StormChoice& choice, std::uint64_t k) {
   return choice.discs ? disc_problem(choice.seed, k) : storm_problem(choice.seed, k);
 }
@@ -193,30 +202,48 @@ std::string contradiction(const Lcp& p, const Solution& s, Runner& runner, doubl
 
 }  // namespace
 
+std::vector<std::size_t> solvers_of(const StormChoice& choice, std::uint64_t k) {
+  const std::uint64_t kinds = kinds_of(choice).size(), turn = k / kinds;
+  std::vector<std::size_t> always, dealt;
+  for (std::size_t i = 0; i < choice.solvers.size(); ++i)
+    (choice.solvers_each == 0 || choice.solvers[i].spec == "auto" ? always : dealt).push_back(i);
+  if (!dealt.empty()) {
+    const std::uint64_t turns = (dealt.size() + choice.solvers_each - 1) / choice.solvers_each;  // of a deal
+    Random random((choice.seed * 0x9e3779b97f4a7c15u + turn / turns) * kinds + k % kinds);
+    for (std::size_t i = dealt.size(); i-- > 1;)
+      std::swap(dealt[i], dealt[static_cast<std::size_t>(random.integer(0, static_cast<int>(i)))]);
+    const std::size_t begin = turn % turns * choice.solvers_each;
+    for (std::size_t i = begin; i < std::min(begin + choice.solvers_each, dealt.size()); ++i)
+      always.push_back(dealt[i]);
+  }
+  std::erase_if(always, [&](std::size_t i) { return turn % static_cast<std::uint64_t>(choice.solvers[i].every) != 0; });
+  std::ranges::sort(always);
+  return always;
+}
+
 StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count) {
   StormTally tally;
-  std::vector<Runner> runners;
+  std::vector<std::unique_ptr<Runner>> runners(choice.solvers.size());  // made when first needed
   for (std::uint64_t k = first; k < first + count; ++k) {
     const StormProblem p = problem_of(choice, k);
     Verdicts verdicts(p);
-    const auto turn = k / (choice.discs ? disc_kinds() : storm_kinds()).size();
-    if (runners.empty() || turn % 2 == 0) {  // both have faults of their own: solvers that are new, and that were used
-      runners.clear();
-      for (const StormSolver& each : choice.solvers) runners.emplace_back(each.spec);
-    }
+    const auto turn = k / kinds_of(choice).size();
+    if (turn % 2 == 0)  // both have faults of their own: solvers that are new, and that were used
+      for (auto& runner : runners) runner.reset();
     const double limit = turn % kPatient == 0 ? choice.time_limit : std::min(kBrief, choice.time_limit);
-    for (std::size_t i = 0; i < runners.size(); ++i) {
+    for (const std::size_t i : solvers_of(choice, k)) {
       const StormSolver& each = choice.solvers[i];
-      if (turn % static_cast<std::uint64_t>(each.every) != 0 || p.problem.size() > each.largest) continue;
+      if (p.problem.size() > each.largest) continue;
       StormTally::Row& row = tally.rows[{std::string(p.kind), each.spec}];
       std::string why;
       StormResult result = StormResult::crashed;
       try {
-        const double seconds = runners[i].solve(p.problem, limit);
-        result = verdicts.judge(runners[i].solution, seconds, limit + choice.grace, why, row);
+        if (!runners[i]) runners[i] = std::make_unique<Runner>(each.spec);
+        const double seconds = runners[i]->solve(p.problem, limit);
+        result = verdicts.judge(runners[i]->solution, seconds, limit + choice.grace, why, row);
         if (choice.discs && why.empty() && (turn + i) % 8 == 0 && can_be_restated(p.problem)) {
-          const Solution said = runners[i].solution;
-          why = contradiction(p.problem, said, runners[i], limit, k);
+          const Solution said = runners[i]->solution;
+          why = contradiction(p.problem, said, *runners[i], limit, k);
           if (!why.empty()) result = StormResult::wrong;
         }
       } catch (const std::exception& error) {
@@ -246,9 +273,10 @@ StormResult storm_one(const Lcp& problem, std::optional<Answer> answer, const st
 }
 
 std::string to_text(const StormTally& tally) {
+  constexpr double kMostError = std::numeric_limits<double>::max();  // JSON has no ∞
   nlohmann::json json = {{"rows", nlohmann::json::array()}, {"faults", nlohmann::json::array()}};
   for (const auto& [key, row] : tally.rows)
-    json["rows"].push_back({key.first, key.second, row.count, row.error, row.exact, row.rounded});
+    json["rows"].push_back({key.first, key.second, row.count, std::min(row.error, kMostError), row.exact, row.rounded});
   for (const StormFault& f : tally.faults) json["faults"].push_back({f.k, f.kind, f.solver, f.what, f.why});
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

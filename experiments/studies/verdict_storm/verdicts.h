@@ -51,11 +51,16 @@ struct StormChoice {
   std::uint64_t seed = 1;
   bool discs = false;  // disc_problems.h instead of problems.h
   std::vector<StormSolver> solvers = storm_solvers();
+  std::size_t solvers_each = 0;  // of them to a problem, and auto; 0: all
   double time_limit = 2;  // [s] of each solve in every 41st turn of all kinds; 0.002 in the others
   double grace = 1;       // [s] past it a solve is late
 };
 
 StormProblem problem_of(const StormChoice& choice, std::uint64_t k);
+
+/// Places in choice.solvers of those that meet problem k. With solvers_each they are dealt by the seed: of ⌈S / N⌉
+/// problems of a kind in a row, S solvers without auto, N to each problem, every one meets one; auto meets all.
+std::vector<std::size_t> solvers_of(const StormChoice& choice, std::uint64_t k);
 
 /// Problems first … first + count − 1. Solvers live through all of them, so what one leaves behind is tried, too. A
 /// crash or an endless loop ends this process: the caller isolates (isolated.h).
