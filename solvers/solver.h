@@ -70,6 +70,8 @@ class Solver {
   /// which it would have been.
   bool passes(const Lcp& problem, Solution& s);
   double accepted() const { return accepted_; }
+  /// run() ends with the s that passes() has just accepted: the judge need not see it again.
+  void keep_passed() { passed_ = true; }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }
@@ -91,6 +93,7 @@ class Solver {
   void seek_proof(const Lcp& problem, Solution& s);
   void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
+  const Solution& solve_checked(const Lcp& problem, Solution& solution, Start start);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
   Solver& with_discs();
   /// Residual below which no further attempt is made. A method that must reach more than is required says so here:
@@ -103,6 +106,7 @@ class Solver {
   AtBounds at_bounds_;
   FineRows fine_rows_;
   double accepted_ = 0;
+  bool passed_ = false;
   bool coarse_ = false;  // of the last z judged, where it is rounded (certify.h)
   Vector scratch_, proof_, before_;
   Farkas farkas_;

@@ -43,12 +43,13 @@ class ConeSplitting {
   SparseCholesky cholesky_;
   RowSparse S_;
   std::vector<int> diagonal_;  // of S_, places
-  std::vector<Entry> N_;
+  std::vector<Entry> N_;       // above the diagonal
+  double skew_ = 0;            // ‖N‖_∞
   bool symmetric_ = false, factorized_ = false;
   double shift_ = 0;  // on the diagonal of S_
   double rho_ = 0.1, primal_ = 0, dual_ = 0;
   int steps_ = 0;
-  Vector x_, y_, lambda_, before_, rhs_;
+  Vector x_, y_, lambda_, before_, rhs_, Nx_;
 };
 
 class ConeAdmm final : public ConeSolver {

@@ -39,7 +39,8 @@ class ConeAuto final : public ConeSolver {
   bool ended(const Vector& z);
   void note(int steps, double merit, double size);
   void keep(const Vector& z);
-  bool sweep(Vector& z);
+  bool sweep(Vector& z, int count);
+  void sweep_first();
   void attempt(Method method);
   void split();
   void take_newton_steps();
@@ -57,6 +58,7 @@ class ConeAuto final : public ConeSolver {
   Vector* z_ = nullptr;  // the best so far
   int* iterations_ = nullptr;
   double least_ = kInf;  // its residual
+  double moved_ = 0;     // change of z in the last sweep
   bool end_ = false;
   Budget share_;  // of the method under way
   const char* name_ = "";
