@@ -1,9 +1,11 @@
 // solvers/cones/cone_auto.h — auto on friction discs: cheap steps, proximal point, interior-point, other starts.
 //
 //   In this order, each from the best z so far; the log names each:
-//     sweeps      block Gauss-Seidel, at most 100, while the rate of the last five promises the end within 40
+//     sweeps      block Gauss-Seidel, at most 100, while the rate of the last five promises the end within 40; the
+//                 residual is found where the change of z promises the end, and after every fifth
 //     splitting   ADMM from z = 0 (cone_admm.h), while the rate of the last ten promises the end within 100
-//     newton      Newton on Alart and Curnier's equations with α = 1e-10, while five steps lower the residual tenfold
+//     newton      Newton on Alart and Curnier's equations with α = 1e-10, while five steps lower the residual tenfold,
+//                 or fewer reach a third of the end
 //     prox        proximal point (proximal.h), while thirty Newton steps lower the residual a hundredfold, or to a
 //                 hundred times the end
 //     interior    interior-point from its own start (cone_interior_point.h), while ten iterations lower it tenfold
