@@ -169,13 +169,14 @@ std::string Solver::refusal(const Lcp& problem) {
   return problem.discs() && !takes_discs() ? with_discs().why_not(problem) : why_not(problem);
 }
 
+/// Of a problem that check() has seen.
 const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start) {
   with_discs();
   discs_->set_time_limit(time_limit_), discs_->set_cancel(cancel_), discs_->set_log(log_);
   discs_->set_proof_search(proof_search_);
   const double limit = time_limit_;
   IterationLog* const log = std::exchange(log_, nullptr);  // a pyramid's own iterations are another matter
-  discs_->solve(problem, s, start);
+  discs_->solve_checked(problem, s, start);
   time_limit_ = limit, log_ = log;
   return s;
 }
@@ -183,6 +184,10 @@ const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start
 const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   check(problem);
   if (problem.discs() && !takes_discs()) return solve_discs(problem, s, start);
+  return solve_checked(problem, s, start);
+}
+
+const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start start) {
   const Index n = problem.size();
   s.status = Status::not_run;
   s.residual = kInf;
@@ -218,9 +223,10 @@ const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   begin();
   proof_sought_ = false;
   const FactorizationCount before = factorization_count();
+  passed_ = false;
   Claim claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
-  judge(problem, goal_residual, claim, s);
+  if (!passed_) judge(problem, goal_residual, claim, s);
   if (s.status == Status::ray) take_ray_in_whole_numbers(problem, s);
   if (unsettled(s)) seek_proof(problem, s);
   best_.residual = kInf, best_.status = Status::not_run;

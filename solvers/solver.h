@@ -74,6 +74,8 @@ class Solver {
   /// One search a solve for a proof that there is no solution, where the caller wants one: true when the judge takes
   /// it; it is in s.certificate or s.cells. solve() makes it after a run that did not.
   bool proves_infeasible(const Lcp& problem, Solution& s);
+  /// run() ends with the s that passes() has just accepted: the judge need not see it again.
+  void keep_passed() { passed_ = true; }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }
@@ -97,6 +99,7 @@ class Solver {
   bool takes_proof(const Lcp& problem, const Vector& u, Solution& s);
   void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
+  const Solution& solve_checked(const Lcp& problem, Solution& solution, Start start);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
   Solver& with_discs();
   /// Residual below which no further attempt is made. A method that must reach more than is required says so here:
@@ -109,6 +112,7 @@ class Solver {
   AtBounds at_bounds_;
   FineRows fine_rows_;
   double accepted_ = 0;
+  bool passed_ = false;
   Vector scratch_, proof_, before_;
   Farkas farkas_;
   std::unique_ptr<ConeProof> cone_proof_;  // made when first needed

@@ -8,8 +8,9 @@ namespace orthant {
 namespace {
 
 constexpr double kSplittingEta = 1e-8;
-constexpr int kSplittingLook = 20;       // iterations between two looks at ρ
-constexpr double kSplittingSkew = 0.02;  // ‖N‖_∞ up to which N x may lag: ρ starts at 0.1
+constexpr int kSplittingLook = 20;            // iterations between two looks at ρ
+constexpr double kSplittingSkew = 0.02;       // ‖N‖_∞ up to which N x may lag: ρ starts at 0.1
+constexpr double kSplittingRounding = 1e-10;  // up to which it may lag by kSplittingLook iterations
 
 }  // namespace
 
@@ -20,7 +21,7 @@ void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
   const Index n = form.size();
   S_.rows = S_.cols = n;
   S_.start.assign(1, 0), S_.column.clear(), S_.value.clear();
-  N_.clear(), diagonal_.clear();
+  N_.clear(), diagonal_.clear(), skew_ = 0;
   for (int i = 0; i < n && symmetric_; ++i) {
     const auto begin = A.column.begin() + A.start[at(i)], end = A.column.begin() + A.start[at(i) + 1];
     double skew = 0;
@@ -36,12 +37,14 @@ void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
         symmetric_ = place != last && *place == i;
         if (!symmetric_) break;
         mean = 0.5 * (value + A.value[at(place - A.column.begin())]);
-        if (value != mean) N_.push_back({i, *j, value - mean}), skew += std::abs(value - mean);
+        if (value != mean) skew += std::abs(value - mean);
+        if (value != mean && *j > i) N_.push_back({i, *j, value - mean});
       }
       S_.column.push_back(*j), S_.value.push_back(mean);
     }
     S_.start.push_back(static_cast<int>(S_.value.size()));
     symmetric_ = symmetric_ && skew <= kSplittingSkew;
+    skew_ = std::max(skew_, skew);
   }
   if (!symmetric_) load_system();
 }
@@ -83,7 +86,13 @@ bool ConeSplitting::factorize() {
 bool ConeSplitting::solve() {
   if (!factorized_ && !factorize()) return false;
   if (symmetric_) {
-    for (const auto& [i, j, value] : N_) rhs_[i] -= value * x_[j];
+    if (!N_.empty()) {
+      if (skew_ > kSplittingRounding || steps_ % kSplittingLook == 0) {
+        Nx_.resize(x_.size()), Nx_.setZero();
+        for (const auto& [i, j, value] : N_) Nx_[i] += value * x_[j], Nx_[j] -= value * x_[i];
+      }
+      rhs_ -= Nx_;
+    }
     x_ = rhs_;
     return cholesky_.solve(x_);
   }
@@ -114,7 +123,7 @@ bool ConeSplitting::step(bool adapt) {
   lambda_ += rho_ * (y_ - x_);
   primal_ = std::max(primal_, (x_ - y_).norm()), dual_ = std::max(dual_, rho_ * (y_ - before_).norm());
   if (!std::isfinite(primal_ + dual_)) return false;
-  if (adapt && ++steps_ % kSplittingLook == 0) {
+  if (++steps_ % kSplittingLook == 0 && adapt) {
     const double ratio = primal_ * rho_ / dual_;  // both in units of w
     if (ratio > 10 || ratio < 0.1) {
       rho_ = std::clamp(rho_ * std::clamp(std::sqrt(ratio), 0.2, 5.0), 1e-6, 1e6);

@@ -4,8 +4,8 @@
 //     s = e_n Σ μ_j ‖λ_{T_j}‖  (λ tends to û: −q − A x − s + λ = 0)
 //   in scaled numbers, η = 1e-8. One factorization a penalty ρ. A = S + N, S symmetric: where ‖N‖_∞ ≤ 0.02, S is
 //   factorized (CHOLMOD) and N x taken from the last iteration, a third to a tenth of the time of an LU factorization;
-//   else LU (cone_system.h). ρ is multiplied or divided where the residuals ‖x − y‖, ρ ‖y − y_old‖ differ by more than
-//   ten; looked at every 20 iterations.
+//   else LU (cone_system.h). Where N is rounding only (1e-10), N x is found every 20 iterations. ρ is multiplied or
+//   divided where the residuals ‖x − y‖, ρ ‖y − y_old‖ differ by more than ten; looked at every 20 iterations.
 //   Converges for μ = 0 and A symmetric semidefinite; in practice mostly, to moderate accuracy. A may be unsymmetric.
 //   Source: Carpentier, Le Lidec & Montaut, From compliant to rigid contact simulation (2024); Boyd et al. (2011).
 #pragma once
@@ -43,12 +43,13 @@ class ConeSplitting {
   SparseCholesky cholesky_;
   RowSparse S_;
   std::vector<int> diagonal_;  // of S_, places
-  std::vector<Entry> N_;
+  std::vector<Entry> N_;       // above the diagonal
+  double skew_ = 0;            // ‖N‖_∞
   bool symmetric_ = false, factorized_ = false;
   double shift_ = 0;  // on the diagonal of S_
   double rho_ = 0.1, primal_ = 0, dual_ = 0;
   int steps_ = 0;
-  Vector x_, y_, lambda_, before_, rhs_;
+  Vector x_, y_, lambda_, before_, rhs_, Nx_;
 };
 
 class ConeAdmm final : public ConeSolver {

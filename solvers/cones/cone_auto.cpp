@@ -8,8 +8,11 @@ namespace {
 
 // Iterations foreseen up to which a cheap step goes on: a Newton step costs as much as 10 to 40 of them.
 constexpr int kForeseenSweeps = 40, kForeseenSplittings = 100;
+constexpr int kLook = 5;                // sweeps between two looks at the rate
+constexpr double kNear = 3;             // of the end, a foreseen residual that is worth a look
 constexpr double kFirstPenalty = 0.1;   // ρ
 constexpr double kNewtonAlpha = 1e-10;  // α: the problem itself, but for a singular matrix
+constexpr double kNewtonEnd = 0.3;      // of the end, ‖F‖ at which they are enough
 constexpr int kNewtonSteps = 5;         // after which the residual is to be a tenth
 constexpr int kInteriorSteps = 10;      // likewise
 constexpr int kProximalSteps = 30;  // Newton steps, after which the residual is to be kProximalFall, or near the end
@@ -46,9 +49,15 @@ void ConeAuto::keep(const Vector& z) {
   if (residual() < least_) least_ = residual(), *z_ = z;
 }
 
-bool ConeAuto::sweep(Vector& z) {
+/// Sweep number `count` of a run. The residual costs as much as a sweep: it is found after the first, after every
+/// kLook, and where the changes of z promise the end.
+bool ConeAuto::sweep(Vector& z, int count) {
   ++*iterations_;
-  return point_.sweeps().sweep(z) > 0 && !ended(z);
+  const double moved = point_.sweeps().sweep(z), foreseen = moved * (moved / moved_);
+  moved_ = moved;
+  if (moved == 0) return ended(z), false;
+  const bool look = count == 1 || count % kLook == 0 || foreseen <= kNear * target() * form().norm_q;
+  return !(look && ended(z));
 }
 
 void ConeAuto::split() {
@@ -69,7 +78,9 @@ void ConeAuto::take_newton_steps() {
   trial_ = *z_;
   for (double mark = kInf; least_ < 0.1 * mark && !share_.exhausted();) {
     mark = least_, centre_ = trial_;
-    const auto out = point_.newton().solve({.alpha = kNewtonAlpha, .max_steps = kNewtonSteps}, centre_, trial_);
+    const auto out = point_.newton().solve(
+        {.alpha = kNewtonAlpha, .tolerance = kNewtonEnd * target() * form().norm_q, .max_steps = kNewtonSteps}, centre_,
+        trial_);
     const bool over = ended(trial_);
     note(out.steps, residual(), kNewtonAlpha);
     if (over) return;
@@ -124,21 +135,27 @@ void ConeAuto::follow_path(double ratio) {
 void ConeAuto::restart() {
   for (int count = 100; count <= 900 && !end_ && !budget().exhausted(); count *= 3) {
     begin("restart"), z_->setZero(), point_.restart();
-    for (int k = 0; k < count && sweep(*z_); ++k) {
+    for (int k = 1; k <= count && sweep(*z_, k); ++k) {
     }
+    if (!end_) ended(*z_);
     note(0, residual(), 0);
     advance(250);
     if (!end_) follow_path(count == 100 ? 0.3 : 0.7), advance(120);
   }
 }
 
+void ConeAuto::sweep_first() {
+  begin("sweeps");
+  int count = 0;
+  while_foreseen(kLook, kForeseenSweeps, 100, [&] { return sweep(*z_, ++count); });
+  least_ = residual();
+  note(0, least_, 0);
+}
+
 void ConeAuto::attempt(Method method) {
   switch (method) {
     case sweeps:
-      begin("sweeps");
-      while_foreseen(5, kForeseenSweeps, 100, [&] { return sweep(*z_); });
-      least_ = residual();
-      return note(0, least_, 0);
+      return sweep_first();
     case splitting:
       return begin("splitting"), split();
     case newton:

@@ -1,9 +1,11 @@
 // solvers/cones/cone_auto.h — auto on friction discs: cheap steps, proximal point, interior-point, other starts.
 //
 //   In this order, each from the best z so far; the log names each:
-//     sweeps      block Gauss-Seidel, at most 100, while the rate of the last five promises the end within 40
+//     sweeps      block Gauss-Seidel, at most 100, while the rate of the last five promises the end within 40; the
+//                 residual is found where the change of z promises the end, and after every fifth
 //     splitting   ADMM from z = 0 (cone_admm.h), while the rate of the last ten promises the end within 100
-//     newton      Newton on Alart and Curnier's equations with α = 1e-10, while five steps lower the residual tenfold
+//     newton      Newton on Alart and Curnier's equations with α = 1e-10, while five steps lower the residual tenfold,
+//                 or fewer reach a third of the end
 //     prox        proximal point (proximal.h), while thirty Newton steps lower the residual a hundredfold, or to a
 //                 hundred times the end
 //     interior    interior-point from its own start (cone_interior_point.h), while ten iterations lower it tenfold
@@ -40,7 +42,8 @@ class ConeAuto final : public ConeSolver {
   bool ended(const Vector& z);
   void note(int steps, double merit, double size);
   void keep(const Vector& z);
-  bool sweep(Vector& z);
+  bool sweep(Vector& z, int count);
+  void sweep_first();
   void attempt(Method method);
   void split();
   void take_newton_steps();
@@ -58,6 +61,7 @@ class ConeAuto final : public ConeSolver {
   Vector* z_ = nullptr;  // the best so far
   int* iterations_ = nullptr;
   double least_ = kInf;  // its residual
+  double moved_ = 0;     // change of z in the last sweep
   bool end_ = false;
   Budget share_;  // of the method under way
   const char* name_ = "";

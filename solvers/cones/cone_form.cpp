@@ -11,29 +11,34 @@ bool ConeForm::load(const Lcp& p) {
   all_.scale(p.A, d_);
   all_.apply(d_);
   row_.clear(), of_.clear();
-  std::vector<int> place(at(n));
+  place_.resize(at(n));
+  bool in_order = true;
   for (int c = 0; c < all_.size(); ++c)
-    for (const int row : all_.rows(all_[c]))
-      place[at(row)] = static_cast<int>(row_.size()), row_.push_back(row), of_.push_back(c);
-  RowSparse formed;
-  const RowSparse* const rows = rows_of(p.A, formed, kFormed);
+    for (const int row : all_.rows(all_[c])) {
+      in_order = in_order && row == static_cast<int>(row_.size());
+      place_[at(row)] = static_cast<int>(row_.size()), row_.push_back(row), of_.push_back(c);
+    }
+  const RowSparse* const rows = rows_of(p.A, formed_, kFormed);
   if (rows == nullptr) return false;
   A.rows = A.cols = n;
   A.start.assign(1, 0), A.column.clear(), A.value.clear();
-  q.resize(n);
-  std::vector<std::pair<int, double>> line;
+  A.column.reserve(rows->column.size()), A.value.reserve(rows->value.size());
+  q.resize(n), diagonal.resize(n);
   for (Index i = 0; i < n; ++i) {
-    const auto row = at(row_[at(i)]);
-    const double d = d_[row_[at(i)]];
-    line.clear();
-    for (std::size_t k = at(rows->start[row]); k < at(rows->start[row + 1]); ++k)
-      line.emplace_back(place[at(rows->column[k])], d * rows->value[k] * d_[rows->column[k]]);
-    std::sort(line.begin(), line.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [column, value] : line) A.column.push_back(column), A.value.push_back(value);
+    const Index row = row_[at(i)];
+    const double d = d_[row];
+    line_.clear();
+    rows->for_each_in_row(row, [&](Index j, double value) { line_.emplace_back(place_[at(j)], d * value * d_[j]); });
+    if (!in_order)
+      std::sort(line_.begin(), line_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    diagonal[i] = 0;
+    for (const auto& [column, value] : line_) {
+      A.column.push_back(column), A.value.push_back(value);
+      if (column == static_cast<int>(i)) diagonal[i] = value;
+    }
     A.start.push_back(static_cast<int>(A.value.size()));
-    q[i] = d * p.b[row_[at(i)]];
+    q[i] = d * p.b[row];
   }
-  orthant::diagonal(Matrix(A), diagonal);
   norm_q = q.norm();
   return true;
 }

@@ -8,6 +8,7 @@
 
 #include <orthant/core/lcp/cones/contact.h>
 
+#include <utility>
 #include <vector>
 
 namespace orthant {
@@ -42,7 +43,11 @@ class ConeForm {
  private:
   cones::Blocks all_;
   std::vector<int> row_, of_;  // of the problem, per row here; the block
-  Vector d_;                   // per row here
+  Vector d_;                   // per row of the problem
+  // Scratch: per row of the problem, its row here; an operator's entries; a row.
+  std::vector<int> place_;
+  RowSparse formed_;
+  std::vector<std::pair<int, double>> line_;
 };
 
 }  // namespace orthant

@@ -7,7 +7,8 @@
 namespace orthant {
 
 std::string ConeSolver::why_not(const Lcp& p) const {
-  std::vector<int> rows(at(p.size()), 1);
+  static thread_local std::vector<int> rows;
+  rows.assign(at(p.size()), 1);
   for (const Friction& f : p.friction)
     if ((rows[at(f.normal)] += static_cast<int>(f.rows)) > cones::kMostRows)
       return "row " + std::to_string(f.normal) + " bears more than " + std::to_string(cones::kMostRows - 1) +
@@ -46,7 +47,7 @@ Claim ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
   target_ = 0.5 * tolerance();
   Claim status = finished(z_) && solved_ ? Claim::candidate : iterate(z_, s.iterations);
   if (!solved_) form_.from_scaled(best_, s.z);
-  if (solved_) status = Claim::candidate;
+  if (solved_) keep_passed(), status = Claim::candidate;
   return status;
 }
 

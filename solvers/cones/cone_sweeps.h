@@ -7,6 +7,7 @@
 #pragma once
 
 #include <orthant/solvers/cones/cone_form.h>
+#include <orthant/solvers/cones/contact_solve.h>
 
 namespace orthant {
 
@@ -18,9 +19,18 @@ class ConeSweeps {
   double sweep(Vector& z, double omega = 1, bool backward = false);
 
  private:
+  void load_others(const cones::Block& block);
+  void find_data(int c, const Vector& z, double* q) const;
+
   const ConeForm* form_ = nullptr;
-  std::vector<double> own_;  // A_cc by columns, one after another
-  std::vector<int> place_;
+  std::vector<double> own_;           // A_cc by columns, one after another
+  std::vector<int> place_;            // per block, its own_
+  std::vector<DiscContact> contact_;  // per block
+  // Per block, the other columns that it has entries in: start, column, and as many values as the block has rows.
+  std::vector<int> start_, column_;
+  std::vector<std::size_t> values_;  // per block, where its values begin
+  std::vector<double> value_;
+  std::vector<std::size_t> next_;  // scratch: per row of a block, its next entry
 };
 
 }  // namespace orthant

@@ -127,54 +127,73 @@ void contact_fixed_point(ContactSearch& s, double rho) {
   }
 }
 
-/// A normal row with one disc, in closed form but for the direction of sliding: Newton on (1) from the direction of the
-/// z given, along the circle's tangent. False where that ends nowhere: z is as it was.
-bool solve_disc(double mu, const double* A, const double* q, double* z) {
-  if (q[0] >= 0) {
-    z[0] = z[1] = z[2] = 0;
-    return true;
-  }
+}  // namespace
+
+void DiscContact::prepare(const Blocks& blocks, const Block& b, const double* A) {
+  disc_ = b.rows == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf && A[0] > 0;
+  if (!disc_) return;
+  A_ = A, mu_ = blocks.parts(b)[0].mu;
   const Eigen::Map<const Eigen::Matrix3d> M(A);
-  const Eigen::Vector3d cross = M.col(1).cross(M.col(2)), given(q[0], q[1], q[2]);
-  const double determinant = M.col(0).dot(cross), size = M(0, 0) * M(1, 1) * M(2, 2);
-  if (determinant > 1e-10 * size) {
-    const Eigen::Vector3d stick(-given.dot(cross) / determinant, -given.dot(M.col(2).cross(M.col(0))) / determinant,
-                                -given.dot(M.col(0).cross(M.col(1))) / determinant);
-    if (stick[0] >= 0 && stick[1] * stick[1] + stick[2] * stick[2] <= mu * mu * stick[0] * stick[0]) {
-      z[0] = stick[0], z[1] = stick[1], z[2] = stick[2];
+  const Eigen::Vector3d first = M.col(1).cross(M.col(2));
+  const double determinant = M.col(0).dot(first);
+  regular_ = determinant > 1e-10 * (M(0, 0) * M(1, 1) * M(2, 2));
+  if (!regular_) return;
+  Eigen::Map<Eigen::Matrix3d> columns(inverse_.data());
+  columns << first, M.col(2).cross(M.col(0)), M.col(0).cross(M.col(1));
+  columns /= determinant;
+}
+
+/// A contact that is not open: stick, else the direction of sliding.
+bool DiscContact::load(const double* q, double* z) const {
+  if (regular_) {
+    const double* const R = inverse_.data();
+    const double n = -(R[0] * q[0] + R[1] * q[1] + R[2] * q[2]), t1 = -(R[3] * q[0] + R[4] * q[1] + R[5] * q[2]),
+                 t2 = -(R[6] * q[0] + R[7] * q[1] + R[8] * q[2]);
+    if (n >= 0 && t1 * t1 + t2 * t2 <= mu_ * mu_ * n * n) {
+      z[0] = n, z[1] = t1, z[2] = t2;
       return true;
     }
   }
-  double c = z[1], s = z[2], length = std::sqrt(c * c + s * s);
-  if (!(length > 0)) c = -q[1], s = -q[2], length = std::sqrt(c * c + s * s);
-  if (!(length > 0)) c = 1, s = 0, length = 1;
+  double c = z[1], s = z[2], square = c * c + s * s;
+  if (!(square > 0)) c = -q[1], s = -q[2], square = c * c + s * s;
+  if (!(square > 0)) c = 1, s = 0, square = 1;
+  const double length = std::sqrt(square);
   c /= length, s /= length;
-  const double enough = kContactRounding * given.norm();
-  for (int step = 0; step < 12; ++step) {
-    const double arm = mu * (M(0, 1) * c + M(0, 2) * s), total = M(0, 0) + arm;
-    if (!(total > 1e-10 * M(0, 0))) return false;
-    const double normal = -q[0] / total;
-    const double t1 = M(1, 0) + mu * (M(1, 1) * c + M(1, 2) * s), t2 = M(2, 0) + mu * (M(2, 1) * c + M(2, 2) * s);
-    const double w1 = q[1] + normal * t1, w2 = q[2] + normal * t2;
-    const double f = c * w2 - s * w1, along = c * w1 + s * w2;
-    if (std::abs(f) <= enough) {
-      if (!(along <= 0)) return false;
-      z[0] = normal, z[1] = mu * normal * c, z[2] = mu * normal * s;
-      return true;
-    }
-    const double change = -normal * mu * (M(0, 2) * c - M(0, 1) * s) / total;
-    const double e1 = M(1, 2) * c - M(1, 1) * s, e2 = M(2, 2) * c - M(2, 1) * s;
-    const double slope = -along + c * (change * t2 + normal * mu * e2) - s * (change * t1 + normal * mu * e1);
-    const double turn = std::clamp(-f / slope, -1.0, 1.0);
-    if (!std::isfinite(turn)) return false;
-    const double next_c = c - turn * s, next_s = s + turn * c;
-    length = std::sqrt(next_c * next_c + next_s * next_s);
-    c = next_c / length, s = next_s / length;
+  if (slide(q, c, s, z)) return true;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = std::atan2(-q[2], -q[1]) + k * M_PI / 4;
+    if (slide(q, std::cos(angle), std::sin(angle), z)) return true;
   }
   return false;
 }
 
-}  // namespace
+/// Newton on (1) from the direction (c, s), along the circle's tangent.
+bool DiscContact::slide(const double* q, double c, double s, double* z) const {
+  const double* const A = A_;
+  const double mu = mu_, q_size = std::abs(q[1]) + std::abs(q[2]);
+  for (int step = 0; step < 12; ++step) {
+    const double total = A[0] + mu * (A[3] * c + A[6] * s);
+    if (!(total > 1e-10 * A[0])) return false;
+    const double normal = -q[0] / total;
+    const double a1 = A[4] * c + A[7] * s, a2 = A[5] * c + A[8] * s;
+    const double t1 = A[1] + mu * a1, t2 = A[2] + mu * a2;
+    const double w1 = q[1] + normal * t1, w2 = q[2] + normal * t2;
+    const double f = c * w2 - s * w1, along = c * w1 + s * w2;
+    if (std::abs(f) <= kContactRounding * (q_size + normal * (std::abs(t1) + std::abs(t2)))) {
+      if (!(along <= 0)) return false;
+      z[0] = normal, z[1] = mu * normal * c, z[2] = mu * normal * s;
+      return true;
+    }
+    const double change = -normal * mu * (A[6] * c - A[3] * s) / total;
+    const double e1 = A[7] * c - A[4] * s, e2 = A[8] * c - A[5] * s;
+    const double slope = -along + c * (change * t2 + normal * mu * e2) - s * (change * t1 + normal * mu * e1);
+    const double turn = std::clamp(-f / slope, -1.0, 1.0);
+    if (!std::isfinite(turn)) return false;
+    const double next_c = c - turn * s, next_s = s + turn * c, longer = 1 / std::sqrt(1 + turn * turn);
+    c = next_c * longer, s = next_s * longer;
+  }
+  return false;
+}
 
 double solve_contact(const Blocks& blocks, const Block& b, const double* A, const double* q, double* z) {
   const int m = b.rows;
@@ -184,7 +203,9 @@ double solve_contact(const Blocks& blocks, const Block& b, const double* A, cons
     const double now = A[0] * z[0] + q[0];
     return blocks.residual(b, z, &now);
   }
-  if (m == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf && A[0] > 0 && solve_disc(blocks.parts(b)[0].mu, A, q, z)) {
+  DiscContact disc;
+  disc.prepare(blocks, b, A);
+  if (disc.solve(q, z)) {
     const std::array<double, 3> w{A[0] * z[0] + A[3] * z[1] + A[6] * z[2] + q[0],
                                   A[1] * z[0] + A[4] * z[1] + A[7] * z[2] + q[1],
                                   A[2] * z[0] + A[5] * z[1] + A[8] * z[2] + q[2]};

@@ -1,6 +1,7 @@
 // solvers/cones/proximal.h — proximal point method on contacts with friction discs, semismooth Newton inside.
 //
-//   Outer iteration k: z_{k+1} solves the problem with A + α I and q − α z_k (cone_newton.h), to 1e-3 of the residual.
+//   Outer iteration k: z_{k+1} solves the problem with A + α I and q − α z_k (cone_newton.h), to a tenth of the residual:
+//   what α leaves is mostly more.
 //   α from 0.1; a tenth after at most 10 Newton steps, a third after more, five times after a failure; every second
 //   failure adds 50 block sweeps. The first z comes from block sweeps.
 //   A slow outer step (residual above 0.3 of the last) is prolonged along itself, twice as far each time, while the
@@ -92,10 +93,11 @@ void ProximalPoint::follow_path(Vector& z, double ratio, const Finished& finishe
 
 template <class Finished, class Log>
 void ProximalPoint::iterate(Vector& z, int most, const Finished& finished, const Log& log, int steps) {
+  constexpr double kInner = 0.1;  // of the residual: what an outer step reaches
   double now = residual(z), alpha = alpha_;
   int failures = 0;
   for (int k = 0; k < most; ++k) {
-    const double tolerance = std::max(1e-15, 1e-3 * now) * form_->norm_q;
+    const double tolerance = std::max(1e-15, kInner * now) * form_->norm_q;
     y_ = z;
     const auto out = newton_.solve({.alpha = alpha, .tolerance = tolerance, .max_steps = steps}, z, y_);
     double next = residual(y_);

@@ -3,6 +3,7 @@
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/disc_contacts.h>
+#include <orthant/solvers/cones/cone_sweeps.h>
 #include <orthant/solvers/cones/contact_solve.h>
 #include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/registry.h>
@@ -290,6 +291,53 @@ TEST_CASE("cones: one disc opens, sticks or slides at once: what the closed form
     Eigen::Vector3d z(random.uniform(), random.normal(), random.normal());  // a start as of the last sweep
     solve_contact(blocks, blocks[0], A.data(), p.b.data(), z.data());
     CHECK(independent_scale_free(p, Vector(z)) <= 1e-9);
+  }
+}
+
+TEST_CASE("cones: one sliding disc is found from any direction, with few exceptions") {
+  Random random(82);
+  int missed = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    Eigen::Matrix3d B;
+    for (double& value : B.reshaped()) value = random.normal();
+    const Eigen::Matrix3d A = B * B.transpose() + 0.1 * Eigen::Matrix3d::Identity();
+    Lcp p = point_mass(1, random.uniform(0, 2), Eigen::Vector3d(-random.uniform(), random.normal(), random.normal()));
+    cones::Blocks blocks;
+    blocks.load(p);
+    DiscContact contact;
+    contact.prepare(blocks, blocks[0], A.data());
+    const double away = 1e-3 * random.uniform();
+    Eigen::Vector3d z(1, p.b[1] + away, p.b[2]);  // along the slip
+    missed += !contact.solve(p.b.data(), z.data());
+  }
+  CHECK(missed <= 3);
+}
+
+TEST_CASE("cones: a sweep solves each block with the others held: blocks of one, three and five rows") {
+  Random random(83);
+  for (const bool rolling : {false, true}) {
+    CAPTURE(rolling);
+    Lcp p = disc_contacts({.contacts = 6, .freedoms = 40, .rolling = rolling}, random).problem;
+    p.friction.pop_back();  // of the last contact: single rows as well
+    if (rolling) p.friction.pop_back();
+    ConeForm form;
+    REQUIRE(form.load(p));
+    ConeSweeps sweeps;
+    sweeps.load(form);
+    const DenseMatrix A(Eigen::MatrixXd(form.A.view()));
+    Vector z(Eigen::VectorXd::Zero(form.size())), expected = z;
+    for (const bool backward : {false, true, false}) {
+      for (int k = 0; k < form.blocks(); ++k) {
+        const int c = backward ? form.blocks() - 1 - k : k, m = form.block(c).rows, i = form.begin(c);
+        const Eigen::MatrixXd own = A.block(i, i, m, m);
+        const Eigen::VectorXd q = form.q.segment(i, m) + A.middleRows(i, m) * expected - own * expected.segment(i, m);
+        Eigen::VectorXd of_block = expected.segment(i, m);
+        solve_contact(form.all(), form.block(c), own.data(), q.data(), of_block.data());
+        expected.segment(i, m) = of_block;
+      }
+      sweeps.sweep(z, 1, backward);
+      CHECK((z - expected).norm() <= 1e-9 * (1 + expected.norm()));
+    }
   }
 }
 

@@ -16,25 +16,25 @@ double slip_length(const double* t, int rows) {
 
 void Blocks::load(const Lcp& p) {
   const Index n = p.size();
-  std::vector<int> head(at(n) + 1, 0), entry(p.friction.size());  // friction entries by normal
-  std::vector<char> taken(at(n), 0);
+  head_.assign(at(n) + 1, 0), entry_.resize(p.friction.size());  // friction entries by normal
+  taken_.assign(at(n), 0);
   for (const Friction& f : p.friction) {
-    ++head[at(f.normal) + 1];
-    for (Index r = 0; r < f.rows; ++r) taken[at(f.first + r)] = 1;
+    ++head_[at(f.normal) + 1];
+    for (Index r = 0; r < f.rows; ++r) taken_[at(f.first + r)] = 1;
   }
-  for (std::size_t i = 1; i < head.size(); ++i) head[i] += head[i - 1];
-  std::vector<int> place(head.begin(), head.end() - 1);
+  for (std::size_t i = 1; i < head_.size(); ++i) head_[i] += head_[i - 1];
+  place_.assign(head_.begin(), head_.end() - 1);
   for (std::size_t k = 0; k < p.friction.size(); ++k)
-    entry[at(place[at(p.friction[k].normal)]++)] = static_cast<int>(k);
+    entry_[at(place_[at(p.friction[k].normal)]++)] = static_cast<int>(k);
   blocks_.clear(), parts_.clear(), row_.clear();
   most_rows_ = 0;
   for (Index i = 0; i < n; ++i) {
-    if (taken[at(i)]) continue;
+    if (taken_[at(i)]) continue;
     Block b{.start = static_cast<int>(row_.size()), .parts_start = static_cast<int>(parts_.size())};
     b.lo = p.lo[i], b.hi = p.hi[i];
     row_.push_back(static_cast<int>(i));
-    for (int e = head[at(i)]; e < head[at(i) + 1]; ++e) {
-      const Friction& f = p.friction[at(entry[at(e)])];
+    for (int e = head_[at(i)]; e < head_[at(i) + 1]; ++e) {
+      const Friction& f = p.friction[at(entry_[at(e)])];
       parts_.push_back({.place = b.rows, .rows = static_cast<int>(f.rows), .mu = f.mu});
       for (Index r = 0; r < f.rows; ++r) row_.push_back(static_cast<int>(f.first + r));
       b.rows += static_cast<int>(f.rows), ++b.parts;
@@ -154,7 +154,23 @@ void Blocks::correct(const Block& b, const double* w, double* corrected) const {
   corrected[0] = sum;
 }
 
+/// The same of a normal row [0, ∞) with one disc.
+double Blocks::disc_residual(double mu, const double* z, const double* w) {
+  const double x1 = z[1] - w[1], x2 = z[2] - w[2], x0 = z[0] - (w[0] + mu * slip_length(w + 1, 2));
+  const std::array<double, 2> x{x1, x2};
+  const double s = slip_length(x.data(), 2);
+  double e0 = z[0], e1 = z[1], e2 = z[2];
+  if (x0 >= 0 && s <= mu * x0) {
+    e0 -= x0, e1 -= x1, e2 -= x2;
+  } else if (const double a = (x0 + mu * s) / (1 + mu * mu); !(a <= 0)) {  // NaN too
+    const double share = mu * a / s;
+    e0 -= a, e1 -= share * x1, e2 -= share * x2;
+  }
+  return std::sqrt(e0 * e0 + e1 * e1 + e2 * e2);
+}
+
 double Blocks::residual(const Block& b, const double* z, const double* w) const {
+  if (b.rows == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf) return disc_residual(parts(b)[0].mu, z, w);
   std::array<double, kMostRows> few_x, few_y;
   static thread_local std::vector<double> many;
   double *x = few_x.data(), *y = few_y.data();

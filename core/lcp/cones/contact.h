@@ -70,11 +70,14 @@ class Blocks {
   double residual(const Block& b, const double* z, const double* w) const;
 
  private:
+  static double disc_residual(double mu, const double* z, const double* w);
   double normal(const Block& b, const double* x, bool* clamped, double* squares) const;
   std::vector<Block> blocks_;
   std::vector<Part> parts_;
   std::vector<int> row_;
   int most_rows_ = 0;
+  std::vector<int> head_, place_, entry_;  // scratch of load()
+  std::vector<char> taken_;
 };
 
 }  // namespace orthant::cones

@@ -1,5 +1,4 @@
 #include <orthant/core/lcp/judge/certify.h>
-#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
 #include <orthant/core/lcp/judge/exact.h>
 
@@ -306,7 +305,7 @@ Miss Judge::overflown(const Lcp& problem, const Solution& s, double tolerance) c
 
 // Discs: certify_cones.h has the rule.
 void Judge::certify_cones(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
-  ConeJudge judge;
+  ConeJudge& judge = cones_;
   s.w.resize(problem.size());
   s.miss = {};
   const bool accepted = judge.passes(problem, tolerance, s);

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <orthant/core/lcp/judge/cells.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 
 #include <functional>
 #include <utility>
@@ -83,6 +84,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void product(const Matrix& A, const Vector& u, bool transposed);
 
   std::function<bool()> stop_;
+  ConeJudge cones_;
   Vector lo_, hi_, size_, beta_, data_, part_data_, floor_, zero_w_, inner_, inner_abs_, proof_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
   RowSparse entries_;              // of an operator

@@ -31,46 +31,15 @@ void cone_product(const Matrix& A, const std::vector<Number>& x, std::vector<Num
   for (Index i = 0; i < regularization.size(); ++i) y[at(i)] += regularization[i] * x[at(i)];
 }
 
-/// Per block: the first of the blocks that A couples with it.
-std::vector<int> coupled_blocks(const Matrix& A, const cones::Blocks& blocks) {
-  std::vector<int> root(at(blocks.size())), of(at(order(A)));
-  std::iota(root.begin(), root.end(), 0);
-  for (int b = 0; b < blocks.size(); ++b)
-    for (const int row : blocks.rows(blocks[b])) of[at(row)] = b;
-  const auto find = [&root](int b) {
-    while (root[at(b)] != b) b = root[at(b)] = root[at(root[at(b)])];
-    return b;
-  };
-  const auto join = [&](int b, int c) {
-    b = find(b), c = find(c);
-    root[at(std::max(b, c))] = std::min(b, c);
-  };
-  for_each_entry(A, [&](Index i, Index j, double a) {
-    if (a != 0 && of[at(i)] != of[at(j)]) join(of[at(i)], of[at(j)]);
-  });
-  if (const auto* delassus = std::get_if<Delassus>(&A)) {
-    const RowSparse& W = delassus->W;
-    std::vector<int> first(at(W.cols), -1);
-    for (Index i = 0; i < W.rows; ++i)
-      for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
-        int& met = first[at(W.column[k])];
-        if (met < 0) met = of[at(i)];
-        join(met, of[at(i)]);
-      }
-  }
-  for (int b = 0; b < blocks.size(); ++b) root[at(b)] = find(b);
-  return root;
-}
-
 double bound_near_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
 double residual_ratio(double residual, double size) { return residual == 0 ? 0 : residual / size; }
 
 /// Norm over the rows of a block of x_i times scale_i.
-template <class Values> double block_norm(std::span<const int> rows, const Values& x, const Vector& scale) {
+double block_norm(std::span<const int> rows, const double* x, const Vector& scale) {
   double sum = 0;
   for (const int row : rows) {
-    const double value = static_cast<double>(x[at(row)]) * scale[row];
+    const double value = x[row] * scale[row];
     sum += value * value;
   }
   return std::sqrt(sum);
@@ -111,75 +80,149 @@ ConeResiduals cone_residuals(const Lcp& problem, const Vector& z) {
 }
 
 bool ConeJudge::passes(const Lcp& problem, double tolerance, Solution& s) {
-  const Index n = problem.size();
   blocks_.load(problem);
   blocks_.scale(problem.A, d_);
   blocks_.apply(d_);
-  std::vector<ConeLong> x(at(n)), w;
-  std::vector<double> size(at(n)), terms, data(at(n)), from_bounds, largest(at(n)), unknown;
+  rounded_ = false;
+  if (unknown_ = !sum(problem, s); unknown_) return false;
+  find_residuals(s);
+  return surely_solved(problem, tolerance) || weigh(problem, tolerance, s);
+}
+
+/// w, its terms, and their bound by the largest z'. False where they are not finite.
+bool ConeJudge::sum(const Lcp& problem, Solution& s) {
+  const Index n = problem.size();
+  double largest = 0;
+  for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(s.z[i]) / d_[i]);
+  w_.resize(at(n)), terms_.resize(at(n)), unknown_terms_.resize(at(n));
+  for (Index i = 0; i < n; ++i) w_[at(i)] = 0, terms_[at(i)] = unknown_terms_[at(i)] = 0;
+  const double* const z = s.z.data();
+  const double* const d = d_.data();
+  if (!for_each_entry(problem.A, [&](Index i, Index j, double a) {
+        w_[at(i)] += static_cast<ConeLong>(a) * z[j];
+        terms_[at(i)] += std::abs(a) * std::abs(z[j]), unknown_terms_[at(i)] += std::abs(a) * d[j];
+      })) {
+    const std::vector<ConeLong> x(s.z.begin(), s.z.end());
+    std::vector<double> size(at(n)), scale(d_.begin(), d_.end());
+    for (Index i = 0; i < n; ++i) size[at(i)] = std::abs(z[i]);
+    cone_product<false>(problem.A, x, w_);
+    cone_product<true>(problem.A, size, terms_);
+    cone_product<true>(problem.A, scale, unknown_terms_);
+  }
+  double checksum = 0, size_of_w = 0;
+  for (Index i = 0; i < n; ++i) {
+    const double b = std::abs(problem.b[i]);
+    w_[at(i)] += problem.b[i];
+    s.w[i] = static_cast<double>(w_[at(i)]);
+    terms_[at(i)] += b, unknown_terms_[at(i)] = b + largest * unknown_terms_[at(i)];
+    checksum += 0.0 * s.w[i] + 0.0 * z[i] + 0.0 * terms_[at(i)];
+    size_of_w = std::max(size_of_w, terms_[at(i)]);
+  }
+  s.residual = kInf, s.rounding = kEpsilon * size_of_w;
+  return checksum == 0.0;
+}
+
+/// (1) and what its subtraction loses, per block.
+void ConeJudge::find_residuals(Solution& s) {
+  block_z_.resize(at(blocks_.most_rows())), block_w_.resize(at(blocks_.most_rows()));
+  e_.resize(at(blocks_.size())), lost_.resize(at(blocks_.size()));
+  s.residual = 0;
+  for (int c = 0; c < blocks_.size(); ++c) {
+    const auto rows = blocks_.rows(blocks_[c]);
+    double square = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      block_z_[r] = s.z[rows[r]] / d_[rows[r]];
+      block_w_[r] = static_cast<double>(w_[at(rows[r])]) * d_[rows[r]];
+      square += block_z_[r] * block_z_[r];
+    }
+    e_[at(c)] = blocks_.residual(blocks_[c], block_z_.data(), block_w_.data());
+    lost_[at(c)] = 4 * kEpsilon * std::sqrt(square);
+    s.residual = std::max(s.residual, e_[at(c)] / d_[rows[0]]);
+  }
+}
+
+/// Solved with ‖q'_c‖ in place of β and s_c, which are no less, and the largest z' of all blocks for that of the
+/// coupled ones.
+bool ConeJudge::surely_solved(const Lcp& problem, double tolerance) const {
+  for (int c = 0; c < blocks_.size(); ++c) {
+    const auto rows = blocks_.rows(blocks_[c]);
+    const double own = block_norm(rows, problem.b.data(), d_);
+    if (!(e_[at(c)] + lost_[at(c)] <= tolerance * own)) return false;
+    if (!(kEpsilon * block_norm(rows, unknown_terms_.data(), d_) <= kKnownRounding * own)) return false;
+  }
+  return true;
+}
+
+/// (2) itself.
+bool ConeJudge::weigh(const Lcp& problem, double tolerance, const Solution& s) {
+  const Index n = problem.size();
+  std::vector<double> data(at(n)), from_bounds, largest(at(n));
   bool bounded = false;
   for (Index i = 0; i < n; ++i) {
     const double z = s.z[i], lo = problem.lo[i], hi = problem.hi[i];
-    x[at(i)] = z, size[at(i)] = std::abs(z);
     data[at(i)] = std::abs(detail::on_bound(z, lo, hi) ? z : bound_near_zero(lo, hi));
     bounded = bounded || data[at(i)] > 0;
   }
-  cone_product<false>(problem.A, x, w);
-  cone_product<true>(problem.A, size, terms);
   if (bounded)
     cone_product<true>(problem.A, data, from_bounds);
   else
     from_bounds.assign(at(n), 0);
-  double checksum = 0, size_of_w = 0;
-  for (Index i = 0; i < n; ++i) {
-    w[at(i)] += problem.b[i];
-    s.w[i] = static_cast<double>(w[at(i)]);
-    terms[at(i)] += std::abs(problem.b[i]), from_bounds[at(i)] += std::abs(problem.b[i]);
-    checksum += 0.0 * s.w[i] + 0.0 * s.z[i] + 0.0 * terms[at(i)];
-    size_of_w = std::max(size_of_w, terms[at(i)]);
-  }
-  s.residual = kInf, s.rounding = kEpsilon * size_of_w;
-  unknown_ = !(checksum == 0.0), rounded_ = false;
-  reached_ = kInf;
-  if (unknown_) return false;
-
-  const std::vector<int> part = coupled_blocks(problem.A, blocks_);
+  for (Index i = 0; i < n; ++i) from_bounds[at(i)] += std::abs(problem.b[i]);
+  couple(problem.A);
   std::vector<double> beta(at(blocks_.size()), 0), most(at(blocks_.size()), 0);
   for (int c = 0; c < blocks_.size(); ++c) {
     const auto rows = blocks_.rows(blocks_[c]);
-    double& of_part = beta[at(part[at(c)])];
-    of_part = std::max(of_part, block_norm(rows, from_bounds, d_));
-    for (const int row : rows) most[at(part[at(c)])] = std::max(most[at(part[at(c)])], size[at(row)] / d_[row]);
+    double& of_part = beta[at(part_[at(c)])];
+    of_part = std::max(of_part, block_norm(rows, from_bounds.data(), d_));
+    for (const int row : rows) most[at(part_[at(c)])] = std::max(most[at(part_[at(c)])], std::abs(s.z[row]) / d_[row]);
   }
   for (int c = 0; c < blocks_.size(); ++c)
-    for (const int row : blocks_.rows(blocks_[c])) largest[at(row)] = most[at(part[at(c)])] * d_[row];
-  cone_product<true>(problem.A, largest, unknown);
-  for (Index i = 0; i < n; ++i) unknown[at(i)] += std::abs(problem.b[i]);
-
-  std::vector<double> block_z(at(blocks_.most_rows())), block_w(at(blocks_.most_rows()));
-  s.residual = 0, reached_ = 0;
+    for (const int row : blocks_.rows(blocks_[c])) largest[at(row)] = most[at(part_[at(c)])] * d_[row];
+  cone_product<true>(problem.A, largest, unknown_terms_);
+  for (Index i = 0; i < n; ++i) unknown_terms_[at(i)] += std::abs(problem.b[i]);
   bool passes = true;
   for (int c = 0; c < blocks_.size(); ++c) {
     const auto rows = blocks_.rows(blocks_[c]);
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      block_z[r] = s.z[rows[r]] / d_[rows[r]];
-      block_w[r] = static_cast<double>(w[at(rows[r])]) * d_[rows[r]];
-    }
-    const double e = blocks_.residual(blocks_[c], block_z.data(), block_w.data());
-    double square = 0;
-    for (const double each : std::span(block_z).first(rows.size())) square += each * each;
-    const double lost = 4 * kEpsilon * std::sqrt(square);  // of e, by the subtraction in (1)
-    s.residual = std::max(s.residual, e / d_[rows[0]]);
-    const double scale = beta[at(part[at(c)])], own = std::min(scale, block_norm(rows, terms, d_));
-    const double noise = kEpsilon * block_norm(rows, unknown, d_);
+    const double e = e_[at(c)], scale = beta[at(part_[at(c)])],
+                 own = std::min(scale, block_norm(rows, terms_.data(), d_));
+    const double noise = kEpsilon * block_norm(rows, unknown_terms_.data(), d_);
     unknown_ = unknown_ || !(noise <= kKnownRounding * scale);
-    rounded_ = rounded_ || !(e + lost <= tolerance * own);
-    if (!(e <= kRoundingsOfCone * noise)) {
-      passes = passes && e <= tolerance * own;
-      reached_ = std::max(reached_, own > 0 ? e / own : kInf);
-    }
+    rounded_ = rounded_ || !(e + lost_[at(c)] <= tolerance * own);
+    passes = passes && (e <= kRoundingsOfCone * noise || e <= tolerance * own);
   }
   return passes && !unknown_;
+}
+
+/// part_: per block, the first of the blocks that A couples with it.
+void ConeJudge::couple(const Matrix& A) {
+  std::vector<int>& root = part_;
+  std::vector<int> of(at(order(A)));
+  root.resize(at(blocks_.size()));
+  std::iota(root.begin(), root.end(), 0);
+  for (int b = 0; b < blocks_.size(); ++b)
+    for (const int row : blocks_.rows(blocks_[b])) of[at(row)] = b;
+  const auto find = [&root](int b) {
+    while (root[at(b)] != b) b = root[at(b)] = root[at(root[at(b)])];
+    return b;
+  };
+  const auto join = [&](int b, int c) {
+    b = find(b), c = find(c);
+    root[at(std::max(b, c))] = std::min(b, c);
+  };
+  for_each_entry(A, [&](Index i, Index j, double a) {
+    if (a != 0 && of[at(i)] != of[at(j)]) join(of[at(i)], of[at(j)]);
+  });
+  if (const auto* delassus = std::get_if<Delassus>(&A)) {
+    const RowSparse& W = delassus->W;
+    std::vector<int> first(at(W.cols), -1);
+    for (Index i = 0; i < W.rows; ++i)
+      for (std::size_t k = at(W.start[at(i)]); k < at(W.start[at(i) + 1]); ++k) {
+        int& met = first[at(W.column[k])];
+        if (met < 0) met = of[at(i)];
+        join(met, of[at(i)]);
+      }
+  }
+  for (int b = 0; b < blocks_.size(); ++b) root[at(b)] = find(b);
 }
 
 }  // namespace orthant

@@ -29,7 +29,7 @@ struct ConeResiduals {
 /// 0 / 0 counts as 0. Problems without discs have these, too.
 ConeResiduals cone_residuals(const Lcp& problem, const Vector& z);
 
-class ConeJudge {
+class ConeJudge {  // the members are scratch: most problems allocate nothing after the first of a size
  public:
   /// Fills w, residual (max e_c / d_c, units of w) and rounding of s from its z. True when (2) holds.
   bool passes(const Lcp& problem, double tolerance, Solution& s);
@@ -37,14 +37,22 @@ class ConeJudge {
   bool unknown() const { return unknown_; }
   /// The last z passed, but in some block by what rounding excuses only.
   bool rounded() const { return rounded_; }
-  /// The least tolerance with which the last z would have passed; 0 where rounding excuses all.
-  double reached() const { return reached_; }
 
  private:
+  bool sum(const Lcp& problem, Solution& s);
+  void find_residuals(Solution& s);
+  bool surely_solved(const Lcp& problem, double tolerance) const;
+  bool weigh(const Lcp& problem, double tolerance, const Solution& s);
+  void couple(const Matrix& A);
+
   cones::Blocks blocks_;
   Vector d_;
+  std::vector<long double> w_;
+  std::vector<double> terms_, unknown_terms_;  // per row: |b| + |A||z|; |b| + |A| times the largest z'
+  std::vector<double> e_, lost_;               // per block
+  std::vector<double> block_z_, block_w_;
+  std::vector<int> part_;
   bool unknown_ = false, rounded_ = false;
-  double reached_ = 0;
 };
 
 }  // namespace orthant
