@@ -1,6 +1,7 @@
 // Verdict storm: random problems of every kind by every solver, each verdict checked in exact arithmetic.
 //
-//   build/release/experiments/verdict_storm                 10⁶ problems in 3 h of a core; resumes
+//   build/release/experiments/verdict_storm                 10⁶ problems by all solvers, 15 h of a core; resumes
+//   build/release/experiments/verdict_storm --solvers-each 3   each by auto and 3 solvers in turn, 1 h of a core
 //   build/release/experiments/verdict_storm --problems 5000 a share
 //   build/release/experiments/verdict_storm --only 123456   one problem, by its number
 //   build/release/experiments/verdict_storm --discs --output results/disc_storm   contacts with friction discs
