@@ -9,7 +9,7 @@ namespace {
 // Iterations foreseen up to which a cheap step goes on: a Newton step costs as much as 10 to 40 of them.
 constexpr int kForeseenSweeps = 40, kForeseenSplittings = 100;
 constexpr int kLook = 5;                // sweeps between two looks at the rate
-constexpr double kNear = 3;             // of the end, a foreseen residual that is worth a look
+constexpr double kForeseenEnd = 3;      // of the end, a foreseen residual that is worth a look
 constexpr double kFirstPenalty = 0.1;   // ρ
 constexpr double kNewtonAlpha = 1e-10;  // α: the problem itself, but for a singular matrix
 constexpr double kNewtonEnd = 0.3;      // of the end, ‖F‖ at which they are enough
@@ -56,7 +56,7 @@ bool ConeAuto::sweep(Vector& z, int count) {
   const double moved = point_.sweeps().sweep(z), foreseen = moved * (moved / moved_);
   moved_ = moved;
   if (moved == 0) return ended(z), false;
-  const bool look = count == 1 || count % kLook == 0 || foreseen <= kNear * target() * form().norm_q;
+  const bool look = count == 1 || count % kLook == 0 || foreseen <= kForeseenEnd * target() * form().norm_q;
   return !(look && ended(z));
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace orthant {
 
@@ -27,11 +26,10 @@ bool ConeSolver::finished(const Vector& z) {
   form_.apply(z, w_);
   sf_ = form_.residual(z, w_);
   if (sf_ < least_) least_ = sf_, best_ = z;
-  while (sf_ <= target_) {
+  if (sf_ <= target_) {
     form_.from_scaled(z, solution_->z);
     if (passes(*problem_, *solution_)) return solved_ = true;
-    if (target_ < std::numeric_limits<double>::epsilon() / 16) break;
-    target_ /= 10;
+    target_ = 0.5 * sf_;
   }
   return budget().exhausted();
 }

@@ -3,8 +3,8 @@
 //   They work on the scaled form (cone_form.h) and stop by its scale-free residual
 //     sf = ‖z' − P_K(z' − û')‖ / ‖q'‖
 //   at half the tolerance. The judge (certify_cones.h) then decides contact by contact. If it does not accept z, the
-//   target is lowered tenfold, down to rounding. They take intervals, boxes and free rows as well, so planar contact
-//   problems and LCPs are special cases.
+//   target becomes half the residual of that z: a power of ten less may be below rounding. They take intervals, boxes
+//   and free rows as well, so planar contact problems and LCPs are special cases.
 #pragma once
 
 #include <orthant/solvers/cones/cone_form.h>

@@ -3,8 +3,8 @@
 //   Each block gives equations with dF = E dz + H dw, and dw = (A + α I) dz; the step solves
 //     (E + H (A + α I)) dz = −F.                                                                                 (1)
 //   Blocks that are `open` have dF = dz: dz = −F at once, and only the others are factorized, as a dense matrix where
-//   they are few or nearly all coupled, else by KLU, or from 2e7 operations on by UMFPACK. The analysis and KLU's pivots
-//   are kept while the pattern stays; where x then misses by more than 1e-6, pivots are chosen again.
+//   they are few or nearly all coupled, else by KLU, or from 2e7 operations on by UMFPACK. The analysis and KLU's
+//   pivots are kept while the pattern stays; where x then misses by more than 1e-6, pivots are chosen again.
 //   Source: Davis & Palamadai Natarajan, ACM Trans. Math. Softw. 37 (2010), Algorithm 907: KLU.
 #pragma once
 

@@ -171,9 +171,17 @@ bool DiscContact::load(const double* q, double* z) const {
 bool DiscContact::slide(const double* q, double c, double s, double* z) const {
   const double* const A = A_;
   const double mu = mu_, q_size = std::abs(q[1]) + std::abs(q[2]);
-  for (int step = 0; step < 12; ++step) {
+  double before_c = 0, before_s = 0;
+  for (int step = 0; step < 20; ++step) {
     const double total = A[0] + mu * (A[3] * c + A[6] * s);
-    if (!(total > 1e-10 * A[0])) return false;
+    if (!(total > 1e-10 * A[0])) {  // no normal impulse slides there: half the way back
+      c += before_c, s += before_s;
+      const double shorter = 1 / std::sqrt(c * c + s * s);
+      if (step == 0 || !(shorter < 1e10)) return false;
+      c *= shorter, s *= shorter;
+      continue;
+    }
+    before_c = c, before_s = s;
     const double normal = -q[0] / total;
     const double a1 = A[4] * c + A[7] * s, a2 = A[5] * c + A[8] * s;
     const double t1 = A[1] + mu * a1, t2 = A[2] + mu * a2;

@@ -1,7 +1,7 @@
 // solvers/cones/proximal.h — proximal point method on contacts with friction discs, semismooth Newton inside.
 //
-//   Outer iteration k: z_{k+1} solves the problem with A + α I and q − α z_k (cone_newton.h), to a tenth of the residual:
-//   what α leaves is mostly more.
+//   Outer iteration k: z_{k+1} solves the problem with A + α I and q − α z_k (cone_newton.h), to a tenth of the
+//   residual: what α leaves is mostly more.
 //   α from 0.1; a tenth after at most 10 Newton steps, a third after more, five times after a failure; every second
 //   failure adds 50 block sweeps. The first z comes from block sweeps.
 //   A slow outer step (residual above 0.3 of the last) is prolonged along itself, twice as far each time, while the

@@ -310,7 +310,7 @@ TEST_CASE("cones: one sliding disc is found from any direction, with few excepti
     Eigen::Vector3d z(1, p.b[1] + away, p.b[2]);  // along the slip
     missed += !contact.solve(p.b.data(), z.data());
   }
-  CHECK(missed <= 3);
+  CHECK(missed <= 6);
 }
 
 TEST_CASE("cones: a sweep solves each block with the others held: blocks of one, three and five rows") {
