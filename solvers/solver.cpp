@@ -153,7 +153,10 @@ void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) 
 bool Solver::passes(const Lcp& problem, Solution& s) {
   before_ = s.z;
   judge(problem, std::min(goal(), tolerance()), Claim::stalled, s);
-  if (has_answer(s.status) && !s.coarse) return true;
+  if (has_answer(s.status) && !s.coarse) {
+    before_ = s.z, passed_ = s.status;
+    return true;
+  }
   s.z = before_;
   return false;
 }
@@ -223,10 +226,12 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
   begin();
   proof_sought_ = false;
   const FactorizationCount before = factorization_count();
-  passed_ = false;
+  kept_ = false, passed_ = Status::not_run;
   Claim claim = run(problem, s, start);
   const double goal_residual = std::min(goal(), tolerance());
-  if (!passed_) judge(problem, goal_residual, claim, s);
+  const bool seen =
+      kept_ && has_answer(passed_) && s.status == passed_ && s.z.size() == before_.size() && s.z == before_;
+  if (!seen) judge(problem, goal_residual, claim, s);
   if (s.status == Status::ray) take_ray_in_whole_numbers(problem, s);
   if (unsettled(s)) seek_proof(problem, s);
   best_.residual = kInf, best_.status = Status::not_run;

@@ -74,8 +74,8 @@ class Solver {
   /// One search a solve for a proof that there is no solution, where the caller wants one: true when the judge takes
   /// it; it is in s.certificate or s.cells. solve() makes it after a run that did not.
   bool proves_infeasible(const Lcp& problem, Solution& s);
-  /// run() ends with the s that passes() has just accepted: the judge need not see it again.
-  void keep_passed() { passed_ = true; }
+  /// run() ends with the s that passes() has just accepted: the judge sees it again only where it was changed.
+  void keep_passed() { kept_ = true; }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }
@@ -112,7 +112,8 @@ class Solver {
   AtBounds at_bounds_;
   FineRows fine_rows_;
   double accepted_ = 0;
-  bool passed_ = false;
+  bool kept_ = false;
+  Status passed_ = Status::not_run;  // that passes() accepted last, with before_
   Vector scratch_, proof_, before_;
   Farkas farkas_;
   std::unique_ptr<ConeProof> cone_proof_;  // made when first needed
