@@ -138,7 +138,7 @@ void note(const StepReport& report, Run& run) {
   run.energy_rises += report.energy_rise > 0;
   if (report.energy_rise > run.max_energy_rise) {
     run.max_energy_rise = report.energy_rise;
-    run.max_energy_rise_time = run.final.t;
+    run.max_energy_rise_time = std::min(report.energy_rise_time, run.final.t);
   }
   if (report.passage.width > 0 && run.passages++ == 0)
     run.first_passage = report.passage, run.first_passage_time = run.final.t;

@@ -15,7 +15,6 @@ constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go tha
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
 constexpr double kWay = 1e-9;              // of the way since two contacts struck: nearer ones may be one event
-constexpr double kPulled = 10;             // of its acceleration times the interval: a faster contact was pushed
 constexpr int kShares = 200;               // times that friction is shared again in a crowd, which count for no event
 
 /// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing
@@ -76,7 +75,11 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
     if (b.accumulates() && b.interval > kInstant * kRounding * std::abs(t)) crowd_.steps = 0;  // a series has an end
   }
   if (struck > 1) close_together();
-  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
+  if (struck > 0) {
+    const bool plastic = accumulates();
+    if (!impact(solver, plastic, report)) return false;
+    if (plastic && strikes_after_series() && !impact(solver, false, report)) return false;
+  }
   return settle(solver, event, struck > 0, report);
 }
 
@@ -134,9 +137,9 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   }
   formulation_.advance(now_.v, strike_.impulses);
   if (in_turn || !plastic) impact_.add_to(strike_.impulses);
-  if (meter_) work_ += meter_->over_impact(terms, strike_.v_before, now_.v, strike_.impulses);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, targets_, now_.v, strike_.impulses));
+  if (meter_) add_work(meter_->over_impact(terms, strike_.v_before, now_.v, strike_.impulses));
   const double t = start_ + elapsed_;
+  report.note_rise(energy_rise(system_, terms, targets_, now_.v, strike_.impulses), t);
   for (const ClosedContact& closed : terms.closed) {
     const int c = closed.contact;
     const Impulse& hit = strike_.impulses[at(c)];
@@ -147,94 +150,6 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
       events_.push_back({t, EventKind::impact, c, hit.normal, hit.tangent});
   }
   return true;
-}
-
-/// Before an impact at contact c.
-void EventDriven::note_bounce(int c) {
-  Bounces& b = bounces_[at(c)];
-  b.add(start_ + elapsed_);
-  const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
-  b.height = height * b.ratio;
-  b.rounding = height <= 16 * gap_zero(c);
-}
-
-/// Whether another contact struck since this one last did, and its bounces are still resolved: they end together.
-template <class Low> bool EventDriven::waits(const Bounces& ending, const Low& low) const {
-  for (int c = 0; c < system_.contacts(); ++c) {
-    const Bounces& b = bounces_[at(c)];
-    const bool between = b.last < ending.last && b.last > ending.last - ending.interval;
-    if (between && !motion_.modes[at(c)].lasting && !(b.accumulates() && now_.w.gap[c] <= low(c))) return true;
-  }
-  return false;
-}
-
-/// Whether forces bring contact c back from bounce to bounce. Where it is other impacts, as of a body crushed between
-/// others, the bounces become low as all gaps close, but no slower, and their impulses remain large.
-bool EventDriven::pulled(int c) const {
-  return -now_.w.gap_rate[c] <= kPulled * std::abs(now_.w.gap_acceleration[c]) * bounces_[at(c)].interval;
-}
-
-/// Whether another contact strikes before the bounces of contact c have come to their end: then c is open or closed,
-/// and takes another part in that impact than it would from now on.
-template <class Low> bool EventDriven::disturbed(int c, const Low& low) const {
-  const double rest = bounces_[at(c)].rest, left = std::abs(now_.w.gap_rate[c]), t = start_ + elapsed_;
-  for (int k = 0; k < system_.contacts(); ++k) {
-    const Bounces& b = bounces_[at(k)];
-    const bool ends_too = b.accumulates() && now_.w.gap[k] <= low(k) && t - b.last <= b.interval;
-    if (k == c || motion_.modes[at(k)].lasting || ends_too) continue;
-    const double closing = std::max(0.0, -now_.w.gap_rate[k]), faster = std::max(0.0, -now_.w.gap_acceleration[k]);
-    if (now_.w.gap[k] < rest * (closing + left + rest / 2 * faster)) return true;
-  }
-  return false;
-}
-
-/// Whether contact c, which strikes now, and another one that touches have had their impacts in turn, at ever shorter
-/// intervals. Rounding hides which of them is next. Together they would strike by another law, which may have no
-/// solution.
-bool EventDriven::meets_in_turn(int c) const {
-  const Bounces& one = bounces_[at(c)];
-  for (int k = 0; k < system_.contacts(); ++k) {
-    const Bounces& b = bounces_[at(k)];
-    if (k == c || !strike_.touching[at(k)] || motion_.modes[at(k)].lasting || !b.accumulates()) continue;
-    const bool recent = one.last - b.last <= b.interval;
-    if (recent && std::abs(before_now(b) - before_now(one)) > kInTurn * one.interval) return true;
-  }
-  return false;
-}
-
-/// Marks the contacts whose bounces need not be resolved any more, if there are any at this time. Those are no higher
-/// than what counts as touching: contacts of a series, struck in turn, would else strike at once, with restitution.
-bool EventDriven::accumulates() {
-  const double t = start_ + elapsed_;
-  const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), strike_.tie[at(c)]}); };
-  bool any = false, meet = false;
-  for (int c = 0; c < system_.contacts(); ++c) {
-    const Bounces& b = bounces_[at(c)];
-    if (b.last != t) continue;
-    meet = meet || (b.accumulates() && meets_in_turn(c));
-    any = any || meet || b.rounding ||
-          (b.accumulates() && b.height <= low(c) && pulled(c) && !waits(b, low) && !disturbed(c, low));
-  }
-  for (int c = 0; c < system_.contacts(); ++c) {
-    Bounces& b = bounces_[at(c)];
-    const bool closed = now_.w.gap[c] <= low(c) || (meet && strike_.touching[at(c)]);
-    b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && closed;
-    strike_.touching[at(c)] = strike_.touching[at(c)] || b.over;
-  }
-  return any;
-}
-
-/// Whether several of the series that are over had their impacts in turn: strike_.in_turn.
-bool EventDriven::ends_in_turn() {
-  double first = kInf, last = -kInf, interval = kInf;
-  for (std::size_t c = 0; c < strike_.in_turn.size(); ++c) {
-    const Bounces& b = bounces_[c];
-    strike_.in_turn[c] = b.over && !motion_.modes[c].lasting;
-    if (!strike_.in_turn[c]) continue;
-    const double before = before_now(b);
-    first = std::min(first, before), last = std::max(last, before), interval = std::min(interval, b.interval);
-  }
-  return last - first > kInTurn * interval;
 }
 
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
@@ -267,7 +182,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     }
     if (!leaves_room(crossing_.state)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
     const double worked = work_;
-    if (meter_) work_ += meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {});
+    if (meter_) add_work(meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {}));
     report.error_estimate += s * (crossing_.state.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossing_.state.q, now_.v = crossing_.state.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
@@ -290,8 +205,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
     crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
-    report.energy_rise =
-        std::max(report.energy_rise, gain_of_crossing(system_, before, crossing_.state, work_ - worked));
+    report.note_rise(gain_of_crossing(system_, before, crossing_.state, work_ - worked), crossing_.state.t);
     if (!calm && !no_answer_ && !options_.go_on) return false;
     crossing_.goes_on = striding_ && !calm;
     if (crossing_.goes_on) break;  // the next stride crosses on

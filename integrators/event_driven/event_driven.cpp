@@ -56,7 +56,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   formulation_.clear(), shown_ = &formulation_;
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
   crossing_.end = known ? crossing_.end - (x.t - start_) : -kInf;
-  work_ = known ? -lead_.work : 0, lead_.work = 0;
+  work_ = known ? -lead_.work : 0, lead_.work = 0, effort_ = 0, least_weight_ = kInf;
   start_ = x.t, elapsed_ = known ? -lead_.time : 0, lead_.time = 0;
   if (!known || !one) crowd_.standstill = crowd_.steps = crowd_.shared = crowd_.instants = 0, crossing_.goes_on = false;
   striding_ = one, arc_.length = 0;
@@ -74,7 +74,8 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   const Point& end = lead_.time > 0 ? trial_ : now_;
   if (meter_ && lead_.time > 0)
     lead_.work = meter_->over_motion(start_ + elapsed_, h - elapsed_, now_, trial_, motion_.modes);
-  if (meter_) report.work = work_ + lead_.work;
+  if (meter_) report.work = work_ + lead_.work, report.effort = effort_ + std::abs(lead_.work);
+  report.least_weight = least_weight_;
   if (one && lead_.time > 0) note_lead();
   x.t = start_ + (lead_.time > 0 ? h : elapsed_), x.q = end.q, x.v = end.v;
   gaps_ = end.w.gap;
@@ -220,7 +221,8 @@ bool EventDriven::turn(Solver& solver, double s, double end, StepReport& report)
 void EventDriven::accept(double s, double end) {
   const double before = elapsed_;
   load_ = std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
-  if (meter_) work_ += meter_->over_motion(start_ + elapsed_, s, now_, trial_, motion_.modes);
+  if (meter_) add_work(meter_->over_motion(start_ + elapsed_, s, now_, trial_, motion_.modes));
+  least_weight_ = std::min(least_weight_, potential_of_weight(system_, trial_.q));
   std::swap(now_, trial_);
   residual_ = trial_residual_;
   elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;

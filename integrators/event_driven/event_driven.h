@@ -195,6 +195,7 @@ class EventDriven final : public Integrator {
   bool last_stage_behind() const;
   bool end_behind(double low, double high, double& s);
   void accept(double s, double end);
+  void add_work(double work) { work_ += work, effort_ += std::abs(work); }
   void note_arc(double before);
   void note_lead();
   bool turn(Solver& solver, double s, double end, StepReport& report);
@@ -220,6 +221,7 @@ class EventDriven final : public Integrator {
   template <class Low> bool disturbed(int contact, const Low& low) const;
   bool meets_in_turn(int contact) const;
   bool accumulates();
+  bool strikes_after_series();
   bool ends_in_turn();
   /// When the contact struck last before now [s].
   double before_now(const Bounces& b) const { return b.last == start_ + elapsed_ ? b.last - b.interval : b.last; }
@@ -253,7 +255,8 @@ class EventDriven final : public Integrator {
   bool striding_ = false;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
   double stop_ = kInf;                      // [s] forces are not looked at later in this step
-  double work_ = 0;                         // [J] of this call
+  double work_ = 0, effort_ = 0;            // [J] of this call; the sum of the parts' absolute values
+  double least_weight_ = kInf;              // [J] least potential energy of weight in this call
   double size_ = 0;                         // [m] largest radius of gyration
   double load_ = 0;                         // [N] the largest normal force since the modes were decided
   bool no_answer_ = false;                  // an impact or an acceleration-level problem was not solved

@@ -131,7 +131,8 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   std::fill(struck_.begin(), struck_.end(), Impulse{});
   formulation_.advance(now_.v, struck_);
   if (in_turn || !plastic) impact_.add_to(struck_);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, targets_, now_.v, struck_));
+  report.note_rise(energy_rise(system_, terms, targets_, now_.v, struck_), time_);
+  const double worked = work_;
   if (system_.driven()) work_ += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
   for (const auto& closed : terms.closed) {
     const auto i = static_cast<std::size_t>(closed.contact);
@@ -150,6 +151,7 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
     else if (hit.normal > 0)
       emit(time_, EventKind::impact, closed.contact, hit);
   }
+  effort_ += std::abs(work_ - worked);
   return true;
 }
 
@@ -318,8 +320,10 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
                                                   ": bodies would pass through each other");
     }
     const double worked = work_;
-    if (meter_)
+    if (meter_) {
       work_ += meter_->over_step(before, crossed_, stepping_.impulses(), stepping_.frictions(), stepping_.pairs());
+      effort_ += std::abs(work_ - worked);
+    }
     report.error_estimate += s * (crossed_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossed_.q, now_.v = crossed_.v;
     time_ += s;
@@ -342,7 +346,7 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
     crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
-    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossed_, work_ - worked));
+    report.note_rise(gain_of_crossing(system_, before, crossed_, work_ - worked), time_);
     for (Bounces& b : bounces_) b.over = false;
     if (!calm && !no_answer_ && !options_.go_on) return false;
   }
