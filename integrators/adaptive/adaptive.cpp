@@ -8,6 +8,7 @@ namespace orthant {
 namespace {
 
 constexpr double kInnerPart = 1e-3;  // of the tolerance, for an inner step
+constexpr double kJointsOff = 1e-6;  // of joints_off(): no state within a step, whose ends hold the joints
 constexpr double kLeastRelative = 1e-13, kLeastAbsolute = 1e-14;
 constexpr double kSwing = 3;                     // [rad]
 constexpr double kFirstReach = 1, kGrowth = 10;  // [s], and of the stride before: the longest stride
@@ -188,7 +189,10 @@ void Adaptive::hand_out(double target, State& x, StepReport& report) {
     report.joint_residual = residual.joint, report.joint_rate = residual.rate;
     hand_over_until(target);
     x.t = target;
-    if (target < engine_.arc().start + engine_.arc().length) measure_work(x, report);
+    const bool on_arc = target < engine_.arc().start + engine_.arc().length;
+    if (report.status == Status::solved && on_arc && residual.off > kJointsOff && residual.off < kInf)
+      fail(report, Status::numerical_error, "joints are left at " + detail::text_of(residual.joint) + " m or rad");
+    if (on_arc) measure_work(x, report);
     if (system_.contacts() > 0) {
       set_poses(system_, x.t, x.q, terms_.at);
       evaluate_gaps(system_, terms_);

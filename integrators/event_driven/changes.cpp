@@ -152,10 +152,25 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   return true;
 }
 
+/// A step of first order next to a singular pose errs in the speed by much more than in the path. Without contacts the
+/// energy of the state `before` and the work since tell the speed. False: no accelerations at it.
+bool EventDriven::keep_energy(const State& before, double work) {
+  constexpr double kLittle = 0.01;  // of the kinetic energy: more is no error of a step
+  const auto& pushes = stepping_.impulses();
+  if (!conservative_ || std::ranges::any_of(pushes, [](const Impulse& push) { return push.normal != 0; })) return true;
+  const double kinetic = now_.v.dot(system_.mass().cwiseProduct(now_.v)) / 2;
+  crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
+  const double missing = energy(system_, before) + work - energy(system_, crossing_.state);
+  if (!(std::abs(missing) <= kLittle * kinetic) || missing == 0) return true;
+  now_.v *= std::sqrt(1 + missing / kinetic);
+  return observe(now_, start_ + elapsed_);
+}
+
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
 /// leaves no faster than it falls within the step lasts. Where that does not help either the next one is twice as long.
 bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
-  if (!crossing_.goes_on) crossing_.status = report.status, crossing_.why = why_;
+  if (!crossing_.goes_on)
+    crossing_.status = report.status, crossing_.why = why_, crossing_.smooth = why_.starts_with(kSingularPose);
   const auto give_up = [&] { return crossing_.goes_on = false, fail(report, crossing_.status, crossing_.why); };
   for (bool calm = false; !calm;) {
     if (stopped(report)) return false;
@@ -172,7 +187,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     const State before = crossing_.state;
     const StepReport step = stepping_.step(s, solver, crossing_.state);
     report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
-    ++report.accepted, ++report.crossings, report.plastic += step.plastic;
+    report.plastic += step.plastic;
     if (step.status != Status::solved) return give_up();
     if (step.passage.width > 0) {
       report.passage = step.passage;
@@ -181,6 +196,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
                       ": bodies would pass through each other in the shortest step");
     }
     if (!leaves_room(crossing_.state)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
+    ++report.accepted, ++report.crossings;
     const double worked = work_;
     if (meter_) add_work(meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {}));
     report.error_estimate += s * (crossing_.state.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
@@ -204,6 +220,8 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     std::fill(freed_.held.begin(), freed_.held.end(), false);
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    if (calm && !any && crossing_.smooth && !keep_energy(before, work_ - worked))
+      return fail(report, Status::numerical_error, "no accelerations after a singular pose");
     crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
     report.note_rise(gain_of_crossing(system_, before, crossing_.state, work_ - worked), crossing_.state.t);
     if (!calm && !no_answer_ && !options_.go_on) return false;
@@ -242,7 +260,9 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
       return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
     }
     residual_ = motion_.project(t, now_.q, now_.v);
-    if (!observe(now_, t)) return fail(report, Status::numerical_error, "no accelerations after an event");
+    if (!observe(now_, t) ||
+        (leaves_cones() && transition_.find_forces_in_cones(motion_, solver, report) && !observe(now_, t)))
+      return fail(report, Status::numerical_error, "no accelerations after an event");
     again = false;
     for (int c = 0; c < system_.contacts(); ++c)
       if (freed_.released[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
@@ -256,10 +276,20 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
   return true;
 }
 
+/// Whether forces at now_, which are not unique, are shared such that a contact would open or slide by that alone.
+bool EventDriven::leaves_cones() const {
+  if (!motion_.redundant()) return false;
+  const double zero = kForceZero * now_.w.normal.lpNorm<Eigen::Infinity>();
+  return std::ranges::any_of(motion_.lasting(), [&](int c) {
+    return now_.w.normal[c] < -zero || (motion_.modes[at(c)].sticks && room(c) < -zero);
+  });
+}
+
 /// Contacts that share a force do so in the proportion of the normal forces when their modes were decided. One that
 /// comes to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
 bool EventDriven::shares_anew(const Sign& event) {
   if (event.watch != Watch::cone_up && event.watch != Watch::cone_down) return false;
+  if (motion_.knows_forces()) return false;
   motion_.share_anew(now_.w);
   return observe(now_, start_ + elapsed_) && room(event.contact) > slack(event);
 }

@@ -13,6 +13,14 @@ constexpr int kShortSteps = 15;    // steps in a row, each shorter than
 constexpr int kLandings = 200;     // tries to find a step's first event
 constexpr double kNowhere = 1e-9;  // of places and sizes: unless bodies move by more in such a step
 
+/// No drives, dampers and dry friction in joints: beside contacts and loads energy stays as it is.
+bool conserves(const System& system) {
+  const auto damped = [](const Spring& spring) {
+    return std::visit([](const auto& s) { return s.damping != 0; }, spring);
+  };
+  return !system.driven() && system.scene().frictions.empty() && std::ranges::none_of(system.scene().springs, damped);
+}
+
 }  // namespace
 
 EventDriven::EventDriven(const System& system, const Options& options, std::string_view name)
@@ -39,6 +47,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       push_(impulses_.size()),
       stage_push_(impulses_.size()),
       before_(impulses_.size()),
+      conservative_(conserves(system)),
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
   stepping_.keep_restitution();
@@ -172,7 +181,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
   }
   if (joints_.rank < system_.joint_rows() && joints_.least_independence < kUntold)
     return fail(report, Status::numerical_error,
-                "redundant joints next to a singular pose at t = " + detail::text_of(start_ + elapsed_) +
+                std::string(kSingularPose) + " at t = " + detail::text_of(start_ + elapsed_) +
                     ": the branch cannot be determined; use adaptive or an integrator of fixed step") ||
            (options_.go_on && cross(solver, end, report));
   const bool early = pass_over(s, rest);

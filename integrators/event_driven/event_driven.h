@@ -67,6 +67,8 @@ namespace orthant {
 
 inline constexpr double kRounding = 0x1p-52;
 
+inline constexpr std::string_view kSingularPose = "redundant joints next to a singular pose";
+
 struct EventDrivenOptions {
   double rtol = 1e-13,
          atol = 1e-14;          // error of a step, per entry of q and v; atol is also the slip [m/s] taken as none
@@ -144,7 +146,8 @@ class EventDriven final : public Integrator {
     bool goes_on = false;            // the stride before ended within a crossing, which goes on
     Status status = Status::solved;  // why it began
     std::string why;
-    void remember(CheckpointData& memory) { memory(step, end, goes_on, status, why); }
+    bool smooth = false;  // of a singular pose: it keeps the energy
+    void remember(CheckpointData& memory) { memory(step, end, goes_on, status, why, smooth); }
   };
   struct Scale {            // of the error of a step
     Eigen::VectorXd q, v;   // allowed
@@ -214,6 +217,7 @@ class EventDriven final : public Integrator {
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool cross(Solver& solver, double end, StepReport& report);
   bool leaves_room(const State& x);
+  bool keep_energy(const State& before, double work);
   void close_together();
   void note_bounce(int contact);
   template <class Low> bool waits(const Bounces& ending, const Low& low) const;
@@ -227,6 +231,7 @@ class EventDriven final : public Integrator {
   double before_now(const Bounces& b) const { return b.last == start_ + elapsed_ ? b.last - b.interval : b.last; }
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool shares_anew(const Sign& event);
+  bool leaves_cones() const;
   double force_zero() const;
   double room(int contact) const;
   void let_go(const Sign& event);
@@ -279,6 +284,7 @@ class EventDriven final : public Integrator {
   double behind_ = 0;                // [s] of the trial step: gone on without forces, across a jump of theirs
   std::vector<ContactMode> before_;
   std::vector<RateTarget> targets_;
+  const bool conservative_;   // nothing but contacts dissipates, and nothing is driven
   const Formulation* shown_;  // by problem(); null: the transition
 };
 

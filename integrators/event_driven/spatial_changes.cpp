@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace orthant {
 namespace {
@@ -54,7 +55,20 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
     if (!b.accumulates() || !(std::abs(time_ + b.rest - b.end) <= blur)) b.end = time_ + b.rest;
   }
   if (struck > 1) close_together();
-  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
+  if (struck > 0) {
+    const bool plastic = accumulates();
+    if (!impact(solver, plastic, report)) return false;
+    // A contact that struck now, but has no part in the series that ends, has its own impact after it.
+    const auto outside = [&](int c) {
+      const Bounces& b = bounces_[static_cast<std::size_t>(c)];
+      return b.last == time_ && !b.over;
+    };
+    const auto all = std::views::iota(0, system_.contacts());
+    const bool again =
+        plastic && std::ranges::any_of(all, outside) && observe(now_, time_) &&
+        std::ranges::any_of(all, [&](int c) { return outside(c) && now_.w.gap_rate[c] < -rate_zero(c); });
+    if (again && !impact(solver, false, report)) return false;
+  }
   next_ = 0;
   return settle(solver, event, struck > 0, report);
 }

@@ -9,7 +9,7 @@ namespace orthant {
 namespace {
 
 constexpr double kOfPlaces = 1e-14, kOfGaps = 10;  // roundings of places; of gaps, in those
-constexpr double kSteady = 0.25;  // of an approach: forces that change it by more in a step are not followed within it
+constexpr double kSteady = 0.25;  // of an approach: what changes it by more in a step is not followed within it
 
 }  // namespace
 
@@ -227,9 +227,7 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   restrict_to_strikes(targets_);
   ways_.clear();
   if (!carrying_.empty()) change_ = between<Space>(x.q, q_end_);
-  for (std::size_t k = 0; k < targets_.size(); ++k)
-    ways_.push_back(
-        -(apply(start_.closed[k].rows.normal, change_.data()) + apply(end_.closed[k].rows.normal, change_.data())) / 2);
+  for (const ClosedContact& c : end_.closed) ways_.push_back(-apply(c.rows.normal, change_.data()));
   for (std::size_t k = 0; k < targets_.size(); ++k) {  // the work is that of the rows at the end
     const auto& rows = end_.closed[k].rows;
     targets_[k].approach = apply(rows.normal, x.v.data());
@@ -245,8 +243,9 @@ template <class Space> void TwoLevelOf<Space>::strike_at_the_surface(double h) {
   for (std::size_t k = 0; k < targets_.size(); ++k) {
     RateTargetOf<Space>& w = targets_[k];
     if (!(w.normal > 0) || !(w.law->e > 0)) continue;
-    const double before = w.normal / w.law->e, change = w.free + before;
-    if (!(before > kRestSpeed) || !(std::abs(change) <= kSteady * before) || !(ways_[k] > 0)) continue;
+    const double start = w.normal / w.law->e, before = -w.approach, change = w.free - w.approach;
+    const auto steady = [&](double by) { return std::abs(by) <= kSteady * start; };
+    if (!(start > kRestSpeed) || !steady(before - start) || !steady(change) || !(ways_[k] > 0)) continue;
     w.normal = w.law->e * std::sqrt(std::max(0.0, before * before - 2 * change / h * ways_[k]));
   }
 }

@@ -12,10 +12,10 @@
 //   have come to touch:
 //     0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,   P_T ∈ −μ P_N Sgn(γ_T⁺ + e_T γ_T⁻),   G v⁺ = 0,
 //   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths
-//   too. Where a gap s closes within the step, γ_N⁻ is the rate at the surface: γ_N² = γ_N(t)² − 2 a s, with the mean
-//   acceleration a = (γ_N,free(t+h) − γ_N(t)) / h. So an impact with e = 1 keeps the energy, wherever in the step it
-//   falls; its phase errs by O(h). Not where forces change γ_N by more than a quarter in the step: a body may be held
-//   by other contacts, whose forces a does not contain.
+//   too. Where a gap s closes within the step, γ_N⁻ is the rate at the surface: γ_N² = γ_N(t)² − 2 a s, all with the
+//   rows of the step's end, a = (γ_N,free(t+h) − γ_N(t)) / h. So an impact with e = 1 keeps the energy, wherever in the
+//   step it falls; its phase errs by O(h). Not where rows or forces change γ_N by more than a quarter in the step: a
+//   body may be held by other contacts, whose forces a does not contain.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
