@@ -156,7 +156,8 @@ void Adaptive::measure_work(const State& to, StepReport& report) {
 }
 
 /// q and v at t, within the last inner step: on its arc, or within the crossing that follows, where they are taken from
-/// the straight line between its ends, and moved onto the joints. Returns the residual of the joints.
+/// the straight line between its ends (a parabola where no contact acts), and moved onto the joints. Returns the
+/// residual of the joints.
 ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
   const Arc& arc = engine_.arc();
   const double arc_end = arc.start + arc.length;
@@ -166,9 +167,16 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
     between_.at(t, x.q, x.v);
     return between_.residual();
   }
-  if (arc.length > 0) x.q = arc.q1, x.t = arc_end;  // else x is where the inner step began, or a place since
-  move(x.q, (t - x.t) / (end_.state.t - x.t) * between(x.q, end_.state.q));
-  x.v = end_.state.v;
+  if (arc.length > 0) x.q = arc.q1, x.v = arc.v1, x.t = arc_end;  // else x is where the inner step began, or since
+  const double rest = end_.state.t - x.t, part = (t - x.t) / rest;
+  move(x.q, part * between(x.q, end_.state.q));
+  const auto pushes = [](const Impulse& push) { return push.normal != 0; };
+  if (std::ranges::any_of(left_.impulses, pushes)) {
+    x.v = end_.state.v;
+  } else {  // smooth, next to a singular pose of the joints
+    move(x.q, -part * (1 - part) * rest / 2 * (end_.state.v - x.v));
+    x.v += part * (end_.state.v - x.v);
+  }
   if (!joints_) return {};
   on_joints_ = x;
   const ContactMotion::Residual left = joints_->project(t, on_joints_.q, on_joints_.v);

@@ -1,6 +1,7 @@
 // Admissibility of motions: jams, overlaps, energy balances, the same for every integrator.
 #include "tests/support/runs.h"
 
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/motion.h>
 #include <orthant/integrators/step/jam.h>
