@@ -39,8 +39,8 @@ class ContactTransition {
   Status decide(ContactMotion& motion, Solver& solver, StepReport& report);
 
   /// After decide(): forces well within the cones of friction that begin the same motion, for modes whose shares of
-  /// forces that are not unique leave the cones. True: found, by the problem with a part of the friction, and written to
-  /// the modes.
+  /// forces that are not unique leave the cones. They come from the problem with a part of the friction. True: found,
+  /// and written to the modes.
   bool find_forces_in_cones(ContactMotion& motion, Solver& solver, StepReport& report);
 
   const Lcp& problem() const { return lcp_; }
