@@ -92,7 +92,7 @@ TEST_CASE("impacts in turn: a light disc crushed between a heavy one and the flo
   CHECK((sharp.final.q - rough.final.q).lpNorm<Eigen::Infinity>() < 1e-6);
 }
 
-TEST_CASE("sticking and sliding in turn at one instant is a crowd, of a body at the origin as of one elsewhere") {
+TEST_CASE("sticking and sliding in turn at one instant has an end, of a body at the origin as of one elsewhere") {
   for (const Vector2d& origin : {Vector2d(0, 0), Vector2d(0.3, 0.2)}) {
     CAPTURE(origin.x());
     Scene s{.gravity = {0, -9.81}, .duration = 1e-9};
@@ -108,7 +108,7 @@ TEST_CASE("sticking and sliding in turn at one instant is a crowd, of a body at 
     corner({0.16178979239196634, -0.034444053018734405}, {-0.89905473515968659, 0.43783625156780454}, 1.77, 0.15);
     const Run r = run(s, "event-driven:max_events=2000", 1e-9, {}, "auto");
     CHECK_MESSAGE(r.status == Status::solved, r.why);
-    CHECK(r.crossings > 0);
+    CHECK(r.events < 100);
   }
 }
 
