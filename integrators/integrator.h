@@ -35,17 +35,24 @@ struct StepReport {
   double penetration = 0;      // max(0, −gap) at the end of the step [m]
   int crossings = 0;           // of the inner steps: across crowds of events, to first order whatever the tolerance
   std::optional<double> work;  // [J] of drives, loads and belts, from schemes that measure it themselves (work_meter.h)
+  double effort = 0;           // [J] likewise, the sum of the inner steps' absolute values
+  double least_weight = kInf;  // [J] least potential energy of weight at inner steps; infinity: not measured
   double error_estimate =
       0;  // [m, rad] of q: sum over the inner steps of schemes that estimate it; the motion may magnify it
   double energy_rise = 0;  // [J] that impacts or crossings added where they should not, see impact.h; 0: they did not
-  int plastic = 0;         // problems that friction and restitution left without a solution, solved with e = 0
-  Passage passage;         // of bodies through each other, unseen, of schemes of fixed step
+  double energy_rise_time = kInf;  // [s] of the largest, from schemes that locate events; infinity: end of the step
+  int plastic = 0;                 // problems that friction and restitution left without a solution, solved with e = 0
+  Passage passage;                 // of bodies through each other, unseen, of schemes of fixed step
 
   /// A step that is solved so far.
   static StepReport solved(int accepted = 1) {
     StepReport report;
     report.status = Status::solved, report.accepted = accepted;
     return report;
+  }
+
+  void note_rise(double rise, double t) {
+    if (rise > energy_rise) energy_rise = rise, energy_rise_time = t;
   }
 
   /// Takes one more problem in; true: it has an answer, solved or rounded. `status` is solved in both cases.

@@ -40,7 +40,7 @@ template <class RunType, class Visit> void visit_fields(RunType& run, Visit&& vi
         run.error_estimate);
   visit("energy_rises", "", "steps in which impacts or crossings raised the energy", run.energy_rises);
   visit("max_energy_rise", "J", "largest rise of energy in one step's impacts or crossings", run.max_energy_rise);
-  visit("max_energy_rise_time", "s", "end of that step", run.max_energy_rise_time);
+  visit("max_energy_rise_time", "s", "time of that event, or end of that step", run.max_energy_rise_time);
   visit("passages", "", "steps in which bodies passed through each other", run.passages);
   visit("first_passage_time", "s", "end of the first such step", run.first_passage_time);
   visit("rounded_steps", "", "steps with a problem that is rounded only", run.rounded_steps);

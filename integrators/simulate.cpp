@@ -2,6 +2,7 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/run_fields.h>
 #include <orthant/integrators/step/projection.h>
+#include <orthant/integrators/step/pulley_watch.h>
 #include <orthant/integrators/step/turn_watch.h>
 
 #include <chrono>
@@ -110,20 +111,26 @@ template <class Space> class Watchdog {
   double time_limit_before_ = kInf;  // [s]
 };
 
-/// Angles in space that a scheme of fixed step turns (turn_watch.h); those that divide their step watch them within it.
-template <class Space> class AngleWatch {
+/// Directions that are lost within a step. In the plane: of taut ropes (pulley_watch.h). In space: angles that a scheme
+/// of fixed step turns (turn_watch.h); those that divide their step watch them within it.
+template <class Space> class DirectionWatch {
  public:
-  AngleWatch(const IntegratorOf<Space>& /*integrator*/, const State& /*start*/) {}
-  bool admits(const State& /*x*/) { return true; }
-  std::string why() const { return {}; }
-  void remember(CheckpointData& /*memory*/) {}
+  DirectionWatch(const IntegratorOf<Space>& integrator, const State& start) : pulleys_(integrator, start) {}
+  bool admits(const State& x) { return pulleys_.admits(x); }
+  bool explains(const State& x, double h) { return pulleys_.explains(x, h); }
+  const std::string& why() const { return pulleys_.why(); }
+  void remember(CheckpointData& memory) { memory(pulleys_); }
+
+ private:
+  PulleyWatch pulleys_;
 };
-template <> class AngleWatch<Spatial> {
+template <> class DirectionWatch<Spatial> {
  public:
-  AngleWatch(const IntegratorOf<Spatial>& integrator, const State& start) {
+  DirectionWatch(const IntegratorOf<Spatial>& integrator, const State& start) {
     if (!integrator.controls_step()) turns_.emplace(integrator.system(), kMostTurn).follow(start.t, start.q, start.v);
   }
   bool admits(const State& x) { return !turns_ || turns_->follow(x.t, x.q, x.v); }
+  bool explains(const State& /*x*/, double /*h*/) const { return false; }
   const std::string& why() const { return turns_->why(); }
   void remember(CheckpointData& memory) {
     if (turns_) memory(*turns_);
@@ -138,7 +145,7 @@ void note(const StepReport& report, Run& run) {
   run.energy_rises += report.energy_rise > 0;
   if (report.energy_rise > run.max_energy_rise) {
     run.max_energy_rise = report.energy_rise;
-    run.max_energy_rise_time = run.final.t;
+    run.max_energy_rise_time = std::min(report.energy_rise_time, run.final.t);
   }
   if (report.passage.width > 0 && run.passages++ == 0)
     run.first_passage = report.passage, run.first_passage_time = run.final.t;
@@ -168,7 +175,7 @@ void remember(Run& run, CheckpointData& memory) {
 /// Of a run at the end of a step, for Restart. The clock is told apart: a run goes on only as it was begun.
 template <class Space, class Watch> void remember(const Clock& clock, Run& run, Recording<Space>& recording,
                                                   IntegratorOf<Space>& integrator, Watch& watch,
-                                                  AngleWatch<Space>& angles, CheckpointData& memory) {
+                                                  DirectionWatch<Space>& directions, CheckpointData& memory) {
   Clock same = clock;
   memory(same.step, same.duration, same.every);
   if (same.step != clock.step || same.duration != clock.duration || same.every != clock.every)
@@ -176,7 +183,7 @@ template <class Space, class Watch> void remember(const Clock& clock, Run& run, 
                                 ", duration = " + detail::text_of(same.duration) +
                                 ", every = " + std::to_string(same.every) + ": must be those of this run");
   remember(run, memory);
-  memory(recording, integrator, watch, angles);
+  memory(recording, integrator, watch, directions);
 }
 
 /// A start that breaks the joints, onto them: position, then velocity, in the metric of M (projection.h). One that
@@ -241,18 +248,19 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
   BroadPhaseOf<Space>(system).find(Eigen::VectorXd::Zero(system.dof()), start);
   evaluate_gaps(system, start);
   MotionWatchOf<Space> watch(integrator, x, start.gap);
-  AngleWatch<Space> angles(integrator, x);
+  DirectionWatch<Space> directions(integrator, x);
   if (restart.from.empty()) {
     recording.write(x, StepReport::solved(), start.gap);
   } else {
     CheckpointData memory(restart.from);
-    remember(clock, run, recording, integrator, watch, angles, memory);
+    remember(clock, run, recording, integrator, watch, directions, memory);
     memory.end();
     if (x.q.size() != system.coordinates() || x.v.size() != system.dof())
       throw std::invalid_argument("checkpoint: is of another scene");
   }
   const double seconds_before = run.seconds;
-  State before;  // the step, where the watch reads it
+  State before;           // the step, where the watch reads it
+  Eigen::VectorXd there;  // coordinates of a failed step's end, moved by the search for jams
 
   // A remainder below a billionth of a step is the rounding of duration / step.
   const auto whole = static_cast<long>(std::floor(clock.duration / clock.step * (1 + 1e-12) + 1e-9));
@@ -273,8 +281,12 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       run.why = integrator.why();
       if (watch.explains(x, h, report.status))
         run.status = watch.status(), run.why = watch.why();
+      else if (directions.explains(x, h))
+        run.status = Status::numerical_error, run.why = directions.why();
       else if (report.status == Status::infeasible && run.why.starts_with("jammed"))
         run.why += since(x.t);
+      if (watch.jammed() && watch.measures_work() && !JamSearchOf<Space>(system).fits(x.t, there = x.q))
+        x = before;                 // in a jam there is no motion
       const bool moved = x.t != t;  // a scheme that controls its step came some way
       if (moved) note(report, run), run.events += static_cast<long>(integrator.events().size());
       recording.end(moved, x, report, integrator);
@@ -288,8 +300,8 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding
-    if (!angles.admits(x)) {
-      run.status = Status::numerical_error, run.why = angles.why();
+    if (!directions.admits(x)) {
+      run.status = Status::numerical_error, run.why = directions.why();
       note(report, run);
       recording.end(true, x, report, integrator);
       break;
@@ -312,7 +324,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
     if (restart.every > 0 && run.steps % restart.every == 0) {
       const auto saving = WallClock::now();
       CheckpointData memory;
-      remember(clock, run, recording, integrator, watch, angles, memory);
+      remember(clock, run, recording, integrator, watch, directions, memory);
       restart.save(memory.bytes());
       recording.seconds += std::chrono::duration<double>(WallClock::now() - saving).count();
     }

@@ -157,7 +157,7 @@ std::vector<std::string> limits_entered(const System& system, const Run& run, st
                                 bodies[light[b]].name, "\": beyond ", kMassRatio,
                                 " contacts between such bodies may not be solved"));
   if (run.crossings > 0)
-    limits.push_back(words_of("crowds of events were crossed in ", run.crossings,
+    limits.push_back(words_of("crowds of events, or instants without a single answer, were crossed in ", run.crossings,
                               run.crossings == 1 ? " step" : " steps",
                               " of first order, whatever the tolerance: the motion may depend on that; they leave ",
                               run.error_estimate, " m or rad, which it may magnify"));

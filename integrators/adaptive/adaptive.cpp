@@ -8,6 +8,7 @@ namespace orthant {
 namespace {
 
 constexpr double kInnerPart = 1e-3;  // of the tolerance, for an inner step
+constexpr double kJointsOff = 1e-6;  // of joints_off(): no state within a step, whose ends hold the joints
 constexpr double kLeastRelative = 1e-13, kLeastAbsolute = 1e-14;
 constexpr double kSwing = 3;                     // [rad]
 constexpr double kFirstReach = 1, kGrowth = 10;  // [s], and of the stride before: the longest stride
@@ -101,7 +102,8 @@ bool Adaptive::stride(Solver& solver, StepReport& report) {
   report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
   report.lcp_rows = std::max(report.lcp_rows, one.lcp_rows);
   report.lcp_residual = std::max(report.lcp_residual, one.lcp_residual);
-  report.energy_rise = std::max(report.energy_rise, one.energy_rise), report.plastic += one.plastic;
+  report.note_rise(one.energy_rise, one.energy_rise_time), report.plastic += one.plastic;
+  report.effort += one.effort, report.least_weight = std::min(report.least_weight, one.least_weight);
   report.error_estimate += one.error_estimate;
   end_.residual.joint = one.joint_residual, end_.residual.rate = one.joint_rate;
   left_.events.insert(left_.events.end(), engine_.events().begin(), engine_.events().end());
@@ -154,7 +156,8 @@ void Adaptive::measure_work(const State& to, StepReport& report) {
 }
 
 /// q and v at t, within the last inner step: on its arc, or within the crossing that follows, where they are taken from
-/// the straight line between its ends, and moved onto the joints. Returns the residual of the joints.
+/// the straight line between its ends (a parabola where no contact acts), and moved onto the joints. Returns the
+/// residual of the joints.
 ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
   const Arc& arc = engine_.arc();
   const double arc_end = arc.start + arc.length;
@@ -164,9 +167,16 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
     between_.at(t, x.q, x.v);
     return between_.residual();
   }
-  if (arc.length > 0) x.q = arc.q1, x.t = arc_end;  // else x is where the inner step began, or a place since
-  move(x.q, (t - x.t) / (end_.state.t - x.t) * between(x.q, end_.state.q));
-  x.v = end_.state.v;
+  if (arc.length > 0) x.q = arc.q1, x.v = arc.v1, x.t = arc_end;  // else x is where the inner step began, or since
+  const double rest = end_.state.t - x.t, part = (t - x.t) / rest;
+  move(x.q, part * between(x.q, end_.state.q));
+  const auto pushes = [](const Impulse& push) { return push.normal != 0; };
+  if (std::ranges::any_of(left_.impulses, pushes)) {
+    x.v = end_.state.v;
+  } else {  // smooth, next to a singular pose of the joints
+    move(x.q, -part * (1 - part) * rest / 2 * (end_.state.v - x.v));
+    x.v += part * (end_.state.v - x.v);
+  }
   if (!joints_) return {};
   on_joints_ = x;
   const ContactMotion::Residual left = joints_->project(t, on_joints_.q, on_joints_.v);
@@ -187,7 +197,10 @@ void Adaptive::hand_out(double target, State& x, StepReport& report) {
     report.joint_residual = residual.joint, report.joint_rate = residual.rate;
     hand_over_until(target);
     x.t = target;
-    if (target < engine_.arc().start + engine_.arc().length) measure_work(x, report);
+    const bool on_arc = target < engine_.arc().start + engine_.arc().length;
+    if (report.status == Status::solved && on_arc && residual.off > kJointsOff && residual.off < kInf)
+      fail(report, Status::numerical_error, "joints are left at " + detail::text_of(residual.joint) + " m or rad");
+    if (on_arc) measure_work(x, report);
     if (system_.contacts() > 0) {
       set_poses(system_, x.t, x.q, terms_.at);
       evaluate_gaps(system_, terms_);

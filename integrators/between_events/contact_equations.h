@@ -55,13 +55,13 @@ template <class Space> class ContactEquationsOf {
       b[i] = apply(row_[static_cast<std::size_t>(i)], x.data()) + c_[static_cast<std::size_t>(i)];
   }
 
-  /// A z = −b. Where rows depend on each other, the z of least Σ z_i² / share_i: equal forces share a load in
-  /// proportion to their shares. share: n, > 0.
-  void solve(const Vector& share) {
+  /// A z = −b. Where rows depend on each other, the z of least Σ (z_i − known_i)² / share_i: equal forces share a load
+  /// in proportion to their shares. share: n, > 0; known: n, or null for zero.
+  void solve(const Vector& share, const Vector* known = nullptr) {
     if (size() <= kSmall)
-      solve_as<Eigen::Matrix<double, -1, -1, 0, kSmall, kSmall>>(share);
+      solve_as<Eigen::Matrix<double, -1, -1, 0, kSmall, kSmall>>(share, known);
     else
-      solve_as<Eigen::MatrixXd>(share);
+      solve_as<Eigen::MatrixXd>(share, known);
   }
 
   /// x + B Fᵀ z
@@ -74,14 +74,17 @@ template <class Space> class ContactEquationsOf {
  private:
   static constexpr int kSmall = 16;  // up to here on the stack
 
-  template <class Dense> void solve_as(const Vector& share) {
+  template <class Dense> void solve_as(const Vector& share, const Vector* known) {
     Eigen::CompleteOrthogonalDecomposition<Dense> decomposition;
     decomposition.setThreshold(1e-10);
     using Few = Eigen::Matrix<double, -1, 1, 0, Dense::MaxRowsAtCompileTime, 1>;
     const Few root = share.cwiseSqrt();
     decomposition.compute(Dense(A * root.asDiagonal()));
     dependent = decomposition.rank() < size();
-    z = root.cwiseProduct(decomposition.solve(Few(-b)));
+    if (dependent && known != nullptr)
+      z = *known + root.cwiseProduct(decomposition.solve(Few(-b - A * *known)));
+    else
+      z = root.cwiseProduct(decomposition.solve(Few(-b)));
   }
 
   struct Beside {  // one more part of an equation's force

@@ -50,6 +50,7 @@ void ContactMotion::modes_changed() {
   lasting_.clear();
   for (int i = 0; i < system_.contacts(); ++i)
     if (modes[static_cast<std::size_t>(i)].lasting) lasting_.push_back(i);
+  knows_ = std::ranges::any_of(modes, [](const ContactMode& mode) { return mode.lasting && mode.known; });
   normal_.assign(lasting_.size(), 0), tangent_.assign(lasting_.size(), 0), taken_.assign(lasting_.size(), 0);
 }
 
@@ -78,22 +79,26 @@ void ContactMotion::impose(const Terms& terms, const BasicSystem& basic, std::sp
                            Eigen::VectorXd& x) {
   equations_.clear();
   share_.resize(static_cast<Index>(2 * lasting_.size()));
+  if (knows_) known_.resize(share_.size()), known_.setZero();
   for (std::size_t i = 0; i < lasting_.size(); ++i) {
     const ContactMode& mode = modes[static_cast<std::size_t>(lasting_[i])];
     const ContactRows& rows = terms.closed[i].rows;
     const double mu = system_.law(lasting_[i]).mu;
     share_[equations_.size()] = mode.share_normal;
+    if (knows_) known_[equations_.size()] = mode.known_normal;
     if (mode.slip != 0)
       equations_.add_sliding(rows, mode.slip * mu, missing[i].normal);
     else
       equations_.add(rows.normal, rows.normal, missing[i].normal);
     if (!mode.sticks) continue;
     share_[equations_.size()] = mode.share_tangent;
+    if (knows_) known_[equations_.size()] = mode.known_tangent;
     equations_.add(rows.tangent, rows.tangent, missing[i].tangent);
   }
   share_.resize(equations_.size());
   equations_.assemble(basic, x);
-  equations_.solve(share_);
+  if (knows_) known_.resize(equations_.size());
+  equations_.solve(share_, knows_ ? &known_ : nullptr);
   equations_.act(equations_.z, x);
   Index k = 0;
   for (std::size_t i = 0; i < lasting_.size(); ++i) {

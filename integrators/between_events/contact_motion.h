@@ -3,7 +3,8 @@
 //   M a = f + Gᵀ λ + W_Nᵀ λ_N + W_Tᵀ λ_T,   G a = −Ġ v,   of each lasting contact W_N a = −Ẇ_N v, and
 //     sticking:  W_T a = −Ẇ_T v         sliding in the sense σ = ±1:  λ_T = −σ μ λ_N         (μ = 0: neither)
 //   The joints are eliminated through the basic system (contact_equations.h); redundant contacts share their forces in
-//   the proportion that the decision about the modes found.
+//   the proportion that the decision about the modes found, or differ the least from forces that it found in the cones
+//   of friction (contacts that hold each other: a wedge, a drawer that jams).
 //   project(): q and v back onto joints, lasting contacts (g = 0, W_N v = 0) and sticking ones (γ_T = 0), each in the
 //   metric of M; contacts by one Newton step, which is enough for the errors of a step of high order, or by several
 //   where they overlap more.
@@ -26,6 +27,8 @@ struct ContactMode {
   bool lasting = false, sticks = false;
   double slip = 0;                             // σ of a contact that slides
   double share_normal = 1, share_tangent = 1;  // see ContactEquations::solve
+  bool known = false;                          // likewise, with these forces
+  double known_normal = 0, known_tangent = 0;  // [N]
   bool operator==(const ContactMode& other) const {
     return lasting == other.lasting && sticks == other.sticks && slip == other.slip;
   }
@@ -66,6 +69,8 @@ class ContactMotion {
   void impose(const Terms& terms, const BasicSystem& basic, std::span<const ContactBias> missing, Eigen::VectorXd& x);
   /// The lasting contacts' rows, in the last accelerations(), depend on each other: their forces are not unique.
   bool redundant() const { return equations_.dependent; }
+  /// Known forces are used for them.
+  bool knows_forces() const { return knows_; }
   /// Such forces are shared in the proportions of the normal forces of w from now on.
   void share_anew(const Watched& w);
 
@@ -104,7 +109,8 @@ class ContactMotion {
   std::vector<int> lasting_;
   std::vector<double> normal_, tangent_, taken_;
   Magnitudes far_, fast_;  // [m], [m/s] of translations
-  Vector share_;
+  Vector share_, known_;
+  bool knows_ = false;
   Eigen::VectorXd free_, zero_, rate_, lambda_;
 };
 

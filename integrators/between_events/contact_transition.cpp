@@ -3,6 +3,7 @@
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orthant {
@@ -181,26 +182,50 @@ Status ContactTransition::decide(ContactMotion& motion, Solver& solver, StepRepo
       if (report.status != Status::solved) return report.status;
     } while (slide_off());
   }
+  write_modes(motion, solution_, false);
+  return Status::solved;
+}
+
+bool ContactTransition::find_forces_in_cones(ContactMotion& motion, Solver& solver, StepReport& report) {
+  constexpr std::array kParts = {0.5, 0.8, 0.95, 0.99};
+  if (lcp_.friction.empty() || !has_answer(solution_.status)) return false;
+  Lcp part = lcp_;
+  Solution found;
+  for (const double share : kParts) {
+    for (std::size_t i = 0; i < part.friction.size(); ++i) part.friction[i].mu = share * lcp_.friction[i].mu;
+    solver.solve(part, found);
+    report.lcp_solves += 1, report.lcp_iterations += found.iterations;
+    if (!has_answer(found.status) ||
+        with_different_accelerations({solution_.z, found.z}, equations_, lcp_.b, motion.free()).size() != 1)
+      continue;
+    write_modes(motion, found, true);
+    return true;
+  }
+  return false;
+}
+
+void ContactTransition::write_modes(ContactMotion& motion, const Solution& solution, bool known) {
   std::fill(motion.modes.begin(), motion.modes.end(), ContactMode{});
   const double zero = lcp_.size() > 0 ? this->zero() : 0;
-  const double most = candidates.empty() ? 0 : solution_.z.head(static_cast<Index>(candidates.size())).maxCoeff();
+  const double most = candidates.empty() ? 0 : solution.z.head(static_cast<Index>(candidates.size())).maxCoeff();
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto row = static_cast<Index>(i);
-    const double push = equations_.A(row, row) * solution_.z[row];
+    const double push = equations_.A(row, row) * solution.z[row];
     ContactMode& mode = motion.modes[static_cast<std::size_t>(candidates[i].contact)];
-    mode.lasting = push > solution_.w[row] && push > zero;
+    mode.lasting = push > solution.w[row] && push > zero;
     if (!mode.lasting) continue;
     mode.slip = candidates[i].slip;
-    mode.share_normal = std::max(solution_.z[row], 1e-3 * most);  // none so small that it counts as dependent
+    mode.share_normal = std::max(solution.z[row], 1e-3 * most);  // none so small that it counts as dependent
+    mode.known = known, mode.known_normal = solution.z[row];
   }
   for (const Friction& f : lcp_.friction) {
     const Candidate& c = candidates[static_cast<std::size_t>(f.normal)];
     ContactMode& mode = motion.modes[static_cast<std::size_t>(c.contact)];
     mode.sticks = mode.lasting && c.slip == 0;
     mode.share_tangent = f.mu * mode.share_normal;
+    mode.known_tangent = solution.z[f.first];
   }
   motion.modes_changed();
-  return Status::solved;
 }
 
 }  // namespace orthant

@@ -38,6 +38,11 @@ class ContactTransition {
   /// what is wrong, the modes are as they were.
   Status decide(ContactMotion& motion, Solver& solver, StepReport& report);
 
+  /// After decide(): forces well within the cones of friction that begin the same motion, for modes whose shares of
+  /// forces that are not unique leave the cones. They come from the problem with a part of the friction. True: found,
+  /// and written to the modes.
+  bool find_forces_in_cones(ContactMotion& motion, Solver& solver, StepReport& report);
+
   const Lcp& problem() const { return lcp_; }
   const std::string& why() const { return why_; }
   bool undecided() const { return undecided_; }  // not solved, and not known whether it can be
@@ -53,6 +58,7 @@ class ContactTransition {
   double zero() const;
   Status examine(Solver& solver, const Eigen::VectorXd& free);
   bool slide_off();
+  void write_modes(ContactMotion& motion, const Solution& solution, bool known);
 
   const System& system_;
   Immobility immobility_;

@@ -16,7 +16,6 @@ constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go tha
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
 constexpr double kWay = 1e-9;              // of the way since two contacts struck: nearer ones may be one event
-constexpr double kPulled = 10;             // of its acceleration times the interval: a faster contact was pushed
 constexpr int kShares = 200;               // times that friction is shared again in a crowd, which count for no event
 
 /// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing
@@ -77,7 +76,11 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
     if (b.accumulates() && b.interval > kInstant * kRounding * std::abs(t)) crowd_.steps = 0;  // a series has an end
   }
   if (struck > 1) close_together();
-  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
+  if (struck > 0) {
+    const bool plastic = accumulates();
+    if (!impact(solver, plastic, report)) return false;
+    if (plastic && strikes_after_series() && !impact(solver, false, report)) return false;
+  }
   return settle(solver, event, struck > 0, report);
 }
 
@@ -127,9 +130,9 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   }
   formulation_.advance(now_.v, strike_.impulses);
   if (in_turn || !plastic) impact_.add_to(strike_.impulses);
-  if (meter_) work_ += meter_->over_impact(terms, strike_.v_before, now_.v, strike_.impulses);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, targets_, now_.v, strike_.impulses));
+  if (meter_) add_work(meter_->over_impact(terms, strike_.v_before, now_.v, strike_.impulses));
   const double t = start_ + elapsed_;
+  report.note_rise(energy_rise(system_, terms, targets_, now_.v, strike_.impulses), t);
   for (const ClosedContact& closed : terms.closed) {
     const int c = closed.contact;
     const Impulse& hit = strike_.impulses[at(c)];
@@ -142,63 +145,25 @@ bool EventDriven::impact(Solver& solver, bool plastic, StepReport& report) {
   return true;
 }
 
-/// Before an impact at contact c.
-void EventDriven::note_bounce(int c) {
-  Bounces& b = bounces_[at(c)];
-  b.add(start_ + elapsed_);
-  const double height = -now_.w.gap_rate[c] * b.interval / 4;  // of the last one, a parabola of this speed
-  b.height = height * b.ratio;
-  b.rounding = height <= 16 * gap_zero(c);
-}
-
-/// Whether forces bring contact c back from bounce to bounce. Where it is other impacts, as of a body crushed between
-/// others, the bounces become low as all gaps close, but no slower, and their impulses remain large.
-bool EventDriven::pulled(int c) const {
-  return -now_.w.gap_rate[c] <= kPulled * std::abs(now_.w.gap_acceleration[c]) * bounces_[at(c)].interval;
-}
-
-/// Whether another contact strikes before the bounces of contact c have come to their end: then c is open or closed,
-/// and takes another part in that impact than it would from now on.
-template <class Low> bool EventDriven::disturbed(int c, const Low& low) const {
-  const double rest = bounces_[at(c)].rest, left = std::abs(now_.w.gap_rate[c]), t = start_ + elapsed_;
-  for (int k = 0; k < system_.contacts(); ++k) {
-    const Bounces& b = bounces_[at(k)];
-    const bool ends_too = b.accumulates() && now_.w.gap[k] <= low(k) && t - b.last <= b.interval;
-    if (k == c || motion_.modes[at(k)].lasting || ends_too) continue;
-    const double closing = std::max(0.0, -now_.w.gap_rate[k]), faster = std::max(0.0, -now_.w.gap_acceleration[k]);
-    if (now_.w.gap[k] < rest * (closing + left + rest / 2 * faster)) return true;
-  }
-  return false;
-}
-
-/// Marks the contacts whose bounces need not be resolved any more, if there are any at this time. Those are no higher
-/// than what counts as touching: contacts of a series, struck in turn, would else strike at once, with restitution.
-bool EventDriven::accumulates() {
-  const double t = start_ + elapsed_;
-  const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), strike_.tie[at(c)]}); };
-  const auto is_low = [&](std::size_t c) { return now_.w.gap[static_cast<Index>(c)] <= low(static_cast<int>(c)); };
-  bool any = false, meet = false;
-  for (int c = 0; c < system_.contacts(); ++c) {
-    const Bounces& b = bounces_[at(c)];
-    if (b.last != t) continue;
-    meet = meet || (b.accumulates() && meets_in_turn(at(c), t, bounces_, motion_.modes, strike_.touching));
-    any = any || meet || b.rounding ||
-          (b.accumulates() && b.height <= low(c) && pulled(c) && !waits(b, bounces_, motion_.modes, is_low) &&
-           !disturbed(c, low));
-  }
-  for (int c = 0; c < system_.contacts(); ++c) {
-    Bounces& b = bounces_[at(c)];
-    const bool closed = now_.w.gap[c] <= low(c) || (meet && strike_.touching[at(c)]);
-    b.over = any && (b.rounding || b.accumulates()) && t - b.last <= b.interval && closed;
-    strike_.touching[at(c)] = strike_.touching[at(c)] || b.over;
-  }
-  return any;
+/// A step of first order next to a singular pose errs in the speed by much more than in the path. Without contacts the
+/// energy of the state `before` and the work since tell the speed. False: no accelerations at it.
+bool EventDriven::keep_energy(const State& before, double work) {
+  constexpr double kLittle = 0.01;  // of the kinetic energy: more is no error of a step
+  const auto& pushes = stepping_.impulses();
+  if (!conservative_ || std::ranges::any_of(pushes, [](const Impulse& push) { return push.normal != 0; })) return true;
+  const double kinetic = now_.v.dot(system_.mass().cwiseProduct(now_.v)) / 2;
+  crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
+  const double missing = energy(system_, before) + work - energy(system_, crossing_.state);
+  if (!(std::abs(missing) <= kLittle * kinetic) || missing == 0) return true;
+  now_.v *= std::sqrt(1 + missing / kinetic);
+  return observe(now_, start_ + elapsed_);
 }
 
 /// Where events have no end, or an instant no answer that could be computed: a step of Moreau–Jean's method. What it
 /// leaves no faster than it falls within the step lasts. Where that does not help either the next one is twice as long.
 bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
-  if (!crossing_.goes_on) crossing_.status = report.status, crossing_.why = why_;
+  if (!crossing_.goes_on)
+    crossing_.status = report.status, crossing_.why = why_, crossing_.smooth = why_.starts_with(kSingularPose);
   const auto give_up = [&] { return crossing_.goes_on = false, fail(report, crossing_.status, crossing_.why); };
   for (bool calm = false; !calm;) {
     if (stopped(report)) return false;
@@ -215,7 +180,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     const State before = crossing_.state;
     const StepReport step = stepping_.step(s, solver, crossing_.state);
     report.lcp_solves += step.lcp_solves, report.lcp_iterations += step.lcp_iterations;
-    ++report.accepted, ++report.crossings, report.plastic += step.plastic;
+    report.plastic += step.plastic;
     if (step.status != Status::solved) return give_up();
     if (step.passage.width > 0) {
       report.passage = step.passage;
@@ -224,8 +189,9 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
                       ": bodies would pass through each other in the shortest step");
     }
     if (!leaves_room(crossing_.state)) return fail(report, Status::infeasible, "contacts and drives leave no motion");
+    ++report.accepted, ++report.crossings;
     const double worked = work_;
-    if (meter_) work_ += meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {});
+    if (meter_) add_work(meter_->over_step(before, crossing_.state, stepping_.impulses(), frictions_, {}));
     report.error_estimate += s * (crossing_.state.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossing_.state.q, now_.v = crossing_.state.v;
     elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
@@ -247,9 +213,10 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     std::fill(freed_.held.begin(), freed_.held.end(), false);
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
+    if (calm && !any && crossing_.smooth && !keep_energy(before, work_ - worked))
+      return fail(report, Status::numerical_error, "no accelerations after a singular pose");
     crossing_.state.t = start_ + elapsed_, crossing_.state.q = now_.q, crossing_.state.v = now_.v;
-    report.energy_rise =
-        std::max(report.energy_rise, gain_of_crossing(system_, before, crossing_.state, work_ - worked));
+    report.note_rise(gain_of_crossing(system_, before, crossing_.state, work_ - worked), crossing_.state.t);
     if (!calm && !no_answer_ && !options_.go_on) return false;
     crossing_.goes_on = striding_ && !calm;
     if (crossing_.goes_on) break;  // the next stride crosses on
@@ -286,7 +253,9 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
       return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
     }
     residual_ = motion_.project(t, now_.q, now_.v);
-    if (!observe(now_, t)) return fail(report, Status::numerical_error, "no accelerations after an event");
+    if (!observe(now_, t) ||
+        (leaves_cones() && transition_.find_forces_in_cones(motion_, solver, report) && !observe(now_, t)))
+      return fail(report, Status::numerical_error, "no accelerations after an event");
     again = false;
     for (int c = 0; c < system_.contacts(); ++c)
       if (freed_.released[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
@@ -300,10 +269,20 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
   return true;
 }
 
+/// Whether forces at now_, which are not unique, are shared such that a contact would open or slide by that alone.
+bool EventDriven::leaves_cones() const {
+  if (!motion_.redundant()) return false;
+  const double zero = kForceZero * now_.w.normal.lpNorm<Eigen::Infinity>();
+  return std::ranges::any_of(motion_.lasting(), [&](int c) {
+    return now_.w.normal[c] < -zero || (motion_.modes[at(c)].sticks && room(c) < -zero);
+  });
+}
+
 /// Contacts that share a force do so in the proportion of the normal forces when their modes were decided. One that
 /// comes to the bound of friction by that alone sticks on when it is shared as the normal forces are now.
 bool EventDriven::shares_anew(const Sign& event) {
   if (event.watch != Watch::cone_up && event.watch != Watch::cone_down) return false;
+  if (motion_.knows_forces()) return false;
   motion_.share_anew(now_.w);
   return observe(now_, start_ + elapsed_) && room(event.contact) > slack(event);
 }

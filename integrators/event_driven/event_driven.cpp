@@ -13,6 +13,14 @@ constexpr int kShortSteps = 15;    // steps in a row, each shorter than
 constexpr int kLandings = 200;     // tries to find a step's first event
 constexpr double kNowhere = 1e-9;  // of places and sizes: unless bodies move by more in such a step
 
+/// No drives, dampers and dry friction in joints: beside contacts and loads energy stays as it is.
+bool conserves(const System& system) {
+  const auto damped = [](const Spring& spring) {
+    return std::visit([](const auto& s) { return s.damping != 0; }, spring);
+  };
+  return !system.driven() && system.scene().frictions.empty() && std::ranges::none_of(system.scene().springs, damped);
+}
+
 }  // namespace
 
 EventDriven::EventDriven(const System& system, const Options& options, std::string_view name)
@@ -39,6 +47,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       push_(impulses_.size()),
       stage_push_(impulses_.size()),
       before_(impulses_.size()),
+      conservative_(conserves(system)),
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
   stepping_.keep_restitution();
@@ -56,7 +65,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   formulation_.clear(), shown_ = &formulation_;
   const bool known = good_ && last_q_ == x.q && last_v_ == x.v;
   crossing_.end = known ? crossing_.end - (x.t - start_) : -kInf;
-  work_ = known ? -lead_.work : 0, lead_.work = 0;
+  work_ = known ? -lead_.work : 0, lead_.work = 0, effort_ = 0, least_weight_ = kInf;
   start_ = x.t, elapsed_ = known ? -lead_.time : 0, lead_.time = 0;
   if (!known || !one) crowd_.standstill = crowd_.steps = crowd_.shared = crowd_.instants = 0, crossing_.goes_on = false;
   striding_ = one, arc_.length = 0;
@@ -74,7 +83,8 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   const Point& end = lead_.time > 0 ? trial_ : now_;
   if (meter_ && lead_.time > 0)
     lead_.work = meter_->over_motion(start_ + elapsed_, h - elapsed_, now_, trial_, motion_.modes);
-  if (meter_) report.work = work_ + lead_.work;
+  if (meter_) report.work = work_ + lead_.work, report.effort = effort_ + std::abs(lead_.work);
+  report.least_weight = least_weight_;
   if (one && lead_.time > 0) note_lead();
   x.t = start_ + (lead_.time > 0 ? h : elapsed_), x.q = end.q, x.v = end.v;
   gaps_ = end.w.gap;
@@ -171,7 +181,7 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
   }
   if (joints_.rank < system_.joint_rows() && joints_.least_independence < kUntold)
     return fail(report, Status::numerical_error,
-                "redundant joints next to a singular pose at t = " + detail::text_of(start_ + elapsed_) +
+                std::string(kSingularPose) + " at t = " + detail::text_of(start_ + elapsed_) +
                     ": the branch cannot be determined; use adaptive or an integrator of fixed step") ||
            (options_.go_on && cross(solver, end, report));
   const bool early = pass_over(s, rest);
@@ -220,7 +230,8 @@ bool EventDriven::turn(Solver& solver, double s, double end, StepReport& report)
 void EventDriven::accept(double s, double end) {
   const double before = elapsed_;
   load_ = std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
-  if (meter_) work_ += meter_->over_motion(start_ + elapsed_, s, now_, trial_, motion_.modes);
+  if (meter_) add_work(meter_->over_motion(start_ + elapsed_, s, now_, trial_, motion_.modes));
+  least_weight_ = std::min(least_weight_, potential_of_weight(system_, trial_.q));
   std::swap(now_, trial_);
   residual_ = trial_residual_;
   elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;

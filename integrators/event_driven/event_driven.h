@@ -67,6 +67,8 @@ namespace orthant {
 
 inline constexpr double kRounding = 0x1p-52;
 
+inline constexpr std::string_view kSingularPose = "redundant joints next to a singular pose";
+
 struct EventDrivenOptions {
   double rtol = 1e-13,
          atol = 1e-14;          // error of a step, per entry of q and v; atol is also the slip [m/s] taken as none
@@ -139,7 +141,8 @@ class EventDriven final : public Integrator {
     bool goes_on = false;            // the stride before ended within a crossing, which goes on
     Status status = Status::solved;  // why it began
     std::string why;
-    void remember(CheckpointData& memory) { memory(step, end, goes_on, status, why); }
+    bool smooth = false;  // of a singular pose: it keeps the energy
+    void remember(CheckpointData& memory) { memory(step, end, goes_on, status, why, smooth); }
   };
   struct Scale {            // of the error of a step
     Eigen::VectorXd q, v;   // allowed
@@ -190,6 +193,7 @@ class EventDriven final : public Integrator {
   bool last_stage_behind() const;
   bool end_behind(double low, double high, double& s);
   void accept(double s, double end);
+  void add_work(double work) { work_ += work, effort_ += std::abs(work); }
   void note_arc(double before);
   void note_lead();
   bool turn(Solver& solver, double s, double end, StepReport& report);
@@ -207,13 +211,16 @@ class EventDriven final : public Integrator {
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool cross(Solver& solver, double end, StepReport& report);
   bool leaves_room(const State& x);
+  bool keep_energy(const State& before, double work);
   void close_together();
   void note_bounce(int contact);
   bool pulled(int contact) const;
   template <class Low> bool disturbed(int contact, const Low& low) const;
   bool accumulates();
+  bool strikes_after_series();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
   bool shares_anew(const Sign& event);
+  bool leaves_cones() const;
   double force_zero() const;
   double room(int contact) const;
   void let_go(const Sign& event);
@@ -242,7 +249,8 @@ class EventDriven final : public Integrator {
   bool striding_ = false;
   double start_ = 0, elapsed_ = 0, h_ = 0;  // [s] of this call; length of the next step
   double stop_ = kInf;                      // [s] forces are not looked at later in this step
-  double work_ = 0;                         // [J] of this call
+  double work_ = 0, effort_ = 0;            // [J] of this call; the sum of the parts' absolute values
+  double least_weight_ = kInf;              // [J] least potential energy of weight in this call
   double size_ = 0;                         // [m] largest radius of gyration
   double load_ = 0;                         // [N] the largest normal force since the modes were decided
   bool no_answer_ = false;                  // an impact or an acceleration-level problem was not solved
@@ -265,6 +273,7 @@ class EventDriven final : public Integrator {
   double behind_ = 0;                // [s] of the trial step: gone on without forces, across a jump of theirs
   std::vector<ContactMode> before_;
   std::vector<RateTarget> targets_;
+  const bool conservative_;   // nothing but contacts dissipates, and nothing is driven
   const Formulation* shown_;  // by problem(); null: the transition
 };
 

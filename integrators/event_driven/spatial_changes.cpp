@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace orthant {
 namespace {
@@ -55,7 +56,20 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
     if (!b.accumulates() || !(std::abs(time_ + b.rest - b.end) <= blur)) b.end = time_ + b.rest;
   }
   if (struck > 1) close_together();
-  if (struck > 0 && !impact(solver, accumulates(), report)) return false;
+  if (struck > 0) {
+    const bool plastic = accumulates();
+    if (!impact(solver, plastic, report)) return false;
+    // A contact that struck now, but has no part in the series that ends, has its own impact after it.
+    const auto outside = [&](int c) {
+      const DatedBounces& b = bounces_[static_cast<std::size_t>(c)];
+      return b.last == time_ && !b.over;
+    };
+    const auto all = std::views::iota(0, system_.contacts());
+    const bool again =
+        plastic && std::ranges::any_of(all, outside) && observe(now_, time_) &&
+        std::ranges::any_of(all, [&](int c) { return outside(c) && now_.w.gap_rate[c] < -rate_zero(c); });
+    if (again && !impact(solver, false, report)) return false;
+  }
   next_ = 0;
   return settle(solver, event, struck > 0, report);
 }
@@ -124,7 +138,8 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   std::fill(struck_.begin(), struck_.end(), Impulse{});
   formulation_.advance(now_.v, struck_);
   if (in_turn || !plastic) impact_.add_to(struck_);
-  report.energy_rise = std::max(report.energy_rise, energy_rise(system_, terms, targets_, now_.v, struck_));
+  report.note_rise(energy_rise(system_, terms, targets_, now_.v, struck_), time_);
+  const double worked = work_;
   if (system_.driven()) work_ += (v_before_ + now_.v).dot(system_.mass().cwiseProduct(now_.v - v_before_)) / 2;
   for (const auto& closed : terms.closed) {
     const auto i = static_cast<std::size_t>(closed.contact);
@@ -143,6 +158,7 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
     else if (hit.normal > 0)
       emit(time_, EventKind::impact, closed.contact, hit);
   }
+  effort_ += std::abs(work_ - worked);
   return true;
 }
 
@@ -278,8 +294,10 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
                                                   ": bodies would pass through each other");
     }
     const double worked = work_;
-    if (meter_)
+    if (meter_) {
       work_ += meter_->over_step(before, crossed_, stepping_.impulses(), stepping_.frictions(), stepping_.pairs());
+      effort_ += std::abs(work_ - worked);
+    }
     report.error_estimate += s * (crossed_.v - now_.v - s * now_.a).lpNorm<Eigen::Infinity>();
     now_.q = crossed_.q, now_.v = crossed_.v;
     time_ += s;
@@ -302,7 +320,7 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
     no_answer_ = false;
     calm = (!any || impact(solver, true, report)) && settle(solver, {}, true, report);
     crossed_.t = time_, crossed_.q = now_.q, crossed_.v = now_.v;
-    report.energy_rise = std::max(report.energy_rise, gain_of_crossing(system_, before, crossed_, work_ - worked));
+    report.note_rise(gain_of_crossing(system_, before, crossed_, work_ - worked), time_);
     for (DatedBounces& b : bounces_) b.over = false;
     if (!calm && !no_answer_ && !options_.go_on) return false;
   }

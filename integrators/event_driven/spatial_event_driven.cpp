@@ -88,7 +88,7 @@ void SpatialEventDriven::restart(const State& x) {
 
 void SpatialEventDriven::begin_call(const State& x) {
   why_.clear(), events_.clear(), failed_ = {};
-  work_ = 0, crowd_.instants = 0;
+  work_ = effort_ = 0, crowd_.instants = 0;
   std::fill(impulses_.begin(), impulses_.end(), Impulse{});
   formulation_.clear(), shown_ = &formulation_;
   if (!goes_on(x)) restart(x);
@@ -99,7 +99,7 @@ void SpatialEventDriven::end_call(State& x, StepReport& report) {
   if (failed_.status != Status::solved) fail(report, failed_.status, failed_.why);
   x.t = time_, x.q = now_.q, x.v = now_.v;
   last_ = x;
-  if (measures_) report.work = report.work.value_or(0) + work_;
+  if (measures_) report.work = report.work.value_or(0) + work_, report.effort += effort_;
   report.joint_residual = now_.residual.joint, report.joint_rate = now_.residual.rate;
   sort_events();
   gaps_ = now_.w.gap;
@@ -329,7 +329,7 @@ void SpatialEventDriven::accept(double s, bool at_stop, double stop) {
     Impulse& sum = impulses_[static_cast<std::size_t>(c)];
     sum.normal += push[3 * c], sum.tangent += Tangents{push[3 * c + 1], push[3 * c + 2]};
   }
-  if (measures_) work_ += push[push.size() - 1];
+  if (measures_) work_ += push[push.size() - 1], effort_ += std::abs(push[push.size() - 1]);
   motion_.forget_overlaps(now_.w);
 }
 

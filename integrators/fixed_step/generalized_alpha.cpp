@@ -20,7 +20,7 @@ template <class Space> StepReport GeneralizedAlphaOf<Space>::step(double h, Solv
   begin();
   if (!start(x, report) || !flow(h, x, solver, report)) return report;
   hand_over(x);
-  if (!strike(v_, solver, report)) return report;
+  if (!strike(h, v_, solver, report)) return report;
   arrive(h, v_, x, report);
   if (report.status != Status::solved) return report;
   a_ = ((1 - alpha_f_) * s_new_ + alpha_f_ * s_ - alpha_m_ * a_) / (1 - alpha_m_);

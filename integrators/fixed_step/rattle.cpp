@@ -19,7 +19,7 @@ template <class Space> StepReport RattleOf<Space>::step(double h, Solver& solver
   v_ = path_ / h;
   note_carried();
   hand_over(x);
-  if (!other_half(h, x, report) || !strike(v_, solver, report)) return report;
+  if (!other_half(h, x, report) || !strike(h, v_, solver, report)) return report;
   arrive(h, v_, x, report);
   last_ = x.q;
   factorized_there_ = report.status == Status::solved && system_.scene().springs.empty();

@@ -6,10 +6,10 @@
 //   with Coulomb friction of both R (slip u) and P (γ_T⁺ + e_T γ_T⁻): the two stages of two_level.h. P is the whole
 //   impulse of the step, so that Newton's law holds for it as in Moreau–Jean; R only stops the body at the surface.
 // Order 2 on smooth motion and in contacts that last. With impacts 1: each ends on the surface and rebounds at the end
-// of its step, wherever it fell (e = 1 loses m g times the height left, O(h) an impact); inelastic ones, however, get
-// exactly the impulse of their instant within the step: order 2 is observed on the slider-crank for e = 0. Energy
-// oscillates with h² while a mechanism turns, without drift: N-four-bar, h = 1e-3, 3.9e-4 J of 36 J within a turn, 5e-6
-// J after five; not a matter of its singular poses.
+// of its step, wherever it fell, at the speed of its instant (two_level.h): O(h) in phase, not in energy. Inelastic
+// ones get exactly the impulse of their instant within the step: order 2 is observed on the slider-crank for e = 0.
+// Energy oscillates with h² while a mechanism turns, without drift: N-four-bar, h = 1e-3, 3.9e-4 J of 36 J within a
+// turn, 5e-6 J after five; not a matter of its singular poses.
 // Where loaded joints let light bodies swing at ω h > 1 (geometric_stiffness.h), M + h² K is M in both halves: stable.
 // Explicit else: a spring's ω h must stay below 2. Dampers: implicit in the first half, explicit in the second.
 // A step without contact: 1 factorization, 2 evaluations of forces, 3 or 4 of Φ.

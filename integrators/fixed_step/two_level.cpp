@@ -3,11 +3,13 @@
 #include <orthant/integrators/step/projection.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace orthant {
 namespace {
 
 constexpr double kOfPlaces = 1e-14, kOfGaps = 10;  // roundings of places; of gaps, in those
+constexpr double kSteady = 0.25;  // of an approach: what changes it by more in a step is not followed within it
 
 }  // namespace
 
@@ -223,6 +225,9 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
   newtons_law(system_.laws(), start_, x.v, targets_);
   restrict_to_strikes(targets_);
+  ways_.clear();
+  if (!carrying_.empty()) change_ = between<Space>(x.q, q_end_);
+  for (const ClosedContact& c : end_.closed) ways_.push_back(-apply(c.rows.normal, change_.data()));
   for (std::size_t k = 0; k < targets_.size(); ++k) {  // the work is that of the rows at the end
     const auto& rows = end_.closed[k].rows;
     targets_[k].approach = apply(rows.normal, x.v.data());
@@ -234,8 +239,21 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   }
 }
 
-template <class Space> bool TwoLevelOf<Space>::strike(Eigen::VectorXd& v, Solver& solver, StepReport& report) {
+template <class Space> void TwoLevelOf<Space>::strike_at_the_surface(double h) {
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
+    RateTargetOf<Space>& w = targets_[k];
+    if (!(w.normal > 0) || !(w.law->e > 0)) continue;
+    const double start = w.normal / w.law->e, before = -w.approach, change = w.free - w.approach;
+    const auto steady = [&](double by) { return std::abs(by) <= kSteady * start; };
+    if (!(start > kRestSpeed) || !steady(before - start) || !steady(change) || !(ways_[k] > 0)) continue;
+    w.normal = w.law->e * std::sqrt(std::max(0.0, before * before - 2 * change / h * ways_[k]));
+  }
+}
+
+template <class Space>
+bool TwoLevelOf<Space>::strike(double h, Eigen::VectorXd& v, Solver& solver, StepReport& report) {
   note_forces(end_, v, targets_);
+  strike_at_the_surface(h);
   velocities_.anchor(end_.at.t, q_end_);
   velocities_.formulate(end_, basic_, targets_, v, rate_);
   if (!solve(velocities_, solver, report)) return false;

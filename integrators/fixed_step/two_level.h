@@ -12,7 +12,10 @@
 //   have come to touch:
 //     0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,   P_T ∈ −μ P_N Sgn(γ_T⁺ + e_T γ_T⁻),   G v⁺ = 0,
 //   γ⁻ with the rows and the velocities of the step's start, so that a lasting contact has γ_N⁻ = 0 on curved paths
-//   too.
+//   too. Where a gap s closes within the step, γ_N⁻ is the rate at the surface: γ_N² = γ_N(t)² − 2 a s, all with the
+//   rows of the step's end, a = (γ_N,free(t+h) − γ_N(t)) / h. So an impact with e = 1 keeps the energy, wherever in the
+//   step it falls; its phase errs by O(h). Not where rows or forces change γ_N by more than a quarter in the step: a
+//   body may be held by other contacts, whose forces a does not contain.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
@@ -70,7 +73,7 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   void hand_over(const State& x);
 
   /// Velocity stage about basic_, factorized at end_.at: adds to v what P does; impulses_ holds P.
-  bool strike(Eigen::VectorXd& v, Solver& solver, StepReport& report);
+  bool strike(double h, Eigen::VectorXd& v, Solver& solver, StepReport& report);
 
   /// Takes the step: x is at q + p⁺ with v, and the report says how well it fits there.
   void arrive(double h, Eigen::VectorXd& v, State& x, StepReport& report);
@@ -94,6 +97,7 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   Mismatch mismatch(double accuracy, std::size_t count) const;  // of the first `count` closed contacts
   bool touch_only(std::size_t known) const;  // those closed after these overlap within rounding: they need no push
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);
+  void strike_at_the_surface(double h);  // targets_: γ_N⁻ at the surface
 
   std::vector<char> has_rows_;  // one per contact: it stands in start_.closed
   BroadPhaseOf<Space> broad_phase_;
@@ -102,6 +106,8 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   const Formulation* shown_;  // by problem()
   double stiffness_weight_ = 0, damping_weight_ = 0;
   std::vector<RateTargetOf<Space>> targets_;
+  std::vector<double> ways_;  // [m] of targets_: by how much the gap closes in the step
+  Eigen::VectorXd change_;    // of q in the step
   std::vector<int> carrying_;
   Eigen::VectorXd free_;
   Eigen::VectorXd q_frozen_, off_, off_before_;  // of start_.at; q_end_ from there, now and a pass before

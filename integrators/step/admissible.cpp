@@ -255,8 +255,9 @@ template <class Space> bool MotionWatchOf<Space>::admits(const State& before, co
     const double work = report.work ? *report.work
                                     : meter_->over_step(before, after, integrator_.impulses(), integrator_.frictions(),
                                                         integrator_.pairs());
-    motion_.work += work, effort_ += std::abs(work);
+    motion_.work += work, effort_ += std::max(std::abs(work), report.effort);
   }
+  if (system_.scene().springs.empty()) least_potential_ = std::min(least_potential_, report.least_weight);
   const bool regular = ++steps_ % every_ == 0 || last;
   return (!regular && report.lcp_solves < 2) || balances(after, h, regular);
 }

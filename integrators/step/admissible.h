@@ -11,6 +11,8 @@
 //   Energy: D = E − W must not rise, W the work of step_work.h. The defect is the largest rise of D above its least
 //   value before; where nothing dissipates (no friction, no dampers, all e = 1) the largest change. Its scale is the
 //   kinetic energy of the start, the potential energy released, Σ |W| and ½ h² f M⁻¹ f, what the forces of a step do.
+//   Σ |W| and the release of weight count within a step, too, where the integrator divides it: bodies may be at rest
+//   at all its ends.
 //   A run is reported from 5 % of it on; it ends where D rises by all of it. Steps with several complementarity
 //   problems (a position stage) are checked for rises separately: later steps may lose these again.
 //   In space a jam is searched for from L_i / 1000 on, from 1e-5 L_i of integrators that divide their step.

@@ -208,6 +208,20 @@ TEST_CASE("Newton's law with friction raises the energy, and the rise is reporte
         CHECK(poisson.energy_final <= poisson.energy_initial);
       }
   CHECK(rises >= 4);
+  // Schemes that locate events give the time of the event, whatever the output step.
+  int located = 0;
+  for (const char* integrator : {"event-driven", "adaptive"})
+    for (const double vx : {-2.0, -1.0, 1.0, 2.0}) {
+      const Scene s = rough_rod(Restitution::newton, 1.0, 0.9, vx);
+      std::vector<double> impacts;
+      const Run r = run(s, integrator, s.duration, [&](const RunSample& m) {
+        for (const Event& event : m.events) impacts.push_back(event.t);
+      });
+      if (r.energy_rises == 0) continue;
+      ++located;
+      CHECK(std::find(impacts.begin(), impacts.end(), r.max_energy_rise_time) != impacts.end());
+    }
+  CHECK(located > 0);
   // What only the step does is not counted: bounces under gravity, contacts of a fast mechanism with much too long
   // steps.
   for (const double e : {0.0, 0.9, 1.0}) CHECK(run(bouncing_ball({.e = e}), "moreau-jean", 1e-3).energy_rises == 0);

@@ -46,6 +46,25 @@ TEST_CASE("impacts in turn: their end depends neither on the place of the scene 
   same(end({0, 0}, "event-driven:accumulation=1e-12"));
 }
 
+TEST_CASE("a body that strikes at the instant at which another one's series of impacts ends rebounds by its own law") {
+  // Two balls far apart. One bounces with e = 1/2; the other falls to the floor at the other's k-th impact.
+  const double g = 9.81, height = 0.3, first = std::sqrt(2 * height / g);
+  for (int k = 2; k < 40; ++k) {
+    CAPTURE(k);
+    double t = first;
+    for (int i = 1; i < k; ++i) t += 2 * first * std::pow(0.5, i);
+    Scene s{.gravity = {0, -g}, .duration = 1.1 * t};
+    const BodyId bouncing = s.body({.inertia = 0.01, .position = {0, 0.1 + height}});
+    const BodyId falling = s.body({.inertia = 0.01, .position = {1, 0.1 + g * t * t / 2}});
+    s.contact(DiscWall{{}, bouncing, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {.e = 0.5}});
+    s.contact(DiscWall{{}, falling, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {.e = 0.8}});
+    const Run r = run(s, "event-driven", s.duration);
+    REQUIRE_MESSAGE(r.status == Status::solved, r.why);
+    const double since = 0.1 * t;
+    CHECK(std::abs(r.final.q[4] - (0.1 + 0.8 * g * t * since - g * since * since / 2)) < 1e-9);
+  }
+}
+
 TEST_CASE("impacts in turn: a series is four impacts at shrinking intervals, not three") {
   ImpactSeries series;
   for (const double t : {0.0, 1.0, 1.1}) {
@@ -73,7 +92,7 @@ TEST_CASE("impacts in turn: a light disc crushed between a heavy one and the flo
   CHECK((sharp.final.q - rough.final.q).lpNorm<Eigen::Infinity>() < 1e-6);
 }
 
-TEST_CASE("sticking and sliding in turn at one instant is a crowd, of a body at the origin as of one elsewhere") {
+TEST_CASE("sticking and sliding in turn at one instant has an end, of a body at the origin as of one elsewhere") {
   for (const Vector2d& origin : {Vector2d(0, 0), Vector2d(0.3, 0.2)}) {
     CAPTURE(origin.x());
     Scene s{.gravity = {0, -9.81}, .duration = 1e-9};
@@ -89,7 +108,7 @@ TEST_CASE("sticking and sliding in turn at one instant is a crowd, of a body at 
     corner({0.16178979239196634, -0.034444053018734405}, {-0.89905473515968659, 0.43783625156780454}, 1.77, 0.15);
     const Run r = run(s, "event-driven:max_events=2000", 1e-9, {}, "auto");
     CHECK_MESSAGE(r.status == Status::solved, r.why);
-    CHECK(r.crossings > 0);
+    CHECK(r.events < 100);
   }
 }
 

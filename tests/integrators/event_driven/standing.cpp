@@ -211,3 +211,33 @@ TEST_CASE("a box's corner comes to the edge of another box: its normal jumps the
       CHECK((r.final.q - exact).lpNorm<Eigen::Infinity>() <= 1e-6);
     }
 }
+
+TEST_CASE("a drawer that friction locks in its guide stays at rest, without changes of mode and without crossings") {
+  const double length = 0.2, height = 0.1;
+  for (const double mu : {0.6, 1.0})
+    for (const double swing : {0.0, 5.0}) {
+      CAPTURE(mu);
+      CAPTURE(swing);
+      Scene s{.duration = 1};
+      const BodyId drawer = s.body({.inertia = 0.004});
+      for (const double x : {-1, 1})
+        for (const double y : {-1, 1})
+          s.contact(CornerWall{
+              "corner", drawer, {x * length / 2, y * height / 2}, kGround, {0, y * height / 2}, {0, -y}, {.mu = mu}});
+      s.load({.name = "push", .body = drawer, .point = {-length / 2, -0.4}, .force = {10, 0}});
+      s.load({.name = "more",
+              .body = drawer,
+              .point = {-length / 2, -0.4},
+              .force = {3, 0},
+              .factor = [=](double t) { return swing > 0 ? std::cos(swing * t) : 0.0; },
+              .omega = swing});
+      for (const char* scheme : {"event-driven", "adaptive"}) {
+        CAPTURE(scheme);
+        const Run r = run(s, scheme, 1e-2, {}, "auto");
+        CHECK_MESSAGE(r.status == Status::solved, r.why);
+        CHECK(r.crossings == 0);
+        CHECK(r.events < 10);
+        CHECK(r.final.q.lpNorm<Eigen::Infinity>() < 1e-12);
+      }
+    }
+}

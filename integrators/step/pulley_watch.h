@@ -1,0 +1,88 @@
+// integrators/step/pulley_watch.h — singular direction of a taut rope: an end that has run into its pulley.
+//
+//   A rope over pulleys (relation.h) pulls its end P towards the pulley A along (A − P) / |A − P|. At P = A the model
+//   has no direction. A direction that turns by more than a right angle in a step, in which the rope pulls, has passed
+//   that place. Slack ropes may.
+// Cost: nothing if a scene has no such rope; else one row per rope and step.
+#pragma once
+
+#include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/jam.h>
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace orthant {
+
+class PulleyWatch {
+ public:
+  PulleyWatch(const Integrator& integrator, const State& start) : integrator_(integrator) {
+    const auto& contacts = system().scene().contacts;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const auto* custom = std::get_if<CustomContact>(&contacts[i]);
+      if (custom != nullptr && !custom->law.frictional() && custom->length() < kInf)
+        ropes_.push_back(static_cast<int>(i));
+    }
+    directions_.resize(kEntries * ropes_.size());
+    if (ropes_.empty()) return;
+    terms_ = Terms(system());
+    turned(
+        start.t, start.q, [](int) { return true; }, directions_);
+  }
+
+  /// After a step to x. False: why().
+  bool admits(const State& x) {
+    if (ropes_.empty()) return true;
+    return !turned(
+        x.t, x.q, [&](int i) { return integrator_.impulses()[static_cast<std::size_t>(i)].normal > 0; }, directions_);
+  }
+
+  /// Whether a failed step of h [s] from x leads an end, as fast as it is, into its pulley: then why() says so.
+  bool explains(const State& x, double h) {
+    constexpr double kAhead = 2;  // steps
+    if (ropes_.empty() || x.q.size() != x.v.size()) return false;
+    std::vector<double> there = directions_;
+    return turned(
+        x.t + h, x.q + kAhead * h * x.v, [](int) { return true; }, there);
+  }
+
+  const std::string& why() const { return why_; }
+  void remember(CheckpointData& memory) { memory(directions_); }
+
+ private:
+  static constexpr std::size_t kEntries = 4;  // linear parts of a row, of both bodies
+
+  const System& system() const { return integrator_.system(); }
+
+  /// Directions there, and whether one of a contact that `pulls` has turned by more than a right angle.
+  template <class Pulls>
+  bool turned(double t, const Eigen::VectorXd& q, const Pulls& pulls, std::vector<double>& directions) {
+    set_poses(system(), t, q, terms_.at);
+    bool any = false;
+    for (std::size_t k = 0; k < ropes_.size(); ++k) {
+      terms_.closed.clear();
+      add_closed(system(), ropes_[k], terms_);
+      const Row& row = terms_.closed[0].rows.normal;
+      const double now[kEntries] = {row.ja[0], row.ja[1], row.jb[0], row.jb[1]};
+      double* last = &directions[kEntries * k];
+      const bool back = last[0] * now[0] + last[1] * now[1] < 0 || last[2] * now[2] + last[3] * now[3] < 0;
+      std::copy(now, now + kEntries, last);
+      if (!back || !pulls(ropes_[k])) continue;
+      any = true;
+      why_ = "an end of rope \"" +
+             std::get<CustomContact>(system().scene().contacts[static_cast<std::size_t>(ropes_[k])]).name +
+             "\" has run into its pulley, where the rope has no direction" + since(t);
+    }
+    return any;
+  }
+
+  const Integrator& integrator_;
+  Terms terms_;
+  std::vector<int> ropes_;
+  std::vector<double> directions_;
+  std::string why_;
+};
+
+}  // namespace orthant
