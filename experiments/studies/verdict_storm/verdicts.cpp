@@ -23,7 +23,7 @@ namespace {
 
 constexpr Index kEnumerated = 8;      // rows up to which the exact set of solutions is looked up
 constexpr double kTolerance = 1e-10;  // the largest default of all solvers
-// Of |uᵀ||b|: planted solutions satisfy their problem up to rounding of b, and exactly the data may contradict each other.
+// Of |u|ᵀ|b|. Planted solutions satisfy their problem up to rounding of b. Exactly, the data may contradict each other.
 constexpr double kConstructed = 1e-13;
 // Hopeless problems end slowly: 85 % of a storm's time went into what comes after the first 5 ms of a solve, a third of
 // the rest into what comes after 2 ms.
