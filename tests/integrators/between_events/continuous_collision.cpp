@@ -151,7 +151,7 @@ double between_centres(const Meeting& of, const Pose& p, const Pose& q) {
   return (p.x + p.turn(of.off_a) - q.x - q.turn(of.off_b)).norm();
 }
 
-Polygon moved(Polygon polygon, const Vector2d& by) {
+Polygon moved_by(Polygon polygon, const Vector2d& by) {
   for (Vector2d& corner : polygon) corner += by;
   return polygon;
 }
@@ -245,7 +245,7 @@ Encounter random_case(unsigned seed) {
     (ground ? of.off_b : k.b.x) += place(k.a, of.off_a) + aside - place(k.b, of.off_b);
     of.a = add_body(k.scene, k.a), of.b = ground ? kGround : add_body(k.scene, k.b);
     const Vector2d normal = Dice::towards(r.in(-kHalfTurn, kHalfTurn));
-    const Polygon one = moved(r.polygon(of.size), of.off_a), two = moved(r.polygon(of.other), of.off_b);
+    const Polygon one = moved_by(r.polygon(of.size), of.off_a), two = moved_by(r.polygon(of.other), of.off_b);
     if (k.kind == "angle" || k.kind == "slide" || k.kind == "shortest" || k.kind == "longest")
       add_limit(k, of, normal, r);
     else
