@@ -169,7 +169,7 @@ TEST_CASE("a share of the storm: no wrong verdict, no crash, nothing late") {
 
 TEST_CASE("a few solvers to each problem: every one meets every kind, auto all problems, by the seed alone") {
   for (const bool discs : {false, true})
-    for (const std::size_t each : {1, 3, 50}) {
+    for (const std::size_t each : {1U, 3U, 50U}) {
       StormChoice choice;
       choice.discs = discs, choice.solvers = discs ? disc_solvers() : storm_solvers(), choice.solvers_each = each;
       for (StormSolver& solver : choice.solvers) solver.every = 1;
@@ -210,7 +210,7 @@ TEST_CASE("the certificate handed out is a proof itself; data that contradict ea
   choice.seed = 2026, choice.grace = 30;
   // almost-singular: the doubles nearest to the exact proof stood for another vector, which is none.
   // family: a planted solution of singular rows, with b rounded.
-  for (const std::uint64_t k : {10575, 98333, 5738, 41620}) {
+  for (const std::uint64_t k : {10575U, 98333U, 5738U, 41620U}) {
     const StormTally tally = storm(choice, k, 1);
     for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
     long proofs = 0;
