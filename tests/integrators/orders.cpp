@@ -88,14 +88,21 @@ TEST_CASE("bouncing ball: order 1 past the accumulation of impacts" * doctest::t
     });
 }
 
+// With the speed of impact taken at the surface, the part of the error that falls with h is three times smaller.
 TEST_CASE("impact oscillator: order 1" * doctest::test_suite("slow")) {
   const ImpactOscillator p;
-  for (const Scheme& scheme : kSchemes)
-    expect_order(scheme.spec, 1, {.coarsest = 2e-2, .octaves = 4, .steps_per_octave = 8}, [&](double h) {
-      return mean_error(
-          impact_oscillator(p), 3 * p.period(), scheme.spec, h, [&](double t) { return p.at(t).x; },
-          [](const State& x) { return x.q[0]; });
-    });
+  for (const Scheme& scheme : kSchemes) {
+    const std::string_view spec = scheme.spec;
+    const bool at_surface = spec == "generalized-alpha" || spec == "rattle";
+    expect_order(
+        spec, at_surface ? 1.25 : 1, {.coarsest = 2e-2, .octaves = 4, .steps_per_octave = 8},
+        [&](double h) {
+          return mean_error(
+              impact_oscillator(p), 3 * p.period(), spec, h, [&](double t) { return p.at(t).x; },
+              [](const State& x) { return x.q[0]; });
+        },
+        at_surface ? 0.25 : 0.15);
+  }
 }
 
 TEST_CASE("stick-slip: order 1") {

@@ -74,11 +74,7 @@ constexpr Exception kExceptions[] = {
     {"ipopt", "sparse", "Ipopt's own"},
     {"ipopt", "contacts", "Ipopt's own"},
     {"nlopt", "sparse", "the polish: blocks as of block-pivot"},
-    {"newton-ac", "dense", "the scaled form of each problem, its blocks"},
-    {"newton-ac", "sparse", "the same"},
-    {"newton-ac", "contacts", "the same"},
-    {"prox", "dense", "the scaled form of each problem, its blocks"},
-    {"prox", "sparse", "the same"},
+    {"newton-ac", "contacts", "the scaled form of each problem, its blocks"},
     {"prox", "contacts", "the same"},
 };
 

@@ -223,7 +223,7 @@ TEST_CASE("a drawer that friction locks in its guide stays at rest, without chan
       for (const double x : {-1, 1})
         for (const double y : {-1, 1})
           s.contact(CornerWall{
-              "corner", drawer, {x * length / 2, y * height / 2}, kGround, {0, y * height / 2}, {0, -y}, {.mu = mu}});
+              "", drawer, {x * length / 2, y * height / 2}, kGround, {0, y * height / 2}, {0, -y}, {.mu = mu}});
       s.load({.name = "push", .body = drawer, .point = {-length / 2, -0.4}, .force = {10, 0}});
       s.load({.name = "more",
               .body = drawer,

@@ -46,9 +46,9 @@ TEST_CASE("wrong height fields are refused by key and rule") {
   refused("heights = 1", "shapes[1].heights = 1: must be a list of lists of numbers");
   refused("heights = [[0, 1]]", "rows of the same length, at least 2 × 2 numbers");
   refused("heights = [[0, 1], [2]]", "rows of the same length, at least 2 × 2 numbers");
-  refused("heights = [[0, 1], [2, 'a']]", "heights = \"a\": must be a number");
+  refused("heights = [[0, 1], [2, 'a']]", "heights = 'a': must be a number");
   refused("heights = [[0, 1], [2, inf]]", "must be finite");
-  refused("heights = [[0, 1], [2, 3]], spacing = [1, 0]", "spacing = [ 1, 0 ]: must be two lengths > 0");
+  refused("heights = [[0, 1], [2, 3]], spacing = [1, 0]", "spacing = [1, 0]: must be two lengths > 0");
   refused("heights = [[0, 1], [2, 3]], depth = 0", "depth = 0: must be > 0");
   refused("heights = [[0, 1], [2, 3]], radius = 1", "unknown key \"shapes[1].radius\"");
 }
