@@ -52,8 +52,8 @@ struct StormChoice {
   bool discs = false;  // disc_problems.h instead of problems.h
   std::vector<StormSolver> solvers = storm_solvers();
   std::size_t solvers_each = 0;  // of them to a problem, and auto; 0: all
-  double time_limit = 2;  // [s] of each solve in every 41st turn of all kinds; 0.002 in the others
-  double grace = 1;       // [s] past it a solve is late
+  double time_limit = 2;         // [s] of each solve in every 41st turn of all kinds; 0.002 in the others
+  double grace = 1;              // [s] past it a solve is late
 };
 
 StormProblem problem_of(const StormChoice& choice, std::uint64_t k);
