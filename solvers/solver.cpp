@@ -164,7 +164,7 @@ bool Solver::passes(const Lcp& problem, Solution& s) {
 Solver& Solver::with_discs() {
   constexpr int kTurns = 20;
   if (!discs_) discs_ = for_discs();
-  if (!discs_) discs_ = std::make_unique<Facets>(*this, facets_, kTurns);
+  if (!discs_) discs_ = std::make_unique<Facets>(*this, facets_, kTurns, tolerance());
   return *discs_;
 }
 

@@ -75,6 +75,9 @@ std::string words_of(const Miss& miss) {
   if (against == Miss::Against::jacobian)
     return which + ": the Jacobian does not fit F, whose change along z differs by " + digits(by) + ", its terms are " +
            digits(allowed);
+  if (against == Miss::Against::cone)
+    return "the contact of " + which + " misses Coulomb's law by " + (by == 0 ? "less than any double" : digits(by)) +
+           "; " + digits(tolerance) + " of its data is " + digits(allowed);
   static constexpr const char* kPlaces[] = {"inside its bounds", "at its lower bound", "at its upper bound"};
   return which + " misses by " + (by == 0 ? "less than any double" : digits(by)) + ' ' +
          kPlaces[static_cast<int>(against)] + "; " + digits(tolerance) + " of its data is " + digits(allowed);

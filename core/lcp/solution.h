@@ -44,10 +44,11 @@ inline bool has_answer(Status status) { return status == Status::solved || statu
 
 /// The row that stands most in the way of `solved`.
 struct Miss {
-  enum class Against { inside, lower, upper, outside, jacobian };
+  enum class Against { inside, lower, upper, outside, jacobian, cone };
   Index row = -1;  // −1: none does
   Against against = Against::inside;
   // v_i and its limit [units of w]; the limit over the row's data. jacobian: how far F's change along z is from J's.
+  // cone: of the contact with the normal row `row`, by the law of its disc.
   double by = 0, allowed = 0, tolerance = 0;
 };
 

@@ -88,10 +88,16 @@ std::string Facets::why_not(const Lcp& problem) const {
 }
 
 Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
-  constexpr double kSlides = 1e-10;  // relative to the largest w
+  constexpr double kSlides = 1e-10;          // relative to the largest w
+  constexpr double kLeast = 0.2, kMost = 2;  // turn of the secant method, of the whole one
+  struct Turn {
+    double by = 0, off = 0;  // [rad] the last one; the angle that was missing before it
+    bool any = false;
+  };
   std::vector<double> angle;
   for (const Friction& f : problem.friction)
     if (f.rows > 1) angle.push_back(0);
+  std::vector<Turn> turns(angle.size());
   Claim claim = Claim::stalled;
   Vector best = s.z;
   double least = kInf;
@@ -113,7 +119,17 @@ Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
       if (f.rows == 1) continue;
       // A contact that sticks now keeps its corner: turned back it might slide again.
       const double slip = std::hypot(s.w[f.first], s.w[f.first + 1]);
-      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>()) angle[k] = std::atan2(-s.w[f.first + 1], -s.w[f.first]);
+      Turn& last = turns[k];
+      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>()) {
+        const double side = 2 * M_PI / sides_;
+        const double off = std::remainder(std::atan2(-s.w[f.first + 1], -s.w[f.first]) - angle[k], side);
+        const double slope = last.any ? (last.off - off) / last.by : 1;
+        const double by = off * (slope > 0 ? std::clamp(1 / slope, kLeast, kMost) : kMost);
+        last = {by, off, by != 0};
+        angle[k] += by;
+      } else {
+        last.any = false;
+      }
       ++k;
     }
   }

@@ -5,7 +5,8 @@
 //   It is inscribed: its strength lies between cos(π/n) and 1 times μ, by direction (n = 4: .707, 8: .924, 16: .981).
 //   Other rows stay as they are; β and λ stand behind them. No longer symmetric, copositive where A is semidefinite.
 //   Facets solves this with a method, then turns the polygon of each sliding contact so that a corner lies against its
-//   slip, and solves again: there the corner has the disc's own answer. The judge checks the disc alone: the answer is
+//   slip, and solves again: there the corner has the disc's own answer. The turns are those of the secant method, per
+//   contact, for the angle of the slip as a function of that of the corner. The judge checks the disc alone: the answer is
 //   `solved` if it satisfies the law of the disc.
 //   Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996).
 #pragma once
@@ -36,8 +37,9 @@ class FacetForm {
 
 class Facets final : public Solver {
  public:
-  /// `method` must outlive it. turns = 0: the pyramid's own answer.
-  Facets(Solver& method, int sides, int turns) : method_(method), sides_(sides), turns_(turns) {}
+  /// `method` must outlive it. turns = 0: the pyramid's own answer. tolerance: of the judge, on the disc.
+  Facets(Solver& method, int sides, int turns, double tolerance = 1e-10)
+      : method_(method), sides_(sides), turns_(turns), tolerance_(tolerance) {}
   std::string why_not(const Lcp& problem) const override;
   /// Of the last pyramid, as a linear problem.
   Status pyramid_status() const { return linear_.status; }
@@ -47,9 +49,10 @@ class Facets final : public Solver {
 
  private:
   Claim run(const Lcp& problem, Solution& s, Start start) override;
-  double tolerance() const override { return 1e-8; }
+  double tolerance() const override { return tolerance_; }
   Solver& method_;
   int sides_, turns_;
+  double tolerance_;
   FacetForm form_;
   Solution linear_;
 };

@@ -79,12 +79,35 @@ ConeResiduals cone_residuals(const Lcp& problem, const Vector& z) {
   return result;
 }
 
+namespace {
+
+/// Of the first row that is not finite.
+Miss not_finite(const Solution& s) {
+  for (Index i = 0; i < s.z.size(); ++i)
+    if (!std::isfinite(s.z[i]) || !std::isfinite(s.w[i])) return {i, Miss::Against::inside, kInf, 0, 0};
+  return {};
+}
+
+/// Where a block's z is: of a contact with friction its cone.
+Miss::Against place_of(const Lcp& problem, const Vector& z, std::span<const int> rows) {
+  const int i = rows[0];
+  if (rows.size() > 1) return Miss::Against::cone;
+  return z[i] <= problem.lo[i]   ? Miss::Against::lower
+         : z[i] >= problem.hi[i] ? Miss::Against::upper
+                                 : Miss::Against::inside;
+}
+
+}  // namespace
+
 bool ConeJudge::passes(const Lcp& problem, double tolerance, Solution& s) {
   blocks_.load(problem);
   blocks_.scale(problem.A, d_);
   blocks_.apply(d_);
   rounded_ = false;
-  if (unknown_ = !sum(problem, s); unknown_) return false;
+  if (unknown_ = !sum(problem, s); unknown_) {
+    s.miss = not_finite(s);
+    return false;
+  }
   find_residuals(s);
   return surely_solved(problem, tolerance) || weigh(problem, tolerance, s);
 }
@@ -154,7 +177,7 @@ bool ConeJudge::surely_solved(const Lcp& problem, double tolerance) const {
 }
 
 /// (2) itself.
-bool ConeJudge::weigh(const Lcp& problem, double tolerance, const Solution& s) {
+bool ConeJudge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   const Index n = problem.size();
   std::vector<double> data(at(n)), from_bounds, largest(at(n));
   bool bounded = false;
@@ -181,6 +204,7 @@ bool ConeJudge::weigh(const Lcp& problem, double tolerance, const Solution& s) {
   cone_product<true>(problem.A, largest, unknown_terms_);
   for (Index i = 0; i < n; ++i) unknown_terms_[at(i)] += std::abs(problem.b[i]);
   bool passes = true;
+  double worst = 0;
   for (int c = 0; c < blocks_.size(); ++c) {
     const auto rows = blocks_.rows(blocks_[c]);
     const double e = e_[at(c)], scale = beta[at(part_[at(c)])],
@@ -189,6 +213,10 @@ bool ConeJudge::weigh(const Lcp& problem, double tolerance, const Solution& s) {
     unknown_ = unknown_ || !(noise <= kKnownRounding * scale);
     rounded_ = rounded_ || !(e + lost_[at(c)] <= tolerance * own);
     passes = passes && (e <= kRoundingsOfCone * noise || e <= tolerance * own);
+    if (const double miss = e + lost_[at(c)], limit = tolerance * own; miss > limit && miss / limit >= worst) {
+      worst = miss / limit;
+      s.miss = {rows[0], place_of(problem, s.z, rows), miss / d_[rows[0]], limit / d_[rows[0]], tolerance};
+    }
   }
   return passes && !unknown_;
 }

@@ -31,7 +31,7 @@ ConeResiduals cone_residuals(const Lcp& problem, const Vector& z);
 
 class ConeJudge {  // the members are scratch: most problems allocate nothing after the first of a size
  public:
-  /// Fills w, residual (max e_c / d_c, units of w) and rounding of s from its z. True when (2) holds.
+  /// Fills w, residual (max e_c / d_c, units of w), rounding and miss of s from its z. True when (2) holds.
   bool passes(const Lcp& problem, double tolerance, Solution& s);
   /// Of the last z: no w can be known (not finite, or a runaway).
   bool unknown() const { return unknown_; }
@@ -42,7 +42,7 @@ class ConeJudge {  // the members are scratch: most problems allocate nothing af
   bool sum(const Lcp& problem, Solution& s);
   void find_residuals(Solution& s);
   bool surely_solved(const Lcp& problem, double tolerance) const;
-  bool weigh(const Lcp& problem, double tolerance, const Solution& s);
+  bool weigh(const Lcp& problem, double tolerance, Solution& s);
   void couple(const Matrix& A);
 
   cones::Blocks blocks_;
