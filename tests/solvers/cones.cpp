@@ -360,3 +360,18 @@ TEST_CASE("cones: a time limit and a flag end a run") {
   prox->set_cancel(&flag);
   CHECK(prox->solve(p, s).status == Status::cancelled);
 }
+
+TEST_CASE("pyramids that are turned find the slip of a puck for every friction, to the solver's own tolerance") {
+  for (const double mu : {0.1, 0.2, 0.24, 0.25, 0.3, 0.4, 0.45}) {
+    const Lcp p = point_mass(1, mu, {-10, 3, 4});
+    for (const std::string spec : {"lemke", "path", "lemke:tolerance=1e-13"}) {
+      CAPTURE(mu);
+      CAPTURE(spec);
+      Solution s;
+      make_solver(spec)->solve(p, s);
+      REQUIRE(s.status == Status::solved);
+      CHECK(cone_residuals(p, s.z).scale_free < (spec == "lemke:tolerance=1e-13" ? 1e-12 : 1e-9));
+      CHECK((s.z - Vector(Eigen::Vector3d(10, -6 * mu, -8 * mu))).lpNorm<Eigen::Infinity>() < 1e-8);
+    }
+  }
+}

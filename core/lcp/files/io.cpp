@@ -236,6 +236,11 @@ Lcp parse_problem(std::string_view text, const std::string& name) {
                                   .mu = f.number(f.at("mu"), "mu")});
     }
   }
+  for (const Friction& f : problem.friction)  // which sets their bounds
+    for (Index i = f.first; i < std::min<Index>(f.first + f.rows, problem.size()); ++i) {
+      if (!r.has("lo")) problem.lo[i] = -kInf;
+      if (!r.has("hi")) problem.hi[i] = kInf;
+    }
   try {
     check(problem);
   } catch (const std::invalid_argument& error) {

@@ -6,7 +6,7 @@
 //            or {"storage": "sparse",   "n": 2, "start": [0, 1, 2], "column": [0, 1], "value": [2, 2]}       by rows
 //            or {"storage": "delassus", "W": {"rows", "cols", "start", "column", "value"},
 //                "inverse_mass": […], "regularization": […]}                                A = W M⁻¹ Wᵀ + R
-//     b         n numbers              lo, hi    n numbers, "inf" or "-inf"; absent: 0 and ∞
+//     b         n numbers              lo, hi    n numbers, "inf" or "-inf"; absent: 0 and ∞, of friction rows −∞ and ∞
 //     friction  [{"row": 1, "normal": 0, "mu": 0.3}]; may be absent         note   any text; may be absent
 //               a disc of two rows: {"first": 1, "rows": 2, "normal": 0, "mu": 0.3}
 //   Numbers are written so that they read back bit for bit.

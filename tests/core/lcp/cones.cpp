@@ -211,6 +211,29 @@ TEST_CASE("cones: a proof of infeasibility holds over the disc, not over the squ
   CHECK_FALSE(independent_proof(problem(-4.999), {1, 0, 0}));
 }
 
+TEST_CASE("cones: an answer that misses Coulomb's law says which contact, by how much and against which limit") {
+  Lcp p{DenseMatrix(Eigen::MatrixXd::Identity(3, 3)), Vector(Eigen::Vector3d(-10, 3, 4))};
+  p.lo[1] = p.lo[2] = -kInf;
+  p.friction.push_back({.normal = 0, .first = 1, .rows = 2, .mu = 0.2});
+  Judge judge;
+  Solution s;
+  s.z = Vector(Eigen::Vector3d(10, 0, 0));  // sticks, and should slide
+  judge.certify(p, 1e-10, Claim::candidate, s);
+  CHECK(s.status == Status::stalled);
+  CHECK(why(s).starts_with("the contact of row 0 misses Coulomb's law by "));
+  s.z[1] = std::numeric_limits<double>::quiet_NaN();
+  judge.certify(p, 1e-10, Claim::candidate, s);
+  CHECK(why(s) == "row 1 is not finite");
+}
+
+TEST_CASE("problem files: friction sets the bounds of its rows where the file gives none") {
+  const Lcp p = parse_problem(R"({"format": "orthant-lcp", "version": 1, "b": [-1, 3, 4],
+    "A": {"storage": "dense", "n": 3, "rows": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+    "friction": [{"first": 1, "rows": 2, "normal": 0, "mu": 0.3}]})");
+  CHECK((p.lo[0] == 0 && p.lo[1] == -kInf && p.lo[2] == -kInf));
+  CHECK((p.hi[0] == kInf && p.hi[1] == kInf && p.hi[2] == kInf));
+}
+
 TEST_CASE("cones: discs that do not fit say so, and survive JSON") {
   Lcp p = one_contact({{2, 0.5}, {1, 0.1}});
   const Lcp back = parse_problem(to_json(p));
