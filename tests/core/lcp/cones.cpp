@@ -212,8 +212,9 @@ TEST_CASE("cones: a proof of infeasibility holds over the disc, not over the squ
 }
 
 TEST_CASE("cones: an answer that misses Coulomb's law says which contact, by how much and against which limit") {
-  Lcp p{DenseMatrix(Eigen::MatrixXd::Identity(3, 3)), Vector(Eigen::Vector3d(-10, 3, 4))};
-  p.lo[1] = p.lo[2] = -kInf;
+  Lcp p;
+  p.A = DenseMatrix(Eigen::Matrix3d::Identity()), p.b = Vector(Eigen::Vector3d(-10, 3, 4));
+  p.lo = {0, -kInf, -kInf}, p.hi = {kInf, kInf, kInf};
   p.friction.push_back({.normal = 0, .first = 1, .rows = 2, .mu = 0.2});
   Judge judge;
   Solution s;
