@@ -49,8 +49,10 @@ PinBush::Rim PinBush::rim(const Kinematics& k) const {
   const double by_f = std::copysign(r * std::sin(phi), sign * d_f * (c < 0 ? -1 : 1));
   const Vector3d point = centre + by_e * e + by_f * in_rim;
   const Vector3d p = point - from, square = p - p.dot(w) * w;
-  const double distance = square.norm();
-  return {point, distance > 0 ? Vector3d(square / distance) : e, distance};
+  // An axis that passes outside of the bush's rim is beyond it by its distance.
+  const bool beyond = !rim_of_pin && d_e * d_e * c * c + d_f * d_f > r * r * c * c;
+  const double distance = beyond ? -square.norm() : square.norm();
+  return {point, distance != 0 ? Vector3d(square / distance) : e, distance};
 }
 
 }  // namespace orthant::spatial

@@ -3,7 +3,7 @@
 //
 //   A rim: a circle of the shorter part, against the cylinder of the other part; this cylinder has no ends.
 //   Rim of the pin (a):    g = radius_b − max |P⊥|,  P on the circle, P⊥ its part square to b's axis, from that axis
-//   Rim of the bush (b):   g = min |P⊥| − radius_a,  likewise from a's axis                                         [m]
+//   Rim of the bush (b):   g = min |P⊥| − radius_a,  likewise from a's axis; |P⊥| < 0 where the axis is outside [m]
 //   n = −P⊥ / |P⊥|. The circle, seen along the other one's axis, is an ellipse with the half-axes r (along e) and c r,
 //   c = |u · w| of the two axes, and its centre at d. In the quadrant of d, or across from it, the extreme point is at
 //   the one φ with
@@ -46,7 +46,7 @@ struct PinBush {
  private:
   struct Rim {
     Vector3d point, outwards;  // P in the world; P⊥ / |P⊥|
-    double distance;           // |P⊥|
+    double distance;           // |P⊥|, < 0 of an axis outside of the bush's rim
   };
   Rim rim(const Kinematics& k) const;
 };

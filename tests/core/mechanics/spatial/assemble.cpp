@@ -92,6 +92,19 @@ TEST_CASE("assemble in space: a ball outside its socket touches it, one inside s
   CHECK((ball({0.001, 0, 0.0005}) - Vector3d(0.001, 0, 0.0005)).norm() == 0);
 }
 
+TEST_CASE("assemble in space: a pin comes back into its bush, from beyond its rim, too") {
+  for (const bool rim_of_pin : {true, false})
+    for (const double x : {0.003, 0.01, 0.0202, 0.03, 0.05}) {
+      CAPTURE(rim_of_pin);
+      CAPTURE(x);
+      spatial::Scene s;
+      s.body({.mass = 1, .position = {x, 0, 0}});
+      s.contact_set(spatial::pin_in_bush(
+          {.name = "B", .a = 0, .radius_a = 0.02, .radius_b = 0.0205, .rim_of_pin = rim_of_pin}, 0.1));
+      CHECK(std::abs(assembled(s).bodies[0].position.x() - 0.0005) < 1e-9);
+    }
+}
+
 TEST_CASE("assemble = true in space closes a loop with redundant rows; a loop that cannot close is named") {
   const spatial::Scene s = std::get<spatial::Scene>(parse_any_scene(kLoop));
   CHECK(s.assemble);
