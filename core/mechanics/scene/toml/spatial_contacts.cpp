@@ -89,7 +89,7 @@ void SpatialReader::height_field(Fields& f, spatial::Collision& c) const {
 
 /// A sphere: `radius`, `centre`; a capsule: `radius`, `ends`; a box: `size`, `centre`; a polytope: `corners`.
 void SpatialReader::shape(Fields& f, spatial::Collision& c) const {
-  if (f.table().contains("heights")) return height_field(f, c);
+  if (f.table().contains("heights") || f.table().contains("spacing")) return height_field(f, c);
   spatial::Shape s{.body = kGround, .corners = {}};
   s.body = body_of(f);
   Vector3d size(0, 0, 0), centre(0, 0, 0);

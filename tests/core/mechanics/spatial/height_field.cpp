@@ -50,5 +50,6 @@ TEST_CASE("wrong height fields are refused by key and rule") {
   refused("heights = [[0, 1], [2, inf]]", "must be finite");
   refused("heights = [[0, 1], [2, 3]], spacing = [1, 0]", "spacing = [1, 0]: must be two lengths > 0");
   refused("heights = [[0, 1], [2, 3]], depth = 0", "depth = 0: must be > 0");
+  refused("spacing = [1, 1]", "missing key \"shapes[1].heights\"");
   refused("heights = [[0, 1], [2, 3]], radius = 1", "unknown key \"shapes[1].radius\"");
 }
