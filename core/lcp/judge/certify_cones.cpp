@@ -81,10 +81,11 @@ ConeResiduals cone_residuals(const Lcp& problem, const Vector& z) {
 
 namespace {
 
-/// Of the first row that is not finite.
+/// Of the first row that is not finite, in z or else in w.
 Miss not_finite(const Solution& s) {
-  for (Index i = 0; i < s.z.size(); ++i)
-    if (!std::isfinite(s.z[i]) || !std::isfinite(s.w[i])) return {i, Miss::Against::inside, kInf, 0, 0};
+  for (const Vector* x : {&s.z, &s.w})
+    for (Index i = 0; i < x->size(); ++i)
+      if (!std::isfinite((*x)[i])) return {i, Miss::Against::inside, kInf, 0, 0};
   return {};
 }
 

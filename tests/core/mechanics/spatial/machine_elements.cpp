@@ -172,6 +172,10 @@ TEST_CASE("the gap of a pin in a bush is that of the extreme point of a rim, its
         const double distance = (p - p.dot(w) * w).norm();
         extreme = of_pin ? std::max(extreme, distance) : std::min(extreme, distance);
       }
+      // A pin with its axis outside of the bush's rim is out of the bush.
+      const Vector3d to_axis = from - centre, normal = own.R.col(2);
+      const Vector3d met = to_axis - w * (to_axis.dot(normal) / w.dot(normal));
+      if (!of_pin && met.norm() > 0.11) extreme = -extreme;
       CHECK(std::abs(gap - (of_pin ? 0.11 - extreme : extreme - 0.1)) < 1e-9);
       if (off == 0.3 && !of_pin) continue;  // a rim beside the pin: its nearest point may jump
       tilted += tilt > 0.5;
