@@ -158,7 +158,7 @@ using Corners = std::array<Vector3d, kMostHullPoints>;
 struct Axis {
   double gap = -kInf;
   double covered = -kInf;  // the largest gap along a face that meets covered edges only
-  double apart = -kInf;    // likewise along covered edges, and a face that is covered or meets a covered face
+  double apart = -kInf;    // likewise along a face that is covered or meets a covered face
   int face = -1;           // of the first hull
   const Hull::Edge *ours = nullptr, *theirs = nullptr;
   Vector3d n{0, 0, 0};  // outwards from the first hull
@@ -209,10 +209,12 @@ Axis best_face(const Hull& hull, const Hull& other, const Corners& others, const
 Axis best_edges(const Hull& a, const Hull& b, const Corners& b_corners, const Matrix3d& R) {
   Axis best;
   for (const Hull::Edge& theirs : b.edges) {
+    if (theirs.covered) continue;
     const Vector3d& q = b_corners[static_cast<std::size_t>(theirs.from)];
     const Vector3d w = b_corners[static_cast<std::size_t>(theirs.to)] - q;
     const Vector3d left = R * theirs.left_normal, right = R * theirs.right_normal;
     for (const Hull::Edge& ours : a.edges) {
+      if (ours.covered) continue;
       const Vector3d& p = a.corners[static_cast<std::size_t>(ours.from)];
       const Vector3d u = a.corners[static_cast<std::size_t>(ours.to)] - p;
       // The arcs of the two edges' normals on the sphere, one of them reversed, must cross.
@@ -226,10 +228,7 @@ Axis best_edges(const Hull& a, const Hull& b, const Corners& b_corners, const Ma
       if (!(sine > kParallel * u.norm() * w.norm())) continue;
       n /= n.dot(n_left + n_right) < 0 ? -sine : sine;
       const double gap = n.dot(q - p);
-      if (theirs.covered || ours.covered)
-        best.apart = std::max(best.apart, gap);
-      else if (gap > best.gap)
-        best = {gap, -kInf, best.apart, -1, &ours, &theirs, n};
+      if (gap > best.gap) best = {gap, -kInf, -kInf, -1, &ours, &theirs, n};
     }
   }
   return best;
@@ -307,7 +306,7 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const double faces = std::max(face_a.gap, face_b.gap);
   // A neighbour is nearer.
   if (std::max(face_a.covered, face_b.covered) > std::max(faces, edges.gap)) return points;
-  if (std::max({face_a.apart, face_b.apart, edges.apart}) > 0) return points;
+  if (std::max(face_a.apart, face_b.apart) > 0) return points;
   if (edges.ours != nullptr && edges.gap > faces + kEdges * size) {
     const Vector3d& p = a.corners[static_cast<std::size_t>(edges.ours->from)];
     const Vector3d u = a.corners[static_cast<std::size_t>(edges.ours->to)] - p;
