@@ -158,7 +158,6 @@ using Corners = std::array<Vector3d, kMostHullPoints>;
 struct Axis {
   double gap = -kInf;
   double covered = -kInf;  // the largest gap along a face that meets covered edges only
-  double apart = -kInf;    // likewise along a face that is covered or meets a covered face
   int face = -1;           // of the first hull
   const Hull::Edge *ours = nullptr, *theirs = nullptr;
   Vector3d n{0, 0, 0};  // outwards from the first hull
@@ -191,13 +190,13 @@ Axis best_face(const Hull& hull, const Hull& other, const Corners& others, const
   Axis best;
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
     const Hull::Face& face = hull.faces[f];
-    const First first = face.covered ? First::covered_face : first_of(other, R.transpose() * face.normal);
+    if (face.covered) continue;
+    const First first = first_of(other, R.transpose() * face.normal);
+    if (first == First::covered_face) continue;
     double least = kInf;
     for (std::size_t i = 0; i < other.corners.size(); ++i) least = std::min(least, face.normal.dot(others[i]));
     const double gap = least - face.offset;
-    if (first == First::covered_face)
-      best.apart = std::max(best.apart, gap);
-    else if (first == First::covered_edges)
+    if (first == First::covered_edges)
       best.covered = std::max(best.covered, gap);
     else if (gap > best.gap)
       best.gap = gap, best.face = static_cast<int>(f);
@@ -228,7 +227,7 @@ Axis best_edges(const Hull& a, const Hull& b, const Corners& b_corners, const Ma
       if (!(sine > kParallel * u.norm() * w.norm())) continue;
       n /= n.dot(n_left + n_right) < 0 ? -sine : sine;
       const double gap = n.dot(q - p);
-      if (gap > best.gap) best = {gap, -kInf, -kInf, -1, &ours, &theirs, n};
+      if (gap > best.gap) best = {gap, -kInf, -1, &ours, &theirs, n};
     }
   }
   return best;
@@ -304,9 +303,7 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const Axis face_a = best_face(a, b, b_in_a, R), face_b = best_face(b, a, a_in_b, back);
   const Axis edges = best_edges(a, b, b_in_a, R);
   const double faces = std::max(face_a.gap, face_b.gap);
-  // A neighbour is nearer.
-  if (std::max(face_a.covered, face_b.covered) > std::max(faces, edges.gap)) return points;
-  if (std::max(face_a.apart, face_b.apart) > 0) return points;
+  if (std::max(face_a.covered, face_b.covered) > std::max(faces, edges.gap)) return points;  // a neighbour is nearer
   if (edges.ours != nullptr && edges.gap > faces + kEdges * size) {
     const Vector3d& p = a.corners[static_cast<std::size_t>(edges.ours->from)];
     const Vector3d u = a.corners[static_cast<std::size_t>(edges.ours->to)] - p;
