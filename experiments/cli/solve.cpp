@@ -74,6 +74,7 @@ int run_solve(const SolveArguments& a) {
     contacts = read_fclib(a.problem.problem);
   else
     contacts.problem = read_problem(a.problem);
+  if (!contacts.unfit.empty()) std::cerr << "orthant: the file's solution was left out: " << contacts.unfit << '\n';
   const Lcp& problem = contacts.problem;
   if (a.facets != 0 && !problem.discs()) throw std::invalid_argument("--facets: the problem has no friction discs");
   Facets facets(*method, std::max(a.facets, 3), 0);

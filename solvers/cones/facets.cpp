@@ -82,22 +82,50 @@ void FacetForm::restore_certificate(const Lcp& p, const Vector& linear_u, Vector
   for (Index i = 0; i < p.size(); ++i) u[i] = row_[at(i)] >= 0 ? linear_u[row_[at(i)]] : 0;
 }
 
+namespace {
+
+/// Root of the angle between a corner and its slip, as a function of the corner's. Where an edge carries the friction
+/// the angle is half a side, whatever the corner's: hence regula falsi (Illinois) within a bracket.
+class SlipAngle {
+ public:
+  /// [rad] The turn of a corner that stands at `at`, `off` behind its slip.
+  double turn(double at, double off) {
+    End& here = off > 0 ? below_ : above_;
+    End& there = off > 0 ? above_ : below_;
+    if (here.known && last_ == (off > 0)) there.off /= 2;
+    last_ = off > 0;
+    here = {at, off, true};
+    // The other contacts turn, too: a bracket far narrower than its end is off holds the root no longer.
+    if (!there.known || std::abs(there.at - at) < kNarrow * std::abs(off)) {
+      there.known = false;
+      return off;
+    }
+    return (there.at - at) * off / (off - there.off);
+  }
+
+ private:
+  struct End {
+    double at = 0, off = 0;  // [rad]
+    bool known = false;
+  };
+  static constexpr double kNarrow = 1e-3;
+  End below_, above_;
+  bool last_ = false;
+};
+
+}  // namespace
+
 std::string Facets::why_not(const Lcp& problem) const {
   FacetForm form;
   return method_.why_not(form.linear(problem, sides_));
 }
 
 Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
-  constexpr double kSlides = 1e-10;          // relative to the largest w
-  constexpr double kLeast = 0.2, kMost = 2;  // turn of the secant method, of the whole one
-  struct Turn {
-    double by = 0, off = 0;  // [rad] the last one; the angle that was missing before it
-    bool any = false;
-  };
+  constexpr double kSlides = 1e-10;  // relative to the largest w
   std::vector<double> angle;
   for (const Friction& f : problem.friction)
     if (f.rows > 1) angle.push_back(0);
-  std::vector<Turn> turns(angle.size());
+  std::vector<SlipAngle> slips(angle.size());
   Claim claim = Claim::stalled;
   Vector best = s.z;
   double least = kInf;
@@ -119,17 +147,11 @@ Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
       if (f.rows == 1) continue;
       // A contact that sticks now keeps its corner: turned back it might slide again.
       const double slip = std::hypot(s.w[f.first], s.w[f.first + 1]);
-      Turn& last = turns[k];
-      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>()) {
-        const double side = 2 * M_PI / sides_;
-        const double off = std::remainder(std::atan2(-s.w[f.first + 1], -s.w[f.first]) - angle[k], side);
-        const double slope = last.any ? (last.off - off) / last.by : 1;
-        const double by = off * (slope > 0 ? std::clamp(1 / slope, kLeast, kMost) : kMost);
-        last = {by, off, by != 0};
-        angle[k] += by;
-      } else {
-        last.any = false;
-      }
+      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>())
+        angle[k] += slips[k].turn(
+            angle[k], std::remainder(std::atan2(-s.w[f.first + 1], -s.w[f.first]) - angle[k], 2 * M_PI / sides_));
+      else
+        slips[k] = {};
       ++k;
     }
   }

@@ -5,9 +5,9 @@
 //   It is inscribed: its strength lies between cos(π/n) and 1 times μ, by direction (n = 4: .707, 8: .924, 16: .981).
 //   Other rows stay as they are; β and λ stand behind them. No longer symmetric, copositive where A is semidefinite.
 //   Facets solves this with a method, then turns the polygon of each sliding contact so that a corner lies against its
-//   slip, and solves again: there the corner has the disc's own answer. The turns are those of the secant method, per
-//   contact, for the angle of the slip as a function of that of the corner. The judge checks the disc alone: the answer is
-//   `solved` if it satisfies the law of the disc.
+//   slip, and solves again: there the corner has the disc's own answer. The turns are those of regula falsi, per
+//   contact, for the angle between corner and slip. The judge checks the disc alone: the answer is `solved` if it
+//   satisfies the law of the disc.
 //   Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996).
 #pragma once
 

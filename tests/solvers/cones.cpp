@@ -362,7 +362,7 @@ TEST_CASE("cones: a time limit and a flag end a run") {
 }
 
 TEST_CASE("pyramids that are turned find the slip of a puck for every friction, to the solver's own tolerance") {
-  for (const double mu : {0.1, 0.2, 0.24, 0.25, 0.3, 0.4, 0.45}) {
+  for (double mu = 0.025; mu < 0.49; mu += 0.025) {
     const Lcp p = point_mass(1, mu, {-10, 3, 4});
     for (const std::string spec : {"lemke", "path", "lemke:tolerance=1e-13"}) {
       CAPTURE(mu);

@@ -184,6 +184,7 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
     b.conservativeResize(J.rows());
     b.tail(G.cols()) = in.numbers(group + "/vectors/b", G.cols());
   }
+  p.global = {.mass = RowSparse::from(M), .jacobian = RowSparse::from(J), .force = f, .offset = b};
   if (is_diagonal(M)) {
     Delassus A{RowSparse::from(J), Eigen::VectorXd(M.diagonal().cwiseInverse()), {}};
     for (Index i = 0; i < m; ++i)
@@ -195,6 +196,10 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
     p.problem.A = std::move(A);
     return H.cols();
   }
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> symmetric(Eigen::SparseMatrix<double>(M) +
+                                                                     Eigen::SparseMatrix<double>(M.transpose()));
+  if (symmetric.info() != Eigen::Success || symmetric.vectorD().minCoeff() <= 0)
+    in.refuse(group + "/M", "has a symmetric part that is not positive definite: must have one that is");
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{Eigen::SparseMatrix<double>(M)};
   if (lu.info() != Eigen::Success) in.refuse(group + "/M", "is singular: must have an inverse");
   const Eigen::SparseMatrix<double> X = lu.solve(Eigen::SparseMatrix<double>(J.transpose()));
@@ -205,15 +210,18 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
   return H.cols();
 }
 
-/// z of the group `solution`, where the file has one of this size.
-void read_solution(const Reader& in, Index contact_rows, ContactProblem& p) {
+/// z of the group `solution`, where the file has one that fits.
+void read_solution(const Reader& in, Index contact_rows, ContactProblem& p) try {
   if (!in.has("solution/r")) return;
   const Index n = p.problem.size();
   const Vector r = in.numbers("solution/r", contact_rows);
   if (n > contact_rows && !in.has("solution/l")) return;
+  Vector l;
+  if (n > contact_rows) l = in.numbers("solution/l", n - contact_rows);
   p.solution.resize(n);
-  p.solution.head(contact_rows) = r;
-  if (n > contact_rows) p.solution.tail(n - contact_rows) = in.numbers("solution/l", n - contact_rows);
+  p.solution.head(contact_rows) = r, p.solution.tail(n - contact_rows) = l;
+} catch (const std::runtime_error& e) {
+  p.unfit = e.what();
 }
 
 void write_matrix(Hdf5Image& out, const std::string& path, const RowSparse& A) {
@@ -221,6 +229,18 @@ void write_matrix(Hdf5Image& out, const std::string& path, const RowSparse& A) {
   out.whole(path + "/m", static_cast<int>(A.rows)), out.whole(path + "/n", static_cast<int>(A.cols));
   out.whole(path + "/nzmax", static_cast<int>(A.value.size())), out.whole(path + "/nz", -2);
   out.numbers(path + "/p", A.start), out.numbers(path + "/i", A.column), out.numbers(path + "/x", A.value);
+}
+
+/// J M⁻¹Jᵀ as its parts; none where it is not of this kind, or without a mass matrix (M⁻¹ with zeros).
+std::optional<GlobalForm> global_form(const Lcp& p) {
+  const auto* delassus = std::get_if<Delassus>(&p.A);
+  if (delassus == nullptr || delassus->regularization.size() != 0 ||
+      (delassus->inverse_mass.size() != 0 && delassus->inverse_mass.minCoeff() <= 0))
+    return std::nullopt;
+  const Index m = delassus->W.cols;
+  Sparse M(m, m);
+  for (Index i = 0; i < m; ++i) M.insert(i, i) = 1 / delassus->inverse_mass[i];
+  return GlobalForm{RowSparse::from(M), delassus->W, Eigen::VectorXd::Zero(m), p.b};
 }
 
 [[noreturn]] void refuse_to_write(Index row, const std::string& rule) {
@@ -306,13 +326,16 @@ ContactProblem read_fclib(const std::filesystem::path& file) {
 
 void write_fclib(const std::filesystem::path& file, const ContactProblem& p, const Solution* solution) {
   check(p.problem);
-  const auto* delassus = std::get_if<Delassus>(&p.problem.A);
-  const bool global = delassus != nullptr && delassus->regularization.size() == 0 &&
-                      (delassus->inverse_mass.size() == 0 || delassus->inverse_mass.minCoeff() > 0);
+  const std::optional<GlobalForm> made = p.global ? std::nullopt : global_form(p.problem);
+  const GlobalForm* const global = p.global ? &*p.global : made ? &*made : nullptr;
+  if (global != nullptr && global->jacobian.rows != p.problem.size())
+    throw std::invalid_argument("global: has " + std::to_string(global->jacobian.rows) + " rows, the problem " +
+                                std::to_string(p.problem.size()));
   const auto [mu, mu_r] = coefficients(p);
   const Index n = p.problem.size(), rows = p.dimension * p.contacts;
   Hdf5Image out;
-  const std::string group = std::string(global ? "fclib_global" : "fclib_local") + (p.dimension == 5 ? "_rolling" : "");
+  const std::string group =
+      std::string(global != nullptr ? "fclib_global" : "fclib_local") + (p.dimension == 5 ? "_rolling" : "");
   out.group(group), out.group(group + "/vectors"), out.group(group + "/info");
   out.whole(group + "/spacedim", p.dimension);
   out.numbers(group + "/vectors/mu", mu);
@@ -322,17 +345,14 @@ void write_fclib(const std::filesystem::path& file, const ContactProblem& p, con
   const auto vector = [&](const std::string& path, const Eigen::VectorXd& x) {
     out.numbers(path, std::span(x.data(), static_cast<std::size_t>(x.size())));
   };
-  if (global) {
-    const Index m = delassus->W.cols;
-    const Sparse J = delassus->W.view();
-    Sparse M(m, m);
-    for (Index i = 0; i < m; ++i) M.insert(i, i) = 1 / delassus->inverse_mass[i];
-    write_matrix(out, group + "/M", RowSparse::from(M));
+  if (global != nullptr) {
+    const Sparse J = global->jacobian.view();
+    write_matrix(out, group + "/M", global->mass);
     write_matrix(out, group + "/H", RowSparse::from(Sparse(Sparse(J.topRows(rows)).transpose())));
-    vector(group + "/vectors/f", Eigen::VectorXd::Zero(m)), vector(group + "/vectors/w", p.problem.b.head(rows));
+    vector(group + "/vectors/f", global->force), vector(group + "/vectors/w", global->offset.head(rows));
     if (rows < n) {
       write_matrix(out, group + "/G", RowSparse::from(Sparse(Sparse(J.bottomRows(n - rows)).transpose())));
-      vector(group + "/vectors/b", p.problem.b.tail(n - rows));
+      vector(group + "/vectors/b", global->offset.tail(n - rows));
     }
   } else {
     RowSparse formed;

@@ -9,10 +9,10 @@
 //   Read as a problem with A = W, b = q; a global one by eliminating v. Further unknowns λ stand behind the contacts'
 //   rows as free rows: A = (W V; Vᵀ R), b = (q, s), or
 //     A = J M⁻¹Jᵀ, b = (w, b) + J M⁻¹f, J = (H G)ᵀ: a Delassus operator where M is diagonal, else multiplied out.
-//   W and M need not be symmetric (implicit gyroscopic terms).
+//   W and M need not be symmetric (implicit gyroscopic terms); the symmetric part of M is positive definite.
 //   Matrices: nz ≥ 0 triplets (row i, column p), −1 compressed columns, −2 compressed rows; entries that occur twice
 //   add. Group solution, written and read where it is there: r, u, of global problems l (λ), v; residual_scale_free,
-//   residual_natural (judge/certify_cones.h).
+//   residual_natural (judge/certify_cones.h). A solution that does not fit is left out, with the reason.
 //   Source: Acary & Brémond & Huber et al., FCLIB: a collection of discrete 3D frictional contact problems (2014).
 // Everything wrong throws std::runtime_error, one line: file, dataset, value, rule.
 #pragma once
@@ -20,9 +20,16 @@
 #include <orthant/core/lcp/solution.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace orthant {
+
+/// A global problem as its file has it.
+struct GlobalForm {
+  RowSparse mass, jacobian;  // M (m x m); J = (H G)ᵀ, a row each row of the problem
+  Vector force, offset;      // f (m); (w, b)
+};
 
 struct ContactProblem {
   Lcp problem;
@@ -30,8 +37,10 @@ struct ContactProblem {
   Index contacts = 0;
   std::string title, description;
   Vector solution;       // z of the file, all rows; empty: none
+  std::string unfit;     // why the file's solution was left out; empty: it was not
   Vector free_velocity;  // of a global problem M⁻¹f, and M⁻¹Jᵀ: v = free_velocity + response z
   RowSparse response;
+  std::optional<GlobalForm> global;
 
   /// v of a global problem for a z; empty for local problems.
   Vector velocity(const Vector& z) const;
@@ -39,10 +48,11 @@ struct ContactProblem {
 
 ContactProblem read_fclib(const std::filesystem::path& file);
 
-/// Local, with A's entries multiplied out, or global where A is a Delassus operator without regularization and with
-/// M⁻¹ > 0. Whole or not at all (core/support/file.h). The problem's rows are a normal row 0 ≤ z, then its friction,
-/// an interval (dimension 2), a disc (3) or two discs (5), contact by contact; free rows may stand behind them. Throws
-/// std::invalid_argument where they are not. With a solution also the group of that name.
+/// Global where `global` is there (written as it is: it must be of this problem), or where A is a Delassus operator
+/// without regularization and with M⁻¹ > 0; else local, with A's entries multiplied out. Whole or not at all
+/// (core/support/file.h). The problem's rows are a normal row 0 ≤ z, then its friction, an interval (dimension 2), a
+/// disc (3) or two discs (5), contact by contact; free rows may stand behind them. Throws std::invalid_argument where
+/// they are not. With a solution also the group of that name.
 void write_fclib(const std::filesystem::path& file, const ContactProblem& contact_problem,
                  const Solution* solution = nullptr);
 

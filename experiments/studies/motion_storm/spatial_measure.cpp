@@ -176,8 +176,11 @@ struct SpatialGap {
   double operator()(const spatial::PinBush& c) const {
     const Vector3d u = at.turn(c.a, c.axis_a), w = at.turn(c.b, c.axis_b);
     const Vector3d pin = at.at(c.a, c.centre_a), bush = at.at(c.b, c.centre_b);
-    return c.rim_of_pin ? c.radius_b - extreme_of_rim(pin + c.along * u, u, c.radius_a, bush, w, 1)
-                        : -extreme_of_rim(bush + c.along * w, w, c.radius_b, pin, u, -1) - c.radius_a;
+    if (c.rim_of_pin) return c.radius_b - extreme_of_rim(pin + c.along * u, u, c.radius_a, bush, w, 1);
+    const Vector3d centre = bush + c.along * w;
+    const double nearest = -extreme_of_rim(centre, w, c.radius_b, pin, u, -1);
+    const Vector3d met = pin + u * (w.dot(centre - pin) / w.dot(u)) - centre;  // of the rim's plane and the pin's axis
+    return (met.norm() > c.radius_b ? -nearest : nearest) - c.radius_a;
   }
   double operator()(const spatial::Limit& c) const {
     const double off = at.off(c.of, c.bound + c.beyond) + c.beyond;

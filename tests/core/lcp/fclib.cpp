@@ -96,7 +96,6 @@ TEST_CASE("fclib: joints stand behind the contacts as free rows, a full mass mat
   check_it();
   {  // the same masses, told as a matrix with an entry beside the diagonal that a second one takes away again
     H5::H5File file(folder / "p.hdf5", H5F_ACC_RDWR);
-    for (const char* set : {"m", "n", "nz", "p", "i", "x"}) (void)set;
     const int p_rows[] = {0, 2, 3}, columns[] = {0, 1, 1};
     const double values[] = {2, 1e-14, 2};
     const hsize_t three = 3;
@@ -109,6 +108,62 @@ TEST_CASE("fclib: joints stand behind the contacts as free rows, a full mass mat
   }
   CHECK(std::holds_alternative<RowSparse>(read_fclib(folder / "p.hdf5").problem.A));
   check_it();
+}
+
+TEST_CASE("fclib: a global problem is written back as it was read, with a solution that fits it") {
+  // A point on the ground, masses coupled, pushed by f = (3, -4): r_n = 4, slides or sticks; v = M⁻¹(f + H r).
+  ContactProblem p{{}, 2, 1, "", ""};
+  Eigen::SparseMatrix<double, Eigen::RowMajor> M(2, 2), J(2, 2);
+  M.insert(0, 0) = 2, M.insert(1, 1) = 3, J.insert(0, 1) = 1, J.insert(1, 0) = 1;
+  const auto read_number = [](const H5::H5File& file, const char* set, Index i) {
+    double x[2] = {};
+    file.openDataSet(set).read(x, H5::PredType::NATIVE_DOUBLE);
+    return x[i];
+  };
+  for (const double beside : {0.0, 0.5, 3.0}) {
+    CAPTURE(beside);
+    const Folder folder;
+    if (beside != 0) M.coeffRef(0, 1) = M.coeffRef(1, 0) = beside;
+    const Eigen::Vector2d f(3, -4), w(0.25, 0.125);
+    const Eigen::Matrix2d inverse = Eigen::Matrix2d(M).inverse();
+    const Eigen::Matrix2d H = Eigen::Matrix2d(J).transpose();
+    p.problem.A = DenseMatrix(Eigen::MatrixXd(H.transpose() * inverse * H));
+    p.problem.b = Eigen::VectorXd(H.transpose() * inverse * f + w);
+    p.problem.lo = {0, -kInf}, p.problem.hi = {kInf, kInf}, p.problem.friction = {{0, 1, 1, 0.4}};
+    p.global = {RowSparse::from(M), RowSparse::from(J), Vector(f), Vector(w)};
+    write_fclib(folder / "p.hdf5", p);
+    if (beside == 3) {  // mass matrix of a negative energy
+      CHECK_THROWS_WITH_AS(read_fclib(folder / "p.hdf5"), doctest::Contains("positive definite"), std::runtime_error);
+      continue;
+    }
+    const ContactProblem first = read_fclib(folder / "p.hdf5");
+    const Solution s = solution_by(first.problem);
+    REQUIRE(s.status == Status::solved);
+    write_fclib(folder / "again.hdf5", first, &s);
+    const ContactProblem again = read_fclib(folder / "again.hdf5");
+    CHECK(again.problem.b == first.problem.b);
+    CHECK(again.solution == s.z);
+    CHECK(again.unfit.empty());
+    {
+      const H5::H5File file(folder / "again.hdf5", H5F_ACC_RDWR);
+      for (const Index i : {0, 1}) {
+        CHECK(read_number(file, "fclib_global/vectors/f", i) == f[i]);
+        CHECK(read_number(file, "fclib_global/vectors/w", i) == w[i]);
+        const Eigen::Vector2d v = inverse * (f + H * s.z);
+        CHECK(read_number(file, "solution/v", i) == doctest::Approx(v[i]).epsilon(1e-12));
+      }
+      // A solution of another problem is no reason to lose this one.
+      H5::H5File changed(folder / "again.hdf5", H5F_ACC_RDWR);
+      changed.unlink("solution/r");
+      const hsize_t three = 3;
+      const double r[] = {1, 2, 3};
+      changed.createDataSet("solution/r", H5::PredType::NATIVE_DOUBLE, H5::DataSpace(1, &three))
+          .write(r, H5::PredType::NATIVE_DOUBLE);
+    }
+    const ContactProblem unfit = read_fclib(folder / "again.hdf5");
+    CHECK(unfit.solution.size() == 0);
+    CHECK(unfit.unfit.find("solution/r has 3 entries: must have 2") != std::string::npos);
+  }
 }
 
 TEST_CASE("fclib: real files are read and solved") {
