@@ -84,10 +84,10 @@ void FacetForm::restore_certificate(const Lcp& p, const Vector& linear_u, Vector
 
 namespace {
 
-/// Root of the angle between a corner and its slip, as a function of the corner's. Where an edge carries the friction
-/// the angle is half a side, whatever the corner's: hence regula falsi (Illinois) within a bracket.
+/// Root of the angle between a corner and its slip, as a function of the corner's, by regula falsi (Illinois).
 class SlipAngle {
  public:
+  explicit SlipAngle(int sides) : sides_(sides) {}
   /// [rad] The turn of a corner that stands at `at`, `off` behind its slip.
   double turn(double at, double off) {
     End& here = off > 0 ? below_ : above_;
@@ -95,12 +95,10 @@ class SlipAngle {
     if (here.known && last_ == (off > 0)) there.off /= 2;
     last_ = off > 0;
     here = {at, off, true};
-    // The other contacts turn, too: a bracket far narrower than its end is off holds the root no longer.
-    if (!there.known || std::abs(there.at - at) < kNarrow * std::abs(off)) {
-      there.known = false;
-      return off;
-    }
-    return (there.at - at) * off / (off - there.off);
+    // The other contacts turn, too, and a polygon is its own neighbour: not every bracket holds a root.
+    const double width = above_.at - below_.at;
+    there.known = there.known && width > kNarrow * std::abs(off) && width < 2 * M_PI / sides_;
+    return there.known ? (there.at - at) * off / (off - there.off) : off;
   }
 
  private:
@@ -109,6 +107,7 @@ class SlipAngle {
     bool known = false;
   };
   static constexpr double kNarrow = 1e-3;
+  int sides_;
   End below_, above_;
   bool last_ = false;
 };
@@ -122,10 +121,11 @@ std::string Facets::why_not(const Lcp& problem) const {
 
 Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
   constexpr double kSlides = 1e-10;  // relative to the largest w
+  constexpr double kOnEdge = 1e-9;   // [rad] from a corner
   std::vector<double> angle;
   for (const Friction& f : problem.friction)
     if (f.rows > 1) angle.push_back(0);
-  std::vector<SlipAngle> slips(angle.size());
+  std::vector<SlipAngle> slips(angle.size(), SlipAngle(sides_));
   Claim claim = Claim::stalled;
   Vector best = s.z;
   double least = kInf;
@@ -147,11 +147,17 @@ Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
       if (f.rows == 1) continue;
       // A contact that sticks now keeps its corner: turned back it might slide again.
       const double slip = std::hypot(s.w[f.first], s.w[f.first + 1]);
-      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>())
+      if (slip > kSlides * s.w.lpNorm<Eigen::Infinity>()) {
+        const auto from_corner = [&](double y, double x) {
+          return std::remainder(std::atan2(y, x) - angle[k], 2 * M_PI / sides_);
+        };
+        // Where an edge carries the friction the slip is square to it, wherever the friction is on it.
+        const double friction = from_corner(s.z[f.first + 1], s.z[f.first]);
         angle[k] += slips[k].turn(
-            angle[k], std::remainder(std::atan2(-s.w[f.first + 1], -s.w[f.first]) - angle[k], 2 * M_PI / sides_));
-      else
-        slips[k] = {};
+            angle[k], std::abs(friction) > kOnEdge ? friction : from_corner(-s.w[f.first + 1], -s.w[f.first]));
+      } else {
+        slips[k] = SlipAngle(sides_);
+      }
       ++k;
     }
   }

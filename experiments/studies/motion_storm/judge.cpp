@@ -309,11 +309,10 @@ template <class Space> class Court : private SceneRuns<Space> {
     return opens && strikes;
   }
 
-  /// Whether a run of this scheme is admissible until `past`.
-  bool goes_on(const std::string& spec, const Seen& s, double past) {
+  /// Whether a run of this scheme, its step divided, is admissible until `past`.
+  bool goes_on(const std::string& spec, const Seen& s, double divided, double past) {
     if (!s.trace.ran() || s.trace.end() < past || s.trace.run.passages > 0) return false;
-    const double step = own_step(spec) / (&s == &base(spec) ? 1 : 4);
-    const Seen part{s.trace, examine(scene_, s.trace, allowance(spec, step), past)};
+    const Seen part{s.trace, examine(scene_, s.trace, allowance(spec, own_step(spec) / divided), past)};
     std::string bad;
     return figures_fault(spec, part, bad) == Result::solved;
   }
@@ -331,8 +330,11 @@ template <class Space> class Court : private SceneRuns<Space> {
       return Result::stopped;
     for (const std::string& other : all_integrators<Space>()) {
       if (other == spec) continue;
-      if (!goes_on(other, base(other), past)) continue;
-      if (!precise(other) && !goes_on(other, quarter(other), past)) continue;  // steps that overlap go through jams
+      if (!goes_on(other, base(other), 1, past)) continue;
+      // Steps that overlap go through jams, one after the other: the same at any step.
+      if (!precise(other) && (!goes_on(other, quarter(other), 4, past) ||
+                              !goes_on(other, run(other, "h/32", own_step(other) / 32), 32, past)))
+        continue;
       why = "ends at t = " + text_of(t) + ": " + ended.why + "; " + other + " goes on";
       return Result::infeasible;
     }
