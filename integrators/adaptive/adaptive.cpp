@@ -44,7 +44,7 @@ Adaptive::Adaptive(const System& system, const Options& options)
 
 void Adaptive::remember(CheckpointData& memory) {
   fitted_ = false;  // the polynomial is found again
-  memory(engine_, between_, end_.state, last_, stride_.began, stride_.reach, fitted_, end_.status, end_.why,
+  memory(engine_, between_, end_.state, before_, last_, stride_.began, stride_.reach, fitted_, end_.status, end_.why,
          end_.residual.joint, end_.residual.rate, left_.events, left_.impulses, left_.smooth, left_.measured,
          left_.work, end_.gaps);
   if (meter_) meter_->forget();
@@ -95,6 +95,7 @@ StepReport Adaptive::step(double h, Solver& solver, State& x) {
 /// One inner step. False: it failed, and ends at end_.state.
 bool Adaptive::stride(Solver& solver, StepReport& report) {
   const double from = end_.state.t;
+  before_ = end_.state;
   const StepReport one = engine_.stride(std::min(stride_.reach, stride_.longest), solver, end_.state);
   if (end_.state.t > from) stride_.reach = std::max(kGrowth * (end_.state.t - from), end_.state.t - stride_.began);
   fitted_ = false;
@@ -167,7 +168,8 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
     between_.at(t, x.q, x.v);
     return between_.residual();
   }
-  if (arc.length > 0) x.q = arc.q1, x.v = arc.v1, x.t = arc_end;  // else x is where the inner step began, or since
+  x = before_;
+  if (arc.length > 0) x.q = arc.q1, x.v = arc.v1, x.t = arc_end;
   const double rest = end_.state.t - x.t, part = (t - x.t) / rest;
   move(x.q, part * between(x.q, end_.state.q));
   const auto pushes = [](const Impulse& push) { return push.normal != 0; };

@@ -87,6 +87,7 @@ class Adaptive final : public Integrator {
 
   Options options_;
   EventDriven engine_;
+  State before_;  // the last inner step
   InnerEnd end_;
   Left left_;
   Strides stride_;
