@@ -89,15 +89,31 @@ template <class Space = Planar> double largest_coordinate(const Eigen::VectorXd&
   else
     return place_of<Space>(q, i).cwiseAbs().maxCoeff();
 }
-/// The larger of translation and rotation of body i, velocities or accelerations: the same in every frame that is
+/// Likewise as a length: angles [rad] times `unit` [m].
+template <class Space = Planar> double largest_coordinate(const Eigen::VectorXd& q, Eigen::Index i, double unit) {
+  if constexpr (kPlanar<Space>)
+    return std::max(largest_translation(q, i), unit * std::abs(rotation(q, i)));
+  else
+    return largest_coordinate<Space>(q, i);
+}
+/// The larger of translation and rotation (times `unit` [m]) of body i, velocities or accelerations: the same in every frame that is
 /// turned.
-template <class Space = Planar> double largest_motion(const Eigen::VectorXd& v, Eigen::Index i) {
+template <class Space = Planar> double largest_motion(const Eigen::VectorXd& v, Eigen::Index i, double unit = 1) {
   if constexpr (kPlanar<Space>) {
     const double* const x = v.data() + kBlock * i;
-    return std::max(std::sqrt(x[0] * x[0] + x[1] * x[1]), std::abs(x[2]));
+    return std::max(std::sqrt(x[0] * x[0] + x[1] * x[1]), unit * std::abs(x[2]));
   } else {
-    return std::max(translation<Space>(v, i).norm(), rotation<Space>(v, i).norm());
+    return std::max(translation<Space>(v, i).norm(), unit * rotation<Space>(v, i).norm());
   }
+}
+/// The largest |entry| of all bodies' coordinates, velocities or accelerations in the plane, as a length: rotations
+/// times `unit` [m].
+inline double largest_of_all(const Eigen::VectorXd& x, double unit) {
+  if (unit == 1) return x.lpNorm<Eigen::Infinity>();
+  double most = 0;
+  for (Eigen::Index i = 0; i < x.size() / kBlock; ++i)
+    most = std::max({most, largest_translation(x, i), unit * std::abs(rotation(x, i))});
+  return most;
 }
 /// The largest |rotation| of all bodies.
 template <class Space = Planar> double largest_rotation(const Eigen::VectorXd& x) {

@@ -217,7 +217,7 @@ ContactMotion::Residual ContactMotion::project(double t, Eigen::VectorXd& q, Eig
       if (!basic_.factorize(system_, terms_)) return {kInf, kInf};
       correct(true, q);
       left.joint = projection_.position(t, terms_, q);
-      if (off <= (pass == 0 ? kNear : kSame) * q.lpNorm<Eigen::Infinity>() || !(left.joint < kInf)) break;
+      if (off <= (pass == 0 ? kNear : kSame) * largest_of_all(q, terms_.unit) || !(left.joint < kInf)) break;
       set_poses(system_, t, q, terms_.at);
       evaluate_gaps(system_, terms_);
       const double before = off;

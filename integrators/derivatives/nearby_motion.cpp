@@ -70,7 +70,7 @@ void NearbyMotion::strike(const std::vector<Struck>& struck, double t, const Eig
     target.push_back(s.plastic ? 0 : -law.e * approach);
     add_push(s.slides != 0 ? combined(of.normal, s.slides * law.mu, of.tangent) : of.normal);
     if (!s.sticks) continue;
-    const bool strikes = -approach > kRestSpeed;
+    const bool strikes = -approach > kRestSpeed * law.unit;
     wanted.push_back(of.tangent);
     target.push_back(law.belt - (strikes ? law.e_t * (apply(of.tangent, v.data()) - law.belt) : 0));
     add_push(of.tangent);

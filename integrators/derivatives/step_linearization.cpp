@@ -92,7 +92,8 @@ void StepLinearization::set_up(const StepTrace& step) {
   if (tangents) solve();
   for (std::size_t k = 0; k < places_.size() && tangents; ++k) {
     const double approach = apply(terms_.closed[k].rows.normal, x.v.data());
-    places_[k].strikes = -approach > kRestSpeed + std::abs(apply(terms_.closed[k].rows.normal, change_.data()));
+    places_[k].strikes = -approach > kRestSpeed * system_.law(terms_.closed[k].contact).unit +
+                                         std::abs(apply(terms_.closed[k].rows.normal, change_.data()));
   }
   for (Index i = 0; i < step.rows; ++i) apply_transposed(rows_[at(i)], step.z[i], force_.data());
   solve();

@@ -14,7 +14,7 @@ constexpr double kForceZero =
     1e-8;                          // of the largest force: contacts this near to opening or sliding off do so together
 constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kLongestCrossing = 1e-4;  // [s]
-constexpr double kTilt = 1e-9;             // [m] deeper overlaps are no rounding
+constexpr double kTilt = 1e-9;             // [m], times length_unit(): deeper overlaps are no rounding
 constexpr double kWay = 1e-9;              // of the way since two contacts struck: nearer ones may be one event
 constexpr int kShares = 200;               // times that friction is shared again in a crowd, which count for no event
 
@@ -87,7 +87,8 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
 /// Contacts that strike together get the gap 0: a tilt that rounding made would grow from impact to impact.
 void EventDriven::close_together() {
   for (std::size_t c = 0; c < strike_.touching.size(); ++c)
-    motion_.modes[c].lasting = strike_.touching[c] && now_.w.gap[static_cast<Index>(c)] > -kTilt;
+    motion_.modes[c].lasting =
+        strike_.touching[c] && now_.w.gap[static_cast<Index>(c)] > -kTilt * system_.length_unit();
   motion_.modes_changed();
   stage_.q = now_.q, stage_.v = now_.v;
   if (motion_.project(start_ + elapsed_, stage_.q, stage_.v).joint < kInf) now_.q = stage_.q;
@@ -199,7 +200,7 @@ bool EventDriven::cross(Solver& solver, double end, StepReport& report) {
     std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
     motion_.modes_changed();
     if (!observe(now_, start_ + elapsed_)) return fail(report, Status::numerical_error, "no accelerations");
-    const double slow = s * now_.a.lpNorm<Eigen::Infinity>();
+    const double slow = s * largest_of_all(now_.a, system_.length_unit());
     bool any = false;
     for (int c = 0; c < system_.contacts(); ++c) {
       const Impulse& push = stepping_.impulses()[at(c)];
@@ -258,10 +259,11 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
       return fail(report, Status::numerical_error, "no accelerations after an event");
     again = false;
     for (int c = 0; c < system_.contacts(); ++c)
-      if (freed_.released[at(c)] && now_.w.gap_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+      if (freed_.released[at(c)] &&
+          now_.w.gap_acceleration[c] < -kPressed * largest_of_all(now_.a, system_.length_unit()))
         freed_.released[at(c)] = false, again = true;  // pressed back by what else changes here
-      else if (freed_.held[at(c)] &&
-               freed_.slides[at(c)] * now_.w.slip_acceleration[c] < -kPressed * now_.a.lpNorm<Eigen::Infinity>())
+      else if (freed_.held[at(c)] && freed_.slides[at(c)] * now_.w.slip_acceleration[c] <
+                                         -kPressed * largest_of_all(now_.a, system_.length_unit()))
         freed_.held[at(c)] = false, freed_.slides[at(c)] = 0, again = true;
   }
   load_ = 0, scale_.noise.setZero();

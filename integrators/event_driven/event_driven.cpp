@@ -55,7 +55,12 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
   events_.reserve(64 * impulses_.size());
   for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));
   if (has_work(system)) meter_.emplace(system);
-  std::fill(watch_.slow.begin(), watch_.slow.end(), options.atol);
+  const double unit = system.length_unit();
+  for (double* limit : {&options_.atol, &options_.touching, &options_.accumulation}) *limit *= unit;
+  atol_.setConstant(system.dof(), options.atol);
+  for (Index i = 0; i < atol_.size(); ++i)
+    if (!is_rotation(i)) atol_[i] = options_.atol;
+  std::fill(watch_.slow.begin(), watch_.slow.end(), options_.atol);
 }
 
 StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
@@ -236,9 +241,9 @@ void EventDriven::accept(double s, double end) {
   residual_ = trial_residual_;
   elapsed_ = s < end - elapsed_ ? elapsed_ + s : end;
   crowd_.standstill = elapsed_ > before ? 0 : crowd_.standstill + 1;
-  const double moved = s * now_.v.lpNorm<Eigen::Infinity>();
-  const bool crowd =
-      s < kCrowded * options_.crossing && moved <= kNowhere * std::max(size_, now_.q.lpNorm<Eigen::Infinity>());
+  const double moved = s * largest_of_all(now_.v, system_.length_unit());
+  const bool crowd = s < kCrowded * options_.crossing &&
+                     moved <= kNowhere * std::max(size_, largest_of_all(now_.q, system_.length_unit()));
   crowd_.steps = crowd ? crowd_.steps + 1 : 0, crowd_.shared = crowd ? crowd_.shared : 0;
   for (const int c : motion_.lasting())
     impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;

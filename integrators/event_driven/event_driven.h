@@ -69,7 +69,7 @@ inline constexpr double kRounding = 0x1p-52;
 
 inline constexpr std::string_view kSingularPose = "redundant joints next to a singular pose";
 
-struct EventDrivenOptions {
+struct EventDrivenOptions {  // lengths and speeds count times System::length_unit()
   double rtol = 1e-13,
          atol = 1e-14;          // error of a step, per entry of q and v; atol is also the slip [m/s] taken as none
   double first_step = 0;        // [s]; 0: from the accelerations
@@ -230,7 +230,8 @@ class EventDriven final : public Integrator {
   bool stays(double gap, int contact) const { return std::abs(gap) <= kStays * gap_zero(contact) + options_.touching; }
   double speed_zero(double scale) const { return options_.atol + kSame * scale; }
 
-  Options options_;
+  Options options_;       // with lengths and speeds times length_unit()
+  Eigen::VectorXd atol_;  // dof
   ContactMotion motion_;
   ContactWatch watch_;
   ContinuousCollision sweep_;

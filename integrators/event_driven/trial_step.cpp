@@ -142,9 +142,9 @@ bool EventDriven::try_step(double s) {
     }
   };
   if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, add_push)) return false;
-  scale_.q = options_.atol + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
+  scale_.q = atol_.array() + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
   scale_.v =
-      options_.atol + s * scale_.noise.array() + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
+      atol_.array() + s * scale_.noise.array() + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
   const double end = std::min(t + s, stop_);
   trial_residual_ = motion_.project(end, trial_.q, trial_.v);
   if (trial_residual_.changed && joints_.least_independence < kSingular) return false;
@@ -153,7 +153,8 @@ bool EventDriven::try_step(double s) {
 
 /// Lasting contact i stands for another normal at the end of the trial step than at its start.
 bool EventDriven::turned(std::size_t i, double s) const {
-  const double scale = now_.w.gap_rate_scale[motion_.lasting()[i]] + s * motion_.free().lpNorm<Eigen::Infinity>();
+  const double scale =
+      now_.w.gap_rate_scale[motion_.lasting()[i]] + s * largest_of_all(motion_.free(), system_.length_unit());
   return std::abs(motion_.rate_taken(i)) > options_.atol + std::max(kTurned, 1e3 * options_.rtol) * scale;
 }
 

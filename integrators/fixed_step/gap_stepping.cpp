@@ -22,6 +22,29 @@ double largest_change(const RowOf<Space>& row, const Eigen::VectorXd& a, const E
 
 }  // namespace
 
+/// step.terms is at the end of free flight, with its gaps: sets held_ and their gaps.
+template <class Space> void GapSteppingOf<Space>::hold_directions(Step& step) {
+  held_.clear();
+  if constexpr (kPlanar<Space>) {
+    if (ropes_.empty()) return;
+    TermsOf<Space>& start = rope_start_;
+    set_poses(step.system, step.x.t, step.x.q, start.at);
+    start.pairs = step.terms.pairs;
+    evaluate_gaps(step.system, start);
+    for (const int i : ropes_) {
+      start.closed.clear(), step.terms.closed.clear();
+      add_closed(step.system, i, start), add_closed(step.system, i, step.terms);
+      const ClosedContact& before = start.closed[0];
+      if (!turned_back(before.rows.normal, step.terms.closed[0].rows.normal)) continue;
+      const double gap = start.gap[i] + step.h * apply(before.rows.normal, flight_.data());
+      if (gap > step.nearly()) continue;
+      step.terms.gap[i] = gap;
+      held_.push_back(before);
+    }
+    step.terms.closed.clear();
+  }
+}
+
 template <class Space> void GapSteppingOf<Space>::close(Step& step) {
   flight_ = step.v;
   move<Space>(step.x.q, step.h * flight_, step.q_end);
@@ -29,12 +52,15 @@ template <class Space> void GapSteppingOf<Space>::close(Step& step) {
   set_poses(step.system, step.x.t + step.h, step.q_end, terms.at);
   step.set_frames();
   evaluate_gaps(step.system, terms);
+  hold_directions(step);
   terms.closed.clear();
   const double near = reach(step);
   for (int i = 0; i < step.system.contacts(); ++i) {
     const bool joined = std::find(step.joined.begin(), step.joined.end(), i) != step.joined.end();
     if (terms.gap[i] == kInf || (terms.gap[i] > near && !joined)) continue;
     add_closed(step.system, i, terms);
+    for (const ClosedContact& held : held_)
+      if (held.contact == i) terms.closed.back() = held;
     const ClosedContact& c = terms.closed.back();
     if (!joined && apply(c.rows.normal, flight_.data()) > least(step, c, flight_) + step.nearly(c.rows) / step.h)
       terms.closed.pop_back();

@@ -5,6 +5,8 @@
 // All contacts of the scene have that row; those that free flight leaves satisfied are at first left out. Impulses of
 // the others may close them: a contact that the solution violates then joins the problem, which is solved again, until
 // no contact is violated. So the answer is that of the whole problem, at the cost of the contacts in it.
+// A taut rope over a pulley has no direction at the pulley (pulley_watch.h). Where free flight leads an end beyond it,
+// its row and gap are linearized about the step's start.
 // What joins is nearer than the two surfaces go against each other by themselves, at v and at v_free, and the forces of
 // the step move either: a contact that lasts is open by as much from one step to the next. Farther away (a row of balls
 // with gaps) a contact that is shut by an impulse is made in the next step, as in the source, so that pairs found by a
@@ -12,6 +14,9 @@
 #pragma once
 
 #include <orthant/integrators/fixed_step/velocity_stepping.h>
+#include <orthant/integrators/step/pulley_watch.h>
+
+#include <vector>
 
 namespace orthant {
 
@@ -20,7 +25,11 @@ template <class Space> class GapSteppingOf : public VelocitySteppingOf<Space> {
   using ClosedContact = ClosedContactOf<Space>;
 
  protected:
-  using VelocitySteppingOf<Space>::VelocitySteppingOf;
+  using typename VelocitySteppingOf<Space>::Plan;
+  GapSteppingOf(const SystemOf<Space>& system, std::string_view name, const Capabilities& can, const Plan& plan)
+      : VelocitySteppingOf<Space>(system, name, can, plan),
+        ropes_(ropes_over_pulleys(system.scene())),
+        rope_start_(system) {}
   using Step = typename VelocitySteppingOf<Space>::Step;
 
   /// The least γ_N that the scheme lets the contact have where the velocities after the step are v. [m/s]
@@ -39,8 +48,12 @@ template <class Space> class GapSteppingOf : public VelocitySteppingOf<Space> {
  private:
   void close(Step& step) final;
   bool missed(Step& step) final;
+  void hold_directions(Step& step);
 
-  Eigen::VectorXd flight_;  // v_free
+  Eigen::VectorXd flight_;           // v_free
+  std::vector<int> ropes_;           // contacts that are ropes over pulleys
+  TermsOf<Space> rope_start_;        // rows of ropes at the step's start
+  std::vector<ClosedContact> held_;  // of taut ropes whose end flies beyond its pulley, rows of the start
 };
 extern template class GapSteppingOf<Planar>;
 extern template class GapSteppingOf<Spatial>;

@@ -80,10 +80,15 @@ bool GeneralizedAlphaOf<Space>::flow(double h, const State& x, Solver& solver, S
       }
     s_new_ += change_;
     v_ += by_s * change_;
-    far_.measure([&](Index i) { return largest_coordinate<Space>(x.q, i) + by_s2 * largest_entry<Space>(s_new_, i); });
+    const double unit = system_.length_unit();
+    far_.measure([&](Index i) {
+      return largest_coordinate<Space>(x.q, i, unit) +
+             by_s2 * (kPlanar<Space> ? largest_coordinate<Space>(s_new_, i, unit) : largest_entry<Space>(s_new_, i));
+    });
     double moved = 0;  // over what is known of a coordinate
     for (Index i = 0; i < change_.size(); ++i)
-      moved = std::max(moved, by_s2 * std::abs(change_[i]) / (1 + far_.of(body_of_entry<Space>(i))));
+      moved = std::max(moved, by_s2 * std::abs(change_[i]) / (is_rotation<Space>(i) ? 1 : unit) /
+                                  (1 + far_.of(body_of_entry<Space>(i)) / unit));
     if (moved <= kEnough || (moved <= kNearly && moved >= before)) return true;
     std::swap(start_.at, end_.at);  // the next pass freezes its rows where basic_ is factorized
     swings = swings || moved > before / 2;

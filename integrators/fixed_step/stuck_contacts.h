@@ -44,7 +44,7 @@ template <class Space> class StuckContacts {
       const auto i = static_cast<std::size_t>(c.contact);
       const ContactLaw& law = system.law(c.contact);
       if (!law.frictional() || !(impulses[i].normal > 0)) continue;
-      stuck_[i] = size_of(slip_rate(c.rows, v.data()) - belt_of(law, c.rows)) <= kStickSpeed;
+      stuck_[i] = size_of(slip_rate(c.rows, v.data()) - belt_of(law, c.rows)) <= kStickSpeed * law.unit;
     }
     pairs_ = terms.pairs;
   }

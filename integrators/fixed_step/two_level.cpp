@@ -62,8 +62,10 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
   constexpr int kIterations = 50;
   constexpr double kRounded = 1e3;  // of rounding: heavy bodies on light ones magnify it, no iterate comes nearer
   move<Space>(x.q, path, q_end_);
-  far_.measure(
-      [&](Index i) { return std::max(largest_coordinate<Space>(x.q, i), largest_coordinate<Space>(q_end_, i)); });
+  const double unit = system_.length_unit();
+  far_.measure([&](Index i) {
+    return std::max(largest_coordinate<Space>(x.q, i, unit), largest_coordinate<Space>(q_end_, i, unit));
+  });
   if (broad_phase_.any()) {  // contacts add to the path no more than the longest: bodies do not overlap deeper
     set_poses(system_, x.t + h, q_end_, end_.at);
     if (!path.allFinite()) return fail(report, Status::numerical_error, "the motion is not finite");
@@ -155,16 +157,22 @@ template <class Space> bool TwoLevelOf<Space>::freeze_here(bool swings, StepRepo
 }
 
 template <class Space> bool TwoLevelOf<Space>::close_gaps() {
-  const double zero = touching(far_.largest());
+  const double unit = system_.length_unit(), zero = touching(far_.largest()) / unit;
   bool more = false;
   for (int i = 0; i < system_.contacts(); ++i) {
     if (!(end_.gap[i] <= zero) || has_rows_[static_cast<std::size_t>(i)]) continue;
     const auto [a, b] = bodies_of(system_, end_.pairs, i);
-    if (end_.gap[i] > touching(far_.of(a, b))) continue;
+    if (end_.gap[i] > touching(far_.of(a, b)) * (system_.law(i).unit / unit)) continue;
     add_closed(system_, i, start_);
     has_rows_[static_cast<std::size_t>(i)] = more = true;
   }
   return more;
+}
+
+template <class Space> double TwoLevelOf<Space>::rounding_of(const RowOf<Space>& row) const {
+  const double unit = system_.length_unit();
+  if (unit == 1) return kOfPlaces * (1 + far_.of(row));
+  return kOfPlaces * unit_of(row, unit) * (1 + far_.of(row) / unit);
 }
 
 template <class Space>
@@ -175,13 +183,13 @@ typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::mismatch(double accuracy
     if (!(off <= allowed)) m.none = false;  // NaN too
   };
   for (Index i = 0; i < end_.phi.size(); ++i) {
-    const double rounding = kOfPlaces * (1 + far_.of(start_.G[static_cast<std::size_t>(i)]));
+    const double rounding = rounding_of(start_.G[static_cast<std::size_t>(i)]);
     note(std::abs(end_.phi[i]), rounding, rounding);
   }
   for (std::size_t k = 0; k < count; ++k) {
     if (positions_.immobile(k)) continue;  // its gap is what the joints make it
     const ClosedContact& c = start_.closed[k];
-    const double gap = end_.gap[c.contact], rounding = kOfPlaces * (1 + far_.of(c.rows.normal));
+    const double gap = end_.gap[c.contact], rounding = rounding_of(c.rows.normal);
     note(impulses_[static_cast<std::size_t>(c.contact)].normal > 0 ? std::abs(gap) : -gap, rounding,
          kOfGaps * rounding + 2 * accuracy);
   }
@@ -191,7 +199,7 @@ typename TwoLevelOf<Space>::Mismatch TwoLevelOf<Space>::mismatch(double accuracy
 template <class Space> bool TwoLevelOf<Space>::touch_only(std::size_t known) const {
   for (std::size_t k = known; k < start_.closed.size(); ++k) {
     const ClosedContact& c = start_.closed[k];
-    if (end_.gap[c.contact] < -kOfGaps * kOfPlaces * (1 + far_.of(c.rows.normal))) return false;
+    if (end_.gap[c.contact] < -kOfGaps * rounding_of(c.rows.normal)) return false;
   }
   return true;
 }
@@ -216,7 +224,8 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
     bool touches = impulses_[static_cast<std::size_t>(i)].normal > 0;
     if (!touches && end_.gap[i] < kInf) {  // rounding, of what was far out before, too, does not decide who strikes now
       const auto [a, b] = bodies_of(system_, end_.pairs, i);
-      touches = end_.gap[i] <= touching(far_.of(a, b)) + kOfPath * path_.of(a, b);
+      const double near = touching(far_.of(a, b)) + kOfPath * path_.of(a, b);
+      touches = end_.gap[i] <= near * (system_.law(i).unit / system_.length_unit());
     }
     if (touches) carrying_.push_back(i);
   }
@@ -245,7 +254,7 @@ template <class Space> void TwoLevelOf<Space>::strike_at_the_surface(double h) {
     if (!(w.normal > 0) || !(w.law->e > 0)) continue;
     const double start = w.normal / w.law->e, before = -w.approach, change = w.free - w.approach;
     const auto steady = [&](double by) { return std::abs(by) <= kSteady * start; };
-    if (!(start > kRestSpeed) || !steady(before - start) || !steady(change) || !(ways_[k] > 0)) continue;
+    if (!(start > kRestSpeed * w.law->unit) || !steady(before - start) || !steady(change) || !(ways_[k] > 0)) continue;
     w.normal = w.law->e * std::sqrt(std::max(0.0, before * before - 2 * change / h * ways_[k]));
   }
 }

@@ -94,6 +94,8 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
     double size = 0, relative = 0;  // [m, rad]; over what rounding makes of it
     bool none = true;               // it is no more than rounding, and accuracy of the gaps
   };
+  /// Of a residual or gap with this row [m, rad].
+  double rounding_of(const RowOf<Space>& row) const;
   Mismatch mismatch(double accuracy, std::size_t count) const;  // of the first `count` closed contacts
   bool touch_only(std::size_t known) const;  // those closed after these overlap within rounding: they need no push
   bool solve(Formulation& formulation, Solver& solver, StepReport& report);

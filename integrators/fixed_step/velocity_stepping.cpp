@@ -213,7 +213,7 @@ void VelocitySteppingOf<Space>::note_stiffness([[maybe_unused]] double h, [[mayb
   if constexpr (kPlanar<Space>) {
     carried_.setZero();
     for (const RateTarget& w : targets_)
-      if (w.approach < -kRestSpeed - std::abs(w.free - w.approach)) return;  // an impact is no load
+      if (w.approach < -kRestSpeed * w.law->unit - std::abs(w.free - w.approach)) return;  // an impact is no load
     if (plan_.form == Form::full || !targets_.empty() || !frictions_.empty()) {
       find_joint_impulses(h, x);
       geometric_.raise(terms_, lambda_.data(), h, 1, kInf, carried_);
@@ -241,9 +241,11 @@ void VelocitySteppingOf<Space>::change_joined(const Eigen::VectorXd& v, Eigen::V
 template <class Space> void VelocitySteppingOf<Space>::measure(double h, const State& x) {
   constexpr double kImpulses = 1e-8;  // of velocities
   if (plan_.parted > 0) force_ = system_.inverse_mass().cwiseProduct(terms_.f);
+  const double unit = system_.length_unit();
   near_.measure([&](Index i) {
-    const double forces = plan_.parted > 0 ? plan_.parted * h * h * largest_motion<Space>(force_, i) : 0;
-    return touching(largest_coordinate<Space>(x.q, i)) + kImpulses * h * largest_motion<Space>(v_new_, i) + forces;
+    const double forces = plan_.parted > 0 ? plan_.parted * h * h * largest_motion<Space>(force_, i, unit) : 0;
+    return touching(largest_coordinate<Space>(x.q, i, unit)) + kImpulses * h * largest_motion<Space>(v_new_, i, unit) +
+           forces;
   });
 }
 
@@ -331,7 +333,7 @@ template <class Space> bool VelocitySteppingOf<Space>::settle(double t, StepRepo
                   "joints that contradict each other: rates are missed by " + detail::text_of(report.joint_rate));
   }
   report.joint_residual = projection_.position(t, terms_, q_new_, stiffened_ ? &added_ : nullptr);
-  if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold) &&
+  if (plan_.joints != Joints::none && !(report.joint_residual <= kJointsHold * terms_.unit) &&
       !(projection_.off(terms_, q_new_) <= kJointsHold))
     return fail(report, Status::numerical_error,
                 "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");

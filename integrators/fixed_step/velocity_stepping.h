@@ -96,8 +96,11 @@ template <class Space> class VelocitySteppingOf : public IntegratorOf<Space> {
 
     /// [m] Gaps up to this may be the rounding of positions and of the last step's impulses, and what the plan calls
     /// parted.
-    double nearly(const ContactRowsOf<Space>& rows) const { return near.of(rows.normal); }
-    double nearly() const { return near.largest(); }  // of any contact
+    double nearly(const ContactRowsOf<Space>& rows) const {
+      const double most = near.of(rows.normal);
+      return terms.unit == 1 ? most : most * unit_of(rows.normal, terms.unit) / terms.unit;
+    }
+    double nearly() const { return near.largest() / terms.unit; }  // of any contact, [rad] too
 
     /// In space rows that are evaluated elsewhere than at q_a are to stand in the frames of the step all the same.
     void set_frames() {

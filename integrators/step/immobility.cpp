@@ -127,7 +127,7 @@ double Immobility::rounding_of_rate(const Eigen::VectorXd& sizes, const Eigen::V
 }
 
 double Immobility::far(Index body) const {
-  return 1 + terms_.at.pose[static_cast<std::size_t>(body)].x.lpNorm<Eigen::Infinity>();
+  return terms_.unit + terms_.at.pose[static_cast<std::size_t>(body)].x.lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace orthant

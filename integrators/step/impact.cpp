@@ -101,7 +101,7 @@ template <class Space> bool ImpactOf<Space>::strike_in_turn(const Terms& terms, 
   double first = 0;
   for (const auto& c : terms.closed)
     if (in_turn[at(c.contact)]) first = std::max(first, -apply(c.rows.normal, v.data()));
-  any_ = first > kRestSpeed;
+  any_ = first > kRestSpeed * system_.length_unit();
   if (!any_) return true;
   begin(terms, v);
   if (!one_by_one(terms, basic, &in_turn, first, solver, report)) return false;
@@ -116,7 +116,7 @@ template <class Space> bool ImpactOf<Space>::strike(const Terms& terms, const Ba
   why_.clear();
   double first = 0;
   for (const RateTarget& w : targets) first = std::max(first, -w.approach);
-  if (!has_law() || first <= kRestSpeed) return true;
+  if (!has_law() || first <= kRestSpeed * system_.length_unit()) return true;
   any_ = true;
   begin(terms, before);
   struck_.closed = terms.closed;
@@ -171,7 +171,7 @@ template <class Space> double energy_rise(const SystemOf<Space>& system, const T
     if (impulse.normal == 0) continue;
     const bool pushed = w.least >= w.normal;
     if (pushed) small = std::max(small, kOtherRows);
-    counts = counts || small > kSameRows || w.approach < -kRestSpeed;
+    counts = counts || small > kSameRows || w.approach < -kRestSpeed * w.law->unit;
     const auto& rows = terms.closed[k].rows;
     double work = 0;
     const auto add = [&](double by, double after, double free, double was) {

@@ -9,14 +9,14 @@ namespace {
 constexpr Index kShared = 100;  // rows beyond the largest island's, from which on threads gain
 
 /// A coarse answer is no motion, unless its error is as slow as a contact at rest.
-void leave_coarse(Solution& s) {
-  if (s.status == Status::rounded && s.coarse && s.miss.by > kRestSpeed) s.status = Status::stalled;
+void leave_coarse(Solution& s, double unit) {
+  if (s.status == Status::rounded && s.coarse && s.miss.by > kRestSpeed * unit) s.status = Status::stalled;
 }
 
 }  // namespace
 
 template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem)
-    : islands_(system) {
+    : islands_(system), unit_(system.length_unit()) {
   const Index most = problem.most_rows();
   add_bench(problem);
   outcomes_.reserve(static_cast<std::size_t>(most));
@@ -29,7 +29,7 @@ template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& probl
   if (count == 1) {
     solver.solve(problem.whole(), s, Start::warm);
     if (refines_) benches_[0].refinement.improve(problem.whole(), s);
-    leave_coarse(s);
+    leave_coarse(s, unit_);
     return report.note(problem.whole(), s);
   }
   const Index n = problem.size();
@@ -90,7 +90,7 @@ template <class Space> void IslandSolveOf<Space>::solve_island(const StepProblem
   for (Index i = 0; i < block.size(); ++i) bench.part.z[i] = guess[rows[static_cast<std::size_t>(i)]];
   const Solution& part = solver.solve(block, bench.part, Start::warm);
   if (refines_) bench.refinement.improve(block, bench.part);
-  leave_coarse(bench.part);
+  leave_coarse(bench.part, unit_);
   Outcome& outcome = outcomes_[static_cast<std::size_t>(island)];
   outcome.status = part.status, outcome.residual = part.residual, outcome.iterations = part.iterations;
   outcome.miss = part.miss;

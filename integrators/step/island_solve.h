@@ -46,6 +46,7 @@ template <class Space> class IslandSolveOf {
 
   bool refines_ = false;
   Islands islands_;
+  double unit_;  // [m] length_unit()
   std::vector<Bench> benches_;
   std::vector<Outcome> outcomes_;
   Solution found_;  // z and w by islands, so far

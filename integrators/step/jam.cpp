@@ -8,7 +8,8 @@
 namespace orthant {
 namespace {
 
-constexpr double kOverlap = 1e-9;        // of 1 m + the largest coordinate: less is rounding and the end of the search
+constexpr double kOverlap =
+    1e-9;  // of 1 m (or length_unit()) + the largest coordinate: less is rounding and the end of the search
 constexpr double kShortestTime = 1e-10;  // of 1 s + the time: the resolution of its beginning
 constexpr double kStart = 1e-7;          // [s] joints hold to 1e-8: what begins sooner begins at the start
 constexpr double kShare = 1e-3;          // of the largest share: takes part
@@ -121,6 +122,8 @@ template <class Space> bool JamSearchOf<Space>::onto_joints(double t, Eigen::Vec
 template <class Space> double JamSearchOf<Space>::overlap() {
   evaluate_gaps(system_, terms_);
   over_ = (floor_ - terms_.gap).cwiseMax(0);
+  if (terms_.unit != 1)
+    for (Index i = 0; i < over_.size(); ++i) over_[i] *= terms_.unit / system_.law(static_cast<int>(i)).unit;
   worst_ = over_.size() > 0 ? over_.maxCoeff() : 0;
   return over_.squaredNorm() / 2;
 }
@@ -170,6 +173,10 @@ template <class Space> bool JamSearchOf<Space>::improve(double t, Eigen::VectorX
   return false;
 }
 
+template <class Space> double JamSearchOf<Space>::allowed(const Eigen::VectorXd& q) const {
+  return kOverlap * (terms_.unit + (kPlanar<Space> ? largest_of_all(q, terms_.unit) : q.lpNorm<Eigen::Infinity>()));
+}
+
 template <class Space> bool JamSearchOf<Space>::fits(double t, Eigen::VectorXd& q) {
   constexpr int kPasses = 200, kSlow = 5;
   constexpr double kProgress = 1e-6;  // of the overlap, squared: slower passes end the search
@@ -182,13 +189,13 @@ template <class Space> bool JamSearchOf<Space>::fits(double t, Eigen::VectorXd& 
   double sum = overlap();
   compliance_ = 1e-8;
   for (int pass = 0, slow = 0; pass < kPasses && slow < kSlow; ++pass) {
-    if (worst_ <= kOverlap * (1 + q.lpNorm<Eigen::Infinity>())) return true;
+    if (worst_ <= allowed(q)) return true;
     const double before = sum;
     if (!linearize() || !improve(t, q, sum)) break;
     slow = sum > (1 - kProgress) * before ? slow + 1 : 0;
   }
   onto_joints(t, q), overlap();
-  return worst_ <= kOverlap * (1 + q.lpNorm<Eigen::Infinity>());
+  return worst_ <= allowed(q);
 }
 
 /// Where fits() ended without success at the time t.

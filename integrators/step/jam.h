@@ -57,7 +57,8 @@ template <class Space> class JamSearchOf {
 
  private:
   bool onto_joints(double t, Eigen::VectorXd& q);
-  double overlap();  // ½ Σ o²; worst_, at terms_
+  double overlap();                                // ½ Σ o²; worst_, at terms_
+  double allowed(const Eigen::VectorXd& q) const;  // [m] overlap that is rounding
   bool linearize();
   bool improve(double t, Eigen::VectorXd& q, double& sum);
   Jam participants(double t);

@@ -20,32 +20,42 @@ double largest(const Eigen::VectorXd& off) {
   return largest_off(off.size(), [&](Index i) { return std::abs(off[i]); });
 }
 
-/// The largest entry of the velocities v, or of the coordinates q, of row i's bodies.
+/// |Φ_i|, each over its row's unit.
+template <class Space> double largest_in_units(const TermsOf<Space>& terms) {
+  if (terms.unit == 1) return largest(terms.phi);
+  return largest_off(terms.phi.size(), [&](Index i) { return std::abs(terms.phi[i]) / terms.unit_of_row(i); });
+}
+
+/// The largest entry of the velocities v, or of the coordinates q, of row i's bodies; lengths over `unit`.
 struct OfVelocities {
-  template <class Space> static double entry(const Eigen::VectorXd& v, BodyId body) {
-    return largest_entry<Space>(v, body);
+  template <class Space> static double entry(const Eigen::VectorXd& v, BodyId body, double unit) {
+    if constexpr (kPlanar<Space>)
+      return largest_coordinate(v, body, unit);
+    else
+      return largest_entry<Space>(v, body);
   }
 };
 struct OfCoordinates {
-  template <class Space> static double entry(const Eigen::VectorXd& q, BodyId body) {
-    return largest_coordinate<Space>(q, body);
+  template <class Space> static double entry(const Eigen::VectorXd& q, BodyId body, double unit) {
+    return largest_coordinate<Space>(q, body, unit);
   }
 };
-template <class Of, class Space> double far(const TermsOf<Space>& terms, const Eigen::VectorXd& x, Index i) {
+/// [its row's unit] What |off_i| is measured against.
+template <class Of, class Space> double known(const TermsOf<Space>& terms, const Eigen::VectorXd& x, Index i) {
   const auto& row = terms.G[static_cast<std::size_t>(i)];
   double most = 0;
   for (const BodyId body : {row.a, row.b})
-    if (body >= 0) most = std::max(most, Of::template entry<Space>(x, body));
-  return most;
+    if (body >= 0) most = std::max(most, Of::template entry<Space>(x, body, terms.unit));
+  return terms.unit == 1 ? 1 + most : terms.unit_of_row(i) * (1 + most / terms.unit);
 }
 
 /// Some |off_i| is more than rounding of x, or NaN. worst: the largest of them.
 template <class Of, class Space>
 bool misses(double worst, const TermsOf<Space>& terms, const Eigen::VectorXd& x, const Eigen::VectorXd& off) {
   constexpr double kTolerance = 1e-15;
-  if (worst <= kTolerance) return false;
+  if (worst <= kTolerance * terms.unit) return false;
   for (Index i = 0; i < off.size(); ++i)
-    if (!(std::abs(off[i]) <= kTolerance * (1 + far<Of>(terms, x, i)))) return true;
+    if (!(std::abs(off[i]) <= kTolerance * known<Of>(terms, x, i))) return true;
   return false;
 }
 
@@ -53,28 +63,29 @@ bool misses(double worst, const TermsOf<Space>& terms, const Eigen::VectorXd& x,
 
 template <class Space>
 double off_by(const TermsOf<Space>& terms, const Eigen::VectorXd& v, const Eigen::VectorXd& off) {
-  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far<OfVelocities>(terms, v, i)); });
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / known<OfVelocities>(terms, v, i); });
 }
 
 template <class Space>
 double off_at(const TermsOf<Space>& terms, const Eigen::VectorXd& q, const Eigen::VectorXd& off) {
-  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / (1 + far<OfCoordinates>(terms, q, i)); });
+  return largest_off(off.size(), [&](Index i) { return std::abs(off[i]) / known<OfCoordinates>(terms, q, i); });
 }
 
 template <class Space> double joints_off(const TermsOf<Space>& terms, const Eigen::VectorXd& q, Magnitudes& far) {
   constexpr double kClosed = 1e-9;
   constexpr double kAngle = 1e-6;  // [m/rad] turning rounds to 1e-16 of an angle, far less than is asked of places
   const Index rows = terms.phi.size();
-  const double worst = largest(terms.phi);
+  const double worst = largest_in_units(terms), unit = terms.unit;
   if (worst <= kClosed) return worst;
   far.measure([&](Index i) {
     if constexpr (kPlanar<Space>)
-      return std::max(largest_translation(q, i), kAngle * std::abs(rotation(q, i)));
+      return std::max(largest_translation(q, i) / unit, kAngle * std::abs(rotation(q, i)));
     else
       return largest_coordinate<Space>(q, i);
   });
-  return largest_off(
-      rows, [&](Index i) { return std::abs(terms.phi[i]) / (1 + far.of(terms.G[static_cast<std::size_t>(i)])); });
+  return largest_off(rows, [&](Index i) {
+    return std::abs(terms.phi[i]) / (terms.unit_of_row(i) * (1 + far.of(terms.G[static_cast<std::size_t>(i)])));
+  });
 }
 
 template <class Space> ProjectionOf<Space>::ProjectionOf(const System& system, bool with_joints)
@@ -92,7 +103,9 @@ double ProjectionOf<Space>::position(double t, Terms& terms, Eigen::VectorXd& q,
   if (terms.phi.size() == 0) return 0;
   if (basic_.joint_rows() == 0) return largest(terms.phi);
   double worst = largest(terms.phi);
-  for (int matrices = 0; matrices == 0 || (matrices < kMatrices && !(worst <= kJointsHold)); ++matrices) {
+  for (int matrices = 0;
+       matrices == 0 || (matrices < kMatrices && !((terms.unit == 1 ? worst : largest_in_units(terms)) <= kJointsHold));
+       ++matrices) {
     if (!basic_.factorize(system_, terms, 0, 0, added)) return std::numeric_limits<double>::infinity();
     worst = approach(t, terms, q, worst);
   }
@@ -144,7 +157,7 @@ template <class Space> double ProjectionOf<Space>::velocity(Terms& terms, Eigen:
   constexpr int kIterations = 10;
   constexpr double kOnce = 1e-12;  // [m/s, rad/s] one solve leaves less, unless rows nearly repeat others
   double left = (missing(), correct());
-  if (left <= kOnce && !system_.driven()) return left;
+  if (left <= kOnce * terms.unit && !system_.driven()) return left;
   for (int i = 1; i < kIterations && misses<OfVelocities>(left, terms, v, rate_); ++i) {
     const double next = correct();
     if (!(next < left)) return next;  // rounding level reached

@@ -15,6 +15,7 @@ namespace orthant {
 /// Of 1 m + the largest coordinate: joints left farther than this contradict each other, or the step was much too long.
 inline constexpr double kJointsHold = 1e-8;
 
+/// 1 m: below and elsewhere the system's length_unit(), and 1 rad of rows of angles.
 /// The largest |Φ_i|, at q with the terms there, over 1 m + the largest coordinate of the bodies that are tied to those
 /// of its row, angles counting by their rounding; up to 1e-9 the largest |Φ_i| itself. far: of System::assembly(), for
 /// its room.

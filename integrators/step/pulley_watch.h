@@ -2,7 +2,9 @@
 //
 //   A rope over pulleys (relation.h) pulls its end P towards the pulley A along (A − P) / |A − P|. At P = A the model
 //   has no direction. A direction that turns by more than a right angle in a step, in which the rope pulls, has passed
-//   that place. Slack ropes may.
+//   that place. Slack ropes may. Schemes whose rows are those of a predicted place keep the direction of the step's
+//   start where a taut rope's end is predicted beyond its pulley (gap_stepping.h): else the end would stop there as if
+//   at a wall, and never pass.
 // Cost: nothing if a scene has no such rope; else one row per rope and step.
 #pragma once
 
@@ -16,15 +18,26 @@
 
 namespace orthant {
 
+/// Numbers of the scene's contacts that are ropes over pulleys.
+inline std::vector<int> ropes_over_pulleys(const Scene& scene) {
+  std::vector<int> ropes;
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const auto* custom = std::get_if<CustomContact>(&scene.contacts[i]);
+    if (custom != nullptr && !custom->law.frictional() && custom->length() < kInf) ropes.push_back(static_cast<int>(i));
+  }
+  return ropes;
+}
+inline std::vector<int> ropes_over_pulleys(const spatial::Scene& /*scene*/) { return {}; }
+
+/// Whether a body's part of the row has turned by more than a right angle.
+inline bool turned_back(const Row& one, const Row& other) {
+  return one.ja[0] * other.ja[0] + one.ja[1] * other.ja[1] < 0 || one.jb[0] * other.jb[0] + one.jb[1] * other.jb[1] < 0;
+}
+
 class PulleyWatch {
  public:
-  PulleyWatch(const Integrator& integrator, const State& start) : integrator_(integrator) {
-    const auto& contacts = system().scene().contacts;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      const auto* custom = std::get_if<CustomContact>(&contacts[i]);
-      if (custom != nullptr && !custom->law.frictional() && custom->length() < kInf)
-        ropes_.push_back(static_cast<int>(i));
-    }
+  PulleyWatch(const Integrator& integrator, const State& start)
+      : integrator_(integrator), ropes_(ropes_over_pulleys(system().scene())) {
     directions_.resize(kEntries * ropes_.size());
     if (ropes_.empty()) return;
     terms_ = Terms(system());
@@ -79,8 +92,8 @@ class PulleyWatch {
   }
 
   const Integrator& integrator_;
-  Terms terms_;
   std::vector<int> ropes_;
+  Terms terms_;
   std::vector<double> directions_;
   std::string why_;
 };

@@ -20,7 +20,7 @@ template <class Space> void newtons_law(const std::vector<ContactLaw>& laws, con
 
 template <class Space> void restrict_to_strikes(std::vector<RateTargetOf<Space>>& targets) {
   for (auto& w : targets)
-    if (!(-w.approach > kRestSpeed + std::abs(w.free - w.approach))) w.tangent = belt_of(w);
+    if (!(-w.approach > kRestSpeed * w.law->unit + std::abs(w.free - w.approach))) w.tangent = belt_of(w);
 }
 
 template void newtons_law(const std::vector<ContactLaw>&, const TermsOf<Planar>&, const Eigen::VectorXd&,

@@ -45,7 +45,7 @@ template <class Space> Tangent<Space> belt_of(const RateTargetOf<Space>& w) {
 template <class Space> void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms,
                                         const Eigen::VectorXd& v, std::vector<RateTargetOf<Space>>& targets);
 
-/// A slower approach is a contact at rest. [m/s]
+/// A slower approach is a contact at rest. [m/s], times law.unit
 inline constexpr double kRestSpeed = 1e-9;
 
 /// Tangential restitution is for contacts that strike: that approach faster than kRestSpeed, and than the step's forces

@@ -101,7 +101,10 @@ void SleepOf<Space>::end(double h, const Terms& terms, const std::vector<Impulse
     if (!sleeps(c)) force_[c] = {impulses[c].normal / h, impulses[c].tangent / h};
   rows_.clear();
   for (BodyId b = 0; b < system_.bodies(); ++b) {
-    const bool slow = block<Space>(x.v, b).template lpNorm<Eigen::Infinity>() <= options_.speed;
+    const double unit = system_.length_unit();
+    const double speed = unit == 1 ? block<Space>(x.v, b).template lpNorm<Eigen::Infinity>()
+                                   : largest_coordinate<Space>(x.v, b, unit) / unit;
+    const bool slow = speed <= options_.speed;
     double& rest = rest_[static_cast<std::size_t>(b)];
     rest = slow ? rest + h : 0;
   }

@@ -1,4 +1,5 @@
 // Storm of motions: its measures see what is wrong, twins and files are the same motion, a share of it runs.
+#include "experiments/studies/motion_storm/closed_rows.h"
 #include "experiments/studies/motion_storm/examine.h"
 #include "experiments/studies/motion_storm/judge.h"
 #include "experiments/studies/motion_storm/scenes.h"
@@ -102,6 +103,49 @@ TEST_CASE("motion storm: gaps, joints and energy are those of the library, by ot
   }
   CHECK(compared > 200);
   CHECK(overlapping > 20);
+}
+
+TEST_CASE("motion storm: rows of joints and contacts are those of the library, by other code") {
+  Random random(4);
+  int compared = 0, of_polygons = 0;
+  for (std::uint64_t k = 0; k < 4 * kinds().size(); ++k) {
+    const RandomScene it = random_scene(3, k);
+    const System system(it.scene);
+    INFO(it.kind, " ", k);
+    for (const bool moved : {false, true}) {
+      State x = system.initial_state();
+      for (Eigen::Index i = 0; i < x.q.size(); ++i)
+        x.q[i] += moved ? random.uniform(-0.2, 0.2) : 0, x.v[i] = random.uniform(-2, 2);
+      const double gap = moved ? 100 : 1e-7;  // [m]
+      const ClosedRows own = closed_rows(it.scene, x, gap);
+      Terms terms(system);
+      set_poses(system, 0, x.q, terms.at);
+      evaluate_joint_rows(system, terms), evaluate_gaps(system, terms), evaluate_closed(system, gap, terms);
+      const auto rate = [&](const Row& row) { return apply(row, x.v.data()); };
+      CHECK(own.inverse_mass == system.inverse_mass());
+      REQUIRE(own.joints.size() == terms.G.size());
+      for (std::size_t i = 0; i < terms.G.size(); ++i)
+        CHECK(std::abs(std::abs(own.joints[i].dot(x.v)) - std::abs(rate(terms.G[i]))) < 1e-12 * (1 + x.v.norm()));
+      std::size_t comparable = 0;
+      for (const ClosedContact& c : terms.closed) {
+        const bool polygons =
+            std::holds_alternative<PolygonPolygon>(it.scene.contacts[static_cast<std::size_t>(c.contact)]);
+        if (it.kind == "seams" || (polygons && moved)) continue;  // covered faces; ends that are far
+        ++comparable;
+        const ContactLaw& law = system.law(c.contact);
+        const bool found = std::ranges::any_of(own.contacts, [&](const ClosedContactRows& o) {
+          const bool normal = std::abs(o.normal.dot(x.v) - rate(c.rows.normal)) < 1e-6;
+          const bool slip = !law.frictional() || moved || std::abs(o.slip[0] + law.belt - rate(c.rows.tangent)) < 1e-6;
+          return std::abs(o.gap - terms.gap[c.contact]) < 1e-9 && normal && slip;
+        });
+        CHECK_MESSAGE(found, "contact ", c.contact);
+        ++compared, of_polygons += polygons;
+      }
+      if (!moved && it.kind != "seams") CHECK(own.contacts.size() == comparable);
+    }
+  }
+  CHECK(compared > 200);
+  CHECK(of_polygons > 20);
 }
 
 TEST_CASE("motion storm: a twin is the same motion, in other words, and so is the scene's file") {

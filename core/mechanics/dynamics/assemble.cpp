@@ -11,7 +11,7 @@ namespace orthant {
 namespace {
 
 constexpr double kMostTurn = 0.5;  // [rad] of a body in one step, at the most
-constexpr double kClosed = 1e-13;  // of 1 m + the largest coordinate: rounding
+constexpr double kClosed = 1e-13;  // of 1 m (or length_unit()) + the largest coordinate: rounding
 
 /// A joint with clearance.
 bool has_clearance(const Contact& contact) { return std::holds_alternative<Journal>(contact); }
@@ -83,10 +83,13 @@ template <class Space> class Assembly {
     evaluate_gaps(system_, terms_);
     evaluate_closed(system_, clearances_, terms_);
   }
-  double zero(const Eigen::VectorXd& q) const { return kClosed * (1 + q.lpNorm<Eigen::Infinity>()); }
+  /// [units of length, rad]
+  double zero(const Eigen::VectorXd& q) const { return kClosed * (1 + largest_of_all(q, terms_.unit) / terms_.unit); }
   double off() const {
-    double most = terms_.phi.size() > 0 ? terms_.phi.template lpNorm<Eigen::Infinity>() : 0;
-    for (const int j : clearances_) most = std::max(most, -terms_.gap[j]);
+    double most = 0;
+    for (Index i = 0; i < terms_.phi.size(); ++i)
+      most = std::max(most, std::abs(terms_.phi[i]) / terms_.unit_of_row(i));
+    for (const int j : clearances_) most = std::max(most, -terms_.gap[j] / terms_.unit);
     return most;
   }
 
@@ -121,7 +124,8 @@ template <class Space> class Assembly {
     for (Index i = joints; i < rows; ++i) held_[taking_part[static_cast<std::size_t>(i - joints)]] = forces[i] > 0;
     Eigen::VectorXd step = root_.cwiseInverse().cwiseProduct(back + pushed);
     if (const double turn = largest_rotation<Space>(step); turn > kMostTurn) step *= kMostTurn / turn;
-    if (closed && (!near || step.lpNorm<Eigen::Infinity>() <= 1e-9 * (1 + q.lpNorm<Eigen::Infinity>()))) return true;
+    if (closed && (!near || largest_of_all(step, terms_.unit) <= 1e-9 * (terms_.unit + largest_of_all(q, terms_.unit))))
+      return true;
     move<Space>(q, step);
     return false;
   }

@@ -88,7 +88,9 @@ bool move_on(const SystemOf<Space>& system, const Eigen::MatrixXd& basis, TermsO
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(system.dof());
   for (int i = 0; i < 50; ++i) {
     evaluate(system, q, terms);
-    if (terms.phi.template lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + q.lpNorm<Eigen::Infinity>())) return true;
+    double off = 0;
+    for (Index k = 0; k < terms.phi.size(); ++k) off = std::max(off, std::abs(terms.phi[k]) / terms.unit_of_row(k));
+    if (off <= 1e-12 * (1 + largest_of_all(q, terms.unit) / terms.unit)) return true;
     if (!basic.factorize(system, terms)) return false;
     const Eigen::VectorXd back = -terms.phi;
     basic.solve(none.data(), back.data(), step.data(), lambda.data());
@@ -151,7 +153,7 @@ template <class Space> Redundancy find_redundancy(const SystemOf<Space>& system,
   const auto contradicts = [&](Index i, const Eigen::VectorXd& missed) {
     double left = missed[i] / length[i];
     for (const Share& s : here[static_cast<std::size_t>(i)]) left -= s.of_it * missed[s.row] / length[s.row];
-    return std::abs(left) * length[i] > kOff;
+    return std::abs(left) * length[i] > kOff * terms.unit_of_row(i);
   };
   found.rank = static_cast<int>(basis.cols());
   found.dof -= found.rank;

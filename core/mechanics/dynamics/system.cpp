@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace orthant {
 namespace {
@@ -45,6 +46,62 @@ void set_start(State& x, int i, const spatial::Body& body) {
   translation<Spatial>(x.v, i) = body.velocity;
   rotation<Spatial>(x.v, i) = quaternions::matrix_of(quaternion(x.q, i)).transpose() * body.omega;
 }
+
+/// The farthest point of an element, or its radius, in a body's frame. [m]
+template <class Element> double extent(const Element& e) {
+  double most = 0;
+  const auto take = [&](const Polygon& points) {
+    for (const Vector2d& p : points) most = std::max(most, p.lpNorm<Eigen::Infinity>());
+  };
+  if constexpr (requires { e.of.kind(); }) most = std::visit([](const auto& c) { return extent(c); }, e.of.kind());
+  if constexpr (requires { e.point_a.norm(); }) take({e.point_a, e.point_b});
+  if constexpr (requires { e.centre_a.norm(); }) take({e.centre_a, e.centre_b});
+  if constexpr (requires { e.centre.norm(); }) take({e.centre});
+  if constexpr (requires { e.wall_point.norm(); }) take({e.wall_point});
+  if constexpr (requires { e.point.norm(); }) take({e.point});
+  if constexpr (requires { e.corners_a.size(); }) take(e.corners_a), take(e.corners_b);
+  if constexpr (requires { e.corners.size(); }) take(e.corners);
+  if constexpr (requires { e.points.size(); }) take(e.points);
+  if constexpr (requires { e.radius_a; }) most = std::max({most, e.radius_a, e.radius_b});
+  if constexpr (std::is_same_v<Element, Shape>)
+    most = std::max(most, e.corners.empty() ? e.radius : 0);
+  else if constexpr (requires { e.radius; })
+    most = std::max(most, e.radius);
+  return most;
+}
+
+/// See length_unit(). Custom elements have lengths of their own, which nobody knows here.
+double unit_of(const Scene& scene) {
+  constexpr double kSmall = 0x1p-6;  // [m]
+  double size = 0;
+  bool custom = false;
+  const auto take = [&](const auto& element) { size = std::max(size, extent(element)); };
+  const auto each = [&](const auto& elements) {
+    for (const auto& one : elements) {
+      std::visit(take, one);
+      custom = custom || std::visit(
+                             [](const auto& e) {
+                               using E = std::decay_t<decltype(e)>;
+                               return std::is_same_v<E, CustomJoint> || std::is_same_v<E, CustomContact>;
+                             },
+                             one);
+    }
+  };
+  for (const Body& body : scene.bodies) size = std::max(size, body.position.lpNorm<Eigen::Infinity>());
+  each(scene.joints), each(scene.contacts), each(scene.springs);
+  for (const Load& load : scene.loads) take(load);
+  for (const Collision& collision : scene.collisions)
+    for (const auto& shape : collision.shapes) take(shape);
+  return custom || !(size > 0 && size < kSmall) ? 1 : std::exp2(std::floor(std::log2(size)));
+}
+double unit_of(const spatial::Scene& /*scene*/) { return 1; }
+
+/// Of a contact's speeds: 1 of an angle's.
+double unit_of(const Contact& contact, double length) {
+  const auto* limit = std::get_if<Limit>(&contact);
+  return limit != nullptr && std::holds_alternative<Angle>(limit->of) ? 1 : length;
+}
+double unit_of(const spatial::Contact& /*contact*/, double /*length*/) { return 1; }
 
 }  // namespace
 
@@ -89,7 +146,11 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene, Examined examined)
       if (drive->law.amplitude != 0) swing_ = std::max(swing_, std::abs(drive->law.omega));
     }
   }
-  for (const auto& contact : scene_.contacts) laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
+  length_unit_ = unit_of(scene_);
+  for (const auto& contact : scene_.contacts) {
+    laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
+    laws_.back().unit = unit_of(contact, length_unit_);
+  }
   for (const auto& c : scene_.collisions) {
     const auto shapes = static_cast<double>(c.shapes.size());
     const double pairs = std::min(c.neighbours * shapes, kPlanar<Space> ? shapes * (shapes - 1)  // of two points each
@@ -98,6 +159,8 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene, Examined examined)
     if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
     pairs_.push_back(pairs_.back() + static_cast<int>(most));
     laws_.resize(static_cast<std::size_t>(contacts()), c.law);
+    for (auto i = static_cast<std::size_t>(listed() + pairs_[pairs_.size() - 2]); i < laws_.size(); ++i)
+      laws_[i].unit = length_unit_;
   }
   for (const auto& load : scene_.loads) {
     breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());

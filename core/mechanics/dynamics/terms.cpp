@@ -11,6 +11,7 @@ template <class Space> TermsOf<Space>::TermsOf(const SystemOf<Space>& system) {
   at.pose.resize(bodies + 1);
   at.twist.resize(bodies + 1);
   f.setZero(system.dof());
+  unit = system.length_unit();
   springs.resize(system.scene().springs.size());
   G.resize(static_cast<std::size_t>(system.joint_rows()));
   phi.setZero(system.joint_rows());

@@ -19,6 +19,13 @@ template <class Space> struct ClosedContactOf {
 };
 using ClosedContact = ClosedContactOf<Planar>;
 
+/// Of what a row's rate measures: `unit` [m], or 1 rad where it moves no point.
+template <class Space> double unit_of(const RowOf<Space>& row, double unit) {
+  for (std::size_t k = 0; k < Space::kTranslations; ++k)
+    if (row.ja[k] != 0 || row.jb[k] != 0) return unit;
+  return 1;
+}
+
 template <class Space> struct TermsOf {
   using ContactBias = typename ElementsOf<Space>::ContactBias;
   KinematicsOf<Space> at;
@@ -33,6 +40,8 @@ template <class Space> struct TermsOf {
   std::vector<ClosedContactOf<Space>> closed;
   std::vector<ContactBias> contact_bias;  // one per closed contact
 
+  double unit = 1;  // [m] System's length_unit()
+
   TermsOf() = default;
   explicit TermsOf(const SystemOf<Space>& system);  // sized, so that evaluation allocates nothing
 
@@ -40,6 +49,8 @@ template <class Space> struct TermsOf {
   double missing_rate(Eigen::Index i, const Eigen::VectorXd& v) const {
     return joint_rate[i] - apply(G[static_cast<std::size_t>(i)], v.data());
   }
+  /// Of what joint row i measures: unit, or 1 rad.
+  double unit_of_row(Eigen::Index i) const { return unit == 1 ? 1 : unit_of(G[static_cast<std::size_t>(i)], unit); }
 };
 extern template struct TermsOf<Planar>;
 extern template struct TermsOf<Spatial>;

@@ -7,7 +7,7 @@
 
 namespace orthant {
 
-inline constexpr double kStickSpeed = 1e-9;  // [m/s] a contact whose slip |γ_T| is no larger sticks
+inline constexpr double kStickSpeed = 1e-9;  // [m/s] a contact whose slip |γ_T| is no larger sticks, times law.unit
 
 /// Further data of contacts in space. Vectors are given in b's frame.
 struct SurfaceLaw {
@@ -31,10 +31,11 @@ struct ContactLaw {
   double mu_static = 0;  // ≥ mu, of a contact that sticks; 0: the same as mu
   double belt = 0;       // [m/s] speed of b's surface against b, along the tangent; in the plane
   SurfaceLaw surface{};  // in space
+  double unit = 1;       // of limits of speeds: SystemOf::length_unit(), of angles 1; set by System
 
   bool frictional() const { return mu > 0 || mu_static > 0; }
   /// The coefficient that bounds friction where the slip is γ_T [m/s].
-  double mu_at(double slip) const { return mu_static > mu && std::abs(slip) <= kStickSpeed ? mu_static : mu; }
+  double mu_at(double slip) const { return mu_static > mu && std::abs(slip) <= kStickSpeed * unit ? mu_static : mu; }
 };
 
 /// Kinematics of a closed contact. The normal points from b to a; the tangent is t = −perp(n).

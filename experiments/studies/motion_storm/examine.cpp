@@ -181,13 +181,18 @@ template <class Space> class Examination {
       const double ends = std::min({gaps[r], gaps[r + 1], 0.0});
       if (std::min(gaps[r], gaps[r + 1]) > way || way < width / 5 + slack) continue;
       const int parts = std::clamp(static_cast<int>(16 * way / width), 4, 200);
+      bool passes = false;
       for (int i = 1; i < parts; ++i) {
         const double s = static_cast<double>(i) / parts;
         const double gap = gap_at(between_states<Space>(from, to, s)), share = (ends - gap - slack) / width;
+        passes = passes || share > kPassed;
         if (share > f_.passed.value)
           f_.passed = {share, who + ": " + detail::text_of(-gap) + " m deep on the way between two rows, " +
                                   detail::text_of(-ends) + " at them," + at_time(to.t)};
       }
+      passing_.resize(count_, false);
+      f_.passages += passes && !passing_[r];  // several pairs in one step: one, as the run counts them
+      passing_[r] = passing_[r] || passes;
     }
   }
 
@@ -220,6 +225,7 @@ template <class Space> class Examination {
   MeasureOf<Space> measure_;
   std::size_t count_ = 0;
   std::vector<double> reach_;
+  std::vector<bool> passing_;  // in the interval after each row
   Figures f_;
 };
 

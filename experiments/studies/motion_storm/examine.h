@@ -9,6 +9,8 @@
 
 namespace orthant::motion_storm {
 
+inline constexpr double kPassed = 0.2;  // of the thinner shape: deeper is a passage
+
 /// The worst of a trace up to `until` [s], each with the element and the time in words.
 struct Figures {
   struct Worst {
@@ -22,6 +24,7 @@ struct Figures {
   Worst depth_share;   // of the penetration, in what depth_allowed() allows it
   Worst passed;        // how much deeper on the straight way between two rows than at its ends, less slack; in widths
   Worst gain;          // [J] energy that neither loads nor belts nor the run's reported rises account for
+  long passages = 0;   // intervals between rows in which two shapes pass by more than kPassed
   double energy = 0;   // [J] its scale: largest kinetic energy and range of potential energy
   double speed = 0;    // [m/s] the largest of a point of a body
   double size = 0;     // [m] of the bodies and of the room that they move in

@@ -1,6 +1,6 @@
 #include "experiments/studies/motion_storm/judge.h"
 
-#include "experiments/studies/motion_storm/closed_terms.h"
+#include "experiments/studies/motion_storm/closed_rows.h"
 #include "experiments/studies/motion_storm/painleve.h"
 #include "experiments/studies/motion_storm/scene_runs.h"
 #include "experiments/studies/motion_storm/shared_load.h"
@@ -307,13 +307,11 @@ template <class Space> class Court : private SceneRuns<Space> {
   /// gaps held at the end of the step (stewart_trinkle.h) it stays shut.
   bool other_impacts(const std::string& spec) const {
     if (!spec.starts_with("stewart-trinkle") && !spec.starts_with("anitescu-potra")) return false;
-    const SystemOf<Space> system(scene_);
-    const State x = system.initial_state();
-    const auto terms = closed_terms(system, x, kClosed);
+    const State x = start_of(scene_);
     bool opens = false, strikes = false;
-    for (const auto& c : terms.closed) {
-      const double rate = dense(c.rows.normal, system.dof()).dot(x.v);
-      opens = opens || (rate > kStrikes && system.law(c.contact).e > 0);
+    for (const ClosedContactRows& c : closed_rows(scene_, x, kClosed).contacts) {
+      const double rate = c.normal.dot(x.v);
+      opens = opens || (rate > kStrikes && c.law.e > 0);
       strikes = strikes || rate < -kStrikes;
     }
     return opens && strikes;
@@ -336,8 +334,7 @@ template <class Space> class Court : private SceneRuns<Space> {
     const State& last = base(spec).trace.rows.back();
     if (painleve && (painleve_possible(scene_, last, kClosed) || painleve_begins(scene_, last, kClosed)))
       return Result::stopped;
-    if (ended.why.starts_with("Newton's law of impact") && impact_impossible(scene_, last, kClosed))
-      return Result::stopped;
+    if (impact_impossible(scene_, last, kClosed)) return Result::stopped;
     for (const std::string& other : all_integrators<Space>()) {
       if (other == spec) continue;
       if (!goes_on(other, base(other), 1, past)) continue;

@@ -6,7 +6,7 @@
 //     joints        a joint is off by more than 1e-6 of the size; fixed steps: than h v more
 //     penetration   a contact is deeper than at the start by more than 1e-7 of the size (event-driven), 1e-4 (adaptive;
 //                   a tenth of a journal's clearance at the most), 3 h v (fixed steps, where they do not warn of it)
-//     passage       two shapes pass through each other by a fifth of the thinner one, and the run reports no passage
+//     passage       two shapes pass through each other by a fifth of the thinner one, and the run reports fewer passages
 //     energy        energy rises above its least value so far by more than 1e-6 (event-driven), 1e-3
 //                   (adaptive), 5 % (fixed steps) of its scale, beyond the work of loads and belts and the rises that
 //                   the run reports (fixed steps: the defect, too, that it warns of), where nothing overlaps at the
@@ -41,6 +41,19 @@
 //   astray (in space: and output step) do not count where Painlevé's paradox is possible in the motion: the model has
 //   several motions there.
 //   Energy below 1e-8 J/kg is neglected.
+//   Gaps, joints, energy, rows of constraints, start and mass in the plane are computed here (measure.h, closed_rows.h).
+//   Taken from Orthant are:
+//     status, why            the claim that is judged. "Painlevé" in words only selects a claim, which painleve.h proves.
+//     warnings of overlaps,  silence is the fault. A warning excuses no more than its own figure says: 1.1 times the
+//     passages and energy    overlap, as many passages, twice the defect, each rise with the largest rise.
+//     impulses               bounds of the work of belts and of the friction left open (shared_load.h). Both only widen
+//                            an allowance, and only with belts, or where friction is not determined.
+//     times of events        of the reference, only to excuse schemes of fixed step that merge impacts (astray), and in
+//                            shared_load.h. The reference itself is confirmed by two other schemes.
+//     crossings              choose the wider limits of adaptive. The run warns of each.
+//     the manifold's verbs,  in space only: states along a way, masses and axes of bodies, the start, rows of closed
+//     masses, rows           contacts. Gaps, joints and energy are computed here, and unit tests of the rows compare
+//                            them with differences of gaps.
 #pragma once
 
 #include "experiments/studies/motion_storm/space.h"

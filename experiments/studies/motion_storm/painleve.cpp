@@ -1,12 +1,13 @@
 #include "experiments/studies/motion_storm/painleve.h"
 
-#include "experiments/studies/motion_storm/closed_terms.h"
+#include "experiments/studies/motion_storm/closed_rows.h"
 #include "experiments/studies/motion_storm/space.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -18,11 +19,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// P as above.
-template <class Space> MatrixXd admittance(const SystemOf<Space>& system, const TermsOf<Space>& terms) {
-  const Eigen::Index n = system.dof();
-  const MatrixXd free = system.inverse_mass().asDiagonal();
-  MatrixXd G = MatrixXd::Zero(system.joint_rows(), n);
-  for (int i = 0; i < system.joint_rows(); ++i) G.row(i) = dense(terms.G[static_cast<std::size_t>(i)], n);
+MatrixXd admittance(const ClosedRows& rows) {
+  const MatrixXd free = rows.inverse_mass.asDiagonal();
+  MatrixXd G(static_cast<Eigen::Index>(rows.joints.size()), rows.dof());
+  for (std::size_t i = 0; i < rows.joints.size(); ++i) G.row(static_cast<Eigen::Index>(i)) = rows.joints[i];
   if (G.rows() == 0) return free;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> S(G * free * G.transpose());
   VectorXd inverse = S.eigenvalues();
@@ -100,6 +100,7 @@ class ImpactProblem {
       qr.compute(B);
       const VectorXd z = qr.solve(r);  // the least one, of that rank
       const double most = std::max(b_.lpNorm<Eigen::Infinity>(), z.lpNorm<Eigen::Infinity>());
+      if (most > kLost * b_.lpNorm<Eigen::Infinity>()) continue;
       if (qr.rank() < n ? (B * z - r).lpNorm<Eigen::Infinity>() <= kSlack * most : admissible(mode, S.leftCols(n) * z))
         return true;
     }
@@ -108,6 +109,7 @@ class ImpactProblem {
 
  private:
   static constexpr double kSlack = 1e-6;  // of the fastest rate, the largest impulse and, for ranks, the largest pivot
+  static constexpr double kLost = 1e9;    // of the fastest rate: impulses that only rounding of μ or of normals makes
 
   static Mode digit(int mode, Eigen::Index i) { return static_cast<Mode>(mode >> (2 * i) & 3); }
 
@@ -138,27 +140,26 @@ bool impact_impossible(const Scene& scene, const State& x, double gap) {
   constexpr std::size_t kMost = 5;
   constexpr double kTouching = 1e-9, kStrikes = 1e-9;  // [m], [m/s]
   if (scene.restitution != Restitution::newton || scene.impacts != Impacts::simultaneous) return false;
-  const System system(scene);
-  const Terms terms = closed_terms(system, x, gap);
-  const std::size_t k = terms.closed.size();
+  const ClosedRows rows = closed_rows(scene, x, gap);
+  const std::size_t k = rows.contacts.size();
   if (k == 0 || k > kMost) return false;
-  const MatrixXd P = admittance(system, terms), free = system.inverse_mass().asDiagonal();
-  MatrixXd J = MatrixXd::Zero(static_cast<Eigen::Index>(2 * k), system.dof());
+  const MatrixXd P = admittance(rows), free = rows.inverse_mass.asDiagonal();
+  MatrixXd J = MatrixXd::Zero(static_cast<Eigen::Index>(2 * k), rows.dof());
   VectorXd b(J.rows());
   std::vector<ImpactProblem::Law> laws;
-  for (const ClosedContact& c : terms.closed) {
+  for (const ClosedContactRows& c : rows.contacts) {
     const auto at = static_cast<Eigen::Index>(2 * laws.size());
-    J.row(at) = dense(c.rows.normal, system.dof()), J.row(at + 1) = dense(c.rows.tangent, system.dof());
+    J.row(at) = c.normal, J.row(at + 1) = c.tangents[0];
     const VectorXd N = J.row(at);
     const double square = N.dot(P * N);
     if (!(square > 1e-9 * N.dot(free * N))) return false;
     J.middleRows(at, 2) /= std::sqrt(square);
-    const ContactLaw& law = system.law(c.contact);
+    const ContactLaw& law = c.law;
     const double belt = law.belt / std::sqrt(square), normal = J.row(at).dot(x.v), slip = J.row(at + 1).dot(x.v) - belt;
     const bool strikes = normal * std::sqrt(square) < -kStrikes;
     b[at] = normal + law.e * normal;
     b[at + 1] = slip + (strikes ? law.e_t * slip : 0);
-    laws.push_back({law.mu, law.mu_static, terms.gap[c.contact] > kTouching});
+    laws.push_back({law.mu, law.mu_static, c.gap > kTouching});
   }
   const ImpactProblem problem(J * P * J.transpose(), b, std::move(laws));
   for (int mode = 0; mode < 1 << (2 * k); ++mode)
@@ -176,19 +177,17 @@ template <class Space> struct Touching {
   std::vector<double> mu;
 
   Touching(const SceneOf<Space>& scene, const State& x, double gap) {
-    const SystemOf<Space> system(scene);
-    const TermsOf<Space> terms = closed_terms(system, x, gap);
-    const MatrixXd free = system.inverse_mass().asDiagonal();
-    P = admittance(system, terms);
-    for (const auto& c : terms.closed) {
-      const VectorXd N = dense(c.rows.normal, system.dof());
+    const ClosedRows rows = closed_rows(scene, x, gap);
+    const MatrixXd free = rows.inverse_mass.asDiagonal();
+    P = admittance(rows);
+    for (const ClosedContactRows& c : rows.contacts) {
+      const VectorXd& N = c.normal;
       const double scale = N.dot(P * N);
       if (!(scale > 1e-9 * N.dot(free * N))) continue;
-      normal.push_back(N / std::sqrt(scale)), tangents.emplace_back(system.dof(), Space::kTangents);
-      const auto T = dense_tangents(c.rows, system.dof());
-      for (std::size_t i = 0; i < T.size(); ++i)
-        tangents.back().col(static_cast<Eigen::Index>(i)) = T[i] / std::sqrt(scale);
-      mu.push_back(std::max(system.law(c.contact).mu, system.law(c.contact).mu_static));
+      normal.push_back(N / std::sqrt(scale)), tangents.emplace_back(rows.dof(), Space::kTangents);
+      for (std::size_t i = 0; i < c.tangents.size(); ++i)
+        tangents.back().col(static_cast<Eigen::Index>(i)) = c.tangents[i] / std::sqrt(scale);
+      mu.push_back(std::max(c.law.mu, c.law.mu_static));
     }
   }
   /// B_ij, j sliding with σ.
@@ -247,11 +246,8 @@ bool painleve_possible(const spatial::Scene& scene, const State& x, double gap, 
 }
 
 bool impact_impossible(const spatial::Scene& scene, const State& x, double gap) {
-  const SystemOf<Spatial> system(scene);
-  const auto terms = closed_terms(system, x, gap);
-  bool rough = false;
-  for (const auto& c : terms.closed) rough = rough || system.law(c.contact).frictional();
-  return rough && terms.closed.size() > 1;
+  const auto contacts = closed_rows(scene, x, gap).contacts;
+  return contacts.size() > 1 && std::ranges::any_of(contacts, [](const auto& c) { return c.law.frictional(); });
 }
 
 }  // namespace orthant::motion_storm

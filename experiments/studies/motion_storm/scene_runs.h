@@ -15,6 +15,19 @@
 
 namespace orthant::motion_storm {
 
+/// The state that the scene's bodies start in.
+inline State start_of(const Scene& scene) {
+  const auto n = static_cast<Eigen::Index>(3 * scene.bodies.size());
+  State x{.t = 0, .q = Eigen::VectorXd(n), .v = Eigen::VectorXd(n)};
+  for (Eigen::Index b = 0; b < n / 3; ++b) {
+    const Body& body = scene.bodies[static_cast<std::size_t>(b)];
+    x.q.segment<3>(3 * b) << body.position, body.angle;
+    x.v.segment<3>(3 * b) << body.velocity, body.omega;
+  }
+  return x;
+}
+inline State start_of(const spatial::Scene& scene) { return SystemOf<Spatial>(scene).initial_state(); }
+
 inline constexpr int kFine = 140, kCoarse = 4;  // output steps; all times of the coarse ones are among the fine
 inline constexpr double kLeast = 1e-8;          // [J/kg] of energy, and the square of a speed, that count
 
@@ -95,7 +108,10 @@ template <class Space> class SceneRuns {
     const Admissibility& reported = s.trace.run.motion;
     const bool warned = h > 0 && reported.deep() && f.depth.value <= 1.1 * reported.max_overlap;
     if (f.depth_share.value > 1 && !warned) return why = f.depth.where, Result::penetration;
-    if (f.passed.value > 0.2 && s.trace.run.passages == 0) return why = f.passed.where, Result::passage;
+    if (f.passed.value > kPassed && s.trace.run.passages < f.passages)
+      return why = f.passed.where + "; " + std::to_string(s.trace.run.passages) + " of " + std::to_string(f.passages) +
+                   " passages reported",
+             Result::passage;
     const bool exact = event_driven(spec) && s.trace.run.crossings == 0;
     const double share = exact ? 1e-6 : precise(spec) ? 1e-3 : 0.05;
     const bool said = h > 0 && reported.energy_off() && f.gain.value <= 2 * reported.energy_defect;
@@ -177,7 +193,7 @@ template <class Space> class SceneRuns {
         spun += measure.reach(l.body) * moment_of(l) / least_inertia_of(scene_, measure, l.body) * scene_.duration;
     double stored = 0;
     for (const auto& l : scene_.loads) stored += l.force.norm() + torque_of(l);
-    stored += std::abs(measure.potential(SystemOf<Space>(scene_).initial_state().q)) * (scene_.springs.empty() ? 0 : 1);
+    stored += std::abs(measure.potential(start_of(scene_).q)) * (scene_.springs.empty() ? 0 : 1);
     return spun + (speed + std::sqrt(2 * stored / light)) * std::sqrt(heavy / light);
   }
 

@@ -1,6 +1,6 @@
 #include "experiments/studies/motion_storm/shared_load.h"
 
-#include "experiments/studies/motion_storm/closed_terms.h"
+#include "experiments/studies/motion_storm/closed_rows.h"
 #include "experiments/studies/motion_storm/measure_of.h"
 
 #include <Eigen/LU>
@@ -20,15 +20,15 @@ constexpr double kSticks = 1e-6;   // [m/s] slip
 constexpr double kRounded = 1e-7;  // relative: entries and pivots that count as zero
 template <class Space> class SharedLoad {
  public:
-  explicit SharedLoad(const SceneOf<Space>& scene) : system_(scene) {}
+  explicit SharedLoad(const SceneOf<Space>& scene) : scene_(scene) {}
 
   /// The largest |σμ − σ'μ'| of the contacts whose shares are open at x, and the coordinates that move; 0: none.
   /// `gap` [m]: contacts no farther open carry.
   double range(const State& x, double gap, VectorXd& moves) {
     collect(x, gap);
     if (constraints_.empty() || slides_ == 0) return 0;
-    const Eigen::Index dof = system_.dof(), n = static_cast<Eigen::Index>(constraints_.size());
-    const VectorXd root = system_.inverse_mass().cwiseSqrt();
+    const Eigen::Index dof = rows_.dof(), n = static_cast<Eigen::Index>(constraints_.size());
+    const VectorXd root = rows_.inverse_mass.cwiseSqrt();
     MatrixXd C(n, dof), H(dof, n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -55,27 +55,23 @@ template <class Space> class SharedLoad {
 
  private:
   void collect(const State& x, double gap) {
-    const TermsOf<Space> terms = closed_terms(system_, x, gap);
+    rows_ = closed_rows(scene_, x, gap);
     constraints_.clear(), forces_.clear(), signed_mu_.clear();
     slides_ = 0;
     const auto add = [&](const VectorXd& constraint, const VectorXd& force, std::optional<VectorXd> signed_mu = {}) {
       constraints_.push_back(constraint), forces_.push_back(force), signed_mu_.push_back(std::move(signed_mu));
     };
-    for (const RowOf<Space>& row : terms.G) add(dense(row, system_.dof()), dense(row, system_.dof()));
-    for (const auto& c : terms.closed) {
-      const ContactLaw& law = system_.law(c.contact);
-      const VectorXd N = dense(c.rows.normal, system_.dof()), slip = slip_of<Space>(law, c.rows, x.v);
-      const std::vector<VectorXd> T = dense_tangents(c.rows, system_.dof());
-      const double mu = std::max(law.mu, law.mu_static);
-      const bool stuck = mu > 0 && slip.norm()<kSticks, slides = mu> 0 && !stuck;
-      VectorXd force = N, signed_mu = VectorXd::Zero(Space::kTranslations);
+    for (const VectorXd& row : rows_.joints) add(row, row);
+    for (const ClosedContactRows& c : rows_.contacts) {
+      const VectorXd &N = c.normal, &slip = c.slip;
+      const std::vector<VectorXd>& T = c.tangents;
+      const double mu = std::max(c.law.mu, c.law.mu_static);
+      const bool stuck = mu > 0 && slip.norm() < kSticks, slides = !(mu <= 0 || stuck);
+      VectorXd force = N, signed_mu = VectorXd::Zero(kPlanar<Space> ? 1 : 3);
       for (std::size_t i = 0; slides && i < T.size(); ++i) {
         const double part = mu * slip[static_cast<Eigen::Index>(i)] / slip.norm();
         force -= part * T[i];
-        if constexpr (kPlanar<Space>)
-          signed_mu[0] = part;
-        else
-          signed_mu += part * spatial::direction_of(row_of_tangent(c.rows, i));
+        signed_mu += part * c.direction[i];
       }
       stuck ? add(N, N) : add(N, force, signed_mu);
       for (std::size_t i = 0; stuck && i < T.size(); ++i) add(T[i], T[i]);
@@ -83,7 +79,8 @@ template <class Space> class SharedLoad {
     }
   }
 
-  SystemOf<Space> system_;
+  const SceneOf<Space>& scene_;
+  ClosedRows rows_;
   std::vector<VectorXd> constraints_, forces_;
   std::vector<std::optional<VectorXd>> signed_mu_;  // along the tangent (in space: in the world); none: does not slide
   int slides_ = 0;
