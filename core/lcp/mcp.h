@@ -10,8 +10,8 @@
 //   Otherwise a Jacobian too large by 1e12 would accept any F.
 //   Underflow: F = −e^(−z) and its Jacobian are 0 from z = 746 on. A row with |F_i| + Σ_j |J_ij| max(1, |z_j|) ≤ 1e-290
 //   is compared with the start and with points r between z and the origin. Bisection between z and an r with
-//   |F_i| > 1e-290 finds the place where F_i falls below that. z is not solved if F_i violates and is below 1e-280 there
-//   and the place is farther from z than 1e-10 of |z| and |r|. A root, a flat part or a row of zeros passes.
+//   |F_i| > 1e-290 finds the place where F_i falls below that. z is not solved if F_i violates there by less than
+//   1e-280 and the place is farther from z than 1e-10 of |z| and |r|. A root, a flat part or a row of zeros passes.
 //   Source: Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems (2003), ch. 1.
 #pragma once
 
