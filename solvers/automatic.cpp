@@ -249,6 +249,7 @@ Claim Automatic::run(const Lcp& problem, Solution& s, Start start) {
     s.z = work.inner.z;
     s.iterations = work.iterations += work.inner.iterations;
     log(0, work.inner.residual, 0, "dantzig (few rows)");
+    if (work.inner.status == Status::infeasible) trust(work.few);
     return handed_on(work.inner, s);
   }
   if (budget().exhausted()) {
@@ -285,6 +286,7 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   solver->solve(tableau ? *work.formed : problem, work.inner, work.warm ? Start::warm : Start::cold);
   s.z = work.inner.z;
   claim = handed_on(work.inner, s);
+  if (work.inner.status == Status::infeasible) trust(*solver);
   s.iterations = work.iterations += work.inner.iterations;
   const auto when = kSteps[k].when;
   const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids || when == &swept ||

@@ -18,6 +18,12 @@ constexpr double kFine = 1e-10;
 
 bool open(const Solution& s) { return !has_answer(s.status) && s.status != Status::infeasible; }
 
+bool is_symmetric(const Matrix& A) {
+  DenseMatrix dense;
+  to_dense(A, dense);
+  return dense == dense.transpose();
+}
+
 bool better(const Solution& a, const Solution& b) {
   return has_answer(a.status) == has_answer(b.status) ? a.residual < b.residual : has_answer(a.status);
 }
@@ -133,6 +139,32 @@ void Solver::take_ray_in_whole_numbers(const Lcp& problem, Solution& s) {
   judge_.certify(problem, tolerance(), Claim::ray, s);
 }
 
+/// A certificate that proves only by the exact vector next to it: another with room for rounding, if there is one. Of
+/// the same rows first; then without room in columns that are 0. A semidefinite A leaves none but by its own rounding:
+/// uᵀAu ≤ 0 makes Au = 0.
+void Solver::put_proof_in_doubles(const Lcp& problem, Solution& s) {
+  constexpr Index kMostRows = 30, kMostSymmetric = 12;
+  constexpr double kMargin = 0x1p-46;  // above the rounding of u, 2⁻⁵³, below that of data
+  const Index n = problem.size();
+  if (n > kMostRows || s.certificate.size() != n || problem.discs()) return;
+  const bool last = judge_.proof().size() == n && judge_.proof() == s.certificate;
+  if ((!last && !judge_.proves_infeasible(problem, s.certificate)) || judge_.proof_in_doubles()) return;
+  const bool contacts = std::holds_alternative<Delassus>(problem.A);
+  if (n > kMostSymmetric && (contacts || is_symmetric(problem.A))) return;
+  Budget share;
+  share.start(budget_.remaining() / 4, budget_.cancel());
+  const Vector before = s.certificate, sums = multiply_transposed(problem.A, before);
+  for (int way = 0; way < ((before.array() != 0).all() ? 2 : 4) && !share.exhausted(); ++way) {
+    const bool same_rows = way < 2, all_columns = way % 2 == 0;
+    const Lcp narrower =
+        with_margin(problem, kMargin, before, same_rows, [&](Index j) { return all_columns || sums[j] != 0; });
+    if (!farkas_.propose(narrower, proof_, share) || !judge_.proves_infeasible(problem, proof_)) continue;
+    if (!judge_.proof_in_doubles()) continue;
+    s.certificate = judge_.proof();
+    return;
+  }
+}
+
 /// Where all but rounding speaks against a solution: every cell, exactly. Its answer, or its proof, into s.
 void Solver::search_cells(const Lcp& problem, Solution& s, const Budget& share) {
   Enumerate search({.tolerance = tolerance()});
@@ -186,12 +218,14 @@ const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start
 
 const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   check(problem);
+  judge_.forget();
   if (problem.discs() && !takes_discs()) return solve_discs(problem, s, start);
   return solve_checked(problem, s, start);
 }
 
 const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start start) {
   const Index n = problem.size();
+  judge_.forget();
   s.status = Status::not_run;
   s.residual = kInf;
   s.rounding = 0;
@@ -250,6 +284,7 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
     if (open(s)) s.status = status;
   }
   if (s.status == Status::rounded) seek_proof(problem, s);
+  if (s.status == Status::infeasible && proof_search_) put_proof_in_doubles(problem, s);
   if (open(s) && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
   if (open(s)) judge_.explain(problem, tolerance(), s);
   s.factorizations = factorization_count().factorizations - before.factorizations;

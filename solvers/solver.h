@@ -76,6 +76,9 @@ class Solver {
   bool proves_infeasible(const Lcp& problem, Solution& s);
   /// run() ends with the s that passes() has just accepted: the judge sees it again only where it was changed.
   void keep_passed() { kept_ = true; }
+  /// The judge takes the proof that `inner` has just given for the same problem without a second check: an equal judge
+  /// has checked it.
+  void trust(const Solver& inner) { judge_.trust(inner.judge_); }
   void log(int iteration, double merit, double step = 0, const char* event = "") {
     if (log_ != nullptr) log_->push_back({iteration, merit, step, event});
   }
@@ -98,6 +101,7 @@ class Solver {
   bool proves_over_cones(const Lcp& problem, const Budget& share, Solution& s);
   bool takes_proof(const Lcp& problem, const Vector& u, Solution& s);
   void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
+  void put_proof_in_doubles(const Lcp& problem, Solution& s);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
   const Solution& solve_checked(const Lcp& problem, Solution& solution, Start start);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);

@@ -78,9 +78,52 @@ Miss misfit(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F, dou
   return worst;
 }
 
+constexpr double kVanished = 1e-290, kVanishing = 1e-280;
+
+/// Where F_i falls below kVanished on the way from r, where it does not, to z; `value`: F_i at the last point before.
+Vector vanishing_place(const Mcp& p, Index i, Vector r, Vector z, double& value) {
+  constexpr int kHalvings = 1200;  // more than doubles have exponents: to the next double
+  Vector between, F;
+  for (int k = 0; k < kHalvings && std::abs(value) >= kVanishing; ++k) {
+    between = 0.5 * r + 0.5 * z;
+    if (between == r || between == z || !evaluate(p, between, F)) break;
+    if (std::abs(F[i]) > kVanished)
+      r = between, value = F[i];
+    else
+      z = between;
+  }
+  return r;
+}
+
+/// The first row that passes only since F and J underflow at z (mcp.h).
+Miss underflown(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F, const Vector* start) {
+  constexpr double kNear = 1e-10;
+  constexpr int kExponents[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512};
+  constexpr int kPoints = static_cast<int>(std::size(kExponents));
+  Vector size(F.cwiseAbs()), r, at;
+  for_each_entry(J,
+                 [&](Index i, Index j, double value) { size[i] += std::abs(value) * std::max(1.0, std::abs(z[j])); });
+  if ((size.array() > kVanished).all()) return {};
+  for (int k = start == nullptr ? -1 : -2; k < kPoints; ++k) {  // the start, the origin, 2⁻ᵏ z
+    r = k == -2 ? *start : Vector(z * (k == -1 ? 0 : std::ldexp(1.0, -kExponents[k])));
+    r = r.cwiseMax(p.lo).cwiseMin(p.hi);
+    if (!evaluate(p, r, at)) continue;
+    for (Index i = 0; i < p.size(); ++i) {
+      double value = at[i];
+      if (size[i] > kVanished || std::abs(value) <= kVanished) continue;
+      const Vector place = vanishing_place(p, i, r, z, value);
+      const double wrong = z[i] == p.lo[i] ? -value : z[i] == p.hi[i] ? value : std::abs(value);
+      const double near = kNear * std::max(z.lpNorm<Eigen::Infinity>(), r.lpNorm<Eigen::Infinity>());
+      if (wrong > 0 && wrong < kVanishing && (place - z).lpNorm<Eigen::Infinity>() > near)
+        return {.row = i, .against = Miss::Against::underflow, .by = std::abs(value), .allowed = 0, .tolerance = 0};
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
-void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
+void certify(const Mcp& p, double tolerance, Claim claim, Solution& s, const Vector* start) {
   Lcp linear{.A = DenseMatrix(), .b = {}, .lo = p.lo, .hi = p.hi, .friction = {}};
   s.residual = kInf, s.rounding = 0, s.miss = {};
   if (!s.z.allFinite() || !evaluate(p, s.z, s.w) || !evaluate(p, s.z, linear.A)) {
@@ -98,7 +141,9 @@ void certify(const Mcp& p, double tolerance, Claim claim, Solution& s) {
   if (!has_answer(s.status) && s.status != Status::infeasible) judge.explain(linear, tolerance, s);
   s.w = F;
   if (!has_answer(s.status)) return;
-  if (const Miss miss = misfit(p, linear.A, s.z, F, tolerance); miss.row >= 0) {
+  Miss miss = misfit(p, linear.A, s.z, F, tolerance);
+  if (miss.row < 0) miss = underflown(p, linear.A, s.z, F, start);
+  if (miss.row >= 0) {
     s.status = claim == Claim::candidate ? Status::stalled : status_of(claim);
     s.miss = miss;
   }

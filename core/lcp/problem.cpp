@@ -29,9 +29,9 @@ void check_friction(const Lcp& p) {
       refuse("problem: friction[", k, "].rows = ", f.rows, ": must be 1 (interval) or 2 (disc)");
     if (f.first < 0 || f.first > n - f.rows)
       refuse("problem: friction[", k, "].", f.rows == 1 ? "row" : "first", " = ", f.first, ": must be in [0, ",
-             n - f.rows + 1, ")");
+             n - f.rows, "]");
     if (f.normal < 0 || f.normal >= n || (f.normal >= f.first && f.normal < f.first + f.rows))
-      refuse("problem: friction[", k, "].normal = ", f.normal, ": must be another row in [0, ", n, ")");
+      refuse("problem: friction[", k, "].normal = ", f.normal, ": must be another row in [0, ", n - 1, "]");
     if (!(f.mu >= 0 && f.mu < kInf)) refuse("problem: friction[", k, "].mu = ", f.mu, ": must be finite and >= 0");
     for (Index row = f.first; row < f.first + f.rows; ++row)
       if (p.lo[row] != -kInf || p.hi[row] != kInf)

@@ -75,6 +75,9 @@ std::string words_of(const Miss& miss) {
   if (against == Miss::Against::jacobian)
     return which + ": the Jacobian does not fit F, whose change along z differs by " + digits(by) + ", its terms are " +
            digits(allowed);
+  if (against == Miss::Against::underflow)
+    return which + ": F and its Jacobian are 0 by underflow, not by a solution; on the way to z F decreases to " +
+           digits(by) + " without a zero";
   if (against == Miss::Against::cone)
     return "the contact of " + which + " misses Coulomb's law by " + (by == 0 ? "less than any double" : digits(by)) +
            "; " + digits(tolerance) + " of its data is " + digits(allowed);

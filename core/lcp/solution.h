@@ -44,11 +44,12 @@ inline bool has_answer(Status status) { return status == Status::solved || statu
 
 /// The row that stands most in the way of `solved`.
 struct Miss {
-  enum class Against { inside, lower, upper, outside, jacobian, cone };
+  enum class Against { inside, lower, upper, outside, jacobian, cone, underflow };
   Index row = -1;  // −1: none does
   Against against = Against::inside;
   // v_i and its limit [units of w]; the limit over the row's data. jacobian: how far F's change along z is from J's.
-  // cone: of the contact with the normal row `row`, by the law of its disc.
+  // cone: of the contact with the normal row `row`, by the law of its disc. underflow: F and J vanish for want of
+  // smaller doubles; by: F at the last point next to z at which they do not.
   double by = 0, allowed = 0, tolerance = 0;
 };
 
@@ -71,9 +72,9 @@ struct Solution {  // reuse it: the second solve of a size allocates nothing
   long factorizations = 0;     // of matrices, by the library's own methods (factorization_count.h)
   double factorized_rows = 0;  // their rows in all: over n, the same in units of a whole matrix
   Vector z, w;                 // n; w = A z + b recomputed from the caller's data
-  Vector certificate;          // n: u that proves infeasibility; else empty
-  std::vector<Cell> cells;     // all, searched: proves infeasibility; else empty
-  Vector ray;                  // n: direction in which the method ended, a hint that proves nothing; else empty
+  Vector certificate;       // n: u, or nearest to the exact u, that proves infeasibility (judge/certify.h); else empty
+  std::vector<Cell> cells;  // all, searched: proves infeasibility; else empty
+  Vector ray;               // n: direction in which the method ended, a hint that proves nothing; else empty
 };
 
 /// The same of a miss: "row 12 misses by …".

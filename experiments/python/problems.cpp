@@ -31,6 +31,11 @@ void read_friction(py::handle from, std::vector<Friction>& to) {
   for (const py::handle entry : from) {
     const std::string place = "friction[" + std::to_string(to.size()) + "]";
     try {
+      if (py::isinstance<py::iterable>(entry))
+        for (const py::handle number : entry)
+          if (const std::string type = Py_TYPE(number.ptr())->tp_name; type == "bool" || type.starts_with("numpy.bool"))
+            throw py::type_error(place + " = " + py::str(entry).cast<std::string>() +
+                                 ": must be numbers, not booleans");
       const auto f = entry.cast<std::vector<double>>();  // of an array the rows' numbers are no integers
       if (f.size() != 3 && f.size() != 4) wrong(place);
       for (const double row : {f[0], f[1]})

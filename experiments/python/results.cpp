@@ -7,6 +7,7 @@
 
 #include <orthant/core/lcp/judge/cell_words.h>
 #include <orthant/core/lcp/judge/cells.h>
+#include <orthant/core/lcp/judge/certify_cones.h>
 
 #include <pybind11/stl.h>
 
@@ -19,10 +20,29 @@ namespace py = pybind11;
 namespace {
 
 /// What scipy.optimize calls things, for result["x"] and result.x alike.
-constexpr std::array<const char*, 21> kResultKeys = {
-    "status",  "solved",  "z",   "w",     "certificate", "residual", "rounding", "iterations", "factorizations",
-    "seconds", "why_not", "why", "cells", "cell_search", "log",      "x",        "fun",        "success",
-    "message", "nit",     "nfev"};
+constexpr std::array<const char*, 23> kResultKeys = {"status",
+                                                     "solved",
+                                                     "z",
+                                                     "w",
+                                                     "certificate",
+                                                     "residual",
+                                                     "residual_scale_free",
+                                                     "residual_natural",
+                                                     "rounding",
+                                                     "iterations",
+                                                     "factorizations",
+                                                     "seconds",
+                                                     "why_not",
+                                                     "why",
+                                                     "cells",
+                                                     "cell_search",
+                                                     "log",
+                                                     "x",
+                                                     "fun",
+                                                     "success",
+                                                     "message",
+                                                     "nit",
+                                                     "nfev"};
 
 bool is_result_key(py::handle key) {  // any object may be a key, as in a dict
   return py::isinstance<py::str>(key) &&
@@ -61,11 +81,18 @@ std::string Result::repr() const {
 
 Result result_of(const Lcp& problem, const Solution& s, double seconds, std::string why_not,
                  std::vector<LogEntry> log) {
+  py::object scale_free = py::none(), natural = py::none();
+  if (problem.discs() && s.z.size() == problem.size() && s.z.allFinite()) {
+    const ConeResiduals residuals = cone_residuals(problem, s.z);
+    scale_free = py::float_(residuals.scale_free), natural = py::float_(residuals.natural);
+  }
   return {std::string(name(s.status)),
           to_numpy(s.z),
           to_numpy(s.w),
           s.certificate.size() > 0 ? py::object(to_numpy(s.certificate)) : py::none(),
           s.residual,
+          std::move(scale_free),
+          std::move(natural),
           s.rounding,
           s.iterations,
           s.factorizations,
@@ -96,8 +123,13 @@ void add_results(py::module_& m) {
       .def_property_readonly("solved", &Result::solved, "status is 'solved': the judge accepted z")
       .def_readonly("z", &Result::z, "(n,) the solution, or the last z")
       .def_readonly("w", &Result::w, "(n,) M z + q, recomputed")
-      .def_readonly("certificate", &Result::certificate, "(n,) u that proves infeasibility, else None")
+      .def_readonly("certificate", &Result::certificate,
+                    "(n,) u that proves infeasibility, as it is or as the doubles nearest to an exact u, else None")
       .def_readonly("residual", &Result::residual, "how far a w_i is from what its z_i allows, at most; in units of w")
+      .def_readonly("residual_scale_free", &Result::residual_scale_free,
+                    "of friction discs: the same in any units of impulse, velocity or a single contact; else None")
+      .def_readonly("residual_natural", &Result::residual_natural,
+                    "of friction discs: the residual of the literature, which depends on units; else None")
       .def_readonly("rounding", &Result::rounding, "w cannot be known below this")
       .def_readonly("iterations", &Result::iterations, "pivots, Newton steps or sweeps, by the method")
       .def_readonly("factorizations", &Result::factorizations, "of a matrix, by the solver")
@@ -152,8 +184,9 @@ void add_results(py::module_& m) {
              throw py::key_error(py::str(key).cast<std::string>() + ": must be one of " + known);
            })
       .def(by_members<Result, &Result::status, &Result::z, &Result::w, &Result::certificate, &Result::residual,
-                      &Result::rounding, &Result::iterations, &Result::factorizations, &Result::seconds,
-                      &Result::why_not, &Result::why, &Result::cells, &Result::cell_search, &Result::log>())
+                      &Result::residual_scale_free, &Result::residual_natural, &Result::rounding, &Result::iterations,
+                      &Result::factorizations, &Result::seconds, &Result::why_not, &Result::why, &Result::cells,
+                      &Result::cell_search, &Result::log>())
       .def("__repr__", &Result::repr);
 }
 

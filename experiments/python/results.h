@@ -15,7 +15,9 @@ struct Result {
   std::string status;
   pybind11::array_t<double> z, w;
   pybind11::object certificate;
-  double residual, rounding;
+  double residual;
+  pybind11::object residual_scale_free, residual_natural;  // None: no discs
+  double rounding;
   int iterations;
   long factorizations;
   double seconds;

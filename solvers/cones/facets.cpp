@@ -116,7 +116,15 @@ class SlipAngle {
 
 std::string Facets::why_not(const Lcp& problem) const {
   FacetForm form;
-  return method_.why_not(form.linear(problem, sides_));
+  if (method_.why_not(form.linear(problem, sides_)).empty()) return {};
+  Lcp without = problem;
+  std::erase_if(without.friction, [](const Friction& f) { return f.rows > 1; });
+  if (std::string own = method_.why_not(without); !own.empty()) return own;
+  for (const Friction& f : problem.friction)  // the pyramid's own rows have names that the caller does not know
+    if (f.rows > 1)
+      return "rows " + std::to_string(f.first) + " and " + std::to_string(f.first + 1) +
+             " are a friction disc: must be friction intervals, since the method takes no pyramid in place of a disc";
+  return {};
 }
 
 Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {

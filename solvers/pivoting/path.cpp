@@ -234,7 +234,7 @@ const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
                 .enough =
                     [&](const Vector& z) {
                       looked_at.z = z;
-                      certify(problem, options_.tolerance, Claim::stalled, looked_at);
+                      certify(problem, options_.tolerance, Claim::stalled, looked_at, &work.start);
                       return has_answer(looked_at.status);
                     }};
   Solution best;
@@ -248,7 +248,7 @@ const Solution& Path::solve(const Mcp& problem, Solution& s, Start start) {
     s.factorizations = factorization_count().factorizations - before.factorizations;
     s.factorized_rows = factorization_count().rows - before.rows;
     s.z = n == 0 ? s.z : work.z;
-    certify(problem, options_.tolerance, claim, s);
+    certify(problem, options_.tolerance, claim, s, &work.start);
     if (has_answer(s.status)) return s;
     if (!(s.residual >= best.residual) || k == 0) best = s;
     if (budget().exhausted() || (k == 0 && claim == Claim::numerical_error)) break;

@@ -53,6 +53,40 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
   return true;
 }
 
+Lcp with_margin(const Lcp& problem, double margin, const Vector& u, bool same_rows,
+                const std::function<bool(Index)>& in_column) {
+  const Index n = problem.size();
+  Lcp result = problem;
+  std::vector<Friction> of_normal(at(n));  // mu = 0: none
+  for (const Friction& f : problem.friction) of_normal[at(f.normal)] = f;
+  DenseMatrix size, A;
+  const auto* const contacts = std::get_if<Delassus>(&problem.A);
+  to_dense(problem.A, A);
+  size = A.cwiseAbs();
+  if (contacts != nullptr) {  // |W| M⁻¹ |W|ᵀ: what its entries cancel from
+    Delassus without_signs = *contacts;
+    for (double& value : without_signs.W.value) value = std::abs(value);
+    to_dense(Matrix(without_signs), size);
+  }
+  for (Index i = 0; i < n; ++i) {
+    const double sign = problem.lo[i] != -kInf ? 1 : problem.hi[i] != kInf ? -1 : (u[i] > 0) - (u[i] < 0);
+    size.row(i) *= sign;
+    if (!same_rows || u[i] != 0) continue;
+    A.row(i).setZero(), size.row(i).setZero();
+    result.b[i] = sign;
+  }
+  for (Index j = 0; j < n; ++j) {
+    const bool below = problem.lo[j] != -kInf, above = problem.hi[j] != kInf;
+    if (below == above || !in_column(j)) continue;
+    Vector terms = size.col(j);
+    const Friction& f = of_normal[at(j)];
+    for (Index t = f.first; f.mu > 0 && t < f.first + f.rows; ++t) terms += f.mu * size.col(t);
+    A.col(j) += (below ? margin : -margin) * terms;
+  }
+  result.A = std::move(A);
+  return result;
+}
+
 bool in_whole_numbers(Vector& u) {
   constexpr double kMost = 4096, kOff = 1e-10;  // of u: its digits, from a tableau
   const auto whole = [](double x) { return std::abs(x - std::round(x)); };

@@ -16,6 +16,7 @@
 #include <orthant/solvers/linear_algebra/scaling.h>
 #include <orthant/solvers/pivoting/tableau.h>
 
+#include <functional>
 #include <vector>
 
 namespace orthant {
@@ -35,6 +36,13 @@ class Farkas {  // reuse it: the second problem of a size allocates nothing, up 
   Vector q_, scale_, ray_, pure_u_;
   std::vector<char> free_;
 };
+
+/// The problem with A_ij ± margin |A_ij| in columns j with one infinite bound, so that a proof v of it has
+/// c_j ≤ −margin Σ_i |A_ij v_i| where hi_j = ∞, ≥ where lo_j = −∞ (c: exact_proof.h): rounding of v is no matter there.
+/// `in_column(j)` says where this is required. Free rows: v_i is assumed to have the sign of u_i. same_rows: rows with
+/// u_i = 0 demand nothing, so that v_i = 0.
+Lcp with_margin(const Lcp& problem, double margin, const Vector& u, bool same_rows,
+                const std::function<bool(Index)>& in_column);
 
 /// u, of largest entry 1, as the least whole numbers in its ratios, where these are at most 4096: of problems in round
 /// numbers sums have no rounding then, and prove what a third in 53 bits does not. False: there are none.

@@ -261,3 +261,23 @@ def test_reprs_show_the_solution():
     assert repr(solutions).startswith("Solutions(isolated=[[") and "complete=True" in repr(solutions)
     face = orthant.enumerate_solutions([[0.0]], [0.0])
     assert "Face(dimension=1, vertices=1, directions=1, lines=0)" in repr(face)
+
+
+def test_discs_have_their_residuals_in_units_of_their_own_and_other_problems_have_none():
+    puck = orthant.Problem(np.eye(3), [-10.0, -3.0, -4.0], friction=[(1, 0, 0.2, 2)])
+    r = orthant.solve(puck)
+    assert 0 <= r.residual_scale_free < 1e-9 and 0 <= r.residual_natural < 1e-8
+    assert r["residual_natural"] == r.residual_natural and "residual_scale_free" in r.keys()
+    same = orthant.solve(orthant.Problem(np.eye(3) * 2.0**40, [-10.0, -3.0, -4.0], friction=[(1, 0, 0.2, 2)]))
+    assert same.residual_scale_free < 1e-9
+    rough = orthant.solve(puck, solver="pgs:max_sweeps=1")
+    assert rough.residual_scale_free >= 0
+    plain = orthant.solve(M, q)
+    assert plain.residual_scale_free is None and plain.residual_natural is None
+
+
+@pytest.mark.parametrize("entry", [(True, 0, 0.3), (1, False, 0.3), (1, 0, True), (1, 0, 0.3, True),
+                                   np.array([True, False, True])])
+def test_booleans_are_no_rows_of_friction(entry):
+    with pytest.raises(TypeError, match=r"friction\[0\] = .*: must be numbers, not booleans"):
+        orthant.solve(M, q, lower=[0, -np.inf], friction=[entry])

@@ -361,6 +361,24 @@ TEST_CASE("cones: a time limit and a flag end a run") {
   CHECK(prox->solve(p, s).status == Status::cancelled);
 }
 
+TEST_CASE("a method that takes no pyramid refuses a disc by the caller's rows, not by the pyramid's") {
+  const Lcp puck = point_mass(1, 0.2, {-10, 3, 4});
+  Lcp without_diagonal = puck;
+  std::get<DenseMatrix>(without_diagonal.A)(2, 2) = 0;
+  int refusals = 0;
+  for (const char* name : {"jacobi", "nncg", "mprgp"}) {
+    CAPTURE(name);
+    const auto solver = make_solver(name);
+    Solution s;
+    if (solver->solve(puck, s).status != Status::unsupported) continue;
+    ++refusals;
+    CHECK(solver->refusal(puck).find("rows 1 and 2 are a friction disc: must be") == 0);
+    const std::string own = solver->refusal(without_diagonal);
+    CHECK((own.find("(2, 2)") != std::string::npos || own.find("rows 1 and 2") == 0));
+  }
+  CHECK(refusals > 0);
+}
+
 TEST_CASE("pyramids that are turned find the slip of a puck for every friction, to the solver's own tolerance") {
   for (double mu = 0.025; mu < 0.49; mu += 0.025) {
     const Lcp p = point_mass(1, mu, {-10, 3, 4});

@@ -227,12 +227,15 @@ Lcp parse_problem(std::string_view text, const std::string& name) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       const Reader f(name, Reader::indexed("friction", i) + ".", list[i]);
       f.only({"row", "first", "rows", "normal", "mu"});
-      if (f.has("row") == f.has("first")) f.refuse("first", "must be there (or row, of one row), not both");
+      if (f.has("row") == f.has("first"))
+        f.refuse("first", std::string(f.has("row") ? "and row are both there" : "and row are both missing") +
+                              ": must be one of them");
       const Index last = std::max<Index>(0, problem.size() - 1);
+      const Index rows = f.has("rows") ? f.whole(f.at("rows"), "rows", 1, 2) : 1;
       const char* const first = f.has("row") ? "row" : "first";
       problem.friction.push_back({.normal = f.whole(f.at("normal"), "normal", 0, last),
-                                  .first = f.whole(f.at(first), first, 0, last),
-                                  .rows = f.has("rows") ? f.whole(f.at("rows"), "rows", 1, 2) : 1,
+                                  .first = f.whole(f.at(first), first, 0, std::max<Index>(0, last + 1 - rows)),
+                                  .rows = rows,
                                   .mu = f.number(f.at("mu"), "mu")});
     }
   }

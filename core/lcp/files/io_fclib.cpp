@@ -4,6 +4,7 @@
 #include <orthant/core/lcp/files/hdf5_image.h>
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/support/file.h>
+#include <orthant/core/support/options.h>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
@@ -65,7 +66,7 @@ class Reader {
   }
   int whole(const std::string& path) const {
     const auto values = list<int>(path);
-    if (values.size() != 1) refuse(path, "must be one number");
+    if (values.size() != 1) refuse(path, "has " + std::to_string(values.size()) + " entries: must have 1");
     return values.front();
   }
   Vector numbers(const std::string& path, Index n) const {
@@ -73,7 +74,8 @@ class Reader {
     if (static_cast<Index>(values.size()) != n)
       refuse(path, "has " + std::to_string(values.size()) + " entries: must have " + std::to_string(n));
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (!std::isfinite(values[i])) refuse(path + "[" + std::to_string(i) + "]", "must be finite");
+      if (!std::isfinite(values[i]))
+        refuse(path + "[" + std::to_string(i) + "]", "= " + detail::text_of(values[i]) + ": must be finite");
     return Eigen::Map<const Eigen::VectorXd>(values.data(), n);
   }
   std::string text(const std::string& path) const {
@@ -133,11 +135,13 @@ bool is_diagonal(const Sparse& A) {
   return true;
 }
 
+std::string size_of(const Sparse& A) { return std::to_string(A.rows()) + " x " + std::to_string(A.cols()); }
+
 /// Returns the rows of the contacts; those of λ stand behind them.
 Index read_local(const Reader& in, const std::string& group, Lcp& problem) {
   const Sparse W = in.matrix(group + "/W");
   const Index n = W.rows();
-  if (W.cols() != n) in.refuse(group + "/W", "must be square");
+  if (W.cols() != n) in.refuse(group + "/W", "is " + size_of(W) + ": must be square");
   const Vector q = in.numbers(group + "/vectors/q", n);
   if (!in.has(group + "/V")) {
     if (in.has(group + "/R")) in.refuse(group + "/R", "stands without V: must have it");
@@ -146,10 +150,11 @@ Index read_local(const Reader& in, const std::string& group, Lcp& problem) {
   }
   const Sparse V = in.matrix(group + "/V");
   const Index m = V.cols();
-  if (V.rows() != n) in.refuse(group + "/V", "must have as many rows as W");
+  if (V.rows() != n) in.refuse(group + "/V", "is " + size_of(V) + ": must have " + std::to_string(n) + " rows, as W");
   Sparse R(m, m);
   if (in.has(group + "/R")) R = in.matrix(group + "/R");
-  if (R.rows() != m || R.cols() != m) in.refuse(group + "/R", "must be square, with as many columns as V");
+  if (R.rows() != m || R.cols() != m)
+    in.refuse(group + "/R", "is " + size_of(R) + ": must be square, with " + std::to_string(m) + " columns, as V");
   std::vector<Eigen::Triplet<double>> entries;
   const auto add = [&entries](const Sparse& M, Index row, Index column, bool transposed) {
     for (Index i = 0; i < M.outerSize(); ++i)
@@ -171,13 +176,14 @@ Index read_local(const Reader& in, const std::string& group, Lcp& problem) {
 Index read_global(const Reader& in, const std::string& group, ContactProblem& p) {
   const Sparse M = in.matrix(group + "/M"), H = in.matrix(group + "/H");
   const Index m = M.rows();
-  if (M.cols() != m || H.rows() != m) in.refuse(group + "/M", "must be square, with as many rows as H");
+  if (M.cols() != m) in.refuse(group + "/M", "is " + size_of(M) + ": must be square");
+  if (H.rows() != m) in.refuse(group + "/H", "is " + size_of(H) + ": must have " + std::to_string(m) + " rows, as M");
   const Vector f = in.numbers(group + "/vectors/f", m), w = in.numbers(group + "/vectors/w", H.cols());
   Sparse J = H.transpose();
   Eigen::VectorXd b = w;
   if (in.has(group + "/G")) {
     const Sparse G = in.matrix(group + "/G");
-    if (G.rows() != m) in.refuse(group + "/G", "must have as many rows as M");
+    if (G.rows() != m) in.refuse(group + "/G", "is " + size_of(G) + ": must have " + std::to_string(m) + " rows, as M");
     Sparse both(H.cols() + G.cols(), m);
     both.topRows(H.cols()) = J, both.bottomRows(G.cols()) = Sparse(G.transpose());
     J = both;
@@ -189,7 +195,8 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
     Delassus A{RowSparse::from(J), Eigen::VectorXd(M.diagonal().cwiseInverse()), {}};
     for (Index i = 0; i < m; ++i)
       if (!(A.inverse_mass[i] > 0 && A.inverse_mass[i] < kInf))
-        in.refuse(group + "/M", "has " + std::to_string(M.coeff(i, i)) + " on its diagonal: must be > 0");
+        in.refuse(group + "/M", "has " + detail::text_of(M.coeff(i, i)) + " on its diagonal, row " + std::to_string(i) +
+                                    ": must be > 0");
     p.free_velocity = A.inverse_mass.cwiseProduct(f);
     p.problem.b = b + J * Eigen::VectorXd(p.free_velocity);
     p.response = RowSparse::from(Sparse(A.inverse_mass.asDiagonal() * Sparse(J.transpose())));
@@ -302,14 +309,17 @@ ContactProblem read_fclib(const std::filesystem::path& file) {
   p.title = in.text(group + "/info/title"), p.description = in.text(group + "/info/description");
   const Index rows = local ? read_local(in, group, p.problem) : read_global(in, group, p);
   if (rows % p.dimension != 0)
-    in.refuse(group, "has " + std::to_string(rows) + " contact rows: must be a multiple of spacedim");
+    in.refuse(group, "has " + std::to_string(rows) +
+                         " contact rows: must be a multiple of spacedim = " + std::to_string(p.dimension));
   p.contacts = rows / p.dimension;
   const Index n = p.problem.size();
   p.problem.lo = Eigen::VectorXd::Constant(n, -kInf), p.problem.hi = Eigen::VectorXd::Constant(n, kInf);
   const auto coefficient = [&](const char* name) {
     const Vector mu = in.numbers(group + "/vectors/" + name, p.contacts);
     for (Index k = 0; k < p.contacts; ++k)
-      if (mu[k] < 0) in.refuse(group + "/vectors/" + name + "[" + std::to_string(k) + "]", "must be >= 0");
+      if (mu[k] < 0)
+        in.refuse(group + "/vectors/" + name + "[" + std::to_string(k) + "]",
+                  "= " + detail::text_of(mu[k]) + ": must be >= 0");
     return mu;
   };
   const Vector mu = coefficient("mu"), mu_r = rolling ? coefficient("mu_r") : Vector();

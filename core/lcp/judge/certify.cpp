@@ -246,6 +246,12 @@ Judge::Pass Judge::weigh(const Lcp& problem, double tolerance, Solution& s) {
 }
 
 void Judge::certify(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
+  proved_ = nullptr;
+  judge(problem, tolerance, claim, s);
+  trusted_ = nullptr;
+}
+
+void Judge::judge(const Lcp& problem, double tolerance, Claim claim, Solution& s) {
   const Index n = problem.size();
   if (s.z.size() != n) {  // a solver that gave up before it had a z
     s.z.resize(n);

@@ -17,7 +17,7 @@
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
 //   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
 //               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
-//                 A = −1, b = −1: u = 1.   Where no doubles are such a u, doubles near to one: exact_proof.h.
+//                 A = −1, b = −1: u = 1.   Or the exact vector near to the doubles in u is one: exact_proof.h.
 //               Or all cells searched: cells.h.
 //   The verdicts hold in exact arithmetic: sums with bounds of their rounding, rationals where these leave it open.
 //   Sources: Oettli & Prager, Numer. Math. 6 (1964); Cottle, Pang & Stone, The Linear Complementarity Problem (1992).
@@ -57,6 +57,15 @@ class Judge {  // the members are scratch: after the first problem of a size not
   bool proves_infeasible(const Lcp& problem, const Vector& u);
   /// The u that last proved it: with its last digits, where doubles hold them.
   const Vector& proof() const { return proof_; }
+  /// True when proof() proves it as it is; false: the exact vector that it is nearest to does.
+  bool proof_in_doubles() const { return in_doubles_; }
+  /// The next certify() of this problem takes the u that `other` has proved last as proved, without a second check. The
+  /// problem is the same object, unchanged since. Any other u is checked.
+  void trust(const Judge& other) {
+    if ((trusted_ = other.proved_) != nullptr) trusted_proof_ = other.proof_, trusted_in_doubles_ = other.in_doubles_;
+  }
+  /// Proofs of before count no more: the problem may be another.
+  void forget() { proved_ = trusted_ = nullptr; }
   /// True when the cells are all that there are, and none of them holds a solution (cells.h).
   bool proves_infeasible(const Lcp& problem, const std::vector<Cell>& cells) const {
     return no_cell_has_a_solution(problem, cells, stop_);
@@ -68,6 +77,7 @@ class Judge {  // the members are scratch: after the first problem of a size not
   using Coupling = std::pair<double, int>;  // how much comes through an entry, or is in a row; its row
   enum class Pass { solved, rounded, no };
   enum class Weighed { proves, open, no };
+  void judge(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
   void prepare(const Lcp& problem);
   void certify_cones(const Lcp& problem, double tolerance, Claim claim, Solution& solution);
   Miss overflown(const Lcp& problem, const Solution& s, double tolerance) const;
@@ -85,6 +95,9 @@ class Judge {  // the members are scratch: after the first problem of a size not
 
   std::function<bool()> stop_;
   ConeJudge cones_;
+  const Lcp *proved_ = nullptr, *trusted_ = nullptr;  // of proof_; of trusted_proof_, the other judge's
+  Vector trusted_proof_;
+  bool in_doubles_ = false, trusted_in_doubles_ = false;
   Vector lo_, hi_, size_, beta_, data_, part_data_, floor_, zero_w_, inner_, inner_abs_, proof_;
   std::vector<int> part_, first_;  // per row: the first row of its part; per body: its first row
   RowSparse entries_;              // of an operator

@@ -73,6 +73,9 @@ void Judge::product(const Matrix& A, const Vector& u, bool transposed) {
 
 bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
   const Index n = problem.size();
+  proved_ = nullptr;
+  if (trusted_ == &problem && u.size() == n && trusted_proof_.size() == n && trusted_proof_ == u)
+    return proof_ = u, in_doubles_ = trusted_in_doubles_, proved_ = &problem, true;
   if (n == 0 || u.size() != n) return false;
   const double* const lo = problem.lo.data();
   const double* const hi = problem.hi.data();
@@ -86,14 +89,13 @@ bool Judge::proves_infeasible(const Lcp& problem, const Vector& u) {
       if (u[t] != 0) return false;
 
   proof_ = u;
-  switch (weigh_proof(problem, u)) {
-    case Weighed::proves:
-      return true;
-    case Weighed::open:
-      return finite(problem) && proves_exactly(problem, proof_, stop_);
-    default:
-      return false;
-  }
+  const Weighed weighed = weigh_proof(problem, u);
+  Proved proved = weighed == Weighed::proves ? Proved::by_doubles : Proved::no;
+  if (weighed == Weighed::open && finite(problem)) proved = prove_exactly(problem, proof_, stop_);
+  if (proved == Proved::no) return false;
+  in_doubles_ = proved == Proved::by_doubles;
+  proved_ = &problem;
+  return true;
 }
 
 // With doubles and bounds of their rounding; open: rationals may decide.

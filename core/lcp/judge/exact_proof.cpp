@@ -26,6 +26,8 @@ Rational root_above(const Rational& x) {
   return Rational(sqrt(Integer(square * scale * scale)) + 1, denominator(x) * scale);
 }
 
+bool whole(const Rational& x) { return mpz_cmp_ui(mpq_denref(x.backend().data()), 1) == 0; }
+
 /// Σ_i a_i û_i, and Σ_i |a_i u_i|.
 struct Sum {
   Rational value;
@@ -46,11 +48,14 @@ class ExactProof {
   /// Only the columns of the wrong sign are made 0; else all that may be meant to be.
   bool holds(const Vector& u, bool few) {
     rows_.clear(), weights_.clear(), sizes_.clear(), equations_.clear();
-    unit_ = 1;
     for (Index i = 0; i < u.size(); ++i)
       if (u[i] != 0) rows_.push_back(i);
     std::stable_sort(rows_.begin(), rows_.end(), [&](Index i, Index j) { return std::abs(u[i]) > std::abs(u[j]); });
     for (const Index i : rows_) weights_.emplace_back(u[i]), sizes_.push_back(std::abs(u[i]));
+    Integer scale = 1;  // whole numbers cost less
+    for (const Rational& x : weights_) scale = lcm(scale, Integer(denominator(x)));
+    unit_ = scale;
+    for (Rational& x : weights_) x *= unit_;
     for (int round = 0; round < kRounds && !stopped(); ++round) {
       find_columns();
       if (std::none_of(columns_.begin(), columns_.end(), [this](Index j) { return wrong(j); })) return below_zero();
@@ -59,8 +64,9 @@ class ExactProof {
     return false;
   }
 
-  /// u ← the least whole multiple of û, where doubles hold it. Others would stand for another û.
-  void put(Vector& u) const {
+  /// u ← the least whole multiple of û, where doubles hold it, or else over a power of 2. False: no multiple is in
+  /// doubles, and rounded ones would stand for another û.
+  bool put(Vector& u) const {
     Integer scale = 1;
     for (const Rational& x : weights_) scale = lcm(scale, Integer(denominator(x)));
     std::vector<Integer> whole;
@@ -69,13 +75,31 @@ class ExactProof {
       whole.push_back(numerator(x) * (scale / denominator(x)));
       divisor = gcd(divisor, whole.back());
     }
-    for (Integer& x : whole) x /= divisor;
-    if (std::ranges::any_of(whole, [](const Integer& x) { return abs(x) > Integer(1) << 53; })) return;
-    for (std::size_t k = 0; k < rows_.size(); ++k) u[rows_[k]] = static_cast<double>(whole[k]);
+    int most = 0;  // binary digits
+    for (Integer& x : whole) {
+      x /= divisor;
+      if (!x.is_zero()) most = std::max(most, static_cast<int>(msb(Integer(abs(x)))) + 1);
+    }
+    const int shift = std::max(most - kDigits, 0);
+    for (const Integer& x : whole)
+      if (!x.is_zero() && (digits(x) > kDigits || static_cast<int>(lsb(Integer(abs(x)))) - shift < kLeast))
+        return false;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const Integer& x = whole[k];
+      const int zeros = x.is_zero() ? 0 : static_cast<int>(lsb(Integer(abs(x))));
+      u[rows_[k]] = std::ldexp(static_cast<double>(Integer(x / (Integer(1) << zeros))), zeros - shift);
+    }
+    return true;
   }
 
  private:
-  using Equation = std::vector<Rational>;  // per entry of rows_
+  using Equation = std::vector<Rational>;             // per entry of rows_
+  static constexpr int kDigits = 53, kLeast = -1000;  // of a double; its last one, well above the least, 2⁻¹⁰⁷⁴
+
+  static int digits(const Integer& x) {
+    const Integer size = abs(x);
+    return static_cast<int>(msb(size)) - static_cast<int>(lsb(size)) + 1;
+  }
 
   bool stopped() const { return stop_ && stop_(); }
 
@@ -83,7 +107,8 @@ class ExactProof {
   void find_columns() {
     const auto n = at(p_.size());
     g_.assign(n, {});
-    if (operator_ == nullptr) {
+    if (operator_ == nullptr && sum_in_integers()) {
+    } else if (operator_ == nullptr) {
       for (std::size_t k = 0; k < rows_.size(); ++k)
         for_each_in_row(p_.A, rows_[k], [&](Index j, double a) {
           if (a != 0) g_[at(j)].add(Rational(a) * weights_[k], std::abs(a) * sizes_[k]);
@@ -125,6 +150,27 @@ class ExactProof {
     columns_.clear();
     for (Index j = 0; j < p_.size(); ++j)
       if (friction[at(j)] == 0 && c_[at(j)].terms > 0) columns_.push_back(j);
+  }
+
+  // Likewise where û and A are in whole numbers, which costs a tenth. False: they are not.
+  bool sum_in_integers() {
+    constexpr double kMostEntry = 0x1p53;
+    std::vector<Integer> sums(g_.size(), 0);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (!whole(weights_[k])) return false;
+      const auto* const weight = mpq_numref(weights_[k].backend().data());
+      bool all = true;
+      for_each_in_row(p_.A, rows_[k], [&](Index j, double a) {
+        all = all && a == std::trunc(a) && std::abs(a) <= kMostEntry;
+        if (a == 0 || !all) return;
+        const auto size = static_cast<unsigned long>(std::abs(a));
+        (a > 0 ? mpz_addmul_ui : mpz_submul_ui)(sums[at(j)].backend().data(), weight, size);
+        g_[at(j)].terms += std::abs(a) * sizes_[k];
+      });
+      if (!all) return g_.assign(g_.size(), {}), false;
+    }
+    for (std::size_t j = 0; j < sums.size(); ++j) g_[j].value = sums[j];
+    return true;
   }
 
   bool wrong(Index j) const {
@@ -208,9 +254,11 @@ class ExactProof {
     exact::IntegerTable rows;
     for (const auto& [name, equation] : equations_) {
       Integer scale = 1;
-      for (const Rational& x : equation) scale = lcm(scale, Integer(denominator(x)));
+      for (const Rational& x : equation)
+        if (!whole(x)) scale = lcm(scale, Integer(denominator(x)));
       rows.emplace_back();
-      for (const Rational& x : equation) rows.back().push_back(numerator(x) * (scale / denominator(x)));
+      for (const Rational& x : equation)
+        rows.back().push_back(scale == 1 ? Integer(numerator(x)) : Integer(numerator(x) * (scale / denominator(x))));
     }
     const std::size_t unknowns = rows_.size();
     const exact::ModularPivots pivots = exact::find_pivots(rows, unknowns, stop_);
@@ -263,11 +311,11 @@ class ExactProof {
 
 }  // namespace
 
-bool proves_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop) {
+Proved prove_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop) {
   ExactProof proof(problem, stop);
   for (const bool few : {false, true})
-    if (proof.holds(u, few)) return proof.put(u), true;
-  return false;
+    if (proof.holds(u, few)) return proof.put(u) ? Proved::by_doubles : Proved::by_exact_neighbor;
+  return Proved::no;
 }
 
 }  // namespace orthant

@@ -19,9 +19,11 @@
 
 namespace orthant {
 
-/// True when (1) holds for û = u or the û of (2). u has the signs of its rows and is 0 on boxes and friction rows; A
-/// and b are finite. u becomes a multiple of û where doubles hold it; else it stays, so that it proves again. stop() is
-/// polled; where it says true: false.
-bool proves_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop = {});
+enum class Proved { no, by_exact_neighbor, by_doubles };  // by û, which no doubles hold; by u itself
+
+/// Tells if (1) holds for û = u or the û of (2). u has the signs of its rows and is 0 on boxes and friction rows; A and
+/// b are finite. u becomes a multiple of û where doubles hold one: then (1) holds for u as it is. Else u stays, so that
+/// it proves again. stop() is polled; where it says true: no.
+Proved prove_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop = {});
 
 }  // namespace orthant

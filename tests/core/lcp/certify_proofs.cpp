@@ -186,6 +186,7 @@ TEST_CASE(
     CHECK(judge.proves_infeasible(p, Vector{0.55 + off, 0.02, 0.23}));
     CHECK((judge.proof() - Vector{0.55, 0.02, 0.23} * (judge.proof()[0] / 0.55)).norm() < 1e-12 * judge.proof()[0]);
     CHECK(judge.proves_infeasible(p, Vector(judge.proof())));
+    CHECK((off != 0 || !judge.proof_in_doubles()));  // rounding may fall to the right side
   }
   CHECK(!judge.proves_infeasible(p, Vector{0.55, 0.02 + 1e-7, 0.23}));  // another vector
   CHECK(!judge.proves_infeasible(Lcp::standard(DenseMatrix(A), Vector{-0.23, 0, 0.55}), Vector{0.55, 0.02, 0.23}));
@@ -209,6 +210,12 @@ TEST_CASE(
   // Whole numbers are found.
   CHECK(judge.proves_infeasible(pair({3, -3, -1, 1}, Vector{-1, -1}), Vector{1.0 / 3, 1}));
   CHECK(judge.proof() == Vector{1, 3});
+  CHECK(judge.proof_in_doubles());
+  // So are those of more digits than 53 where their last ones are zeros.
+  const double far = 0x1p90;
+  CHECK(judge.proves_infeasible(pair({3, -3, -1 / far, 1 / far}, Vector{-1, -1}), Vector{1 / 3.0 / far, 1}));
+  CHECK(judge.proof()[1] == 3 * far * judge.proof()[0]);
+  CHECK(judge.proof_in_doubles());
   // Friction at its bound: g_n + μ |g_t| = 0 for the exact u only.
   Lcp contact =
       Lcp::standard(DenseMatrix(Eigen::Matrix3d{{-0.1, 0.3, 0}, {0.1, 0, 0}, {0.3, 0.7, 0}}), Vector{-1, 0, 0});
@@ -296,6 +303,33 @@ TEST_CASE("a z that is not accepted is explained: the row, by how much it misses
   judge.explain(apart, 1e-10, s);
   CHECK(s.status == Status::stalled);
   CHECK(why(s) == "row 1 misses by 0.0005 inside its bounds; 1e-10 of its data is 1e-13");
+}
+
+TEST_CASE("a judge takes another judge's proof without a check, of the same problem and u only") {
+  Lcp p = pair({1, -1, -1, 1}, Vector{-1, -1});
+  const Lcp other = pair({1, -1, -1, 1.5}, Vector{-1, -1});
+  Judge first;
+  REQUIRE(first.proves_infeasible(p, Vector{1, 1}));
+  const auto after_trust = [&](const Lcp& problem, const Vector& u, bool forget = false) {
+    Judge second;
+    second.trust(first);
+    if (forget) second.forget();
+    Solution s;
+    s.z = Vector{0, 0}, s.certificate = u;
+    second.certify(problem, 1e-10, Claim::stalled, s);
+    return s.status;
+  };
+  CHECK(after_trust(p, Vector{1, 1}) == Status::infeasible);
+  CHECK(after_trust(p, Vector{1, 0.9}) == Status::stalled);
+  CHECK(after_trust(p, Vector{1}) == Status::stalled);
+  CHECK(after_trust(other, Vector{1, 1}) == Status::stalled);
+  CHECK(!first.proves_infeasible(p, Vector{1, 0.9}));  // and only of the last proof
+  std::get<DenseMatrix>(p.A)(1, 1) = 1.5;
+  CHECK(after_trust(p, Vector{1, 1}) == Status::stalled);
+  std::get<DenseMatrix>(p.A)(1, 1) = 1;
+  REQUIRE(first.proves_infeasible(p, Vector{1, 1}));
+  std::get<DenseMatrix>(p.A)(1, 1) = 1.5;  // changed behind the judge's back: forget() is the caller's duty
+  CHECK(after_trust(p, Vector{1, 1}, true) == Status::stalled);
 }
 
 TEST_CASE("only a proof stays in the certificate, and a claimed ray becomes one where it proves") {

@@ -254,7 +254,7 @@ TEST_CASE("cones: discs that do not fit say so, and survive JSON") {
   };
   CHECK(broken([](Lcp& q) { q.friction[0].rows = 3; }).find("rows = 3: must be 1 (interval) or 2 (disc)") !=
         std::string::npos);
-  CHECK(broken([](Lcp& q) { q.friction[0].first = 3; }).find("first = 3: must be in [0, 3)") != std::string::npos);
+  CHECK(broken([](Lcp& q) { q.friction[0].first = 3; }).find("first = 3: must be in [0, 2]") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.friction[1].first = 2; }).find("row 2: must not occur twice") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.friction[0].normal = 2; }).find("normal = 2") != std::string::npos);
   CHECK(broken([](Lcp& q) { q.hi[2] = 1; }).find("friction row 2 has bounds") != std::string::npos);

@@ -301,6 +301,25 @@ TEST_CASE("fclib: a reading error names file, dataset and reason") {
   must_fail(folder / "bad.hdf5", "fclib_local/W has an entry at");
   changed("fclib_local/vectors/q", std::nan(""), H5::PredType::NATIVE_DOUBLE);
   must_fail(folder / "bad.hdf5", "fclib_local/vectors/q has 1 entries: must have 858");
+  changed("fclib_local/W/n", 857, H5::PredType::NATIVE_INT);
+  must_fail(folder / "bad.hdf5", "fclib_local/W");
+  const auto with = [&](const char* path, std::size_t count, double last) {
+    folder.write("bad.hdf5", whole);
+    H5::H5File file(folder / "bad.hdf5", H5F_ACC_RDWR);
+    file.unlink(path);
+    const std::vector<double> values = [&] {
+      std::vector<double> list(count, 0.5);
+      list.back() = last;
+      return list;
+    }();
+    const hsize_t length = count;
+    file.createDataSet(path, H5::PredType::NATIVE_DOUBLE, H5::DataSpace(1, &length))
+        .write(values.data(), H5::PredType::NATIVE_DOUBLE);
+  };
+  with("fclib_local/vectors/mu", 286, -0.25);
+  must_fail(folder / "bad.hdf5", "fclib_local/vectors/mu[285] = -0.25: must be >= 0");
+  with("fclib_local/vectors/q", 858, kInf);
+  must_fail(folder / "bad.hdf5", "fclib_local/vectors/q[857] = inf: must be finite");
   changed("fclib_local/W/m", 1.5, H5::PredType::NATIVE_DOUBLE);
   must_fail(folder / "bad.hdf5", "must hold whole numbers");
   {

@@ -204,6 +204,21 @@ TEST_CASE("problem files: errors are one line and come quickly") {
       "start[2] must not be below"));
   CHECK(contains(why(head + R"("A": {"storage": "banded", "n": 1}, "b": [1])"), "banded"));
   CHECK(contains(why(head + A + R"(, "b": [1], "friction": [{"row": 0, "normal": 0, "mu": 0.5}])"), "friction[0]"));
+  const auto friction = [&](const std::string& entry) {
+    return why(head + R"("A": {"storage": "dense", "n": 3, "rows": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},)" +
+               R"("b": [1, 1, 1], "friction": [{)" + entry + "}]");
+  };
+  CHECK(friction(R"("first": 1, "rows": 2, "normal": 0, "mu": 0.5)") == "");
+  CHECK(friction(R"("first": 2, "rows": 2, "normal": 0, "mu": 0.5)") ==
+        "file.json: friction[0].first = 2: must be a whole number in [0, 1]");
+  CHECK(friction(R"("row": 3, "normal": 0, "mu": 0.5)") ==
+        "file.json: friction[0].row = 3: must be a whole number in [0, 2]");
+  CHECK(friction(R"("row": true, "normal": 0, "mu": 0.5)") ==
+        "file.json: friction[0].row = true: must be a whole number in [0, 2]");
+  CHECK(friction(R"("row": 1, "first": 1, "normal": 0, "mu": 0.5)") ==
+        "file.json: friction[0].first and row are both there: must be one of them");
+  CHECK(friction(R"("normal": 0, "mu": 0.5)") ==
+        "file.json: friction[0].first and row are both missing: must be one of them");
 }
 
 TEST_CASE("a file that cannot be written leaves nothing behind and says why") {

@@ -1,4 +1,5 @@
 // Proofs that there is no solution, on problems too large for a dense tableau.
+#include <orthant/core/lcp/judge/exact.h>
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/solvers/pivoting/lemke.h>
 #include <orthant/solvers/proof/farkas.h>
@@ -31,6 +32,21 @@ bool proved(const Lcp& p) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (p.size() >= 600) MESSAGE("n = ", p.size(), ": ", (found ? "a proof" : "none"), " in ", seconds, " s");
   return found && Judge().proves_infeasible(p, u);
+}
+
+/// Of the doubles in u as they are, in rationals: u ≥ 0, Aᵀu ≤ 0, bᵀu < 0.
+bool proves_as_it_is(const Lcp& p, const Vector& u) {
+  using exact::Rational;
+  if (u.size() != p.size() || (u.array() < 0).any()) return false;
+  const exact::Table A = exact::table(p.A);
+  Rational low = 0;
+  for (Index j = 0; j < p.size(); ++j) {
+    Rational sum = 0;
+    for (Index i = 0; i < p.size(); ++i) sum += A[at(i)][at(j)] * Rational(u[i]);
+    if (sum > 0) return false;
+    low += Rational(p.b[j]) * Rational(u[j]);
+  }
+  return low < 0;
 }
 
 }  // namespace
@@ -112,6 +128,60 @@ TEST_CASE("small and large path agree on random problems of 101 rows made of sma
     infeasible += proved(block);
   }
   CHECK(infeasible > 5);
+}
+
+TEST_CASE("a certificate proves as it is, where doubles have room for one") {
+  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  const std::vector<std::pair<Matrix5, Vector>> known = {
+      {Matrix5{{1.0614966008118139, -2, -0.24798508183318987, 0.03217755634889952, -0.02169726274844605},
+               {-2, 4, 0, -0.06435511269779905, -0.45257563816948765},
+               {-0.24798508183318987, 0, 1, 0, 1},
+               {0.03217755634889952, -0.06435511269779905, 0, 0.001035395132586604, 0.007281389049668925},
+               {-0.02169726274844605, -0.45257563816948765, 1, 0.007281389049668925, 1.0512061770661298}},
+       Vector{-2.0, -0.6789370615069135, -0.5289779458097268, 0.45920949732617694, 1.0}},
+      {Matrix5{{-1, 0.5803175419703273, 2, 2, 0.5768503184613557},
+               {0.3833778733621376, 1.2441013902386493, 1.8605945348536554, -1.8374580071670394, 1},
+               {-0.540487990940211, -1, -2, -3, 1},
+               {-1, 2, 2.1605604654794948, -0.9748746258583101, 0.5140773995580075},
+               {0.7855804259546312, -0.7455396129139585, -0.2740437839756212, -0.08051876287728263, -2}},
+       Vector{2.0, -3.0, -0.21757744962053793, -3.0, -2.0}},
+      {Matrix5{{0, -20000000000, -1537355.6674177574, 1000000000, 30},
+               {-2.9198576085803748e+16, 1e+16, 747379151276.9729, 1458438236182300.2, 11875463.432108322},
+               {-9.287158856148485e+16, 1.6093335319752852e+16, -57863131619.33742, -1360561216691061.5, 0},
+               {-35021123.17614699, 1914944.807584616, -230.30715924838165, 0, -0.003743640149126702},
+               {-2490416.51915708, 0, -91.35510986213792, -100000, -0.001}},
+       Vector{33.91876885465982, -39689231.904015236, -200000000.0, 0.04822534314521822, -0.01}},
+  };
+  int proved = 0;
+  for (const auto& [A, b] : known) {
+    const Lcp p = Lcp::standard(DenseMatrix(A), b);
+    Solution s;
+    REQUIRE(make_solver("auto")->solve(p, s).status == Status::infeasible);
+    CAPTURE(proved);
+    CHECK(proves_as_it_is(p, s.certificate));
+    ++proved;
+  }
+  // Random ones: u of the first three rows has Aᵀu < 0 in some columns only.
+  Random random(34);
+  int infeasible = 0, as_it_is = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Index n = random.integer(2, 6);
+    DenseMatrix A(Eigen::MatrixXd::Zero(n, n));
+    Vector b(Eigen::VectorXd::Zero(n));
+    for (double& entry : A.reshaped())
+      entry = random.integer(0, 1) == 0 ? random.integer(-3, 3) : random.uniform(-1, 1);
+    for (double& entry : b) entry = random.integer(0, 1) == 0 ? random.integer(-3, 3) : random.uniform(-1, 1);
+    const Lcp p = Lcp::standard(A, b);
+    Solution s;
+    if (make_solver("auto")->solve(p, s).status != Status::infeasible || s.certificate.size() == 0) continue;
+    ++infeasible;
+    CAPTURE(trial);
+    CHECK(Judge().proves_infeasible(p, s.certificate));
+    as_it_is += proves_as_it_is(p, s.certificate);
+  }
+  MESSAGE(as_it_is, " of ", infeasible, " certificates prove as they are");
+  CHECK(infeasible > 50);
+  CHECK(as_it_is == infeasible);
 }
 
 TEST_CASE("a proof search that is switched off, or out of time, is not made") {
