@@ -96,8 +96,8 @@ template <class Space = Planar> double largest_coordinate(const Eigen::VectorXd&
   else
     return largest_coordinate<Space>(q, i);
 }
-/// The larger of translation and rotation (times `unit` [m]) of body i, velocities or accelerations: the same in every frame that is
-/// turned.
+/// The larger of translation and rotation (times `unit` [m]) of body i, velocities or accelerations: the same in every
+/// frame that is turned.
 template <class Space = Planar> double largest_motion(const Eigen::VectorXd& v, Eigen::Index i, double unit = 1) {
   if constexpr (kPlanar<Space>) {
     const double* const x = v.data() + kBlock * i;

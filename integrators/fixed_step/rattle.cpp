@@ -1,5 +1,6 @@
 #include <orthant/integrators/fixed_step/rattle.h>
 #include <algorithm>
+#include <cmath>
 
 namespace orthant {
 
@@ -133,6 +134,21 @@ template <class Space> void RattleOf<Space>::note_carried() {
   }
 }
 
+/// Whether contact k strikes the ground, faster than the forces of the step make it, with restitution.
+template <class Space> bool RattleOf<Space>::rebounds([[maybe_unused]] std::size_t k, [[maybe_unused]] double h,
+                                                      [[maybe_unused]] const State& x) const {
+  if constexpr (kPlanar<Space>) {
+    const ContactLaw& law = system_.law(start_.closed[k].contact);
+    const Row& row = start_.closed[k].rows.normal;
+    if (!(law.e > 0) || (row.a >= 0 && row.b >= 0)) return false;
+    double by_forces = 0;
+    each_entry(row, [&](Index i, double entry) { by_forces += entry * start_.f[i] * system_.inverse_mass()[i]; });
+    return -apply(row, x.v.data()) > kRestSpeed * law.unit + h * std::abs(by_forces);
+  } else {
+    return false;
+  }
+}
+
 template <class Space> bool RattleOf<Space>::other_half(double h, const State& x, StepReport& report) {
   evaluate_forces(system_, x.t + h, v_, end_);
   if (!factorize(end_, 0, 0, report)) return false;
@@ -141,8 +157,9 @@ template <class Space> bool RattleOf<Space>::other_half(double h, const State& x
     half_turning_impulse(system_, h, v_, Half::second, next_);
     force_ += next_;
   }
-  for (const ClosedContact& c : end_.closed) {
-    const Impulse& carried = impulses_[static_cast<std::size_t>(c.contact)];  // [kg m]
+  for (std::size_t k = 0; k < end_.closed.size(); ++k) {
+    const ClosedContact& c = rebounds(k, h, x) ? start_.closed[k] : end_.closed[k];  // see the header
+    const Impulse& carried = impulses_[static_cast<std::size_t>(c.contact)];         // [kg m]
     apply_transposed(c.rows.normal, -carried.normal / h, force_.data());
     if constexpr (kPlanar<Space>)
       apply_transposed(c.rows.tangent, -carried.tangent / h, force_.data());

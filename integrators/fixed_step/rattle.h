@@ -5,6 +5,8 @@
 //   0 ≤ P_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0 where R_N > 0, else P = 0
 //   with Coulomb friction of both R (slip u) and P (γ_T⁺ + e_T γ_T⁻): the two stages of two_level.h. P is the whole
 //   impulse of the step, so that Newton's law holds for it as in Moreau–Jean; R only stops the body at the surface.
+//   In the plane, where a body strikes the ground and rebounds, −R acts along W(q)ᵀ: R W as it turns within the step
+//   takes energy from a body that spins, at every impact. Free bodies keep W(q⁺)ᵀ, which keeps angular momentum.
 // Order 2 on smooth motion and in contacts that last. With impacts 1: each ends on the surface and rebounds at the end
 // of its step, wherever it fell, at the speed of its instant (two_level.h): O(h) in phase, not in energy. Inelastic
 // ones get exactly the impulse of their instant within the step: order 2 is observed on the slider-crank for e = 0.
@@ -68,7 +70,8 @@ template <class Space> class RattleOf final : public TwoLevelOf<Space> {
   using TwoLevelOf<Space>::rate_;
   using TwoLevelOf<Space>::lambda_;
 
-  bool half_kick(double h, const State& x, StepReport& report);   // path_ predicted, without contacts
+  bool half_kick(double h, const State& x, StepReport& report);  // path_ predicted, without contacts
+  bool rebounds(std::size_t k, double h, const State& x) const;
   bool other_half(double h, const State& x, StepReport& report);  // v_ without P
   void predict(double h, const State& x);                         // path_ = h u, of force_
   /// Space: predict(), repeated until turning_ is that of u.

@@ -43,9 +43,9 @@ template <class Space> class SystemOf {
 
   /// The first time > t [s] at which an applied force or its slope jumps; infinity.
   double next_breakpoint(double t) const;
-  /// [m] What limits of lengths and speeds (per second) that rounding needs are multiplied by: 1 m, for planar scenes
-  /// smaller than 1/64 m a power of two below their size. The size is the farthest of all coordinates at the start and of
-  /// the lengths of the elements. A scene scaled in length has the same motion so, to rounding.
+  /// [m] Unit of the limits of lengths and speeds (per second) that rounding needs: 1 m, for planar scenes smaller
+  /// than 1/64 m a power of two below their size. The size is the largest of all coordinates at the start and of the
+  /// lengths of the elements. A scene scaled in length so has the same motion, to rounding.
   double length_unit() const { return length_unit_; }
   /// [rad/s] of the fastest swing that a load or drive is given with; 0.
   double swing() const { return swing_; }

@@ -6,7 +6,8 @@
 //     joints        a joint is off by more than 1e-6 of the size; fixed steps: than h v more
 //     penetration   a contact is deeper than at the start by more than 1e-7 of the size (event-driven), 1e-4 (adaptive;
 //                   a tenth of a journal's clearance at the most), 3 h v (fixed steps, where they do not warn of it)
-//     passage       two shapes pass through each other by a fifth of the thinner one, and the run reports fewer passages
+//     passage       two shapes pass through each other by a fifth of the thinner one, and the run reports fewer
+//                   passages
 //     energy        energy rises above its least value so far by more than 1e-6 (event-driven), 1e-3
 //                   (adaptive), 5 % (fixed steps) of its scale, beyond the work of loads and belts and the rises that
 //                   the run reports (fixed steps: the defect, too, that it warns of), where nothing overlaps at the
@@ -41,9 +42,10 @@
 //   astray (in space: and output step) do not count where Painlevé's paradox is possible in the motion: the model has
 //   several motions there.
 //   Energy below 1e-8 J/kg is neglected.
-//   Gaps, joints, energy, rows of constraints, start and mass in the plane are computed here (measure.h, closed_rows.h).
+//   Gaps, joints, energy, rows of constraints, start and mass in the plane are computed here (measure.h,
+//   closed_rows.h).
 //   Taken from Orthant are:
-//     status, why            the claim that is judged. "Painlevé" in words only selects a claim, which painleve.h proves.
+//     status, why            the claim that is judged. "Painlevé" in words only selects a claim that painleve.h proves.
 //     warnings of overlaps,  silence is the fault. A warning excuses no more than its own figure says: 1.1 times the
 //     passages and energy    overlap, as many passages, twice the defect, each rise with the largest rise.
 //     impulses               bounds of the work of belts and of the friction left open (shared_load.h). Both only widen

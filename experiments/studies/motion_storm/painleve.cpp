@@ -100,7 +100,6 @@ class ImpactProblem {
       qr.compute(B);
       const VectorXd z = qr.solve(r);  // the least one, of that rank
       const double most = std::max(b_.lpNorm<Eigen::Infinity>(), z.lpNorm<Eigen::Infinity>());
-      if (most > kLost * b_.lpNorm<Eigen::Infinity>()) continue;
       if (qr.rank() < n ? (B * z - r).lpNorm<Eigen::Infinity>() <= kSlack * most : admissible(mode, S.leftCols(n) * z))
         return true;
     }
@@ -109,7 +108,6 @@ class ImpactProblem {
 
  private:
   static constexpr double kSlack = 1e-6;  // of the fastest rate, the largest impulse and, for ranks, the largest pivot
-  static constexpr double kLost = 1e9;    // of the fastest rate: impulses that only rounding of μ or of normals makes
 
   static Mode digit(int mode, Eigen::Index i) { return static_cast<Mode>(mode >> (2 * i) & 3); }
 

@@ -154,6 +154,20 @@ TEST_CASE("free bodies that collide: linear momentum to 1e-13, angular where the
     }
 }
 
+TEST_CASE("rattle, generalized-alpha: a box that tumbles on a floor with e = 1 keeps its energy") {
+  Scene s{.gravity = {0, -kGravity}};
+  const Polygon box{{-0.2, -0.1}, {0.2, -0.1}, {0.2, 0.1}, {-0.2, 0.1}}, floor{{-50, -1}, {50, -1}, {50, 0}, {-50, 0}};
+  s.body({.mass = 1, .inertia = 0.017, .position = {0, 1}, .angle = 0.3, .omega = 2});
+  for (const int point : {0, 1})
+    s.contact(PolygonPolygon{"box" + std::to_string(point), 0, box, kGround, floor, point, {.e = 1}});
+  for (const std::string_view spec : {"rattle", "generalized-alpha"}) {
+    CAPTURE(spec);
+    const Run r = run_for(s, 3, spec, 2e-3);
+    REQUIRE(r.status == Status::solved);
+    CHECK(std::abs(r.energy_final / r.energy_initial - 1) < 1e-3);
+  }
+}
+
 TEST_CASE("stewart-trinkle: a body lands on the surface and stays there, nothing penetrates") {
   for (const double gap : {0.0101, 0.0137, 0.0199}) {
     const Run r = run_for(thrown_disc({.mu = 0.3}, gap, {1, -4}, 0, kGravity), 0.1, "stewart-trinkle", 1e-3);
