@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace orthant::motion_storm {
@@ -82,6 +83,20 @@ TEST_CASE("motion storm: a wedged block's impact has no solution with friction a
     INFO(v.integrator, ": ", v.why);
     CHECK((v.result == Result::stopped || v.result == Result::solved));
   }
+}
+
+TEST_CASE(
+    "motion storm: at a critical friction only impulses that rounding makes solve an impact: it has no solution") {
+  const auto disc = [](double mu) {
+    Scene s{.gravity = {0, -9.81}};
+    s.body({.mass = 1, .inertia = 0.03, .position = {0, 0.2 * std::numbers::sqrt2}, .velocity = {0, -0.3}});
+    for (const double side : {1, -1})
+      s.contact(DiscWall{{}, 0, {0, 0}, 0.2, kGround, {0, 0}, Vector2d(side, 1).normalized(), {.mu = mu, .e = 0.8}});
+    return s;
+  };
+  const auto impossible = [](const Scene& s) { return impact_impossible(s, System(s).initial_state(), 1e-6); };
+  CHECK(impossible(disc(1)));
+  CHECK_FALSE(impossible(disc(0.9)));  // with ten times the impulse
 }
 
 TEST_CASE("motion storm: event-driven calls an impact of two corners infeasible just where that is proved") {

@@ -100,6 +100,7 @@ class ImpactProblem {
       qr.compute(B);
       const VectorXd z = qr.solve(r);  // the least one, of that rank
       const double most = std::max(b_.lpNorm<Eigen::Infinity>(), z.lpNorm<Eigen::Infinity>());
+      if (most > kLargest * b_.lpNorm<Eigen::Infinity>()) continue;  // at a critical friction rounding makes them
       if (qr.rank() < n ? (B * z - r).lpNorm<Eigen::Infinity>() <= kSlack * most : admissible(mode, S.leftCols(n) * z))
         return true;
     }
@@ -107,7 +108,8 @@ class ImpactProblem {
   }
 
  private:
-  static constexpr double kSlack = 1e-6;  // of the fastest rate, the largest impulse and, for ranks, the largest pivot
+  static constexpr double kLargest = 1e6;  // impulse, of the fastest rate
+  static constexpr double kSlack = 1e-6;   // of the fastest rate, the largest impulse and, for ranks, the largest pivot
 
   static Mode digit(int mode, Eigen::Index i) { return static_cast<Mode>(mode >> (2 * i) & 3); }
 
