@@ -13,7 +13,7 @@ constexpr int kShortSteps = 15;    // steps in a row, each shorter than
 constexpr int kLandings = 200;     // tries to find a step's first event
 constexpr double kNowhere = 1e-9;  // of places and sizes: unless bodies move by more in such a step
 
-/// No drives, dampers and dry friction in joints: beside contacts and loads energy stays as it is.
+/// True without drives, dampers and dry friction in joints: then only contacts and loads change the energy.
 bool conserves(const System& system) {
   const auto damped = [](const Spring& spring) {
     return std::visit([](const auto& s) { return s.damping != 0; }, spring);

@@ -8,7 +8,8 @@
 //     a load, spring or weight on one of its bodies is no longer what it was (to 1e-9),
 //     the state given is not the one returned last.
 //   Contacts with a moving surface and driven joints keep it awake. Off by default (after = 0).
-// Error made: the velocities dropped, at most `speed`, and what they would have moved. So `speed` should be above the
+// Error: the dropped velocities, at most `speed`, and the motion by them. A load that is there from the start and moves
+// a body slower than `speed` for `after` seconds lets it sleep permanently. So `speed` should be above the
 // solver's residual and `after` longer than a turning point takes: 2 speed / g.
 // Schemes that let stacks tremble by g h (stewart-trinkle and its kin: what lies on a falling body is not yet closed)
 // keep them awake.
