@@ -69,11 +69,16 @@ int run_solve(const SolveArguments& a) {
   ContactProblem contacts;
   const bool fclib = a.problem.matrix.empty() && is_fclib(a.problem.problem);
   if (!fclib && (a.velocity || !a.output.empty()))
-    throw std::invalid_argument(std::string(a.velocity ? "--velocity" : "--output") + ": needs an FCLIB file");
+    throw std::invalid_argument((a.velocity ? "--velocity" : "--output = " + a.output) +
+                                ": needs a problem from an FCLIB file (.hdf5), not from " +
+                                (a.problem.matrix.empty() ? a.problem.problem : a.problem.matrix));
   if (fclib)
     contacts = read_fclib(a.problem.problem);
   else
     contacts.problem = read_problem(a.problem);
+  if (a.velocity && !contacts.global)
+    throw std::invalid_argument("--velocity: " + a.problem.problem +
+                                " is a local problem, without bodies: needs group fclib_global");
   if (!contacts.unfit.empty()) std::cerr << "orthant: the file's solution was left out: " << contacts.unfit << '\n';
   const Lcp& problem = contacts.problem;
   if (a.facets != 0 && !problem.discs()) throw std::invalid_argument("--facets: the problem has no friction discs");

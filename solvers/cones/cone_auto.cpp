@@ -8,6 +8,7 @@ namespace {
 
 // Iterations foreseen up to which a cheap step goes on: a Newton step costs as much as 10 to 40 of them.
 constexpr int kForeseenSweeps = 40, kForeseenSplittings = 100;
+constexpr int kLastSplittings = 10000;
 constexpr int kLook = 5;                // sweeps between two looks at the rate
 constexpr double kForeseenEnd = 3;      // of the end, a foreseen residual that is worth a look
 constexpr double kFirstPenalty = 0.1;   // ρ
@@ -60,7 +61,7 @@ bool ConeAuto::sweep(Vector& z, int count) {
   return !(look && ended(z));
 }
 
-void ConeAuto::split() {
+void ConeAuto::split(bool foreseen) {
   splitting_.load(form(), &budget());
   trial_.resize(form().size()), trial_.setZero();
   splitting_.start(trial_, kFirstPenalty);
@@ -70,7 +71,12 @@ void ConeAuto::split() {
     keep(splitting_.z());
     return true;
   };
-  if (advance()) while_foreseen(5, kForeseenSplittings / 2, 200, advance);
+  if (foreseen) {
+    if (advance()) while_foreseen(5, kForeseenSplittings / 2, 200, advance);
+  } else {
+    for (int k = 0; k < kLastSplittings / 2 && advance(); ++k) {
+    }
+  }
   note(0, residual(), splitting_.rho());
 }
 
@@ -157,7 +163,7 @@ void ConeAuto::attempt(Method method) {
     case sweeps:
       return sweep_first();
     case splitting:
-      return begin("splitting"), split();
+      return begin("splitting"), split(true);
     case newton:
       return begin("newton"), take_newton_steps();
     case prox:
@@ -172,6 +178,8 @@ void ConeAuto::attempt(Method method) {
     case path:
       follow_path(0.5), advance(120);
       return restart();
+    case splitting_last:
+      return begin("splitting"), split(false);
   }
 }
 
@@ -179,7 +187,7 @@ Claim ConeAuto::iterate(Vector& z, int& iterations) {
   point_.load(form(), &budget());
   point_.restart();
   z_ = &z, iterations_ = &iterations, end_ = false, least_ = residual();
-  for (int method = sweeps; method <= path && !end_; ++method) attempt(static_cast<Method>(method));
+  for (int method = sweeps; method <= splitting_last && !end_; ++method) attempt(static_cast<Method>(method));
   return end_ ? Claim::time_limit : Claim::stalled;
 }
 

@@ -14,6 +14,7 @@
 //     path        Tikhonov's path from 0, then proximal point, 120 outer iterations
 //     restart     proximal point from 100, 300, 900 sweeps, 250 outer iterations, and from other steps along the path:
 //                 which solutions of a redundant problem are met depends on the start
+//     splitting   ADMM again, up to 10000 iterations: slow, but indifferent to where Newton's equations are singular
 //   Purpose of the first three: sweeps suit loose piles. Splitting suits problems with factors that cost much compared
 //   with their entries (a tower of planks: 40 iterations in the time of two Newton steps). Newton alone suits those of
 //   full rank.
@@ -35,7 +36,7 @@ class ConeAuto final : public ConeSolver {
  private:
   Claim iterate(Vector& z, int& iterations) override;
   double tolerance() const override { return tolerance_; }
-  enum Method { sweeps, splitting, newton, prox, interior, prox_again, proof, path };
+  enum Method { sweeps, splitting, newton, prox, interior, prox_again, proof, path, splitting_last };
 
   template <class Advance> void while_foreseen(int look, int foreseen, int most, const Advance& advance);
   void begin(const char* name);
@@ -45,7 +46,7 @@ class ConeAuto final : public ConeSolver {
   bool sweep(Vector& z, int count);
   void sweep_first();
   void attempt(Method method);
-  void split();
+  void split(bool foreseen);
   void take_newton_steps();
   void follow_interior();
   void advance(int most, bool foreseen = false);

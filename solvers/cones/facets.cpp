@@ -84,6 +84,20 @@ void FacetForm::restore_certificate(const Lcp& p, const Vector& linear_u, Vector
 
 namespace {
 
+/// Entries of the pyramids' matrix: it cannot be interrupted while it is formed.
+double entries(const Lcp& p, int sides) {
+  Eigen::VectorXd width = Eigen::VectorXd::Ones(p.size());
+  for (const Friction& f : p.friction)
+    if (f.rows > 1) width.segment(f.first, f.rows).setConstant(sides);
+  if (std::holds_alternative<DenseMatrix>(p.A)) return std::pow(width.sum(), 2);
+  RowSparse formed;
+  const auto A = rows_of(p.A, formed)->view();
+  double sum = 0;
+  for (Index i = 0; i < A.outerSize(); ++i)
+    for (decltype(A)::InnerIterator it(A, i); it; ++it) sum += width[it.row()] * width[it.col()];
+  return sum;
+}
+
 /// Root of the angle between a corner and its slip, as a function of the corner's, by regula falsi (Illinois).
 class SlipAngle {
  public:
@@ -128,8 +142,9 @@ std::string Facets::why_not(const Lcp& problem) const {
 }
 
 Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
-  constexpr double kSlides = 1e-10;  // relative to the largest w
-  constexpr double kOnEdge = 1e-9;   // [rad] from a corner
+  constexpr double kSlides = 1e-10;   // relative to the largest w
+  constexpr double kOnEdge = 1e-9;    // [rad] from a corner
+  constexpr double kOperations = 50;  // of an entry of the pyramid's matrix: to form it, and to begin with it
   std::vector<double> angle;
   for (const Friction& f : problem.friction)
     if (f.rows > 1) angle.push_back(0);
@@ -137,7 +152,12 @@ Claim Facets::run(const Lcp& problem, Solution& s, Start /*start*/) {
   Claim claim = Claim::stalled;
   Vector best = s.z;
   double least = kInf;
+  const double cost = budget().timed() ? kOperations * entries(problem, sides_) : 0;
   for (int turn = 0; turn <= turns_; ++turn) {
+    if (!budget().affords(cost)) {
+      if (turn == 0) claim = Claim::time_limit;
+      break;
+    }
     const Lcp& linear = form_.linear(problem, sides_, angle);
     method_.set_time_limit(budget().remaining());
     method_.solve(linear, linear_);
