@@ -35,7 +35,11 @@ template <class Space> class Recording {
   /// Where a failed step left the run, if that is not there already.
   void end(bool moved, const State& x, const StepReport& report, const Integrator& integrator) {
     if (!record_ || x.t == written_) return;
-    if (moved) take(integrator);
+    if (moved) {
+      take(integrator);
+      std::erase_if(events_, [&](const Event& event) { return event.t > x.t; });  // of a motion that failed
+      std::ranges::stable_sort(events_, {}, &Event::t);
+    }
     write(x, report, integrator.gaps(), moved ? integrator.pairs() : std::span<const Pair>());
   }
   void write(const State& x, const StepReport& report, const Eigen::VectorXd& gaps, std::span<const Pair> pairs = {}) {
@@ -111,18 +115,24 @@ template <class Space> class Watchdog {
   double time_limit_before_ = kInf;  // [s]
 };
 
-/// Directions that are lost within a step. In the plane: of taut ropes (pulley_watch.h). In space: angles that a scheme
-/// of fixed step turns (turn_watch.h); those that divide their step watch them within it.
+/// Directions that are lost within a step, of schemes of fixed step; those that divide their step watch them within it.
+/// In the plane: of taut ropes (pulley_watch.h). In space: angles that turn (turn_watch.h).
 template <class Space> class DirectionWatch {
  public:
-  DirectionWatch(const IntegratorOf<Space>& integrator, const State& start) : pulleys_(integrator, start) {}
-  bool admits(const State& x) { return pulleys_.admits(x); }
+  DirectionWatch(const IntegratorOf<Space>& integrator, const State& start)
+      : pulleys_(integrator, start), inner_(integrator.controls_step()) {}
+  bool admits(const State& x) {
+    if (!inner_) return pulleys_.admits(x);
+    pulleys_.follow(x);  // for explains()
+    return true;
+  }
   bool explains(const State& x, double h) { return pulleys_.explains(x, h); }
   const std::string& why() const { return pulleys_.why(); }
   void remember(CheckpointData& memory) { memory(pulleys_); }
 
  private:
   PulleyWatch pulleys_;
+  bool inner_;  // it watches them within its steps
 };
 template <> class DirectionWatch<Spatial> {
  public:
@@ -288,7 +298,10 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       if (watch.jammed() && watch.measures_work() && !JamSearchOf<Space>(system).fits(x.t, there = x.q))
         x = before;                 // in a jam there is no motion
       const bool moved = x.t != t;  // a scheme that controls its step came some way
-      if (moved) note(report, run), run.events += static_cast<long>(integrator.events().size());
+      if (moved) {
+        note(report, run);
+        run.events += std::ranges::count_if(integrator.events(), [&](const Event& event) { return event.t <= x.t; });
+      }
       recording.end(moved, x, report, integrator);
       break;
     }

@@ -6,7 +6,7 @@
 //   contacts        [{name}] in the order of a run's columns, with the place of the force where it follows from poses:
 //                     a point on a wall   body, point; wall, normal of the body `on` (ground: `on` is the ground)
 //                     two round bodies    centres: {a, point_a, radius_a, b, point_b, radius_b, inside}
-//   event_contacts  names that events have: contacts, then collisions
+//   event_contacts  names that events have: contacts, collisions, joints' frictions
 //
 // In space: dimension: 3, and
 //   bodies          [{name}]

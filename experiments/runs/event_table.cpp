@@ -22,6 +22,7 @@ template <class Scene> std::vector<std::string> contact_names(const Scene& scene
   std::vector<std::string> names;
   for (const auto& contact : scene.contacts) names.push_back(std::visit([](const auto& c) { return c.name; }, contact));
   for (const auto& collision : scene.collisions) names.push_back(collision.name);
+  for (const auto& friction : scene.frictions) names.push_back(friction.name);
   return names;
 }
 
@@ -29,10 +30,13 @@ template <class Scene> std::vector<std::string> contact_names(const Scene& scene
 
 template <class Space>
 void append_events(const SystemOf<Space>& system, std::span<const Event> from, std::vector<Event>& to) {
-  const int listed = system.listed();
+  const int listed = system.listed(), contacts = system.contacts();
+  const int frictions = listed + static_cast<int>(system.scene().collisions.size());
   const auto& first = system.pairs();  // of each collision, counted from the listed contacts
   for (Event event : from) {
-    if (event.contact >= listed) {
+    if (event.contact >= contacts) {
+      event.contact = frictions + event.contact - contacts;
+    } else if (event.contact >= listed) {
       const auto next = std::upper_bound(first.begin(), first.end(), event.contact - listed);
       event.contact = listed + static_cast<int>(next - first.begin()) - 1;
     }

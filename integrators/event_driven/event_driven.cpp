@@ -55,6 +55,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
   events_.reserve(64 * impulses_.size());
   for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));
   if (has_work(system)) meter_.emplace(system);
+  if (!ropes_over_pulleys(system.scene()).empty()) pulleys_.emplace(*this, system.initial_state());
   const double unit = system.length_unit();
   for (double* limit : {&options_.atol, &options_.touching, &options_.accumulation}) *limit *= unit;
   atol_.setConstant(system.dof(), options.atol);
@@ -83,6 +84,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
     const double stop = next_stop() - start_;
     good_ = crossing_.goes_on ? cross(solver, std::min(h, stop), report)
                               : advance(solver, std::min(h, stop), stop > h, report);
+    if (good_ && pulleys_) good_ = keeps_directions(report);
     if (good_ && elapsed_ == stop) good_ = renew(solver, report) || (options_.go_on && cross(solver, h, report));
   }
   const Point& end = lead_.time > 0 ? trial_ : now_;
@@ -110,7 +112,15 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
 void EventDriven::remember(CheckpointData& memory) {
   memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, scale_.noise, lead_, joints_, load_, flight_, bounces_,
          crossing_, no_answer_, residual_, motion_, formulation_, impact_, stepping_, crowd_, arc_);
+  if (pulleys_) memory(*pulleys_);
   if (meter_) meter_->forget();
+}
+
+/// False: a taut rope's end has passed its pulley in an inner step.
+bool EventDriven::keeps_directions(StepReport& report) {
+  const auto pulls = [&](int c) { return std::ranges::find(motion_.lasting(), c) != motion_.lasting().end(); };
+  return pulleys_->admits({start_ + elapsed_, now_.q, now_.v}, pulls) ||
+         fail(report, Status::numerical_error, pulleys_->why());
 }
 
 /// The step that was only looked at, next to a singular pose.
@@ -137,6 +147,7 @@ bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   residual_ = motion_.project(x.t, now_.q, now_.v);
+  if (pulleys_) pulleys_->follow(x);
   joints_.rank = 0;
   if (!observe(now_, x.t)) return fail(report, Status::numerical_error, "no accelerations at the start");
   return change_modes(solver, {}, report);

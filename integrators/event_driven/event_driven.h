@@ -61,6 +61,7 @@
 #include <orthant/integrators/step/immobility.h>
 #include <orthant/integrators/step/impact.h>
 #include <orthant/integrators/step/jam.h>
+#include <orthant/integrators/step/pulley_watch.h>
 #include <orthant/integrators/step/work_meter.h>
 
 namespace orthant {
@@ -172,6 +173,7 @@ class EventDriven final : public Integrator {
   StepReport go(double h, bool one, Solver& solver, State& x);
   void sort_events();
   bool begin(Solver& solver, const State& x, StepReport& report);
+  bool keeps_directions(StepReport& report);
   double next_stop() const;
   bool renew(Solver& solver, StepReport& report);
   bool advance(Solver& solver, double end, bool last, StepReport& report);
@@ -242,6 +244,7 @@ class EventDriven final : public Integrator {
   DormandPrince rk_;
   MoreauJean stepping_;                    // of crossings
   std::optional<WorkMeter> meter_;         // where there is work to measure
+  std::optional<PulleyWatch> pulleys_;     // where ropes lead over some
   std::unique_ptr<JamSearch> jam_search_;  // of crossings, where drives may press contacts
 
   Point now_, trial_, middle_, earlier_;

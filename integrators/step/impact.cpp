@@ -9,7 +9,19 @@ namespace {
 
 constexpr double kTie = 1e-9;  // of the fastest approach: as fast
 constexpr int kMostInTurn = 1000;
-constexpr double kLeft = 1e-10;  // of the first approach: the rest of an infinite sequence
+constexpr double kLeft = 1e-10;                 // of the first approach: the rest of an infinite sequence
+constexpr double kRateRounding = 16 * 0x1p-53;  // of the terms of a rate
+
+/// Σ |J_k v_k| of one row.
+template <class Space> double terms_of_rate(const RowOf<Space>& row, const Eigen::VectorXd& v) {
+  constexpr int n = Space::kVelocities;
+  double sum = 0;
+  for (int k = 0; k < n; ++k) {
+    if (row.a >= 0) sum += std::abs(row.ja[static_cast<std::size_t>(k)] * v[n * row.a + k]);
+    if (row.b >= 0) sum += std::abs(row.jb[static_cast<std::size_t>(k)] * v[n * row.b + k]);
+  }
+  return sum;
+}
 
 }  // namespace
 
@@ -65,8 +77,11 @@ template <class Space> bool ImpactOf<Space>::one_by_one(const Terms& terms, cons
                                                         StepReport& report) {
   for (int impacts = 0;; ++impacts) {
     approach_.clear();
-    for (const auto& c : terms.closed)
-      approach_.push_back(may == nullptr || (*may)[at(c.contact)] ? -apply(c.rows.normal, v_.data()) : kInf);
+    for (const auto& c : terms.closed) {
+      const double approach = -apply(c.rows.normal, v_.data());
+      const bool rounding = approach > 0 && approach <= kRateRounding * terms_of_rate(c.rows.normal, v_);
+      approach_.push_back(may != nullptr && !(*may)[at(c.contact)] ? kInf : rounding ? 0 : approach);
+    }
     double fastest = 0;
     for (const double approach : approach_)
       if (approach < kInf) fastest = std::max(fastest, approach);

@@ -2,9 +2,10 @@
 //
 //   A rope over pulleys (relation.h) pulls its end P towards the pulley A along (A − P) / |A − P|. At P = A the model
 //   has no direction. A direction that turns by more than a right angle in a step, in which the rope pulls, has passed
-//   that place. Slack ropes may. Schemes whose rows are those of a predicted place keep the direction of the step's
-//   start where a taut rope's end is predicted beyond its pulley (gap_stepping.h): else the end would stop there as if
-//   at a wall, and never pass.
+//   that place. Slack ropes may. The step is that of the scheme: event-driven and adaptive watch their inner steps, as
+//   an end may swing about its pulley by any angle between two outputs. Schemes whose rows are those of a predicted
+//   place keep the direction of the step's start where a taut rope's end is predicted beyond its pulley
+//   (gap_stepping.h): else the end would stop there as if at a wall, and never pass.
 // Cost: nothing if a scene has no such rope; else one row per rope and step.
 #pragma once
 
@@ -48,9 +49,17 @@ class PulleyWatch {
   /// After a step to x. False: why().
   bool admits(const State& x) {
     if (ropes_.empty()) return true;
-    return !turned(
-        x.t, x.q, [&](int i) { return integrator_.impulses()[static_cast<std::size_t>(i)].normal > 0; }, directions_);
+    return admits(x, [&](int i) { return integrator_.impulses()[static_cast<std::size_t>(i)].normal > 0; });
   }
+  /// Likewise, with the contacts that pull.
+  template <class Pulls> bool admits(const State& x, const Pulls& pulls) {
+    return ropes_.empty() || !turned(x.t, x.q, pulls, directions_);
+  }
+  /// Directions at x, whatever they were.
+  void follow(const State& x) {
+    admits(x, [](int) { return false; });
+  }
+  bool any() const { return !ropes_.empty(); }
 
   /// Whether a failed step of h [s] from x leads an end, as fast as it is, into its pulley: then why() says so.
   bool explains(const State& x, double h) {

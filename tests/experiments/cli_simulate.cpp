@@ -98,6 +98,23 @@ TEST_CASE("a failed run ends its record with the state it reached") {
   CHECK(csv.find("\n" + json.at("final").at("t").dump() + ",") != std::string::npos);
 }
 
+TEST_CASE("orthant simulate: events of dry friction in a joint have its name") {
+  const Cli folder;
+  folder.write("brake.toml",
+               "duration = 4\nstep = 0.001\n[[body]]\nname = \"f\"\nmass = 10\ninertia = 2\nomega = 3\n"
+               "[[joint]]\ntype = \"revolute\"\nname = \"ax\"\nbodies = [\"ground\", \"f\"]\n"
+               "[[friction]]\nname = \"br\"\njoint = \"ax\"\nbound = 2\n");
+  for (const std::string scheme : {"adaptive", "event-driven"}) {
+    const Reply a = folder.orthant("simulate brake.toml --integrator " + scheme + " --output run.csv --json");
+    REQUIRE(a.exit_code == 0);
+    const auto events = nlohmann::json::parse(a.out).at("event_table");
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].at("contact") == "br");
+    CHECK(events[0].at("t").get<double>() == doctest::Approx(3));
+    CHECK(slurp(folder / "run.events.csv").find(",stick,br,") != std::string::npos);
+  }
+}
+
 TEST_CASE("a start that breaks its own joints is run, with a warning") {
   const Cli folder;
   folder.write("apart.toml",

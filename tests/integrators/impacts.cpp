@@ -102,6 +102,31 @@ TEST_CASE("one contact by itself: both laws give Newton's result, step by step w
   }
 }
 
+TEST_CASE("impacts one after the other end where what is left is rounding of the rates") {
+  Scene s{.gravity = {0, -9.81}, .restitution = Restitution::poisson, .impacts = Impacts::sequential};
+  const BodyId disc = s.body({.mass = 1.130600807147834,
+                              .inertia = 0.015653759751076187,
+                              .position = {0.012431213300705636, 0.6},
+                              .angle = 0.06846683390174602,
+                              .velocity = {0.22108947362801246, -1.4192310755916167},
+                              .omega = -1.3280654989613394});
+  s.contact(DiscWall{{},
+                     disc,
+                     {-0.033416466295614386, 0},
+                     0.1323676738280534,
+                     kGround,
+                     {0, 0},
+                     Vector2d(-0.14067144814005922, 1).normalized(),
+                     {.mu = 0.1, .belt = -0.04646243792202376}});
+  for (const double step : {1e-3, 5e-4, 1e-4}) {
+    CAPTURE(step);
+    s.step = step, s.duration = 1;
+    const Run r = run(s, "moreau-jean", step);
+    CHECK(r.status == Status::solved);
+    CHECK(r.why == "");
+  }
+}
+
 TEST_CASE("every solver of the registry carries the laws") {
   for (const SolverEntry& entry : solvers())
     for (const Restitution restitution : kRestitutions)

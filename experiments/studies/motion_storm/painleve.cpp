@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace orthant::motion_storm {
@@ -100,33 +101,67 @@ class ImpactProblem {
       qr.compute(B);
       const VectorXd z = qr.solve(r);  // the least one, of that rank
       const double most = std::max(b_.lpNorm<Eigen::Infinity>(), z.lpNorm<Eigen::Infinity>());
-      if (most > kLargest * b_.lpNorm<Eigen::Infinity>()) continue;  // at a critical friction rounding makes them
-      if (qr.rank() < n ? (B * z - r).lpNorm<Eigen::Infinity>() <= kSlack * most : admissible(mode, S.leftCols(n) * z))
+      const bool agree = qr.rank() == n || (B * z - r).lpNorm<Eigen::Infinity>() <= kSlack * most;
+      if (agree && (qr.rank() < n - 1 ||
+                    admissible_along(mode, S.leftCols(n) * z, S.leftCols(n) * kernel(B, n - qr.rank(), singular))))
         return true;
     }
     return false;
   }
 
  private:
-  static constexpr double kLargest = 1e6;  // impulse, of the fastest rate
-  static constexpr double kSlack = 1e-6;   // of the fastest rate, the largest impulse and, for ranks, the largest pivot
+  static constexpr double kSlack = 1e-6;  // of the fastest rate, the largest impulse and, for ranks, the largest pivot
 
   static Mode digit(int mode, Eigen::Index i) { return static_cast<Mode>(mode >> (2 * i) & 3); }
 
-  bool admissible(int mode, const VectorXd& impulse) const {
-    const VectorXd w = A_ * impulse + b_;
-    const double slack = kSlack * std::max(b_.lpNorm<Eigen::Infinity>(), impulse.lpNorm<Eigen::Infinity>());
+  /// Of rank n − 1 its kernel, of rank n zero.
+  static VectorXd kernel(const MatrixXd& B, Eigen::Index missing, double singular) {
+    if (missing == 0) return VectorXd::Zero(B.cols());
+    Eigen::FullPivLU<MatrixXd> lu(B.rows(), B.cols());
+    lu.setThreshold(singular);
+    lu.compute(B);
+    return lu.kernel().col(0).normalized();
+  }
+
+  /// Must not be negative; linear in the impulse and in the rates w.
+  std::vector<double> signs(int mode, const VectorXd& impulse, const VectorXd& w) const {
+    std::vector<double> all;
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(laws_.size()); ++i) {
       const Law& law = laws_[static_cast<std::size_t>(i)];
       const Mode m = digit(mode, i);
       const double normal = impulse[2 * i], tangent = impulse[2 * i + 1], slip = w[2 * i + 1];
-      if (m == open && !law.optional && w[2 * i] < -slack) return false;
-      if (m != open && normal < -slack) return false;
-      if (m == sticks && std::abs(tangent) > std::max(law.mu, law.mu_static) * normal + slack) return false;
-      if (m == slides_up && slip < -slack) return false;
-      if (m == slides_down && slip > slack) return false;
+      if (m == open && !law.optional) all.push_back(w[2 * i]);
+      if (m != open) all.push_back(normal);
+      if (m == sticks)
+        for (const double side : {-1.0, 1.0}) all.push_back(std::max(law.mu, law.mu_static) * normal + side * tangent);
+      if (m == slides_up) all.push_back(slip);
+      if (m == slides_down) all.push_back(-slip);
     }
-    return true;
+    return all;
+  }
+
+  bool admissible(int mode, const VectorXd& impulse) const {
+    return admissible_along(mode, impulse, VectorXd::Zero(impulse.size()));
+  }
+
+  /// Whether impulse + s along is admissible for some s.
+  bool admissible_along(int mode, const VectorXd& impulse, const VectorXd& along) const {
+    const double slack = kSlack * std::max(b_.lpNorm<Eigen::Infinity>(), impulse.lpNorm<Eigen::Infinity>());
+    const std::vector<double> at = signs(mode, impulse, A_ * impulse + b_), change = signs(mode, along, A_ * along);
+    for (const double side : {-1.0, 1.0}) {
+      double least = 0, most = std::numeric_limits<double>::infinity();  // of |s|
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        const double x = at[i] + slack, by = side * change[i] + kSlack * along.lpNorm<Eigen::Infinity>();
+        if (by > 0)
+          least = std::max(least, -x / by);
+        else if (by < 0)
+          most = std::min(most, -x / by);
+        else if (x < 0)
+          most = -1;
+      }
+      if (least <= most) return true;
+    }
+    return false;
   }
 
   MatrixXd A_;

@@ -8,8 +8,8 @@
 //   Impacts (jamming): w = A Λ + J u − target with A of normal and tangent rows together, target −e u_N, and
 //   belt − e_T (u_T − belt) where a contact strikes. Each closed contact is open, sticks or slides one way or the
 //   other: 4ᵏ linear systems. None of them may have a solution with admissible signs, not even to 1e-6 of the fastest
-//   rate and the largest impulse, and with impulses of up to 1e6 times that rate. A singular system whose equations
-//   agree (to as much) counts as solved.
+//   rate and the largest impulse. Of a singular system whose equations agree (to as much) all solutions on a line are
+//   tried; more of them count as solved.
 // Source: Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677.
 #pragma once
 
