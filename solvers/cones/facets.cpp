@@ -129,8 +129,9 @@ class SlipAngle {
 }  // namespace
 
 std::string Facets::why_not(const Lcp& problem) const {
+  constexpr double kLarge = 1e6;  // entries: three sides are refused for the same reasons, but for their number
   FacetForm form;
-  if (method_.why_not(form.linear(problem, sides_)).empty()) return {};
+  if (method_.why_not(form.linear(problem, entries(problem, sides_) > kLarge ? 3 : sides_)).empty()) return {};
   Lcp without = problem;
   std::erase_if(without.friction, [](const Friction& f) { return f.rows > 1; });
   if (std::string own = method_.why_not(without); !own.empty()) return own;
