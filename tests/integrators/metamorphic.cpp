@@ -1,5 +1,5 @@
-// The same motion told otherwise: every integrator has to give the same answer, as exactly as its arithmetic can.
-// Told on the slider-crank's first 20 ms: flight, an accumulation of impacts, sliding contact of two corners.
+// Equivalent scenes: every integrator gives the same motion, as exactly as its arithmetic can. The scene is the
+// slider-crank in its first 20 ms: flight, an accumulation of impacts, sliding contact of two corners.
 #include "experiments/studies/motion_storm/twin.h"
 #include "experiments/studies/support/equivalent_scene.h"
 #include "tests/support/runs.h"

@@ -13,7 +13,7 @@ import pytest
 PLUGIN = """
 import numpy as np
 import orthant
-from beside import STEPS
+from settings import STEPS
 
 
 def sweeps(problem, start):
@@ -52,7 +52,7 @@ def command(folder, *words):
 
 def test_a_python_file_is_a_plugin_of_the_command(tmp_path):
     (tmp_path / "mine.py").write_text(PLUGIN)
-    (tmp_path / "beside.py").write_text("STEPS = 200\n")
+    (tmp_path / "settings.py").write_text("STEPS = 200\n")
     (tmp_path / "p.json").write_text('{"format": "orthant-lcp", "version": 1, "A": {"storage": "dense", "n": 2, '
                                      '"rows": [[2, 1], [1, 2]]}, "b": [-5, -6]}')
     assert "of-the-file\n      sweeps of a file" in command(tmp_path, "list", "solvers", "--plugin", "mine.py").stdout
@@ -97,7 +97,7 @@ def test_a_plugin_that_cannot_be_loaded_is_an_error_of_one_line(tmp_path, file, 
 ])
 def test_a_function_of_a_plugin_that_fails_is_an_error_of_one_line(tmp_path, solver, words):
     (tmp_path / "mine.py").write_text(PLUGIN)
-    (tmp_path / "beside.py").write_text("STEPS = 200\n")
+    (tmp_path / "settings.py").write_text("STEPS = 200\n")
     (tmp_path / "p.json").write_text('{"format": "orthant-lcp", "version": 1, "A": {"storage": "dense", "n": 2, '
                                      '"rows": [[2, 1], [1, 2]]}, "b": [-5, -6]}')
     said = command(tmp_path, "--plugin", "mine.py", "solve", "p.json", "--solver", solver)

@@ -47,10 +47,10 @@ Solution disc_solution(const Lcp& p, const std::string& solver) {
   return s;
 }
 
-/// Gives the z that it is told, one after another, until one is accepted.
-class Told final : public ConeSolver {
+/// Returns the given z, one after another, until the judge accepts one.
+class ScriptedSolver final : public ConeSolver {
  public:
-  explicit Told(std::vector<Eigen::VectorXd> all) : all_(std::move(all)) {}
+  explicit ScriptedSolver(std::vector<Eigen::VectorXd> all) : all_(std::move(all)) {}
   std::size_t used = 0;
 
  private:
@@ -316,11 +316,11 @@ TEST_CASE("cones: after a z that the judge refuses, one with a third of its resi
   p.lo = {0, -kInf, -kInf, 0, -kInf, -kInf}, p.hi = Eigen::VectorXd::Constant(6, kInf);
   p.friction = {{.normal = 0, .first = 1, .rows = 2, .mu = 0.5}, {.normal = 3, .first = 4, .rows = 2, .mu = 0.5}};
   const Eigen::VectorXd solution = -p.b, first = Eigen::VectorXd::Unit(6, 0), second = Eigen::VectorXd::Unit(6, 3);
-  Told told({solution + 4e-7 * second, solution + 1.3e-7 * first, solution});
+  ScriptedSolver scripted({solution + 4e-7 * second, solution + 1.3e-7 * first, solution});
   Solution s;
-  told.solve(p, s);
+  scripted.solve(p, s);
   CHECK(s.status == Status::solved);
-  CHECK(told.used == 2);
+  CHECK(scripted.used == 2);
 }
 
 TEST_CASE("cones: a negative normal impulse is no answer, whatever signs cancel in the diagonal") {

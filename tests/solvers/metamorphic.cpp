@@ -139,15 +139,15 @@ Lcp skewed(Index n, Random& random) {
   return p;
 }
 
-struct Told {
+struct NamedProblem {
   std::string name;
   Lcp problem;
 };
 
 /// Problems with one solution, most of a size that the oracle takes too.
-std::vector<Told> problems() {
+std::vector<NamedProblem> problems() {
   Random random(54);
-  std::vector<Told> all;
+  std::vector<NamedProblem> all;
   for (const Known& k : known_problems())
     if (k.answer == Answer::unique && k.name.find("scaled") == std::string::npos && k.problem.size() <= 6)
       all.push_back({k.name, k.problem});

@@ -127,7 +127,7 @@ TEST_CASE("boxes and balls fall, tumble and come to lie: energy falls, nothing s
   }
 }
 
-TEST_CASE("adaptive: any solver may be asked; it solves or it says why") {
+TEST_CASE("adaptive: with every solver a run is solved or ends with a reason") {
   const System system(slider_crank({.mu = 0.1}));
   const double theta1 = run_to(slider_crank({.mu = 0.1}), 0.01, 1e-7).final.q[kTheta1];
   for (const SolverEntry& entry : solvers()) {

@@ -78,6 +78,7 @@ void Reader::pulley(Fields& f, const std::string& name) {
   if (!(ratio > 0)) f.refuse("ratio", *f.table().get("ratio"), "> 0");
   if (a.b == kGround || b.b == kGround)
     f.refuse("bodies", *f.table().get("bodies"), "two bodies, neither the ground (that is a \"rope\")");
+  if (a.b == b.b) f.refuse("bodies", *f.table().get("bodies"), "two different bodies");
   scene_.contact(RelationLimit(name, {{1, a}, {ratio, b}}, Limit::Side::upper, length, e));
 }
 
