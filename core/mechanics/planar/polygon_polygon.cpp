@@ -14,6 +14,7 @@ struct Side {  // one of the two polygons
   Vector2d corner(std::size_t i) const { return pose.x + pose.turn(corners[i]); }
 };
 
+constexpr double kNeighbours = 1e3;  // of the shortest face: how far a contact is open that a neighbour has
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
 struct Axis {
@@ -178,7 +179,7 @@ Touch touch(const Kinematics& k, const Placed& a, const Placed& b, int point) {
     }
     if (most.separation > free.separation && neighbours_have(f, c, free))
       return off_face(other, most.nearest, covered, most.face,
-                      near_face(most.separation, other, covered) ? kAside : kCovered);
+                      near_face(most.separation, other, covered) ? kAside : kNeighbours);
   }
   const Side &x = on_a ? side_a : side_b, &y = on_a ? side_b : side_a;
   const Axis& axis = on_a ? from_a : from_b;
