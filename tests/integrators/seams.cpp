@@ -245,6 +245,48 @@ TEST_CASE("a chain: a box slides off a flat part, down over a convex joint, and 
   }
 }
 
+TEST_CASE(
+    "a box slides up a ramp and down behind its crest, on a chain, tiles and a collision, with every integrator") {
+  const std::vector<Vector2d> ramp = {{-2, -1}, {0, 0}, {3, -0.6}};
+  const Polygon box = rectangle(0.4, 0.2);
+  const auto scene = [&](int kind) {
+    Scene s{.gravity = {0, -kGravity}, .duration = 0.8};
+    s.body({.name = "box", .inertia = 0.0167, .position = {-0.6, 0}, .angle = std::atan(0.5), .velocity = {2.1, 1.05}});
+    const std::vector<Polygon> pieces = chain_pieces({.points = ramp});
+    const Polygon one = {{-2, -1}, {-2, -2}, {3, -2}, {3, -0.6}, {0, 0}};  // the same surface
+    if (kind == 0) s.contact_set(polygon_polygon({"one", 0, box, kGround, one, 0, {}}));
+    if (kind == 1) s.contact_set(chain_polygon({.name = "chain", .a = 0, .corners_a = box}, {.points = ramp}));
+    if (kind == 2) {
+      s.contact_set(polygon_polygon({"up", 0, box, kGround, {{-2, -1}, {-2, -2}, {0, -2}, {0, 0}}, 0, {}}));
+      s.contact_set(polygon_polygon({"down", 0, box, kGround, {{0, 0}, {0, -2}, {3, -2}, {3, -0.6}}, 0, {}}));
+    }
+    if (kind == 3) {
+      Collision c{.name = "all", .shapes = {{.body = 0, .corners = box}}};
+      for (const Polygon& p : pieces) c.shapes.push_back({.corners = p});
+      s.collision(c);
+    }
+    return s;
+  };
+  for (const std::string_view scheme : kEveryIntegrator) {
+    const Run one = run(scene(0), scheme, 1e-3);
+    INFO(one.why);
+    REQUIRE(one.status == Status::solved);
+    for (const int kind : {1, 2, 3}) {
+      const Run r = run(scene(kind), scheme, 1e-3);
+      CAPTURE(scheme);
+      CAPTURE(kind);
+      CAPTURE(r.why);
+      CAPTURE(one.final.q.transpose());
+      CAPTURE(r.final.q.transpose());
+      CHECK(r.status == Status::solved);
+      CHECK(r.max_penetration <= one.max_penetration + 1e-3);
+      CHECK(r.energy_final < r.energy_initial);
+      CHECK(r.energy_rises == 0);
+      CHECK((r.final.q - one.final.q).cwiseAbs().maxCoeff() < 0.02);
+    }
+  }
+}
+
 TEST_CASE("contacts next to covered faces have rows and biases that are the derivatives of their gaps") {
   Draws random(21);
   Scene s;

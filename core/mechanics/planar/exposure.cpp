@@ -16,31 +16,32 @@ using Interval = std::pair<double, double>;
 double angle_of(const Vector2d& d) { return std::atan2(d.y(), d.x()); }
 Vector2d unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-/// The sector that a solid fills about p, as [begin, begin + width]: width 0: none.
+/// The sector that a solid fills about p, as [begin, begin + width]: width 0: none. The solid's boundary is this far
+/// from p.
 struct Sector {
-  double begin = 0, width = 0;
+  double begin = 0, width = 0, apart = 0;
 };
 
 Sector sector_at(const Solid& solid, const Vector2d& p, double near) {
   if (solid.polygon == nullptr) {
     const double depth = -solid.normal.dot(p - solid.point);
     if (depth < -near) return {};
-    if (depth > near) return {0, kTurn};
-    return {angle_of(solid.normal) + std::numbers::pi / 2, std::numbers::pi};
+    if (depth > near) return {0, kTurn, 0};
+    return {angle_of(solid.normal) + std::numbers::pi / 2, std::numbers::pi, std::abs(depth)};
   }
   const Polygon& q = *solid.polygon;
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < q.size(); ++i) {
-    if ((q[i] - p).norm() <= near) {
+    if (const double apart = (q[i] - p).norm(); apart <= near) {
       const double out = angle_of(direction(q, i)), in = angle_of(-direction(q, i ? i - 1 : q.size() - 1));
-      return {out, in > out ? in - out : in - out + kTurn};
+      return {out, in > out ? in - out : in - out + kTurn, apart};
     }
     most = std::max(most, outward(q, i).dot(p - q[i]));
   }
   if (most > near) return {};
-  if (most < -near) return {0, kTurn};
+  if (most < -near) return {0, kTurn, 0};
   for (std::size_t i = 0; i < q.size(); ++i)
-    if (outward(q, i).dot(p - q[i]) >= -near) return {angle_of(direction(q, i)), std::numbers::pi};
+    if (outward(q, i).dot(p - q[i]) >= -near) return {angle_of(direction(q, i)), std::numbers::pi, std::abs(most)};
   return {};
 }
 
@@ -61,10 +62,12 @@ Exposure::Cone cone_at(const Polygon& p, std::size_t i, std::span<const Solid> s
   // Angles are counted from the corner's outgoing face; its own sector begins at 0.
   const double zero = angle_of(direction(p, i));
   std::vector<Interval> filled;
+  Exposure::Cone cone;
   for (const Solid& solid : solids) {
     const Sector s = sector_at(solid, p[i], near);
     if (s.width >= kTurn) return {};
     if (s.width <= 0) continue;
+    cone.apart = std::max(cone.apart, s.apart);
     double begin = std::fmod(s.begin - zero, kTurn);
     if (begin < -kStraight) begin += kTurn;
     filled.emplace_back(begin, std::min(begin + s.width, kTurn));
@@ -76,8 +79,8 @@ Exposure::Cone cone_at(const Polygon& p, std::size_t i, std::span<const Solid> s
     const double to = k + 1 < solid.size() ? solid[k + 1].first : solid.front().first + kTurn;
     if (to - solid[k].second > width) begin = solid[k].second, width = to - begin;
   }
-  Exposure::Cone cone;
   cone.convex = width > std::numbers::pi + kStraight;
+  cone.flat = !cone.convex && width >= std::numbers::pi - kStraight;
   if (!cone.convex) return cone;
   cone.from = unit(zero + begin + std::numbers::pi / 2);
   cone.to = unit(zero + begin + width - std::numbers::pi / 2);

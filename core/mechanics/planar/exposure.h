@@ -8,6 +8,8 @@
 //                      sector
 //     else:            a point of a flat surface or a concave corner, which has no normals but those of its
 //                      faces.
+//   What overlaps a polygon by little next to a crest may have no free axis of small depth there. The contact is then a
+//   neighbour's. The cone's normals tell how deep it is below the neighbour's face.
 //   Solids count as flush within kFlush of a polygon's size.
 // Cost: O(n²) boxes, once, for n solids of a body; faces of those that touch.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 5 (Voronoi regions of features).
@@ -29,6 +31,8 @@ inline constexpr double kCovered = 1e6;     // likewise: a contact with a polygo
 struct Exposure {
   struct Cone {           // of outward normals, counter-clockwise from `from` to `to`, by less than π
     bool convex = false;  // of the surface; false: none
+    bool flat = false;    // the surface goes on in the plane of the face that ends here
+    double apart = 0;     // [m] at most, from the neighbours that meet the corner
     Vector2d from{0, 0}, to{0, 0};
   };
   struct Face {

@@ -14,8 +14,10 @@ struct Side {  // one of the two polygons
   Vector2d corner(std::size_t i) const { return pose.x + pose.turn(corners[i]); }
 };
 
+constexpr double kNone = -std::numeric_limits<double>::infinity();
+
 struct Axis {
-  double separation = -std::numeric_limits<double>::infinity();
+  double separation = kNone;
   std::size_t face = 0, nearest = 0;  // nearest: the other's corner
 };
 
@@ -37,6 +39,60 @@ Axis separating(const Side& x, const Side& y, bool free = false) {
     if (axis.separation > best.separation && (!free || admitted(x, i, y, axis.nearest, n))) best = axis;
   }
   return best;
+}
+
+/// [m] Pieces of a surface meet at a corner within this: what is as near to both has contacts with both.
+double seam_width(const Side& x, std::size_t corner) {
+  constexpr double kTie = 1e-10;  // of the shortest face
+  return kTie * shortest_face(x.corners) + 2 * x.exposed->corner[corner].apart;
+}
+
+/// Corner j of y, the nearest to face i of x, is past an end of the face, where a neighbour goes on in its plane. So is
+/// all of the face of y that lies flat against it.
+bool past_flat_end(const Side& x, std::size_t i, const Side& y, std::size_t j) {
+  if (x.exposed == nullptr) return false;
+  const std::size_t end = next(x.corners, i), before = (j ? j : y.corners.size()) - 1;
+  const Vector2d e = x.pose.turn(direction(x.corners, i));
+  const auto at = [&](std::size_t corner) { return e.dot(y.corner(corner) - x.corner(i)); };
+  double low = at(j), high = low;
+  for (const std::size_t face : {j, before})
+    if (const Vector2d d = y.pose.turn(direction(y.corners, face)); e.dot(d) < 0 && std::abs(cross(e, d)) <= kFlat)
+      low = std::min(low, at(next(y.corners, face))), high = std::max(high, at(face));
+  const double length = e.dot(x.corner(end) - x.corner(i));
+  return (x.exposed->corner[i].flat && high < -seam_width(x, i)) ||
+         (x.exposed->corner[end].flat && low > length + seam_width(x, end));
+}
+
+/// [m] How far y lies beyond a neighbour's face that begins or ends at a convex corner of x, if y's nearest corner is
+/// over that face. The largest of these; the neighbour has a contact of that gap or a larger one.
+double beyond_neighbours(const Side& x, const Side& y) {
+  double most = kNone;
+  if (x.exposed == nullptr) return most;
+  for (std::size_t i = 0; i < x.corners.size(); ++i) {
+    const Exposure::Cone& cone = x.exposed->corner[i];
+    if (!cone.convex) continue;
+    for (const bool ends : {true, false}) {
+      const Vector2d& normal = ends ? cone.from : cone.to;
+      const std::size_t own = ends ? (i ? i : x.corners.size()) - 1 : i;
+      if (normal.dot(x.exposed->face[own].normal) > 1 - 1e-9) continue;
+      const Vector2d n = x.pose.turn(normal);
+      double beyond = std::numeric_limits<double>::infinity(), along = 0;
+      for (std::size_t j = 0; j < y.corners.size(); ++j) {
+        const Vector2d d = y.corner(j) - x.corner(i);
+        if (n.dot(d) < beyond) beyond = n.dot(d), along = perp(n).dot(d);
+      }
+      const double width = seam_width(x, i);
+      if ((ends ? along : -along) <= width) most = std::max(most, beyond - width);
+    }
+  }
+  return most;
+}
+
+/// Polygons overlap along an axis that is not admitted, by less than along the best of those that are. A neighbour has
+/// the contact.
+bool neighbours_have(const Side& x, const Side& y, const Axis& free) {
+  return past_flat_end(x, free.face, y, free.nearest) ||
+         std::max(beyond_neighbours(x, y), beyond_neighbours(y, x)) > free.separation;
 }
 
 CornerWall corner_face(const Side& c, std::size_t corner, const Side& f, std::size_t face) {
@@ -114,12 +170,15 @@ Touch touch(const Kinematics& k, const Placed& a, const Placed& b, int point) {
     on_a = from_a.separation > from_b.separation;
     const Axis& free = on_a ? from_a : from_b;
     const Side &f = on_a ? side_a : side_b, &c = on_a ? side_b : side_a;
-    if (!(free.separation > -std::numeric_limits<double>::infinity())) return off_face(c, 0, f, 0, kCovered);
+    const Side &covered = most_on_a ? side_a : side_b, &other = most_on_a ? side_b : side_a;
+    if (free.separation == kNone) return off_face(c, 0, f, 0, kCovered);
     if (most.separation > free.separation && most.separation > 0) {
       if (near_face(free.separation, c, f)) return off_face(c, free.nearest, f, free.face);
-      const Side &covered = most_on_a ? side_a : side_b, &other = most_on_a ? side_b : side_a;
       return corner_face(other, most.nearest, covered, most.face);
     }
+    if (most.separation > free.separation && neighbours_have(f, c, free))
+      return off_face(other, most.nearest, covered, most.face,
+                      near_face(most.separation, other, covered) ? kAside : kCovered);
   }
   const Side &x = on_a ? side_a : side_b, &y = on_a ? side_b : side_a;
   const Axis& axis = on_a ? from_a : from_b;
