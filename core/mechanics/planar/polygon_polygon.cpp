@@ -131,6 +131,14 @@ bool near_face(double separation, const Side& x, const Side& y) {
   return separation > -kAside / 2 * shorter_face(x, y);
 }
 
+/// How far aside off_face() is open, however deep the polygons overlap.
+double farther(const Side& x, const Side& y) {
+  double size = 0;
+  for (const Side* side : {&x, &y})
+    for (const Vector2d& corner : side->corners) size += (corner - side->corners.front()).norm();
+  return size / shorter_face(x, y);
+}
+
 struct End {  // of a face, at a corner, with the neighbouring face there
   std::size_t face, corner, adjacent;
 };
@@ -204,7 +212,7 @@ Touch touch(const Kinematics& k, const Placed& a, const Placed& b, int point) {
                           {}};
       if (nearer || past_flat_end(f, free.face, c, free.nearest))
         return off_face(other, most.nearest, covered, most.face,
-                        near_face(most.separation, other, covered) ? kAside : kCovered);
+                        near_face(most.separation, other, covered) ? kAside : farther(other, covered));
     }
   }
   const Side &x = on_a ? side_a : side_b, &y = on_a ? side_b : side_a;
