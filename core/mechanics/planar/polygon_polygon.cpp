@@ -14,7 +14,6 @@ struct Side {  // one of the two polygons
   Vector2d corner(std::size_t i) const { return pose.x + pose.turn(corners[i]); }
 };
 
-constexpr double kNeighbours = 1e3;  // of the shortest face: how far a contact is open that a neighbour has
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
 struct Axis {
@@ -48,8 +47,22 @@ double seam_width(const Side& x, std::size_t corner) {
   return kTie * shortest_face(x.corners) + 2 * x.exposed->corner[corner].apart;
 }
 
-/// Corner j of y, the nearest to face i of x, is past an end of the face, where a neighbour goes on in its plane. So is
-/// all of the face of y that lies flat against it.
+/// Some of face i of x is inside y.
+bool crosses(const Side& x, std::size_t i, const Side& y) {
+  const Vector2d from = x.corner(i), to = x.corner(next(x.corners, i));
+  double low = 0, high = 1;
+  for (std::size_t k = 0; k < y.corners.size(); ++k) {
+    const Vector2d n = y.pose.turn(outward(y.corners, k)), at = y.corner(k);
+    const double a = n.dot(from - at), b = n.dot(to - at);
+    if (a > 0 && b > 0) return false;
+    if (a > 0) low = std::max(low, a / (a - b));
+    if (b > 0) high = std::min(high, a / (a - b));
+  }
+  return low <= high;
+}
+
+/// Corner j of y, the nearest to face i of x, is past an end of the face, where a neighbour goes on in its plane, and y
+/// reaches into it. So is all of the face of y that lies flat against it.
 bool past_flat_end(const Side& x, std::size_t i, const Side& y, std::size_t j) {
   if (x.exposed == nullptr) return false;
   const std::size_t end = next(x.corners, i), before = (j ? j : y.corners.size()) - 1;
@@ -60,40 +73,40 @@ bool past_flat_end(const Side& x, std::size_t i, const Side& y, std::size_t j) {
     if (const Vector2d d = y.pose.turn(direction(y.corners, face)); e.dot(d) < 0 && std::abs(cross(e, d)) <= kFlat)
       low = std::min(low, at(next(y.corners, face))), high = std::max(high, at(face));
   const double length = e.dot(x.corner(end) - x.corner(i));
-  return (x.exposed->corner[i].flat && high < -seam_width(x, i)) ||
-         (x.exposed->corner[end].flat && low > length + seam_width(x, end));
+  if (x.exposed->corner[i].flat && high < -seam_width(x, i)) return crosses(x, (i ? i : x.corners.size()) - 1, y);
+  return x.exposed->corner[end].flat && low > length + seam_width(x, end) && crosses(x, end, y);
 }
 
-/// [m] How far y lies beyond a neighbour's face that begins or ends at a convex corner of x, if y's nearest corner is
-/// over that face. The largest of these; the neighbour has a contact of that gap or a larger one.
-double beyond_neighbours(const Side& x, const Side& y) {
-  double most = kNone;
-  if (x.exposed == nullptr) return most;
+/// A neighbour's face that begins or ends at a convex corner of x, with y's nearest corner over it.
+struct Beside {
+  double separation = kNone;  // [m] of y from that face
+  const Side *x = nullptr, *y = nullptr;
+  std::size_t corner = 0, nearest = 0;  // of x, of y
+  Vector2d normal{0, 0};                // in x's frame
+  bool reached = false;                 // y reaches into the neighbour, which has a contact of that gap or a larger one
+};
+
+/// The one beyond which y lies farthest.
+Beside beside(const Side& x, const Side& y) {
+  Beside best;
+  if (x.exposed == nullptr) return best;
   for (std::size_t i = 0; i < x.corners.size(); ++i) {
     const Exposure::Cone& cone = x.exposed->corner[i];
     if (!cone.convex) continue;
     for (const bool ends : {true, false}) {
-      const Vector2d& normal = ends ? cone.from : cone.to;
       const std::size_t own = ends ? (i ? i : x.corners.size()) - 1 : i;
-      if (normal.dot(x.exposed->face[own].normal) > 1 - 1e-9) continue;
-      const Vector2d n = x.pose.turn(normal);
-      double beyond = std::numeric_limits<double>::infinity(), along = 0;
-      for (std::size_t j = 0; j < y.corners.size(); ++j) {
-        const Vector2d d = y.corner(j) - x.corner(i);
-        if (n.dot(d) < beyond) beyond = n.dot(d), along = perp(n).dot(d);
-      }
-      const double width = seam_width(x, i);
-      if ((ends ? along : -along) <= width) most = std::max(most, beyond - width);
+      Beside one{std::numeric_limits<double>::infinity(), &x, &y, i, 0, ends ? cone.from : cone.to};
+      if (one.normal.dot(x.exposed->face[own].normal) > 1 - 1e-9) continue;
+      const Vector2d n = x.pose.turn(one.normal);
+      for (std::size_t j = 0; j < y.corners.size(); ++j)
+        if (const double s = n.dot(y.corner(j) - x.corner(i)); s < one.separation) one.separation = s, one.nearest = j;
+      const double along = perp(n).dot(y.corner(one.nearest) - x.corner(i)), width = seam_width(x, i);
+      if ((ends ? along : -along) > width || one.separation - width <= best.separation) continue;
+      one.separation -= width, one.reached = crosses(x, own, y);
+      best = one;
     }
   }
-  return most;
-}
-
-/// Polygons overlap along an axis that is not admitted, by less than along the best of those that are. A neighbour has
-/// the contact.
-bool neighbours_have(const Side& x, const Side& y, const Axis& free) {
-  return past_flat_end(x, free.face, y, free.nearest) ||
-         std::max(beyond_neighbours(x, y), beyond_neighbours(y, x)) > free.separation;
+  return best;
 }
 
 CornerWall corner_face(const Side& c, std::size_t corner, const Side& f, std::size_t face) {
@@ -116,6 +129,14 @@ CornerWall off_face(const Side& c, std::size_t corner, const Side& f, std::size_
 /// Whether off_face() is open at that separation.
 bool near_face(double separation, const Side& x, const Side& y) {
   return separation > -kAside / 2 * shorter_face(x, y);
+}
+
+/// How far aside off_face() is open, however deep the polygons overlap.
+double farther(const Side& x, const Side& y) {
+  double size = 0;
+  for (const Side* side : {&x, &y})
+    for (const Vector2d& corner : side->corners) size += (corner - side->corners.front()).norm();
+  return size / shorter_face(x, y);
 }
 
 struct End {  // of a face, at a corner, with the neighbouring face there
@@ -177,9 +198,22 @@ Touch touch(const Kinematics& k, const Placed& a, const Placed& b, int point) {
       if (near_face(free.separation, c, f)) return off_face(c, free.nearest, f, free.face);
       return corner_face(other, most.nearest, covered, most.face);
     }
-    if (most.separation > free.separation && neighbours_have(f, c, free))
-      return off_face(other, most.nearest, covered, most.face,
-                      near_face(most.separation, other, covered) ? kAside : kNeighbours);
+    if (most.separation > free.separation) {
+      const Beside of_a = beside(side_a, side_b), of_b = beside(side_b, side_a);
+      const Beside& next_to = of_a.separation > of_b.separation ? of_a : of_b;
+      const bool nearer = next_to.separation > free.separation;
+      if (nearer && !next_to.reached && point == 0)
+        return CornerWall{{},
+                          next_to.y->body,
+                          next_to.y->corners[next_to.nearest],
+                          next_to.x->body,
+                          next_to.x->corners[next_to.corner],
+                          next_to.normal,
+                          {}};
+      if (nearer || past_flat_end(f, free.face, c, free.nearest))
+        return off_face(other, most.nearest, covered, most.face,
+                        near_face(most.separation, other, covered) ? kAside : farther(other, covered));
+    }
   }
   const Side &x = on_a ? side_a : side_b, &y = on_a ? side_b : side_a;
   const Axis& axis = on_a ? from_a : from_b;

@@ -10,6 +10,7 @@
 //   Next to neighbours (exposure.h), an axis that meets a covered face or corner separates, but gives no contact. Where
 //   the polygons overlap along the best of these, the contact is along the best free axis. The pair is open, and a
 //   neighbour has the contact, if this axis leads past a flat seam, or is deeper than the neighbour's face at a crest.
+//   Where the other polygon does not reach that neighbour, the contact is with the plane of its face.
 //   The faces' numbers decide which end is point 0: a corner keeps its point when its polygon slides on a face,
 //   rocks, or rolls over it, and both gaps are continuous then. Where the contact passes from a corner of one polygon
 //   to a corner of the other (a tilted one slides off an edge), and, for an odd number of corners, once a turn, the
