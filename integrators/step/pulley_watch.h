@@ -59,7 +59,6 @@ class PulleyWatch {
   void follow(const State& x) {
     admits(x, [](int) { return false; });
   }
-  bool any() const { return !ropes_.empty(); }
 
   /// Whether a failed step of h [s] from x leads an end, as fast as it is, into its pulley: then why() says so.
   bool explains(const State& x, double h) {

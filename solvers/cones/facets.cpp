@@ -129,7 +129,7 @@ class SlipAngle {
 }  // namespace
 
 std::string Facets::why_not(const Lcp& problem) const {
-  constexpr double kLarge = 1e6;  // entries: three sides are refused for the same reasons, but for their number
+  constexpr double kLarge = 1e6;  // entries: from here on three sides stand for all; only limits of size differ
   FacetForm form;
   if (method_.why_not(form.linear(problem, entries(problem, sides_) > kLarge ? 3 : sides_)).empty()) return {};
   Lcp without = problem;

@@ -107,9 +107,8 @@ class ExactProof {
   void find_columns() {
     const auto n = at(p_.size());
     g_.assign(n, {});
-    if (operator_ == nullptr && sum_in_integers()) {
-    } else if (operator_ == nullptr) {
-      for (std::size_t k = 0; k < rows_.size(); ++k)
+    if (operator_ == nullptr) {
+      for (std::size_t k = 0, rows = sum_in_integers() ? 0 : rows_.size(); k < rows; ++k)
         for_each_in_row(p_.A, rows_[k], [&](Index j, double a) {
           if (a != 0) g_[at(j)].add(Rational(a) * weights_[k], std::abs(a) * sizes_[k]);
         });

@@ -1,5 +1,7 @@
 #include <orthant/core/mechanics/spatial/touch.h>
 
+#include <orthant/core/mechanics/spatial/round_shapes.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,81 +11,10 @@ namespace orthant::spatial {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kSameFace = 1e-6;   // of the size: the face of b is taken only where it is better than a's by this
-constexpr double kEdges = 1e-5;      // likewise edges instead of faces: shapes that lie on each other have four points
-constexpr double kParallel = 1e-6;   // sine of the angle between directions
-constexpr double kSamePoint = 1e-9;  // of the size
-
-/// Nearest points of two cores, or of what else is a segment: those at p + s (q − p).
-struct Segment {
-  Vector3d p, q;
-  Vector3d at(double s) const { return p + s * (q - p); }
-  double nearest(const Vector3d& x) const {
-    const double square = (q - p).squaredNorm();
-    return square > 0 ? std::clamp((x - p).dot(q - p) / square, 0.0, 1.0) : 0;
-  }
-};
-
-std::pair<double, double> nearest(const Segment& a, const Segment& b) {
-  const Vector3d u = a.q - a.p, w = b.q - b.p, r = a.p - b.p;
-  const double uu = u.squaredNorm(), ww = w.squaredNorm(), uw = u.dot(w);
-  if (!(uu > 0)) return {0, b.nearest(a.p)};
-  if (!(ww > 0)) return {a.nearest(b.p), 0};
-  const double square = uu * ww - uw * uw;
-  double s =
-      square > kParallel * kParallel * uu * ww ? std::clamp((uw * w.dot(r) - ww * u.dot(r)) / square, 0.0, 1.0) : 0;
-  const double t = b.nearest(a.at(s));
-  s = a.nearest(b.at(t));
-  return {s, t};
-}
-
-/// Of the nearest points of two cores, grown by their radii. Cores that meet have no normal: z.
-TouchPoint grown(const Vector3d& p, double radius_p, const Vector3d& r, double radius_r) {
-  const Vector3d d = p - r;
-  const double length = d.norm();
-  const Vector3d n = length > 0 ? Vector3d(d / length) : Vector3d(0, 0, 1);
-  return {n, p - radius_p * n, r + radius_r * n, length - radius_p - radius_r};
-}
-
-bool inside(double s) { return s > 0 && s < 1; }
-/// Whether the foot of the perpendicular from x lies on the segment, ends included.
-bool beside(const Segment& a, const Vector3d& x) {
-  constexpr double kEnd = 1e-9;
-  const double s = (x - a.p).dot(a.q - a.p) / (a.q - a.p).squaredNorm();
-  return s > -kEnd && s < 1 + kEnd;
-}
-
-Segment core(const Pose& at, const Shape& x) {
-  return {at.x + at.turn(x.corners.front()), at.x + at.turn(x.corners.back())};
-}
+constexpr double kSameFace = 1e-6;  // of the size: the face of b is taken only where it is better than a's by this
+constexpr double kEdges = 1e-5;     // likewise edges instead of faces: shapes that lie on each other have four points
 
 TouchPoint swapped(const TouchPoint& p) { return {-p.n, p.on_b, p.on_a, p.gap}; }
-
-/// The points in ascending order of their gaps, without those that stand where another one does.
-void add_sorted(std::array<TouchPoint, 8>& found, std::size_t count, double same, TouchPoints& points) {
-  const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
-  std::stable_sort(found.begin(), end, [](const TouchPoint& x, const TouchPoint& y) { return x.gap < y.gap; });
-  for (auto p = found.begin(); p != end; ++p)
-    if (std::none_of(points.points.begin(), points.points.begin() + points.count,
-                     [&](const TouchPoint& q) { return (p->on_a - q.on_a).norm() <= same; }))
-      points.add(*p);
-}
-
-TouchPoints touch_round(const Segment& a, double radius_a, const Segment& b, double radius_b) {
-  TouchPoints points;
-  const auto [s, t] = nearest(a, b);
-  std::array<TouchPoint, 8> found;
-  std::size_t count = 0;
-  found[count++] = grown(a.at(s), radius_a, b.at(t), radius_b);
-  if (a.p != a.q && b.p != b.q) {
-    for (const Vector3d* end : {&a.p, &a.q})
-      if (beside(b, *end)) found[count++] = grown(*end, radius_a, b.at(b.nearest(*end)), radius_b);
-    for (const Vector3d* end : {&b.p, &b.q})
-      if (beside(a, *end)) found[count++] = grown(a.at(a.nearest(*end)), radius_a, *end, radius_b);
-  }
-  add_sorted(found, count, kSamePoint * ((a.q - a.p).norm() + radius_a), points);
-  return points;
-}
 
 /// Whether the edge can be touched in the direction d from it.
 bool meets(const Hull::Edge& edge, const Vector3d& d) { return !edge.covered && d.dot(edge.beyond) <= 0; }
@@ -122,6 +53,8 @@ bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint&
   result = {face_of->normal, p - radius * face_of->normal, p - deepest * face_of->normal, deepest - radius};
   return true;
 }
+
+bool inside(double s) { return s > 0 && s < 1; }
 
 /// A sphere or capsule, its core in the polytope's frame, and the polytope.
 TouchPoints touch_core(const Segment& core, double radius, const Hull& hull) {
@@ -291,6 +224,28 @@ void span(const std::array<Vector3d, 2 * kMostHullPoints>& polygon, std::size_t 
   take([&](const Vector3d& x) { return -side.dot(x - p); });
 }
 
+/// Whether x is over the face, its edges included.
+bool over(const Hull& hull, const Hull::Face& face, const Vector3d& x, double size) {
+  for (std::size_t i = 0; i < face.corners.size(); ++i) {
+    const Vector3d& p = hull.corners[static_cast<std::size_t>(face.corners[i])];
+    const Vector3d along = hull.corners[static_cast<std::size_t>(face.corners[(i + 1) % face.corners.size()])] - p;
+    if (along.cross(face.normal).dot(x - p) > kSamePoint * size * along.norm()) return false;
+  }
+  return true;
+}
+
+/// Whether one of the other's deepest corners is over the face of a hull with neighbours: no neighbour has that point
+/// alone.
+bool stands_on(const Hull& hull, int number, const Corners& others, const Hull& other, double size) {
+  if (!hull.any_covered || number < 0) return false;
+  const Hull::Face& face = hull.faces[static_cast<std::size_t>(number)];
+  double least = kInf;
+  for (std::size_t i = 0; i < other.corners.size(); ++i) least = std::min(least, face.normal.dot(others[i]));
+  for (std::size_t i = 0; i < other.corners.size(); ++i)
+    if (face.normal.dot(others[i]) <= least + kSamePoint * size && over(hull, face, others[i], size)) return true;
+  return false;
+}
+
 /// Two polytopes whose frames differ by x → R x + d, b's into a's; the points in a's frame.
 TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const Vector3d& d) {
   TouchPoints points;
@@ -303,7 +258,11 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const Axis face_a = best_face(a, b, b_in_a, R), face_b = best_face(b, a, a_in_b, back);
   const Axis edges = best_edges(a, b, b_in_a, R);
   const double faces = std::max(face_a.gap, face_b.gap);
-  if (std::max(face_a.covered, face_b.covered) > std::max(faces, edges.gap)) return points;  // a neighbour is nearer
+  const bool of_b = face_b.gap > face_a.gap + kSameFace * size;
+  if (std::max(face_a.covered, face_b.covered) > std::max(faces, edges.gap) &&
+      !(faces > edges.gap &&
+        stands_on(of_b ? b : a, of_b ? face_b.face : face_a.face, of_b ? a_in_b : b_in_a, of_b ? a : b, size)))
+    return points;  // a neighbour is nearer
   if (edges.ours != nullptr && edges.gap > faces + kEdges * size) {
     const Vector3d& p = a.corners[static_cast<std::size_t>(edges.ours->from)];
     const Vector3d u = a.corners[static_cast<std::size_t>(edges.ours->to)] - p;
@@ -316,7 +275,6 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
     return points;
   }
   if (faces == -kInf) return points;
-  const bool of_b = face_b.gap > face_a.gap + kSameFace * size;
   const Hull &hull = of_b ? b : a, &other = of_b ? a : b;
   const Corners& corners = of_b ? a_in_b : b_in_a;
   const Hull::Face& face = hull.faces[static_cast<std::size_t>(of_b ? face_b.face : face_a.face)];
@@ -324,14 +282,6 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   std::size_t count = clipped(hull, face, other, corners, of_b ? back : R, polygon);
   // The deepest corner over the face may belong to another face than the clipped one. A corner outside of it is no
   // point of two faces that lie on each other: nothing is below it. Elsewhere it tells how deep the shapes overlap.
-  const auto over = [&](const Vector3d& x) {
-    for (std::size_t i = 0; i < face.corners.size(); ++i) {
-      const Vector3d& p = hull.corners[static_cast<std::size_t>(face.corners[i])];
-      const Vector3d along = hull.corners[static_cast<std::size_t>(face.corners[(i + 1) % face.corners.size()])] - p;
-      if (along.cross(face.normal).dot(x - p) > kSamePoint * size * along.norm()) return false;
-    }
-    return true;
-  };
   const bool any = count > 0;
   std::size_t deepest = other.corners.size();
   double least = kInf;
@@ -339,7 +289,7 @@ TouchPoints touch_hulls(const Hull& a, const Hull& b, const Matrix3d& R, const V
   const double below = least - kSamePoint * size, far_below = least - 2 * kSameFace * size;
   for (std::size_t i = 0; i < other.corners.size(); ++i) {
     const double height = face.normal.dot(corners[i]);
-    if (height < std::min(least, below) && (!any || height < far_below || over(corners[i])))
+    if (height < std::min(least, below) && (!any || height < far_below || over(hull, face, corners[i], size)))
       deepest = i, least = height;
   }
   if (deepest < other.corners.size()) {
@@ -372,7 +322,7 @@ void number_alike(const Pose& at_a, TouchPoints& points) {
 
 TouchPoints touch_any(const Pose& at_a, const Shape& a, const Pose& at_b, const Shape& b) {
   TouchPoints points;
-  if (!a.polytope() && !b.polytope()) return touch_round(core(at_a, a), a.radius, core(at_b, b), b.radius);
+  if (!a.polytope() && !b.polytope()) return touch_round(core_of(at_a, a), a.radius, core_of(at_b, b), b.radius);
   if (a.polytope() && b.polytope()) {
     points = touch_hulls(*a.hull, *b.hull, at_a.R.transpose() * at_b.R, at_a.turn_back(at_b.x - at_a.x));
     to_world(at_a, points);
@@ -381,7 +331,7 @@ TouchPoints touch_any(const Pose& at_a, const Shape& a, const Pose& at_b, const 
   const bool round_first = !a.polytope();
   const Shape &round = round_first ? a : b, &polytope = round_first ? b : a;
   const Pose& at = round_first ? at_b : at_a;
-  const Segment world = core(round_first ? at_a : at_b, round);
+  const Segment world = core_of(round_first ? at_a : at_b, round);
   points = touch_core({at.turn_back(world.p - at.x), at.turn_back(world.q - at.x)}, round.radius, *polytope.hull);
   to_world(at, points);
   if (!round_first)

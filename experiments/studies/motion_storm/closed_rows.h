@@ -3,8 +3,8 @@
 //
 //   Planar rows are rates of points: body b's point that is at P moves with v_b + ω_b × (P − x_b). A row along u at P
 //   is u · (rate of a's point − rate of b's point). Contacts have n from b to a and t = (n_y, −n_x).
-//   Two polygons touch along the face beyond which the other lies farthest: with the corners of the other one over it,
-//   and its own ends over the other's face there, each no farther open than the gap that is asked for.
+//   Two polygons touch along the face with the largest separation. Its points are the other polygon's corners over this
+//   face, and the ends of the face over the other's opposite face. Points with a gap above `gap` are left out.
 #pragma once
 
 #include "experiments/studies/motion_storm/space.h"

@@ -120,10 +120,10 @@ TEST_CASE("fclib: a global problem is written back as it was read, with a soluti
     file.openDataSet(set).read(x, H5::PredType::NATIVE_DOUBLE);
     return x[i];
   };
-  for (const double beside : {0.0, 0.5, 3.0}) {
-    CAPTURE(beside);
+  for (const double coupling : {0.0, 0.5, 3.0}) {
+    CAPTURE(coupling);
     const Folder folder;
-    if (beside != 0) M.coeffRef(0, 1) = M.coeffRef(1, 0) = beside;
+    if (coupling != 0) M.coeffRef(0, 1) = M.coeffRef(1, 0) = coupling;
     const Eigen::Vector2d f(3, -4), w(0.25, 0.125);
     const Eigen::Matrix2d inverse = Eigen::Matrix2d(M).inverse();
     const Eigen::Matrix2d H = Eigen::Matrix2d(J).transpose();
@@ -132,7 +132,7 @@ TEST_CASE("fclib: a global problem is written back as it was read, with a soluti
     p.problem.lo = {0, -kInf}, p.problem.hi = {kInf, kInf}, p.problem.friction = {{0, 1, 1, 0.4}};
     p.global = {RowSparse::from(M), RowSparse::from(J), Vector(f), Vector(w)};
     write_fclib(folder / "p.hdf5", p);
-    if (beside == 3) {  // mass matrix of a negative energy
+    if (coupling == 3) {  // not positive definite: 2 * 3 < 3 * 3
       CHECK_THROWS_WITH_AS(read_fclib(folder / "p.hdf5"), doctest::Contains("positive definite"), std::runtime_error);
       continue;
     }

@@ -164,6 +164,27 @@ TEST_CASE("a box slides on over the seam of two tiles: no ghost collision") {
     }
 }
 
+TEST_CASE("a cube that falls with an edge along the seam of two boxes lands") {
+  for (const char* scheme : {"moreau-jean", "stewart-trinkle", "paoli-schatzman"})
+    for (const double beside : {0.0, 1e-12, 1e-9, 1e-7, 1e-5, -1e-5, 1e-3}) {
+      CAPTURE(scheme);
+      CAPTURE(beside);
+      spatial::Scene s;
+      s.gravity = {0, 0, -10};
+      const BodyId cube = add_box(s, Vector3d::Constant(0.2), {beside, 0, 0.2}, {0, 0, -1});
+      s.bodies[0].orientation = quaternions::exponential(Vector3d(0, std::numbers::pi / 4, 0)).normalized();
+      spatial::Shape left = box_shape(kGround, {2, 4, 1}), right = left;
+      for (Vector3d& p : left.corners) p += Vector3d(-1, 0, -0.5);
+      for (Vector3d& p : right.corners) p += Vector3d(1, 0, -0.5);
+      s.collision(
+          {.name = "all", .shapes = {box_shape(cube, Vector3d::Constant(0.2)), left, right}, .law = {.mu = 0.5}});
+      const SpatialSystem system(s);
+      const Run run = run_in_space(system, scheme, 1e-3, 0.6);
+      CHECK(run.final.q[2] > 0.09);
+      CHECK(run.max_penetration < 2e-3);
+    }
+}
+
 TEST_CASE("Euler's disc goes round at its tilt, with the period of the closed form") {
   const EulerDisc p{.mu = 10};
   const double tilt = p.tilt * std::numbers::pi / 180, Omega = std::sqrt(4 * p.g / (p.radius * std::sin(tilt)));
