@@ -197,9 +197,7 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
       if (!(A.inverse_mass[i] > 0 && A.inverse_mass[i] < kInf))
         in.refuse(group + "/M", "has " + detail::text_of(M.coeff(i, i)) + " on its diagonal, row " + std::to_string(i) +
                                     ": must be > 0");
-    p.free_velocity = A.inverse_mass.cwiseProduct(f);
-    p.problem.b = b + J * Eigen::VectorXd(p.free_velocity);
-    p.response = RowSparse::from(Sparse(A.inverse_mass.asDiagonal() * Sparse(J.transpose())));
+    p.problem.b = b + J * Eigen::VectorXd(A.inverse_mass.cwiseProduct(f));
     p.problem.A = std::move(A);
     return H.cols();
   }
@@ -210,10 +208,8 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{Eigen::SparseMatrix<double>(M)};
   if (lu.info() != Eigen::Success) in.refuse(group + "/M", "is singular: must have an inverse");
   const Eigen::SparseMatrix<double> X = lu.solve(Eigen::SparseMatrix<double>(J.transpose()));
-  p.free_velocity = lu.solve(Eigen::VectorXd(f));
-  p.response = RowSparse::from(Sparse(X));
   p.problem.A = RowSparse::from(Sparse(J * X));
-  p.problem.b = b + J * Eigen::VectorXd(p.free_velocity);
+  p.problem.b = b + J * Eigen::VectorXd(lu.solve(Eigen::VectorXd(f)));
   return H.cols();
 }
 
@@ -286,8 +282,9 @@ std::array<std::vector<double>, 2> coefficients(const ContactProblem& p) {
 }  // namespace
 
 Vector ContactProblem::velocity(const Vector& z) const {
-  if (free_velocity.size() == 0) return {};
-  return Eigen::VectorXd(free_velocity + response.view() * z);
+  if (!global) return {};
+  const Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{Eigen::SparseMatrix<double>(global->mass.view())};
+  return Eigen::VectorXd(lu.solve(Eigen::VectorXd(global->force + Sparse(global->jacobian.view()).transpose() * z)));
 }
 
 ContactProblem read_fclib(const std::filesystem::path& file) {

@@ -36,13 +36,11 @@ struct ContactProblem {
   int dimension = 2;  // rows a contact: 2 in the plane, 3 in space, 5 in space with rolling resistance
   Index contacts = 0;
   std::string title, description;
-  Vector solution;       // z of the file, all rows; empty: none
-  std::string unfit;     // why the file's solution was left out; empty: it was not
-  Vector free_velocity;  // of a global problem M⁻¹f, and M⁻¹Jᵀ: v = free_velocity + response z
-  RowSparse response;
+  Vector solution;    // z of the file, all rows; empty: none
+  std::string unfit;  // why the file's solution was left out; empty: it was not
   std::optional<GlobalForm> global;
 
-  /// v of a global problem for a z; empty for local problems.
+  /// v = M⁻¹(f + Jᵀz) of a global problem; empty for local problems. One factorization of M.
   Vector velocity(const Vector& z) const;
 };
 
