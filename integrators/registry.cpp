@@ -1,7 +1,7 @@
 #include <orthant/core/support/options.h>
 #include <orthant/core/support/registered.h>
 #include <orthant/integrators/adaptive/spatial_adaptive.h>
-#include <orthant/integrators/between_events/substitute.h>
+#include <orthant/integrators/between_events/listed_contacts.h>
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/event_driven/spatial_event_driven.h>
 #include <orthant/integrators/fixed_step/anitescu_potra.h>
@@ -28,11 +28,11 @@ std::unique_ptr<IntegratorOf<Spatial>> make_in_space(const SystemOf<Spatial>& sy
   return std::make_unique<Scheme>(system, options);
 }
 
-/// Of schemes that follow listed contacts only: through the equivalent scene of such (substitute.h), where it is
+/// Of schemes that follow listed contacts only: through the equivalent scene of such (equivalent_scene.h), where it is
 /// needed.
 template <class Scheme> std::unique_ptr<Integrator> make_by_contacts(const System& system, std::string_view text) {
-  if (!Substitute::needed(system.scene())) return make<Scheme>(system, text);
-  return std::make_unique<SubstituteIntegrator>(system, Scheme::kName, Scheme::kCan, &make<Scheme>, text);
+  if (!ListedContacts::needed(system.scene())) return make<Scheme>(system, text);
+  return std::make_unique<ListedContactsIntegrator>(system, Scheme::kName, Scheme::kCan, &make<Scheme>, text);
 }
 
 template <class Scheme> IntegratorEntry entry(std::string_view summary,

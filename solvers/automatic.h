@@ -49,7 +49,7 @@ class Automatic final : public Solver {
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   double tolerance() const override { return options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
 
   Options options_;
   struct Work;

@@ -3,7 +3,7 @@
 #include "experiments/python/module.h"
 
 #include <orthant/core/mechanics/dynamics/terms.h>
-#include <orthant/integrators/between_events/substitute.h>
+#include <orthant/integrators/between_events/listed_contacts.h>
 #include <orthant/integrators/registry.h>
 
 #include <pybind11/stl.h>
@@ -113,7 +113,7 @@ class CallbackIntegrator final : public Integrator {
 
   CallbackIntegrator(const System& system, const std::string& name, const py::function& function)
       : Integrator(system, name, kCan), terms_(system), name_(name), function_(function) {
-    Substitute::refuse(system, name);
+    ListedContacts::refuse(system, name);
   }
 
   StepReport step(double h, Solver& solver, State& x) override {

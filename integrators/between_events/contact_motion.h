@@ -1,4 +1,4 @@
-// integrators/between_events/contact_motion.h — the smooth motion while no contact changes its mode.
+// integrators/between_events/contact_motion.h — equations of motion while no contact changes its mode.
 //
 //   M a = f + Gᵀ λ + W_Nᵀ λ_N + W_Tᵀ λ_T,   G a = −Ġ v,   of each lasting contact W_N a = −Ẇ_N v, and
 //     sticking:  W_T a = −Ẇ_T v         sliding in the sense σ = ±1:  λ_T = −σ μ λ_N         (μ = 0: neither)

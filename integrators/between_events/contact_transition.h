@@ -1,4 +1,4 @@
-// integrators/between_events/contact_transition.h — contact mode transition: contacts that last, stick or slide.
+// integrators/between_events/contact_transition.h — contact mode transition: last, stick or slide; Painlevé's paradox.
 //
 //   Over the contacts that touch and do not separate (g = 0, γ_N = 0), with λ_T = −σ μ λ_N put in where slip γ_T ≠ 0:
 //     0 ≤ λ_N ⊥ W_N a + Ẇ_N v ≥ 0,     γ_T = 0:  |λ_T| ≤ μ λ_N,  inside: γ̇_T = 0,  at a bound: opposite to γ̇_T.

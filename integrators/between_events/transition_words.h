@@ -1,4 +1,4 @@
-// integrators/between_events/transition_words.h — mode transitions without a solution or with several: the words.
+// integrators/between_events/transition_words.h — Painlevé's paradox in words: no mode transition, or several.
 #pragma once
 
 #include <orthant/core/lcp/solution.h>

@@ -1,4 +1,4 @@
-// integrators/derivatives/projection_linearization.h — the step's projection onto the joints, linearized.
+// integrators/derivatives/projection_linearization.h — linearized projection of a step onto the joints.
 //
 //   q⁺ = q* + M⁻¹ G*ᵀ λ with Φ(q⁺) = 0,   v⁺ = v' + M⁻¹ G*ᵀ ν with G⁺ v⁺ = ṡ                                     (3)
 //   S = G⁺ M⁻¹ G*ᵀ;  u = q̇* + (M⁻¹ G*ᵀ λ)˙,  q̇⁺ = u + M⁻¹ G*ᵀ S⁻¹ (−Φ̇_p − G⁺ u);  likewise v̇⁺ with (G⁺ v⁺ − ṡ)˙

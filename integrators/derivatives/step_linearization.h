@@ -1,4 +1,4 @@
-// integrators/derivatives/step_linearization.h — one planar Moreau–Jean step, linearized with its active set fixed.
+// integrators/derivatives/step_linearization.h — linearization of a planar Moreau–Jean step, its active set fixed.
 //
 //   The step of velocity_stepping.h from x = (q, v) to x⁺, joints symmetric, reduced form, at q_a = q + a h v:
 //     r₁ = M̂ (v' − v) − h f − Gᵀ Λ_G − Jᵀ z = 0,   r₂ = G (v/a + v' − v) − ṡ/a = 0                               (1)

@@ -1,7 +1,7 @@
 // Events of an EventDriven integrator: impacts, accumulations, crossings of crowds, changes of contact modes.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven/event_driven.h>
-#include <orthant/integrators/step/unsolved.h>
+#include <orthant/integrators/step/no_solution_message.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <algorithm>

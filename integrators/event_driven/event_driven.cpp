@@ -51,7 +51,7 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
   stepping_.keep_restitution();
-  Substitute::refuse(system, name);
+  ListedContacts::refuse(system, name);
   events_.reserve(64 * impulses_.size());
   for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));
   if (has_work(system)) meter_.emplace(system);

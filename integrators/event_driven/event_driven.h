@@ -54,7 +54,7 @@
 #include <orthant/integrators/between_events/contact_transition.h>
 #include <orthant/integrators/between_events/contact_watch.h>
 #include <orthant/integrators/between_events/continuous_collision.h>
-#include <orthant/integrators/between_events/substitute.h>
+#include <orthant/integrators/between_events/listed_contacts.h>
 #include <orthant/integrators/event_driven/bounces.h>
 #include <orthant/integrators/event_driven/dormand_prince.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>

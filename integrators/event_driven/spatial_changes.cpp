@@ -1,7 +1,7 @@
 // Events of a SpatialEventDriven integrator: impacts, accumulations, changes of contact modes, crossings of crowds.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven/spatial_event_driven.h>
-#include <orthant/integrators/step/unsolved.h>
+#include <orthant/integrators/step/no_solution_message.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// integrators/fixed_step/moreau_jean.h — Moreau–Jean θ-stepping at velocity level.
+// integrators/fixed_step/moreau_jean.h — Moreau–Jean θ-stepping at velocity level; its step: velocity_stepping.h.
 //
 //   The step of velocity_stepping.h with a = θ: everything at q_θ = q + θ h v, and
 //   closed: g_N(q_θ) ≤ 10⁻³ h² ‖M⁻¹ f‖;  0 ≤ Λ_N ⊥ γ_N⁺ + e γ_N⁻ ≥ 0,  Λ_T ∈ −μ Λ_N Sgn(γ_T⁺ + e_T γ_T⁻).

@@ -1,4 +1,4 @@
-// integrators/step/admissible.h — admissibility of a motion: penetration and energy balance, for every integrator.
+// integrators/step/admissible.h — energy balance and penetration of a run, for every integrator: is it admissible.
 //
 //   Overlap of contact i: o_i = f_i − g_i, with f_i ≤ 0 the gap at the start where bodies overlapped already. Its
 //   length L_i is the clearance of a journal or between opposite walls (on either side), else the thinner body's half

@@ -1,5 +1,5 @@
 #include <orthant/integrators/step/formulate.h>
-#include <orthant/integrators/step/unsolved.h>
+#include <orthant/integrators/step/no_solution_message.h>
 
 namespace orthant {
 

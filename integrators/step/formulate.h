@@ -1,4 +1,4 @@
-// integrators/step/formulate.h — one step's complementarity problem at velocity level, and its impulses' effect.
+// integrators/step/formulate.h — contact laws of one step: its problem formulated and solved, impulses applied.
 //
 //   Unknown impulses z = [Λ_G; Λ_N; Λ_T] of the rows J = [G; W_N; W_T];  w = J v⁺ − target,  v⁺ = v_free + B Jᵀ z:
 //     A = J B Jᵀ,  b = J v_free − target.    RateTarget by the scheme: γ_N⁺ ≥ target, γ_T⁺ → target, G v⁺ = target;
@@ -16,7 +16,7 @@
 //   answer equals that of the whole problem to rounding. With a pool large islands are solved at the same time.
 //   problem() forms the whole problem.
 // The parts: rows, bounds and targets (step_problem.h), the solve by islands (island_solve.h), contacts that joints
-// immobilise (rank_deficiency.h), and the message where there is no solution (unsolved.h).
+// immobilise (rank_deficiency.h), and the message where there is no solution (no_solution_message.h).
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the
 // coordinate.
 // Friction, by Cone:
@@ -83,7 +83,7 @@ template <class Space> class FormulationOf {
   /// with the pool, if there is one: the answer is the same to the last bit.
   bool solve(Solver& solver, StepReport& report, SolverPool* pool = nullptr);
 
-  /// In words, why there is no solution; empty: there is no such proof (unsolved.h).
+  /// In words, why there is no solution; empty: there is no such proof (no_solution_message.h).
   std::string contradiction() const;
 
   /// Whether joints immobilise closed contact k, so that it has no rows.

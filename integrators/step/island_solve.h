@@ -1,4 +1,4 @@
-// integrators/step/island_solve.h — solve of a step's problem, island by island, in parallel where there is a pool.
+// integrators/step/island_solve.h — island solver: a step's problem by islands, warm started, in parallel in a pool.
 //
 // Rows of different islands do not couple (islands.h). Each island's problem is cut out and solved by itself. The
 // answer is that of the whole problem to rounding, and the same to the last bit for any number of threads.

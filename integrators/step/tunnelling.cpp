@@ -164,7 +164,9 @@ bool TunnellingDetector::passed(const Eigen::VectorXd& q, const Eigen::VectorXd&
     if (now <= met) meeting = std::min(meeting, s);
     s += std::max(now, kStride * pair.width) / way;
   }
-  return end <= met && meeting < 1 && normal(meeting).dot(normal(1)) < 0;
+  if (end > met || meeting >= 1) return false;
+  const Vector2d out = normal(1);  // twice the nudge, but none in the very middle, where no side is left
+  return out.norm() < kNudge * pair.width || normal(meeting).dot(out) < 0;
 }
 
 }  // namespace orthant

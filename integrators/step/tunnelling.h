@@ -3,10 +3,11 @@
 //   Gaps are evaluated at the start and the end of a step. Two shapes have passed through each other if their gap is
 //   smaller on the way between than at both ends, and than 0, by 1/20 of the thinner one; or if they overlap by that at
 //   the end and the contact's normal has turned round since they met, or since the start where they overlapped already:
-//   it would push them out on the wrong side. The gap is followed along the way, no farther at a time than it is wide
-//   or than 1/16 of the thinner one: a passage deeper than the ends by 1/12 of that is detected. Of two polygons it is
-//   the smaller one of their two points' gaps, which change places on the way. The way: centres of mass go straight, or
-//   about the ground's pin that holds the body; angles grow evenly, also by several turns.
+//   it would push them out on the wrong side, or on none in the very middle. The gap is followed along the way, no
+//   farther at a time than it is wide or than 1/16 of the thinner one: a passage deeper than the ends by 1/12 of that
+//   is detected. Of two polygons it is the smaller one of their two points' gaps, which change places on the way. The
+//   way: centres of mass go straight, or about the ground's pin that holds the body; angles grow evenly, by
+//   several turns as well.
 //   Half-planes, bearings and bounds of angles and slides need no detection: the gap stays negative beyond them.
 // Cost: nothing where no shapes meet; O(bodies) a step while all move less than a fifth of the thinnest shape in it.
 // Limit: a passage of less than that depth, or on another path, is not reported.

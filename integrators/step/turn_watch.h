@@ -1,4 +1,4 @@
-// integrators/step/turn_watch.h — angles in space that springs and limits read: their turns, counted over a motion.
+// integrators/step/turn_watch.h — turns counted over a motion: angles in space that springs and limits read.
 //
 //   A coordinate's angle is known up to full turns (coordinate.h). A spring takes it the shorter way round from its
 //   rest, a limit within half a turn of its bound or of the middle between two. Both are right as long as the angle c,

@@ -60,7 +60,7 @@ class InteriorPoint final : public Solver {
  private:
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
 
   const Lcp& prepared(const Lcp& problem);
   Claim method(const Lcp& problem, Solution& s, Start start);

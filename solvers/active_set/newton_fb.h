@@ -10,7 +10,7 @@
 //   d_i is A's largest entry in the row. Where z is much larger than w/d (mass ratios of 1e10), w alone counts in Φ and
 //   the iteration converges very slowly. A run that does so or fails is repeated with d 1e-3, 1e-6, 1e-9 times that, at
 //   last with d and more iterations; without friction from 0 after a warm start, and with d itself first.
-//   Friction rows through the pure form (pyramid.h), then as a fixed point of box problems (frozen_friction.h); rows
+//   Friction rows through the pure form (pure_form.h), then as a fixed point of box problems (frozen_friction.h); rows
 //   and columns scaled by powers of 2 where the entries span many
 //   orders (scaling.h). The start value is used.  A stationary point of the merit that is
 //   no solution → stalled (for P0-matrices there is none).
@@ -18,7 +18,7 @@
 //   Billups, PhD thesis, Univ. of Wisconsin (1995).
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/active_set/active_rows.h>
 #include <orthant/solvers/active_set/frozen_friction.h>
 #include <orthant/solvers/active_set/polish.h>
@@ -50,7 +50,7 @@ class NewtonFb final : public Solver {
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
   double goal() const override { return 0.1 * options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   Claim attempt(const Lcp& problem, Solution& s);
   void light_rows(const Lcp& problem, Solution& s);

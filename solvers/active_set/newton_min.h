@@ -6,7 +6,7 @@
 //   `memory` ones (Grippo, Lampariello & Lucidi). No Newton point (singular block), or no step that helps: a
 //   Levenberg–Marquardt step on the same element, its weight raised until it helps (dense and sparse).
 //   Cycles of the pure method (circulant P-matrices) are so broken; a point where even that fails → stalled.
-//   Friction rows through the pure form (pyramid.h), which is dense; where that fails, and at once in large problems
+//   Friction rows through the pure form (pure_form.h), which is dense; where that fails, and at once in large problems
 //   that are stored otherwise, as a fixed point of box problems (frozen_friction.h), on sparse factors. The start value
 //   is used, and after failing from it 0; cold, without friction, it is that of coarse problems for sparse Z-matrices
 //   (coarse_start.h), else the solution of A z = −b cut to the bounds.
@@ -14,7 +14,7 @@
 //   Ben Gharbia & Gilbert, Math. Programming 134 (2012) on cycling.
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/active_set/active_rows.h>
 #include <orthant/solvers/active_set/coarse_start.h>
 #include <orthant/solvers/active_set/frozen_friction.h>
@@ -46,7 +46,7 @@ class NewtonMin final : public Solver {
   Claim run(const Lcp& problem, Solution& s, Start start) override;
   double tolerance() const override { return options_.tolerance; }
   double goal() const override { return 0.1 * options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
   bool run_again(const Lcp& problem, Solution& s, int attempt, Claim& claim) override;
   const Lcp* by_rows(const Lcp& problem);
   Claim rounds(const Lcp& problem, const Lcp& given, Solution& s);

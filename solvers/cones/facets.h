@@ -1,4 +1,4 @@
-// solvers/cones/facets.h — friction discs as pyramids with n sides, for methods that take linear problems only.
+// solvers/cones/facets.h — friction pyramids: Coulomb's disc by n sides, for methods that take linear problems only.
 //
 //   Each disc ‖z_T‖ ≤ μ z_n becomes the polygon with the corners μ z_n d_k, d_k = (cos θ_k, sin θ_k) at equal angles:
 //     z_T = Σ β_k d_k,   0 ≤ β_k ⊥ d_kᵀ w_T + λ ≥ 0,   0 ≤ λ ⊥ μ z_n − Σ β_k ≥ 0                (Stewart & Trinkle)

@@ -3,12 +3,12 @@
 //   quadratic   min ½ zᵀA z + bᵀz,  lo ≤ z ≤ hi.   A symmetric: its stationary points are the solutions, convex or not.
 //   merit       any other function of z that is least, 0, at the solutions: the method's own.
 //   Attempts: the quadratic form where A is symmetric, the merit, the merit from `restarts` random starts; each until
-//   the judge accepts. Friction rows take the pure form (pyramid.h, stewart_trinkle), whose A is not symmetric.
+//   the judge accepts. Friction rows take the pure form (pure_form.h, stewart_trinkle), whose A is not symmetric.
 //   Each end point is polished (polish.h). A start value is, too; if its active rows are right, no minimization
 //   follows.
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/active_set/polish.h>
 #include <orthant/solvers/external/scaled_problem.h>
 #include <orthant/solvers/solver.h>

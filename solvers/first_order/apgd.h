@@ -44,7 +44,7 @@ class Apgd final : public FirstOrder {
   void begin_at(const Lcp& problem, const Vector& z);
   int max_iterations() const override { return options_.max_iterations; }
   double tolerance() const override { return options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
 
   Options options_;
   detail::HeldBounds bounds_;

@@ -34,7 +34,7 @@ class Pgs final : public SweepSolver {
   Step advance(const Lcp&, Vector& z) override { return step(sweeps_.sweep(z, options_.omega)); }
   int max_iterations() const override { return options_.max_sweeps; }
   double tolerance() const override { return options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
   Options options_;
 };
 

@@ -38,7 +38,7 @@ class Psor final : public SweepSolver {
   int max_iterations() const override { return options_.max_sweeps; }
   int first_look_ahead() const override { return options_.stop_early ? 64 : 0; }
   double tolerance() const override { return options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
 
   Options options_;
   bool adaptive_ = true;

@@ -23,7 +23,7 @@ class Sgs final : public SweepSolver {
   }
   int max_iterations() const override { return options_.max_sweeps; }
   double tolerance() const override { return options_.tolerance; }
-  std::unique_ptr<Solver> for_discs() const override;  // cones/for_discs.cpp
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
   Options options_;
 };
 

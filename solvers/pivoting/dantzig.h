@@ -1,5 +1,5 @@
-// solvers/pivoting/dantzig.h — principal pivoting with a driving variable (Dantzig & Cottle; Keller;
-// van de Panne & Whinston).
+// solvers/pivoting/dantzig.h — Dantzig-Cottle method: principal pivoting with a driving variable.
+// Source: Dantzig & Cottle; Keller; van de Panne & Whinston.
 //
 //   Wrong rows are corrected one after the other. Of the least row r whose w_r has a wrong sign, the driving variable
 //   (z_r, or w_r where z_r is basic) is moved, and all basic variables with it, until
@@ -7,7 +7,7 @@
 //     z_i meets a bound, or a right w_i meets 0   z_i and w_i change places (a principal pivot; where T_ii = 0, pairs i
 //                                                 and r do so together) and the drive goes on;
 //     nothing blocks                              r is put off; all wrong rows put off: status ray.
-//   Right rows stay right, so their number grows. Boxes and free rows are rows like others; friction through pyramid.h.
+//   Right rows stay right, so their number grows. Boxes and free rows are rows like others; friction: pure_form.h.
 //   Finite for P-matrices and for xᵀA x ≥ 0, singular ones included (redundant contacts): there a ray means that no z
 //   has the signs demanded, of which the ray's direction, or else farkas.h, gives the judge a proof. Elsewhere a pivot
 //   of the wrong sign ends the run: stalled. Friction makes no such matrix: there it may end so although a solution

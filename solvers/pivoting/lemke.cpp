@@ -6,7 +6,7 @@
 #include <orthant/solvers/pivoting/enumerate.h>
 #include <orthant/solvers/pivoting/normal_path.h>
 #include <orthant/solvers/pivoting/revised_lemke.h>
-#include <orthant/solvers/pivoting/tableau.h>
+#include <orthant/solvers/pivoting/lemke_tableau.h>
 #include <orthant/solvers/proof/farkas.h>
 
 #include <algorithm>

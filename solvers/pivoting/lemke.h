@@ -1,11 +1,12 @@
-// solvers/pivoting/lemke.h — Lemke's method: complementary pivoting for small and medium problems.
+// solvers/pivoting/lemke.h — Lemke's method: complementary pivoting; ratio test, anti-cycling: lemke_tableau.h.
 //
 //   w = M z + q + e z₀:  z₀ enters, covering the most negative q_i. Then the complement of the variable that left
 //   enters, until z₀ leaves (a solution) or nothing blocks (a ray).
-//     1. form     pyramid.h: friction, boxes → rows [0, ∞) and free;  rows and columns scaled by powers of 2 where the
-//                 entries span many orders.
-//     2. pivot    tableau.h: free rows first, then the method, ties broken lexicographically, z₀ first.  O(n²) a pivot.
-//                 Where a basis comes back, as rounding has broken ties, another path: up to four other d for e.
+//     1. form     pure_form.h: friction, boxes → rows [0, ∞) and free;  rows and columns scaled by powers of 2 where
+//                 the entries span many orders.
+//     2. pivot    lemke_tableau.h: free rows first, then the method, ties broken lexicographically, z₀ first.  O(n²)
+//                 a pivot. Where a basis comes back, as rounding has broken ties, another path: up to four other
+//                 d for e.
 //     3. refine   z_B ← z_B − B⁻¹ (M z + q)_B, the residual in twice double precision, B⁻¹ from the final tableau:
 //                 z comes out correctly rounded, so that it depends on the final basis only, not on the path to it or
 //                 on the order of rows.
@@ -25,7 +26,7 @@
 //   4.4.
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/solver.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// solvers/pivoting/murty.h — principal pivoting by the least index: the first row with a wrong sign changes sides.
+// solvers/pivoting/murty.h — Murty's method: principal pivoting by the least index; the first wrong row changes sides.
 //
 //   Find z in [lo, hi], w = A z + b: all rows start on a bound (free rows with w = 0); the row of least index with a
 //   wrong sign moves, from a bound to w = 0 or from w = 0 to the bound it broke: a principal pivot

@@ -13,8 +13,8 @@
 //     5. restarts  a table of variations, in path.cpp: other starts, Lemke's ray, long double, 256 bits (scalars.h; up
 //                  to 600 rows, linear), other coverings.
 //   A linear problem takes one step, from the crash point or (variation 2) as Lemke's method in revised form.
-//   Friction rows take the copositive pure form (pyramid.h, stewart_trinkle); all else is native. Dense: O(n²) a pivot;
-//   RowSparse: factors by KLU. A linear problem that ends on a ray is searched for a proof (farkas.h).
+//   Friction rows take the copositive pure form (pure_form.h, stewart_trinkle); all else is native. Dense: O(n²) a
+//   pivot; RowSparse: factors by KLU. A linear problem that ends on a ray is searched for a proof (farkas.h).
 //   Finds a solution of a linear problem in exact arithmetic where Lemke's method does: P-matrices, xᵀM x ≥ 0.
 //   Nonlinear:
 //   quadratic convergence near a regular solution; no method is guaranteed to reach it (status stalled).

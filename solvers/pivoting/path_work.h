@@ -1,7 +1,7 @@
 // solvers/pivoting/path_work.h — state of one solve by path.h: variation, problem, points and merits.
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/active_set/coarse_start.h>
 #include <orthant/solvers/pivoting/normal_path.h>
 #include <orthant/solvers/pivoting/path.h>

@@ -1,10 +1,10 @@
 // solvers/pivoting/principal_pivoting.h — principal pivoting base, shared by dantzig and murty.
 //
-//   form      friction rows → pyramid.h; A dense; powers of 2 as scales.
+//   form      friction rows → pure_form.h; A dense; powers of 2 as scales.
 //   attempt   load the tableau in the requested precision, let the method pivot, refine z of the basis it ends on.
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/linear_algebra/refined_basis.h>
 #include <orthant/solvers/linear_algebra/scaling.h>

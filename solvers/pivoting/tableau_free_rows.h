@@ -1,7 +1,7 @@
 // solvers/pivoting/tableau_free_rows.h — free rows of Lemke's tableau: eliminated, or split where singular.
 #pragma once
 
-#include <orthant/solvers/pivoting/tableau.h>
+#include <orthant/solvers/pivoting/lemke_tableau.h>
 
 namespace orthant::detail {
 

@@ -11,10 +11,10 @@
 //   Source: Cottle, Pang & Stone, The Linear Complementarity Problem (1992), ch. 1.2, 3.1, 4.4.
 #pragma once
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/budget.h>
 #include <orthant/solvers/linear_algebra/scaling.h>
-#include <orthant/solvers/pivoting/tableau.h>
+#include <orthant/solvers/pivoting/lemke_tableau.h>
 
 #include <functional>
 #include <vector>

@@ -1,4 +1,4 @@
-// core/lcp/judge/certify_cones.h — verdicts on problems with friction discs: one inequality a contact, free of units.
+// core/lcp/judge/certify_cones.h — judge of problems with friction discs: one inequality a contact, free of units.
 //
 //   Blocks, û and D: cones/contact.h. The rest of a block in scaled numbers z' = D⁻¹z, w' = D w, w' = A'z' + q':
 //     e_c = ‖z'_c − P_K(z'_c − û'_c)‖,  zero exactly at a solution.                                              (1)

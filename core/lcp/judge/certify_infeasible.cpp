@@ -1,5 +1,4 @@
-// Check of a proof of infeasibility (Farkas' lemma): sums with bounds of their rounding; rationals where these do not
-// decide.
+// Farkas' proof of infeasibility, checked: sums with bounds of their rounding; rationals where these do not decide.
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
 #include <orthant/core/lcp/judge/exact_proof.h>

@@ -2,7 +2,7 @@
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/families.h>
 #include <orthant/core/lcp/problems/obstacles.h>
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 
 #include <Eigen/QR>
 

@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/geometric_stiffness.h — stiffness that loaded joints give light bodies: taut chains.
+// core/mechanics/dynamics/geometric_stiffness.h — geometric stiffness of light bodies at loaded joints: taut chains.
 //
 //   K = −∂(Gᵀ λ)/∂q at fixed λ. A link of length l under the tension T swings at ω² = K/J = T l/J: the lighter it is
 //   next to what it carries, the faster. Schemes that take G where a step begins are stable for ω h < 2 only. They so

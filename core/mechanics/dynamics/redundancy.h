@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/redundancy.h — linearly dependent joint rows, permanent or only in this (singular) pose.
+// core/mechanics/dynamics/redundancy.h — redundant joint rows: permanent, or only in this (singular) pose.
 //
 //   Rows of G M^(-1/2), each of length 1, in the order of the scene. The rows before row i are removed from it
 //   (Gram-Schmidt, twice). Row i is dependent if the remainder is shorter than 3e-7, as in basic_system.h. It repeats

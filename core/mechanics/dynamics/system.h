@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/system.h — assembly of a checked scene: index layout. Absent features cost nothing.
+// core/mechanics/dynamics/system.h — mechanical system: index layout of a checked scene. Absent features cost nothing.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/state.h>

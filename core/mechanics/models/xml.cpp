@@ -1,4 +1,4 @@
-// The part of xml.h that needs TinyXML-2.
+// XML parser: the part of xml.h that needs TinyXML-2.
 #include <orthant/core/mechanics/models/xml.h>
 #include <orthant/core/support/shortened.h>
 

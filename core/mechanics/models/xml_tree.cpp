@@ -1,4 +1,4 @@
-// The part of xml.h that needs no library.
+// XML tree: the part of xml.h that needs no library.
 #include <orthant/core/mechanics/models/xml.h>
 #include <orthant/core/support/shortened.h>
 

@@ -14,6 +14,7 @@
 #include <orthant/core/mechanics/planar/contact_law.h>
 #include <orthant/core/mechanics/planar/coordinate.h>
 #include <orthant/core/mechanics/planar/limit.h>
+#include <orthant/core/support/options.h>
 
 #include <cmath>
 #include <limits>
@@ -36,7 +37,7 @@ class CoordinateSum {
     if (terms_.empty()) throw std::invalid_argument("terms = []: must have at least one");
     for (const CoordinateTerm& term : terms_) {
       if (!std::isfinite(term.factor) || term.factor == 0)
-        throw std::invalid_argument("terms: factor: must be finite and not 0");
+        throw std::invalid_argument("terms: factor = " + detail::text_of(term.factor) + ": must be finite and not 0");
       const auto [one, other] = bodies_of(term);
       add(one), add(other);
     }

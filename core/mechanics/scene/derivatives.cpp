@@ -7,7 +7,7 @@
 namespace orthant {
 namespace {
 
-constexpr double kDifference = 1e-7;  // [m, rad, s]
+constexpr double kDifference = 1e-7;  // [unit, rad, s]
 constexpr double kAgree = 1e-4;
 
 /// The functions to be differentiated, of a joint or a contact.
@@ -18,6 +18,7 @@ struct Subject {
   std::function<void(const Kinematics&, double*)> value;
   std::function<void(const Kinematics&, Row*)> row;
   std::function<void(const Kinematics&, double*)> rate, bias;  // rate may be absent
+  double unit = 1;                                             // [m] see unit_of()
 
   std::string row_name(int i) const { return row_names[0] ? row_names[i] : "rows[" + std::to_string(i) + "]"; }
 };
@@ -48,17 +49,18 @@ std::string compare(const Subject& s, const Kinematics& k) {
         return s.row_name(i) + " acts on body " + std::to_string(body) + ": must act on the two bodies of its own";
 
   for (const BodyId body : {s.a, s.b})
-    for (std::size_t c = 0; body != kGround && c < kBlock; ++c) {
-      const std::size_t place = kBlock * static_cast<std::size_t>(body) + c;
+    for (int c = 0; body != kGround && c < kBlock; ++c) {
+      const std::size_t place = kBlock * static_cast<std::size_t>(body) + static_cast<std::size_t>(c);
       const auto moved = [&](double by, std::vector<double>& value) {
         Kinematics there = k;
-        turn(there, body, c == 0 ? Vector2d(by, 0) : c == 1 ? Vector2d(0, by) : Vector2d(0, 0), c == 2 ? by : 0);
+        turn(there, body, c == 2 ? Vector2d(0, 0) : by * s.unit * Vector2d::Unit(c), c == 2 ? by : 0);
         s.value(there, value.data());
       };
       moved(kDifference, plus), moved(-kDifference, minus);
       unit[place] = 1;
       for (std::size_t i = 0; i < static_cast<std::size_t>(s.values); ++i) {
-        const double by_differences = (plus[i] - minus[i]) / (2 * kDifference), given = apply(rows[i], unit.data());
+        const double by_differences = (plus[i] - minus[i]) / (2 * kDifference * (c == 2 ? 1 : s.unit)),
+                     given = apply(rows[i], unit.data());
         if (!(std::abs(by_differences - given) <= kAgree * (1 + std::abs(by_differences))))
           return s.row_name(static_cast<int>(i)) + " by the " +
                  (c == 0   ? "x"
@@ -74,7 +76,7 @@ std::string compare(const Subject& s, const Kinematics& k) {
   moving.twist.assign(k.pose.size(), {});
   for (std::size_t i = 0; i + 1 < k.pose.size(); ++i) {
     const auto x = static_cast<double>(i);
-    moving.twist[i] = {{std::cos(1 + x), std::sin(2 + x)}, 1.3 + 0.4 * std::cos(3 * x)};
+    moving.twist[i] = {s.unit * Vector2d(std::cos(1 + x), std::sin(2 + x)), 1.3 + 0.4 * std::cos(3 * x)};
     double* const vi = v.data() + kBlock * i;
     vi[0] = moving.twist[i].v.x(), vi[1] = moving.twist[i].v.y(), vi[2] = moving.twist[i].omega;
   }
@@ -108,6 +110,12 @@ std::string compare(const Subject& s, const Kinematics& k) {
              ": differences of the row give " + six_digits(by_differences);
   }
   return {};
+}
+
+/// [m] Differences are small next to it: the bodies' distance, at most 1, and large next to the rounding of places.
+double unit_of(const Pose& a, const Pose& b) {
+  const double apart = (a.x - b.x).norm(), far = std::max(a.x.norm(), b.x.norm());
+  return far > 0 ? std::min(1.0, std::max(apart, 1e-3 * far)) : 1;
 }
 
 /// At the given poses and two others near them; empty as soon as all is right at one of them.

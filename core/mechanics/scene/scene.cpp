@@ -18,10 +18,12 @@ class Element : public ElementCheck<Scene> {
     const auto* one = joint >= 0 && joint < static_cast<int>(scene_.joints.size())
                           ? &scene_.joints[static_cast<std::size_t>(joint)]
                           : nullptr;
-    if (one == nullptr || !(std::holds_alternative<Revolute>(*one) || std::holds_alternative<Prismatic>(*one)))
-      fail("mu", (joint < 0 ? std::string("mu is of a joint's load")
-                            : "joint " + std::to_string(joint) + " has no load for mu") +
-                     ": must name a revolute or prismatic joint");
+    if (one != nullptr && (std::holds_alternative<Revolute>(*one) || std::holds_alternative<Prismatic>(*one))) return;
+    const auto named = [](const auto& j) { return "joint \"" + j.name + "\" has no load for mu"; };
+    fail("mu", (joint < 0        ? "no joint is named that mu could multiply the load of"
+                : one == nullptr ? "joint " + std::to_string(joint) + " has no load for mu"
+                                 : std::visit(named, *one)) +
+                   ": must name a revolute or prismatic joint");
   }
   void law(const ContactLaw& law) const {
     friction("mu", law.mu), within("e_n", law.e, 0, 1), within("e_t", law.e_t, -1, 1);
@@ -165,7 +167,7 @@ void examine(const Element& e, const JointSpring& s) {
 
 void examine(const Element& e, const Load& l) {
   e.exists(l.body);
-  if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
+  if (l.body == kGround) e.fail("body", "body = \"ground\": must be a body that moves");
   e.finite("point", l.point), e.finite("force", l.force), e.finite("torque", l.torque);
   e.not_negative("omega", l.omega);
   for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {

@@ -1,4 +1,4 @@
-// core/mechanics/spatial/block_channel.h — block in a channel: a prismatic joint with clearance.
+// core/mechanics/spatial/block_channel.h — prismatic joint with clearance: a block in a channel.
 //   A box of body a between two pairs of walls of body b. Each of its eight corners may touch the wall on its side of
 //   either pair: 16 corners against half-spaces (sphere_plane.h), exact as long as the block is turned by less than a
 //   quarter turn against the channel. The channel has no ends: those are limits on a Slide.

@@ -120,7 +120,7 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
 
 void examine(const SpatialElement& e, const Load& l) {
   e.exists(l.body);
-  if (l.body == kGround) e.fail("body", "acts on the ground: must act on a body");
+  if (l.body == kGround) e.fail("body", "body = \"ground\": must be a body that moves");
   e.finite("point", l.point), e.finite("force", l.force), e.finite("moment", l.moment),
       e.not_negative("omega", l.omega);
   for (std::size_t i = 0; i < l.breakpoints.size(); ++i) {

@@ -1,4 +1,4 @@
-// core/mechanics/spatial/polyhedron.h — volume, centre of mass and inertia of a homogeneous polyhedron.
+// core/mechanics/spatial/polyhedron.h — mass properties of a homogeneous polyhedron; its contacts: touch.h.
 //
 //   Σ over the surface's triangles (a, b, c) of the tetrahedron (0, a, b, c), signed, d = a · (b × c):
 //   V = Σ d/6,   V x̄ = Σ d/24 s,   ∫ x xᵀ = Σ d/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ),   s = a + b + c

@@ -1,4 +1,4 @@
-// core/mechanics/spatial/round_shapes.h — segments grown by a radius (spheres, capsules): nearest points and touch.
+// core/mechanics/spatial/round_shapes.h — spheres and capsules (segments with a radius): nearest and contact points.
 // Source: Ericson, Real-Time Collision Detection (2005), 5.1.9 (two segments).
 #pragma once
 

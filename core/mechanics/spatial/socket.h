@@ -1,4 +1,4 @@
-// core/mechanics/spatial/socket.h — ball in a socket: a spherical joint with clearance.
+// core/mechanics/spatial/socket.h — spherical joint with clearance: a ball in a socket.
 //   g = radius_b − radius_a − |d|,  d = C_a − C_b   [m],  n = −d / |d|: the ball of a inside the hollow sphere of b.
 // At d = 0 there is no normal; the gap is the whole clearance there, so the contact is open.
 #pragma once

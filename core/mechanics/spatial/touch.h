@@ -1,4 +1,4 @@
-// core/mechanics/spatial/touch.h — touch of two convex shapes: at most four points with normal and gap.
+// core/mechanics/spatial/touch.h — narrow phase in space: contact points of convex shapes, polytopes and capsules.
 //
 //   A shape is a point or a segment, grown by a radius (sphere, capsule), or a convex polytope (hull.h).
 //   Spheres and capsules: nearest points of the cores; two capsules side by side also touch at the ends of their

@@ -2,7 +2,7 @@
 
 #include "experiments/studies/support/independent_judge.h"
 
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 
 #include <poll.h>
 #include <sys/mman.h>

@@ -34,7 +34,7 @@ std::string output_of(const std::vector<std::string>& command);
 Vector answer_of_rival(const Lcp& problem, const Rival& rival, double tolerance, Trial& trial);
 
 /// An LCP by a rival: handed over in a file, solved by its driver, and judged here like try_solver()'s. A solver of
-/// pure problems gets boxes and friction as added rows (pyramid.h, Stewart and Trinkle's form, copositive: Lemke's
+/// pure problems gets boxes and friction as added rows (pure_form.h, Stewart and Trinkle's form, copositive: Lemke's
 /// method has its guarantee), untimed; free rows it does not take. `tolerance` is for iterative solvers: a decade
 /// below what is judged, so that another norm in a stopping rule does not make an answer a wrong one.
 Trial try_rival(const Lcp& problem, const Rival& rival, double tolerance = 1e-11);

@@ -190,7 +190,7 @@ const Mistake kMistakes[] = {
        s.loads[0].breakpoints = {1, 1};
      },
      "load \"push\": breakpoints = 1: must be ascending"},
-    {[](Scene& s) { s.loads[0].body = kGround; }, "load \"push\": acts on the ground: must act on a body"},
+    {[](Scene& s) { s.loads[0].body = kGround; }, "load \"push\": body = \"ground\": must be a body that moves"},
     {[](Scene& s) { s.loads[0].point.x() = kNan; }, "load \"push\": point = (nan, 0): must be finite"},
     {[](Scene& s) { s.loads[0].force.y() = kNan; }, "load \"push\": force = (0, nan): must be finite"},
     {[](Scene& s) { s.loads[0].torque = kHuge; }, "load \"push\": torque = inf: must be finite"},

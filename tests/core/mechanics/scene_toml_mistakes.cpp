@@ -157,7 +157,8 @@ const FileMistake kFileMistakes[] = {
     {kBodies + "[[collision]]\nshapes = [{body = \"rod\", radius = 1}]",
      "s.toml:15: collision \"collision1\": shapes: must be of two bodies at least, or there must be walls"},
     {kBodies + "[[friction]]\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nmu = 0.1",
-     "s.toml:18: friction \"friction1\": mu is of a joint's load: must name a revolute or prismatic joint"},
+     "s.toml:18: friction \"friction1\": no joint is named that mu could multiply the load of: must name a "
+     "revolute or prismatic joint"},
     {kBodies + "[[contact]]\ntype = \"limit\"\nof = \"angle\"\nbodies = [\"rod\", \"ball\"]\nlower = 1\nmu = 1",
      "unknown key \"mu\": must be one of type, name, joint, of, bodies, e_n, lower, upper"},
     {kBodies + "[[contact]]\ntype = \"rope\"\nbodies = [\"rod\", \"cart\"]\nlength = 0",
@@ -195,7 +196,8 @@ const FileMistake kFileMistakes[] = {
      "s.toml:18: spring \"spring1\": unknown key \"point_a\": must be one of type, name, bodies, stiffness, damping, "
      "rest"},
     {kBodies + "[[load]]\nforce = [0, 1]", "s.toml:15: load \"load1\": missing key \"body\""},
-    {kBodies + "[[load]]\nbody = \"ground\"", "s.toml:16: load \"load1\": acts on the ground: must act on a body"},
+    {kBodies + "[[load]]\nbody = \"ground\"",
+     "s.toml:16: load \"load1\": body = \"ground\": must be a body that moves"},
     {kBodies + "[[load]]\nbody = \"rod\"\nfactor = 2", "s.toml:17: load \"load1\": factor = 2: must be a table"},
     {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"sine\"}",
      "s.toml:17: load \"load1\": factor.type = 'sine': must be cosine or table"},

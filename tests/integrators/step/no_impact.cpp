@@ -1,5 +1,5 @@
 // Words of an impact that leaves no velocities: the same in the plane and in space.
-#include <orthant/integrators/step/unsolved.h>
+#include <orthant/integrators/step/no_solution_message.h>
 
 #include <doctest/doctest.h>
 

@@ -105,7 +105,7 @@ TEST_CASE("a journal in the middle of its bearing has no normal but its whole cl
     }
 }
 
-TEST_CASE("a passage that ends in the other body, beyond its middle, is reported; one that ends before it is not") {
+TEST_CASE("a passage that ends in the other body, in or beyond its middle, is reported; one before it is not") {
   for (const std::string scheme : kPassing)
     for (const bool polygon : {false, true}) {
       CAPTURE(scheme);
@@ -119,6 +119,7 @@ TEST_CASE("a passage that ends in the other body, beyond its middle, is reported
         return run(s, scheme, s.duration);
       };
       CHECK(shoot(0.3).passages == 1);
+      CHECK(shoot(0).passages == 1);
       CHECK(shoot(-0.3).passages == 0);
     }
 }

@@ -1,3 +1,4 @@
+// Ground chains of a scene file.
 #include "reader.h"
 
 #include <orthant/core/mechanics/planar/chain.h>

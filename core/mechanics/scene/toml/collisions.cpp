@@ -1,3 +1,4 @@
+// Collision sets of a scene file.
 #include "reader.h"
 
 namespace orthant::scene_file {

@@ -1,3 +1,4 @@
+// Contacts of a planar scene file.
 #include "reader.h"
 
 #include <orthant/core/support/options.h>

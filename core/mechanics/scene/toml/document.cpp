@@ -1,3 +1,4 @@
+// TOML document: parsing, keys that nobody reads, errors with their lines.
 #include "document.h"
 
 #include <orthant/core/support/options.h>

@@ -1,3 +1,4 @@
+// Joints of a planar scene file.
 #include "reader.h"
 
 namespace orthant::scene_file {

@@ -1,3 +1,4 @@
+// Loads and springs of a planar scene file.
 #include "reader.h"
 
 namespace orthant::scene_file {

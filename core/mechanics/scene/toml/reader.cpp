@@ -1,3 +1,4 @@
+// Planar scenes from TOML: bodies, sizes, order of the tables.
 #include "reader.h"
 
 namespace orthant::scene_file {

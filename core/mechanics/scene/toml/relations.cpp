@@ -1,3 +1,4 @@
+// Relations, gears and pulleys of a planar scene file.
 #include "reader.h"
 
 #include <orthant/core/mechanics/planar/relation.h>

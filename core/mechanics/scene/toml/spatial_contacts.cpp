@@ -1,3 +1,4 @@
+// Contacts of a spatial scene file.
 #include "spatial_fields.h"
 
 #include <orthant/core/lcp/problem.h>

@@ -1,3 +1,4 @@
+// Joints of a spatial scene file.
 #include "reader.h"
 #include "spatial_fields.h"
 

@@ -1,3 +1,4 @@
+// Spatial scenes from TOML: bodies, springs, loads, order of the tables.
 #include "spatial_reader.h"
 
 #include "reader.h"

@@ -1,4 +1,4 @@
-// integrators/step/unsolved.h — message of a step's problem without a solution: the reason in words.
+// integrators/step/no_solution_message.h — message of a step's problem without a solution: the reason in words.
 #pragma once
 
 #include <orthant/integrators/step/spatial_rank_deficiency.h>

@@ -1,4 +1,4 @@
-#include <orthant/integrators/between_events/substitute.h>
+#include <orthant/integrators/between_events/listed_contacts.h>
 
 #include <algorithm>
 
@@ -41,7 +41,7 @@ int pairs_of(const Collision& c) {
 
 }  // namespace
 
-Substitute::Substitute(const System& system, std::string_view scheme) : system_(system) {
+ListedContacts::ListedContacts(const System& system, std::string_view scheme) : system_(system) {
   const Scene& scene = system.scene();
   int pairs = 0;
   first_pair_.push_back(system.listed());
@@ -72,7 +72,7 @@ Substitute::Substitute(const System& system, std::string_view scheme) : system_(
   place_.resize(inner_->scene().contacts.size()), has_event_.resize(place_.size());
 }
 
-StepReport Substitute::step(Integrator& scheme, double h, Solver& solver, State& x, Records out) {
+StepReport ListedContacts::step(Integrator& scheme, double h, Solver& solver, State& x, Records out) {
   const Index dof = system_.dof();
   if (state_.q.size() == 0 || state_.q.head(dof) != x.q || state_.v.head(dof) != x.v) {
     state_ = inner_->initial_state();
@@ -103,22 +103,22 @@ StepReport Substitute::step(Integrator& scheme, double h, Solver& solver, State&
   return report;
 }
 
-void Substitute::refuse(const System& system, std::string_view scheme) {
+void ListedContacts::refuse(const System& system, std::string_view scheme) {
   if (needed(system.scene()))
     throw std::invalid_argument("integrator " + std::string(scheme) +
                                 ": takes listed contacts only; make_integrator() lists the pairs of collisions and " +
                                 "replaces dry friction in joints");
 }
 
-StepReport SubstituteIntegrator::step(double h, Solver& solver, State& x) {
+StepReport ListedContactsIntegrator::step(double h, Solver& solver, State& x) {
   scheme_->set_budget(budget());
-  const StepReport report = substitute_.step(*scheme_, h, solver, x, {gaps_, impulses_, frictions_, events_});
+  const StepReport report = listed_.step(*scheme_, h, solver, x, {gaps_, impulses_, frictions_, events_});
   why_ = scheme_->why();
   return report;
 }
 
 /// Frictions come behind all contacts, for their events.
-void Substitute::number_pairs(const Integrator& scheme) {
+void ListedContacts::number_pairs(const Integrator& scheme) {
   std::fill(place_.begin(), place_.end(), -1);
   std::fill(has_event_.begin(), has_event_.end(), false);
   for (const Event& event : scheme.events()) has_event_[static_cast<std::size_t>(event.contact)] = true;

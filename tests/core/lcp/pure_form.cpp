@@ -1,6 +1,6 @@
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/problems/collection.h>
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 #include <orthant/solvers/pivoting/enumerate.h>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The forms that methods of linear problems have for friction discs.
+// Friction discs: the forms that methods of linear problems have for them.
 #include <orthant/solvers/active_set/interior_point.h>
 #include <orthant/solvers/active_set/newton_fb.h>
 #include <orthant/solvers/active_set/newton_min.h>

@@ -1,4 +1,4 @@
-#include <orthant/core/lcp/pyramid.h>
+#include <orthant/core/lcp/pure_form.h>
 
 #include <algorithm>
 

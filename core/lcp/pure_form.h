@@ -1,5 +1,4 @@
-// core/lcp/pyramid.h — friction pyramid: reduction of friction, boxes and shifted bounds to a pure LCP of [0, ∞) and
-// free rows.
+// core/lcp/pure_form.h — pure form of an LCP: boxes, shifted bounds, planar friction. Facets of discs: cones/facets.h.
 //
 //   One-sided:     z = lo + y, or z = hi − y with the row's sign turned.
 //   Box [lo, hi]:  z = lo + y,       0 ≤ y ⊥ w + ξ ≥ 0,  0 ≤ ξ ⊥ (hi − lo) − y ≥ 0.
@@ -48,7 +47,7 @@ class Pyramid {  // reuse it: the second problem of a size allocates nothing
   DenseMatrix dense_;
   Vector shift_;              // z = ±y + shift for one-sided and box rows
   std::vector<int> added_;    // per row: index of its first added row, or −1
-  std::vector<int> kind_;     // per row: see pyramid.cpp
+  std::vector<int> kind_;     // per row: see pure_form.cpp
   std::vector<char> turned_;  // per row: a friction row whose sign was changed
   Form form_ = Form::shifted;
 };

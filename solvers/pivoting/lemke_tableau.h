@@ -1,4 +1,4 @@
-// solvers/pivoting/tableau.h — condensed tableau of Lemke's method, in any scalar type.
+// solvers/pivoting/lemke_tableau.h — Lemke's tableau: lexicographic ratio test (no cycles), pivots; any scalar type.
 //
 //   w = M z + q + d z₀ (d = e) as a dictionary: each basic variable = constant + Σ coefficient · nonbasic variable.
 //   One row per basic variable: [constant | n + 1 coefficients], row-major. A pivot costs O(n²) and touches rows only;

@@ -1,6 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/step/jam.h>
-#include <orthant/integrators/step/unsolved.h>
+#include <orthant/integrators/step/no_solution_message.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// integrators/between_events/substitute.h — equivalent scene of listed contacts: collisions, dry friction in joints.
+// integrators/between_events/listed_contacts.h — collisions and dry friction in joints as listed contacts.
 //
 //   For schemes that follow every contact separately. Each pair of a collision becomes a contact of its own. Dry
 //   friction of the bound B becomes a contact, too: a body next to the mechanism is pressed onto the ground by the
@@ -14,7 +14,7 @@
 
 namespace orthant {
 
-class Substitute {
+class ListedContacts {
  public:
   static constexpr int kMostPairs = 1000;
 
@@ -23,7 +23,7 @@ class Substitute {
   static void refuse(const System& system, std::string_view scheme);
 
   /// Throws std::invalid_argument in the name of `scheme` for what it cannot stand for.
-  Substitute(const System& system, std::string_view scheme);
+  ListedContacts(const System& system, std::string_view scheme);
 
   const System& system() const { return *inner_; }
 
@@ -35,8 +35,8 @@ class Substitute {
     std::vector<Event>& events;
   };
   /// One step of a scheme that works on system(); x is of the scene itself. Pairs are numbered again in each step, as
-  /// those
-  /// of other schemes are: those that push or have events first, then by their gaps; those without room are left out.
+  /// those of other schemes are: those that push or have events first, then by their gaps; those without room are left
+  /// out.
   StepReport step(Integrator& scheme, double h, Solver& solver, State& x, Records out);
 
   void remember(CheckpointData& memory) { memory(state_); }
@@ -54,20 +54,20 @@ class Substitute {
 };
 
 /// `scheme`, made for the equivalent scene, as an integrator of the scene itself.
-class SubstituteIntegrator final : public Integrator {
+class ListedContactsIntegrator final : public Integrator {
  public:
   using Make = std::unique_ptr<Integrator> (*)(const System& system, std::string_view options);
-  SubstituteIntegrator(const System& system, std::string_view scheme, const Capabilities& can, Make make,
+  ListedContactsIntegrator(const System& system, std::string_view scheme, const Capabilities& can, Make make,
                        std::string_view options)
-      : Integrator(system, scheme, can), substitute_(system, scheme), scheme_(make(substitute_.system(), options)) {}
+      : Integrator(system, scheme, can), listed_(system, scheme), scheme_(make(listed_.system(), options)) {}
 
   StepReport step(double h, Solver& solver, State& x) override;
-  void remember(CheckpointData& memory) override { memory(substitute_, *scheme_); }
+  void remember(CheckpointData& memory) override { memory(listed_, *scheme_); }
   const Lcp& problem() const override { return scheme_->problem(); }
   bool controls_step() const override { return scheme_->controls_step(); }
 
  private:
-  Substitute substitute_;
+  ListedContacts listed_;
   std::unique_ptr<Integrator> scheme_;
 };
 

@@ -1,4 +1,4 @@
-// What the rows have to do with each other: parts, and the data that come from one to the other.
+// Row scales of the judge: parts of coupled rows, and the data that come from one row to another.
 #include <orthant/core/lcp/judge/certify.h>
 
 #include <algorithm>
