@@ -142,6 +142,7 @@ std::string wrong_derivative(const Joint& joint, const Kinematics& poses) {
       [&](const auto& j) {
         const auto [a, b] = bodies_of(j);
         Subject s{a, b, row_count(joint), row_count(joint), "residual", {}, {}, {}, {}, {}};
+        s.unit = unit_of(poses.at(a), poses.at(b));
         s.value = [&](const Kinematics& k, double* x) { j.residual(k, x); };
         s.row = [&](const Kinematics& k, Row* G) { j.rows(k, G); };
         if constexpr (requires(double* x) { j.rate(poses, x); })
@@ -157,6 +158,7 @@ std::string wrong_derivative(const Contact& contact, const Kinematics& poses) {
       [&](const auto& c) {
         const auto [a, b] = bodies_of(c);
         Subject s{a, b, 2, 1, "gap", {"rows.normal", "rows.tangent"}, {}, {}, {}, {}};
+        s.unit = unit_of(poses.at(a), poses.at(b));
         s.value = [&](const Kinematics& k, double* x) { x[0] = c.gap(k); };
         s.row = [&](const Kinematics& k, Row* G) {
           const ContactRows rows = c.rows(k);
