@@ -98,7 +98,7 @@ TEST_CASE("rows and biases of relations are derivatives, wherever the bodies are
         {draws(0.1, 2), Span{0, 1, unit * draws.point(), unit * draws.point()}},
         {-1, Slide{1, 0, unit * draws.point(), unit * draws.point(), draws.direction()}},
         {1, Span{kGround, 1, unit * draws.point(9), unit * draws.point()}},
-        {draws(0.1, 2), Angle{0, kGround}}};
+        {unit * draws(0.1, 2), Angle{0, kGround}}};
     CHECK(wrong_derivative(Joint(CustomJoint(Relation("r", terms))), k).empty());
     for (const auto side : {Limit::Side::lower, Limit::Side::upper})
       CHECK(wrong_derivative(Contact(CustomContact(RelationLimit("r", terms, side, 1))), k).empty());
