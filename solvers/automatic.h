@@ -9,7 +9,7 @@
 //                          frictionless to 6 rows then dantzig
 //     friction             symmetric from 60 rows on: psor and mprgp, both abandoned if they make no progress; to 400
 //                          rows, with a start value or beyond 100 rows: path without restarts
-//                          dense, without a start value: prox after psor
+//                          without a start value, dense: prox after psor; over loose bodies: newton-ac after both
 //     pyramids             unsymmetric, not skew, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not
 //                          the guess
 //     sparse, unsymmetric  from 100 rows on, positive diagonal: 200 sweeps of psor, abandoned if they make no progress;
