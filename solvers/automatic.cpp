@@ -17,8 +17,9 @@ struct Look {
   bool sparse = false, applied = false;  // storage: rows, or an operator that is only applied
   bool warm = false;                     // a start value is given
   bool friction = false, symmetric = true, skew = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
-  bool grid = false;   // of two or three dimensions: more than four entries a row
-  bool loose = false;  // an operator over at least half as many velocities as rows
+  bool grid = false;    // of two or three dimensions: more than four entries a row
+  bool loose = false;   // an operator over at least an eighth as many velocities as rows
+  bool uneven = false;  // an operator with diagonal entries a hundredfold apart
 };
 
 struct Step {
@@ -62,6 +63,7 @@ bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool loose_contacts(const Look& p) {
   return quadratic_friction(p) && p.loose && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
+bool uneven_contacts(const Look& p) { return loose_contacts(p) && p.uneven; }
 bool dense_friction(const Look& p) {
   return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
@@ -89,12 +91,12 @@ constexpr Step kSteps[] = {
     {"newton-min", "sparse, no positive entry off the diagonal",
      [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
     {"lemke-howson", "no diagonal: a game?", [](const Look& p) { return smooth(p) && p.no_diagonal && p.n > 1; }},
-    // Piles and stacks of loose bodies, from no start value. 144 to 320 rows: sweeps or mprgp answer soon (1 to 2 ms), or
-    // Newton's method does, 2 to 5 ms after them; more sweeps 6 to 9 ms, path 15 to 35 ms. A table on 40 legs, three
-    // velocities: newton-ac 20 to 50 ms, mprgp 5 ms.
-    {"psor:max_sweeps=320,stop_early=true", "friction, symmetric, loose bodies", loose_contacts},
-    {"mprgp:max_iterations=300,stop_early=true", "friction, symmetric, loose bodies", loose_contacts},
-    {"newton-ac:max_steps=30", "friction, symmetric, loose bodies", loose_contacts},
+    // Piles, walls and stacks of loose bodies, 144 to 320 rows, from no start value: sweeps answer soon (1 ms), or
+    // Newton's method does, 2 to 10 ms; more sweeps 3 to 9 ms, path 13 to 35 ms. A table on 40 legs, three velocities:
+    // newton-ac 20 to 50 ms, mprgp 3 ms. Mass ratio 10⁴, spatial stack: mprgp 1.2 ms, newton-ac 21 ms.
+    {"psor:max_sweeps=512,stop_early=true", "friction, symmetric, loose bodies", loose_contacts},
+    {"mprgp:max_iterations=300,stop_early=true", "friction, symmetric, loose bodies of unequal mass", uneven_contacts},
+    {"newton-ac", "friction, symmetric, loose bodies", loose_contacts},
     // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of
     // them.
     {"psor:max_sweeps=6000,stop_early=true", "friction, symmetric, cheap sweeps", sweeps},
@@ -175,7 +177,10 @@ Look look(const Lcp& problem) {
   } else {
     const Delassus& contacts = std::get<Delassus>(problem.A);
     p.applied = true;
-    p.loose = 2 * contacts.W.cols >= p.n;
+    p.loose = 8 * contacts.W.cols >= p.n;
+    Vector entries;
+    diagonal(problem.A, entries);
+    p.uneven = entries.size() > 0 && entries.maxCoeff() > 100 * entries.minCoeff();
     p.no_diagonal = p.z_matrix = false;
   }
   return p;
@@ -302,7 +307,7 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   s.iterations = work.iterations += work.inner.iterations;
   const auto when = kSteps[k].when;
   const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids || when == &swept ||
-                     when == &dense_friction || when == &loose_contacts;
+                     when == &dense_friction || when == &loose_contacts || when == &uneven_contacts;
   const bool in_vain = tried && !has_answer(work.inner.status) && work.inner.status != Status::infeasible;
   if (logging())
     log(attempt, work.inner.residual, 0,
