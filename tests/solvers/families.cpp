@@ -168,6 +168,25 @@ TEST_CASE(
   CHECK(proximal > 0);
 }
 
+TEST_CASE("auto: loose bodies with friction where sweeps crawl take Newton's method, a table on many legs does not") {
+  const auto solver = make_solver("auto");
+  IterationLog log;
+  solver->set_log(&log);
+  const auto by = [&](const char* family, Index size, double ratio) {
+    Solution s;
+    CHECK(has_answer(solver->solve(find_family(family)->make(size, ratio, 1).problem, s).status));
+    return log.back().event;
+  };
+  CHECK(by("column", 320, 1).starts_with("newton-ac"));
+  CHECK(by("column", 320, 1e4).starts_with("newton-ac"));
+  CHECK(by("column3d", 240, 1).starts_with("newton-ac"));
+  CHECK(by("column3d", 240, 1e4).starts_with("mprgp"));
+  CHECK(by("wall", 144, 1e4).starts_with("newton-ac"));
+  CHECK(by("wall", 144, 1).starts_with("psor"));
+  CHECK(by("table", 320, 1).starts_with("psor"));
+  CHECK(by("table", 320, 1e4).starts_with("mprgp"));
+}
+
 TEST_CASE("stop_early gives up within hundreds of sweeps where thousands would not do, and nowhere else") {
   const auto solved = [](const char* spec, const Lcp& problem) {
     Solution s;
