@@ -241,6 +241,8 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
   }
   for (Index i = 0; i < n; ++i) diagonal_positive = diagonal_positive && f.value.coeff(i, i) > f.error.coeff(i, i);
   result.diagonally_dominant = dominant(f);
+  const bool dominates = is_yes(result.diagonally_dominant) && diagonal_positive;
+  if (dominates) result.h_plus = result.p = Verdict::yes;  // known even where the time limit ends the rest
 
   // Definiteness, H₊ and K, rank.
   exact::ask(stop);
@@ -255,7 +257,6 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
     exact::Table copy = exactly;
     result.rank = static_cast<Index>(exact::reduce(copy, at(n)).size());
   } else {
-    const bool dominates = is_yes(result.diagonally_dominant) && diagonal_positive;
     if ((dominates && is_yes(result.symmetric)) || (deadline.affords(S.value) && surely_definite(S)))
       result.positive_definite = result.positive_semidefinite = Verdict::yes;
     else if (delassus)
