@@ -14,7 +14,7 @@
 //                          the guess
 //     sparse, unsymmetric  from 100 rows on, positive diagonal: 200 sweeps of psor, abandoned if they make no progress;
 //                          to 400 rows lemke's revised form
-//     nonnegative, dense   unsymmetric, positive diagonal: ten sweeps of psor
+//     nonnegative, dense   unsymmetric, positive diagonal: a hundred sweeps of psor
 //     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
 //     obstacles (sparse Z) psor on grids to 2000 rows, multigrid, 10 iterations of block-pivot, newton-min
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0, 50 iterations

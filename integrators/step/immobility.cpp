@@ -107,7 +107,7 @@ Immobility::Verdict Immobility::judge() {
   left_.setZero();  // a velocity that the joints allow
   basic_.add_rates(terms_.joint_rate.data(), left_.data());
   const double rate = sum_.dot(left_);
-  if (std::abs(rate) > rounding_of_rate(change_, left_)) verdict.rate = rate;
+  if (std::abs(rate) > rounding_of_rate(change_, left_) + rounding_of_drives()) verdict.rate = rate;
   return verdict;
 }
 
@@ -122,6 +122,18 @@ double Immobility::rounding_of_rate(const Eigen::VectorXd& sizes, const Eigen::V
   for (Index b = 0; b < gyration_.size(); ++b) {
     const double size = sizes[kBlock * b] + sizes[kBlock * b + 1] + rotation(sizes, b) / gyration_[b];
     rounding += size * (kDriven * speed(b) + kKnown * (1 + far(b) / gyration_[b]) * fastest);
+  }
+  return rounding;
+}
+
+/// [m/s] Of J v = −λᵀ ṡ.
+double Immobility::rounding_of_drives() const {
+  double rounding = 0;
+  Index row = 0;
+  for (const Joint& joint : system_.scene().joints) {
+    if (const auto* drive = std::get_if<Drive>(&joint))
+      rounding += kKnown * std::abs(load_[row]) * drive->law.size_of_rate(terms_.at.t);
+    row += row_count(joint);
   }
   return rounding;
 }

@@ -10,7 +10,8 @@
 //   rounding of places far away makes of levers; joints hold to some ε (1 + |x_b|) (projection.h).
 //   Poses are those where the joints hold, at the start of a step: on its way a scheme is off them by O(h²), and levers
 //   so. The rate of an immobile J is the one that the joints give it, J v for any v with G v = ṡ; 0 without drives, and
-//   where it is no more than 1e-9 of the speeds of J's bodies plus rounding of the fastest body's speed.
+//   where it is no more than 1e-9 of the speeds of J's bodies plus rounding of the fastest body's speed and of what the
+//   drives' rates are summed of.
 // Cost: one factorization of the basic system per step with a row to test, and three solves per row. Callers test only
 // rows with a small effective inverse mass: suspicious().
 // Source: Golub & Van Loan, Matrix Computations (2013), 5.5 (numerical rank), 5.3.8 (iterative refinement).
@@ -61,6 +62,7 @@ class Immobility {
   /// Adds a row's entries to what its bodies' forces are summed of.
   void measure(const Row& row, double weight);
   double rounding_of_rate(const Eigen::VectorXd& sizes, const Eigen::VectorXd& v) const;
+  double rounding_of_drives() const;
   double far(Index body) const;  // [m] 1 m more than its distance from the origin
 
   const System& system_;

@@ -139,8 +139,10 @@ template <class Space> class Assembly {
 };
 
 template <class Space> typename SystemOf<Space>::Scene assembly_of(typename SystemOf<Space>::Scene moved) {
+  moved.assemble = true;
+  check(moved);
   moved.assemble = false;
-  const SystemOf<Space> system(moved);
+  const SystemOf<Space> system(moved, Examined::yes);
   Assembly<Space> assembly(system);
   Eigen::VectorXd q;
   if (!assembly.find(q))

@@ -56,8 +56,10 @@ class CustomContact {
   ContactRows rows(const Kinematics& k) const { return kind_->rows(k); }
   ContactBias bias(const Kinematics& k) const { return kind_->bias(k); }
   double length() const { return kind_->length(); }
-  /// False of kinds with `kChecked = false`, of the library's own: their rows act on other bodies, too.
+  /// False of kinds with `kChecked = false`, of the library's own: their rows are tested elsewhere.
   bool checked() const { return kind_->checked(); }
+  /// In words: what such a kind finds wrong itself, at the start; empty: nothing.
+  std::string wrong(const Kinematics& start) const { return kind_->wrong(start); }
 
  private:
   struct Kind {
@@ -68,6 +70,7 @@ class CustomContact {
     virtual ContactBias bias(const Kinematics& k) const = 0;
     virtual double length() const = 0;
     virtual bool checked() const = 0;
+    virtual std::string wrong(const Kinematics& start) const = 0;
   };
   template <class T> struct Of final : Kind {
     explicit Of(T contact) : contact_(std::move(contact)) {}
@@ -86,6 +89,12 @@ class CustomContact {
         return T::kChecked;
       else
         return true;
+    }
+    std::string wrong(const Kinematics& start) const override {
+      if constexpr (requires { contact_.wrong(start); })
+        return contact_.wrong(start);
+      else
+        return {};
     }
     T contact_;
   };

@@ -48,6 +48,9 @@ class CustomJoint {
 
   int row_count() const { return kind_->row_count(); }
   bool driven() const { return kind_->driven(); }
+  /// As of a CustomContact.
+  bool checked() const { return kind_->checked(); }
+  std::string wrong(const Kinematics& start) const { return kind_->wrong(start); }
   void residual(const Kinematics& k, double* phi) const { kind_->residual(k, phi); }
   void rows(const Kinematics& k, Row* G) const { kind_->rows(k, G); }
   void rate(const Kinematics& k, double* wanted) const { kind_->rate(k, wanted); }
@@ -59,6 +62,8 @@ class CustomJoint {
     virtual std::pair<BodyId, BodyId> bodies() const = 0;
     virtual int row_count() const = 0;
     virtual bool driven() const = 0;
+    virtual bool checked() const = 0;
+    virtual std::string wrong(const Kinematics& start) const = 0;
     virtual void residual(const Kinematics& k, double* phi) const = 0;
     virtual void rows(const Kinematics& k, Row* G) const = 0;
     virtual void rate(const Kinematics& k, double* wanted) const = 0;
@@ -70,6 +75,18 @@ class CustomJoint {
     std::pair<BodyId, BodyId> bodies() const override { return bodies_of(joint_); }
     int row_count() const override { return T::kRows; }
     bool driven() const override { return kDriven; }
+    bool checked() const override {
+      if constexpr (requires { T::kChecked; })
+        return T::kChecked;
+      else
+        return true;
+    }
+    std::string wrong(const Kinematics& start) const override {
+      if constexpr (requires { joint_.wrong(start); })
+        return joint_.wrong(start);
+      else
+        return {};
+    }
     void residual(const Kinematics& k, double* phi) const override { joint_.residual(k, phi); }
     void rows(const Kinematics& k, Row* G) const override { joint_.rows(k, G); }
     void rate(const Kinematics& k, double* wanted) const override {

@@ -32,12 +32,15 @@ struct CoordinateTerm {
 /// Σ factor c, with its two bodies.
 class CoordinateSum {
  public:
-  /// Throws std::invalid_argument for no term, a factor of 0 or not finite, no body or three besides the ground.
+  static constexpr double kMost = 1e100;  // of factors, sums, offsets and bounds; squares are finite
+
+  /// Throws std::invalid_argument for no term, a factor of 0 or beyond 1e±100, no body or three besides the ground.
   explicit CoordinateSum(std::vector<CoordinateTerm> terms) : terms_(std::move(terms)) {
     if (terms_.empty()) throw std::invalid_argument("terms = []: must have at least one");
     for (const CoordinateTerm& term : terms_) {
-      if (!std::isfinite(term.factor) || term.factor == 0)
-        throw std::invalid_argument("terms: factor = " + detail::text_of(term.factor) + ": must be finite and not 0");
+      if (const double size = std::abs(term.factor); !(size >= 1 / kMost && size <= kMost))
+        throw std::invalid_argument("terms: factor = " + detail::text_of(term.factor) +
+                                    ": must be finite and not 0, of a size from 1e-100 to 1e100");
       const auto [one, other] = bodies_of(term);
       add(one), add(other);
     }
@@ -62,6 +65,17 @@ class CoordinateSum {
     double sum = 0;
     for (const CoordinateTerm& term : terms_) sum += term.factor * term.of.bias(k);
     return sum;
+  }
+  /// In words: a distance that starts as 0, a sum or a field beside it that is too large; empty: nothing.
+  std::string wrong(const Kinematics& start, const char* field, double value_of_field) const {
+    for (std::size_t i = 0; i < terms_.size(); ++i)
+      if (std::holds_alternative<Span>(terms_[i].of.kind()) && terms_[i].of.value(start) == 0)
+        return "terms[" + std::to_string(i) + "]: a distance starts as 0: must be > 0, it has no direction there";
+    const auto beyond = [](const std::string& what, double size) {
+      return std::abs(size) <= kMost ? "" : what + " = " + detail::text_of(size) + ": must be between -1e100 and 1e100";
+    };
+    if (std::string words = beyond(field, value_of_field); !words.empty()) return words;
+    return beyond("terms: their sum at the start", value(start));
   }
 
  private:
@@ -88,6 +102,8 @@ struct Relation {
   void residual(const Kinematics& k, double* phi) const { phi[0] = sum.value(k) - offset; }
   void rows(const Kinematics& k, Row* G) const { G[0] = sum.row(k); }
   void bias(const Kinematics& k, double* Gdot_v) const { Gdot_v[0] = sum.bias(k); }
+  static constexpr bool kChecked = false;
+  std::string wrong(const Kinematics& start) const { return sum.wrong(start, "offset", offset); }
 };
 
 struct RelationLimit {
@@ -108,6 +124,8 @@ struct RelationLimit {
     return {scaled(row, sign()), blank(row)};
   }
   ContactBias bias(const Kinematics& k) const { return {sign() * sum.bias(k), 0}; }
+  static constexpr bool kChecked = false;
+  std::string wrong(const Kinematics& start) const { return sum.wrong(start, "bound", bound); }
   /// A rope's direction changes over its length.
   double length() const {
     for (const CoordinateTerm& term : sum.terms())

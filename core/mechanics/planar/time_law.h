@@ -19,6 +19,11 @@ struct TimeLaw {
   double rate(double t) const {
     return rate_of_change + amplitude * omega * std::cos(omega * t + phase) + table.rate(t);
   }
+  /// What rate(t) is summed of: it is rounded as a number of that size is.
+  double size_of_rate(double t) const {
+    return std::abs(rate_of_change) + std::abs(amplitude * omega) * (1 + std::abs(omega * t + phase)) +
+           std::abs(table.rate(t));
+  }
   double acceleration(double t) const {
     return -amplitude * omega * omega * std::sin(omega * t + phase) + table.acceleration(t);
   }

@@ -33,6 +33,8 @@ class Element : public ElementCheck<Scene> {
 
   /// The initial poses.
   const Kinematics& start() const { return start_; }
+  /// Whether bodies are moved into their joints and journals before anything else.
+  bool assembles() const { return scene_.assemble; }
 
  private:
   const Kinematics& start_;
@@ -81,7 +83,8 @@ void examine(const Element& e, const CustomJoint& j) {
   e.pair(j.a, j.b);
   if (j.row_count() < 1 || j.row_count() > 3)
     e.fail("kRows", "kRows = " + std::to_string(j.row_count()) + ": must be 1, 2 or 3");
-  if (const std::string wrong = wrong_derivative(j, e.start()); !wrong.empty()) e.fail("rows", wrong);
+  const std::string wrong = j.checked() ? wrong_derivative(j, e.start()) : j.wrong(e.start());
+  if (!wrong.empty()) e.fail("rows", wrong);
 }
 
 void examine(const Element& e, const CornerWall& c) {
@@ -115,7 +118,7 @@ void examine(const Element& e, const Journal& c) {
   e.positive("radius_a", c.radius_a), e.positive("radius_b", c.radius_b), e.law(c.law);
   e.require(c.radius_b > c.radius_a, "radius_b", c.radius_b, "> radius_a = " + e.text(c.radius_a));
   const double off = Span{c.a, c.b, c.centre_a, c.centre_b}.value(e.start());
-  if (!(off <= c.radius_b))
+  if (!(off <= c.radius_b) && !e.assembles())
     e.fail("bodies", "its centres start " + e.text(off) + " m apart: must be at most radius_b = " + e.text(c.radius_b) +
                          ", the pin is out of its hole");
 }
@@ -127,8 +130,8 @@ void examine(const Element& e, const Limit& c) {
 
 void examine(const Element& e, const CustomContact& c) {
   e.pair(c.a, c.b), e.law(c.law);
-  if (!c.checked()) return;
-  if (const std::string wrong = wrong_derivative(c, e.start()); !wrong.empty()) e.fail("rows", wrong);
+  const std::string wrong = c.checked() ? wrong_derivative(c, e.start()) : c.wrong(e.start());
+  if (!wrong.empty()) e.fail("rows", wrong);
 }
 
 void examine(const Element& e, const Collision& c) {

@@ -53,6 +53,10 @@ TEST_CASE("assemble: a journal outside its bearing touches it, one inside stays 
   };
   CHECK(std::abs(place(assembled(pin(0.011)), 0).x() - 0.002) < 1e-12);
   CHECK(place(assembled(pin(0.001)), 0).x() == 0.001);
+  Scene far = pin(0.05);  // a pin out of its hole is refused, except where it is moved into it
+  CHECK_THROWS_WITH_AS(check(far), doctest::Contains("the pin is out of its hole"), std::invalid_argument);
+  far.assemble = true;
+  CHECK(std::abs(System(far).initial_state().q[0] - 0.002) < 1e-12);
 }
 
 TEST_CASE("assemble = true in a scene file moves bodies; far-off loops close; a loop that cannot close is named") {

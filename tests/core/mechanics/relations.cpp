@@ -105,6 +105,25 @@ TEST_CASE("rows and biases of relations are derivatives, wherever the bodies are
   }
 }
 
+TEST_CASE("a rack and pinion far from the origin: their rows are not asked for differences, which are rounding there") {
+  const auto scene = [](double far) {
+    const std::string x = "[" + std::to_string(far) + ", ";
+    return parse_scene(
+        "duration = 0.5\n[[body]]\nname = 'a'\nmass = 1\ninertia = 0.02\nposition = " + x +
+        "0]\n[[body]]\nname = 'b'\nmass = 2\ninertia = 0.02\nposition = " + x +
+        "-0.1]\n[[joint]]\ntype = 'revolute'\nname = 'j'\nbodies = ['ground', 'a']\npoint_a = " + x +
+        "0]\n[[joint]]\ntype = 'prismatic'\nname = 'k'\nbodies = ['ground', 'b']\npoint_a = [0, -0.1]\n"
+        "[[joint]]\ntype = 'relation'\nname = 'r'\nterms = [{joint = 'k'}, {joint = 'j', factor = -0.1}]\n"
+        "[[load]]\nbody = 'b'\nforce = [1, 0]\n");
+  };
+  for (const double far : {0.0, 1e6, 1e7}) {
+    CAPTURE(far);
+    const Run r = run(scene(far), "moreau-jean", 1e-3);
+    REQUIRE(r.status == Status::solved);
+    CHECK(std::abs(r.final.q[3] - far - 0.125 / (2 + 0.02 / 0.01)) < 1e-3 + 1e-14 * far);
+  }
+}
+
 TEST_CASE("an invalid relation is refused with its place") {
   const auto joint = [&](const std::string& keys) { return error_of(kWheels + "[[joint]]\nname = 'r'\n" + keys); };
   CHECK(contains(joint("type = 'relation'"), "joint \"r\": missing key \"terms\""));
@@ -118,6 +137,12 @@ TEST_CASE("an invalid relation is refused with its place") {
   CHECK(contains(joint("type = 'gear'\nbodies = ['b', 'a']\nratio = 0"), "ratio = 0: must be not 0"));
   CHECK(contains(error_of(kAtwood), "missing key \"length\""));
   CHECK(contains(error_of(kAtwood + "length = 0\n"), "length = 0: must be > 0"));
+  CHECK(contains(error_of(kAtwood + "length = 1e300\n"), "length = 1e300: must be > 0, at most 1e100"));
+  CHECK(contains(error_of(kAtwood + "length = 3\nratio = 1e300\n"), "ratio = 1e300: must be > 0, from 1e-100"));
+  CHECK(contains(joint("type = 'relation'\noffset = 1e300\nterms = [{joint = 'pin'}]"),
+                 "offset = 1e+300: must be between -1e100 and 1e100"));
+  CHECK(contains(joint("type = 'relation'\nterms = [{joint = 'pin', factor = 1e300}]"), "factor = 1e+300: must be"));
+  CHECK(contains(joint("type = 'gear'\nbodies = ['a', 'b']\nratio = 1e300"), "ratio = 1e300: must be not 0"));
   const std::string third = "[[body]]\nname = 'c'\nmass = 1\ninertia = 1\n";
   CHECK(contains(joint("type = 'relation'\nterms = [{joint = 'pin'}, {of = 'angle', bodies = ['b', 'c']}]\n" + third),
                  "act on three bodies: must act on two at the most besides the ground"));

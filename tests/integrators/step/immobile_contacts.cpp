@@ -276,6 +276,26 @@ TEST_CASE("a drive that presses a contact shut is a proved contradiction; rest a
     }
 }
 
+TEST_CASE("a drive that only touches a stop where it turns round goes on; one that turns a little later is jammed") {
+  constexpr double omega = 2 * std::numbers::pi;
+  for (const std::string& name : kFormsAndIntegrators)
+    for (const double h : {1e-3, 1e-4}) {
+      CAPTURE(name);
+      CAPTURE(h);
+      const auto touch = [&](double upper) {
+        Scene s;
+        s.duration = 0.5;
+        s.body({.mass = 1, .inertia = 0.1, .omega = omega});
+        s.joint(Revolute{"pin", kGround, 0, {0, 0}, {0, 0}});
+        s.joint(Drive{"motor", Angle{kGround, 0}, TimeLaw{.amplitude = 1, .omega = omega}});
+        s.contact(Limit{"stop", Angle{kGround, 0}, Limit::Side::upper, upper, {.e = 0.5}});
+        return run(s, name, h);
+      };
+      CHECK(touch(1).status == Status::solved);
+      CHECK(touch(1 - 1e-6).why.starts_with("jammed"));
+    }
+}
+
 TEST_CASE("relaxed cones that leave no common velocity are not called a jam") {
   Scene s{.gravity = {0, 0}};  // a slider between two rough walls, with a clearance that slip uses up in one step
   s.duration = 0.1;

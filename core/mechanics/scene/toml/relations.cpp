@@ -4,6 +4,16 @@
 #include <orthant/core/mechanics/planar/relation.h>
 
 namespace orthant::scene_file {
+namespace {
+
+constexpr const char* kNotZero = "not 0, of a size from 1e-100 to 1e100";
+
+bool within_most(double ratio) {
+  const double size = std::abs(ratio);
+  return size >= 1 / CoordinateSum::kMost && size <= CoordinateSum::kMost;
+}
+
+}  // namespace
 
 std::vector<CoordinateTerm> Reader::terms_of(Fields& f) {
   std::vector<CoordinateTerm> terms;
@@ -42,7 +52,7 @@ void Reader::gear(Fields& f, const std::string& name) {
   Angle pair;
   double ratio = 0;
   bodies_of(f, pair), f.need("ratio", ratio);
-  if (ratio == 0) f.refuse("ratio", *f.table().get("ratio"), "not 0");
+  if (!within_most(ratio)) f.refuse("ratio", *f.table().get("ratio"), kNotZero);
   if (pair.a == pair.b || pair.a == kGround || pair.b == kGround)
     f.refuse("bodies", *f.table().get("bodies"), "two different bodies, neither the ground");
   const std::vector<CoordinateTerm> terms{{1, Angle{kGround, pair.b}}, {-ratio, Angle{kGround, pair.a}}};
@@ -57,6 +67,8 @@ void Reader::relation_limit(Fields& f, const std::string& name) {
   f.maybe("e_n", e);
   const bool below = f.maybe("lower", lower), above = f.maybe("upper", upper);
   if (!below && !above) f.fail(f.table(), "missing key \"lower\" or \"upper\"");
+  for (const auto& [key, bound] : {std::pair("lower", lower), std::pair("upper", upper)})
+    if (!(std::abs(bound) <= CoordinateSum::kMost)) f.refuse(key, *f.table().get(key), "between -1e100 and 1e100");
   if (below && above && lower >= upper)
     f.refuse("lower", *f.table().get("lower"), "less than upper (a joint of type \"relation\" holds the sum)");
   if (below) apart_at_start(f, terms);
@@ -75,8 +87,9 @@ void Reader::pulley(Fields& f, const std::string& name) {
   b.point_a = a.point_a;
   f.maybe("pulley_b", b.point_a);
   f.need("length", length), f.maybe("ratio", ratio), f.maybe("e_n", e);
-  if (!(length > 0)) f.refuse("length", *f.table().get("length"), "> 0");
-  if (!(ratio > 0)) f.refuse("ratio", *f.table().get("ratio"), "> 0");
+  if (!(length > 0) || length > CoordinateSum::kMost)
+    f.refuse("length", *f.table().get("length"), "> 0, at most 1e100");
+  if (!(ratio > 0) || !within_most(ratio)) f.refuse("ratio", *f.table().get("ratio"), "> 0, from 1e-100 to 1e100");
   if (a.b == kGround || b.b == kGround)
     f.refuse("bodies", *f.table().get("bodies"), "two bodies, neither the ground (that is a \"rope\")");
   if (a.b == b.b) f.refuse("bodies", *f.table().get("bodies"), "two different bodies");
