@@ -152,7 +152,7 @@ template <class Space> bool TwoLevelOf<Space>::freeze_here(bool swings, StepRepo
   freeze_poses(swings);
   start_.closed.swap(end_.closed);
   start_.closed.clear();
-  for (const ClosedContact& c : end_.closed) add_closed(system_, c.contact, start_);
+  for (const ClosedContact& c : end_.closed) add_closed_as(system_, c.contact, end_, start_);
   return factorize(start_, stiffness_weight_, damping_weight_, report);
 }
 
@@ -163,7 +163,7 @@ template <class Space> bool TwoLevelOf<Space>::close_gaps() {
     if (!(end_.gap[i] <= zero) || has_rows_[static_cast<std::size_t>(i)]) continue;
     const auto [a, b] = bodies_of(system_, end_.pairs, i);
     if (end_.gap[i] > touching(far_.of(a, b)) * (system_.law(i).unit / unit)) continue;
-    add_closed(system_, i, start_);
+    add_closed_as(system_, i, end_, start_);
     has_rows_[static_cast<std::size_t>(i)] = more = true;
   }
   return more;
@@ -231,7 +231,7 @@ template <class Space> void TwoLevelOf<Space>::hand_over(const State& x) {
   }
   start_.closed.clear(), end_.closed.clear();
   if (!carrying_.empty()) set_poses(system_, x.t, x.q, start_.at);
-  for (const int contact : carrying_) add_closed(system_, contact, start_), add_closed(system_, contact, end_);
+  for (const int contact : carrying_) add_closed_as(system_, contact, end_, start_), add_closed(system_, contact, end_);
   newtons_law(system_.laws(), start_, x.v, targets_);
   restrict_to_strikes(targets_);
   ways_.clear();

@@ -1,5 +1,6 @@
 #include <orthant/core/mechanics/dynamics/assemble.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/mechanics/spatial/alignment.h>
 #include <orthant/core/support/options.h>
 
 #include <Eigen/QR>
@@ -12,6 +13,24 @@ namespace {
 
 constexpr double kMostTurn = 0.5;  // [rad] of a body in one step, at the most
 constexpr double kClosed = 1e-13;  // of 1 m (or length_unit()) + the largest coordinate: rounding
+
+/// In place of equations of right angles, which hold for opposite directions, too, and have no gradient where
+/// directions are at right angles that should be parallel: the turn that is missing, where it is large.
+void replace_far_turns(const System& /*system*/, Terms& /*terms*/) {}
+void replace_far_turns(const SystemOf<Spatial>& system, TermsOf<Spatial>& terms) {
+  constexpr double kFarTurn = 1;  // [rad]
+  std::size_t row = 0;
+  for (const auto& joint : system.scene().joints) {
+    spatial::with_alignment(joint, terms.at, [&](const spatial::Alignment& one) {
+      if (one.turn.norm() < kFarTurn) return;
+      for (int i = 0; i < one.rows; ++i) {
+        const std::size_t k = row + static_cast<std::size_t>(one.row + i);
+        terms.G[k] = one.rate(terms.at, i), terms.phi[static_cast<Index>(k)] = -one.missing(i);
+      }
+    });
+    row += static_cast<std::size_t>(row_count(joint));
+  }
+}
 
 /// A joint with clearance.
 bool has_clearance(const Contact& contact) { return std::holds_alternative<Journal>(contact); }
@@ -80,6 +99,7 @@ template <class Space> class Assembly {
     set_poses(system_, start_.t, q, terms_.at);
     evaluate_joint_residual(system_, terms_);
     evaluate_joint_rows(system_, terms_);
+    replace_far_turns(system_, terms_);
     evaluate_gaps(system_, terms_);
     evaluate_closed(system_, clearances_, terms_);
   }

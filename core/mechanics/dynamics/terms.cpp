@@ -200,6 +200,39 @@ template <class Space> void add_closed(const SystemOf<Space>& system, int contac
   if constexpr (!kPlanar<Space>) spatial::adapt_to_surface(system.law(contact), terms.at, terms.closed.back().rows);
 }
 
+void add_closed_as(const SystemOf<Planar>& system, int contact, const TermsOf<Planar>& /*there*/,
+                   TermsOf<Planar>& terms) {
+  add_closed(system, contact, terms);
+}
+
+void add_closed_as(const SystemOf<Spatial>& system, int contact, const TermsOf<Spatial>& there,
+                   TermsOf<Spatial>& terms) {
+  if (contact < system.listed()) return add_closed(system, contact, terms);
+  const Pair& pair = terms.pairs[static_cast<std::size_t>(contact - system.listed())];
+  const auto& collision = system.scene().collisions[static_cast<std::size_t>(pair.collision)];
+  const auto [a, b] = bodies_of(system, terms.pairs, contact);
+  const spatial::TouchPoint now = touch(collision, pair, there.at).at(pair.point);
+  const spatial::TouchPoints before = touch(collision, pair, terms.at);
+  // In the frame of each body: how far the point is from this one, and how far this one's place moves in the world.
+  double nearest = std::numeric_limits<double>::infinity();
+  int same = -1;
+  const auto in = [](const spatial::Pose& pose, const Vector3d& p) { return pose.turn_back(p - pose.x); };
+  const auto moved = [&](BodyId body, const Vector3d& p) {
+    return (terms.at.at(body).x + terms.at.at(body).turn(in(there.at.at(body), p)) - p).norm();
+  };
+  for (int i = 0; i < before.count; ++i) {
+    const spatial::TouchPoint& p = before.points[static_cast<std::size_t>(i)];
+    const double off = std::min((in(terms.at.at(a), p.on_a) - in(there.at.at(a), now.on_a)).norm(),
+                                (in(terms.at.at(b), p.on_b) - in(there.at.at(b), now.on_b)).norm());
+    if (off < nearest) nearest = off, same = i;
+  }
+  const bool known = same >= 0 && nearest <= 2 * (moved(a, now.on_a) + moved(b, now.on_b)) + 1e-9 * before.open;
+  const spatial::TouchContact one{a, b, known ? before.points[static_cast<std::size_t>(same)] : now};
+  const KinematicsOf<Spatial>& at = known ? terms.at : there.at;
+  terms.closed.push_back({contact, one.rows(at)});
+  spatial::adapt_to_surface(system.law(contact), at, terms.closed.back().rows);
+}
+
 template <class Space> void evaluate_biases(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   each_joint(system, [&](const auto& joint, int row) { joint.bias(terms.at, terms.joint_bias.data() + row); });
   terms.contact_bias.clear();

@@ -83,6 +83,11 @@ std::pair<BodyId, BodyId> bodies_of(const SystemOf<Space>& system, const std::ve
 template <class Space> void evaluate_closed(const SystemOf<Space>& system, double threshold, TermsOf<Space>& terms);
 /// One more closed contact, whatever its gap.
 template <class Space> void add_closed(const SystemOf<Space>& system, int contact, TermsOf<Space>& terms);
+/// The same, of a contact as it is at `there.at`, the same pairs, with its rows at terms.at. Polytopes may have other
+/// points there, or none: then the rows are those of the point that was nearest in both bodies, or those at `there`.
+void add_closed_as(const SystemOf<Planar>& system, int contact, const TermsOf<Planar>& there, TermsOf<Planar>& terms);
+void add_closed_as(const SystemOf<Spatial>& system, int contact, const TermsOf<Spatial>& there,
+                   TermsOf<Spatial>& terms);
 /// These contacts become `closed`, whatever their gaps.
 template <class Space>
 void evaluate_closed(const SystemOf<Space>& system, std::span<const int> contacts, TermsOf<Space>& terms);

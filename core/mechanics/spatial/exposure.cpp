@@ -7,9 +7,11 @@
 namespace orthant::spatial {
 namespace {
 
-constexpr double kOnFace = 1e-9;   // of the size
-constexpr double kSmooth = 1e-6;   // sine of the tilt of two faces that are one surface
-constexpr double kAgainst = 1e-6;  // 1 + cosine of two faces that lie against each other
+constexpr double kOnFace = 1e-9;                     // of the size
+constexpr double kSmooth = 1e-6;                     // sine of the tilt of two faces that are one surface
+constexpr double kSteep = 0.7;                       // sine of the rise of a step
+constexpr double kAgainst = 1e-6;                    // 1 + cosine of two faces that lie against each other
+constexpr double kPlaces[] = {0.5, 1e-3, 1 - 1e-3};  // of an edge
 
 struct HullBox {
   Vector3d low, high;
@@ -25,12 +27,48 @@ struct HullBox {
 const Vector3d& corner_of(const Hull& hull, int i) { return hull.corners[static_cast<std::size_t>(i)]; }
 const Hull::Face& face_of(const Hull& hull, int i) { return hull.faces[static_cast<std::size_t>(i)]; }
 
-/// Marks the faces of `hull` that lie in or on `other` with all their corners, and the edges of these.
-void cover(Hull& hull, const Hull& other) {
+using Rim = std::vector<Vector3d>;  // corners of a convex polygon, in order
+
+/// The part of a polygon with n · x ≥ offset.
+Rim beyond(const Rim& rim, const Vector3d& n, double offset) {
+  Rim kept;
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    const Vector3d &x = rim[i], &y = rim[(i + 1) % rim.size()];
+    const double at_x = n.dot(x) - offset, at_y = n.dot(y) - offset;
+    if (at_x >= 0) kept.push_back(x);
+    if ((at_x < 0 && at_y > 0) || (at_x > 0 && at_y < 0)) kept.push_back(x + at_x / (at_x - at_y) * (y - x));
+  }
+  return kept;
+}
+
+/// The parts of polygons that are not in or on a polytope.
+void leave(std::vector<Rim>& parts, const Hull& hull, double most) {
+  std::vector<Rim> left;
+  for (Rim& part : parts) {
+    const bool off = std::any_of(hull.faces.begin(), hull.faces.end(), [&](const Hull::Face& face) {
+      return std::all_of(part.begin(), part.end(),
+                         [&](const Vector3d& p) { return face.normal.dot(p) - face.offset >= most; });
+    });
+    if (off) {
+      left.push_back(std::move(part));
+      continue;
+    }
+    for (const Hull::Face& face : hull.faces) {
+      if (Rim out = beyond(part, face.normal, face.offset + most); out.size() > 2) left.push_back(std::move(out));
+      part = beyond(part, -face.normal, -(face.offset + most));
+    }
+  }
+  parts.swap(left);
+}
+
+/// Marks the faces of `hull` that lie in or on the others with all of their area, and the edges of these.
+void cover(Hull& hull, std::span<Hull* const> hulls, const std::vector<std::size_t>& others) {
   for (Hull::Face& one : hull.faces) {
-    const bool inside = std::all_of(one.corners.begin(), one.corners.end(),
-                                    [&](int i) { return other.depth_of(corner_of(hull, i)) <= kOnFace * hull.size; });
-    if (!inside) continue;
+    std::vector<Rim> parts(1);
+    for (const int i : one.corners) parts.front().push_back(corner_of(hull, i));
+    for (const std::size_t other : others)
+      if (!parts.empty()) leave(parts, *hulls[other], kOnFace * hull.size);
+    if (!parts.empty()) continue;
     one.covered = hull.any_covered = true;
     for (const int e : one.edges) hull.edges[static_cast<std::size_t>(e)].covered = true;
   }
@@ -47,7 +85,8 @@ bool lies_on(const Hull& hull, const Hull::Face& on, const Vector3d& p, double m
   return true;
 }
 
-/// The covered edge e of `hull` is a ridge where it borders on a free face of `other`.
+/// The covered edge e of `hull` is a ridge where it borders on a free face of `other` that falls, a step where that
+/// face rises steeply.
 void find_ridge(const Hull& hull, Hull::Edge& e, const Hull& other) {
   const bool left_is_free = !face_of(hull, e.left).covered;
   const Hull::Face &own = face_of(hull, left_is_free ? e.left : e.right),
@@ -55,15 +94,50 @@ void find_ridge(const Hull& hull, Hull::Edge& e, const Hull& other) {
   const Vector3d &from = corner_of(hull, e.from), &to = corner_of(hull, e.to), along = (to - from).normalized();
   const double most = kOnFace * std::max(hull.size, other.size);
   for (const Hull::Face& theirs : other.faces) {
-    if (theirs.covered || theirs.normal.dot(hidden.normal) < kAgainst - 1) continue;
-    if (!lies_on(other, theirs, from, most) || !lies_on(other, theirs, to, most)) continue;
+    if (theirs.covered) continue;
+    // Several neighbours may share the edge.
+    if (std::none_of(std::begin(kPlaces), std::end(kPlaces),
+                     [&](double place) { return lies_on(other, theirs, from + place * (to - from), most); }))
+      continue;
     Vector3d away(0, 0, 0);
     for (const int i : theirs.corners) away += corner_of(other, i) - from;
     away = (away - along * along.dot(away)).normalized();
-    if (!(own.normal.dot(away) < -kSmooth)) continue;
+    const bool against = theirs.normal.dot(hidden.normal) < kAgainst - 1;  // it goes down from the edge, too
+    e.step = e.step || own.normal.dot(away) > kSteep ||
+             (against && std::any_of(theirs.corners.begin(), theirs.corners.end(), [&](int i) {
+                return own.normal.dot(corner_of(other, i) - from) > kSmooth * other.size;
+              }));
+    if (against || !(own.normal.dot(away) < -kSmooth)) continue;
     e.covered = false, e.beyond = away;
     (left_is_free ? e.right_normal : e.left_normal) = theirs.normal;
     return;
+  }
+}
+
+/// Adds the directions along which another polytope reaches from the corners of `hull`: those of its edges there, or,
+/// at a point that is no corner of it, those to its corners.
+void find_ways(Hull& hull, const Hull& other) {
+  constexpr double kSame = 1e-9;  // between unit vectors
+  const double most = kOnFace * std::max(hull.size, other.size);
+  hull.ways.resize(hull.corners.size());
+  for (std::size_t i = 0; i < hull.corners.size(); ++i) {
+    const Vector3d& p = hull.corners[i];
+    if (other.depth_of(p) > most) continue;
+    const auto add = [&](const Vector3d& to) {
+      const Vector3d way = (to - p).normalized();
+      std::vector<Vector3d>& ways = hull.ways[i];
+      if (std::none_of(ways.begin(), ways.end(), [&](const Vector3d& one) { return (one - way).norm() < kSame; }))
+        ways.push_back(way);
+    };
+    const auto same = std::find_if(other.corners.begin(), other.corners.end(),
+                                   [&](const Vector3d& q) { return (q - p).norm() <= 2 * most; });
+    if (same == other.corners.end()) {
+      for (const Vector3d& q : other.corners) add(q);
+      continue;
+    }
+    const auto number = static_cast<int>(same - other.corners.begin());
+    for (const Hull::Edge& e : other.edges)
+      if (e.from == number || e.to == number) add(corner_of(other, e.from == number ? e.to : e.from));
   }
 }
 
@@ -87,13 +161,15 @@ std::vector<std::vector<std::size_t>> neighbours_of(std::span<Hull* const> hulls
 
 void expose(std::span<Hull* const> hulls) {
   const auto near = neighbours_of(hulls);
-  for (std::size_t i = 0; i < hulls.size(); ++i)
-    for (const std::size_t j : near[i]) cover(*hulls[i], *hulls[j]);
+  for (std::size_t i = 0; i < hulls.size(); ++i) cover(*hulls[i], hulls, near[i]);
   for (std::size_t i = 0; i < hulls.size(); ++i)
     for (Hull::Edge& e : hulls[i]->edges)
       if (e.covered && face_of(*hulls[i], e.left).covered != face_of(*hulls[i], e.right).covered)
         for (const std::size_t j : near[i])
           if (e.covered) find_ridge(*hulls[i], e, *hulls[j]);
+  for (std::size_t i = 0; i < hulls.size(); ++i)
+    if (hulls[i]->any_covered)
+      for (const std::size_t j : near[i]) find_ways(*hulls[i], *hulls[j]);
 }
 
 }  // namespace orthant::spatial

@@ -14,7 +14,8 @@
 namespace orthant::spatial {
 namespace {
 
-constexpr double kFlat = 1e-9;  // of the size: points of one plane
+constexpr double kFlat = 1e-9;        // of the size: points of one plane
+constexpr double kMostLength = 1e60;  // [m] its fourth power is finite, that of its inverse is normal
 
 /// The points of a plane's face, those between two others of its rim left out, counter-clockwise about its normal.
 std::vector<int> rim_of(const std::vector<Vector3d>& points, const std::vector<int>& on, const Vector3d& normal,
@@ -89,6 +90,10 @@ Hull hull_of(const std::vector<Vector3d>& points) {
   Vector3d mean(0, 0, 0);
   for (const Vector3d& p : points) mean += p / n;
   for (const Vector3d& p : points) hull.size = std::max(hull.size, (p - mean).cwiseAbs().maxCoeff());
+  double farthest = hull.size;
+  for (const Vector3d& p : points) farthest = std::max(farthest, p.cwiseAbs().maxCoeff());
+  if (hull.size > 0 && !(hull.size >= 1 / kMostLength && farthest <= kMostLength))
+    throw std::invalid_argument("must span 1e-60 to 1e60 m, and lie within 1e60 m of the origin");
   const double flat = kFlat * hull.size;
   const auto at = [&](int i) -> const Vector3d& { return points[static_cast<std::size_t>(i)]; };
   std::vector<int> on;

@@ -19,14 +19,20 @@ struct Hull {
     int from = 0, to = 0;     // corners
     int left = 0, right = 0;  // faces; `left` runs through the edge from `from` to `to`
     bool covered = false;     // one of its faces is, and the edge is no ridge (exposure.h)
+    bool step = false;        // covered, and the neighbour rises there steeply over the face that is free
     Vector3d left_normal{0, 0, 0},
         right_normal{0, 0, 0};  // of the surface on both sides: of a ridge a neighbour's, too
     Vector3d beyond{0, 0, 0};   // of a ridge: in the neighbour's face, away from the edge
+
+    /// Whether it can be touched in the direction d from it.
+    bool meets(const Vector3d& d) const { return !covered && d.dot(beyond) <= 0; }
   };
   std::vector<Vector3d> corners;  // [m] those of the hull, in the order of the points
   std::vector<Face> faces;
   std::vector<Edge> edges;
   bool any_covered = false;
+  /// Of each corner: directions along which neighbours reach from it, those that span their cones; empty without any.
+  std::vector<std::vector<Vector3d>> ways;
   double size = 0;  // [m] largest |coordinate| about the mean of the corners
 
   /// The largest of normal · p − offset over the faces: < 0 inside.
@@ -36,7 +42,8 @@ struct Hull {
 inline constexpr std::size_t kMostHullPoints = 64;
 
 /// Points are one plane's corners when they lie within 1e-9 of the hull's size of it; points inside are dropped.
-/// Throws std::invalid_argument: fewer than 4 points or more than kMostHullPoints, points of one plane.   O(n⁴)
+/// Throws std::invalid_argument: fewer than 4 points or more than kMostHullPoints, points of one plane,
+/// lengths beyond 1e±60 m.   O(n⁴)
 Hull hull_of(const std::vector<Vector3d>& points);
 
 struct FittedHull {

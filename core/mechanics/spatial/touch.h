@@ -3,16 +3,13 @@
 //   A shape is a point or a segment, grown by a radius (sphere, capsule), or a convex polytope (hull.h).
 //   Spheres and capsules: nearest points of the cores; two capsules side by side also touch at the ends of their
 //   overlap, a capsule on a polytope at its ends and where it crosses an edge.
-//   Two polytopes: the axis of least overlap or widest gap among the normals of their faces and the products of their
-//   edges (separating axis theorem). A face: the other's face that is turned to it most is clipped to its sides, and
-//   the points are the deepest corner of the clipped face and the three corners that span most. Two edges: one point.
+//   Two polytopes: polytope_polytope.h.
 //   Points are numbered along a direction that is fixed in a: near poses number them alike, so that iterations within a
 //   step and warm starts find the same point under the same number.
-//   Every gap ≤ 0 is an overlap, and two shapes overlap exactly where some gap is < 0; a gap > 0 between polytopes is
-//   at most their distance. Faces that a neighbour in the same body covers take no part: a flush surface acts as one.
+//   Every gap ≤ 0 is an overlap. Two shapes overlap exactly where some gap is < 0, unless a neighbour in the same body
+//   has the contact: a flush surface acts as one. A gap > 0 between polytopes is at most their distance.
 //   Shapes pushed into each other by more than half their width come out on the other side.
-// Source: Ericson, Real-Time Collision Detection (2005), ch. 5; Gregorius, The separating axis test between convex
-// polyhedra (GDC 2013).
+// Source: Ericson, Real-Time Collision Detection (2005), ch. 5.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/geometry.h>

@@ -3,6 +3,7 @@
 #include "tests/support/runs.h"
 #include "tests/support/spatial.h"
 
+#include <orthant/core/mechanics/spatial/solid.h>
 #include <orthant/core/scenes/bricard.h>
 #include <orthant/core/scenes/masse.h>
 #include <orthant/core/scenes/slider_crank_space.h>
@@ -222,4 +223,64 @@ TEST_CASE("rattle in space: laws that it does not take, and steps that are much 
   CHECK(report.status == Status::numerical_error);
   CHECK(scheme->why() == "bodies turn too far in a step for their gyroscopic moments: a shorter step converges");
   CHECK(x.q == before);
+}
+
+TEST_CASE("a ball rolls over the seams of planks as on one tile: rattle and generalized-alpha") {
+  const auto final_of = [](std::string_view scheme, int planks) {
+    spatial::Scene s;
+    s.gravity = {0, 0, -9.81};
+    const spatial::Solid ball = spatial::sphere(0.1);
+    s.body({.inertia = ball.inertia, .position = {-0.4, 0.1, 0.1}, .velocity = {2, 0.3, 0}});
+    spatial::Collision c{.name = "floor", .shapes = {{0, {{0, 0, 0}}, 0.1}}, .law = {.mu = 0.3}};
+    for (int i = 0; i < planks; ++i) {
+      spatial::Shape plank{kGround, spatial::box_corners({2.0 / planks, 2, 0.5}), 0};
+      for (Vector3d& p : plank.corners) p += Vector3d(-2 + (2 * i + 1) * 2.0 / planks, 0, -0.5);
+      c.shapes.push_back(plank);
+    }
+    s.collision(c);
+    return run_in_space(SpatialSystem(s), scheme, 1e-3, 0.5).final;
+  };
+  for (const std::string_view scheme : {"rattle", "generalized-alpha"}) {
+    CAPTURE(scheme);
+    const State one = final_of(scheme, 1), many = final_of(scheme, 40);
+    CHECK((one.v - many.v).lpNorm<Eigen::Infinity>() < 1e-10);
+    CHECK((one.q - many.q).lpNorm<Eigen::Infinity>() < 1e-10);
+  }
+}
+
+TEST_CASE("rattle in space: a scene turned, moved and seen from a train has the same motion") {
+  const auto final_of = [](const Eigen::Vector4d& turn, const Vector3d& shift, const Vector3d& train) {
+    const Eigen::Matrix3d R = quaternions::matrix_of(turn);
+    spatial::Scene s;
+    const Eigen::Matrix3d J = Vector3d(0.02, 0.03, 0.04).asDiagonal();
+    const auto add = [&](const Vector3d& x, const Vector3d& v, const Vector3d& omega) {
+      s.body({.mass = 1.5,
+              .inertia = J,
+              .position = R * x + shift,
+              .orientation = turn,
+              .velocity = R * v + train,
+              .omega = R * omega});
+    };
+    add({0, 0, 0}, {0.3, 0.1, 0}, {1, 2, 3}), add({0.5, 0.02, 0.1}, {-0.9, 0.1, -0.1}, {2, -1, 0.5});
+    add({0.02, 0.6, 0.1}, {0.1, -1, 0}, {0, 1, 0});
+    s.spring(spatial::PointSpring{.a = 0, .b = 1, .stiffness = 50, .damping = 1, .rest = 0.4});
+    s.collision(
+        {.name = "all",
+         .shapes = {{0, {{0, 0, 0}}, 0.15}, {1, {{0, 0, 0}}, 0.15}, {2, spatial::box_corners({0.15, 0.15, 0.15}), 0}},
+         .law = {.mu = 0.3, .e = 0.5}});
+    return run_in_space(SpatialSystem(s), "rattle", 1e-3, 0.5).final;
+  };
+  const Eigen::Vector4d none(1, 0, 0, 0), turn = Eigen::Vector4d(0.4, -0.5, 0.7, 0.2).normalized();
+  const Vector3d zero(0, 0, 0), shift(3, -2, 1.5), train(1, 2, -1.5);
+  const State base = final_of(none, zero, zero);
+  const Eigen::Matrix3d R = quaternions::matrix_of(turn);
+  const State turned = final_of(turn, zero, zero), moved = final_of(none, shift, train);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vector3d x = base.q.segment<3>(7 * i), v = base.v.segment<3>(6 * i);
+    CHECK((turned.q.segment<3>(7 * i) - R * x).norm() < 1e-10);
+    CHECK((turned.v.segment<3>(6 * i) - R * v).norm() < 1e-10);
+    CHECK((moved.q.segment<3>(7 * i) - x - shift - 0.5 * train).norm() < 1e-10);
+    CHECK((moved.v.segment<3>(6 * i) - v - train).norm() < 1e-10);
+    CHECK((moved.v.segment<3>(6 * i + 3) - base.v.segment<3>(6 * i + 3)).norm() < 1e-10);
+  }
 }

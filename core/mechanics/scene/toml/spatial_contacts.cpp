@@ -3,8 +3,10 @@
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/spatial/height_field.h>
+#include <orthant/core/support/options.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <tuple>
@@ -31,6 +33,29 @@ void read_surface(Fields& f, ContactLaw& law) {
 }
 
 void read_contact_law(Fields& f, ContactLaw& law) { read_spatial_law(f, law), read_surface(f, law); }
+
+/// Refuses a terrain with cells that have no volume in double precision, by the number that is too large.
+void examine_cells(const Fields& f, const spatial::HeightField& field) {
+  constexpr double kMostRatio = 1e8, kMostLength = 1e60;
+  const double least = std::min({field.dx, field.dy, field.depth}), most = std::min(kMostRatio * least, kMostLength);
+  const std::string rule =
+      "at most " + detail::text_of(most) + " m, " +
+      (most < kMostLength ? "1e8 times the least of spacing and depth: the cells have no volume in "
+                            "double precision otherwise"
+                          : "the largest length whose powers are finite");
+  const auto require = [&](bool good, const char* key) {
+    if (good) return;
+    const toml::node* node = f.table().get(key);
+    f.refuse(key, node != nullptr ? *node : f.table(), rule);
+  };
+  require(std::max(field.dx, field.dy) <= most, "spacing"), require(field.depth <= most, "depth");
+  require(field.origin.cwiseAbs().maxCoeff() <= most, "origin");
+  const toml::array& rows = *f.table().get("heights")->as_array();
+  for (Index i = 0; i < field.heights.rows(); ++i)
+    for (Index j = 0; j < field.heights.cols(); ++j)
+      if (!(std::abs(field.heights(i, j)) <= most))
+        f.refuse("heights", *rows[static_cast<std::size_t>(i)].as_array()->get(static_cast<std::size_t>(j)), rule);
+}
 
 }  // namespace
 
@@ -85,6 +110,7 @@ void SpatialReader::height_field(Fields& f, spatial::Collision& c) const {
   field.heights.resize(static_cast<Index>(rows.size()), static_cast<Index>(columns));
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t j = 0; j < columns; ++j) field.heights(static_cast<Index>(i), static_cast<Index>(j)) = rows[i][j];
+  examine_cells(f, field);
   for (spatial::Shape& prism : spatial::shapes_of(field, body)) c.shapes.push_back(std::move(prism));
 }
 

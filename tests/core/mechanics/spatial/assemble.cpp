@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -114,4 +115,48 @@ TEST_CASE("assemble = true in space closes a loop with redundant rows; a loop th
   CHECK(off(s) > 0.05);
   const auto far = parse_any_scene(kLoop, std::vector<std::string>{"joint.C.point_b=[5, 0, 0]"});
   CHECK_THROWS_WITH_AS(assembled(std::get<spatial::Scene>(far)), doctest::Contains("joint \""), std::invalid_argument);
+}
+
+TEST_CASE("assemble in space: axes at any angle become parallel by the least turn, opposite ones by half a turn") {
+  const auto hinge = [](double angle, auto kind) {
+    spatial::Scene s;
+    const Vector3d about = Vector3d(1, -2, 0) / std::sqrt(5);
+    s.body({.position = {0.3, 0.1, 0.2}, .orientation = quaternions::exponential(angle * about).normalized()});
+    kind.name = "hinge", kind.a = kGround, kind.b = 0;
+    s.joint(kind);
+    return assembled(s).bodies[0].orientation;
+  };
+  constexpr double kHalf = std::numbers::pi;
+  for (const double angle : {0.1, 1.0, kHalf / 2, 2.0, 3.0, kHalf - 1e-9, kHalf, -kHalf / 2}) {
+    CAPTURE(angle);
+    const auto tilt = [](const Eigen::Vector4d& q) { return 1 - quaternions::matrix_of(q)(2, 2); };
+    CHECK(std::abs(tilt(hinge(angle, spatial::Revolute{}))) < 1e-12);
+    CHECK(std::abs(tilt(hinge(angle, spatial::Cylindrical{}))) < 1e-12);
+    CHECK(std::abs(tilt(hinge(angle, spatial::Screw{}))) < 1e-12);
+    CHECK(std::abs(tilt(hinge(angle, spatial::PlaneJoint{}))) < 1e-12);
+    CHECK(hinge(angle, spatial::Fixed{}).tail<3>().norm() < 1e-12);
+    CHECK(hinge(angle, spatial::Prismatic{}).tail<3>().norm() < 1e-12);
+    // Of the turns that make the axes parallel the least is about an axis at right angles to both.
+    if (std::abs(angle) < 3) CHECK((hinge(angle, spatial::Revolute{}) - Eigen::Vector4d(1, 0, 0, 0)).norm() < 1e-9);
+  }
+  for (const double angle : {0.0, 1e-12, 0.5, kHalf}) {
+    CAPTURE(angle);
+    spatial::Scene s;
+    s.body({.orientation = quaternions::exponential(Vector3d(0, 0, angle)).normalized()});
+    s.joint(spatial::Universal{"cross", kGround, 0, {0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}});
+    CHECK(std::abs(quaternions::matrix_of(assembled(s).bodies[0].orientation)(0, 0)) < 1e-12);
+  }
+}
+
+TEST_CASE("assemble in space: a loop closes from links that are turned over") {
+  for (const char* body : {"crank", "rod"}) {
+    const std::vector<std::string> over = {"body." + std::string(body) + ".orientation=[0, 1, 0, 0]",
+                                           "joint.O.axis_b=[0, 0, 1]", "joint.A.axis_b=[0, 0, 1]",
+                                           "joint.C.axis_b=[0, 0, 1]"};
+    const auto s = std::get<spatial::Scene>(parse_any_scene(kLoop, over));
+    const SystemOf<Spatial> system(s);
+    const State x = system.initial_state();
+    CHECK(off_most(system, x.t, x.q).off < 1e-12);
+    for (const auto& there : assembled(s).bodies) CHECK(quaternions::matrix_of(there.orientation)(2, 2) > 1 - 1e-12);
+  }
 }

@@ -50,6 +50,17 @@ TEST_CASE("wrong height fields are refused by key and rule") {
   refused("heights = [[0, 1], [2, inf]]", "must be finite");
   refused("heights = [[0, 1], [2, 3]], spacing = [1, 0]", "spacing = [1, 0]: must be two lengths > 0");
   refused("heights = [[0, 1], [2, 3]], depth = 0", "depth = 0: must be > 0");
+  const char* volume = "1e8 times the least of spacing and depth";
+  for (const std::string wrong : {"1e+300", "-1e+300", "1e+09"}) {
+    refused("heights = [[0, 1], [2, " + wrong + "]]", ("shapes[1].heights = " + wrong).c_str());
+    refused("heights = [[0, 1], [2, " + wrong + "]]", volume);
+  }
+  refused("heights = [[0, 1], [2, 3]], spacing = [1e300, 1]",
+          "spacing = [1e+300, 1]: must be at most 1e+08 m, 1e8 times");
+  refused("heights = [[0, 1], [2, 3]], spacing = [1e-300, 1]", "spacing = [1e-300, 1]: must be at most 1e-292 m");
+  refused("heights = [[0, 1], [2, 3]], depth = 1e9", "depth = 1e+09: must be at most 1e+08 m");
+  refused("heights = [[0, 1], [2, 3]], origin = [0, 1e300, 0]", "origin = [0, 1e+300, 0]: must be at most 1e+08 m");
+  refused("heights = [[0, 1e300], [2, 3]], spacing = [1e300, 1e300], depth = 1e300", "must be at most 1e+60 m");
   refused("spacing = [1, 1]", "missing key \"shapes[1].heights\"");
   refused("heights = [[0, 1], [2, 3]], radius = 1", "unknown key \"shapes[1].radius\"");
 }

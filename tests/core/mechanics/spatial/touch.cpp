@@ -39,6 +39,12 @@ spatial::Shape random_polytope(BodyId body, Random& random, int corners) {
   return s;
 }
 
+std::vector<Vector3d> block_at(const Vector3d& low, const Vector3d& high) {
+  std::vector<Vector3d> corners = spatial::box_corners((high - low) / 2);
+  for (Vector3d& p : corners) p += (low + high) / 2;
+  return corners;
+}
+
 double least_gap(const spatial::TouchPoints& points) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < points.count; ++i) least = std::min(least, points.points[static_cast<std::size_t>(i)].gap);
@@ -82,6 +88,11 @@ TEST_CASE("hulls of too few, too many and flat points are refused") {
   CHECK_THROWS_WITH_AS(static_cast<void>(spatial::hull_of(flat)), "must not lie in one plane", std::invalid_argument);
   CHECK_THROWS_WITH_AS(static_cast<void>(spatial::hull_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})),
                        "must be 4 to 64 points, are 3", std::invalid_argument);
+  for (const double size : {1e300, 1e100, 1e-100, 1e-300})
+    CHECK_THROWS_WITH_AS(static_cast<void>(spatial::hull_of(spatial::box_corners({size, size, size}))),
+                         "must span 1e-60 to 1e60 m, and lie within 1e60 m of the origin", std::invalid_argument);
+  for (const double size : {1e60, 1e-59})
+    CHECK(spatial::hull_of(spatial::box_corners({size, size, size})).faces.size() == 6);
   CHECK_THROWS_AS(static_cast<void>(spatial::hull_of(std::vector<Vector3d>(65, Vector3d(1, 2, 3)))),
                   std::invalid_argument);
   CHECK_THROWS_AS(static_cast<void>(spatial::hull_of(std::vector<Vector3d>(5, Vector3d(1, 2, 3)))),
@@ -217,6 +228,55 @@ TEST_CASE("faces between two tiles of one body take no part") {
     const spatial::TouchPoints ball = touch(box, c.shapes[3], ground, c.shapes[1]);
     if (ball.count > 0) CHECK(ball.points[0].n.z() > 0.999);
   }
+}
+
+TEST_CASE("a tilted box on one tile has no contact with the next one before it is there") {
+  // The seam is 4 mm ahead of the lowest corner; the free corners of the next tile are 2 m aside.
+  spatial::Collision c{.name = "tiles", .shapes = {{0, spatial::box_corners({0.2, 0.15, 0.1}), 0}}, .law = {}};
+  for (const double x : {0.0, 0.1}) c.shapes.push_back({kGround, block_at({x, -2, -1}, {x + 0.1, 2, 0}), 0});
+  spatial::set_hulls(c);
+  SpatialPose box, ground;
+  box.R = Eigen::Quaterniond(0.9961289715540884, -0.0023736125315894545, 0.08786367875954158, 0.0011882545957114896)
+              .normalized()
+              .toRotationMatrix();
+  for (const double ahead : {0.0, 5e-5, 1e-3, 3e-3}) {
+    CAPTURE(ahead);
+    box.x = {-0.0834003 + ahead, 0.11666, 0.1339383};
+    CHECK(least_gap(touch(box, c.shapes[0], ground, c.shapes[1])) < 0);
+    CHECK(least_gap(touch(box, c.shapes[0], ground, c.shapes[2])) > 1e-4);
+  }
+}
+
+TEST_CASE("a large face behind two small ones takes no part: a brick bond acts as one surface") {
+  spatial::Collision c{.name = "bond", .shapes = {{0, spatial::box_corners({0.2, 0.15, 0.1}), 0}}, .law = {}};
+  c.shapes.push_back({kGround, block_at({0, -1, -1}, {1, 1, 0}), 0});
+  c.shapes.push_back({kGround, block_at({-1, -1, -1}, {0, 0.3, 0}), 0});
+  c.shapes.push_back({kGround, block_at({-1, 0.3, -1}, {0, 1, 0}), 0});
+  spatial::set_hulls(c);
+  SpatialPose box, ground;
+  for (const double over : {1e-12, 1e-7, 1e-4, 0.01}) {  // [m] past the seam, at a depth of 1e-5
+    CAPTURE(over);
+    box.x = {-0.2 + over, 0.2, 0.1 - 1e-5};
+    for (std::size_t i = 1; i < c.shapes.size(); ++i) {
+      const spatial::TouchPoints points = touch(box, c.shapes[0], ground, c.shapes[i]);
+      for (int k = 0; k < points.count; ++k)
+        if (points.at(k).gap < 0) CHECK(points.at(k).n.z() > 0.999);
+    }
+  }
+}
+
+TEST_CASE("polytopes apart and beside each other's faces are as far apart as their nearest points") {
+  spatial::Collision c{.name = "pair", .shapes = {{0, spatial::box_corners({0.5, 0.5, 0.5}), 0}}, .law = {}};
+  c.shapes.push_back({1, spatial::box_corners({0.5, 0.5, 0.5}), 0});
+  spatial::set_hulls(c);
+  SpatialPose one, other;
+  other.x = {1.03, 1.04, 0};  // edge beside edge
+  CHECK(std::abs(touch(one, c.shapes[0], other, c.shapes[1]).at(0).gap - 0.05) < 1e-15);
+  other.x = {1.01, 1.02, 1.02};  // corner beside corner
+  const spatial::TouchPoints points = touch(one, c.shapes[0], other, c.shapes[1]);
+  CHECK(points.count == 1);
+  CHECK(std::abs(points.at(0).gap - 0.03) < 1e-15);
+  CHECK((points.at(0).on_a - Vector3d(0.5, 0.5, 0.5)).norm() < 1e-15);
 }
 
 TEST_CASE("volumes and inertias of solids, against sums over points") {

@@ -1,0 +1,398 @@
+#include <orthant/core/mechanics/spatial/polytope_polytope.h>
+
+#include <orthant/core/mechanics/spatial/round_shapes.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace orthant::spatial {
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr double kSameFace = 1e-6;  // of the size: the face of b is taken only where it is better than a's by this
+constexpr double kEdges = 1e-5;     // likewise edges instead of faces: shapes that lie on each other have four points
+
+using Corners = std::array<Vector3d, kMostHullPoints>;
+using Clipped = std::array<Vector3d, 2 * kMostHullPoints>;
+
+/// One of the two polytopes, as the other one sees it.
+struct Side {
+  const Hull& hull;
+  const Hull& other;
+  Corners others;  // the other's corners in this frame
+  Matrix3d R;      // the other's frame into this one: x → R x + d
+  Vector3d d;
+  double size;  // [m] of the smaller of the two
+
+  const Vector3d& corner(int i) const { return hull.corners[static_cast<std::size_t>(i)]; }
+  const Vector3d& others_corner(int i) const { return others[static_cast<std::size_t>(i)]; }
+  /// The other's least height over the plane of a face.
+  double gap(const Hull::Face& face) const {
+    double least = kUnbounded;
+    for (std::size_t i = 0; i < other.corners.size(); ++i) least = std::min(least, face.normal.dot(others[i]));
+    return least - face.offset;
+  }
+  /// Calls what(corner, outward direction along the face) for each side of a face; the directions are no unit vectors.
+  template <class What> void each_side(const Hull::Face& face, What&& what) const {
+    for (std::size_t i = 0; i < face.corners.size(); ++i) {
+      const Vector3d& p = corner(face.corners[i]);
+      const Vector3d along = corner(face.corners[(i + 1) % face.corners.size()]) - p;
+      what(p, along.cross(face.normal));
+    }
+  }
+  /// Whether x is over the face, its edges included.
+  bool over(const Hull::Face& face, const Vector3d& x) const {
+    bool within = true;
+    each_side(face, [&](const Vector3d& p, const Vector3d& out) {
+      within = within && out.dot(x - p) <= kSamePoint * size * out.norm();
+    });
+    return within;
+  }
+};
+
+enum class Stand { here, past_a_seam, elsewhere };
+/// Any axis, or those along which they stand on each other: two that are apart, or overlap.
+enum class Ask { any, standing, standing_within };
+
+struct Axis {
+  double gap = -kUnbounded;
+  double blocked = -kUnbounded;  // the largest gap along a covered face or edge
+  double passed = -kUnbounded;   // the largest gap along which they stand on each other past a seam only
+  int face = -1;                 // of the side
+  const Hull::Edge *ours = nullptr, *theirs = nullptr;
+  Vector3d n{0, 0, 0};  // outwards from the side
+
+  template <class Set> void take(double larger, Stand stand, Set&& set) {
+    if (stand == Stand::past_a_seam) passed = std::max(passed, larger);
+    if (stand == Stand::here) gap = larger, set();
+  }
+};
+
+/// Whether a plane that comes to the hull along n, in its frame, meets it before the neighbours there.
+bool first_is_free(const Hull& hull, const Vector3d& n) {
+  constexpr double kOpposite = 1e-6;
+  constexpr double kFirst = 1e-9;  // of the size
+  if (!hull.any_covered) return true;
+  for (const Hull::Face& face : hull.faces)
+    if (face.normal.dot(n) < kOpposite - 1) return !face.covered;
+  constexpr double kBehind = 1e-9;  // cosine
+  double least = kUnbounded;
+  for (const Vector3d& corner : hull.corners) least = std::min(least, n.dot(corner));
+  const auto first = [&](int i) {
+    return n.dot(hull.corners[static_cast<std::size_t>(i)]) <= least + kFirst * hull.size;
+  };
+  for (const Hull::Edge& edge : hull.edges)
+    if (first(edge.from) && first(edge.to)) return edge.meets(-n);
+  for (std::size_t i = 0; i < hull.ways.size(); ++i)
+    if (first(static_cast<int>(i)))
+      return std::none_of(hull.ways[i].begin(), hull.ways[i].end(),
+                          [&](const Vector3d& way) { return n.dot(way) < -kBehind; });
+  return true;
+}
+
+/// The face of the other that is turned to a face most, clipped to the sides of that face; all in the side's frame.
+std::size_t clipped(const Side& s, const Hull::Face& face, Clipped& polygon) {
+  const Vector3d n = s.R.transpose() * face.normal;
+  const Hull::Face* facing = &s.other.faces.front();
+  for (const Hull::Face& f : s.other.faces)
+    if (f.normal.dot(n) < facing->normal.dot(n)) facing = &f;
+  std::size_t count = 0;
+  for (const int i : facing->corners) polygon[count++] = s.others_corner(i);
+  Clipped next;
+  s.each_side(face, [&](const Vector3d& p, const Vector3d& outward) {
+    const Vector3d out = outward.normalized();
+    std::size_t kept = 0;
+    const auto keep = [&](const Vector3d& x) {
+      if (kept < next.size()) next[kept++] = x;
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vector3d &x = polygon[k], &y = polygon[(k + 1) % count];
+      const double at_x = out.dot(x - p), at_y = out.dot(y - p);
+      if (at_x <= 0) keep(x);
+      if ((at_x < 0 && at_y > 0) || (at_x > 0 && at_y < 0)) keep(x + at_x / (at_x - at_y) * (y - x));
+    }
+    std::copy_n(next.begin(), kept, polygon.begin());
+    count = kept;
+  });
+  return count;
+}
+
+/// Whether a neighbour goes on from the corner in the plane that meets the hull there along n, in its frame.
+bool goes_on(const Hull& hull, std::size_t corner, const Vector3d& n) {
+  constexpr double kFlush = 1e-6;  // cosine
+  if (hull.ways.empty()) return false;
+  const std::vector<Vector3d>& ways = hull.ways[corner];
+  return std::any_of(ways.begin(), ways.end(), [&](const Vector3d& way) { return std::abs(n.dot(way)) <= kFlush; });
+}
+
+/// Whether x is past sides of the face, and all of them are of this kind.
+template <class Kind> bool past_only(const Side& s, const Hull::Face& face, const Vector3d& x, Kind&& kind) {
+  bool past = false, only = true;
+  for (std::size_t i = 0; i < face.corners.size(); ++i) {
+    const Vector3d& from = s.corner(face.corners[i]);
+    const Vector3d out = (s.corner(face.corners[(i + 1) % face.corners.size()]) - from).cross(face.normal);
+    if (out.dot(x - from) <= kSamePoint * s.size * out.norm()) continue;
+    past = true, only = only && kind(s.hull.edges[static_cast<std::size_t>(face.edges[i])]);
+  }
+  return past && only;
+}
+
+/// Where what of the other is nearest to the plane of a face stands: on it (where they overlap: in the hull), or not.
+Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
+  const double same = kSamePoint * s.size, most = face.offset + gap + same;
+  const auto nearest = [&](const Vector3d& x) { return face.normal.dot(x) <= most; };
+  const auto here = [&](const Vector3d& x) {
+    return nearest(x) && (gap > 0 ? s.over(face, x) : s.hull.depth_of(x) <= same);
+  };
+  const Vector3d n = s.R.transpose() * face.normal;
+  const auto step = [](const Hull::Edge& e) { return e.step; };
+  bool past = false;
+  for (std::size_t i = 0; i < s.other.corners.size(); ++i) {
+    const Vector3d& x = s.others[i];
+    if (!nearest(x)) continue;
+    if (here(x) || (ask == Ask::standing_within && past_only(s, face, x, step))) return Stand::here;
+    past = past || goes_on(s.other, i, n) || s.hull.any_covered;
+  }
+  Clipped polygon;
+  const std::size_t count = clipped(s, face, polygon);
+  if (std::any_of(polygon.begin(), polygon.begin() + static_cast<std::ptrdiff_t>(count), here)) return Stand::here;
+  return past ? Stand::past_a_seam : Stand::elsewhere;
+}
+
+/// The best face of the side; as asked.
+Axis best_face(const Side& s, Ask ask) {
+  Axis best;
+  for (std::size_t f = 0; f < s.hull.faces.size(); ++f) {
+    const Hull::Face& face = s.hull.faces[f];
+    const double gap = s.gap(face);
+    if (face.covered || !first_is_free(s.other, s.R.transpose() * face.normal))
+      best.blocked = std::max(best.blocked, gap);
+    else if (gap > best.gap)
+      best.take(gap, ask == Ask::any ? Stand::here : stand_of(s, face, gap, ask),
+                [&] { best.face = static_cast<int>(f); });
+  }
+  return best;
+}
+
+/// An edge of the side and one of the other, as lines p + s u and q + t w in the side's frame.
+struct Lines {
+  Vector3d p, u, q, w;
+  Lines(const Side& side, const Hull::Edge& ours, const Hull::Edge& theirs)
+      : p(side.corner(ours.from)),
+        u(side.corner(ours.to) - p),
+        q(side.others_corner(theirs.from)),
+        w(side.others_corner(theirs.to) - q) {}
+  /// s and t where the lines are nearest to each other.
+  std::pair<double, double> nearest() const {
+    const Vector3d r = p - q;
+    const double uu = u.squaredNorm(), ww = w.squaredNorm(), uw = u.dot(w), square = uu * ww - uw * uw;
+    return {(uw * w.dot(r) - ww * u.dot(r)) / square, (uu * w.dot(r) - uw * u.dot(r)) / square};
+  }
+  /// Whether that is on both edges.
+  bool cross() const {
+    const auto [s, t] = nearest();
+    return within(s) && within(t);
+  }
+  /// Where they stand on each other along that axis: where they overlap, in both polytopes.
+  Stand stand(const Side& side, const Hull::Edge& ours, const Hull::Edge& theirs, const Vector3d& n, double gap) const {
+    const auto [s, t] = nearest();
+    const double same = kSamePoint * side.size;
+    if (within(s) && within(t))
+      return gap > 0 || (side.hull.depth_of(q + t * w) <= same && side.other.depth_of(back(side, p + s * u)) <= same)
+                 ? Stand::here
+                 : Stand::elsewhere;
+    if (within(t) == within(s)) return Stand::elsewhere;
+    const auto end = [](const Hull::Edge& e, double at) { return static_cast<std::size_t>(at < 0 ? e.from : e.to); };
+    const bool past =
+        within(t) ? goes_on(side.hull, end(ours, s), -n) : goes_on(side.other, end(theirs, t), side.R.transpose() * n);
+    return past ? Stand::past_a_seam : Stand::elsewhere;
+  }
+
+ private:
+  static bool within(double s) { return s >= -kSamePoint && s <= 1 + kSamePoint; }
+  static Vector3d back(const Side& side, const Vector3d& x) { return side.R.transpose() * (x - side.d); }
+};
+
+/// The best product of two edges, in the side's frame; as asked.
+Axis best_edges(const Side& side, Ask ask) {
+  Axis best;
+  const auto normal = [](const Hull& hull, int face) -> const Vector3d& {
+    return hull.faces[static_cast<std::size_t>(face)].normal;
+  };
+  for (const Hull::Edge& theirs : side.other.edges) {
+    const Vector3d& q = side.others_corner(theirs.from);
+    const Vector3d w = side.others_corner(theirs.to) - q;
+    const Vector3d left = side.R * normal(side.other, theirs.left), right = side.R * normal(side.other, theirs.right);
+    for (const Hull::Edge& ours : side.hull.edges) {
+      const Vector3d& p = side.corner(ours.from);
+      const Vector3d u = side.corner(ours.to) - p;
+      // The arcs of the two edges' normals on the sphere, one of them reversed, must cross.
+      const double left_u = left.dot(u), right_u = right.dot(u);
+      if (!(left_u * right_u < 0)) continue;
+      const Vector3d &n_left = normal(side.hull, ours.left), &n_right = normal(side.hull, ours.right);
+      const double left_w = n_left.dot(w), right_w = n_right.dot(w);
+      if (!(left_w * right_w < 0) || !(left_u * right_w < 0)) continue;
+      Vector3d n = u.cross(w);
+      const double sine = n.norm();
+      if (!(sine > kParallel * u.norm() * w.norm())) continue;
+      n /= n.dot(n_left + n_right) < 0 ? -sine : sine;
+      const double gap = n.dot(q - p);
+      if (!ours.meets(n) || !theirs.meets(-(side.R.transpose() * n)))
+        best.blocked = std::max(best.blocked, gap);
+      else if (gap > best.gap)
+        best.take(gap, ask == Ask::any ? Stand::here : Lines(side, ours, theirs).stand(side, ours, theirs, n, gap),
+                  [&] { best.ours = &ours, best.theirs = &theirs, best.n = n; });
+    }
+  }
+  return best;
+}
+
+struct Axes {
+  Axis face_a, face_b, edges;
+  double faces() const { return std::max(face_a.gap, face_b.gap); }
+  double gap() const { return std::max(faces(), edges.gap); }
+  double passed() const { return std::max({face_a.passed, face_b.passed, edges.passed}); }
+  double blocked() const { return std::max({face_a.blocked, face_b.blocked, edges.blocked}); }
+};
+Axes best_axes(const Side& a, const Side& b, Ask ask) {
+  return {best_face(a, ask), best_face(b, ask), best_edges(a, ask)};
+}
+
+/// Of the corners of the clipped face the deepest and those that span most with it: at most four.
+void span(const Clipped& polygon, std::size_t count, const Hull::Face& face, double same, TouchPoints& points) {
+  const auto gap = [&](std::size_t i) { return face.normal.dot(polygon[i]) - face.offset; };
+  const auto add = [&](std::size_t i) {
+    const Vector3d& on_b = polygon[i];
+    points.add({-face.normal, on_b - gap(i) * face.normal, on_b, gap(i)});
+  };
+  /// The one with the largest measure above a length.
+  const auto take = [&](auto&& measure) {
+    std::size_t best = count;
+    double most = same;
+    for (std::size_t i = 0; i < count; ++i)
+      if (const double m = measure(polygon[i]); m > most) most = m, best = i;
+    if (best < count) add(best);
+    return best;
+  };
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < count; ++i)
+    if (gap(i) < gap(first)) first = i;
+  add(first);
+  const Vector3d& p = polygon[first];
+  const std::size_t second = take([&](const Vector3d& x) { return (x - p).norm(); });
+  if (second == count) return;
+  const Vector3d side = face.normal.cross(polygon[second] - p).normalized();
+  take([&](const Vector3d& x) { return side.dot(x - p); });
+  take([&](const Vector3d& x) { return -side.dot(x - p); });
+}
+
+/// The points of a face. None: they are apart, or a neighbour is there, and the other's nearest corner is beside that
+/// face.
+TouchPoints on_face(const Side& s, const Axis& axis, bool beside) {
+  const Hull::Face& face = s.hull.faces[static_cast<std::size_t>(axis.face)];
+  Clipped polygon;
+  std::size_t count = clipped(s, face, polygon);
+  // The deepest corner over the face may belong to another face than the clipped one.
+  double least = kUnbounded;
+  for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
+  std::size_t deepest = s.other.corners.size();
+  const auto take_deepest = [&](double than, auto&& fits) {
+    double best = std::min(least, than);
+    for (std::size_t i = 0; i < s.other.corners.size(); ++i)
+      if (const double height = face.normal.dot(s.others[i]); height < best && fits(s.others[i]))
+        deepest = i, best = least = height;
+  };
+  take_deepest(least - kSamePoint * s.size, [&](const Vector3d& x) { return s.over(face, x); });
+  // A corner beside the face is no point of two faces that lie on each other: nothing is below it. Edges that meet may
+  // be deeper than what is over the face by kEdges.
+  TouchPoints points;
+  if (least - face.offset > axis.gap + 2 * kEdges * s.size) {
+    if (!beside) return points;
+    take_deepest(kUnbounded, [&](const Vector3d& x) { return s.hull.depth_of(x) <= kSamePoint * s.size; });
+    if (least - face.offset > axis.gap + 2 * kEdges * s.size)
+      take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
+  }
+  if (deepest < s.other.corners.size()) {
+    count = std::min(count, polygon.size() - 1);
+    polygon[count++] = s.others[deepest];
+  }
+  span(polygon, count, face, kSamePoint * s.size, points);
+  return points;
+}
+
+/// Of two polytopes apart, in a's frame. None: at a covered face or edge.
+TouchPoints nearest_points(const Side& a, const Side& b) {
+  double least = kUnbounded;
+  TouchPoint best;
+  const auto take = [&](const Vector3d& on_a, const Vector3d& on_b) {
+    if (const double square = (on_a - on_b).squaredNorm(); square < least) least = square, best = {{}, on_a, on_b, 0};
+  };
+  const auto each_foot = [&](const Side& s, auto&& what) {
+    for (const Hull::Face& face : s.hull.faces)
+      for (std::size_t i = 0; i < s.other.corners.size(); ++i)
+        if (const double height = face.normal.dot(s.others[i]) - face.offset;
+            height > 0 && height * height < least && s.over(face, s.others[i]))
+          what(Vector3d(s.others[i] - height * face.normal), s.others[i]);
+  };
+  each_foot(a, take);
+  each_foot(b, [&](const Vector3d& on_b, const Vector3d& on_a) { take(a.R * on_a + a.d, a.R * on_b + a.d); });
+  for (const Hull::Edge& ours : a.hull.edges)
+    for (const Hull::Edge& theirs : b.hull.edges) {
+      const Segment x{a.corner(ours.from), a.corner(ours.to)},
+          y{a.others_corner(theirs.from), a.others_corner(theirs.to)};
+      const auto [s, t] = nearest(x, y);
+      take(x.at(s), y.at(t));
+    }
+  TouchPoints points;
+  best = grown(best.on_a, 0, best.on_b, 0);
+  if (first_is_free(a.hull, best.n) && first_is_free(b.hull, -(a.R.transpose() * best.n))) points.add(best);
+  return points;
+}
+
+/// The points along the best of these axes, in a's frame. None: along that axis neither stands on the other, and
+/// `beside` is false.
+TouchPoints points_of(const Side& a, const Side& b, const Axes& axes, bool beside) {
+  TouchPoints points;
+  if (const Axis& edges = axes.edges; edges.ours != nullptr && edges.gap > axes.faces() + kEdges * a.size) {
+    const Lines lines(a, *edges.ours, *edges.theirs);
+    if (!beside && !lines.cross()) return points;
+    const Segment x{lines.p, lines.p + lines.u}, y{lines.q, lines.q + lines.w};
+    const Vector3d on_a = x.at(nearest(x, y).first);  // on the edge where they are almost parallel, too
+    points.add({-edges.n, on_a, on_a + edges.gap * edges.n, edges.gap});
+    return points;
+  }
+  if (axes.face_b.gap <= axes.face_a.gap + kSameFace * a.size) return on_face(a, axes.face_a, beside);
+  points = on_face(b, axes.face_b, beside);
+  for (int i = 0; i < points.count; ++i) {
+    TouchPoint& p = points.points[static_cast<std::size_t>(i)];
+    p = {-(a.R * p.n), a.R * p.on_b + a.d, a.R * p.on_a + a.d, p.gap};
+  }
+  return points;
+}
+
+}  // namespace
+
+TouchPoints touch_polytopes(const Hull& a, const Hull& b, const Matrix3d& R, const Vector3d& d) {
+  const double size = std::min(a.size, b.size);
+  Side of_a{a, b, {}, R, d, size}, of_b{b, a, {}, R.transpose(), -(R.transpose() * d), size};
+  for (std::size_t i = 0; i < b.corners.size(); ++i) of_a.others[i] = R * b.corners[i] + d;
+  for (std::size_t i = 0; i < a.corners.size(); ++i) of_b.others[i] = R.transpose() * (a.corners[i] - d);
+  Axes axes = best_axes(of_a, of_b, Ask::any);
+  const double blocked = axes.blocked();
+  TouchPoints points;
+  if (axes.gap() > -kUnbounded && blocked <= axes.gap() + (blocked > 0 ? 0 : kSameFace * size)) {
+    points = points_of(of_a, of_b, axes, false);
+    if (points.count > 0) return points;
+    if (axes.gap() > 0) return nearest_points(of_a, of_b);
+    const Axes standing = best_axes(of_a, of_b, Ask::standing_within);
+    if (standing.gap() > axes.gap() - kEdges * size) points = points_of(of_a, of_b, standing, true);
+    if (points.count > 0) return points;
+    if (blocked < axes.gap() - kSameFace * size) return points_of(of_a, of_b, axes, true);
+  }
+  axes = best_axes(of_a, of_b, blocked > 0 ? Ask::standing : Ask::standing_within);
+  if (axes.gap() == -kUnbounded || axes.passed() > axes.gap() + kSameFace * size) return points;
+  return points_of(of_a, of_b, axes, true);
+}
+
+}  // namespace orthant::spatial
