@@ -223,14 +223,15 @@ template <class Space> void close_joints(const SystemOf<Space>& system, TermsOf<
 }
 
 /// Whether a step that failed midway left the joints open, or the state not finite: it reached no state to speak of.
-template <class Space> bool breaks_joints(const SystemOf<Space>& system, TermsOf<Space>& terms, const State& x) {
-  constexpr double kOpen = 1e-6;  // relative, as joints_off(); those that are followed are off by 1e-9 at most
+template <class Space>
+bool breaks_joints(const SystemOf<Space>& system, TermsOf<Space>& terms, const State& before, const State& x) {
+  constexpr double kOpen = 1e-6;  // of 1 m and the coordinates before; those that are followed are off by 1e-9 at most
   if (!x.q.allFinite() || !x.v.allFinite()) return true;
   if (system.joint_rows() == 0) return false;
   set_poses(system, x.t, x.q, terms.at);
   evaluate_joint_residual(system, terms);
   Magnitudes far(system.assembly());
-  return !(joints_off(terms, x.q, far) <= kOpen);
+  return !(joints_off(terms, before.q, far) <= kOpen);
 }
 
 }  // namespace
@@ -308,7 +309,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
         run.why += since(x.t);
       if (watch.jammed() && watch.measures_work() && !JamSearchOf<Space>(system).fits(x.t, there = x.q))
         x = before;  // in a jam there is no motion
-      if (!watch.jammed() && watch.measures_work() && x.t != t && breaks_joints(system, start, x)) x = before;
+      if (!watch.jammed() && watch.measures_work() && x.t != t && breaks_joints(system, start, before, x)) x = before;
       const bool moved = x.t != t;  // a scheme that controls its step came some way
       if (moved) {
         note(report, run);

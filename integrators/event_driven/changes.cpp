@@ -16,9 +16,9 @@ constexpr double kPressed = 1e-6;  // of the accelerations: a contact let go tha
 constexpr double kLongestCrossing = 1e-4;  // [s]
 constexpr double kTilt = 1e-9;             // [m], times length_unit(): deeper overlaps are no rounding
 constexpr double kWay = 1e-9;              // of the way since two contacts struck: nearer ones may be one event
-// What a series of impacts leaves of a motion of 1 m/s: no slip, which forces at rest would have to follow.
-constexpr double kNearlyRests = 1e-7;  // [m/s], times length_unit()
-constexpr int kShares = 200;           // times that friction is shared again in a crowd, which count for no event
+constexpr double kNearlyRests =
+    1e-7;                     // [m/s], times length_unit(): what a series of impacts leaves of a motion of 1 m/s
+constexpr int kShares = 200;  // times that friction is shared again in a crowd, which count for no event
 
 /// Whether none of all combinations of a few contacts solves the impact, not even a little slower, so that nothing
 /// hangs on rounding: friction and restitution contradict each other. Impulses that lose all digits solve nothing.
@@ -237,6 +237,14 @@ bool EventDriven::leaves_room(const State& x) {
   return jam_search_->fits(x.t, stage_.q);
 }
 
+/// A body that all but rests has no slip for forces to follow: without drives it is at rest. False: it was, or moves.
+bool EventDriven::come_to_rest() {
+  const double fastest = largest_of_all(now_.v, system_.length_unit());
+  if (fastest == 0 || fastest > kNearlyRests * system_.length_unit() || system_.driven()) return false;
+  now_.v.setZero();
+  return true;
+}
+
 /// The modes at now_, after an impact or an event of the motion.
 bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
   const double t = start_ + elapsed_;
@@ -252,9 +260,8 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
     const Status status = transition_.decide(motion_, solver, report);
     if (status != Status::solved) {
       shown_ = nullptr;
-      no_answer_ = transition_.undecided() ||
-                   (status == Status::infeasible &&
-                    largest_of_all(now_.v, system_.length_unit()) <= kNearlyRests * system_.length_unit());
+      if (status == Status::infeasible && come_to_rest()) continue;
+      no_answer_ = transition_.undecided();
       return fail(report, status, transition_.why() + ", at t = " + detail::text_of(t));
     }
     residual_ = motion_.project(t, now_.q, now_.v);

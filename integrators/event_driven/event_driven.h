@@ -221,6 +221,7 @@ class EventDriven final : public Integrator {
   bool accumulates();
   bool strikes_after_series();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
+  bool come_to_rest();
   bool shares_anew(const Sign& event);
   bool leaves_cones() const;
   double force_zero() const;

@@ -14,7 +14,6 @@ constexpr double kTogether = 1e-8;      // of the largest force: contacts this n
 constexpr double kComesBack = 1e-6;     // of the accelerations: a contact let go that comes back faster does not open
 constexpr double kSmallTilt = 1e-9;     // [m] deeper overlaps are no rounding
 constexpr double kLastCrossing = 1e-4;  // [s]
-constexpr double kNearlyAtRest = 1e-7;  // [m/s, rad/s] what a series of impacts leaves of a motion of 1 m/s
 
 }  // namespace
 
@@ -233,8 +232,7 @@ bool SpatialEventDriven::settle(Solver& solver, const std::optional<Sign>& event
     const Status status = transition_.decide(motion_, now_.q, now_.v, solver, report);
     if (status != Status::solved) {
       shown_ = nullptr;
-      no_answer_ = transition_.undecided() ||
-                   (status == Status::infeasible && now_.v.lpNorm<Eigen::Infinity>() <= kNearlyAtRest);
+      no_answer_ = transition_.undecided();
       return give_up(status, transition_.why() + ", at t = " + detail::text_of(time_));
     }
     now_.residual = motion_.project(time_, now_.q, now_.v);

@@ -1,6 +1,9 @@
 // Instants without an answer, or with several: Painlevé, jamming, solvers that give up.
 #include "tests/support/event_record.h"
+#include "tests/support/runs.h"
 
+#include <orthant/core/mechanics/dynamics/assemble.h>
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/motion.h>
 
 #include <doctest/doctest.h>
@@ -94,4 +97,111 @@ TEST_CASE("a solver that gives up at an impact proves nothing, where walls witho
     impacts += run.why == "the impact was not solved";
   }
   CHECK(impacts > 20);
+}
+
+TEST_CASE("a hexagon that comes to rest wedged in a notch is held by forces within its cones: no paradox") {
+  const Scene notch = parse_scene(R"(
+    gravity = [0, -9.81]
+    duration = 0.7
+    step = 0.001
+
+    [[body]]
+    name = "b"
+    mass = 1.0
+    inertia = 0.001343254069575512
+    position = [-0.14961728324966012, 0.6210599000403126]
+    angle = 2.3996832414426263
+    velocity = [0.23738485662146624, 0.0]
+    omega = -0.3379038042224991
+
+    [[contact]]
+    type = "chain"
+    name = "c"
+    bodies = ["b", "ground"]
+    points = [[-1.330460482618733, 2.688842670032951], [0.0, 0.0], [-0.03995383234344058, 2.99973393674857]]
+    mu = 0.6
+    e_n = 0.5
+    corners = [[0.051831536145005616, 0.0], [0.025915768072502815, 0.044887427018746213], [-0.025915768072502798, 0.04488742701874622], [-0.051831536145005616, 6.3475324834871474e-18], [-0.025915768072502832, -0.0448874270187462], [0.025915768072502815, -0.044887427018746213]]
+  )");
+  for (const std::string scheme : {"event-driven", "adaptive"}) {
+    CAPTURE(scheme);
+    const Run r = run(notch, scheme, 1e-3);
+    CHECK_MESSAGE(r.status == Status::solved, r.why);
+    CHECK(r.final.v.norm() < 1e-8);
+  }
+}
+
+TEST_CASE("a stop at a mechanism's singular pose: a run that fails ends at a state that keeps its joints") {
+  const Scene flat = parse_scene(R"(
+    duration = 0.5
+    step = 0.001
+    gravity = [0.0, -9.81]
+
+    [[body]]
+    name = "l"
+    mass = 1.0
+    inertia = 0.013333333333333336
+    position = [0.10806046117362796, 0.16829419696157932]
+    angle = 1.0
+
+    [[body]]
+    name = "r"
+    mass = 1.0
+    inertia = 0.013333333333333336
+    position = [0.7080604611736279, 0.16829419696157932]
+    angle = 1.0
+
+    [[body]]
+    name = "c"
+    mass = 1.0
+    inertia = 0.03
+    position = [0.5161209223472559, 0.33658839392315865]
+    angle = 0.0
+
+    [[joint]]
+    type = "revolute"
+    name = "A"
+    bodies = ["ground", "l"]
+    point_b = [-0.2, 0.0]
+
+    [[joint]]
+    type = "revolute"
+    name = "B"
+    bodies = ["ground", "r"]
+    point_a = [0.6, 0.0]
+    point_b = [-0.2, 0.0]
+
+    [[joint]]
+    type = "revolute"
+    name = "Cc"
+    bodies = ["l", "c"]
+    point_a = [0.2, 0.0]
+    point_b = [-0.3, 0.0]
+
+    [[joint]]
+    type = "revolute"
+    name = "Dd"
+    bodies = ["r", "c"]
+    point_a = [0.2, 0.0]
+    point_b = [0.3, 0.0]
+
+    [[contact]]
+    type = "limit"
+    name = "s"
+    joint = "A"
+    lower = -5.0
+    e_n = 0.0
+
+    [[contact]]
+    type = "limit"
+    name = "k"
+    joint = "Dd"
+    upper = 0.0
+    e_n = 0.5
+  )");
+  const Run r = run(flat, "adaptive", 1e-3);
+  CHECK(r.status != Status::solved);
+  const System system(flat);
+  CHECK(off_most(system, r.final.t, r.final.q).off < 1e-9);
+  CHECK(std::abs(r.energy_final - r.energy_initial) < 1e-6);
 }
