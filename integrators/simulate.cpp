@@ -296,7 +296,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       break;
     }
     const double t = x.t, h = k < whole ? clock.step : rest;
-    if (watch.measures_work() || clock.rounded == Rounded::stop) before = x;
+    if (watch.measures_work() || integrator.controls_step() || clock.rounded == Rounded::stop) before = x;
     const StepReport report = integrator.step(h, solver, x);
     if (report.status != Status::solved) {
       run.status = report.status;
@@ -309,7 +309,8 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
         run.why += since(x.t);
       if (watch.jammed() && watch.measures_work() && !JamSearchOf<Space>(system).fits(x.t, there = x.q))
         x = before;  // in a jam there is no motion
-      if (!watch.jammed() && watch.measures_work() && x.t != t && breaks_joints(system, start, before, x)) x = before;
+      if (!watch.jammed() && integrator.controls_step() && x.t != t && breaks_joints(system, start, before, x))
+        x = before;
       const bool moved = x.t != t;  // a scheme that controls its step came some way
       if (moved) {
         note(report, run);
