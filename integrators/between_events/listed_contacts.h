@@ -58,7 +58,7 @@ class ListedContactsIntegrator final : public Integrator {
  public:
   using Make = std::unique_ptr<Integrator> (*)(const System& system, std::string_view options);
   ListedContactsIntegrator(const System& system, std::string_view scheme, const Capabilities& can, Make make,
-                       std::string_view options)
+                           std::string_view options)
       : Integrator(system, scheme, can), listed_(system, scheme), scheme_(make(listed_.system(), options)) {}
 
   StepReport step(double h, Solver& solver, State& x) override;

@@ -4,9 +4,9 @@
 #include <orthant/solvers/linear_algebra/scalars.h>
 #include <orthant/solvers/linear_algebra/scaling.h>
 #include <orthant/solvers/pivoting/enumerate.h>
+#include <orthant/solvers/pivoting/lemke_tableau.h>
 #include <orthant/solvers/pivoting/normal_path.h>
 #include <orthant/solvers/pivoting/revised_lemke.h>
-#include <orthant/solvers/pivoting/lemke_tableau.h>
 #include <orthant/solvers/proof/farkas.h>
 
 #include <algorithm>

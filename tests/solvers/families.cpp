@@ -96,7 +96,7 @@ TEST_CASE("factorizations are counted where they are made, those of a method tha
   CHECK(newton.factorizations > newton.iterations);  // one a step, and the last digits
 }
 
-TEST_CASE("a step of a pile: auto takes newton-ac, where pivoting takes many times as long; newton-min sparse factors") {
+TEST_CASE("a step of a pile: auto takes newton-ac, pivoting takes many times as long; newton-min has sparse factors") {
   const System system(pile({.discs = 100}));
   const auto scheme = make_integrator("moreau-jean", system);
   const auto sweeps = make_solver("nncg:tolerance=1e-6"), solver = make_solver("auto");
