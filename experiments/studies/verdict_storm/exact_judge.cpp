@@ -4,6 +4,7 @@
 #include "experiments/studies/verdict_storm/entries_as.h"
 
 #include <orthant/core/support/options.h>
+#include <orthant/core/support/random.h>
 
 #include <boost/multiprecision/gmp.hpp>
 
@@ -143,7 +144,8 @@ class ProofExam {
         if (value < 0) return {};
         return "the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0";
       }
-      if (!add_equations(all && round == 0) || !eliminate()) return "g misses its sign by " + detail::text_of(worst);
+      if (!add_equations(all && round == 0) || !eliminate())
+        return all && proves_nearby() ? "" : "g misses its sign by " + detail::text_of(worst);
     }
     return "g misses its sign";
   }
@@ -161,6 +163,26 @@ class ProofExam {
   }
 
  private:
+  /// Whether doubles within 3e-6 of u, entry by entry, prove by themselves: equations need not hold, signs are enough.
+  /// Entries of u may be as small as the steps of the elimination, which then leads away from it.
+  bool proves_nearby() {
+    constexpr int kMost = 20000, kWork = 3000000;  // draws; products
+    const std::size_t n = x_.size(), draws = std::min<std::size_t>(kMost, kWork / (n * n + 1));
+    Random random(1);
+    for (std::size_t draw = 0; draw < draws; ++draw) {
+      for (const auto i : support_) {
+        const double u = static_cast<double>(u_[i]);
+        x_[i] = Rational(u + random.integer(-3, 3) * std::ldexp(u, -4 * random.integer(5, 13)));
+      }
+      sums();
+      bool right = true;
+      for (Index j = 0; right && j < p_.size(); ++j) right = !wrong(j);
+      if (right && most() < 0) return true;
+    }
+    x_ = u_;
+    return false;
+  }
+
   bool near_zero(Index j) const { return abs(c_[at(j)]) <= Rational(0x1p-30) * terms_[at(j)]; }
   bool wrong(Index j) const {
     return friction_[at(j)] == 0 && ((p_.hi[j] == kInf && c_[at(j)] > 0) || (p_.lo[j] == -kInf && c_[at(j)] < 0));
