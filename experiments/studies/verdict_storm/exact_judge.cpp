@@ -144,25 +144,10 @@ class ProofExam {
         if (value < 0) return {};
         return "the largest u'w is " + detail::text_of(static_cast<double>(value)) + ", not below 0";
       }
-      if (!add_equations(all && round == 0) || !eliminate())
-        return all && proves_nearby() ? "" : "g misses its sign by " + detail::text_of(worst);
+      if (!add_equations(all && round == 0) || !eliminate()) return "g misses its sign by " + detail::text_of(worst);
     }
     return "g misses its sign";
   }
-  double margin() const {
-    Rational terms(0);
-    for (const auto i : support_) terms += abs(x_[i] * copy_.b[i]);
-    return terms == 0 ? kInf : static_cast<double>(-most() / terms);
-  }
-  /// The largest change of an entry of u over the largest entry.
-  double change() const {
-    Rational largest(0), off(0);
-    for (const auto i : support_)
-      largest = most_of<Rational>(largest, abs(u_[i])), off = most_of<Rational>(off, abs(x_[i] - u_[i]));
-    return largest == 0 ? 0 : static_cast<double>(off / largest);
-  }
-
- private:
   /// Whether doubles within 3e-6 of u, entry by entry, prove by themselves: equations need not hold, signs are enough.
   /// Entries of u may be as small as the steps of the elimination, which then leads away from it.
   bool proves_nearby() {
@@ -183,6 +168,20 @@ class ProofExam {
     return false;
   }
 
+  double margin() const {
+    Rational terms(0);
+    for (const auto i : support_) terms += abs(x_[i] * copy_.b[i]);
+    return terms == 0 ? kInf : static_cast<double>(-most() / terms);
+  }
+  /// The largest change of an entry of u over the largest entry.
+  double change() const {
+    Rational largest(0), off(0);
+    for (const auto i : support_)
+      largest = most_of<Rational>(largest, abs(u_[i])), off = most_of<Rational>(off, abs(x_[i] - u_[i]));
+    return largest == 0 ? 0 : static_cast<double>(off / largest);
+  }
+
+ private:
   bool near_zero(Index j) const { return abs(c_[at(j)]) <= Rational(0x1p-30) * terms_[at(j)]; }
   bool wrong(Index j) const {
     return friction_[at(j)] == 0 && ((p_.hi[j] == kInf && c_[at(j)] > 0) || (p_.lo[j] == -kInf && c_[at(j)] < 0));
@@ -315,6 +314,8 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
     finding.margin = exam.margin();
     break;
   }
+  if (!finding.holds && exam.proves_nearby())
+    finding = {.holds = true, .error = exam.change(), .margin = exam.margin()};
   return finding;
 }
 

@@ -119,8 +119,8 @@ TEST_CASE("a passage that ends in the other body, in or beyond its middle, is re
         return run(s, scheme, s.duration);
       };
       CHECK(shoot(0.3).passages == 1);
-      const Run middle = shoot(0);  // schemes that close gaps where a step ends find no normal there
-      CHECK((middle.passages == 1 || middle.why.find("has no normal") != std::string::npos));
+      // Schemes that close gaps where a step ends find no normal in the very middle.
+      if (scheme == "moreau-jean") CHECK(shoot(0).passages == 1);
       CHECK(shoot(-0.3).passages == 0);
     }
 }
