@@ -4,7 +4,6 @@
 #include "experiments/studies/verdict_storm/entries_as.h"
 
 #include <orthant/core/support/options.h>
-#include <orthant/core/support/random.h>
 
 #include <boost/multiprecision/gmp.hpp>
 
@@ -148,26 +147,6 @@ class ProofExam {
     }
     return "g misses its sign";
   }
-  /// Whether doubles within 3e-6 of u, entry by entry, prove by themselves: equations need not hold, signs are enough.
-  /// Entries of u may be as small as the steps of the elimination, which then leads away from it.
-  bool proves_nearby() {
-    constexpr int kMost = 20000, kWork = 3000000;  // draws; products
-    const std::size_t n = x_.size(), draws = std::min<std::size_t>(kMost, kWork / (n * n + 1));
-    Random random(1);
-    for (std::size_t draw = 0; draw < draws; ++draw) {
-      for (const auto i : support_) {
-        const double u = static_cast<double>(u_[i]);
-        x_[i] = Rational(u + random.integer(-3, 3) * std::ldexp(u, -4 * random.integer(5, 13)));
-      }
-      sums();
-      bool right = true;
-      for (Index j = 0; right && j < p_.size(); ++j) right = !wrong(j);
-      if (right && most() < 0) return true;
-    }
-    x_ = u_;
-    return false;
-  }
-
   double margin() const {
     Rational terms(0);
     for (const auto i : support_) terms += abs(x_[i] * copy_.b[i]);
@@ -314,8 +293,6 @@ Finding examine_proof(const Lcp& p, const Vector& u) {
     finding.margin = exam.margin();
     break;
   }
-  if (!finding.holds && exam.proves_nearby())
-    finding = {.holds = true, .error = exam.change(), .margin = exam.margin()};
   return finding;
 }
 
