@@ -157,15 +157,19 @@ constexpr Step kSteps[] = {
     {"pgs", "nothing that factorizes was left", always},
 };
 constexpr std::size_t kCount = std::size(kSteps);
+// Steps that try what is quick where it helps: a failure says nothing of a proof.
+constexpr bool (*kAttempts[])(const Look&) = {sweeps,      resumed,        followed,       pyramids,       swept,
+                                              nonnegative, dense_friction, loose_contacts, uneven_contacts};
 
 /// As the methods for symmetric matrices take it: W M⁻¹ Wᵀ computed row by row is symmetric to rounding only.
 bool symmetric_pair(double a, double b, double diagonal_i, double diagonal_j) {
   return a == b || std::abs(a - b) <= 1e-12 * std::sqrt(diagonal_i) * std::sqrt(diagonal_j);
 }
 
-Look look(const Lcp& problem) {
+Look look(const Lcp& problem, bool warm) {
   Look p;
   p.n = problem.size();
+  p.warm = warm;
   p.friction = !problem.friction.empty();
   if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
     p.nonnegative = true;
@@ -198,9 +202,14 @@ Look look(const Lcp& problem) {
     const Delassus& contacts = std::get<Delassus>(problem.A);
     p.applied = true;
     p.loose = 8 * contacts.W.cols >= p.n;
-    Vector entries;
-    diagonal(problem.A, entries);
-    p.uneven = entries.size() > 0 && entries.maxCoeff() > 100 * entries.minCoeff();
+    if (loose_contacts(p)) {
+      double least = kInf, most = 0;
+      for (Index i = 0; i < p.n; ++i) {
+        const double entry = diagonal(problem.A, i);
+        least = std::min(least, entry), most = std::max(most, entry);
+      }
+      p.uneven = most > 100 * least;
+    }
     p.no_diagonal = p.z_matrix = false;
   }
   return p;
@@ -227,7 +236,7 @@ struct Automatic::Work {
   const Lcp* formed = nullptr;
 
   void look_at(const Lcp& problem) {
-    if (!looked) look = orthant::look(problem), look.warm = warm, looked = true;
+    if (!looked) look = orthant::look(problem, warm), looked = true;
   }
 
   /// The problem with a dense matrix.
@@ -326,9 +335,7 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   if (work.inner.status == Status::infeasible) trust(*solver);
   s.iterations = work.iterations += work.inner.iterations;
   const auto when = kSteps[k].when;
-  const bool tried = when == &sweeps || when == &resumed || when == &followed || when == &pyramids || when == &swept ||
-                     when == &nonnegative || when == &dense_friction || when == &loose_contacts ||
-                     when == &uneven_contacts;
+  const bool tried = std::ranges::find(kAttempts, when) != std::end(kAttempts);
   const bool in_vain = tried && !has_answer(work.inner.status) && work.inner.status != Status::infeasible;
   if (logging())
     log(attempt, work.inner.residual, 0,

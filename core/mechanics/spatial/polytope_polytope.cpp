@@ -160,7 +160,7 @@ Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
   return past ? Stand::past_a_seam : Stand::elsewhere;
 }
 
-/// The best face of the side; as asked.
+/// The face of the side with the largest gap, of those that `ask` admits.
 Axis best_face(const Side& s, Ask ask) {
   Axis best;
   for (std::size_t f = 0; f < s.hull.faces.size(); ++f) {
@@ -214,7 +214,7 @@ struct Lines {
   static Vector3d back(const Side& side, const Vector3d& x) { return side.R.transpose() * (x - side.d); }
 };
 
-/// The best product of two edges, in the side's frame; as asked.
+/// The product of two edges with the largest gap, in the side's frame, of those that `ask` admits.
 Axis best_edges(const Side& side, Ask ask) {
   Axis best;
   const auto normal = [](const Hull& hull, int face) -> const Vector3d& {
@@ -287,9 +287,8 @@ void span(const Clipped& polygon, std::size_t count, const Hull::Face& face, dou
   take([&](const Vector3d& x) { return -side.dot(x - p); });
 }
 
-/// The points of a face. None: they are apart, or a neighbour is there, and the other's nearest corner is beside that
-/// face.
-TouchPoints on_face(const Side& s, const Axis& axis, bool beside) {
+/// The contact points on a face. Without `outside` there are none where the other's nearest corner is not over the face.
+TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   const Hull::Face& face = s.hull.faces[static_cast<std::size_t>(axis.face)];
   Clipped polygon;
   std::size_t count = clipped(s, face, polygon);
@@ -304,11 +303,11 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool beside) {
         deepest = i, best = least = height;
   };
   take_deepest(least - kSamePoint * s.size, [&](const Vector3d& x) { return s.over(face, x); });
-  // A corner beside the face is no point of two faces that lie on each other: nothing is below it. Edges that meet may
-  // be deeper than what is over the face by kEdges.
+  // A corner that is not over the face has nothing below it: it is no point of two faces that lie on each other. Edges
+  // that meet may be deeper than the part over the face by kEdges.
   TouchPoints points;
   if (least - face.offset > axis.gap + 2 * kEdges * s.size) {
-    if (!beside) return points;
+    if (!outside) return points;
     take_deepest(kUnbounded, [&](const Vector3d& x) { return s.hull.depth_of(x) <= kSamePoint * s.size; });
     if (least - face.offset > axis.gap + 2 * kEdges * s.size)
       take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
@@ -351,19 +350,19 @@ TouchPoints nearest_points(const Side& a, const Side& b) {
 }
 
 /// The points along the best of these axes, in a's frame. None: along that axis neither stands on the other, and
-/// `beside` is false.
-TouchPoints points_of(const Side& a, const Side& b, const Axes& axes, bool beside) {
+/// `outside` is false.
+TouchPoints points_of(const Side& a, const Side& b, const Axes& axes, bool outside) {
   TouchPoints points;
   if (const Axis& edges = axes.edges; edges.ours != nullptr && edges.gap > axes.faces() + kEdges * a.size) {
     const Lines lines(a, *edges.ours, *edges.theirs);
-    if (!beside && !lines.cross()) return points;
+    if (!outside && !lines.cross()) return points;
     const Segment x{lines.p, lines.p + lines.u}, y{lines.q, lines.q + lines.w};
     const Vector3d on_a = x.at(nearest(x, y).first);  // on the edge where they are almost parallel, too
     points.add({-edges.n, on_a, on_a + edges.gap * edges.n, edges.gap});
     return points;
   }
-  if (axes.face_b.gap <= axes.face_a.gap + kSameFace * a.size) return on_face(a, axes.face_a, beside);
-  points = on_face(b, axes.face_b, beside);
+  if (axes.face_b.gap <= axes.face_a.gap + kSameFace * a.size) return on_face(a, axes.face_a, outside);
+  points = on_face(b, axes.face_b, outside);
   for (int i = 0; i < points.count; ++i) {
     TouchPoint& p = points.points[static_cast<std::size_t>(i)];
     p = {-(a.R * p.n), a.R * p.on_b + a.d, a.R * p.on_a + a.d, p.gap};
