@@ -287,7 +287,7 @@ void span(const Clipped& polygon, std::size_t count, const Hull::Face& face, dou
   take([&](const Vector3d& x) { return -side.dot(x - p); });
 }
 
-/// The contact points on a face. Without `outside` there are none where the other's nearest corner is not over the face.
+/// Contact points on a face. Without `outside` there are none where the other's nearest corner is not over the face.
 TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   const Hull::Face& face = s.hull.faces[static_cast<std::size_t>(axis.face)];
   Clipped polygon;
