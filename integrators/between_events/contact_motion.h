@@ -59,6 +59,8 @@ class ContactMotion {
   /// Forces of the last accelerations() [N], in the order of lasting().
   double normal_force(std::size_t i) const { return normal_[i]; }
   double tangent_force(std::size_t i) const { return tangent_[i]; }
+  /// [W] of drives, loads and moving surfaces there: Σ λ_i ṡ_i + F · Ṗ + λ_T belt; v and the a found.
+  double power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
   /// Forces and slips of the lasting contacts there, the rest as it is; dof: v and the a found.
   void watch_lasting(const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w) const;
   /// Gaps, rates and accelerations of all contacts where accelerations() was evaluated last.
@@ -111,7 +113,7 @@ class ContactMotion {
   Magnitudes far_, fast_;  // [m], [m/s] of translations
   Vector share_, known_;
   bool knows_ = false;
-  Eigen::VectorXd free_, zero_, rate_, lambda_;
+  Eigen::VectorXd free_, zero_, rate_, lambda_, load_;
 };
 
 double slip_rate(const ContactLaw& law, const ContactRows& rows, const Eigen::VectorXd& v);  // γ_T [m/s]

@@ -277,7 +277,7 @@ bool EventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool 
                                          -kPressed * largest_of_all(now_.a, system_.length_unit()))
         freed_.held[at(c)] = false, freed_.slides[at(c)] = 0, again = true;
   }
-  load_ = 0, scale_.noise.setZero();
+  load_ = 0, scale_.noise.setZero(), flow_.forget_noise();
   note_changes(event.has_value() && !struck);
   return true;
 }

@@ -92,7 +92,7 @@ class DormandPrince {
   explicit DormandPrince(Eigen::Index dof) : d_(dof, dormand_prince::kStages), sum_(dof), q_(dof), v_(dof), a_(dof) {}
 
   /// (q⁺, v⁺) from (q, v) and their acceleration `first`, each of `dof` entries. acceleration(t, q, v, a) returns false
-  /// where there is none, and so does step; seen(b_i) is called after each.
+  /// where there is none, and so does step; seen(i) is called after each.
   template <class Acceleration, class Seen> bool step(Acceleration&& acceleration, double t, const Eigen::VectorXd& q,
                                                       const Eigen::VectorXd& v, const Eigen::VectorXd& first, double h,
                                                       Eigen::VectorXd& q_next, Eigen::VectorXd& v_next, Seen&& seen) {
@@ -108,7 +108,7 @@ class DormandPrince {
       move(kC[i], kA2[i], kA[i], i, q_, v_);
       if (!acceleration(t + kC[i] * h, q_, v_, a_)) return false;
       d_.col(static_cast<Eigen::Index>(i)) = a_ - first;
-      seen(kB[i]);
+      seen(i);
     }
     move(1, kB2, kB, kStages, q_next, v_next);
     return q_next.allFinite() && v_next.allFinite();
@@ -127,8 +127,6 @@ class DormandPrince {
     if (fifth == 0) return 0;
     return std::abs(h) * fifth / std::sqrt((fifth + 0.01 * third) * 2 * static_cast<double>(q_scale.size()));
   }
-
-  static constexpr double first_weight() { return dormand_prince::kB[0]; }
 
  private:
   using Stages = dormand_prince::Stages;

@@ -44,8 +44,8 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       freed_(impulses_.size()),
       none_(Eigen::VectorXd::Zero(system.dof())),
       bounces_(impulses_.size()),
-      push_(impulses_.size()),
-      stage_push_(impulses_.size()),
+      flow_(2 * system.contacts() + 1),
+      force_(2 * system.contacts() + 1),
       before_(impulses_.size()),
       conservative_(conserves(system)),
       shown_(&formulation_) {
@@ -111,7 +111,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
 
 void EventDriven::remember(CheckpointData& memory) {
   memory(good_, last_q_, last_v_, now_, start_, elapsed_, h_, scale_.noise, lead_, joints_, load_, flight_, bounces_,
-         crossing_, no_answer_, residual_, motion_, formulation_, impact_, stepping_, crowd_, arc_);
+         crossing_, no_answer_, residual_, motion_, formulation_, impact_, stepping_, crowd_, arc_, flow_);
   if (pulleys_) memory(*pulleys_);
   if (meter_) meter_->forget();
 }
@@ -142,7 +142,7 @@ void EventDriven::sort_events() {
 bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   now_.q = x.q, now_.v = x.v, h_ = options_.first_step;
   flight_.steps = 0, flight_.time = 0;
-  scale_.noise.setZero(now_.v.size());
+  scale_.noise.setZero(now_.v.size()), flow_.restart();
   std::fill(bounces_.begin(), bounces_.end(), Bounces{});
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
@@ -246,7 +246,9 @@ bool EventDriven::turn(Solver& solver, double s, double end, StepReport& report)
 void EventDriven::accept(double s, double end) {
   const double before = elapsed_;
   load_ = std::max(load_, now_.w.normal.size() > 0 ? now_.w.normal.maxCoeff() : 0);
-  if (meter_) add_work(meter_->over_motion(start_ + elapsed_, s, now_, trial_, motion_.modes));
+  const Eigen::VectorXd& mean = flow_.mean();
+  if (meter_) add_work(s * mean[mean.size() - 1]);
+  flow_.take(s);
   least_weight_ = std::min(least_weight_, potential_of_weight(system_, trial_.q));
   std::swap(now_, trial_);
   residual_ = trial_residual_;
@@ -257,7 +259,7 @@ void EventDriven::accept(double s, double end) {
                      moved <= kNowhere * std::max(size_, largest_of_all(now_.q, system_.length_unit()));
   crowd_.steps = crowd ? crowd_.steps + 1 : 0, crowd_.shared = crowd ? crowd_.shared : 0;
   for (const int c : motion_.lasting())
-    impulses_[at(c)].normal += s * push_[at(c)].normal, impulses_[at(c)].tangent += s * push_[at(c)].tangent;
+    impulses_[at(c)].normal += s * mean[2 * c], impulses_[at(c)].tangent += s * mean[2 * c + 1];
   if (striding_) note_arc(before);
   behind_ = 0;
 }

@@ -32,7 +32,7 @@
 //   A contact that separates no faster than bodies fall within this step lasts. The error is of first order: speeds
 //   times the length of the step. Runs without crowds have none.
 //   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the
-//   accelerations. An event's time is found to rounding of the event function.
+//   accelerations; impulses of lasting contacts and work to 1e3 rtol of their sums (stage_quadrature.h). An event's time is found to rounding of the event function.
 //   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³,
 //   δ the distance: such poses are passed over in one step, no stage of which is very near. A state requested there is
 //   returned, but the next step starts where the last one did (with lasting contacts: from the requested state).
@@ -56,7 +56,7 @@
 #include <orthant/integrators/between_events/continuous_collision.h>
 #include <orthant/integrators/between_events/listed_contacts.h>
 #include <orthant/integrators/event_driven/bounces.h>
-#include <orthant/integrators/event_driven/dormand_prince.h>
+#include <orthant/integrators/event_driven/stage_quadrature.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
 #include <orthant/integrators/step/immobility.h>
 #include <orthant/integrators/step/impact.h>
@@ -111,10 +111,11 @@ class EventDriven final : public Integrator {
   static constexpr double kSoon = 50;       // crossings: no calm has come since the last one
   struct Point : MotionPoint {
     double independence = 1;  // of the joint rows
+    double power = 0;         // [W] of drives, loads and moving surfaces, where it is measured
     using MotionPoint::MotionPoint;
     void remember(CheckpointData& memory) {
       MotionPoint::remember(memory);
-      memory(independence);
+      memory(independence, power);
     }
   };
 
@@ -178,6 +179,8 @@ class EventDriven final : public Integrator {
   bool renew(Solver& solver, StepReport& report);
   bool advance(Solver& solver, double end, bool last, StepReport& report);
   double error_of_step(double s);
+  void flow_at(const Point& p);
+  template <class To> void add_flow(double power, To& to) const;
   std::optional<double> pose_in(double s) const;
   void measure_noise();
   bool pass_over(double& s, double rest);
@@ -273,9 +276,9 @@ class EventDriven final : public Integrator {
   Eigen::VectorXd none_;  // zero
   Kinematics poses_;
   std::vector<Bounces> bounces_;
-  std::vector<Impulse> push_;        // [N] mean force of the trial step
-  std::vector<Impulse> stage_push_;  // [N] force at its last stage
-  double behind_ = 0;                // [s] of the trial step: gone on without forces, across a jump of theirs
+  StageQuadrature flow_;  // forces of the lasting contacts, normal and tangent one each, and the power, in a trial step
+  Eigen::VectorXd force_;  // of flow_, at one place
+  double behind_ = 0;      // [s] of the trial step: gone on without forces, across a jump of theirs
   std::vector<ContactMode> before_;
   std::vector<RateTarget> targets_;
   const bool conservative_;   // nothing but contacts dissipates, and nothing is driven

@@ -20,7 +20,7 @@ template <class Forces> void forces_to(const SpatialMotion& motion, Forces&& to)
 SpatialFlow::SpatialFlow(const SystemOf<Spatial>& system, bool measures)
     : measures_(measures),
       rk_(system.dof()),
-      stage_force_(3 * system.contacts() + 1, dormand_prince::kAllStages),
+      quadrature_(3 * system.contacts() + 1, dormand_prince::kAllStages),
       push_(Eigen::VectorXd::Zero(3 * system.contacts() + 1)) {}
 
 void SpatialFlow::forces(SpatialMotion& motion, double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a,
@@ -40,24 +40,22 @@ auto SpatialFlow::acceleration(SpatialMotion& motion, double stop) {
 }
 
 /// Forces and power of a stage that has just been evaluated.
-void SpatialFlow::note_stage(const SpatialMotion& motion, std::size_t stage, const Eigen::VectorXd& first) {
-  auto column = stage_force_.col(static_cast<Index>(stage));
-  column.setZero();
-  forces_to(motion, column);
-  column[column.size() - 1] = stage_power_;
-  column -= first;
+void SpatialFlow::note_stage(const SpatialMotion& motion, std::size_t stage) {
+  quadrature_.note(stage, [&](auto& column) {
+    forces_to(motion, column);
+    column[column.size() - 1] = stage_power_;
+  });
 }
 
 bool SpatialFlow::step(SpatialMotion& motion, const State& from, const Eigen::VectorXd& a, const Eigen::VectorXd& force,
                        double s, double stop, Eigen::VectorXd& q, Eigen::VectorXd& v) {
   stage_power_ = 0;
+  quadrature_.begin(force);
   if (!rk_.step(acceleration(motion, stop), from.t, from.q, from.v, a, s, q, v,
-                [&](std::size_t stage) { note_stage(motion, stage, force); }))
+                [&](std::size_t stage) { note_stage(motion, stage); }))
     return false;
-  push_ = force;
-  for (std::size_t i = 1; i < dormand_prince::kStages; ++i)
-    if (dormand_prince::kB[i] != 0) push_ += dormand_prince::kB[i] * stage_force_.col(static_cast<Index>(i));
-  push_ *= s;
+  quadrature_.end();
+  push_ = s * quadrature_.mean();
   return true;
 }
 
@@ -66,9 +64,9 @@ bool SpatialFlow::extend(SpatialMotion& motion, const SpatialArc& arc) {
   const double stop = std::nextafter(start.t + length, -kInf);
   if (!step(motion, start, a, force, length, stop, end_q_, end_v_) ||
       !rk_.extend(acceleration(motion, stop), start.t, start.q, start.v, a, length, end_v_,
-                  [&, &first = force](std::size_t stage) { note_stage(motion, stage, first); }))
+                  [&](std::size_t stage) { note_stage(motion, stage); }))
     return false;
-  extension_.fit(length, force, stage_force_, push_);
+  extension_.fit(length, force, quadrature_.differences(), push_);
   return true;
 }
 

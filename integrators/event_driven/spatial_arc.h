@@ -6,6 +6,7 @@
 
 #include <orthant/integrators/between_events/spatial_motion.h>
 #include <orthant/integrators/event_driven/chart_runge_kutta.h>
+#include <orthant/integrators/event_driven/stage_quadrature.h>
 
 namespace orthant {
 
@@ -37,6 +38,11 @@ class SpatialFlow {
   }
   const Eigen::VectorXd& path() const { return rk_.path(); }  // φ at its end
   const Eigen::VectorXd& push() const { return push_; }       // [N s, J] in it
+  /// Impulses and work of the accepted steps, to which share relates the error of those of the step of s.
+  double error_of_push(double s, double share) { return quadrature_.error(s, share); }
+  void take(double s) { quadrature_.take(s); }
+  void restart() { quadrature_.restart(); }
+  void remember(CheckpointData& memory) { memory(quadrature_); }
 
   /// What within() needs, of an arc in the modes of `motion`.
   bool extend(SpatialMotion& motion, const SpatialArc& arc);
@@ -45,11 +51,11 @@ class SpatialFlow {
 
  private:
   auto acceleration(SpatialMotion& motion, double stop);
-  void note_stage(const SpatialMotion& motion, std::size_t stage, const Eigen::VectorXd& first);
+  void note_stage(const SpatialMotion& motion, std::size_t stage);
 
   bool measures_;
   ChartRungeKutta rk_;
-  Eigen::MatrixXd stage_force_;    // [N, W] of each stage, less those at the start
+  StageQuadrature quadrature_;     // of forces and power
   Eigen::VectorXd push_;           // [N s, J]
   ContinuousExtension extension_;  // of the impulses and the work
   double stage_power_ = 0;         // [W]

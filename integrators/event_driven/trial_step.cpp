@@ -15,7 +15,9 @@ constexpr double kJump = 1e-4;      // of the largest normal force: more within 
 constexpr double kFarBack = 1e5;    // instants before a jump from which a step may go across it: some 1e-10 of the time
 constexpr double kShortest = 8;     // roundings of the time: no shorter step tells when
 constexpr double kBehind = 1e4;     // roundings of a gap: how far behind the place where its normal jumps
-constexpr double kMuch = 1e9;       // more of an error than any step is allowed
+constexpr double kShare = 1e3;      // of rtol: error allowed to impulses and work, of their sums
+constexpr double kLeastShare = 1e-9;  // likewise, at the least
+constexpr double kMuch = 1e9;         // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;  // of a step: the widest interval without a stage of the method is around it
 constexpr double kSmallTurn = 0.1;    // [rad] of a body in a step whose stages are near enough to project them there
 
@@ -27,7 +29,10 @@ double EventDriven::error_of_step(double s) {
   if (!try_step(s)) return kInf;
   if (turns(s)) return kMuch;
   const double error = rk_.error(s, scale_.q, scale_.v);
-  if (joints_.least_independence >= kSingular || joints_.rank < system_.joint_rows()) return error;
+  if (joints_.least_independence >= kSingular || joints_.rank < system_.joint_rows()) {
+    if (!(error <= 1) || (motion_.lasting().empty() && !meter_)) return error;
+    return std::max(error, flow_.error(s, std::max(kLeastShare, kShare * options_.rtol)));
+  }
   return error / std::max(1.0, 1e-16 * std::pow(joints_.least_independence, -1.5) / options_.rtol);
 }
 
@@ -37,10 +42,28 @@ void EventDriven::measure_noise() {
   if (now_.independence < kSingular) return;
   stage_.q = now_.q;
   for (Index i = 0; i < stage_.q.size(); ++i) stage_.q[i] *= 1 + (i % 2 == 0 ? 2 : -2) * kRounding;
-  if (motion_.accelerations(start_ + elapsed_, stage_.q, now_.v, scale_.noise))
-    scale_.noise = (scale_.noise - now_.a).cwiseAbs();
-  else
-    scale_.noise.setZero();
+  const double t = start_ + elapsed_;
+  if (!motion_.accelerations(t, stage_.q, now_.v, scale_.noise)) return scale_.noise.setZero(), flow_.forget_noise();
+  force_.setZero();
+  add_flow(meter_ ? motion_.power(t, now_.v, scale_.noise) : 0, force_);
+  flow_.measure_noise(force_);
+  scale_.noise = (scale_.noise - now_.a).cwiseAbs();
+}
+
+/// Forces of the last accelerations, and this power: adds them to zeros.
+template <class To> void EventDriven::add_flow(double power, To& to) const {
+  for (std::size_t i = 0; i < motion_.lasting().size(); ++i) {
+    const Index first = 2 * motion_.lasting()[i];
+    to[first] = motion_.normal_force(i), to[first + 1] = motion_.tangent_force(i);
+  }
+  to[to.size() - 1] = power;
+}
+
+/// Likewise those at p: force_.
+void EventDriven::flow_at(const Point& p) {
+  force_.setZero();
+  for (const int c : motion_.lasting()) force_[2 * c] = p.w.normal[c], force_[2 * c + 1] = p.w.tangent[c];
+  force_[force_.size() - 1] = p.power;
 }
 
 /// When a singular pose is met, if it is in this step or soon after: δ, the root of the joint rows' independence, goes
@@ -113,15 +136,16 @@ bool EventDriven::observe(Point& p, double t) {
   const int rank = motion_.basic().rank();
   if (joints_.rank == 0 || (rank > joints_.rank && motion_.basic().independence() >= kSingular)) joints_.rank = rank;
   p.independence = independence();
+  if (meter_) p.power = motion_.power(t, p.v, p.a);
   return true;
 }
 
-/// trial_, and push_: the lasting forces' impulses.
+/// trial_, and flow_: the lasting forces' impulses and the work.
 bool EventDriven::try_step(double s) {
-  for (const int c : motion_.lasting())
-    push_[at(c)] = {rk_.first_weight() * now_.w.normal[c], rk_.first_weight() * now_.w.tangent[c]};
+  flow_at(now_), flow_.begin(force_);
   const double t = start_ + elapsed_;
   const bool close = s * largest_rotation(now_.v) < kSmallTurn;
+  double power = 0;
   const auto acceleration = [&](double time, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
     time = std::min(time, stop_);
     bool possible = motion_.accelerations(time, q, v, a);
@@ -131,17 +155,13 @@ bool EventDriven::try_step(double s) {
       possible = motion_.accelerations(time, stage_.q, stage_.v, a);
     }
     joints_.least_independence = std::min(joints_.least_independence, independence());
+    if (meter_ && possible) power = motion_.power(time, v, a);
     return possible;
   };
   joints_.least_independence = 1;
-  const auto add_push = [&](double weight) {
-    for (std::size_t i = 0; i < motion_.lasting().size(); ++i) {
-      Impulse &push = push_[at(motion_.lasting()[i])], &stage = stage_push_[at(motion_.lasting()[i])];
-      stage = {motion_.normal_force(i), motion_.tangent_force(i)};
-      push.normal += weight * stage.normal, push.tangent += weight * stage.tangent;
-    }
-  };
-  if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, add_push)) return false;
+  const auto note = [&](std::size_t stage) { flow_.note(stage, [&](auto& column) { add_flow(power, column); }); };
+  if (!rk_.step(acceleration, t, now_.q, now_.v, now_.a, s, trial_.q, trial_.v, note)) return false;
+  flow_.end();
   scale_.q = atol_.array() + options_.rtol * now_.q.array().abs().max(trial_.q.array().abs());
   scale_.v =
       atol_.array() + s * scale_.noise.array() + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
@@ -209,9 +229,10 @@ double EventDriven::jump_of_force() const {
 /// the step's end.
 bool EventDriven::last_stage_behind() const {
   const double jump = jump_of_force();
+  constexpr std::size_t kLast = dormand_prince::kStages - 1;
   return std::ranges::any_of(motion_.lasting(), [&](int c) {
-    const Impulse& stage = stage_push_[at(c)];
-    return std::abs(stage.normal - trial_.w.normal[c]) > jump || std::abs(stage.tangent - trial_.w.tangent[c]) > jump;
+    return std::abs(flow_.at_stage(kLast, 2 * c) - trial_.w.normal[c]) > jump ||
+           std::abs(flow_.at_stage(kLast, 2 * c + 1) - trial_.w.tangent[c]) > jump;
   });
 }
 
@@ -225,7 +246,7 @@ bool EventDriven::end_behind(double low, double high, double& s) {
       if (!(error_of_step(low = first - back) <= 1)) return false;
   } else {
     trial_ = now_, trial_residual_ = residual_;
-    std::fill(push_.begin(), push_.end(), Impulse{});
+    flow_.nothing();
   }
   double behind = high - low;
   for (const int c : motion_.lasting()) {

@@ -10,23 +10,10 @@ WorkMeter::WorkMeter(const System& system)
       point_(system),
       from_(system),
       to_point_(system),
-      force_(system.dof()) {}
+      acceleration_(system.dof()) {}
 
 double WorkMeter::power(double t, const MotionPoint& p) {
-  if (!motion_->accelerations(t, p.q, p.v, force_)) return 0;
-  const Terms& terms = motion_->terms();
-  double sum = 0;
-  if (system_.driven()) sum = p.v.dot(system_.mass().cwiseProduct(force_) - terms.f);
-  for (std::size_t i = 0; i < motion_->lasting().size(); ++i) {
-    const ContactRows& rows = terms.closed[i].rows;
-    const double tangent = motion_->tangent_force(i), belt = system_.law(motion_->lasting()[i]).belt;
-    sum += tangent * belt;
-    if (system_.driven())
-      sum -= motion_->normal_force(i) * apply(rows.normal, p.v.data()) + tangent * apply(rows.tangent, p.v.data());
-  }
-  force_.setZero();
-  for (const Load& load : system_.scene().loads) load.add(terms.at, t, force_.data());
-  return sum + force_.dot(p.v);
+  return motion_->accelerations(t, p.q, p.v, acceleration_) ? motion_->power(t, p.v, acceleration_) : 0;
 }
 
 double WorkMeter::over_motion(double t, double s, const MotionPoint& a, const MotionPoint& b,

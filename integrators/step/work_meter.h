@@ -1,7 +1,8 @@
 // integrators/step/work_meter.h — work of drives, loads and moving surfaces between events and in impacts.
 //
-//   Smooth motion: the power Σ λ_i ṡ_i + F · Ṗ + λ_T belt at three Gauss points of an interval, at positions of Hermite
-//   polynomials.   Impacts: v̄ · M (v⁺ − v⁻) − Σ Λ γ̄ with the mean velocities, which is Σ Λ_i ṡ_i of the drives.
+//   Smooth motion: the power (ContactMotion::power) at three Gauss points of an interval, at positions of Hermite
+//   polynomials (whole steps of event-driven: stage_quadrature.h).
+//   Impacts: v̄ · M (v⁺ − v⁻) − Σ Λ γ̄ with the mean velocities, which is Σ Λ_i ṡ_i of the drives.
 //   Steps of fixed-step schemes: step_work.h.
 // Cost: nothing if a scene has none of these; else three factorizations per interval.
 #pragma once
@@ -37,7 +38,7 @@ class WorkMeter : public StepWorkOf<Planar> {
   const System& system_;
   std::unique_ptr<ContactMotion> motion_;  // of over_motion()
   MotionPoint point_, from_, to_point_;
-  Eigen::VectorXd force_;
+  Eigen::VectorXd acceleration_;
 };
 
 }  // namespace orthant

@@ -111,7 +111,8 @@ bool GeometricStiffness::raise(const Terms& terms, const double* lambda, double 
 bool GeometricStiffness::swings(const BasicSystem& basic, const Eigen::VectorXd& added, double bound) const {
   constexpr int kSteps = 4;
   constexpr double kNear = 0.7;  // what so few steps find of the eigenvalue
-  for (Index i = 0; i < x_.size(); ++i) x_[i] = std::cos(static_cast<double>(i * i + 1));  // as good as random
+  // As good as random, and the same motion in whatever units of length and mass.
+  for (Index i = 0; i < x_.size(); ++i) x_[i] = std::cos(static_cast<double>(i * i + 1)) / std::sqrt(system_.mass()[i]);
   for (int i = 0; i < kSteps; ++i) {
     force_ = added.cwiseProduct(x_);
     const double before = x_.dot(force_);
