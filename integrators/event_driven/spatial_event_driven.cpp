@@ -13,11 +13,11 @@ constexpr double kStable = 0.5;       // of the time in which the direction of s
 constexpr double kTurnShare = 10;     // of rtol: of speeds, and of what friction makes in a second
 constexpr double kStopShare = 0.95;   // of the time until slip stops
 constexpr int kShortInARow = 15, kMostTries = 200;
-constexpr double kShare = 1e3;         // of rtol: error allowed to impulses and work, of their sums
-constexpr double kLeastShare = 1e-8;   // likewise, at the least
-constexpr double kShortenedBy = 1e-9;  // a step by this error, at the most
-constexpr double kShortStep = 1e-10;   // [s]
-constexpr double kSoonAgain = 50;      // crossings: no calm has come since the last one
+constexpr double kPushShare = 1e3;        // of rtol: error allowed to impulses and work, of their sums
+constexpr double kLeastPushShare = 1e-8;  // likewise, at the least
+constexpr double kPushShortens = 1e-9;    // a step by this error, at the most
+constexpr double kShortStep = 1e-10;      // [s]
+constexpr double kSoonAgain = 50;         // crossings: no calm has come since the last one
 
 }  // namespace
 
@@ -213,7 +213,7 @@ double SpatialEventDriven::attempt(double s) {
   }
   double error = flow_.error(s, path_scale_, v_scale_);
   if (error <= 1 && s > free_of_push_)
-    error = std::max(error, flow_.error_of_push(s, std::max(kLeastShare, kShare * rtol)));
+    error = std::max(error, flow_.error_of_push(s, std::max(kLeastPushShare, kPushShare * rtol)));
   if (!(error <= 1)) return std::isnan(error) ? kInf : error;
   path_ = flow_.path();
   trial_.residual = motion_.project(time_ + s, trial_.q, trial_.v);
@@ -271,7 +271,7 @@ bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
   if (!(next_ > 0)) next_ = first_guess();
   start_.t = time_, start_.q = now_.q, start_.v = now_.v;
   double s = std::min(next_, longest(std::min(h, rest)));
-  free_of_push_ = kShortenedBy * s;
+  free_of_push_ = kPushShortens * s;
   double error = kInf;
   for (;;) {
     error = attempt(s);
