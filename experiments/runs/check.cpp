@@ -17,7 +17,7 @@ namespace {
 constexpr double kFloor = 3e-11, kRounded = 2e-16;  // of the largest number of a kind; likewise, a step
 constexpr double kTighter = 100;
 constexpr double kSlower = 20, kLeastLimit = 10;  // times the run's; [s]
-constexpr std::string_view kJudge = "adaptive:rtol=1e-9";
+constexpr std::string_view kJudge = "adaptive:rtol=1e-9", kPreciseJudge = "adaptive:rtol=1e-10,atol=1e-13";
 
 struct Repetition {
   std::string integrator;
@@ -51,8 +51,10 @@ template <class Options> Repetition other_tolerance(const Spec& spec, double ste
 
 template <class Space> std::vector<Repetition> repetitions(std::string_view integrator, double step) {
   const Spec spec = Spec::parse(integrator);
-  if (spec.name == "adaptive") return {other_tolerance<AdaptiveOptions>(spec, step, 1e-10, 1e-15)};
-  if (spec.name == "event-driven") return {other_tolerance<EventDrivenOptions>(spec, step, 1e-13, 1e-16)};
+  if (spec.name == "adaptive")
+    return {other_tolerance<AdaptiveOptions>(spec, step, 1e-10, 1e-15), {"event-driven", step, 1}};
+  if (spec.name == "event-driven")
+    return {other_tolerance<EventDrivenOptions>(spec, step, 1e-13, 1e-16), {std::string(kPreciseJudge), step, 1}};
   std::vector<Repetition> all{{std::string(integrator), step / 2, 3}, {std::string(integrator), step * 2 / 3, 4}};
   if (!kPlanar<Space>) all.push_back({std::string(integrator), step / 4, 1.5});
   all.push_back({std::string(kJudge), step, 1});

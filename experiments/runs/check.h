@@ -2,7 +2,8 @@
 //
 //   The run is repeated by its own scheme, and each coordinate and velocity at the end is compared:
 //     adaptive, event-driven   rtol and atol a hundredth; where rounding leaves no room for that, a hundred times as
-//                              large
+//                              large; and the other of the two: where friction is not unique, rounding decides, in
+//                              each in its own way
 //     fixed step h             h/2 and 2h/3, and adaptive at rtol = 1e-9 where it takes the scene: what all step sizes
 //                              share (bodies that pass through each other, a relaxed law) shows there only; in space
 //                              h/4, too
@@ -11,9 +12,8 @@
 //   construction: 1e-12, or 2e-16 times the steps, of the largest coordinate or velocity of the same unit.
 //   digits = ⌊−log10(error / |value|)⌋, 0 to 15: significant decimal digits of the value.
 //   Limits: an error that all repetitions share is not seen. Each repetition may take 20 times as long as the run, and
-//   10 s;
-//   one that fails or takes longer is not compared, and is named.
-// Cost: adaptive and event-driven about twice the run, a fixed step 5 times.
+//   10 s; one that fails or takes longer is not compared, and is named.
+// Cost: adaptive and event-driven about three times the run, a fixed step 5 times.
 #pragma once
 
 #include <orthant/integrators/simulate.h>
