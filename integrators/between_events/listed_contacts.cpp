@@ -7,7 +7,6 @@ namespace {
 
 /// Dry friction as a contact, see the header. Its rows act on three bodies.
 struct PressedFriction {
-  static constexpr bool kChecked = false;
   std::string name;
   Coordinate of;
   BodyId pressed = 0;
@@ -20,6 +19,7 @@ struct PressedFriction {
     return {{pressed, beside, {0, 1, 0}, {}}, tangent};
   }
   ContactBias bias(const Kinematics& k) const { return {0, of.bias(k)}; }
+  std::string wrong(const Kinematics& /*start*/) const { return {}; }
 };
 
 template <class List> std::string free_name(const List& list, std::string name) {

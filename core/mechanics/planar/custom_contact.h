@@ -9,6 +9,7 @@
 //     ContactRows rows(const Kinematics& k) const;          // ġ and slip as rows of velocities
 //     ContactBias bias(const Kinematics& k) const;          // d/dt of both at zero acceleration [m/s²]
 //     double length() const;                                // [m] optional, see below
+//     std::string wrong(const Kinematics& start) const;     // optional: custom_check.h
 //   };
 //   scene.contact(Mine{"mine", a, b, {.mu = 0.3}, …});
 //
@@ -21,6 +22,7 @@
 
 #include <orthant/core/mechanics/planar/contact_law.h>
 #include <orthant/core/mechanics/planar/coordinate.h>
+#include <orthant/core/mechanics/planar/custom_check.h>
 
 #include <concepts>
 #include <limits>
@@ -56,10 +58,13 @@ class CustomContact {
   ContactRows rows(const Kinematics& k) const { return kind_->rows(k); }
   ContactBias bias(const Kinematics& k) const { return kind_->bias(k); }
   double length() const { return kind_->length(); }
-  /// False of kinds with `kChecked = false`, of the library's own: their rows are tested elsewhere.
-  bool checked() const { return kind_->checked(); }
-  /// In words: what such a kind finds wrong itself, at the start; empty: nothing.
-  std::string wrong(const Kinematics& start) const { return kind_->wrong(start); }
+  /// See custom_check.h.
+  std::optional<std::string> own_check(const Kinematics& start) const { return kind_->own_check(start); }
+  /// The contact that this was made of; null: of another type.
+  template <class T> const T* target() const {
+    const auto* of = dynamic_cast<const Of<T>*>(kind_.get());
+    return of != nullptr ? &of->contact_ : nullptr;
+  }
 
  private:
   struct Kind {
@@ -69,8 +74,7 @@ class CustomContact {
     virtual ContactRows rows(const Kinematics& k) const = 0;
     virtual ContactBias bias(const Kinematics& k) const = 0;
     virtual double length() const = 0;
-    virtual bool checked() const = 0;
-    virtual std::string wrong(const Kinematics& start) const = 0;
+    virtual std::optional<std::string> own_check(const Kinematics& start) const = 0;
   };
   template <class T> struct Of final : Kind {
     explicit Of(T contact) : contact_(std::move(contact)) {}
@@ -84,17 +88,8 @@ class CustomContact {
       else
         return std::numeric_limits<double>::infinity();
     }
-    bool checked() const override {
-      if constexpr (requires { T::kChecked; })
-        return T::kChecked;
-      else
-        return true;
-    }
-    std::string wrong(const Kinematics& start) const override {
-      if constexpr (requires { contact_.wrong(start); })
-        return contact_.wrong(start);
-      else
-        return {};
+    std::optional<std::string> own_check(const Kinematics& start) const override {
+      return orthant::own_check(contact_, start);
     }
     T contact_;
   };

@@ -9,6 +9,7 @@
 //     void rows(const Kinematics& k, Row* G) const;                          // ∂Φ/∂q
 //     void bias(const Kinematics& k, double* Gdot_v) const;                  // Ġ v − s̈ [m/s²]
 //     void rate(const Kinematics& k, double* wanted) const;                  // ṡ, of a joint driven in time only
+//     std::string wrong(const Kinematics& start) const;                      // optional: custom_check.h
 //   };
 //   scene.joint(Mine{"mine", a, b, …});
 //
@@ -19,6 +20,7 @@
 #pragma once
 
 #include <orthant/core/mechanics/planar/coordinate.h>
+#include <orthant/core/mechanics/planar/custom_check.h>
 
 #include <algorithm>
 #include <concepts>
@@ -48,9 +50,13 @@ class CustomJoint {
 
   int row_count() const { return kind_->row_count(); }
   bool driven() const { return kind_->driven(); }
-  /// As of a CustomContact.
-  bool checked() const { return kind_->checked(); }
-  std::string wrong(const Kinematics& start) const { return kind_->wrong(start); }
+  /// See custom_check.h.
+  std::optional<std::string> own_check(const Kinematics& start) const { return kind_->own_check(start); }
+  /// The joint that this was made of; null: of another type.
+  template <class T> const T* target() const {
+    const auto* of = dynamic_cast<const Of<T>*>(kind_.get());
+    return of != nullptr ? &of->joint_ : nullptr;
+  }
   void residual(const Kinematics& k, double* phi) const { kind_->residual(k, phi); }
   void rows(const Kinematics& k, Row* G) const { kind_->rows(k, G); }
   void rate(const Kinematics& k, double* wanted) const { kind_->rate(k, wanted); }
@@ -62,8 +68,7 @@ class CustomJoint {
     virtual std::pair<BodyId, BodyId> bodies() const = 0;
     virtual int row_count() const = 0;
     virtual bool driven() const = 0;
-    virtual bool checked() const = 0;
-    virtual std::string wrong(const Kinematics& start) const = 0;
+    virtual std::optional<std::string> own_check(const Kinematics& start) const = 0;
     virtual void residual(const Kinematics& k, double* phi) const = 0;
     virtual void rows(const Kinematics& k, Row* G) const = 0;
     virtual void rate(const Kinematics& k, double* wanted) const = 0;
@@ -75,17 +80,8 @@ class CustomJoint {
     std::pair<BodyId, BodyId> bodies() const override { return bodies_of(joint_); }
     int row_count() const override { return T::kRows; }
     bool driven() const override { return kDriven; }
-    bool checked() const override {
-      if constexpr (requires { T::kChecked; })
-        return T::kChecked;
-      else
-        return true;
-    }
-    std::string wrong(const Kinematics& start) const override {
-      if constexpr (requires { joint_.wrong(start); })
-        return joint_.wrong(start);
-      else
-        return {};
+    std::optional<std::string> own_check(const Kinematics& start) const override {
+      return orthant::own_check(joint_, start);
     }
     void residual(const Kinematics& k, double* phi) const override { joint_.residual(k, phi); }
     void rows(const Kinematics& k, Row* G) const override { joint_.rows(k, G); }

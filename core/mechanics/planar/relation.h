@@ -66,7 +66,8 @@ class CoordinateSum {
     for (const CoordinateTerm& term : terms_) sum += term.factor * term.of.bias(k);
     return sum;
   }
-  /// In words: a distance that starts as 0, a sum or a field beside it that is too large; empty: nothing.
+  /// What is wrong, in words: a distance that starts as 0; a sum, or the value of this field, that is too large. Empty:
+  /// nothing.
   std::string wrong(const Kinematics& start, const char* field, double value_of_field) const {
     for (std::size_t i = 0; i < terms_.size(); ++i)
       if (std::holds_alternative<Span>(terms_[i].of.kind()) && terms_[i].of.value(start) == 0)
@@ -102,7 +103,6 @@ struct Relation {
   void residual(const Kinematics& k, double* phi) const { phi[0] = sum.value(k) - offset; }
   void rows(const Kinematics& k, Row* G) const { G[0] = sum.row(k); }
   void bias(const Kinematics& k, double* Gdot_v) const { Gdot_v[0] = sum.bias(k); }
-  static constexpr bool kChecked = false;
   std::string wrong(const Kinematics& start) const { return sum.wrong(start, "offset", offset); }
 };
 
@@ -124,7 +124,6 @@ struct RelationLimit {
     return {scaled(row, sign()), blank(row)};
   }
   ContactBias bias(const Kinematics& k) const { return {sign() * sum.bias(k), 0}; }
-  static constexpr bool kChecked = false;
   std::string wrong(const Kinematics& start) const { return sum.wrong(start, "bound", bound); }
   /// A rope's direction changes over its length.
   double length() const {

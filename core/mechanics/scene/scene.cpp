@@ -83,7 +83,8 @@ void examine(const Element& e, const CustomJoint& j) {
   e.pair(j.a, j.b);
   if (j.row_count() < 1 || j.row_count() > 3)
     e.fail("kRows", "kRows = " + std::to_string(j.row_count()) + ": must be 1, 2 or 3");
-  const std::string wrong = j.checked() ? wrong_derivative(j, e.start()) : j.wrong(e.start());
+  const std::optional<std::string> own = j.own_check(e.start());
+  const std::string wrong = own ? *own : wrong_derivative(j, e.start());
   if (!wrong.empty()) e.fail("rows", wrong);
 }
 
@@ -130,7 +131,8 @@ void examine(const Element& e, const Limit& c) {
 
 void examine(const Element& e, const CustomContact& c) {
   e.pair(c.a, c.b), e.law(c.law);
-  const std::string wrong = c.checked() ? wrong_derivative(c, e.start()) : c.wrong(e.start());
+  const std::optional<std::string> own = c.own_check(e.start());
+  const std::string wrong = own ? *own : wrong_derivative(c, e.start());
   if (!wrong.empty()) e.fail("rows", wrong);
 }
 

@@ -43,6 +43,9 @@ class PlanarRows {
   }
   void operator()(const Distance& j) { rows_.joints.push_back(stretch(j.a, j.point_a, j.b, j.point_b)); }
   void operator()(const Drive& j) { rows_.joints.push_back(row_of(j.of)); }
+  void operator()(const CustomJoint& j) {
+    if (const auto* relation = j.target<Relation>()) rows_.joints.push_back(row_of(relation->sum));
+  }
 
   void operator()(const CornerWall& c) {
     touch(c.a, c.b, at_.turn(c.b, c.normal), at_.at(c.a, c.point), at_.at(c.b, c.wall_point));
@@ -87,19 +90,28 @@ class PlanarRows {
     ends_over(p, i, r, k, corner_of_r, corner_of_p.first, most_);
     ends_over(r, k, p, i, corner_of_p, corner_of_r.first, -most_);
   }
-  void operator()(const Limit& c) {
-    const double value = at_.value(c.of), gap = c.side == Limit::Side::lower ? value - c.bound : c.bound - value;
-    if (gap > most_) return;
-    const VectorXd row = row_of(c.of) * (c.side == Limit::Side::lower ? 1 : -1);
-    add(row, VectorXd::Zero(row.size()), gap);
+  void operator()(const Limit& c) { limit(c.of, c.side, c.bound); }
+  void operator()(const CustomContact& c) {
+    if (const auto* of = c.target<RelationLimit>()) limit(of->sum, of->side, of->bound);
   }
-  void operator()(const auto& /*unknown*/) {}
 
  private:
   struct Face {
     double beyond = -kEndlessly;
     std::size_t number = 0;
   };
+
+  template <class Of> void limit(const Of& of, Limit::Side side, double bound) {
+    const double value = at_.value(of), gap = side == Limit::Side::lower ? value - bound : bound - value;
+    if (gap > most_) return;
+    const VectorXd row = row_of(of) * (side == Limit::Side::lower ? 1 : -1);
+    add(row, VectorXd::Zero(row.size()), gap);
+  }
+  VectorXd row_of(const CoordinateSum& sum) const {
+    VectorXd row = VectorXd::Zero(rows_.inverse_mass.size());
+    for (const CoordinateTerm& term : sum.terms()) row += term.factor * row_of(term.of);
+    return row;
+  }
 
   static Vector2d outward_of(const Polygon& p, std::size_t i) {
     const Vector2d side = p[(i + 1) % p.size()] - p[i];

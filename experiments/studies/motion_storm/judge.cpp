@@ -27,10 +27,13 @@ constexpr double kFineNudges[] = {-1e-9, 5e-10, 2e-9, -2e-9, 1e-8};  // likewise
 constexpr double kClosed = 1e-6;   // [m] contacts with no larger gap, where a run says that it cannot go on
 constexpr double kStrikes = 1e-9;  // [m/s]
 
-const Twin kTwins[] = {
-    {.name = "mirrored", .m = -1},           {.name = "turned", .phi = 0.7},
-    {.name = "moved", .d = {3.1, -1.7}},     {.name = "in other units", .lambda = 4, .kappa = 0.125, .tau = 2},
-    {.name = "reordered", .reversed = true}, {.name = "turned by a right angle", .phi = std::numbers::pi / 2}};
+const Twin kTwins[] = {{.name = "mirrored", .m = -1},
+                       {.name = "turned", .phi = 0.7},
+                       {.name = "moved", .d = {3.1, -1.7}},
+                       {.name = "in other units", .lambda = 4, .kappa = 0.125, .tau = 2},
+                       {.name = "reordered", .reversed = true},
+                       {.name = "turned by a right angle", .phi = std::numbers::pi / 2},
+                       {.name = "moved far", .d = {4321.9, -1234.5}}};
 
 const SpatialTwin kSpatialTwins[] = {{.name = "turned", .turn = {0.7, -0.4, 1.1}},
                                      {.name = "moved", .d = {3.1, -1.7, 0.9}},

@@ -52,7 +52,9 @@ class Maker : public Drawing {
   std::vector<Form> forms;  // one a body
 };
 
-// The kinds: scenes_loose.cpp and scenes_linked.cpp.
+inline Angle angle_of(BodyId b) { return {kGround, b}; }
+
+// The kinds: scenes_loose.cpp, scenes_linked.cpp and scenes_geared.cpp.
 void dropped(Maker& m);
 void stack(Maker& m);
 void seams(Maker& m);
@@ -74,5 +76,7 @@ void ropes(Maker& m);
 void jammed(Maker& m);
 void rotor(Maker& m);
 void mixed(Maker& m);
+void gears(Maker& m);
+void terrain(Maker& m);
 
 }  // namespace orthant::motion_storm

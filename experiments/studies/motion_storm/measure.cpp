@@ -70,7 +70,12 @@ struct Gap {
   double operator()(const Limit& c) const {
     return c.side == Limit::Side::lower ? at.value(c.of) - c.bound : c.bound - at.value(c.of);
   }
-  double operator()(const auto& /*other*/) const { return kFar; }
+  double operator()(const CustomContact& c) const {
+    const auto* limit = c.target<RelationLimit>();
+    if (limit == nullptr) return kFar;
+    const double value = at.value(limit->sum);
+    return limit->side == Limit::Side::lower ? value - limit->bound : limit->bound - value;
+  }
 };
 
 struct Residual {
@@ -91,7 +96,10 @@ struct Residual {
     const TimeLaw& s = j.law;
     return std::abs(at.value(j.of) - s.offset - s.rate_of_change * t - s.amplitude * std::sin(s.omega * t + s.phase));
   }
-  double operator()(const auto& /*other*/) const { return 0; }
+  double operator()(const CustomJoint& j) const {
+    const auto* relation = j.target<Relation>();
+    return relation != nullptr ? std::abs(at.value(relation->sum) - relation->offset) : 0;
+  }
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 // state.
 #pragma once
 
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/core/mechanics/scene/scene.h>
 
 #include <cmath>
@@ -30,6 +31,11 @@ struct Place {
       return turn(s->a, s->axis).dot(at(s->b, s->point_b) - at(s->a, s->point_a));
     const auto& d = std::get<Span>(of);
     return (at(d.a, d.point_a) - at(d.b, d.point_b)).norm();
+  }
+  double value(const CoordinateSum& sum) const {
+    double total = 0;
+    for (const CoordinateTerm& term : sum.terms()) total += term.factor * value(term.of);
+    return total;
   }
 };
 

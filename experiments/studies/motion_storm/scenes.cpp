@@ -33,7 +33,9 @@ constexpr std::array kKinds{Kind<Maker>{"dropped", dropped},
                             Kind<Maker>{"ropes", ropes},
                             Kind<Maker>{"jammed", jammed},
                             Kind<Maker>{"rotor", rotor},
-                            Kind<Maker>{"mixed", mixed}};
+                            Kind<Maker>{"mixed", mixed},
+                            Kind<Maker>{"gears", gears},
+                            Kind<Maker>{"terrain", terrain}};
 using InSpace = Kind<SpatialMaker>;
 constexpr std::array kSpatialKinds{
     InSpace{"dropped", dropped},     InSpace{"sliding", sliding},       InSpace{"spinning", spinning},

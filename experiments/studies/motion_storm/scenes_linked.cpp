@@ -14,8 +14,6 @@ Vector2d apex(const Vector2d& a, double ra, const Vector2d& b, double rb) {
   return a + along / length * d + std::sqrt(std::max(0.0, ra * ra - along * along)) * perp(d) / length;
 }
 
-Angle angle_of(BodyId b) { return {kGround, b}; }
-
 /// Rods one after the other from a pin in the ground; all angles at random.
 void rods_from(Maker& m, Vector2d from, int n) {
   double angle = m.random.uniform(-3, 3);

@@ -1,6 +1,8 @@
 // Random scenes of bodies without joints: dropped, stacked, side by side, spinning, in wedges, on belts and tables.
 #include "experiments/studies/motion_storm/maker.h"
 
+#include <orthant/core/mechanics/planar/chain.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -100,6 +102,25 @@ void wedge(Maker& m) {  // one or two bodies between walls: a groove, a slot, a 
   }
   if (n == 2) m.meet(0, 1);
   throw_about(m, m.pick({0, 0.5, 2}), m.pick({0, 5}));
+}
+
+void terrain(Maker& m) {  // bodies on a ground of straight pieces, with notches and ridges of any sharpness
+  GroundChain ground;
+  double x = -1;
+  for (int i = m.random.integer(4, 7); i >= 0; --i, x += m.random.uniform(0.15, 0.7))
+    ground.points.emplace_back(x, m.pick({0, 0, 0.1, 0.3}) * m.random.uniform(-1, 1));
+  const int n = m.random.integer(1, 2);
+  for (int i = 0; i < n; ++i) {
+    const Vector2d at(m.random.uniform(-0.7, x - 0.7), m.random.uniform(0.6, 0.9) + 0.6 * i);
+    const BodyId b = m.add(m.any(), at, m.random.uniform(-3, 3));
+    const std::string name = "ground" + std::to_string(i);
+    if (m.form(b).corners.empty())
+      m.scene.contact_set(chain_disc({name, b, {0, 0}, m.form(b).radius, kGround, {}, m.law()}, ground));
+    else
+      m.scene.contact_set(chain_polygon({name, b, m.form(b).corners, kGround, {}, 0, m.law()}, ground));
+  }
+  if (n == 2) m.meet(0, 1);
+  throw_about(m, m.pick({0, 1, 3}), m.pick({0, 5}));
 }
 
 void ladder_of_masses(Maker& m) {  // discs in a line, heavy and light, between walls

@@ -1,6 +1,7 @@
 // Writer of scenes as TOML text that scene_toml.h reads.
 #include "experiments/studies/motion_storm/scenes.h"
 
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/core/support/options.h>
 
 #include <stdexcept>
@@ -36,15 +37,16 @@ class Text {
     line("wall", "{body = \"" + name(b) + "\", point = " + of(at) + ", normal = " + of(normal) + "}");
   }
   void coordinate(const Coordinate& c) {
-    std::visit(
-        [&](const auto& x) {
-          using T = std::decay_t<decltype(x)>;
-          word("of", std::is_same_v<T, Angle> ? "angle" : std::is_same_v<T, Slide> ? "slide" : "distance");
-          bodies(x.a, x.b);
-          if constexpr (requires { x.point_a; }) point("point_a", x.point_a), point("point_b", x.point_b);
-          if constexpr (requires { x.axis; }) point("axis", x.axis);
-        },
-        c.kind());
+    for (const auto& [key, value] : entries(c)) line(key.c_str(), value);
+  }
+  void terms(const CoordinateSum& sum) {
+    std::string list;
+    for (const CoordinateTerm& term : sum.terms()) {
+      std::string table = "factor = " + text_of(term.factor);
+      for (const auto& [key, value] : entries(term.of)) table += ", " + key + " = " + value;
+      list += (list.empty() ? "{" : ", {") + table + "}";
+    }
+    line("terms", "[" + list + "]");
   }
   std::string name(BodyId b) const { return b < 0 ? "ground" : scene_.bodies[static_cast<std::size_t>(b)].name; }
   static std::string of(const Vector2d& p) { return "[" + text_of(p.x()) + ", " + text_of(p.y()) + "]"; }
@@ -52,6 +54,22 @@ class Text {
   std::string out;
 
  private:
+  std::vector<std::pair<std::string, std::string>> entries(const Coordinate& c) const {
+    std::vector<std::pair<std::string, std::string>> all;
+    std::visit(
+        [&](const auto& x) {
+          using T = std::decay_t<decltype(x)>;
+          const char* kind = std::is_same_v<T, Angle> ? "angle" : std::is_same_v<T, Slide> ? "slide" : "distance";
+          all.emplace_back("of", "\"" + std::string(kind) + "\"");
+          all.emplace_back("bodies", "[\"" + name(x.a) + "\", \"" + name(x.b) + "\"]");
+          if constexpr (requires { x.point_a; })
+            all.emplace_back("point_a", of(x.point_a)), all.emplace_back("point_b", of(x.point_b));
+          if constexpr (requires { x.axis; }) all.emplace_back("axis", of(x.axis));
+        },
+        c.kind());
+    return all;
+  }
+
   const Scene& scene_;
 };
 
@@ -73,7 +91,11 @@ struct WriteJoint {
     t.maybe("rate", j.law.rate_of_change), t.maybe("amplitude", j.law.amplitude), t.maybe("omega", j.law.omega);
     t.maybe("phase", j.law.phase);
   }
-  void operator()(const auto& j) { unknown(j.name); }
+  void operator()(const CustomJoint& j) {
+    const auto* relation = j.target<Relation>();
+    if (relation == nullptr) unknown(j.name);
+    t.word("type", "relation"), t.terms(relation->sum), t.number("offset", relation->offset);
+  }
 };
 
 struct WriteContact {
@@ -104,7 +126,12 @@ struct WriteContact {
     t.word("type", "limit"), t.coordinate(c.of);
     t.number(c.side == Limit::Side::lower ? "lower" : "upper", c.bound), t.maybe("e_n", c.law.e);
   }
-  void operator()(const auto& c) { unknown(c.name); }
+  void operator()(const CustomContact& c) {
+    const auto* limit = c.target<RelationLimit>();
+    if (limit == nullptr) unknown(c.name);
+    t.word("type", "relation-limit"), t.terms(limit->sum), t.maybe("e_n", limit->law.e);
+    t.number(limit->side == Limit::Side::lower ? "lower" : "upper", limit->bound);
+  }
 };
 
 struct WriteSpring {

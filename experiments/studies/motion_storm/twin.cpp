@@ -1,5 +1,7 @@
 #include "experiments/studies/motion_storm/twin.h"
 
+#include <orthant/core/mechanics/planar/relation.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -60,7 +62,24 @@ class Change {
     j.law.amplitude = span(j.of, j.law.amplitude), j.law.omega /= t_.tau;
     coordinate(j.of);
   }
-  void joint(auto& /*custom*/) const {}
+  void joint(CustomJoint& j) const {
+    const auto* relation = j.target<Relation>();
+    if (relation == nullptr) return;
+    double offset = relation->offset;
+    const std::vector<CoordinateTerm> terms = of_sum(relation->sum, offset);
+    j = Relation(j.name, terms, offset);
+  }
+  /// Of a sum and its value, both in units of length.
+  std::vector<CoordinateTerm> of_sum(const CoordinateSum& sum, double& value_) const {
+    std::vector<CoordinateTerm> terms = sum.terms();
+    value_ *= t_.lambda;
+    for (CoordinateTerm& term : terms) {
+      const double factor = t_.lambda * term.factor / span(term.of, 1);
+      value_ += factor * value(term.of, 0);
+      coordinate(term.of), term.factor = factor;
+    }
+    return terms;
+  }
 
   void contact(CornerWall& c) const { point(c.a, c.point), point(c.b, c.wall_point), direction(c.b, c.normal), law(c); }
   void contact(DiscWall& c) const {
@@ -76,7 +95,13 @@ class Change {
     c.bound = value(c.of, c.bound);
     coordinate(c.of);
   }
-  void contact(auto& /*custom*/) const {}
+  void contact(CustomContact& c) const {
+    const auto* limit = c.target<RelationLimit>();
+    if (limit == nullptr) return;
+    double bound = limit->bound;
+    const std::vector<CoordinateTerm> terms = of_sum(limit->sum, bound);
+    c = RelationLimit(c.name, terms, limit->side, bound, limit->law.e);
+  }
 
   void spring(PointSpring& s) const {
     s.stiffness *= force() / t_.lambda, s.damping *= force() / speed(), s.rest *= t_.lambda, ends(s);
