@@ -20,7 +20,7 @@ bool NearbyMotion::move(double t, double length, Eigen::VectorXd& q, Eigen::Vect
   if (!motion_.accelerations(t, q, v, first_)) return false;
   const auto acceleration = [&](double time, const Eigen::VectorXd& at_q, const Eigen::VectorXd& at_v,
                                 Eigen::VectorXd& a) { return motion_.accelerations(time, at_q, at_v, a); };
-  if (!step_.step(acceleration, t, q, v, first_, length, q_end_, v_end_, [](double) {})) return false;
+  if (!step_.step(acceleration, t, q, v, first_, length, q_end_, v_end_, [](std::size_t) {})) return false;
   q = q_end_, v = v_end_;
   motion_.project(t + length, q, v);
   return true;
