@@ -16,6 +16,7 @@ namespace orthant {
 template <class AnyScene> class ElementCheck {
  public:
   static constexpr double kLeastMass = 1e-300;  // below, 1/m is not a number any more
+  static constexpr double kLargest = 1e150;     // its square is a number
   static constexpr double kLargestMu = 1e6;     // steeper than any digits tell from a wall
   static constexpr double kUnit = 1e-12;        // how far from 1 a unit vector's length may be
 
@@ -38,9 +39,13 @@ template <class AnyScene> class ElementCheck {
     if (!holds) fail(field, field + " = " + text(value) + ": must be " + rule);
   }
 
-  void finite(const std::string& field, double x) const { require(std::isfinite(x), field, x, "finite"); }
+  void finite(const std::string& field, double x) const {
+    require(std::isfinite(x), field, x, "finite");
+    require(std::abs(x) <= kLargest, field, x, "between " + text(-kLargest) + " and " + text(kLargest));
+  }
   template <class X> void finite(const std::string& field, const Eigen::MatrixBase<X>& x) const {
     require(x.allFinite(), field, x, "finite");
+    require((x.array().abs() <= kLargest).all(), field, x, "between " + text(-kLargest) + " and " + text(kLargest));
   }
   void within(const std::string& field, double x, double low, double high) const {
     require(x >= low && x <= high, field, x, "in [" + text(low) + ", " + text(high) + "]");
@@ -48,7 +53,7 @@ template <class AnyScene> class ElementCheck {
   void not_negative(const std::string& field, double x) const { finite(field, x), require(x >= 0, field, x, ">= 0"); }
   void positive(const std::string& field, double x) const { finite(field, x), require(x > 0, field, x, "> 0"); }
   void friction(const std::string& field, double mu) const {
-    not_negative(field, mu), require(mu <= kLargestMu, field, mu, "<= " + text(kLargestMu));
+    require(!std::isfinite(mu) || mu <= kLargestMu, field, mu, "<= " + text(kLargestMu)), not_negative(field, mu);
   }
   void invertible(const std::string& field, double x) const {
     positive(field, x), require(x >= kLeastMass, field, x, ">= " + text(kLeastMass));

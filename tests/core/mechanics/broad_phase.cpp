@@ -105,7 +105,7 @@ TEST_CASE("broad phase: candidates of a pile grow with its discs, not with their
 TEST_CASE("broad phase: a body far away and one that is nowhere cost nothing and lose nothing") {
   Scene s = pile({.discs = 100});
   const System near(s);
-  s.bodies[7].position = {1e12, -1e300};
+  s.bodies[7].position = {1e12, -1e150};
   const System far(s);
   const auto pairs_at = [](const System& system, const Eigen::VectorXd& q) {
     Terms terms(system);
