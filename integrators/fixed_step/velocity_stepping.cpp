@@ -54,7 +54,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   shown_ = &formulation_;
   why_.clear();
   joined_.clear();
-  formulation_.anchor(x.t, x.q), impact_.anchor(x.t, x.q);
+  formulation_.anchor(x.t, x.q, h), impact_.anchor(x.t, x.q, h);
   if (!free_flight(h, x, report)) return report;
   if (geometric_.possible() && !stiffen(h, x, report)) return report;
   measure(h, x);

@@ -50,8 +50,9 @@ template <class Space> class FormulationOf {
   void resist(double duration, const std::vector<double>* loads = nullptr) { problem_.resist(duration, loads); }
 
   /// Coordinates near those of the terms, but such that they satisfy the joints, at time t: immobilised rows are
-  /// looked for there. They stay where they are until the problem is solved.
-  void anchor(double t, const Eigen::VectorXd& q) { deficiency_.anchor(t, q); }
+  /// looked for there. They stay where they are until the problem is solved. ahead: [s] of the step from there on; 0:
+  /// the problem is one of an instant.
+  void anchor(double t, const Eigen::VectorXd& q, double ahead = 0) { deficiency_.anchor(t, q, ahead); }
 
   /// Builds the problem from terms.closed (and terms.G for the full form). v_free: velocities after the step without
   /// the impulses z; targets: one entry a closed contact; joint_rate: the wanted G v⁺ (full form only), joint_rows

@@ -59,6 +59,11 @@ ContactRows Immobility::rows(int contact) {
   return terms_.closed.back().rows;
 }
 
+double Immobility::gap(int contact) {
+  evaluate_gaps(system_, terms_);
+  return terms_.gap[contact];
+}
+
 double Immobility::effective(const Row& row) {
   basic_.solve_row(row, change_.data());
   return apply(row, change_.data());

@@ -38,6 +38,7 @@ class Immobility {
   bool stand(const Terms& terms);
 
   ContactRows rows(int contact);
+  double gap(int contact);  // [m] there
   /// J B Jᵀ there.
   double effective(const Row& row);
 

@@ -64,10 +64,10 @@ template <class Space> class ImpactOf {
   /// Of the full form: those of the joints, one a row.
   void add_joints_to(Eigen::VectorXd& impulses) const;
 
-  /// See Formulation::anchor().
   /// From now on impulses are brought to rounding (solvers/refinement.h).
   void refine() { formulation_.refine(); }
-  void anchor(double t, const Eigen::VectorXd& q) { formulation_.anchor(t, q); }
+  /// See Formulation::anchor().
+  void anchor(double t, const Eigen::VectorXd& q, double ahead = 0) { formulation_.anchor(t, q, ahead); }
 
   void remember(CheckpointData& memory) { memory(formulation_); }
 

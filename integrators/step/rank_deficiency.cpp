@@ -32,9 +32,22 @@ bool RankDeficiency::stand() {
   return stands_ = immobility_->stand(anchor_t_, *anchor_, terms_->pairs);
 }
 
-Held RankDeficiency::judge(const ContactRows& rows, bool frictional) {
+/// A drive may move an open contact inwards, or a closed one only in the first part of the step, and back. rate: [m/s]
+/// of the gap at the anchor.
+bool RankDeficiency::pressed(const StepProblem::Contact& c, double rate) {
+  constexpr double kBent = 0.1;  // of the change of the rate until the middle: what the rate there leaves out
+  if (!(ahead_ > 0)) return true;
+  const double gap = immobility_->gap(c.index);
+  stands_ = false;
+  if (!immobility_->stand(*terms_)) return true;
+  const Immobility::Verdict middle = immobility_->judge(terms_->closed[c.closed].rows.normal);
+  if (!stand() || !middle.immobile) return true;
+  return gap + ahead_ * middle.rate < -ahead_ * kBent * std::abs(middle.rate - rate);
+}
+
+Held RankDeficiency::judge(const StepProblem::Contact& c, const ContactRows& rows, bool frictional) {
   const Immobility::Verdict normal = immobility_->judge(rows.normal);
-  if (normal.immobile) return normal.rate < 0 ? Held::inwards : Held::normal;
+  if (normal.immobile) return normal.rate < 0 && pressed(c, normal.rate) ? Held::inwards : Held::normal;
   if (!frictional) return Held::nowhere;
   const Immobility::Verdict tangent = immobility_->judge(rows.tangent);  // one that is driven keeps its slip
   return tangent.immobile && tangent.rate == 0 ? Held::tangent : Held::nowhere;
@@ -64,7 +77,7 @@ bool RankDeficiency::find(const StepProblem& problem) {
     if (full && !looks(there.normal, immobility_->effective(there.normal)) &&
         !(frictional && looks(there.tangent, immobility_->effective(there.tangent))))
       return;
-    const Held held = judge(there, frictional);
+    const Held held = judge(c, there, frictional);
     if (held == Held::nowhere) return;
     held_.resize(terms_->closed.size(), Held::nowhere);
     held_[c.closed] = held;

@@ -2,8 +2,8 @@
 // joints immobilise.
 //
 // No impulse moves what joints immobilise (immobility.h). Such a contact has no rows, and its rates are what the joints
-// make them; one whose tangent alone is immobile has no friction. Where the joints' drives move it inwards it has a row
-// of zeros with that rate, and the judge proves the contradiction. Combinations of contacts, too: where rounding, the
+// make them; one whose tangent alone is immobile has no friction. Where the joints' drives press it shut before the step
+// ends it has a row of zeros with that rate, and the judge proves the contradiction. Combinations of contacts, too: where rounding, the
 // discretisation or restitution make their rates inconsistent, targets give way by just as much, and the problem is
 // solved again. A proof that is no such combination is due to rounding alone: numerical_error, never infeasible.
 #pragma once
@@ -22,7 +22,7 @@ class RankDeficiency {
   RankDeficiency(const System& system, Form form);
 
   /// See Formulation::anchor().
-  void anchor(double t, const Eigen::VectorXd& q) { anchor_t_ = t, anchor_ = &q; }
+  void anchor(double t, const Eigen::VectorXd& q, double ahead) { anchor_t_ = t, anchor_ = &q, ahead_ = ahead; }
   /// Of the anchor; empty: there is none.
   std::optional<double> time() const { return anchor_ != nullptr ? std::optional(anchor_t_) : std::nullopt; }
 
@@ -42,14 +42,15 @@ class RankDeficiency {
   bool relaxed() const { return relaxed_; }      // the relaxation of cones alone leaves the problem without a solution
 
  private:
-  Held judge(const ContactRows& rows, bool frictional);
+  Held judge(const StepProblem::Contact& c, const ContactRows& rows, bool frictional);
+  bool pressed(const StepProblem::Contact& c, double rate);
   Immobility::Verdict judge(const StepProblem& problem, const Vector& u, bool tangents = true);
   bool stand();
   bool relax(StepProblem& problem, const Vector& u);
   bool lifts(const StepProblem& problem, const Vector& u);
 
   const System& system_;
-  double anchor_t_ = 0;
+  double anchor_t_ = 0, ahead_ = 0;          // [s]
   const Eigen::VectorXd* anchor_ = nullptr;  // coordinates that satisfy the joints
   const Terms* terms_ = nullptr;             // of the problem
   std::optional<Immobility> immobility_;     // from the first suspicion on

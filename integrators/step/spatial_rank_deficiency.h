@@ -24,7 +24,7 @@ class SpatialRankDeficiency {
   using StepProblem = StepProblemOf<Spatial>;
   SpatialRankDeficiency(const SystemOf<Spatial>& system, Form /*form*/) : system_(system) {}
 
-  void anchor(double t, const Eigen::VectorXd& /*q*/) { time_ = t; }
+  void anchor(double t, const Eigen::VectorXd& /*q*/, double /*ahead*/) { time_ = t; }
   std::optional<double> time() const { return time_; }
   void begin(const Terms& terms) { terms_ = &terms, held_.clear(); }
   bool find(const StepProblem& problem);
