@@ -145,7 +145,8 @@ double Measure::potential(const VectorXd& q) const {
 }
 
 double Measure::reach(BodyId body) const {
-  double most = 0;
+  const Body& of = scene_.bodies[static_cast<std::size_t>(body)];
+  double most = std::sqrt(of.inertia / of.mass);  // of a wheel on a pin nothing else tells the size
   const auto take = [&](BodyId b, const Vector2d& p, double radius = 0) {
     if (b == body) most = std::max(most, p.norm() + radius);
   };
