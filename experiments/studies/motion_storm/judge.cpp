@@ -231,7 +231,7 @@ template <class Space> class Court : private SceneRuns<Space> {
     if (spec == "adaptive" && finer_agrees(r, most)) return Result::solved;
     if (event_driven(spec) && !others_agree(spec, r)) return Result::solved;  // then adaptive is astray, or none is
     if (!precise(spec)) {
-      if (merges_impacts(r.trace.events, own_step(spec) / kFinest)) return Result::solved;
+      if (strikes_in_turn(r.trace.events, own_step(spec) / kFinest)) return Result::solved;
       const Seen& q = quarter(spec);
       if (!q.trace.solved() || !others_agree(spec, r)) return Result::solved;
       const double still = difference<Space>(q.trace.rows, r.trace.rows, r.figures.size);
@@ -301,21 +301,6 @@ template <class Space> class Court : private SceneRuns<Space> {
   bool finer_agrees(const Seen& known, double most) {
     const Seen& fine = base("adaptive:rtol=1e-9");
     return fine.trace.solved() && difference<Space>(fine.trace.rows, known.trace.rows, known.figures.size) <= most;
-  }
-
-  /// Whether two contacts strike one after the other within a step: there they strike at once, by another law. Only
-  /// what exchanges a thousandth of the largest impulse, or more, counts.
-  static bool merges_impacts(const std::vector<Event>& events, double step) {
-    double most = 0;
-    for (const Event& e : events)
-      if (e.kind == EventKind::impact) most = std::max(most, e.normal);
-    const Event* last = nullptr;
-    for (const Event& e : events) {
-      if (e.kind != EventKind::impact || e.normal < 1e-3 * most) continue;
-      if (last != nullptr && e.contact != last->contact && e.t > last->t && e.t - last->t <= step) return true;
-      last = &e;
-    }
-    return false;
   }
 
   /// Whether the scheme has another law of multiple impacts than the reference: at the start of a scene a contact that

@@ -144,4 +144,17 @@ Trace trace(const spatial::Scene& scene, const std::string& spec, double step, d
   return isolated<Spatial>(scene, spec, step, limit, grace);
 }
 
+bool strikes_in_turn(const std::vector<Event>& events, double step) {
+  double most = 0;
+  for (const Event& e : events)
+    if (e.kind == EventKind::impact) most = std::max(most, e.normal);
+  const Event* last = nullptr;
+  for (const Event& e : events) {
+    if (e.kind != EventKind::impact || e.normal < 1e-3 * most) continue;
+    if (last != nullptr && e.contact != last->contact && e.t > last->t && e.t - last->t <= step) return true;
+    last = &e;
+  }
+  return false;
+}
+
 }  // namespace orthant::motion_storm

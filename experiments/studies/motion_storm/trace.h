@@ -33,4 +33,8 @@ struct Trace {
 Trace trace(const Scene& scene, const std::string& spec, double step, double limit, double grace);
 Trace trace(const spatial::Scene& scene, const std::string& spec, double step, double limit, double grace);
 
+/// Whether two contacts strike one after the other within a step: there they strike at once, by another law. Only what
+/// exchanges a thousandth of the largest impulse, or more, counts.
+bool strikes_in_turn(const std::vector<Event>& events, double step);
+
 }  // namespace orthant::motion_storm

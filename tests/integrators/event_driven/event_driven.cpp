@@ -34,7 +34,7 @@ TEST_CASE("Dormand-Prince: a step of order 8, exact on what order 8 integrates")
       acceleration = -x;
       return true;
     };
-    REQUIRE(rk.step(f, 0, q, v, a, h, q_next, v_next, [](double) {}));
+    REQUIRE(rk.step(f, 0, q, v, a, h, q_next, v_next, [](std::size_t) {}));
     return std::hypot(q_next[0] - std::cos(h), v_next[0] + std::sin(h));
   };
   const double order = std::log2(error(0.6) / error(0.3));
