@@ -5,7 +5,8 @@
 //   by the embedded methods there.
 //   The error of a step is not that of q and v alone: a body that sticks to a belt, or that a drive moves, goes on the
 //   same way though a force on it jumps within the step (a spring passes through the length zero). Impulses and work
-//   show it. They are held to a share of what the run has summed up so far, and to no less than rounding of f.
+//   show it. They are held to a share of what the run has summed up so far, and of what f would sum up in that
+//   time; and to no less than rounding of f.
 #pragma once
 
 #include <orthant/integrators/checkpoint.h>
@@ -64,7 +65,8 @@ class StageQuadrature {
       return std::max(first_.segment(from, count).cwiseAbs().maxCoeff(),
                       d_.block(from, 0, count, kStages).cwiseAbs().maxCoeff());
     };
-    const double impulses = impulse_ + s * largest(0, forces), work = work_ + s * largest(forces, 1);
+    const double length = std::max(s, time_);
+    const double impulses = impulse_ + length * largest(0, forces), work = work_ + length * largest(forces, 1);
     double most = 0;
     for (Index i = 0; i <= forces; ++i) {
       const double e = fifth_[i] * fifth_[i];
@@ -78,10 +80,10 @@ class StageQuadrature {
   /// The step of s [s] is taken.
   void take(double s) {
     const Index forces = mean_.size() - 1;
-    impulse_ += s * mean_.head(forces).cwiseAbs().sum(), work_ += s * std::abs(mean_[forces]);
+    time_ += s, impulse_ += s * mean_.head(forces).cwiseAbs().sum(), work_ += s * std::abs(mean_[forces]);
   }
-  void restart() { impulse_ = work_ = 0, forget_noise(); }
-  void remember(CheckpointData& memory) { memory(impulse_, work_); }
+  void restart() { time_ = impulse_ = work_ = 0, forget_noise(); }
+  void remember(CheckpointData& memory) { memory(time_, impulse_, work_); }
 
  private:
   static constexpr double kNoise = 10;
@@ -94,7 +96,7 @@ class StageQuadrature {
 
   Eigen::MatrixXd d_;
   Eigen::VectorXd first_, mean_, fifth_, third_, noise_;
-  double impulse_ = 0, work_ = 0;  // [N s, J] summed up so far
+  double time_ = 0, impulse_ = 0, work_ = 0;  // [s, N s, J] summed up so far
 };
 
 }  // namespace orthant
