@@ -69,7 +69,8 @@ bool EventDriven::change_modes(Solver& solver, const std::optional<Sign>& event,
     const double fast = now_.w.gap_rate_scale[c], way = fast * std::min(flight, t - bounces_[at(c)].last);
     strike_.tie[at(c)] = roundings * gap_zero(c) + std::min(options_.touching, kWay * way) + since * kSame * fast;
     strike_.touching[at(c)] = hit || mode.lasting || now_.w.gap[c] <= strike_.tie[at(c)];
-    if (strike_.touching[at(c)] && !mode.lasting && !hit && immobile(c)) strike_.touching[at(c)] = false;
+    if (strike_.touching[at(c)] && !mode.lasting && (hit ? turns_back(c) : immobile(c)))
+      strike_.touching[at(c)] = false;
     if (!strike_.touching[at(c)] || mode.lasting || now_.w.gap_rate[c] >= -speed_zero(now_.w.gap_rate_scale[c]))
       continue;
     ++struck;

@@ -204,6 +204,7 @@ class EventDriven final : public Integrator {
   bool turn(Solver& solver, double s, double end, StepReport& report);
 
   bool immobile(int contact);
+  bool turns_back(int contact);
   bool stands(int contact, double s) const;
   double value(const Sign& sign, const Watched& w) const;
   double slack(const Sign& sign) const;

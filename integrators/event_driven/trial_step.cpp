@@ -275,7 +275,18 @@ double EventDriven::value(const Sign& sign, const Watched& w) const {
 bool EventDriven::immobile(int contact) {
   if (system_.joint_rows() == 0 || !immobility_.stand(start_ + elapsed_, now_.q)) return false;
   const Immobility::Verdict verdict = immobility_.look(immobility_.rows(contact).normal);
-  return verdict.immobile && verdict.rate >= 0;
+  return verdict.immobile && (verdict.rate >= 0 || turns_back(contact));
+}
+
+/// Whether the joints' drives, which alone move the contact, turn from shut to open before the gap has changed by more
+/// than rounding.
+bool EventDriven::turns_back(int contact) {
+  const double now = start_ + elapsed_;
+  if (system_.joint_rows() == 0 || !immobility_.stand(now, now_.q)) return false;
+  const Immobility::Verdict verdict = immobility_.look(immobility_.rows(contact).normal);
+  if (!verdict.immobile || verdict.rate >= 0) return false;
+  const double soon = (kStays * gap_zero(contact) + options_.touching) / -verdict.rate;
+  return immobility_.stand(now + soon, now_.q) && immobility_.look(immobility_.rows(contact).normal).rate >= 0;
 }
 
 /// Whether the contact is closed, to rounding, and does not move in the trial step.
