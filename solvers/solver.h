@@ -102,6 +102,7 @@ class Solver {
   bool takes_proof(const Lcp& problem, const Vector& u, Solution& s);
   void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
   void put_proof_in_doubles(const Lcp& problem, Solution& s);
+  bool finds_room(const Lcp& problem, const Vector& u, const Budget& budget);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
   const Solution& solve_checked(const Lcp& problem, Solution& solution, Start start);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
