@@ -17,8 +17,9 @@ struct Look {
   Index n = 0;
   bool sparse = false, applied = false;  // storage: rows, or an operator that is only applied
   bool warm = false;                     // a start value is given
-  bool friction = false, symmetric = true, skew = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
+  bool friction = false, symmetric = true, saddle = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
   bool nonnegative = false;  // a dense matrix without a negative entry
+  bool thin = false;         // sparse: at most eight entries a row
   bool grid = false;         // of two or three dimensions: more than four entries a row
   bool loose = false;        // an operator over at least an eighth as many velocities as rows
   bool uneven = false;       // an operator with diagonal entries a hundredfold apart
@@ -57,12 +58,15 @@ bool sweeps(const Look& p) { return quadratic_friction(p) && p.n > (p.warm ? kRe
 bool resumed(const Look& p) { return quadratic_friction(p) && p.warm && p.n > kDriven && p.n <= kResumed; }
 bool followed(const Look& p) { return p.friction && p.n > (p.warm ? kTiny : kBoldRows) && p.n <= kSmall; }
 bool pyramids(const Look& p) {
-  const bool skew = p.skew && p.no_diagonal && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
-  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !skew && p.n > kDriven && p.n <= kSmall;
+  const bool saddle = p.saddle && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
+  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !saddle && p.n > kDriven && p.n <= kSmall;
 }
 bool swept(const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kBoldRows; }
 bool nonnegative(const Look& p) {
   return smooth(p) && p.nonnegative && !p.symmetric && p.positive_diagonal && p.n > kBoldRows;
+}
+bool thin(const Look& p) {
+  return smooth(p) && p.sparse && p.thin && p.symmetric && p.positive_diagonal && p.n > kBoldRows && p.n <= kSmall;
 }
 bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool loose_contacts(const Look& p) {
@@ -128,6 +132,7 @@ constexpr Step kSteps[] = {
     // Ten bricks, 64 rows, from the last step's impulses: 0.3 ms a solve, Lemke's tableau 1.5 ms.
     // Cold, steps of an arch and random contacts up to 84 rows: Lemke's tableau is 1.3 to 40 times as quick.
     {"path:restarts=0", "friction, from the start value or large", followed},
+    {kSparseBlock, "sparse, symmetric, positive diagonal", thin},
     {"lemke:form=revised,rescue=false,max_pivots=5000", "small, sparse, unsymmetric", unswept},
     {kTableau, "small", [](const Look& p) { return p.n <= kSmall && !unswept(p); }},
     {"path:restarts=0", "friction", [](const Look& p) { return p.friction && p.n > kTiny && p.n <= kSmall; }},
@@ -158,8 +163,8 @@ constexpr Step kSteps[] = {
 };
 constexpr std::size_t kCount = std::size(kSteps);
 // Steps that try what is quick where it helps: a failure says nothing of a proof.
-constexpr bool (*kAttempts[])(const Look&) = {sweeps,      resumed,        followed,       pyramids,       swept,
-                                              nonnegative, dense_friction, loose_contacts, uneven_contacts};
+constexpr bool (*kAttempts[])(const Look&) = {sweeps,      resumed,        followed,       pyramids,        swept,
+                                              nonnegative, dense_friction, loose_contacts, uneven_contacts, thin};
 
 /// As the methods for symmetric matrices take it: W M⁻¹ Wᵀ computed row by row is symmetric to rounding only.
 bool symmetric_pair(double a, double b, double diagonal_i, double diagonal_j) {
@@ -177,7 +182,7 @@ Look look(const Lcp& problem, bool warm) {
       for (Index i = 0; i < j; ++i) {
         const double a = (*dense)(i, j), b = (*dense)(j, i);
         p.symmetric = p.symmetric && symmetric_pair(a, b, (*dense)(i, i), (*dense)(j, j));
-        p.skew = p.skew && a == -b;
+        p.saddle = p.saddle && (a == -b || ((*dense)(i, i) != 0 && (*dense)(j, j) != 0));
         p.z_matrix = p.z_matrix && a <= 0 && b <= 0;
         p.nonnegative = p.nonnegative && a >= 0 && b >= 0;
       }
@@ -186,6 +191,7 @@ Look look(const Lcp& problem, bool warm) {
     }
   } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
     p.sparse = true;
+    p.thin = rows->start[static_cast<std::size_t>(p.n)] <= 8 * p.n;
     p.grid = rows->start[static_cast<std::size_t>(p.n)] > 4 * p.n;
     for (Index i = 0; i < p.n; ++i) {
       const double diagonal = rows->entry(i, i);
@@ -282,7 +288,7 @@ Claim Automatic::run(const Lcp& problem, Solution& s, Start start) {
   work.formed = problem.size() <= most ? &work.small(problem) : &problem;
   bool bold = problem.size() <= most;
   if (bold && !rows && !contacts && problem.size() > kDriven && problem.size() <= kSmall && !work.warm)
-    work.look_at(problem), bold = !pyramids(work.look);
+    work.look_at(problem), bold = !pyramids(work.look) && !nonnegative(work.look);
   if (bold && !budget().cancelled() &&
       work.bold.solve(*work.formed, s.z, work.iterations, budget(), contacts ? kPressed : SmallActiveSet::kMostly)) {
     s.iterations = work.iterations;

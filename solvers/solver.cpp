@@ -305,7 +305,7 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
   if (s.status == Status::rounded) seek_proof(problem, s);
   if (s.status == Status::infeasible && proof_search_) put_proof_in_doubles(problem, s);
   if (open(s) && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
-  if (open(s)) judge_.explain(problem, tolerance(), s);
+  if (open(s) && proof_search_) judge_.explain(problem, tolerance(), s);  // else the caller judges again
   s.factorizations = factorization_count().factorizations - before.factorizations;
   s.factorized_rows = factorization_count().rows - before.rows;
   return s;

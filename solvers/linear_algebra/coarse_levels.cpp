@@ -88,7 +88,7 @@ void CoarseLevels::build(const RowSparse& A, const Budget& budget) {
   if (levels_.empty()) levels_.emplace_back();
   while (matrix(count_ - 1).rows > kCoarsest && count_ < kMostLevels && !budget.exhausted() && coarsen(count_ - 1)) {
     if (levels_.size() == count_) levels_.emplace_back();
-    product(count_ - 1);
+    if (!product(count_ - 1, budget)) break;
     ++count_;
   }
   if (count_ == 1) levels_[0].P.value.clear();
@@ -148,7 +148,9 @@ void CoarseLevels::interpolation(std::size_t l) {
   }
 }
 
-void CoarseLevels::product(std::size_t l) {
+/// False where the budget is over: random patterns fill in.
+bool CoarseLevels::product(std::size_t l, const Budget& budget) {
+  constexpr Index kPolled = 256;  // rows
   const RowSparse& A = matrix(l);
   const RowSparse &P = levels_[l].P, &R = levels_[l].R;
   Level& next = levels_[l + 1];
@@ -157,6 +159,7 @@ void CoarseLevels::product(std::size_t l) {
   C.start.assign(1, 0), C.column.clear(), C.value.clear();
   next.place.assign(at(C.rows), -1);
   for (Index row = 0; row < C.rows; ++row) {
+    if (row % kPolled == 0 && budget.exhausted()) return false;
     const auto begin = C.column.size();
     R.for_each_in_row(row, [&](Index i, double) {
       A.for_each_in_row(i, [&](Index j, double) {
@@ -179,6 +182,7 @@ void CoarseLevels::product(std::size_t l) {
     });
     C.start.push_back(static_cast<int>(C.column.size()));
   }
+  return true;
 }
 
 void CoarseLevels::truncate(std::size_t level, const std::vector<char>& held) {

@@ -57,7 +57,7 @@ class CoarseLevels {
   };
   bool coarsen(std::size_t level);
   void interpolation(std::size_t level);
-  void product(std::size_t level);                         // A of the next level
+  bool product(std::size_t level, const Budget& budget);   // A of the next level
   void truncated_product(std::size_t level, bool finest);  // T of the next level, dirty rows
   void cycle(std::size_t level);                           // x ← ≈ T⁻¹ r
 
