@@ -32,13 +32,14 @@ struct Step {
   bool (*when)(const Look&);
 };
 
-constexpr Index kHandful = 6;    // rows up to which another look costs more than principal pivoting does
-constexpr Index kDriven = 12;    // rows from which a look at all entries costs little
-constexpr Index kTiny = 40;      // rows up to which a tableau is quickest with friction, too
-constexpr Index kSmall = 400;    // rows up to which a tableau is quickest
-constexpr Index kSwept = 60;     // rows from which first-order methods are quicker than a tableau, where they converge
-constexpr Index kResumed = 150;  // the same from a start value, from which path is quick, too
-constexpr Index kGrid = 400;     // rows up to which sweeps over a grid are quicker than multigrid
+constexpr Index kHandful = 6;     // rows up to which another look costs more than principal pivoting does
+constexpr Index kDriven = 12;     // rows from which a look at all entries costs little
+constexpr Index kTiny = 40;       // rows up to which a tableau is quickest with friction, too
+constexpr Index kSmall = 400;     // rows up to which a tableau is quickest
+constexpr Index kSwept = 60;      // rows from which first-order methods are quicker than a tableau, where they converge
+constexpr Index kResumed = 150;   // the same from a start value, from which path is quick, too
+constexpr Index kPyramids = 250;  // rows up to which 400 pivots are mostly enough for pyramids, else 1000
+constexpr Index kGrid = 400;      // rows up to which sweeps over a grid are quicker than multigrid
 
 // Rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick; at 1000, dense, 3 to 9
 // times.
@@ -50,7 +51,8 @@ constexpr double kPressed = 0.5;
 constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
 constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
 
-constexpr Index kCells = 100;  // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
+constexpr Index kFewCells = 4;  // rows of which all cells cost less than another method does
+constexpr Index kCells = 100;   // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
 
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
@@ -62,11 +64,9 @@ bool pyramids(const Look& p) {
   const bool saddle = p.saddle && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
   return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !saddle && p.n > kDriven && p.n <= kSmall;
 }
-// Stewart and Trinkle's form and games are half zeros: friction with 240 and 400 rows 5 and 36 ms, the tableau 9 and
-// 79 ms; mass ratio 10¹⁰ 33 and 13 ms.
-bool half_zeros(const Look& p) {
-  return p.even && p.n > kSwept && (pyramids(p) || (smooth(p) && p.saddle && p.no_diagonal && p.n <= kSmall));
-}
+bool game(const Look& p) { return smooth(p) && p.saddle && p.no_diagonal && p.n > kSwept && p.n <= kSmall; }
+bool small_pyramids(const Look& p) { return pyramids(p) && p.even && p.n > kSwept && p.n <= kPyramids; }
+bool large_pyramids(const Look& p) { return pyramids(p) && p.even && p.n > kPyramids; }
 bool swept(const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kBoldRows; }
 bool nonnegative(const Look& p) {
   return smooth(p) && p.nonnegative && !p.symmetric && p.positive_diagonal && p.n > kBoldRows;
@@ -144,8 +144,13 @@ constexpr Step kSteps[] = {
     {"path:restarts=0", "friction, from the start value or large", followed},
     {kSparseBlock, "sparse, symmetric, positive diagonal", thin},
     {kRevised, "small, sparse, unsymmetric", unswept},
-    {kRevised, "half zeros", half_zeros},
+    // Games and Stewart and Trinkle's form are half zeros: friction with 240 and 400 rows takes 305 and 938 pivots, 5
+    // and 36 ms, the tableau 9 and 79 ms. Mass ratio 10¹⁰ takes three times the pivots, the tableau not.
+    {kRevised, "a game", game},
+    {"lemke:form=revised,rescue=false,max_pivots=400", "unsymmetric, a zero on the diagonal", small_pyramids},
+    {"lemke:form=revised,rescue=false,max_pivots=1000", "unsymmetric, a zero on the diagonal", large_pyramids},
     {kTableau, "small", [](const Look& p) { return p.n <= kSmall && !unswept(p); }},
+    {"enumerate", "few cells", [](const Look& p) { return smooth(p) && p.n <= kFewCells; }},
     {"path:restarts=0", "friction", [](const Look& p) { return p.friction && p.n > kTiny && p.n <= kSmall; }},
     {"lemke:rescue=false,max_pivots=10000", "dense",
      [](const Look& p) { return smooth(p) && !p.sparse && p.n > kSmall && p.n <= kFull; }},
@@ -192,15 +197,26 @@ bool symmetric_pair(double a, double b, double diagonal_i, double diagonal_j) {
   return a == b || std::abs(a - b) <= 1e-12 * std::sqrt(diagonal_i) * std::sqrt(diagonal_j);
 }
 
+template <class Diagonal> void look_at_diagonal(const Diagonal& diagonal, Look& p) {
+  double least = kInf, most = 0;
+  for (const double entry : diagonal) {
+    if (entry > 0) least = std::min(least, entry), most = std::max(most, entry);
+    p.positive_diagonal = p.positive_diagonal && entry > 0;
+    p.no_diagonal = p.no_diagonal && entry == 0;
+  }
+  p.even = most <= 1e8 * least;
+}
+
 Look look(const Lcp& problem, bool warm) {
   Look p;
   p.n = problem.size();
   p.warm = warm;
   p.friction = !problem.friction.empty();
   if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
+    look_at_diagonal(dense->diagonal(), p);
     p.nonnegative = true;
-    double least = kInf, most = 0;
-    for (Index j = 0; j < p.n; ++j) {
+    p.saddle = !p.positive_diagonal;
+    for (Index j = 0; j < p.n; ++j)
       for (Index i = 0; i < j; ++i) {
         const double a = (*dense)(i, j), b = (*dense)(j, i);
         p.symmetric = p.symmetric && symmetric_pair(a, b, (*dense)(i, i), (*dense)(j, j));
@@ -208,11 +224,6 @@ Look look(const Lcp& problem, bool warm) {
         p.z_matrix = p.z_matrix && a <= 0 && b <= 0;
         p.nonnegative = p.nonnegative && a >= 0 && b >= 0;
       }
-      if (const double entry = (*dense)(j, j); entry > 0) least = std::min(least, entry), most = std::max(most, entry);
-      p.positive_diagonal = p.positive_diagonal && (*dense)(j, j) > 0;
-      p.no_diagonal = p.no_diagonal && (*dense)(j, j) == 0;
-    }
-    p.even = most <= 1e8 * least;
   } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
     p.sparse = true;
     p.thin = rows->start[static_cast<std::size_t>(p.n)] <= 8 * p.n;

@@ -48,7 +48,7 @@ class Solver {
   const std::atomic<bool>* cancel() const { return cancel_; }
   /// Whether a run that ends on a ray, stalled or lost to rounding (small problems: or at its limit) is followed by one
   /// search for a proof that there is no solution (farkas.h: a linear program, which may cost more than the run did).
-  /// On at first.
+  /// On at first. Off, the miss is not explained either: for the caller who judges again.
   void set_proof_search(bool on) { proof_search_ = on; }
   /// Where each solve writes its iterations (cleared first); null: nowhere, at no cost.
   void set_log(IterationLog* log) { log_ = log; }
