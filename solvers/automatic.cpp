@@ -78,6 +78,7 @@ bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool loose_contacts(const Look& p) {
   return quadratic_friction(p) && p.loose && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
+bool shared_bodies(const Look& p) { return sweeps(p) && p.applied && !p.loose && !p.warm && p.n > 2 * kBoldRows; }
 bool uneven_contacts(const Look& p) { return loose_contacts(p) && p.uneven; }
 bool dense_friction(const Look& p) {
   return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kBoldRows && p.n <= kFull;
@@ -123,12 +124,13 @@ constexpr Step kSteps[] = {
     {"mprgp:max_iterations=300,stop_early=true", "friction, symmetric, loose bodies of unequal mass", uneven_contacts},
     {"newton-ac:max_steps=170", "friction, symmetric, loose bodies", loose_contacts},
     {"prox:max_outer=150", "friction, symmetric, loose bodies", loose_contacts},
-    // Random contacts on bodies of several with 120 to 300 rows: 0.5 to 4 ms, prox 1.4 to 8 ms, Lemke's tableau 1.4 to
-    // 15 ms. Stacks with 160 rows: in vain, Lemke's tableau 1.2 ms, prox 3.3 ms; 320 rows: prox 6.7 ms, the tableau
-    // 6.2 ms. n = 300 and 600, where sweeps crawl: prox 4 and 33 ms; mprgp and path 50 and 400 ms.
+    // Random contacts, 120 to 300 rows: 0.5 to 4 ms, prox 1.4 to 8 ms, Lemke's tableau 1.4 to 15 ms. Stacks, 160 rows:
+    // in vain, the tableau 1.2 ms, prox 3.3 ms. n = 300 and 600, where sweeps crawl: prox 4 and 33 ms, path 400 ms.
     {"newton-ac:max_steps=20", "friction, symmetric, dense", small_dense_friction},
     {"lemke:rescue=false,max_pivots=250", "friction, symmetric, dense", few_dense_friction},
     {"prox:max_outer=100", "friction, symmetric, dense", dense_friction},
+    // Tables on 40 legs, 320 rows, three or six velocities: 3 to 6 ms, where psor takes 5 to 8 ms or crawls.
+    {"mprgp:max_iterations=1000,stop_early=true", "friction, symmetric, many contacts of few bodies", shared_bodies},
     // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of
     // them.
     {"psor:max_sweeps=6000,stop_early=true", "friction, symmetric, cheap sweeps", sweeps},
@@ -190,7 +192,8 @@ constexpr bool (*kAttempts[])(const Look&) = {sweeps,
                                               uneven_contacts,
                                               thin,
                                               small_dense_friction,
-                                              few_dense_friction};
+                                              few_dense_friction,
+                                              shared_bodies};
 
 /// As the methods for symmetric matrices take it: W M⁻¹ Wᵀ computed row by row is symmetric to rounding only.
 bool symmetric_pair(double a, double b, double diagonal_i, double diagonal_j) {

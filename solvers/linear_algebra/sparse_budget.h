@@ -1,5 +1,5 @@
-// solvers/linear_algebra/sparse_budget.h — time limits of sparse factorizations: order, analyse and factorize only where
-// the prediction says that the time left suffices.
+// solvers/linear_algebra/sparse_budget.h — time limits of sparse factorizations: order, analyse and factorize only
+// where the prediction says that the time left suffices.
 //
 //   Neither step can be interrupted. A refusal ends the budget, so that the solver says time_limit.
 #pragma once
