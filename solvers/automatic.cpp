@@ -17,8 +17,10 @@ struct Look {
   Index n = 0;
   bool sparse = false, applied = false;  // storage: rows, or an operator that is only applied
   bool warm = false;                     // a start value is given
-  bool friction = false, symmetric = true, skew = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
+  bool friction = false, symmetric = true, saddle = true, positive_diagonal = true, no_diagonal = true, z_matrix = true;
   bool nonnegative = false;  // a dense matrix without a negative entry
+  bool thin = false;         // sparse: at most eight entries a row
+  bool even = false;         // dense: positive diagonal entries within 10⁸ of each other
   bool grid = false;         // of two or three dimensions: more than four entries a row
   bool loose = false;        // an operator over at least an eighth as many velocities as rows
   bool uneven = false;       // an operator with diagonal entries a hundredfold apart
@@ -30,13 +32,14 @@ struct Step {
   bool (*when)(const Look&);
 };
 
-constexpr Index kHandful = 6;    // rows up to which another look costs more than principal pivoting does
-constexpr Index kDriven = 12;    // rows from which a look at all entries costs little
-constexpr Index kTiny = 40;      // rows up to which a tableau is quickest with friction, too
-constexpr Index kSmall = 400;    // rows up to which a tableau is quickest
-constexpr Index kSwept = 60;     // rows from which first-order methods are quicker than a tableau, where they converge
-constexpr Index kResumed = 150;  // the same from a start value, from which path is quick, too
-constexpr Index kGrid = 2000;    // rows up to which sweeps over a grid are quicker than its factors
+constexpr Index kHandful = 6;     // rows up to which another look costs more than principal pivoting does
+constexpr Index kDriven = 12;     // rows from which a look at all entries costs little
+constexpr Index kTiny = 40;       // rows up to which a tableau is quickest with friction, too
+constexpr Index kSmall = 400;     // rows up to which a tableau is quickest
+constexpr Index kSwept = 60;      // rows from which first-order methods are quicker than a tableau, where they converge
+constexpr Index kResumed = 150;   // the same from a start value, from which path is quick, too
+constexpr Index kPyramids = 250;  // rows up to which 400 pivots are mostly enough for pyramids, else 1000
+constexpr Index kGrid = 400;      // rows up to which sweeps over a grid are quicker than multigrid
 
 // Rows up to which the active set is guessed first: at 300, mostly 2 to 100 times as quick; at 1000, dense, 3 to 9
 // times.
@@ -48,7 +51,8 @@ constexpr double kPressed = 0.5;
 constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 4 times as quick as interior-point
 constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
 
-constexpr Index kCells = 100;  // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
+constexpr Index kFewCells = 4;  // rows of which all cells cost less than another method does
+constexpr Index kCells = 100;   // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
 
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
@@ -57,24 +61,34 @@ bool sweeps(const Look& p) { return quadratic_friction(p) && p.n > (p.warm ? kRe
 bool resumed(const Look& p) { return quadratic_friction(p) && p.warm && p.n > kDriven && p.n <= kResumed; }
 bool followed(const Look& p) { return p.friction && p.n > (p.warm ? kTiny : kBoldRows) && p.n <= kSmall; }
 bool pyramids(const Look& p) {
-  const bool skew = p.skew && p.no_diagonal && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
-  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !skew && p.n > kDriven && p.n <= kSmall;
+  const bool saddle = p.saddle && !p.sparse;  // n = 150, 300: the tableau is 3 to 5 times as quick
+  return smooth(p) && !p.applied && !p.symmetric && !p.positive_diagonal && !saddle && p.n > kDriven && p.n <= kSmall;
 }
+bool game(const Look& p) { return smooth(p) && p.saddle && p.no_diagonal && p.n > kSwept && p.n <= kSmall; }
+bool small_pyramids(const Look& p) { return pyramids(p) && p.even && p.n > kSwept && p.n <= kPyramids; }
+bool large_pyramids(const Look& p) { return pyramids(p) && p.even && p.n > kPyramids; }
 bool swept(const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.positive_diagonal && p.n > kBoldRows; }
 bool nonnegative(const Look& p) {
   return smooth(p) && p.nonnegative && !p.symmetric && p.positive_diagonal && p.n > kBoldRows;
+}
+bool thin(const Look& p) {
+  return smooth(p) && p.sparse && p.thin && p.symmetric && p.positive_diagonal && p.n > kBoldRows && p.n <= kSmall;
 }
 bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool loose_contacts(const Look& p) {
   return quadratic_friction(p) && p.loose && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
+bool shared_bodies(const Look& p) { return sweeps(p) && p.applied && !p.loose && !p.warm && p.n > 2 * kBoldRows; }
 bool uneven_contacts(const Look& p) { return loose_contacts(p) && p.uneven; }
 bool dense_friction(const Look& p) {
   return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
+bool small_dense_friction(const Look& p) { return dense_friction(p) && p.n <= kSmall; }
+bool few_dense_friction(const Look& p) { return dense_friction(p) && p.n <= 2 * kBoldRows; }
 
 // Where the driving variable does not end soon it seldom ends.
 constexpr const char* kDrive = "dantzig:rescue=false,max_pivots=250";
+constexpr const char* kRevised = "lemke:form=revised,rescue=false,max_pivots=5000";
 constexpr const char* kTableau = "lemke:rescue=false,max_pivots=5000";
 
 // Dense symmetric problems of the families take at most 45 iterations, or hundreds where interior-point takes 20 of
@@ -91,14 +105,12 @@ constexpr Step kSteps[] = {
     // Tridiagonal and a random entry or two a row. 150 rows: 0.06 ms, Lemke's revised form 0.2 ms, its tableau 1.4 ms.
     // 10 000 rows: 0.02 s, path 0.09 s, interior-point 10 s, as the factors of such matrices fill in. Convection and
     // diffusion on an obstacle, 1600 rows: 1 ms, block-pivot and newton-min 50 ms.
-    {"psor:max_sweeps=200,stop_early=true", "sparse, unsymmetric, cheap sweeps", swept},
+    {"psor:max_sweeps=400,stop_early=true", "sparse, unsymmetric, cheap sweeps", swept},
     // Dense and nonnegative, 150 and 300 rows: 70 and 20 sweeps, 0.1 and 0.2 ms, Lemke's tableau 0.9 and 2.3 ms.
     {"psor:max_sweeps=100,stop_early=true", "unsymmetric, nonnegative", nonnegative},
     // Balls and journal bearings with 4000, 16 000, 65 000, 262 000 rows: 2 to 7 times as quick as block-pivot.
     {"multigrid:max_cycles=60,stop_early=true", "large grid",
-     [](const Look& p) {
-       return smooth(p) && p.sparse && p.grid && p.z_matrix && p.positive_diagonal && p.n > kBoldRows;
-     }},
+     [](const Look& p) { return smooth(p) && p.sparse && p.grid && p.z_matrix && p.positive_diagonal && p.n > kGrid; }},
     {kSparseBlock, "sparse, no positive entry off the diagonal",
      [](const Look& p) { return smooth(p) && p.sparse && p.z_matrix && p.n > 100; }},
     {"newton-min", "sparse, no positive entry off the diagonal",
@@ -112,12 +124,16 @@ constexpr Step kSteps[] = {
     {"mprgp:max_iterations=300,stop_early=true", "friction, symmetric, loose bodies of unequal mass", uneven_contacts},
     {"newton-ac:max_steps=170", "friction, symmetric, loose bodies", loose_contacts},
     {"prox:max_outer=150", "friction, symmetric, loose bodies", loose_contacts},
+    // Random contacts, 120 to 300 rows: 0.5 to 4 ms, prox 1.4 to 8 ms, Lemke's tableau 1.4 to 15 ms. Stacks, 160 rows:
+    // in vain, the tableau 1.2 ms, prox 3.3 ms. n = 300 and 600, where sweeps crawl: prox 4 and 33 ms, path 400 ms.
+    {"newton-ac:max_steps=20", "friction, symmetric, dense", small_dense_friction},
+    {"lemke:rescue=false,max_pivots=250", "friction, symmetric, dense", few_dense_friction},
+    {"prox:max_outer=100", "friction, symmetric, dense", dense_friction},
+    // Tables on 40 legs, 320 rows, three or six velocities: 3 to 6 ms, where psor takes 5 to 8 ms or crawls.
+    {"mprgp:max_iterations=1000,stop_early=true", "friction, symmetric, many contacts of few bodies", shared_bodies},
     // Piles of equal discs, 222 to 308 rows: 1 to 9 ms, path 8 to 31 ms. Stacks, where sweeps crawl, cost it 128 of
     // them.
     {"psor:max_sweeps=6000,stop_early=true", "friction, symmetric, cheap sweeps", sweeps},
-    // Random contacts on bodies of several, n = 300 and 600, where sweeps crawl: 4 and 33 ms; mprgp and path 50 and
-    // 400 ms.
-    {"prox:max_outer=100", "friction, symmetric, dense", dense_friction},
     // Stacks and tables with 240 to 324 rows: 1 to 6 ms, path 8 to 31 ms.
     {"mprgp:max_iterations=4000,stop_early=true", "friction, symmetric", sweeps},
     // An arch of ten stones, 44 rows: 0.1 ms a step of stewart-trinkle, path 35 ms, Lemke's tableau 31 ms.
@@ -128,8 +144,15 @@ constexpr Step kSteps[] = {
     // Ten bricks, 64 rows, from the last step's impulses: 0.3 ms a solve, Lemke's tableau 1.5 ms.
     // Cold, steps of an arch and random contacts up to 84 rows: Lemke's tableau is 1.3 to 40 times as quick.
     {"path:restarts=0", "friction, from the start value or large", followed},
-    {"lemke:form=revised,rescue=false,max_pivots=5000", "small, sparse, unsymmetric", unswept},
+    {kSparseBlock, "sparse, symmetric, positive diagonal", thin},
+    {kRevised, "small, sparse, unsymmetric", unswept},
+    // Games and Stewart and Trinkle's form are half zeros: friction with 240 and 400 rows takes 305 and 938 pivots, 5
+    // and 36 ms, the tableau 9 and 79 ms. Mass ratio 10¹⁰ takes three times the pivots, the tableau not.
+    {kRevised, "a game", game},
+    {"lemke:form=revised,rescue=false,max_pivots=400", "unsymmetric, a zero on the diagonal", small_pyramids},
+    {"lemke:form=revised,rescue=false,max_pivots=1000", "unsymmetric, a zero on the diagonal", large_pyramids},
     {kTableau, "small", [](const Look& p) { return p.n <= kSmall && !unswept(p); }},
+    {"enumerate", "few cells", [](const Look& p) { return smooth(p) && p.n <= kFewCells; }},
     {"path:restarts=0", "friction", [](const Look& p) { return p.friction && p.n > kTiny && p.n <= kSmall; }},
     {"lemke:rescue=false,max_pivots=10000", "dense",
      [](const Look& p) { return smooth(p) && !p.sparse && p.n > kSmall && p.n <= kFull; }},
@@ -158,12 +181,33 @@ constexpr Step kSteps[] = {
 };
 constexpr std::size_t kCount = std::size(kSteps);
 // Steps that try what is quick where it helps: a failure says nothing of a proof.
-constexpr bool (*kAttempts[])(const Look&) = {sweeps,      resumed,        followed,       pyramids,       swept,
-                                              nonnegative, dense_friction, loose_contacts, uneven_contacts};
+constexpr bool (*kAttempts[])(const Look&) = {sweeps,
+                                              resumed,
+                                              followed,
+                                              pyramids,
+                                              swept,
+                                              nonnegative,
+                                              dense_friction,
+                                              loose_contacts,
+                                              uneven_contacts,
+                                              thin,
+                                              small_dense_friction,
+                                              few_dense_friction,
+                                              shared_bodies};
 
 /// As the methods for symmetric matrices take it: W M⁻¹ Wᵀ computed row by row is symmetric to rounding only.
 bool symmetric_pair(double a, double b, double diagonal_i, double diagonal_j) {
   return a == b || std::abs(a - b) <= 1e-12 * std::sqrt(diagonal_i) * std::sqrt(diagonal_j);
+}
+
+template <class Diagonal> void look_at_diagonal(const Diagonal& diagonal, Look& p) {
+  double least = kInf, most = 0;
+  for (const double entry : diagonal) {
+    if (entry > 0) least = std::min(least, entry), most = std::max(most, entry);
+    p.positive_diagonal = p.positive_diagonal && entry > 0;
+    p.no_diagonal = p.no_diagonal && entry == 0;
+  }
+  p.even = most <= 1e8 * least;
 }
 
 Look look(const Lcp& problem, bool warm) {
@@ -172,20 +216,20 @@ Look look(const Lcp& problem, bool warm) {
   p.warm = warm;
   p.friction = !problem.friction.empty();
   if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
+    look_at_diagonal(dense->diagonal(), p);
     p.nonnegative = true;
-    for (Index j = 0; j < p.n; ++j) {
+    p.saddle = !p.positive_diagonal;
+    for (Index j = 0; j < p.n; ++j)
       for (Index i = 0; i < j; ++i) {
         const double a = (*dense)(i, j), b = (*dense)(j, i);
         p.symmetric = p.symmetric && symmetric_pair(a, b, (*dense)(i, i), (*dense)(j, j));
-        p.skew = p.skew && a == -b;
+        p.saddle = p.saddle && (a == -b || ((*dense)(i, i) != 0 && (*dense)(j, j) != 0));
         p.z_matrix = p.z_matrix && a <= 0 && b <= 0;
         p.nonnegative = p.nonnegative && a >= 0 && b >= 0;
       }
-      p.positive_diagonal = p.positive_diagonal && (*dense)(j, j) > 0;
-      p.no_diagonal = p.no_diagonal && (*dense)(j, j) == 0;
-    }
   } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
     p.sparse = true;
+    p.thin = rows->start[static_cast<std::size_t>(p.n)] <= 8 * p.n;
     p.grid = rows->start[static_cast<std::size_t>(p.n)] > 4 * p.n;
     for (Index i = 0; i < p.n; ++i) {
       const double diagonal = rows->entry(i, i);
@@ -230,6 +274,7 @@ struct Automatic::Work {
   bool warm = false;
   Solution inner;
   int iterations = 0;
+  double overrun = 0;  // [s] of the last step beyond its share of the time
   SmallActiveSet bold;
   Dantzig few;
   Lcp dense;  // a small problem stored otherwise, formed once
@@ -272,6 +317,7 @@ Claim Automatic::run(const Lcp& problem, Solution& s, Start start) {
   Work& work = *work_;
   work.next = 0;
   work.iterations = 0;
+  work.overrun = 0;
   work.warm = start == Start::warm;
   if (work.warm) work.start = s.z;
   work.looked = false;
@@ -282,7 +328,7 @@ Claim Automatic::run(const Lcp& problem, Solution& s, Start start) {
   work.formed = problem.size() <= most ? &work.small(problem) : &problem;
   bool bold = problem.size() <= most;
   if (bold && !rows && !contacts && problem.size() > kDriven && problem.size() <= kSmall && !work.warm)
-    work.look_at(problem), bold = !pyramids(work.look);
+    work.look_at(problem), bold = !pyramids(work.look) && !nonnegative(work.look);
   if (bold && !budget().cancelled() &&
       work.bold.solve(*work.formed, s.z, work.iterations, budget(), contacts ? kPressed : SmallActiveSet::kMostly)) {
     s.iterations = work.iterations;
@@ -322,7 +368,13 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
     bool last = true;
     for (std::size_t later = k + 1; later < kCount && last; ++later) last = work.step(later, problem) == nullptr;
     if (!last) share /= 2;
+    if (share < work.overrun) {  // looks, scaling and the judge alone would take longer
+      work.next = kCount;
+      claim = Claim::time_limit;
+      return true;
+    }
   }
+  const double before = budget().remaining();
   solver->set_time_limit(share);
   solver->set_cancel(budget().cancel());
   if (work.warm) work.inner.z = work.start;
@@ -330,6 +382,7 @@ bool Automatic::run_again(const Lcp& problem, Solution& s, int attempt, Claim& c
   // not.
   const bool tableau = kSteps[k].solver == std::string_view(kTableau);
   solver->solve(tableau ? *work.formed : problem, work.inner, work.warm ? Start::warm : Start::cold);
+  if (share < kInf) work.overrun = before - budget().remaining() - share;
   s.z = work.inner.z;
   claim = handed_on(work.inner, s);
   if (work.inner.status == Status::infeasible) trust(*solver);

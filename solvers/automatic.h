@@ -9,21 +9,24 @@
 //                          frictionless to 6 rows then dantzig
 //     friction             symmetric from 60 rows on: psor and mprgp, both abandoned if they make no progress; to 400
 //                          rows, with a start value or beyond 100 rows: path without restarts
-//                          without a start value, dense: prox after psor; over loose bodies: newton-ac after both
-//     pyramids             unsymmetric, not skew, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig, not
-//                          the guess
-//     sparse, unsymmetric  from 100 rows on, positive diagonal: 200 sweeps of psor, abandoned if they make no progress;
+//                          without a start value, dense: newton-ac, to 200 rows lemke's tableau, prox, then psor; over
+//                          loose bodies: newton-ac after psor and mprgp
+//     pyramids             unsymmetric, no saddle point, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig,
+//                          not the guess; then, as for games, lemke's revised form
+//     sparse, unsymmetric  from 100 rows on, positive diagonal: 400 sweeps of psor, abandoned if they make no progress;
 //                          to 400 rows lemke's revised form
-//     nonnegative, dense   unsymmetric, positive diagonal: a hundred sweeps of psor
-//     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis)
-//     obstacles (sparse Z) psor on grids to 2000 rows, multigrid, 10 iterations of block-pivot, newton-min
+//     nonnegative, dense   unsymmetric, positive diagonal: a hundred sweeps of psor, not the guess
+//     small                lemke's tableau, refined; at last with its rescue (more digits, rationals, every basis);
+//                          to 4 rows every cell after the tableau; sparse symmetric first block-pivot from 100 rows on
+//     obstacles (sparse Z) psor on grids to 400 rows, multigrid, 10 iterations of block-pivot, newton-min
 //     large, frictionless  dense to 1500 rows: the tableau; block-pivot where symmetric with A_ii > 0, 50 iterations
 //                          or, sparse, 10; interior-point
 //     large, sparse, unsymmetric   those sweeps, path without restarts, then as the others
 //     large, friction      path without restarts, then sweeps (nncg)
 //     else                 path; first-order methods where nothing else will hold the matrix
 //     up to 2²⁰ cells      at last every cell (enumerate.h): a solution, or the proof that there is none
-//   With a time limit each step may take half of the remaining time, the last all of it.
+//   With a time limit each step may take half of the remaining time, the last all of it. No step is begun whose share
+//   is less than the last step's delay at its limit.
 //   A start value is passed on, and a tolerance other than the default. Guarantees: those of the solver that answered.
 #pragma once
 

@@ -1,3 +1,4 @@
+#include <orthant/core/lcp/judge/exact_proof.h>
 #include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/pivoting/enumerate.h>
@@ -13,6 +14,7 @@ namespace {
 
 // Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
 constexpr double kFar = 100;
+constexpr Index kMostWithRoom = 30;  // rows up to which other proofs are sought near one that rounding spoils
 // Of the largest |b|: a residual below it may be that of rows with small terms only.
 constexpr double kFine = 1e-10;
 
@@ -106,6 +108,8 @@ bool Solver::proves_infeasible(const Lcp& problem, Solution& s) {
   scratch_ = proof_;
   if (in_whole_numbers(scratch_) && takes_proof(problem, scratch_, s)) return true;
   if (takes_proof(problem, proof_, s)) return true;
+  if (problem.size() <= kMostWithRoom && finds_room(problem, proof_, share))
+    return takes_proof(problem, judge_.proof(), s);
   if (has_few_cells(problem)) search_cells(problem, s, share);
   return s.status == Status::infeasible;
 }
@@ -139,30 +143,45 @@ void Solver::take_ray_in_whole_numbers(const Lcp& problem, Solution& s) {
   judge_.certify(problem, tolerance(), Claim::ray, s);
 }
 
-/// A certificate that proves only by the exact vector next to it: another with room for rounding, if there is one. Of
-/// the same rows first; then without room in columns that are 0. A semidefinite A leaves none but by its own rounding:
-/// uᵀAu ≤ 0 makes Au = 0.
+/// A certificate that proves only by the exact vector next to it: another with room for rounding, if there is one.
 void Solver::put_proof_in_doubles(const Lcp& problem, Solution& s) {
-  constexpr Index kMostRows = 30, kMostSymmetric = 12;
-  constexpr double kMargin = 0x1p-46;  // above the rounding of u, 2⁻⁵³, below that of data
-  const Index n = problem.size();
-  if (n > kMostRows || s.certificate.size() != n || problem.discs()) return;
-  const bool last = judge_.proof().size() == n && judge_.proof() == s.certificate;
+  if (s.certificate.size() != problem.size() || problem.discs() || problem.size() > kMostWithRoom) return;
+  const bool last = judge_.proof().size() == problem.size() && judge_.proof() == s.certificate;
   if ((!last && !judge_.proves_infeasible(problem, s.certificate)) || judge_.proof_in_doubles()) return;
-  const bool contacts = std::holds_alternative<Delassus>(problem.A);
-  if (n > kMostSymmetric && (contacts || is_symmetric(problem.A))) return;
   Budget share;
   share.start(budget_.remaining() / 4, budget_.cancel());
-  const Vector before = s.certificate, sums = multiply_transposed(problem.A, before);
-  for (int way = 0; way < ((before.array() != 0).all() ? 2 : 4) && !share.exhausted(); ++way) {
-    const bool same_rows = way < 2, all_columns = way % 2 == 0;
-    const Lcp narrower =
-        with_margin(problem, kMargin, before, same_rows, [&](Index j) { return all_columns || sums[j] != 0; });
-    if (!farkas_.propose(narrower, proof_, share) || !judge_.proves_infeasible(problem, proof_)) continue;
-    if (!judge_.proof_in_doubles()) continue;
-    s.certificate = judge_.proof();
-    return;
+  if (finds_room(problem, s.certificate, share)) s.certificate = judge_.proof();
+}
+
+/// judge_.proof() ← a proof in doubles near u, with room for rounding. Of the same rows first; then without room in
+/// columns that are 0; then with room only where rounding leaves a wrong sign. A semidefinite A leaves none but by its
+/// own rounding: uᵀAu ≤ 0 makes Au = 0.
+bool Solver::finds_room(const Lcp& problem, const Vector& u, const Budget& budget) {
+  constexpr Index kMostSymmetric = 12;
+  constexpr double kMargin = 0x1p-46;  // above the rounding of u, 2⁻⁵³, below that of data
+  const bool contacts = std::holds_alternative<Delassus>(problem.A);
+  if (problem.size() > kMostSymmetric && (contacts || is_symmetric(problem.A))) return false;
+  const Vector sums = multiply_transposed(problem.A, u);
+  Vector v;
+  const auto proposes = [&](bool same_rows, const std::function<bool(Index)>& in_column) {
+    return !budget.exhausted() && farkas_.propose(with_margin(problem, kMargin, u, same_rows, in_column), v, budget);
+  };
+  const auto proves = [&] { return judge_.proves_infeasible(problem, v) && judge_.proof_in_doubles(); };
+  const int ways = (u.array() != 0).all() ? 1 : 2;  // with the same rows; with all
+  for (int way = 0; way < ways; ++way)
+    for (const bool all : {true, false})
+      if (proposes(way == 0, [&](Index j) { return all || sums[j] != 0; }) && proves()) return true;
+  for (int way = 0; way < ways; ++way) {
+    std::vector<char> wrong(at(problem.size()), 0);
+    v = u;
+    for (bool more = true; more;) {
+      more = false;
+      for (const Index j : columns_of_wrong_sign(problem, v)) more = more || wrong[at(j)] == 0, wrong[at(j)] = 1;
+      if (!more || !proposes(way == 0, [&](Index j) { return wrong[at(j)] != 0; })) break;
+      if (proves()) return true;
+    }
   }
+  return false;
 }
 
 /// Where all but rounding speaks against a solution: every cell, exactly. Its answer, or its proof, into s.
@@ -286,7 +305,7 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
   if (s.status == Status::rounded) seek_proof(problem, s);
   if (s.status == Status::infeasible && proof_search_) put_proof_in_doubles(problem, s);
   if (open(s) && budget_.exhausted()) s.status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
-  if (open(s)) judge_.explain(problem, tolerance(), s);
+  if (open(s) && proof_search_) judge_.explain(problem, tolerance(), s);  // else the caller judges again
   s.factorizations = factorization_count().factorizations - before.factorizations;
   s.factorized_rows = factorization_count().rows - before.rows;
   return s;

@@ -48,7 +48,7 @@ class Solver {
   const std::atomic<bool>* cancel() const { return cancel_; }
   /// Whether a run that ends on a ray, stalled or lost to rounding (small problems: or at its limit) is followed by one
   /// search for a proof that there is no solution (farkas.h: a linear program, which may cost more than the run did).
-  /// On at first.
+  /// On at first. Off, the miss is not explained either: for the caller who judges again.
   void set_proof_search(bool on) { proof_search_ = on; }
   /// Where each solve writes its iterations (cleared first); null: nowhere, at no cost.
   void set_log(IterationLog* log) { log_ = log; }
@@ -102,6 +102,7 @@ class Solver {
   bool takes_proof(const Lcp& problem, const Vector& u, Solution& s);
   void take_ray_in_whole_numbers(const Lcp& problem, Solution& s);
   void put_proof_in_doubles(const Lcp& problem, Solution& s);
+  bool finds_room(const Lcp& problem, const Vector& u, const Budget& budget);
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
   const Solution& solve_checked(const Lcp& problem, Solution& solution, Start start);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);

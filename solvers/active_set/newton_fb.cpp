@@ -2,6 +2,7 @@
 
 #include <orthant/solvers/active_set/fischer_burmeister.h>
 #include <orthant/solvers/factorization_count.h>
+#include <orthant/solvers/linear_algebra/sparse_budget.h>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -156,13 +157,13 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
     diagonal_part.setIdentity();
     V += Eigen::SparseMatrix<double, Eigen::RowMajor>(da_.asDiagonal() * diagonal_part);
     gradient_ = V.transpose() * phi_;
-    const auto affords = [this](const Eigen::SparseMatrix<double>& M) {
-      return !budget().timed() ||
-             budget().affords(factorization_cost(static_cast<int>(M.rows()), M.outerIndexPtr(), M.innerIndexPtr()));
+    const auto affords = [this](const Eigen::SparseMatrix<double>& M, double orderings) {
+      return affords_factorization(&budget(), static_cast<int>(M.rows()), M.outerIndexPtr(), M.innerIndexPtr(),
+                                   orderings);
     };
     if (weight == 0) {
       const Eigen::SparseMatrix<double> columns = V;
-      if (!affords(columns)) return false;
+      if (!affords(columns, kUmfpackOrderings)) return false;
       Eigen::UmfPackLU<Eigen::SparseMatrix<double>> lu(columns);
       if (lu.info() != Eigen::Success) return false;
       const Eigen::VectorXd rhs = -phi_;
@@ -171,7 +172,7 @@ bool NewtonFb::direction(const Lcp& p, double weight) {
       Eigen::SparseMatrix<double> normal = V.transpose() * V, identity(p.size(), p.size());
       identity.setIdentity();
       normal += weight * normal.diagonal().maxCoeff() * identity;
-      if (!affords(normal)) return false;
+      if (!affords(normal, 1)) return false;
       const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(normal);
       if (cholesky.info() != Eigen::Success) return false;
       const Eigen::VectorXd rhs = -gradient_;

@@ -51,7 +51,7 @@ void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
 
 /// E = 0, H = I: the system is A + α I.
 void ConeSplitting::load_system() {
-  system_.load(*form_);
+  system_.load(*form_, budget_);
   for (int c = 0; c < form_->blocks(); ++c) {
     const int m = form_->block(c).rows;
     std::fill_n(system_.E_of(c), m * m, 0.0), std::fill_n(system_.H_of(c), m * m, 0.0);

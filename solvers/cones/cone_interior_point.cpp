@@ -96,7 +96,7 @@ bool InteriorCones::load(const ConeForm& form, const Budget* budget, ProximalPoi
     if (b.parts > 1 || b.hi != kInf || (b.lo != 0 && b.lo != -kInf)) return false;
     any = any || b.lo == 0;
   }
-  if (any) system_.load(form);
+  if (any) system_.load(form, budget);
   return any;
 }
 

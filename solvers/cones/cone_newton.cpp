@@ -14,7 +14,7 @@ constexpr int kSearchTrials = 3;
 
 void ConeNewton::load(const ConeForm& form, const Budget* budget) {
   form_ = &form, budget_ = budget;
-  system_.load(form);
+  system_.load(form, budget);
   rho_n_.resize(form.blocks()), rho_t_.resize(form.blocks());
   for (int c = 0; c < form.blocks(); ++c) {
     const int m = form.block(c).rows, i = form.begin(c);

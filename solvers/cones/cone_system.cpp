@@ -1,6 +1,7 @@
 #include <orthant/solvers/cones/cone_system.h>
 #include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/linear_algebra/dense_lu.h>
+#include <orthant/solvers/linear_algebra/sparse_budget.h>
 
 #include <klu.h>
 #include <umfpack.h>
@@ -39,6 +40,7 @@ struct ConeSystem::Work {
   bool pivots_are_older = false;  // than the matrix: of KLU's factors
   void *symbolic = nullptr, *numeric = nullptr;
   std::vector<int> analysed_start, analysed_column;
+  const Budget* budget = nullptr;
   double control[UMFPACK_CONTROL] = {}, info[UMFPACK_INFO] = {};
 
   Work() {
@@ -77,10 +79,13 @@ struct ConeSystem::Work {
     release();
     analysed_start = start, analysed_column = column;
     by = By::klu;
+    if (!affords_ordering(budget, n, start.data(), column.data())) return false;
     klu_analysis = klu_analyze(n, start.data(), column.data(), &klu);
     if (klu_analysis == nullptr) return false;
+    if (budget != nullptr && !budget->affords(klu_analysis->est_flops)) return release(), false;
     if (klu_analysis->est_flops <= kKluOperations) return true;
     by = By::umfpack;
+    if (!affords_ordering(budget, n, start.data(), column.data(), kUmfpackOrderings)) return release(), false;
     klu_free_symbolic(&klu_analysis, &klu);
     return umfpack_di_symbolic(n, n, start.data(), column.data(), value.data(), &symbolic, control, info) == UMFPACK_OK;
   }
@@ -134,8 +139,9 @@ struct ConeSystem::Work {
 ConeSystem::ConeSystem() : work_(std::make_unique<Work>()) {}
 ConeSystem::~ConeSystem() = default;
 
-void ConeSystem::load(const ConeForm& form) {
+void ConeSystem::load(const ConeForm& form, const Budget* budget) {
   form_ = &form;
+  work_->budget = budget;
   std::size_t total = 0;
   place_.clear();
   for (int c = 0; c < form.blocks(); ++c) {

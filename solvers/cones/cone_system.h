@@ -8,6 +8,7 @@
 //   Source: Davis & Palamadai Natarajan, ACM Trans. Math. Softw. 37 (2010), Algorithm 907: KLU.
 #pragma once
 
+#include <orthant/solvers/budget.h>
 #include <orthant/solvers/cones/cone_form.h>
 
 #include <memory>
@@ -21,14 +22,14 @@ class ConeSystem {
   ConeSystem(const ConeSystem&) = delete;
   ConeSystem& operator=(const ConeSystem&) = delete;
 
-  /// Sizes what follows; the form must outlive the solves.
-  void load(const ConeForm& form);
+  /// Sizes what follows; the form and the budget (null: none) must outlive the solves.
+  void load(const ConeForm& form, const Budget* budget);
 
   /// rows × rows of a block, by columns.
   double* E_of(int block) { return E_.data() + place_[at(block)]; }
   double* H_of(int block) { return H_.data() + place_[at(block)]; }
 
-  /// Fills dz; false when (1) is singular.
+  /// Fills dz; false when (1) is singular, or the budget cannot afford its factorization.
   bool solve(double alpha);
   /// True: the next solves have the matrix of the last, only F is another; no block is open.
   void keep_factors(bool on) { keep_ = on; }

@@ -82,13 +82,13 @@ std::size_t CoarseLevels::entries() const {
 }
 
 void CoarseLevels::build(const RowSparse& A, const Budget& budget) {
-  finest_ = &A;
+  finest_ = &A, budget_ = &budget;
   fresh_ = true;
   count_ = 1;
   if (levels_.empty()) levels_.emplace_back();
   while (matrix(count_ - 1).rows > kCoarsest && count_ < kMostLevels && !budget.exhausted() && coarsen(count_ - 1)) {
     if (levels_.size() == count_) levels_.emplace_back();
-    product(count_ - 1);
+    if (!product(count_ - 1, budget)) break;
     ++count_;
   }
   if (count_ == 1) levels_[0].P.value.clear();
@@ -148,7 +148,10 @@ void CoarseLevels::interpolation(std::size_t l) {
   }
 }
 
-void CoarseLevels::product(std::size_t l) {
+/// False where the budget is over, or where a random pattern fills in.
+bool CoarseLevels::product(std::size_t l, const Budget& budget) {
+  constexpr Index kPolled = 256;        // rows
+  constexpr std::size_t kFilledIn = 4;  // times the entries of the finest level; on a grid each level has fewer
   const RowSparse& A = matrix(l);
   const RowSparse &P = levels_[l].P, &R = levels_[l].R;
   Level& next = levels_[l + 1];
@@ -157,6 +160,7 @@ void CoarseLevels::product(std::size_t l) {
   C.start.assign(1, 0), C.column.clear(), C.value.clear();
   next.place.assign(at(C.rows), -1);
   for (Index row = 0; row < C.rows; ++row) {
+    if (row % kPolled == 0 && (budget.exhausted() || C.value.size() > kFilledIn * finest_->value.size())) return false;
     const auto begin = C.column.size();
     R.for_each_in_row(row, [&](Index i, double) {
       A.for_each_in_row(i, [&](Index j, double) {
@@ -179,6 +183,7 @@ void CoarseLevels::product(std::size_t l) {
     });
     C.start.push_back(static_cast<int>(C.column.size()));
   }
+  return true;
 }
 
 void CoarseLevels::truncate(std::size_t level, const std::vector<char>& held) {
@@ -197,7 +202,7 @@ void CoarseLevels::truncate(std::size_t level, const std::vector<char>& held) {
   }
   fresh_ = false, truncated_ = level;
   held_ = held;
-  for (std::size_t l = level; any && l + 1 < count_; ++l) truncated_product(l, l == level);
+  for (std::size_t l = level; any && l + 1 < count_ && !budget_->exhausted(); ++l) truncated_product(l, l == level);
 }
 
 void CoarseLevels::truncated_product(std::size_t l, bool top) {
@@ -231,8 +236,9 @@ void CoarseLevels::cycle(std::size_t l) {
   const RowSparse& A = level.A;
   level.x.resize(A.rows);
   level.x.setZero();
+  if (budget_->exhausted()) return;
   if (l + 1 == count_) {
-    for (int k = 0; k < kCoarsestSweeps; ++k)
+    for (int k = 0; k < kCoarsestSweeps && !budget_->exhausted(); ++k)
       relax(A, level.T, level.r, level.x, true), relax(A, level.T, level.r, level.x, false);
     return;
   }

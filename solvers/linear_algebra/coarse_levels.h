@@ -29,7 +29,7 @@ void product_with(const RowSparse& A, const Vector& x, Vector& y);
 
 class CoarseLevels {
  public:
-  /// Levels of A, which must outlive them. Fewer once the budget is exhausted.
+  /// Levels of A, which must outlive them, as the budget must. Fewer once that is exhausted; corrections are 0 then.
   void build(const RowSparse& A, const Budget& budget);
 
   std::size_t count() const { return count_; }  // at least 1
@@ -57,11 +57,12 @@ class CoarseLevels {
   };
   bool coarsen(std::size_t level);
   void interpolation(std::size_t level);
-  void product(std::size_t level);                         // A of the next level
+  bool product(std::size_t level, const Budget& budget);   // A of the next level
   void truncated_product(std::size_t level, bool finest);  // T of the next level, dirty rows
   void cycle(std::size_t level);                           // x ← ≈ T⁻¹ r
 
   const RowSparse* finest_ = nullptr;
+  const Budget* budget_ = nullptr;
   std::deque<Level> levels_;
   std::size_t count_ = 0;
   std::size_t truncated_ = 0;  // for this level

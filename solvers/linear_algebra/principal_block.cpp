@@ -3,6 +3,7 @@
 #include <orthant/solvers/linear_algebra/dense_lu.h>
 #include <orthant/solvers/linear_algebra/principal_block.h>
 #include <orthant/solvers/linear_algebra/scaling.h>
+#include <orthant/solvers/linear_algebra/sparse_budget.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>
 
 #include <Eigen/LU>
@@ -195,8 +196,12 @@ struct PrincipalBlock::Sparse {
   }
   bool affordable() {
     if (budget == nullptr || !budget->timed()) return true;
-    if (operations < 0)
-      operations = factorization_cost(static_cast<int>(block.rows), columns.outerIndexPtr(), columns.innerIndexPtr());
+    const auto rows = static_cast<int>(block.rows);
+    if (operations < 0) {
+      if (!affords_ordering(budget, rows, columns.outerIndexPtr(), columns.innerIndexPtr(), 1 + kUmfpackOrderings))
+        return false;
+      operations = factorization_cost(rows, columns.outerIndexPtr(), columns.innerIndexPtr());
+    }
     return budget->affords(operations);
   }
   void solve(const Vector& r, Vector& x, bool refine) {

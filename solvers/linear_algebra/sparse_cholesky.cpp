@@ -1,3 +1,4 @@
+#include <orthant/solvers/linear_algebra/sparse_budget.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>
 
 #include <algorithm>
@@ -33,6 +34,7 @@ bool SparseCholesky::factorize(const RowSparse& A, double zero, const Budget* bu
   view.itype = CHOLMOD_INT, view.xtype = CHOLMOD_REAL, view.dtype = CHOLMOD_DOUBLE;
   view.sorted = view.packed = 1;
   if (factor_ == nullptr || A.start != start_ || A.column != column_) {
+    if (!affords_ordering(budget, static_cast<int>(A.rows), A.start.data(), A.column.data())) return false;
     cholmod_free_factor(&factor_, &common_);
     factor_ = cholmod_analyze(&view, &common_);
     start_ = A.start, column_ = A.column;

@@ -1,3 +1,4 @@
+#include <orthant/solvers/linear_algebra/sparse_budget.h>
 #include <orthant/solvers/linear_algebra/sparse_lu.h>
 
 #include <algorithm>
@@ -25,6 +26,7 @@ bool SparseLu::factorize(std::vector<int>& start, std::vector<int>& row, std::ve
   const auto m = static_cast<int>(start.size()) - 1;
   if (m == 0) return true;
   if (value.empty()) return false;
+  if (!affords_ordering(budget, m, start.data(), row.data())) return false;
   symbolic_ = klu_analyze(m, start.data(), row.data(), &common_);
   if (symbolic_ == nullptr || symbolic_->structural_rank < m) return false;
   if (budget != nullptr && !budget->affords(symbolic_->est_flops)) return false;

@@ -4,10 +4,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace orthant {
 
 namespace {
+
+/// Brings the largest entry of A and of q to 1 where it is far from there: the tableau compares them with c = 1.
+class Units {
+ public:
+  Units(const DenseMatrix& A, const Vector& b, const detail::Scaling& scaling) {
+    for (Index i = 0; i < A.rows(); ++i) {
+      for (Index j = 0; j < A.cols(); ++j) grow(A_, A(i, j), scaling.row[i], scaling.col[j]);
+      grow(b_, b[i], scaling.row[i], 1);
+    }
+  }
+  double row(double scale) const { return std::ldexp(scale, -near(A_)); }
+  double constant(double b) const { return std::ldexp(b, near(A_) - near(b_)); }  // is multiplied by row()
+
+ private:
+  static constexpr int kNear = 100, kNone = -10000;  // exponents of 2
+  static void grow(int& most, double value, double row, double col) {
+    if (value != 0) most = std::max(most, std::ilogb(value) + std::ilogb(row) + std::ilogb(col));
+  }
+  static int near(int exponent) { return std::abs(exponent) <= kNear || exponent == kNone ? 0 : exponent; }
+
+  int A_ = kNone, b_ = kNone;
+};
 
 struct Skew {
   const DenseMatrix& M;
@@ -27,15 +50,16 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
   const Index n = pure.size();
   const auto& M = std::get<DenseMatrix>(pure.A);
   scaling_.fit(M);
+  const Units units(M, pure.b, scaling_);
   q_.resize(2 * n);
   scale_.resize(2 * n);
   free_.resize(static_cast<std::size_t>(2 * n));
   for (Index i = 0; i < n; ++i) {
     const bool free = pure.lo[i] == -kInf;
     q_[i] = free ? 0.0 : 1.0 / scaling_.col[i];
-    q_[n + i] = pure.b[i];
+    q_[n + i] = units.constant(pure.b[i]);
     scale_[i] = scaling_.col[i];
-    scale_[n + i] = scaling_.row[i];
+    scale_[n + i] = units.row(scaling_.row[i]);
     free_[static_cast<std::size_t>(i)] = free_[static_cast<std::size_t>(n + i)] = free;
   }
   const auto late = [&budget](auto...) { return budget.exhausted(); };
@@ -55,6 +79,7 @@ bool Farkas::propose(const Lcp& problem, Vector& u, const Budget& budget) {
 
 Lcp with_margin(const Lcp& problem, double margin, const Vector& u, bool same_rows,
                 const std::function<bool(Index)>& in_column) {
+  constexpr double kLarge = 0x1p960, kSmaller = 0x1p-96;  // sums of entries overflow; a proof needs no unit
   const Index n = problem.size();
   Lcp result = problem;
   std::vector<Friction> of_normal(at(n));  // mu = 0: none
@@ -68,6 +93,7 @@ Lcp with_margin(const Lcp& problem, double margin, const Vector& u, bool same_ro
     for (double& value : without_signs.W.value) value = std::abs(value);
     to_dense(Matrix(without_signs), size);
   }
+  if (size.size() > 0 && size.maxCoeff() > kLarge) A *= kSmaller, size *= kSmaller, result.b *= kSmaller;
   for (Index i = 0; i < n; ++i) {
     const double sign = problem.lo[i] != -kInf ? 1 : problem.hi[i] != kInf ? -1 : (u[i] > 0) - (u[i] < 0);
     size.row(i) *= sign;

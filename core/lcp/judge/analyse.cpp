@@ -3,6 +3,7 @@
 #include <orthant/core/lcp/judge/definite.h>
 #include <orthant/core/lcp/judge/exact_classes.h>
 #include <orthant/core/support/factorization_cost.h>
+#include <orthant/core/support/ordering_cost.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -38,8 +39,9 @@ class Deadline {
   }
   /// A sparse LU factorization, or a Cholesky factorization.
   bool affords(const Sparse& A) const {
-    return seconds_ == kInf ||
-           affords(factorization_cost(static_cast<int>(A.rows()), A.outerIndexPtr(), A.innerIndexPtr()));
+    const auto n = static_cast<int>(A.rows());
+    return seconds_ == kInf || (affords(ordering_cost(n, A.outerIndexPtr(), A.innerIndexPtr())) &&
+                                affords(factorization_cost(n, A.outerIndexPtr(), A.innerIndexPtr())));
   }
 
  private:

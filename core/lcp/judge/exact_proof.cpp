@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -31,9 +32,9 @@ bool whole(const Rational& x) { return mpz_cmp_ui(mpq_denref(x.backend().data())
 /// Σ_i a_i û_i, and Σ_i |a_i u_i|.
 struct Sum {
   Rational value;
-  double terms = 0;
+  long double terms = 0;  // beyond the range of doubles
 
-  void add(const Rational& product, double size) {
+  void add(const Rational& product, long double size) {
     if (!product.is_zero()) value += product;
     terms += size;
   }
@@ -47,21 +48,22 @@ class ExactProof {
 
   /// Only the columns of the wrong sign are made 0; else all that may be meant to be.
   bool holds(const Vector& u, bool few) {
-    rows_.clear(), weights_.clear(), sizes_.clear(), equations_.clear();
-    for (Index i = 0; i < u.size(); ++i)
-      if (u[i] != 0) rows_.push_back(i);
-    std::stable_sort(rows_.begin(), rows_.end(), [&](Index i, Index j) { return std::abs(u[i]) > std::abs(u[j]); });
-    for (const Index i : rows_) weights_.emplace_back(u[i]), sizes_.push_back(std::abs(u[i]));
-    Integer scale = 1;  // whole numbers cost less
-    for (const Rational& x : weights_) scale = lcm(scale, Integer(denominator(x)));
-    unit_ = scale;
-    for (Rational& x : weights_) x *= unit_;
+    load(u);
     for (int round = 0; round < kRounds && !stopped(); ++round) {
       find_columns();
       if (std::none_of(columns_.begin(), columns_.end(), [this](Index j) { return wrong(j); })) return below_zero();
       if (!take_equations(round == 0 && !few) || !solve(u)) return false;
     }
     return false;
+  }
+
+  /// Of û = u.
+  std::vector<Index> wrong_columns(const Vector& u) {
+    load(u);
+    find_columns();
+    std::vector<Index> result;
+    std::copy_if(columns_.begin(), columns_.end(), std::back_inserter(result), [this](Index j) { return wrong(j); });
+    return result;
   }
 
   /// u ← the least whole multiple of û, where doubles hold it, or else over a power of 2. False: no multiple is in
@@ -101,6 +103,19 @@ class ExactProof {
     return static_cast<int>(msb(size)) - static_cast<int>(lsb(size)) + 1;
   }
 
+  // û ← u.
+  void load(const Vector& u) {
+    rows_.clear(), weights_.clear(), sizes_.clear(), equations_.clear();
+    for (Index i = 0; i < u.size(); ++i)
+      if (u[i] != 0) rows_.push_back(i);
+    std::stable_sort(rows_.begin(), rows_.end(), [&](Index i, Index j) { return std::abs(u[i]) > std::abs(u[j]); });
+    for (const Index i : rows_) weights_.emplace_back(u[i]), sizes_.push_back(std::abs(u[i]));
+    Integer scale = 1;  // whole numbers cost less
+    for (const Rational& x : weights_) scale = lcm(scale, Integer(denominator(x)));
+    unit_ = scale;
+    for (Rational& x : weights_) x *= unit_;
+  }
+
   bool stopped() const { return stop_ && stop_(); }
 
   // g_ ← Aᵀû, inner_ ← Wᵀû; columns_ ← where there is a condition.
@@ -124,7 +139,7 @@ class ExactProof {
       for (Index j = 0; j < W.rows; ++j)
         W.for_each_in_row(j, [&, &masses = inverse_mass](Index m, double w) {
           const Sum& inner = inner_[at(m)];
-          if (inner.terms > 0) g_[at(j)].add(Rational(w) * velocity[at(m)], std::abs(w) * masses[m] * inner.terms);
+          if (inner.terms > 0) g_[at(j)].add(Rational(w) * velocity[at(m)], std::abs(w) * inner.terms * masses[m]);
         });
       if (regularization.size() != 0)
         for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -136,7 +151,7 @@ class ExactProof {
     std::vector<char> friction(n, 0);
     for (const Friction& f : p_.friction) {
       Rational square = 0;
-      double terms = 0;
+      long double terms = 0;
       for (Index t = f.first; t < f.first + f.rows; ++t) {
         friction[at(t)] = 1;
         square += g_[at(t)].value * g_[at(t)].value;
@@ -178,7 +193,7 @@ class ExactProof {
   }
   // Within rounding of u.
   bool near_zero(const Sum& sum) const {
-    return sum.value.is_zero() || std::abs((sum.value / unit_).convert_to<double>()) <= kNear * sum.terms;
+    return sum.value.is_zero() || abs(sum.value) <= unit_ * Rational(kNear * sum.terms);
   }
   bool bounded(Index j) const { return p_.hi[j] < kInf && p_.lo[j] > -kInf; }
 
@@ -297,18 +312,22 @@ class ExactProof {
   }
 
   const Lcp& p_;
-  const std::function<bool()>& stop_;
+  const std::function<bool()> stop_;
   const Delassus* operator_;
-  std::vector<Index> rows_;        // with û ≠ 0, the largest first
-  std::vector<Rational> weights_;  // û there
-  std::vector<double> sizes_;      // |u| there
-  Rational unit_ = 1;              // of û over u
+  std::vector<Index> rows_;         // with û ≠ 0, the largest first
+  std::vector<Rational> weights_;   // û there
+  std::vector<long double> sizes_;  // |u| there
+  Rational unit_ = 1;               // of û over u
   std::vector<Sum> g_, c_, inner_;
   std::vector<Index> columns_;
   std::map<std::pair<Index, int>, Equation> equations_;  // by column, or by velocity and −1
 };
 
 }  // namespace
+
+std::vector<Index> columns_of_wrong_sign(const Lcp& problem, const Vector& u) {
+  return ExactProof(problem, {}).wrong_columns(u);
+}
 
 Proved prove_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop) {
   ExactProof proof(problem, stop);

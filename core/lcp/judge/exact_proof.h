@@ -16,6 +16,7 @@
 #include <orthant/core/lcp/problem.h>
 
 #include <functional>
+#include <vector>
 
 namespace orthant {
 
@@ -25,5 +26,8 @@ enum class Proved { no, by_exact_neighbor, by_doubles };  // by û, which no dou
 /// b are finite. u becomes a multiple of û where doubles hold one: then (1) holds for u as it is. Else u stays, so that
 /// it proves again. stop() is polled; where it says true: no.
 Proved prove_exactly(const Lcp& problem, Vector& u, const std::function<bool()>& stop = {});
+
+/// The columns j in which c_j of û = u is not what (1) demands. u as above.
+std::vector<Index> columns_of_wrong_sign(const Lcp& problem, const Vector& u);
 
 }  // namespace orthant

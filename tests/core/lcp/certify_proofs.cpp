@@ -152,6 +152,21 @@ TEST_CASE("a proof is exact: 2^52 (1, 1) solves what (1, 1) speaks against but f
   }
 }
 
+TEST_CASE("a proof is exact where its terms underflow or overflow") {
+  // w_1 = 2^-1074 z_0 - 1 has its sign at z_0 = 2^1074, where w_0 = w_2 = 0 for z_1 - z_2 = 1.
+  constexpr double least = 0x1p-1074;
+  const Lcp tiny =
+      Lcp::standard(DenseMatrix(Eigen::MatrixXd{{least, -1, 1}, {least, 0, 0}, {-least, 1, -1}}), Vector{0, -1, 0});
+  CHECK_FALSE(Judge().proves_infeasible(tiny, Vector{0x1p-2, 0x1p-90, 0x1p-2}));
+
+  // (1, 1) proves it; of the column sums' terms, 2^-30 is near to 0 in any unit.
+  for (const double unit : {1.0, std::numeric_limits<double>::max()}) {
+    const Lcp p = Lcp::standard(DenseMatrix(Eigen::MatrixXd{{unit, -unit}, {-unit, unit}}), Vector{-1, 0});
+    CHECK(Judge().proves_infeasible(p, Vector{1, 1 + 1e-9}));
+    CHECK_FALSE(Judge().proves_infeasible(p, Vector{1, 1 + 3e-9}));
+  }
+}
+
 TEST_CASE("a proof is exact of many rows too: two rows with a solution near 2^51, beside others") {
   const double e = 0x1p-52;
   const auto beside = [](const Lcp& few, Index n) {

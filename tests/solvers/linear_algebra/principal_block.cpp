@@ -1,9 +1,14 @@
 // Systems with principal blocks, dense and sparse, of every definiteness.
 #include <orthant/core/lcp/problems/collection.h>
+#include <orthant/core/support/factorization_cost.h>
 #include <orthant/solvers/linear_algebra/principal_block.h>
 #include <orthant/solvers/linear_algebra/sparse_cholesky.h>
+#include <orthant/solvers/linear_algebra/sparse_lu.h>
 
 #include <doctest/doctest.h>
+
+#include <ctime>
+#include <numeric>
 
 using namespace orthant;
 
@@ -51,6 +56,43 @@ TEST_CASE("principal blocks: sparse and dense storage agree, definite, indefinit
     CHECK((A(F, F) * y - r).norm() <= 1e-9 * (r.norm() + y.norm()));
   }
   CHECK(solved > 150);
+}
+
+TEST_CASE("a sparse matrix is not ordered where the time left does not suffice for that") {
+  constexpr Index n = 40000;
+  Random random(7);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 10);
+    for (int k = 0; k < 2; ++k) {  // at random, where minimum degree takes 0.1 s and a factorization minutes
+      const Index j = random.integer(0, static_cast<int>(n) - 1);
+      entries.emplace_back(i, j, 0.5), entries.emplace_back(j, i, 0.5);
+    }
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> S(n, n);
+  S.setFromTriplets(entries.begin(), entries.end());
+  RowSparse A = RowSparse::from(S);
+  const auto cpu = [](const auto& run) {
+    const std::clock_t begin = std::clock();
+    run();
+    return static_cast<double>(std::clock() - begin);
+  };
+  const double ordering = cpu([&] { factorization_cost(static_cast<int>(n), A.start.data(), A.column.data()); });
+  Budget budget;
+  const auto refuses = [&](const auto& factorize) {
+    budget.start(0.02, nullptr);
+    CHECK(cpu([&] { CHECK_FALSE(factorize()); }) < ordering / 2);
+    CHECK(budget.exhausted());
+  };
+  refuses([&] { return SparseCholesky().factorize(A, 0, &budget); });
+  refuses([&] { return SparseLu().factorize(A.start, A.column, A.value, 0, &budget); });
+  std::vector<Index> all(at(n));
+  std::iota(all.begin(), all.end(), Index{0});
+  A.value[1] *= 2;  // unsymmetric
+  const Matrix matrix = A;
+  PrincipalBlock block;
+  block.load(matrix, &budget);
+  refuses([&] { return block.factorize(all); });
 }
 
 TEST_CASE("sparse Cholesky takes positive definite matrices only, and says so") {

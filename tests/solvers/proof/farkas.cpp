@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
+#include <limits>
 
 using namespace orthant;
 
@@ -132,6 +133,7 @@ TEST_CASE("small and large path agree on random problems of 101 rows made of sma
 
 TEST_CASE("a certificate proves as it is, where doubles have room for one") {
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  constexpr double kMost = std::numeric_limits<double>::max();
   const std::vector<std::pair<Matrix5, Vector>> known = {
       {Matrix5{{1.0614966008118139, -2, -0.24798508183318987, 0.03217755634889952, -0.02169726274844605},
                {-2, 4, 0, -0.06435511269779905, -0.45257563816948765},
@@ -151,6 +153,19 @@ TEST_CASE("a certificate proves as it is, where doubles have room for one") {
                {-35021123.17614699, 1914944.807584616, -230.30715924838165, 0, -0.003743640149126702},
                {-2490416.51915708, 0, -91.35510986213792, -100000, -0.001}},
        Vector{33.91876885465982, -39689231.904015236, -200000000.0, 0.04822534314521822, -0.01}},
+      // Sums of two entries overflow.
+      {Matrix5{{0, 0, 0, -0x1p997, -kMost},
+               {kMost, 0, 0, kMost, 0},
+               {-kMost, 0x1p997, -kMost, kMost, 0},
+               {0x1p996, -kMost, kMost, -kMost, kMost},
+               {kMost, kMost, 1, 0x1p996, 0}},
+       Vector{0.0, -kMost, 0.0, 0.0, -kMost}},
+      {Matrix5{{0, 0, kMost, -kMost, -1},
+               {-0x1p997, 0, -1, 0, kMost},
+               {0, -kMost, 0, 0, 0x1p996},
+               {0, kMost, -kMost, kMost, -kMost},
+               {-kMost, 0, 0, 0, 0}},
+       Vector{0.0, -1.0, 0.0, 0.0, 0.0}},
   };
   int proved = 0;
   for (const auto& [A, b] : known) {
