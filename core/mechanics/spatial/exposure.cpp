@@ -114,6 +114,52 @@ void find_ridge(const Hull& hull, Hull::Edge& e, const Hull& other) {
   }
 }
 
+/// The part of the segment from p to p + side that lies on a face: from `low` to `high`, 0 at p and 1 at its end.
+std::pair<double, double> part_on(const Hull& hull, const Hull::Face& face, const Vector3d& p, const Vector3d& side,
+                                  double most) {
+  double low = 0, high = 1;
+  for (std::size_t i = 0; i < face.corners.size(); ++i) {
+    const Vector3d& q = corner_of(hull, face.corners[i]);
+    const Vector3d along = corner_of(hull, face.corners[(i + 1) % face.corners.size()]) - q;
+    const Vector3d out = along.cross(face.normal).normalized();
+    const double at = out.dot(p - q) - most, rate = out.dot(side);
+    if (std::abs(rate) > most)
+      (rate > 0 ? high : low) = rate > 0 ? std::min(high, -at / rate) : std::max(low, -at / rate);
+    else if (at > 0)
+      return {1, 0};
+  }
+  return {low, high};
+}
+
+/// A covered edge in a flat surface: sets its direction `beyond` where free faces of neighbours go on in the plane of
+/// its own face along all of it.
+void find_flush(const Hull& hull, Hull::Edge& e, std::span<Hull* const> hulls, const std::vector<std::size_t>& others) {
+  const Hull::Face& own = face_of(hull, face_of(hull, e.left).covered ? e.right : e.left);
+  const Vector3d& from = corner_of(hull, e.from);
+  const Vector3d side = corner_of(hull, e.to) - from;
+  Vector3d away(0, 0, 0);
+  for (const int i : own.corners) away -= corner_of(hull, i) - from;
+  away = (away - side * (side.dot(away) / side.squaredNorm())).normalized();
+  std::vector<std::pair<double, double>> parts;
+  for (const std::size_t j : others) {
+    const Hull& other = *hulls[j];
+    const double most = kOnFace * std::max(hull.size, other.size);
+    for (const Hull::Face& theirs : other.faces) {
+      const auto on_plane = [&](const Vector3d& p) { return std::abs(theirs.normal.dot(p) - theirs.offset) <= most; };
+      const auto past = [&](int i) { return away.dot(corner_of(other, i) - from) > most; };
+      if (theirs.covered || (theirs.normal - own.normal).norm() > kSmooth || !on_plane(from) ||
+          !on_plane(from + side) || std::none_of(theirs.corners.begin(), theirs.corners.end(), past))
+        continue;
+      if (const auto part = part_on(other, theirs, from, side, most); part.first < part.second) parts.push_back(part);
+    }
+  }
+  std::sort(parts.begin(), parts.end());
+  double reached = 0;
+  for (const auto& [low, high] : parts)
+    if (low <= reached + kOnFace) reached = std::max(reached, high);
+  if (reached >= 1 - kOnFace) e.beyond = away;
+}
+
 /// Adds the directions along which another polytope reaches from the corners of `hull`: those of its edges there, or,
 /// at a point that is no corner of it, those to its corners.
 void find_ways(Hull& hull, const Hull& other) {
@@ -167,6 +213,10 @@ void expose(std::span<Hull* const> hulls) {
       if (e.covered && face_of(*hulls[i], e.left).covered != face_of(*hulls[i], e.right).covered)
         for (const std::size_t j : near[i])
           if (e.covered) find_ridge(*hulls[i], e, *hulls[j]);
+  for (std::size_t i = 0; i < hulls.size(); ++i)
+    for (Hull::Edge& e : hulls[i]->edges)
+      if (e.covered && !e.step && face_of(*hulls[i], e.left).covered != face_of(*hulls[i], e.right).covered)
+        find_flush(*hulls[i], e, hulls, near[i]);
   for (std::size_t i = 0; i < hulls.size(); ++i)
     if (hulls[i]->any_covered)
       for (const std::size_t j : near[i]) find_ways(*hulls[i], *hulls[j]);

@@ -91,14 +91,19 @@ bool first_is_free(const Hull& hull, const Vector3d& n) {
   return true;
 }
 
-/// The face of the other that is turned to a face most, clipped to the sides of that face; all in the side's frame.
-std::size_t clipped(const Side& s, const Hull::Face& face, Clipped& polygon) {
+/// The face of the other that is turned to a face most.
+const Hull::Face& facing(const Side& s, const Hull::Face& face) {
   const Vector3d n = s.R.transpose() * face.normal;
-  const Hull::Face* facing = &s.other.faces.front();
+  const Hull::Face* best = &s.other.faces.front();
   for (const Hull::Face& f : s.other.faces)
-    if (f.normal.dot(n) < facing->normal.dot(n)) facing = &f;
+    if (f.normal.dot(n) < best->normal.dot(n)) best = &f;
+  return *best;
+}
+
+/// That face clipped to the sides of the other one; all in the side's frame.
+std::size_t clipped(const Side& s, const Hull::Face& face, Clipped& polygon) {
   std::size_t count = 0;
-  for (const int i : facing->corners) polygon[count++] = s.others_corner(i);
+  for (const int i : facing(s, face).corners) polygon[count++] = s.others_corner(i);
   Clipped next;
   s.each_side(face, [&](const Vector3d& p, const Vector3d& outward) {
     const Vector3d out = outward.normalized();
@@ -138,6 +143,9 @@ template <class Kind> bool past_only(const Side& s, const Hull::Face& face, cons
   return past && only;
 }
 
+/// Whether the surface goes on flat past the edge, in neighbours.
+bool flush(const Hull::Edge& e) { return e.covered && !e.beyond.isZero(0); }
+
 /// Where what of the other is nearest to the plane of a face stands: on it (where they overlap: in the hull), or not.
 Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
   const double same = kSamePoint * s.size, most = face.offset + gap + same;
@@ -146,12 +154,12 @@ Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
     return nearest(x) && (gap > 0 ? s.over(face, x) : s.hull.depth_of(x) <= same);
   };
   const Vector3d n = s.R.transpose() * face.normal;
-  const auto step = [](const Hull::Edge& e) { return e.step; };
+  const auto goes_on_there = [&](const Hull::Edge& e) { return flush(e) || (ask == Ask::standing_within && e.step); };
   bool past = false;
   for (std::size_t i = 0; i < s.other.corners.size(); ++i) {
     const Vector3d& x = s.others[i];
     if (!nearest(x)) continue;
-    if (here(x) || (ask == Ask::standing_within && past_only(s, face, x, step))) return Stand::here;
+    if (here(x) || past_only(s, face, x, goes_on_there)) return Stand::here;
     past = past || goes_on(s.other, i, n) || s.hull.any_covered;
   }
   Clipped polygon;
@@ -287,6 +295,58 @@ void span(const Clipped& polygon, std::size_t count, const Hull::Face& face, dou
   take([&](const Vector3d& x) { return -side.dot(x - p); });
 }
 
+/// Whether a corner of a face stays one in the flat surface that neighbours make with the face: all directions from it
+/// within that surface are on one side of a line.
+bool stays_corner(const Hull& hull, const Hull::Face& face, std::size_t k) {
+  constexpr double kFlush = 1e-6;  // cosine, sine
+  const std::size_t count = face.corners.size();
+  const auto at = [&](std::size_t i) -> const Vector3d& {
+    return hull.corners[static_cast<std::size_t>(face.corners[i % count])];
+  };
+  const std::array<Vector3d, 2> own{(at(k + 1) - at(k)).normalized(), (at(k + count - 1) - at(k)).normalized()};
+  const auto corner = static_cast<std::size_t>(face.corners[k]);
+  const auto all_left_of = [&](const Vector3d& d) {
+    const auto left = [&](const Vector3d& w) {
+      const double sine = face.normal.dot(d.cross(w));
+      return std::abs(face.normal.dot(w)) > kFlush || sine > kFlush || (sine >= -kFlush && d.dot(w) > 0);
+    };
+    return std::all_of(own.begin(), own.end(), left) &&
+           (hull.ways.empty() || std::all_of(hull.ways[corner].begin(), hull.ways[corner].end(), left));
+  };
+  if (std::any_of(own.begin(), own.end(), all_left_of)) return true;
+  return !hull.ways.empty() && std::any_of(hull.ways[corner].begin(), hull.ways[corner].end(), [&](const Vector3d& d) {
+    return std::abs(face.normal.dot(d)) <= kFlush && all_left_of(d);
+  });
+}
+
+/// Drops corners of a clipped face that only seams make: the neighbours' points span the contact there. Kept are those
+/// where two lines cross that are no seams, and corners of either surface.
+std::size_t without_seams(const Side& s, const Hull::Face& face, std::size_t count, Clipped& polygon) {
+  const double same = kSamePoint * s.size;
+  const Hull::Face& theirs = facing(s, face);
+  const auto made_by_seams = [&](const Vector3d& x) {
+    Vector3d line(0, 0, 0);  // that goes through x
+    bool crossed = false;
+    const auto look = [&](const Hull& hull, const Hull::Face& of, const Vector3d& n, auto&& at) {
+      const std::size_t sides = of.corners.size();
+      for (std::size_t i = 0; i < sides && !crossed; ++i) {
+        const Vector3d p = at(of.corners[i]), along = (at(of.corners[(i + 1) % sides]) - p).normalized();
+        const auto off = [&](const Vector3d& q) { return (x - q - n * n.dot(x - q)).norm(); };
+        if (off(p) <= same && stays_corner(hull, of, i)) crossed = true;
+        if (std::abs(along.cross(n).normalized().dot(x - p)) > same) continue;
+        if (flush(hull.edges[static_cast<std::size_t>(of.edges[i])])) continue;
+        crossed = crossed || line.cross(along).norm() > kParallel;
+        line = along;
+      }
+    };
+    look(s.hull, face, face.normal, [&](int i) { return s.corner(i); });
+    look(s.other, theirs, s.R * theirs.normal, [&](int i) { return s.others_corner(i); });
+    return !crossed;
+  };
+  const auto end = polygon.begin() + static_cast<std::ptrdiff_t>(count);
+  return static_cast<std::size_t>(std::remove_if(polygon.begin(), end, made_by_seams) - polygon.begin());
+}
+
 /// Contact points on a face. Without `outside` there are none where the other's nearest corner is not over the face.
 TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   const Hull::Face& face = s.hull.faces[static_cast<std::size_t>(axis.face)];
@@ -295,6 +355,7 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   // The deepest corner over the face may belong to another face than the clipped one.
   double least = kUnbounded;
   for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
+  const auto corners_of_other = static_cast<std::ptrdiff_t>(s.other.corners.size());
   std::size_t deepest = s.other.corners.size();
   const auto take_deepest = [&](double than, auto&& fits) {
     double best = std::min(least, than);
@@ -305,18 +366,36 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   take_deepest(least - kSamePoint * s.size, [&](const Vector3d& x) { return s.over(face, x); });
   // A corner that is not over the face has nothing below it: it is no point of two faces that lie on each other. Edges
   // that meet may be deeper than the part over the face by kEdges.
+  // Past a seam in a flat surface a neighbour has that corner.
   TouchPoints points;
-  if (least - face.offset > axis.gap + 2 * kEdges * s.size) {
+  const double nearest = face.offset + axis.gap, same = kSamePoint * s.size;
+  const bool seams = s.hull.any_covered || s.other.any_covered;
+  const auto in_hull = [&](const Vector3d& x) { return s.hull.depth_of(x) <= same; };
+  const auto a_neighbours = [&](const Vector3d& x) {
+    return face.normal.dot(x) <= nearest + same && past_only(s, face, x, flush) && !in_hull(x);
+  };
+  const bool past = seams && std::any_of(s.others.begin(), s.others.begin() + corners_of_other, a_neighbours);
+  if (!past && least > nearest + 2 * kEdges * s.size) {
     if (!outside) return points;
-    take_deepest(kUnbounded, [&](const Vector3d& x) { return s.hull.depth_of(x) <= kSamePoint * s.size; });
-    if (least - face.offset > axis.gap + 2 * kEdges * s.size)
-      take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
+    take_deepest(kUnbounded, in_hull);
+    if (least > nearest + 2 * kEdges * s.size) take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
+  }
+  if (seams) {
+    count = without_seams(s, face, count, polygon);
+    least = kUnbounded;
+    for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
+    if (!past && deepest == s.other.corners.size() && least > nearest + same) take_deepest(kUnbounded, in_hull);
   }
   if (deepest < s.other.corners.size()) {
     count = std::min(count, polygon.size() - 1);
     polygon[count++] = s.others[deepest];
   }
-  span(polygon, count, face, kSamePoint * s.size, points);
+  if (past) {  // what is below the surface, but not in the polytope, is in a neighbour
+    const auto end = polygon.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto out = [&](const Vector3d& x) { return face.normal.dot(x) < face.offset && !in_hull(x); };
+    count = static_cast<std::size_t>(std::remove_if(polygon.begin(), end, out) - polygon.begin());
+  }
+  if (count > 0) span(polygon, count, face, kSamePoint * s.size, points);
   return points;
 }
 
