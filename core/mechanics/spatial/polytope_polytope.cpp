@@ -71,7 +71,7 @@ struct Axis {
 
 /// Whether a plane that comes to the hull along n, in its frame, meets it before the neighbours there.
 bool first_is_free(const Hull& hull, const Vector3d& n) {
-  constexpr double kOpposite = 1e-6;
+  constexpr double kOpposite = 1e-12;  // of the cosine: rounding
   constexpr double kFirst = 1e-9;  // of the size
   if (!hull.any_covered) return true;
   for (const Hull::Face& face : hull.faces)
@@ -384,7 +384,8 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
     count = without_seams(s, face, count, polygon);
     least = kUnbounded;
     for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
-    if (!past && deepest == s.other.corners.size() && least > nearest + same) take_deepest(kUnbounded, in_hull);
+    if (!past && deepest == s.other.corners.size() && least > nearest + same)
+      take_deepest(kUnbounded, [&](const Vector3d& x) { return in_hull(x) && !s.over(face, x); });
   }
   if (deepest < s.other.corners.size()) {
     count = std::min(count, polygon.size() - 1);
