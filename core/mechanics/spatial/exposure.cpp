@@ -1,6 +1,9 @@
 #include <orthant/core/mechanics/spatial/exposure.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -220,6 +223,56 @@ void expose(std::span<Hull* const> hulls) {
   for (std::size_t i = 0; i < hulls.size(); ++i)
     if (hulls[i]->any_covered)
       for (const std::size_t j : near[i]) find_ways(*hulls[i], *hulls[j]);
+}
+
+bool first_is_free(const Hull& hull, const Vector3d& n) {
+  constexpr double kOpposite = 1e-9;  // of the difference of unit vectors
+  constexpr double kFirst = 1e-9;      // of the size
+  if (!hull.any_covered) return true;
+  for (const Hull::Face& face : hull.faces)
+    if ((face.normal + n).norm() < kOpposite) return !face.covered;
+  constexpr double kBehind = 1e-9;  // cosine
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector3d& corner : hull.corners) least = std::min(least, n.dot(corner));
+  const auto first = [&](int i) {
+    return n.dot(hull.corners[static_cast<std::size_t>(i)]) <= least + kFirst * hull.size;
+  };
+  for (const Hull::Edge& edge : hull.edges)
+    if (first(edge.from) && first(edge.to)) return edge.meets(-n);
+  for (std::size_t i = 0; i < hull.ways.size(); ++i)
+    if (first(static_cast<int>(i)))
+      return std::none_of(hull.ways[i].begin(), hull.ways[i].end(),
+                          [&](const Vector3d& way) { return n.dot(way) < -kBehind; });
+  return true;
+}
+
+bool goes_on(const Hull& hull, std::size_t corner, const Vector3d& n) {
+  constexpr double kFlush = 1e-6;  // cosine
+  if (hull.ways.empty()) return false;
+  const std::vector<Vector3d>& ways = hull.ways[corner];
+  return std::any_of(ways.begin(), ways.end(), [&](const Vector3d& way) { return std::abs(n.dot(way)) <= kFlush; });
+}
+
+bool stays_corner(const Hull& hull, const Hull::Face& face, std::size_t k) {
+  constexpr double kFlush = 1e-6;  // cosine, sine
+  const std::size_t count = face.corners.size();
+  const auto at = [&](std::size_t i) -> const Vector3d& {
+    return hull.corners[static_cast<std::size_t>(face.corners[i % count])];
+  };
+  const std::array<Vector3d, 2> own{(at(k + 1) - at(k)).normalized(), (at(k + count - 1) - at(k)).normalized()};
+  const auto corner = static_cast<std::size_t>(face.corners[k]);
+  const auto all_left_of = [&](const Vector3d& d) {
+    const auto left = [&](const Vector3d& w) {
+      const double sine = face.normal.dot(d.cross(w));
+      return std::abs(face.normal.dot(w)) > kFlush || sine > kFlush || (sine >= -kFlush && d.dot(w) > 0);
+    };
+    return std::all_of(own.begin(), own.end(), left) &&
+           (hull.ways.empty() || std::all_of(hull.ways[corner].begin(), hull.ways[corner].end(), left));
+  };
+  if (std::any_of(own.begin(), own.end(), all_left_of)) return true;
+  return !hull.ways.empty() && std::any_of(hull.ways[corner].begin(), hull.ways[corner].end(), [&](const Vector3d& d) {
+    return std::abs(face.normal.dot(d)) <= kFlush && all_left_of(d);
+  });
 }
 
 }  // namespace orthant::spatial

@@ -1,55 +1,15 @@
 #include <orthant/core/mechanics/spatial/polytope_polytope.h>
 
-#include <orthant/core/mechanics/spatial/round_shapes.h>
+#include <orthant/core/mechanics/spatial/polytope_side.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
+#include <optional>
 
 namespace orthant::spatial {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kSameFace = 1e-6;  // of the size: the face of b is taken only where it is better than a's by this
 constexpr double kEdges = 1e-5;     // likewise edges instead of faces: shapes that lie on each other have four points
-
-using Corners = std::array<Vector3d, kMostHullPoints>;
-using Clipped = std::array<Vector3d, 2 * kMostHullPoints>;
-
-/// One of the two polytopes, as the other one sees it.
-struct Side {
-  const Hull& hull;
-  const Hull& other;
-  Corners others;  // the other's corners in this frame
-  Matrix3d R;      // the other's frame into this one: x → R x + d
-  Vector3d d;
-  double size;  // [m] of the smaller of the two
-
-  const Vector3d& corner(int i) const { return hull.corners[static_cast<std::size_t>(i)]; }
-  const Vector3d& others_corner(int i) const { return others[static_cast<std::size_t>(i)]; }
-  /// The other's least height over the plane of a face.
-  double gap(const Hull::Face& face) const {
-    double least = kUnbounded;
-    for (std::size_t i = 0; i < other.corners.size(); ++i) least = std::min(least, face.normal.dot(others[i]));
-    return least - face.offset;
-  }
-  /// Calls what(corner, outward direction along the face) for each side of a face; the directions are no unit vectors.
-  template <class What> void each_side(const Hull::Face& face, What&& what) const {
-    for (std::size_t i = 0; i < face.corners.size(); ++i) {
-      const Vector3d& p = corner(face.corners[i]);
-      const Vector3d along = corner(face.corners[(i + 1) % face.corners.size()]) - p;
-      what(p, along.cross(face.normal));
-    }
-  }
-  /// Whether x is over the face, its edges included.
-  bool over(const Hull::Face& face, const Vector3d& x) const {
-    bool within = true;
-    each_side(face, [&](const Vector3d& p, const Vector3d& out) {
-      within = within && out.dot(x - p) <= kSamePoint * size * out.norm();
-    });
-    return within;
-  }
-};
 
 enum class Stand { here, past_a_seam, elsewhere };
 /// Any axis, or those along which they stand on each other: two that are apart, or overlap.
@@ -69,68 +29,6 @@ struct Axis {
   }
 };
 
-/// Whether a plane that comes to the hull along n, in its frame, meets it before the neighbours there.
-bool first_is_free(const Hull& hull, const Vector3d& n) {
-  constexpr double kOpposite = 1e-12;  // of the cosine: rounding
-  constexpr double kFirst = 1e-9;  // of the size
-  if (!hull.any_covered) return true;
-  for (const Hull::Face& face : hull.faces)
-    if (face.normal.dot(n) < kOpposite - 1) return !face.covered;
-  constexpr double kBehind = 1e-9;  // cosine
-  double least = kUnbounded;
-  for (const Vector3d& corner : hull.corners) least = std::min(least, n.dot(corner));
-  const auto first = [&](int i) {
-    return n.dot(hull.corners[static_cast<std::size_t>(i)]) <= least + kFirst * hull.size;
-  };
-  for (const Hull::Edge& edge : hull.edges)
-    if (first(edge.from) && first(edge.to)) return edge.meets(-n);
-  for (std::size_t i = 0; i < hull.ways.size(); ++i)
-    if (first(static_cast<int>(i)))
-      return std::none_of(hull.ways[i].begin(), hull.ways[i].end(),
-                          [&](const Vector3d& way) { return n.dot(way) < -kBehind; });
-  return true;
-}
-
-/// The face of the other that is turned to a face most.
-const Hull::Face& facing(const Side& s, const Hull::Face& face) {
-  const Vector3d n = s.R.transpose() * face.normal;
-  const Hull::Face* best = &s.other.faces.front();
-  for (const Hull::Face& f : s.other.faces)
-    if (f.normal.dot(n) < best->normal.dot(n)) best = &f;
-  return *best;
-}
-
-/// That face clipped to the sides of the other one; all in the side's frame.
-std::size_t clipped(const Side& s, const Hull::Face& face, Clipped& polygon) {
-  std::size_t count = 0;
-  for (const int i : facing(s, face).corners) polygon[count++] = s.others_corner(i);
-  Clipped next;
-  s.each_side(face, [&](const Vector3d& p, const Vector3d& outward) {
-    const Vector3d out = outward.normalized();
-    std::size_t kept = 0;
-    const auto keep = [&](const Vector3d& x) {
-      if (kept < next.size()) next[kept++] = x;
-    };
-    for (std::size_t k = 0; k < count; ++k) {
-      const Vector3d &x = polygon[k], &y = polygon[(k + 1) % count];
-      const double at_x = out.dot(x - p), at_y = out.dot(y - p);
-      if (at_x <= 0) keep(x);
-      if ((at_x < 0 && at_y > 0) || (at_x > 0 && at_y < 0)) keep(x + at_x / (at_x - at_y) * (y - x));
-    }
-    std::copy_n(next.begin(), kept, polygon.begin());
-    count = kept;
-  });
-  return count;
-}
-
-/// Whether a neighbour goes on from the corner in the plane that meets the hull there along n, in its frame.
-bool goes_on(const Hull& hull, std::size_t corner, const Vector3d& n) {
-  constexpr double kFlush = 1e-6;  // cosine
-  if (hull.ways.empty()) return false;
-  const std::vector<Vector3d>& ways = hull.ways[corner];
-  return std::any_of(ways.begin(), ways.end(), [&](const Vector3d& way) { return std::abs(n.dot(way)) <= kFlush; });
-}
-
 /// Whether x is past sides of the face, and all of them are of this kind.
 template <class Kind> bool past_only(const Side& s, const Hull::Face& face, const Vector3d& x, Kind&& kind) {
   bool past = false, only = true;
@@ -142,9 +40,6 @@ template <class Kind> bool past_only(const Side& s, const Hull::Face& face, cons
   }
   return past && only;
 }
-
-/// Whether the surface goes on flat past the edge, in neighbours.
-bool flush(const Hull::Edge& e) { return e.covered && !e.beyond.isZero(0); }
 
 /// Where what of the other is nearest to the plane of a face stands: on it (where they overlap: in the hull), or not.
 Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
@@ -295,30 +190,6 @@ void span(const Clipped& polygon, std::size_t count, const Hull::Face& face, dou
   take([&](const Vector3d& x) { return -side.dot(x - p); });
 }
 
-/// Whether a corner of a face stays one in the flat surface that neighbours make with the face: all directions from it
-/// within that surface are on one side of a line.
-bool stays_corner(const Hull& hull, const Hull::Face& face, std::size_t k) {
-  constexpr double kFlush = 1e-6;  // cosine, sine
-  const std::size_t count = face.corners.size();
-  const auto at = [&](std::size_t i) -> const Vector3d& {
-    return hull.corners[static_cast<std::size_t>(face.corners[i % count])];
-  };
-  const std::array<Vector3d, 2> own{(at(k + 1) - at(k)).normalized(), (at(k + count - 1) - at(k)).normalized()};
-  const auto corner = static_cast<std::size_t>(face.corners[k]);
-  const auto all_left_of = [&](const Vector3d& d) {
-    const auto left = [&](const Vector3d& w) {
-      const double sine = face.normal.dot(d.cross(w));
-      return std::abs(face.normal.dot(w)) > kFlush || sine > kFlush || (sine >= -kFlush && d.dot(w) > 0);
-    };
-    return std::all_of(own.begin(), own.end(), left) &&
-           (hull.ways.empty() || std::all_of(hull.ways[corner].begin(), hull.ways[corner].end(), left));
-  };
-  if (std::any_of(own.begin(), own.end(), all_left_of)) return true;
-  return !hull.ways.empty() && std::any_of(hull.ways[corner].begin(), hull.ways[corner].end(), [&](const Vector3d& d) {
-    return std::abs(face.normal.dot(d)) <= kFlush && all_left_of(d);
-  });
-}
-
 /// Drops corners of a clipped face that only seams make: the neighbours' points span the contact there. Kept are those
 /// where two lines cross that are no seams, and corners of either surface.
 std::size_t without_seams(const Side& s, const Hull::Face& face, std::size_t count, Clipped& polygon) {
@@ -347,8 +218,9 @@ std::size_t without_seams(const Side& s, const Hull::Face& face, std::size_t cou
   return static_cast<std::size_t>(std::remove_if(polygon.begin(), end, made_by_seams) - polygon.begin());
 }
 
-/// Contact points on a face. Without `outside` there are none where the other's nearest corner is not over the face.
-TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
+/// Contact points on a face; none: neighbours have them. Without `outside` nothing where the other's nearest corner is
+/// not over the face or, past seams, a neighbour's.
+std::optional<TouchPoints> on_face(const Side& s, const Axis& axis, bool outside) {
   const Hull::Face& face = s.hull.faces[static_cast<std::size_t>(axis.face)];
   Clipped polygon;
   std::size_t count = clipped(s, face, polygon);
@@ -376,7 +248,7 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   };
   const bool past = seams && std::any_of(s.others.begin(), s.others.begin() + corners_of_other, a_neighbours);
   if (!past && least > nearest + 2 * kEdges * s.size) {
-    if (!outside) return points;
+    if (!outside) return {};
     take_deepest(kUnbounded, in_hull);
     if (least > nearest + 2 * kEdges * s.size) take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
   }
@@ -400,8 +272,9 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   return points;
 }
 
-/// Of two polytopes apart, in a's frame. None: at a covered face or edge.
-TouchPoints nearest_points(const Side& a, const Side& b) {
+/// Of two polytopes apart, in a's frame. None: at a covered face or edge. Nothing: so near that their distance has no
+/// direction.
+std::optional<TouchPoints> nearest_points(const Side& a, const Side& b) {
   double least = kUnbounded;
   TouchPoint best;
   const auto take = [&](const Vector3d& on_a, const Vector3d& on_b) {
@@ -424,27 +297,28 @@ TouchPoints nearest_points(const Side& a, const Side& b) {
       take(x.at(s), y.at(t));
     }
   TouchPoints points;
+  if (least <= kSamePoint * kSamePoint * a.size * a.size) return {};
   best = grown(best.on_a, 0, best.on_b, 0);
   if (first_is_free(a.hull, best.n) && first_is_free(b.hull, -(a.R.transpose() * best.n))) points.add(best);
   return points;
 }
 
-/// The points along the best of these axes, in a's frame. None: along that axis neither stands on the other, and
+/// The points along the best of these axes, in a's frame. Nothing: along that axis neither stands on the other, and
 /// `outside` is false.
-TouchPoints points_of(const Side& a, const Side& b, const Axes& axes, bool outside) {
-  TouchPoints points;
+std::optional<TouchPoints> points_of(const Side& a, const Side& b, const Axes& axes, bool outside) {
   if (const Axis& edges = axes.edges; edges.ours != nullptr && edges.gap > axes.faces() + kEdges * a.size) {
     const Lines lines(a, *edges.ours, *edges.theirs);
-    if (!outside && !lines.cross()) return points;
+    if (!outside && !lines.cross()) return {};
     const Segment x{lines.p, lines.p + lines.u}, y{lines.q, lines.q + lines.w};
     const Vector3d on_a = x.at(nearest(x, y).first);  // on the edge where they are almost parallel, too
+    TouchPoints points;
     points.add({-edges.n, on_a, on_a + edges.gap * edges.n, edges.gap});
     return points;
   }
   if (axes.face_b.gap <= axes.face_a.gap + kSameFace * a.size) return on_face(a, axes.face_a, outside);
-  points = on_face(b, axes.face_b, outside);
-  for (int i = 0; i < points.count; ++i) {
-    TouchPoint& p = points.points[static_cast<std::size_t>(i)];
+  std::optional<TouchPoints> points = on_face(b, axes.face_b, outside);
+  for (int i = 0; points && i < points->count; ++i) {
+    TouchPoint& p = points->points[static_cast<std::size_t>(i)];
     p = {-(a.R * p.n), a.R * p.on_b + a.d, a.R * p.on_a + a.d, p.gap};
   }
   return points;
@@ -459,19 +333,18 @@ TouchPoints touch_polytopes(const Hull& a, const Hull& b, const Matrix3d& R, con
   for (std::size_t i = 0; i < a.corners.size(); ++i) of_b.others[i] = R.transpose() * (a.corners[i] - d);
   Axes axes = best_axes(of_a, of_b, Ask::any);
   const double blocked = axes.blocked();
-  TouchPoints points;
   if (axes.gap() > -kUnbounded && blocked <= axes.gap() + (blocked > 0 ? 0 : kSameFace * size)) {
-    points = points_of(of_a, of_b, axes, false);
-    if (points.count > 0) return points;
-    if (axes.gap() > 0) return nearest_points(of_a, of_b);
+    if (const auto points = points_of(of_a, of_b, axes, false)) return *points;
+    if (axes.gap() > 0)
+      if (const auto points = nearest_points(of_a, of_b)) return *points;
     const Axes standing = best_axes(of_a, of_b, Ask::standing_within);
-    if (standing.gap() > axes.gap() - kEdges * size) points = points_of(of_a, of_b, standing, true);
-    if (points.count > 0) return points;
-    if (blocked < axes.gap() - kSameFace * size) return points_of(of_a, of_b, axes, true);
+    if (standing.gap() > axes.gap() - kEdges * size)
+      if (const auto points = points_of(of_a, of_b, standing, true); points->count > 0) return *points;
+    if (blocked < axes.gap() - kSameFace * size) return *points_of(of_a, of_b, axes, true);
   }
   axes = best_axes(of_a, of_b, blocked > 0 ? Ask::standing : Ask::standing_within);
-  if (axes.gap() == -kUnbounded || axes.passed() > axes.gap() + kSameFace * size) return points;
-  return points_of(of_a, of_b, axes, true);
+  if (axes.gap() == -kUnbounded || axes.passed() > axes.gap() + kSameFace * size) return {};
+  return *points_of(of_a, of_b, axes, true);
 }
 
 }  // namespace orthant::spatial
