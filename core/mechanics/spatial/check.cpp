@@ -1,4 +1,5 @@
 #include <orthant/core/mechanics/scene/element_check.h>
+#include <orthant/core/mechanics/spatial/alignment.h>
 #include <orthant/core/mechanics/spatial/scene.h>
 #include <orthant/core/support/disjoint_sets.h>
 
@@ -225,6 +226,34 @@ void examine_angles(const Scene& scene) {
     }
 }
 
+/// The equations of a joint hold for opposite axes, too, and a start beyond a right angle is moved to these: the joint
+/// would keep the wrong direction.
+void examine_directions(const Scene& scene) {
+  if (scene.assemble) return;
+  const Kinematics k = at_start(scene);
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    with_alignment(scene.joints[i], k, [&](const Alignment& joint) {
+      constexpr double kDegree = std::numbers::pi / 180;
+      const double off = joint.turn.norm();
+      if (!(off > std::numbers::pi / 2 + kSameAxis)) return;
+      const auto& element = scene.joints[i];
+      const SpatialElement e(scene, "joint", i, std::visit([](const auto& j) { return j.name; }, element));
+      const std::string degrees = e.text(std::round(off / kDegree * 1e6) / 1e6);
+      std::visit(
+          [&](const auto& j) {
+            if constexpr (requires { j.orientation; })
+              e.require(false, "orientation", j.orientation,
+                        "that of the bodies at the start, to less than 90 degrees; they are turned by " + degrees +
+                            " degrees against it. Set assemble = true to move them");
+            if constexpr (requires { j.axis_a; })
+              e.require(false, "axis_b", j.axis_b,
+                        "less than 90 degrees from the axis of the first body at the start; it is " + degrees +
+                            " degrees off. Reverse an axis, or set assemble = true to turn the bodies");
+          },
+          element);
+    });
+}
+
 template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
   ElementNames names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -254,6 +283,7 @@ void check(const Scene& scene) {
   examine_all(scene, "friction", scene.frictions);
   examine_all(scene, "spring", scene.springs);
   examine_all(scene, "load", scene.loads);
+  examine_directions(scene);
   examine_angles(scene);
 }
 
