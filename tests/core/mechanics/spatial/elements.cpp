@@ -279,6 +279,21 @@ TEST_CASE("spatial scenes are checked: element, field, value and rule") {
             s.joints = {spatial::Universal{"j", 0, 1}}, s.bodies[1].orientation = turned;
           }).empty());
   }
+  CHECK(refusal([](Scene& s) {
+          s.joints = {spatial::Universal{"j", 0, 1}};
+        }).find("must be at right angles") != std::string::npos);
+  const auto on_surface = [&](const SurfaceLaw& surface) {
+    return refusal([&](Scene& s) {
+      auto& wall = std::get<spatial::SpherePlane>(s.contacts[0]);
+      wall.law.mu = 0.3, wall.law.surface = surface;
+    });
+  };
+  CHECK(on_surface({.velocity = {1, 2, 0}, .omega = {0, 0, -3}}).empty());
+  CHECK(on_surface({.velocity = {1, 0, 1e-3}}) ==
+        "contact \"floor\": velocity = (1, 0, 0.001): must be along the wall: the surface moves along itself");
+  CHECK(on_surface({.omega = {0, 1e-3, 1}}).find("must be along the wall's normal") != std::string::npos);
+  CHECK(on_surface({.mu_across = 0.1, .direction = {0, 0, 1}}).find("a direction along the wall") != std::string::npos);
+  CHECK(on_surface({.mu_across = 0.1, .direction = Vector3d(1, 0, 1).normalized()}).empty());
   CHECK(refusal([](Scene& s) { std::get<spatial::SpherePlane>(s.contacts[0]).radius = -1; }) ==
         "contact \"floor\": radius = -1: must be >= 0");
   CHECK(refusal([](Scene& s) { std::get<spatial::SpherePlane>(s.contacts[0]).law.belt = 1; }).find("planar only") !=
