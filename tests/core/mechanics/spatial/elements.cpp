@@ -279,9 +279,9 @@ TEST_CASE("spatial scenes are checked: element, field, value and rule") {
             s.joints = {spatial::Universal{"j", 0, 1}}, s.bodies[1].orientation = turned;
           }).empty());
   }
-  CHECK(refusal([](Scene& s) {
-          s.joints = {spatial::Universal{"j", 0, 1}};
-        }).find("must be at right angles") != std::string::npos);
+  spatial::Universal along{"j", 0, 1};
+  along.axis_a = along.axis_b = {0, 0, 1};
+  CHECK(refusal([&](Scene& s) { s.joints = {along}; }).find("must be at right angles") != std::string::npos);
   const auto on_surface = [&](const SurfaceLaw& surface) {
     return refusal([&](Scene& s) {
       auto& wall = std::get<spatial::SpherePlane>(s.contacts[0]);
