@@ -12,8 +12,9 @@ constexpr double kSameFace = 1e-6;  // of the size: the face of b is taken only 
 constexpr double kEdges = 1e-5;     // likewise edges instead of faces: shapes that lie on each other have four points
 
 enum class Stand { here, past_a_seam, elsewhere };
-/// Any axis, or those along which they stand on each other: two that are apart, or overlap.
-enum class Ask { any, standing, standing_within };
+/// Any axis, or those along which they stand on each other: two that are apart, or overlap; or faces at which neighbours
+/// of the other come first, past seams.
+enum class Ask { any, standing, standing_within, past_seams };
 
 struct Axis {
   double gap = -kUnbounded;
@@ -63,17 +64,38 @@ Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
   return past ? Stand::past_a_seam : Stand::elsewhere;
 }
 
+/// Whether neighbours of the other reach farther along a face's normal, in the flat surface that they make with the
+/// other's facing face.
+bool deeper_past_seam(const Side& s, const Hull::Face& face, double gap) {
+  if (!s.other.any_covered || first_is_free(s.other, s.R.transpose() * face.normal)) return false;
+  const Hull::Face& theirs = facing(s, face);
+  if (theirs.covered) return false;
+  const std::size_t count = theirs.corners.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double height = face.normal.dot(s.others_corner(theirs.corners[i])) - face.offset;
+    const auto seam = [&](std::size_t k) {
+      return flush(s.other.edges[static_cast<std::size_t>(theirs.edges[k % count])]);
+    };
+    if (height <= gap + kSamePoint * s.size && (seam(i) || seam(i + count - 1))) return true;
+  }
+  return false;
+}
+
 /// The face of the side with the largest gap, of those that `ask` admits.
 Axis best_face(const Side& s, Ask ask) {
   Axis best;
   for (std::size_t f = 0; f < s.hull.faces.size(); ++f) {
     const Hull::Face& face = s.hull.faces[f];
     const double gap = s.gap(face);
-    if (face.covered || !first_is_free(s.other, s.R.transpose() * face.normal))
+    if (ask == Ask::past_seams) {
+      if (gap > best.gap && !face.covered && deeper_past_seam(s, face, gap))
+        best.gap = gap, best.face = static_cast<int>(f);
+    } else if (face.covered || !first_is_free(s.other, s.R.transpose() * face.normal)) {
       best.blocked = std::max(best.blocked, gap);
-    else if (gap > best.gap)
+    } else if (gap > best.gap) {
       best.take(gap, ask == Ask::any ? Stand::here : stand_of(s, face, gap, ask),
                 [&] { best.face = static_cast<int>(f); });
+    }
   }
   return best;
 }
@@ -246,7 +268,8 @@ std::optional<TouchPoints> on_face(const Side& s, const Axis& axis, bool outside
   const auto a_neighbours = [&](const Vector3d& x) {
     return face.normal.dot(x) <= nearest + same && past_only(s, face, x, flush) && !in_hull(x);
   };
-  const bool past = seams && std::any_of(s.others.begin(), s.others.begin() + corners_of_other, a_neighbours);
+  const bool past = seams && (deeper_past_seam(s, face, axis.gap) ||
+                              std::any_of(s.others.begin(), s.others.begin() + corners_of_other, a_neighbours));
   if (!past && least > nearest + 2 * kEdges * s.size) {
     if (!outside) return {};
     take_deepest(kUnbounded, in_hull);
@@ -324,6 +347,12 @@ std::optional<TouchPoints> points_of(const Side& a, const Side& b, const Axes& a
   return points;
 }
 
+double least_gap(const TouchPoints& points) {
+  double least = kUnbounded;
+  for (int i = 0; i < points.count; ++i) least = std::min(least, points.points[static_cast<std::size_t>(i)].gap);
+  return least;
+}
+
 }  // namespace
 
 TouchPoints touch_polytopes(const Hull& a, const Hull& b, const Matrix3d& R, const Vector3d& d) {
@@ -332,7 +361,7 @@ TouchPoints touch_polytopes(const Hull& a, const Hull& b, const Matrix3d& R, con
   for (std::size_t i = 0; i < b.corners.size(); ++i) of_a.others[i] = R * b.corners[i] + d;
   for (std::size_t i = 0; i < a.corners.size(); ++i) of_b.others[i] = R.transpose() * (a.corners[i] - d);
   Axes axes = best_axes(of_a, of_b, Ask::any);
-  const double blocked = axes.blocked();
+  const double blocked = axes.blocked(), most = std::max(blocked, axes.gap());
   if (axes.gap() > -kUnbounded && blocked <= axes.gap() + (blocked > 0 ? 0 : kSameFace * size)) {
     if (const auto points = points_of(of_a, of_b, axes, false)) return *points;
     if (axes.gap() > 0)
@@ -343,7 +372,14 @@ TouchPoints touch_polytopes(const Hull& a, const Hull& b, const Matrix3d& R, con
     if (blocked < axes.gap() - kSameFace * size) return *points_of(of_a, of_b, axes, true);
   }
   axes = best_axes(of_a, of_b, blocked > 0 ? Ask::standing : Ask::standing_within);
-  if (axes.gap() == -kUnbounded || axes.passed() > axes.gap() + kSameFace * size) return {};
+  TouchPoints points;
+  if (axes.gap() > -kUnbounded && axes.passed() <= axes.gap() + kSameFace * size)
+    points = *points_of(of_a, of_b, axes, true);
+  if (points.count > 0 && least_gap(points) >= -size / 2) return points;
+  // Deeper there is no telling which way is out.
+  axes = {best_face(of_a, Ask::past_seams), best_face(of_b, Ask::past_seams), {}};
+  constexpr double kDeeper = 4;
+  if (axes.gap() == -kUnbounded || axes.gap() < (most > 0 ? 0 : kDeeper * most) - kSameFace * size) return {};
   return *points_of(of_a, of_b, axes, true);
 }
 
