@@ -227,7 +227,7 @@ void expose(std::span<Hull* const> hulls) {
 
 bool first_is_free(const Hull& hull, const Vector3d& n) {
   constexpr double kOpposite = 1e-9;  // of the difference of unit vectors
-  constexpr double kFirst = 1e-9;      // of the size
+  constexpr double kFirst = 1e-9;     // of the size
   if (!hull.any_covered) return true;
   for (const Hull::Face& face : hull.faces)
     if ((face.normal + n).norm() < kOpposite) return !face.covered;

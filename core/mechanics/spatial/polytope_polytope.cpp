@@ -12,8 +12,8 @@ constexpr double kSameFace = 1e-6;  // of the size: the face of b is taken only 
 constexpr double kEdges = 1e-5;     // likewise edges instead of faces: shapes that lie on each other have four points
 
 enum class Stand { here, past_a_seam, elsewhere };
-/// Any axis, or those along which they stand on each other: two that are apart, or overlap; or faces at which neighbours
-/// of the other come first, past seams.
+/// Any axis, or those along which they stand on each other: two that are apart, or overlap; or faces at which
+/// neighbours of the other come first, past seams.
 enum class Ask { any, standing, standing_within, past_seams };
 
 struct Axis {

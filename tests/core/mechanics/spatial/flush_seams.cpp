@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWide = 4;  // [m] of the floor
 
-/// A box of half sizes `half`, of `parts` × `parts` flush pieces, and a floor of nx × ny boxes with their tops at z = 0.
+/// A box of half sizes `half`, of `parts` × `parts` flush pieces, over a floor of nx × ny boxes with tops at z = 0.
 spatial::Collision over_tiles(const Vector3d& half, int nx, int ny, int parts = 1) {
   spatial::Collision c{.name = "floor", .shapes = {}, .law = {}};
   const Vector3d part(half.x() / parts, half.y() / parts, half.z());
