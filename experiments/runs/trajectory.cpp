@@ -1,6 +1,7 @@
 #include "experiments/runs/trajectory.h"
 
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/mechanics/spatial/friction_impulse.h>
 #include <orthant/core/support/options.h>
 
 namespace orthant {
@@ -110,9 +111,8 @@ void append_row(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& mom
   append_bodies(system, x, table);
   for (int i = 0; i < system.listed(); ++i) {
     const auto& impulse = moment.impulses[static_cast<std::size_t>(i)];
-    const ContactLaw& law = system.law(i);  // of orthotropic friction the second row is scaled
-    const double scale = law.surface.orthotropic() ? law.surface.mu_across / law.mu : 1;
-    table.insert(table.end(), {moment.gaps[i], impulse.normal, impulse.tangent.first, scale * impulse.tangent.second});
+    const Tangents tangent = along_unit_tangents(system.law(i), impulse.tangent);
+    table.insert(table.end(), {moment.gaps[i], impulse.normal, tangent.first, tangent.second});
   }
   append_collisions(system, moment, table);
   table.insert(table.end(), moment.frictions.begin(), moment.frictions.end());

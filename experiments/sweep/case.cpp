@@ -7,6 +7,7 @@
 #include "experiments/support/clock.h"
 
 #include <orthant/core/lcp/files/io.h>
+#include <orthant/core/mechanics/spatial/friction_impulse.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
 #include <orthant/core/support/hash.h>
@@ -64,10 +65,14 @@ class Along {
   double impulse = 0, friction_impulse = 0, first_touch = kInf, touching = 0;
   double first_release = kInf, last_release = kInf;
 
-  template <class Space> void add(const RunSampleOf<Space>& moment) {
+  template <class Space> void add(const SystemOf<Space>& system, const RunSampleOf<Space>& moment) {
     const double t = moment.state.t;
     double normal = 0;
-    for (const auto& one : moment.impulses) normal += one.normal, friction_impulse += size_of(one.tangent);
+    for (std::size_t i = 0; i < moment.impulses.size(); ++i) {
+      const auto& one = moment.impulses[i];
+      normal += one.normal;
+      friction_impulse += size_of(along_unit_tangents(system.law(static_cast<int>(i)), one.tangent));
+    }
     impulse += normal;
     if (t - last_ > (kBridged + 0.5) * clock_.step && last_ - since_ > kLasting * clock_.duration) {
       first_release = std::min(first_release, last_), last_release = last_;
@@ -114,7 +119,7 @@ void run_in(ResultRow& row, const Case& c, std::optional<double> reference, cons
   Followed<Space> joints(system);
   const auto integrator = make_integrator(c.integrator_spec(), system);
   const Run run = simulate(*integrator, *make_solver(c.solver), clock, [&](const RunSampleOf<Space>& moment) {
-    along.add(moment), drift.add(moment.state), joints.add(moment.state);
+    along.add(system, moment), drift.add(moment.state), joints.add(moment.state);
   });
   double seconds = c.repeats > 0 ? kInf : run.seconds, slowest = 0;
   for (int i = 0; i < c.repeats && (i < kLeast || seconds < kLong); ++i) {  // once more, to be timed: nothing recorded

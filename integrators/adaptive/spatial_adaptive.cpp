@@ -136,6 +136,7 @@ void SpatialAdaptive::hand_out(double target, State& x, StepReport& report) {
 bool SpatialAdaptive::fit() {
   const SpatialArc& arc = engine_.arc();
   between_.modes = arc.modes, between_.modes_changed();
+  between_.rest_at(arc.rest);
   return flow_.extend(between_, arc);
 }
 

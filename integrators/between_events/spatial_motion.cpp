@@ -307,9 +307,9 @@ void SpatialMotion::rest(double t, const Eigen::VectorXd& q, double touching) {
   rest_ = (terms_.gap.array() < -touching).select(terms_.gap, 0.0);
 }
 
-void SpatialMotion::forget_overlaps(const SpatialWatched& w) {
+void SpatialMotion::forget_overlaps(SpatialWatched& w) {
   for (Index i = 0; i < rest_.size(); ++i)
-    if (w.gap[i] + rest_[i] > 0) rest_[i] = 0;
+    if (rest_[i] != 0 && w.gap[i] + rest_[i] > 0) w.gap[i] += rest_[i], rest_[i] = 0;
 }
 
 SpatialMotion::Residual SpatialMotion::project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {

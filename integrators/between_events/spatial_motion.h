@@ -93,8 +93,10 @@ class SpatialMotion {
 
   /// The gaps at which contacts rest: those of the start where bodies overlap; 0.
   void rest(double t, const Eigen::VectorXd& q, double touching);
-  /// Contacts that have opened rest at 0 from now on.
-  void forget_overlaps(const SpatialWatched& w);
+  const Eigen::VectorXd& resting_gaps() const { return rest_; }
+  void rest_at(const Eigen::VectorXd& gaps) { rest_ = gaps; }
+  /// Contacts that have opened rest at 0 from now on; w.gap is theirs then.
+  void forget_overlaps(SpatialWatched& w);
 
   /// μ λ_N (W_T M⁻¹ W_Tᵀ) of lasting contact i [m/s²], where accelerations() was evaluated last: |γ_T| over it is the
   /// time in which its direction of slip returns.

@@ -60,7 +60,7 @@ bool SpatialFlow::step(SpatialMotion& motion, const State& from, const Eigen::Ve
 }
 
 bool SpatialFlow::extend(SpatialMotion& motion, const SpatialArc& arc) {
-  const auto& [start, a, force, modes, length] = arc;
+  const auto& [start, a, force, modes, rest, length] = arc;
   const double stop = std::nextafter(start.t + length, -kInf);
   if (!step(motion, start, a, force, length, stop, end_q_, end_v_) ||
       !rk_.extend(acceleration(motion, stop), start.t, start.q, start.v, a, length, end_v_,

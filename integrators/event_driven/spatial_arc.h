@@ -16,8 +16,9 @@ struct SpatialArc {
   Eigen::VectorXd a;      // at its start
   Eigen::VectorXd force;  // [N, W] likewise, see SpatialFlow
   std::vector<SpatialMode> modes;
-  double length = 0;  // [s]; 0: there is none
-  void remember(CheckpointData& memory) { memory(start, a, force, modes, length); }
+  Eigen::VectorXd rest;  // [m] gaps at which contacts rest
+  double length = 0;     // [s]; 0: there is none
+  void remember(CheckpointData& memory) { memory(start, a, force, modes, rest, length); }
 };
 
 class SpatialFlow {

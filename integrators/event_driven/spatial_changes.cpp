@@ -1,4 +1,5 @@
 // Events of a SpatialEventDriven integrator: impacts, accumulations, changes of contact modes, crossings of crowds.
+#include <orthant/core/mechanics/spatial/friction_impulse.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/event_driven/spatial_event_driven.h>
 #include <orthant/integrators/step/no_solution_message.h>
@@ -18,7 +19,8 @@ constexpr double kLastCrossing = 1e-4;  // [s]
 }  // namespace
 
 void SpatialEventDriven::emit(double t, EventKind kind, int contact, const Impulse& impulse) {
-  events_.push_back({t, kind, contact, impulse.normal, size_of(impulse.tangent)});
+  events_.push_back(
+      {t, kind, contact, impulse.normal, size_of(along_unit_tangents(system_.law(contact), impulse.tangent))});
 }
 
 bool SpatialEventDriven::change_or_cross(Solver& solver, const std::optional<Sign>& event, StepReport& report) {

@@ -105,7 +105,7 @@ void SpatialEventDriven::end_call(State& x, StepReport& report) {
   if (measures_) report.work = report.work.value_or(0) + work_, report.effort += effort_;
   report.joint_residual = now_.residual.joint, report.joint_rate = now_.residual.rate;
   sort_events();
-  gaps_ = now_.w.gap;
+  gaps_ = now_.w.gap + motion_.resting_gaps();
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
 }
 
@@ -323,6 +323,7 @@ bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
 /// Takes the trial step.
 void SpatialEventDriven::accept(double s, bool at_stop, double stop) {
   arc_.start = start_, arc_.a = now_.a, arc_.force = now_.force, arc_.modes = motion_.modes, arc_.length = s;
+  arc_.rest = motion_.resting_gaps();
   for (const int c : motion_.lasting()) load_ = std::max(load_, now_.w.normal[c]);
   std::swap(now_, trial_);
   const double before = time_;

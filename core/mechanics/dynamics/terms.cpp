@@ -1,8 +1,10 @@
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/support/simd2.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace orthant {
 
@@ -205,6 +207,40 @@ void add_closed_as(const SystemOf<Planar>& system, int contact, const TermsOf<Pl
   add_closed(system, contact, terms);
 }
 
+namespace {
+
+Vector3d in_frame(const spatial::Pose& pose, const Vector3d& p) { return pose.turn_back(p - pose.x); }
+
+/// A corner of `one` on a face of the other: where both are in other poses. From the other to `one`; else nothing.
+std::optional<spatial::TouchPoint> corner_moved(const spatial::Shape& one, const spatial::TouchPoint& p,
+                                                const spatial::Pose& one_before, const spatial::Pose& one_now,
+                                                const spatial::Pose& other_before, const spatial::Pose& other_now) {
+  constexpr double kSame = 1e-9;  // of the size
+  if (!one.polytope()) return {};
+  const Vector3d place = in_frame(one_before, p.on_a);
+  const auto same = [&](const Vector3d& corner) { return (corner - place).norm() <= kSame * one.hull->size; };
+  if (std::none_of(one.hull->corners.begin(), one.hull->corners.end(), same)) return {};
+  const Vector3d n = other_now.turn(other_before.turn_back(p.n)), on_one = one_now.x + one_now.turn(place);
+  const double gap = n.dot(on_one - other_now.x - other_now.turn(in_frame(other_before, p.on_b)));
+  return spatial::TouchPoint{n, on_one, on_one - gap * n, gap};
+}
+
+/// The point, of shapes in the poses `there`, in the poses `here`: a corner stays on its face.
+std::optional<spatial::TouchPoint> point_moved(const spatial::Collision& collision, const Pair& pair,
+                                               const spatial::TouchPoint& p, const KinematicsOf<Spatial>& there,
+                                               const KinematicsOf<Spatial>& here) {
+  const auto& a = collision.shapes[static_cast<std::size_t>(pair.a)];
+  const auto& b = collision.shapes[static_cast<std::size_t>(pair.b)];
+  if (const auto moved = corner_moved(a, p, there.at(a.body), here.at(a.body), there.at(b.body), here.at(b.body)))
+    return moved;
+  const auto moved = corner_moved(b, {-p.n, p.on_b, p.on_a, p.gap}, there.at(b.body), here.at(b.body), there.at(a.body),
+                                  here.at(a.body));
+  if (!moved) return {};
+  return spatial::TouchPoint{-moved->n, moved->on_b, moved->on_a, moved->gap};
+}
+
+}  // namespace
+
 void add_closed_as(const SystemOf<Spatial>& system, int contact, const TermsOf<Spatial>& there,
                    TermsOf<Spatial>& terms) {
   if (contact < system.listed()) return add_closed(system, contact, terms);
@@ -216,19 +252,19 @@ void add_closed_as(const SystemOf<Spatial>& system, int contact, const TermsOf<S
   // In the frame of each body: how far the point is from this one, and how far this one's place moves in the world.
   double nearest = std::numeric_limits<double>::infinity();
   int same = -1;
-  const auto in = [](const spatial::Pose& pose, const Vector3d& p) { return pose.turn_back(p - pose.x); };
   const auto moved = [&](BodyId body, const Vector3d& p) {
-    return (terms.at.at(body).x + terms.at.at(body).turn(in(there.at.at(body), p)) - p).norm();
+    return (terms.at.at(body).x + terms.at.at(body).turn(in_frame(there.at.at(body), p)) - p).norm();
   };
   for (int i = 0; i < before.count; ++i) {
     const spatial::TouchPoint& p = before.points[static_cast<std::size_t>(i)];
-    const double off = std::min((in(terms.at.at(a), p.on_a) - in(there.at.at(a), now.on_a)).norm(),
-                                (in(terms.at.at(b), p.on_b) - in(there.at.at(b), now.on_b)).norm());
+    const double off = std::min((in_frame(terms.at.at(a), p.on_a) - in_frame(there.at.at(a), now.on_a)).norm(),
+                                (in_frame(terms.at.at(b), p.on_b) - in_frame(there.at.at(b), now.on_b)).norm());
     if (off < nearest) nearest = off, same = i;
   }
   const bool known = same >= 0 && nearest <= 2 * (moved(a, now.on_a) + moved(b, now.on_b)) + 1e-9 * before.open;
-  const spatial::TouchContact one{a, b, known ? before.points[static_cast<std::size_t>(same)] : now};
-  const KinematicsOf<Spatial>& at = known ? terms.at : there.at;
+  const auto back = known ? std::nullopt : point_moved(collision, pair, now, there.at, terms.at);
+  const spatial::TouchContact one{a, b, known ? before.points[static_cast<std::size_t>(same)] : back.value_or(now)};
+  const KinematicsOf<Spatial>& at = known || back ? terms.at : there.at;
   terms.closed.push_back({contact, one.rows(at)});
   spatial::adapt_to_surface(system.law(contact), at, terms.closed.back().rows);
 }

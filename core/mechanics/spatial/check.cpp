@@ -1,4 +1,5 @@
 #include <orthant/core/mechanics/scene/element_check.h>
+#include <orthant/core/mechanics/spatial/alignment.h>
 #include <orthant/core/mechanics/spatial/scene.h>
 #include <orthant/core/support/disjoint_sets.h>
 
@@ -14,6 +15,7 @@ namespace {
 constexpr double kRounding = 1e-9;  // of the largest moment of inertia
 constexpr double kUnit = ElementCheck<Scene>::kUnit;
 constexpr double kSameAxis = 1e-6;  // [rad] between axes that count as parallel
+constexpr double kSingular = 1e-3;  // [rad] from parallel: axes that should be at right angles cannot be moved there
 
 /// One element of a scene in space.
 class SpatialElement : public ElementCheck<Scene> {
@@ -73,6 +75,16 @@ void examine_coordinate(const SpatialElement& e, const Coordinate& c) {
   std::visit([&](const auto& of) { examine_places(e, of); }, c.kind());
 }
 
+/// A plane can only move along itself, and be rougher in a direction that lies in it.
+void examine_surface(const SpatialElement& e, const SurfaceLaw& s, const Vector3d& normal) {
+  e.require(std::abs(s.velocity.dot(normal)) <= kSameAxis * s.velocity.norm(), "velocity", s.velocity,
+            "along the wall: the surface moves along itself");
+  e.require(s.omega.cross(normal).norm() <= kSameAxis * s.omega.norm(), "omega", s.omega,
+            "along the wall's normal: the surface moves along itself");
+  e.require(!s.orthotropic() || s.direction.cross(normal).norm() > kSameAxis, "direction", s.direction,
+            "a direction along the wall, not its normal");
+}
+
 template <class T> void examine(const SpatialElement& e, const T& x) {
   if constexpr (requires { x.of; })
     examine_coordinate(e, x.of);
@@ -90,6 +102,7 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
   if constexpr (requires { x.plane_point; }) {
     e.finite("centre", x.centre), e.finite("plane_point", x.plane_point), e.unit("normal", x.normal);
   }
+  if constexpr (requires { x.plane_point, x.law; }) examine_surface(e, x.law.surface, x.normal);
   if constexpr (std::is_same_v<T, SpherePlane>) e.not_negative("radius", x.radius);
   if constexpr (std::is_same_v<T, RimPlane>)
     e.positive("radius", x.radius), e.not_negative("tube", x.tube), e.finite("phase", x.phase);
@@ -225,6 +238,39 @@ void examine_angles(const Scene& scene) {
     }
 }
 
+/// The equations of a joint hold for opposite axes, too, and a start beyond a right angle is moved to these: the joint
+/// would keep the wrong direction.
+void examine_directions(const Scene& scene) {
+  if (scene.assemble) return;
+  const Kinematics k = at_start(scene);
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    with_alignment(scene.joints[i], k, [&](const Alignment& joint) {
+      constexpr double kDegree = std::numbers::pi / 180;
+      const double off = joint.turn.norm();
+      const bool universal = std::holds_alternative<Universal>(scene.joints[i]);
+      if (!(off > std::numbers::pi / 2 + (universal ? -kSingular : kSameAxis))) return;
+      const auto& element = scene.joints[i];
+      const SpatialElement e(scene, "joint", i, std::visit([](const auto& j) { return j.name; }, element));
+      const std::string degrees = e.text(std::round(off / kDegree * 1e6) / 1e6);
+      std::visit(
+          [&](const auto& j) {
+            if constexpr (requires { j.orientation; })
+              e.require(false, "orientation", j.orientation,
+                        "that of the bodies at the start, to less than 90 degrees; they are turned by " + degrees +
+                            " degrees against it. Set assemble = true to move them");
+            if constexpr (std::is_same_v<std::decay_t<decltype(j)>, Universal>)
+              e.require(false, "axis_b", j.axis_b,
+                        "at right angles to the axis of the first body at the start; it is along it. Set assemble = "
+                        "true to turn the bodies");
+            else if constexpr (requires { j.axis_a; })
+              e.require(false, "axis_b", j.axis_b,
+                        "less than 90 degrees from the axis of the first body at the start; it is " + degrees +
+                            " degrees off. Reverse an axis, or set assemble = true to turn the bodies");
+          },
+          element);
+    });
+}
+
 template <class T> void examine_all(const Scene& scene, std::string_view kind, const std::vector<T>& elements) {
   ElementNames names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -254,6 +300,7 @@ void check(const Scene& scene) {
   examine_all(scene, "friction", scene.frictions);
   examine_all(scene, "spring", scene.springs);
   examine_all(scene, "load", scene.loads);
+  examine_directions(scene);
   examine_angles(scene);
 }
 

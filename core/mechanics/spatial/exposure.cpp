@@ -1,6 +1,9 @@
 #include <orthant/core/mechanics/spatial/exposure.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -114,6 +117,52 @@ void find_ridge(const Hull& hull, Hull::Edge& e, const Hull& other) {
   }
 }
 
+/// The part of the segment from p to p + side that lies on a face: from `low` to `high`, 0 at p and 1 at its end.
+std::pair<double, double> part_on(const Hull& hull, const Hull::Face& face, const Vector3d& p, const Vector3d& side,
+                                  double most) {
+  double low = 0, high = 1;
+  for (std::size_t i = 0; i < face.corners.size(); ++i) {
+    const Vector3d& q = corner_of(hull, face.corners[i]);
+    const Vector3d along = corner_of(hull, face.corners[(i + 1) % face.corners.size()]) - q;
+    const Vector3d out = along.cross(face.normal).normalized();
+    const double at = out.dot(p - q) - most, rate = out.dot(side);
+    if (std::abs(rate) > most)
+      (rate > 0 ? high : low) = rate > 0 ? std::min(high, -at / rate) : std::max(low, -at / rate);
+    else if (at > 0)
+      return {1, 0};
+  }
+  return {low, high};
+}
+
+/// A covered edge in a flat surface: sets its direction `beyond` where free faces of neighbours go on in the plane of
+/// its own face along all of it.
+void find_flush(const Hull& hull, Hull::Edge& e, std::span<Hull* const> hulls, const std::vector<std::size_t>& others) {
+  const Hull::Face& own = face_of(hull, face_of(hull, e.left).covered ? e.right : e.left);
+  const Vector3d& from = corner_of(hull, e.from);
+  const Vector3d side = corner_of(hull, e.to) - from;
+  Vector3d away(0, 0, 0);
+  for (const int i : own.corners) away -= corner_of(hull, i) - from;
+  away = (away - side * (side.dot(away) / side.squaredNorm())).normalized();
+  std::vector<std::pair<double, double>> parts;
+  for (const std::size_t j : others) {
+    const Hull& other = *hulls[j];
+    const double most = kOnFace * std::max(hull.size, other.size);
+    for (const Hull::Face& theirs : other.faces) {
+      const auto on_plane = [&](const Vector3d& p) { return std::abs(theirs.normal.dot(p) - theirs.offset) <= most; };
+      const auto past = [&](int i) { return away.dot(corner_of(other, i) - from) > most; };
+      if (theirs.covered || (theirs.normal - own.normal).norm() > kSmooth || !on_plane(from) ||
+          !on_plane(from + side) || std::none_of(theirs.corners.begin(), theirs.corners.end(), past))
+        continue;
+      if (const auto part = part_on(other, theirs, from, side, most); part.first < part.second) parts.push_back(part);
+    }
+  }
+  std::sort(parts.begin(), parts.end());
+  double reached = 0;
+  for (const auto& [low, high] : parts)
+    if (low <= reached + kOnFace) reached = std::max(reached, high);
+  if (reached >= 1 - kOnFace) e.beyond = away;
+}
+
 /// Adds the directions along which another polytope reaches from the corners of `hull`: those of its edges there, or,
 /// at a point that is no corner of it, those to its corners.
 void find_ways(Hull& hull, const Hull& other) {
@@ -168,8 +217,62 @@ void expose(std::span<Hull* const> hulls) {
         for (const std::size_t j : near[i])
           if (e.covered) find_ridge(*hulls[i], e, *hulls[j]);
   for (std::size_t i = 0; i < hulls.size(); ++i)
+    for (Hull::Edge& e : hulls[i]->edges)
+      if (e.covered && !e.step && face_of(*hulls[i], e.left).covered != face_of(*hulls[i], e.right).covered)
+        find_flush(*hulls[i], e, hulls, near[i]);
+  for (std::size_t i = 0; i < hulls.size(); ++i)
     if (hulls[i]->any_covered)
       for (const std::size_t j : near[i]) find_ways(*hulls[i], *hulls[j]);
+}
+
+bool first_is_free(const Hull& hull, const Vector3d& n) {
+  constexpr double kOpposite = 1e-9;  // of the difference of unit vectors
+  constexpr double kFirst = 1e-9;     // of the size
+  if (!hull.any_covered) return true;
+  for (const Hull::Face& face : hull.faces)
+    if ((face.normal + n).norm() < kOpposite) return !face.covered;
+  constexpr double kBehind = 1e-9;  // cosine
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector3d& corner : hull.corners) least = std::min(least, n.dot(corner));
+  const auto first = [&](int i) {
+    return n.dot(hull.corners[static_cast<std::size_t>(i)]) <= least + kFirst * hull.size;
+  };
+  for (const Hull::Edge& edge : hull.edges)
+    if (first(edge.from) && first(edge.to)) return edge.meets(-n);
+  for (std::size_t i = 0; i < hull.ways.size(); ++i)
+    if (first(static_cast<int>(i)))
+      return std::none_of(hull.ways[i].begin(), hull.ways[i].end(),
+                          [&](const Vector3d& way) { return n.dot(way) < -kBehind; });
+  return true;
+}
+
+bool goes_on(const Hull& hull, std::size_t corner, const Vector3d& n) {
+  constexpr double kFlush = 1e-6;  // cosine
+  if (hull.ways.empty()) return false;
+  const std::vector<Vector3d>& ways = hull.ways[corner];
+  return std::any_of(ways.begin(), ways.end(), [&](const Vector3d& way) { return std::abs(n.dot(way)) <= kFlush; });
+}
+
+bool stays_corner(const Hull& hull, const Hull::Face& face, std::size_t k) {
+  constexpr double kFlush = 1e-6;  // cosine, sine
+  const std::size_t count = face.corners.size();
+  const auto at = [&](std::size_t i) -> const Vector3d& {
+    return hull.corners[static_cast<std::size_t>(face.corners[i % count])];
+  };
+  const std::array<Vector3d, 2> own{(at(k + 1) - at(k)).normalized(), (at(k + count - 1) - at(k)).normalized()};
+  const auto corner = static_cast<std::size_t>(face.corners[k]);
+  const auto all_left_of = [&](const Vector3d& d) {
+    const auto left = [&](const Vector3d& w) {
+      const double sine = face.normal.dot(d.cross(w));
+      return std::abs(face.normal.dot(w)) > kFlush || sine > kFlush || (sine >= -kFlush && d.dot(w) > 0);
+    };
+    return std::all_of(own.begin(), own.end(), left) &&
+           (hull.ways.empty() || std::all_of(hull.ways[corner].begin(), hull.ways[corner].end(), left));
+  };
+  if (std::any_of(own.begin(), own.end(), all_left_of)) return true;
+  return !hull.ways.empty() && std::any_of(hull.ways[corner].begin(), hull.ways[corner].end(), [&](const Vector3d& d) {
+    return std::abs(face.normal.dot(d)) <= kFlush && all_left_of(d);
+  });
 }
 
 }  // namespace orthant::spatial

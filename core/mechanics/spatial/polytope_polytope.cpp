@@ -1,59 +1,20 @@
 #include <orthant/core/mechanics/spatial/polytope_polytope.h>
 
-#include <orthant/core/mechanics/spatial/round_shapes.h>
+#include <orthant/core/mechanics/spatial/polytope_side.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
+#include <optional>
 
 namespace orthant::spatial {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kSameFace = 1e-6;  // of the size: the face of b is taken only where it is better than a's by this
 constexpr double kEdges = 1e-5;     // likewise edges instead of faces: shapes that lie on each other have four points
 
-using Corners = std::array<Vector3d, kMostHullPoints>;
-using Clipped = std::array<Vector3d, 2 * kMostHullPoints>;
-
-/// One of the two polytopes, as the other one sees it.
-struct Side {
-  const Hull& hull;
-  const Hull& other;
-  Corners others;  // the other's corners in this frame
-  Matrix3d R;      // the other's frame into this one: x → R x + d
-  Vector3d d;
-  double size;  // [m] of the smaller of the two
-
-  const Vector3d& corner(int i) const { return hull.corners[static_cast<std::size_t>(i)]; }
-  const Vector3d& others_corner(int i) const { return others[static_cast<std::size_t>(i)]; }
-  /// The other's least height over the plane of a face.
-  double gap(const Hull::Face& face) const {
-    double least = kUnbounded;
-    for (std::size_t i = 0; i < other.corners.size(); ++i) least = std::min(least, face.normal.dot(others[i]));
-    return least - face.offset;
-  }
-  /// Calls what(corner, outward direction along the face) for each side of a face; the directions are no unit vectors.
-  template <class What> void each_side(const Hull::Face& face, What&& what) const {
-    for (std::size_t i = 0; i < face.corners.size(); ++i) {
-      const Vector3d& p = corner(face.corners[i]);
-      const Vector3d along = corner(face.corners[(i + 1) % face.corners.size()]) - p;
-      what(p, along.cross(face.normal));
-    }
-  }
-  /// Whether x is over the face, its edges included.
-  bool over(const Hull::Face& face, const Vector3d& x) const {
-    bool within = true;
-    each_side(face, [&](const Vector3d& p, const Vector3d& out) {
-      within = within && out.dot(x - p) <= kSamePoint * size * out.norm();
-    });
-    return within;
-  }
-};
-
 enum class Stand { here, past_a_seam, elsewhere };
-/// Any axis, or those along which they stand on each other: two that are apart, or overlap.
-enum class Ask { any, standing, standing_within };
+/// Any axis, or those along which they stand on each other: two that are apart, or overlap; or faces at which
+/// neighbours of the other come first, past seams.
+enum class Ask { any, standing, standing_within, past_seams };
 
 struct Axis {
   double gap = -kUnbounded;
@@ -68,63 +29,6 @@ struct Axis {
     if (stand == Stand::here) gap = larger, set();
   }
 };
-
-/// Whether a plane that comes to the hull along n, in its frame, meets it before the neighbours there.
-bool first_is_free(const Hull& hull, const Vector3d& n) {
-  constexpr double kOpposite = 1e-6;
-  constexpr double kFirst = 1e-9;  // of the size
-  if (!hull.any_covered) return true;
-  for (const Hull::Face& face : hull.faces)
-    if (face.normal.dot(n) < kOpposite - 1) return !face.covered;
-  constexpr double kBehind = 1e-9;  // cosine
-  double least = kUnbounded;
-  for (const Vector3d& corner : hull.corners) least = std::min(least, n.dot(corner));
-  const auto first = [&](int i) {
-    return n.dot(hull.corners[static_cast<std::size_t>(i)]) <= least + kFirst * hull.size;
-  };
-  for (const Hull::Edge& edge : hull.edges)
-    if (first(edge.from) && first(edge.to)) return edge.meets(-n);
-  for (std::size_t i = 0; i < hull.ways.size(); ++i)
-    if (first(static_cast<int>(i)))
-      return std::none_of(hull.ways[i].begin(), hull.ways[i].end(),
-                          [&](const Vector3d& way) { return n.dot(way) < -kBehind; });
-  return true;
-}
-
-/// The face of the other that is turned to a face most, clipped to the sides of that face; all in the side's frame.
-std::size_t clipped(const Side& s, const Hull::Face& face, Clipped& polygon) {
-  const Vector3d n = s.R.transpose() * face.normal;
-  const Hull::Face* facing = &s.other.faces.front();
-  for (const Hull::Face& f : s.other.faces)
-    if (f.normal.dot(n) < facing->normal.dot(n)) facing = &f;
-  std::size_t count = 0;
-  for (const int i : facing->corners) polygon[count++] = s.others_corner(i);
-  Clipped next;
-  s.each_side(face, [&](const Vector3d& p, const Vector3d& outward) {
-    const Vector3d out = outward.normalized();
-    std::size_t kept = 0;
-    const auto keep = [&](const Vector3d& x) {
-      if (kept < next.size()) next[kept++] = x;
-    };
-    for (std::size_t k = 0; k < count; ++k) {
-      const Vector3d &x = polygon[k], &y = polygon[(k + 1) % count];
-      const double at_x = out.dot(x - p), at_y = out.dot(y - p);
-      if (at_x <= 0) keep(x);
-      if ((at_x < 0 && at_y > 0) || (at_x > 0 && at_y < 0)) keep(x + at_x / (at_x - at_y) * (y - x));
-    }
-    std::copy_n(next.begin(), kept, polygon.begin());
-    count = kept;
-  });
-  return count;
-}
-
-/// Whether a neighbour goes on from the corner in the plane that meets the hull there along n, in its frame.
-bool goes_on(const Hull& hull, std::size_t corner, const Vector3d& n) {
-  constexpr double kFlush = 1e-6;  // cosine
-  if (hull.ways.empty()) return false;
-  const std::vector<Vector3d>& ways = hull.ways[corner];
-  return std::any_of(ways.begin(), ways.end(), [&](const Vector3d& way) { return std::abs(n.dot(way)) <= kFlush; });
-}
 
 /// Whether x is past sides of the face, and all of them are of this kind.
 template <class Kind> bool past_only(const Side& s, const Hull::Face& face, const Vector3d& x, Kind&& kind) {
@@ -146,12 +50,12 @@ Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
     return nearest(x) && (gap > 0 ? s.over(face, x) : s.hull.depth_of(x) <= same);
   };
   const Vector3d n = s.R.transpose() * face.normal;
-  const auto step = [](const Hull::Edge& e) { return e.step; };
+  const auto goes_on_there = [&](const Hull::Edge& e) { return flush(e) || (ask == Ask::standing_within && e.step); };
   bool past = false;
   for (std::size_t i = 0; i < s.other.corners.size(); ++i) {
     const Vector3d& x = s.others[i];
     if (!nearest(x)) continue;
-    if (here(x) || (ask == Ask::standing_within && past_only(s, face, x, step))) return Stand::here;
+    if (here(x) || past_only(s, face, x, goes_on_there)) return Stand::here;
     past = past || goes_on(s.other, i, n) || s.hull.any_covered;
   }
   Clipped polygon;
@@ -160,17 +64,38 @@ Stand stand_of(const Side& s, const Hull::Face& face, double gap, Ask ask) {
   return past ? Stand::past_a_seam : Stand::elsewhere;
 }
 
+/// Whether neighbours of the other reach farther along a face's normal, in the flat surface that they make with the
+/// other's facing face.
+bool deeper_past_seam(const Side& s, const Hull::Face& face, double gap) {
+  if (!s.other.any_covered || first_is_free(s.other, s.R.transpose() * face.normal)) return false;
+  const Hull::Face& theirs = facing(s, face);
+  if (theirs.covered) return false;
+  const std::size_t count = theirs.corners.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double height = face.normal.dot(s.others_corner(theirs.corners[i])) - face.offset;
+    const auto seam = [&](std::size_t k) {
+      return flush(s.other.edges[static_cast<std::size_t>(theirs.edges[k % count])]);
+    };
+    if (height <= gap + kSamePoint * s.size && (seam(i) || seam(i + count - 1))) return true;
+  }
+  return false;
+}
+
 /// The face of the side with the largest gap, of those that `ask` admits.
 Axis best_face(const Side& s, Ask ask) {
   Axis best;
   for (std::size_t f = 0; f < s.hull.faces.size(); ++f) {
     const Hull::Face& face = s.hull.faces[f];
     const double gap = s.gap(face);
-    if (face.covered || !first_is_free(s.other, s.R.transpose() * face.normal))
+    if (ask == Ask::past_seams) {
+      if (gap > best.gap && !face.covered && deeper_past_seam(s, face, gap))
+        best.gap = gap, best.face = static_cast<int>(f);
+    } else if (face.covered || !first_is_free(s.other, s.R.transpose() * face.normal)) {
       best.blocked = std::max(best.blocked, gap);
-    else if (gap > best.gap)
+    } else if (gap > best.gap) {
       best.take(gap, ask == Ask::any ? Stand::here : stand_of(s, face, gap, ask),
                 [&] { best.face = static_cast<int>(f); });
+    }
   }
   return best;
 }
@@ -287,14 +212,44 @@ void span(const Clipped& polygon, std::size_t count, const Hull::Face& face, dou
   take([&](const Vector3d& x) { return -side.dot(x - p); });
 }
 
-/// Contact points on a face. Without `outside` there are none where the other's nearest corner is not over the face.
-TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
+/// Drops corners of a clipped face that only seams make: the neighbours' points span the contact there. Kept are those
+/// where two lines cross that are no seams, and corners of either surface.
+std::size_t without_seams(const Side& s, const Hull::Face& face, std::size_t count, Clipped& polygon) {
+  const double same = kSamePoint * s.size;
+  const Hull::Face& theirs = facing(s, face);
+  const auto made_by_seams = [&](const Vector3d& x) {
+    Vector3d line(0, 0, 0);  // that goes through x
+    bool crossed = false;
+    const auto look = [&](const Hull& hull, const Hull::Face& of, const Vector3d& n, auto&& at) {
+      const std::size_t sides = of.corners.size();
+      for (std::size_t i = 0; i < sides && !crossed; ++i) {
+        const Vector3d p = at(of.corners[i]), along = (at(of.corners[(i + 1) % sides]) - p).normalized();
+        const auto off = [&](const Vector3d& q) { return (x - q - n * n.dot(x - q)).norm(); };
+        if (off(p) <= same && stays_corner(hull, of, i)) crossed = true;
+        if (std::abs(along.cross(n).normalized().dot(x - p)) > same) continue;
+        if (flush(hull.edges[static_cast<std::size_t>(of.edges[i])])) continue;
+        crossed = crossed || line.cross(along).norm() > kParallel;
+        line = along;
+      }
+    };
+    look(s.hull, face, face.normal, [&](int i) { return s.corner(i); });
+    look(s.other, theirs, s.R * theirs.normal, [&](int i) { return s.others_corner(i); });
+    return !crossed;
+  };
+  const auto end = polygon.begin() + static_cast<std::ptrdiff_t>(count);
+  return static_cast<std::size_t>(std::remove_if(polygon.begin(), end, made_by_seams) - polygon.begin());
+}
+
+/// Contact points on a face; none: neighbours have them. Without `outside` nothing where the other's nearest corner is
+/// not over the face or, past seams, a neighbour's.
+std::optional<TouchPoints> on_face(const Side& s, const Axis& axis, bool outside) {
   const Hull::Face& face = s.hull.faces[static_cast<std::size_t>(axis.face)];
   Clipped polygon;
   std::size_t count = clipped(s, face, polygon);
   // The deepest corner over the face may belong to another face than the clipped one.
   double least = kUnbounded;
   for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
+  const auto corners_of_other = static_cast<std::ptrdiff_t>(s.other.corners.size());
   std::size_t deepest = s.other.corners.size();
   const auto take_deepest = [&](double than, auto&& fits) {
     double best = std::min(least, than);
@@ -305,23 +260,44 @@ TouchPoints on_face(const Side& s, const Axis& axis, bool outside) {
   take_deepest(least - kSamePoint * s.size, [&](const Vector3d& x) { return s.over(face, x); });
   // A corner that is not over the face has nothing below it: it is no point of two faces that lie on each other. Edges
   // that meet may be deeper than the part over the face by kEdges.
+  // Past a seam in a flat surface a neighbour has that corner.
   TouchPoints points;
-  if (least - face.offset > axis.gap + 2 * kEdges * s.size) {
-    if (!outside) return points;
-    take_deepest(kUnbounded, [&](const Vector3d& x) { return s.hull.depth_of(x) <= kSamePoint * s.size; });
-    if (least - face.offset > axis.gap + 2 * kEdges * s.size)
-      take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
+  const double nearest = face.offset + axis.gap, same = kSamePoint * s.size;
+  const bool seams = s.hull.any_covered || s.other.any_covered;
+  const auto in_hull = [&](const Vector3d& x) { return s.hull.depth_of(x) <= same; };
+  const auto a_neighbours = [&](const Vector3d& x) {
+    return face.normal.dot(x) <= nearest + same && past_only(s, face, x, flush) && !in_hull(x);
+  };
+  const bool past = seams && (deeper_past_seam(s, face, axis.gap) ||
+                              std::any_of(s.others.begin(), s.others.begin() + corners_of_other, a_neighbours));
+  if (!past && least > nearest + 2 * kEdges * s.size) {
+    if (!outside) return {};
+    take_deepest(kUnbounded, in_hull);
+    if (least > nearest + 2 * kEdges * s.size) take_deepest(kUnbounded, [](const Vector3d& /*x*/) { return true; });
+  }
+  if (seams) {
+    count = without_seams(s, face, count, polygon);
+    least = kUnbounded;
+    for (std::size_t i = 0; i < count; ++i) least = std::min(least, face.normal.dot(polygon[i]));
+    if (!past && deepest == s.other.corners.size() && least > nearest + same)
+      take_deepest(kUnbounded, [&](const Vector3d& x) { return in_hull(x) && !s.over(face, x); });
   }
   if (deepest < s.other.corners.size()) {
     count = std::min(count, polygon.size() - 1);
     polygon[count++] = s.others[deepest];
   }
-  span(polygon, count, face, kSamePoint * s.size, points);
+  if (past) {  // what is below the surface, but not in the polytope, is in a neighbour
+    const auto end = polygon.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto out = [&](const Vector3d& x) { return face.normal.dot(x) < face.offset && !in_hull(x); };
+    count = static_cast<std::size_t>(std::remove_if(polygon.begin(), end, out) - polygon.begin());
+  }
+  if (count > 0) span(polygon, count, face, kSamePoint * s.size, points);
   return points;
 }
 
-/// Of two polytopes apart, in a's frame. None: at a covered face or edge.
-TouchPoints nearest_points(const Side& a, const Side& b) {
+/// Of two polytopes apart, in a's frame. None: at a covered face or edge. Nothing: so near that their distance has no
+/// direction.
+std::optional<TouchPoints> nearest_points(const Side& a, const Side& b) {
   double least = kUnbounded;
   TouchPoint best;
   const auto take = [&](const Vector3d& on_a, const Vector3d& on_b) {
@@ -344,30 +320,37 @@ TouchPoints nearest_points(const Side& a, const Side& b) {
       take(x.at(s), y.at(t));
     }
   TouchPoints points;
+  if (least <= kSamePoint * kSamePoint * a.size * a.size) return {};
   best = grown(best.on_a, 0, best.on_b, 0);
   if (first_is_free(a.hull, best.n) && first_is_free(b.hull, -(a.R.transpose() * best.n))) points.add(best);
   return points;
 }
 
-/// The points along the best of these axes, in a's frame. None: along that axis neither stands on the other, and
+/// The points along the best of these axes, in a's frame. Nothing: along that axis neither stands on the other, and
 /// `outside` is false.
-TouchPoints points_of(const Side& a, const Side& b, const Axes& axes, bool outside) {
-  TouchPoints points;
+std::optional<TouchPoints> points_of(const Side& a, const Side& b, const Axes& axes, bool outside) {
   if (const Axis& edges = axes.edges; edges.ours != nullptr && edges.gap > axes.faces() + kEdges * a.size) {
     const Lines lines(a, *edges.ours, *edges.theirs);
-    if (!outside && !lines.cross()) return points;
+    if (!outside && !lines.cross()) return {};
     const Segment x{lines.p, lines.p + lines.u}, y{lines.q, lines.q + lines.w};
     const Vector3d on_a = x.at(nearest(x, y).first);  // on the edge where they are almost parallel, too
+    TouchPoints points;
     points.add({-edges.n, on_a, on_a + edges.gap * edges.n, edges.gap});
     return points;
   }
   if (axes.face_b.gap <= axes.face_a.gap + kSameFace * a.size) return on_face(a, axes.face_a, outside);
-  points = on_face(b, axes.face_b, outside);
-  for (int i = 0; i < points.count; ++i) {
-    TouchPoint& p = points.points[static_cast<std::size_t>(i)];
+  std::optional<TouchPoints> points = on_face(b, axes.face_b, outside);
+  for (int i = 0; points && i < points->count; ++i) {
+    TouchPoint& p = points->points[static_cast<std::size_t>(i)];
     p = {-(a.R * p.n), a.R * p.on_b + a.d, a.R * p.on_a + a.d, p.gap};
   }
   return points;
+}
+
+double least_gap(const TouchPoints& points) {
+  double least = kUnbounded;
+  for (int i = 0; i < points.count; ++i) least = std::min(least, points.points[static_cast<std::size_t>(i)].gap);
+  return least;
 }
 
 }  // namespace
@@ -378,20 +361,26 @@ TouchPoints touch_polytopes(const Hull& a, const Hull& b, const Matrix3d& R, con
   for (std::size_t i = 0; i < b.corners.size(); ++i) of_a.others[i] = R * b.corners[i] + d;
   for (std::size_t i = 0; i < a.corners.size(); ++i) of_b.others[i] = R.transpose() * (a.corners[i] - d);
   Axes axes = best_axes(of_a, of_b, Ask::any);
-  const double blocked = axes.blocked();
-  TouchPoints points;
+  const double blocked = axes.blocked(), most = std::max(blocked, axes.gap());
   if (axes.gap() > -kUnbounded && blocked <= axes.gap() + (blocked > 0 ? 0 : kSameFace * size)) {
-    points = points_of(of_a, of_b, axes, false);
-    if (points.count > 0) return points;
-    if (axes.gap() > 0) return nearest_points(of_a, of_b);
+    if (const auto points = points_of(of_a, of_b, axes, false)) return *points;
+    if (axes.gap() > 0)
+      if (const auto points = nearest_points(of_a, of_b)) return *points;
     const Axes standing = best_axes(of_a, of_b, Ask::standing_within);
-    if (standing.gap() > axes.gap() - kEdges * size) points = points_of(of_a, of_b, standing, true);
-    if (points.count > 0) return points;
-    if (blocked < axes.gap() - kSameFace * size) return points_of(of_a, of_b, axes, true);
+    if (standing.gap() > axes.gap() - kEdges * size)
+      if (const auto points = points_of(of_a, of_b, standing, true); points->count > 0) return *points;
+    if (blocked < axes.gap() - kSameFace * size) return *points_of(of_a, of_b, axes, true);
   }
   axes = best_axes(of_a, of_b, blocked > 0 ? Ask::standing : Ask::standing_within);
-  if (axes.gap() == -kUnbounded || axes.passed() > axes.gap() + kSameFace * size) return points;
-  return points_of(of_a, of_b, axes, true);
+  TouchPoints points;
+  if (axes.gap() > -kUnbounded && axes.passed() <= axes.gap() + kSameFace * size)
+    points = *points_of(of_a, of_b, axes, true);
+  if (points.count > 0 && least_gap(points) >= -size / 2) return points;
+  // Deeper there is no telling which way is out.
+  axes = {best_face(of_a, Ask::past_seams), best_face(of_b, Ask::past_seams), {}};
+  constexpr double kDeeper = 4;
+  if (axes.gap() == -kUnbounded || axes.gap() < (most > 0 ? 0 : kDeeper * most) - kSameFace * size) return {};
+  return *points_of(of_a, of_b, axes, true);
 }
 
 }  // namespace orthant::spatial

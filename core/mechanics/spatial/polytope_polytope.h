@@ -6,7 +6,8 @@
 //   Polytopes apart, where neither stands on the other along that axis: the nearest points, their distance.
 //   Next to neighbours in the same body (exposure.h), axes of covered faces and edges give no contact. Where the
 //   polytopes overlap least along one of these, a contact is along an axis at which one of them stands on the other.
-//   Where there is no such axis, a neighbour has the contact.
+//   Where there is no such axis, a neighbour has the contact. Flush faces of neighbours have the points of the one face
+//   that they make: each those of its corners and crossed lines that lie over it, none at seams between them.
 // Cost: O(faces · corners + edges²) a call; polytopes apart and beside each other's faces: three times that.
 // Source: Ericson, Real-Time Collision Detection (2005), ch. 5; Gregorius, The separating axis test between convex
 // polyhedra (GDC 2013).

@@ -2,6 +2,7 @@
 
 #include "experiments/support/isolated.h"
 
+#include <orthant/core/mechanics/spatial/friction_impulse.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
@@ -71,7 +72,8 @@ double belt_work(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& mo
   double work = 0;
   for (int i = 0; i < system.listed(); ++i) {
     const SurfaceLaw& s = system.law(i).surface;
-    work += (s.velocity.norm() + 10 * s.omega.norm()) * size_of(moment.impulses[static_cast<std::size_t>(i)].tangent);
+    const Tangents tangent = along_unit_tangents(system.law(i), moment.impulses[static_cast<std::size_t>(i)].tangent);
+    work += (s.velocity.norm() + 10 * s.omega.norm()) * size_of(tangent);
   }
   return work;
 }

@@ -93,7 +93,10 @@ TEST_CASE("a sleeping island in space wakes on a strike and on a load, and never
   check_wakes(pushed);
 
   spatial::Scene belt = cubes();  // under cubes that are held: not at rest
-  for (spatial::Contact& c : belt.contacts) std::get<spatial::SpherePlane>(c).law.surface.velocity = {1e-3, 0, 0};
+  for (spatial::Contact& c : belt.contacts) {
+    auto& wall = std::get<spatial::SpherePlane>(c);
+    wall.law.surface.velocity = 1e-3 * spatial::perpendicular(wall.normal);
+  }
   for (const BodyId b : {0, 1})
     belt.joint(spatial::Prismatic{
         .name = "held" + std::to_string(b), .b = b, .axis = up, .orientation = belt.bodies[0].orientation});

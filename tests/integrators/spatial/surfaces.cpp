@@ -222,3 +222,17 @@ surface = {velocity = [1, 0, 0], omega = [0, 0, 2], centre = [0.5, 0, 0]}
                                                .c_str()),
                          std::invalid_argument);
 }
+
+TEST_CASE("orthotropic friction: an impact that slides square to `direction` reports mu_across times its impulse") {
+  const ContactLaw law{.mu = 0.1, .surface = {.mu_across = 0.2, .direction = {1, 0, 0}}};
+  const SpatialSystem system(ball_on(kTilted, {0, 0, 0.1}, {0, 5, -1}, {0, 0, 0}, law));
+  int impacts = 0;
+  run_in_space(system, "event-driven", 1e-2, 0.2, [&](const RunSampleOf<Spatial>& moment) {
+    for (const Event& e : moment.events)
+      if (e.kind == EventKind::impact && e.normal > 1) {
+        ++impacts;
+        CHECK(std::abs(e.tangent - 0.2 * e.normal) < 1e-9 * e.normal);
+      }
+  });
+  CHECK(impacts == 1);
+}

@@ -68,6 +68,7 @@ void SpatialReader::body(Fields& f) {
   const bool turned = f.maybe("angle", angle), about = f.direction("axis", axis);
   if (written && (turned || about))
     f.refuse("orientation", *f.table().get("orientation"), "left out where \"angle\" and \"axis\" are given");
+  if (about && !turned) f.refuse("axis", *f.table().get("axis"), "left out, or given with \"angle\"");
   if (turned) b.orientation = quaternions::exponential(angle * axis).normalized();
   f.maybe("velocity", b.velocity), f.maybe("omega", b.omega);
   if (b.name.empty()) f.refuse("name", *f.table().get("name"), "of letters, digits, _ and -");

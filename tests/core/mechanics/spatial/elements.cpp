@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <numbers>
+
 using namespace orthant;
 
 namespace {
@@ -24,6 +26,18 @@ spatial::Scene two_bodies() {
             .omega = some(30 + i)});
   }
   return s;
+}
+
+/// The orientation of b in a, turned by 1 rad.
+Eigen::Vector4d off_by_one(const spatial::Scene& scene, BodyId a, BodyId b) {
+  const auto of = [&](BodyId body) {
+    const Eigen::Vector4d q =
+        body < 0 ? Eigen::Vector4d(1, 0, 0, 0) : scene.bodies[static_cast<std::size_t>(body)].orientation;
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+  };
+  const Eigen::Quaterniond q =
+      of(a).conjugate() * of(b) * Eigen::Quaterniond(Eigen::AngleAxisd(1, some(6).normalized()));
+  return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
 /// Joints whose rows are exact at every pose.
@@ -70,9 +84,16 @@ constexpr double kStep = 1e-5;
 TEST_CASE("rows of spatial joints are the derivatives of their residuals, biases those of their rates") {
   for (const BodyId other : {1, kGround})
     for (const bool first : {true, false})
-      for (const spatial::Joint& joint : first ? joints(0, other) : joints(other, 0)) {
+      for (spatial::Joint joint : first ? joints(0, other) : joints(other, 0)) {
         CAPTURE(std::visit([](const auto& j) { return j.name; }, joint));
         spatial::Scene scene = two_bodies();
+        std::visit(
+            [&](auto& j) {
+              if constexpr (requires { j.orientation; }) j.orientation = off_by_one(scene, j.a, j.b);
+              if constexpr (requires { j.axis_a; })
+                j.axis_b = quaternions::matrix_of(off_by_one(scene, j.a, j.b)).transpose() * j.axis_a;
+            },
+            joint);
         scene.joint(joint);
         Fixture f(scene);
         const std::vector<RowOf<Spatial>> G = f.at(f.x.q).G;
@@ -210,6 +231,7 @@ TEST_CASE("angles in space are those of the plane where both axes are z, and are
 TEST_CASE("spatial scenes are checked: element, field, value and rule") {
   const auto refusal = [](auto&& spoil) -> std::string {
     spatial::Scene scene = two_bodies();
+    for (spatial::Body& body : scene.bodies) body.orientation = {1, 0, 0, 0};
     scene.joint(spatial::Revolute{"pin", 0, 1});
     scene.contact(spatial::SpherePlane{.name = "floor", .a = 0});
     spoil(scene);
@@ -235,6 +257,43 @@ TEST_CASE("spatial scenes are checked: element, field, value and rule") {
         }) == "joint \"pin\": axis_b = (0, 0, 2): must be a unit vector");
   CHECK(refusal([](Scene& s) { std::get<spatial::Revolute>(s.joints[0]).b = 0; }) ==
         "joint \"pin\": joins body \"body1\" to itself: must be two different bodies");
+  CHECK(
+      refusal([](Scene& s) {
+        std::get<spatial::Revolute>(s.joints[0]).axis_b = {0, 0, -1};
+      }) ==
+      "joint \"pin\": axis_b = (0, 0, -1): must be less than 90 degrees from the axis of the first body at the start; "
+      "it is 180 degrees off. Reverse an axis, or set assemble = true to turn the bodies");
+  CHECK(refusal([](Scene& s) {
+          s.assemble = true;
+          std::get<spatial::Revolute>(s.joints[0]).axis_b = {0, 0, -1};
+        }).empty());
+  for (const auto& [degrees, refused] : {std::pair{89.0, false}, {91.0, true}, {-120.0, true}, {180.0, true}}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const Eigen::Vector4d turned(std::cos(angle / 2), std::sin(angle / 2), 0, 0);
+    const spatial::Joint kinds[] = {spatial::Revolute{"j", 0, 1}, spatial::Cylindrical{"j", 0, 1},
+                                    spatial::PlaneJoint{"j", 0, 1}, spatial::Prismatic{"j", 0, 1},
+                                    spatial::Fixed{"j", 0, 1}};
+    for (const spatial::Joint& kind : kinds)
+      CHECK(refusal([&](Scene& s) { s.joints = {kind}, s.bodies[1].orientation = turned; }).empty() != refused);
+    CHECK(refusal([&](Scene& s) {
+            s.joints = {spatial::Universal{"j", 0, 1}}, s.bodies[1].orientation = turned;
+          }).empty());
+  }
+  spatial::Universal along{"j", 0, 1};
+  along.axis_a = along.axis_b = {0, 0, 1};
+  CHECK(refusal([&](Scene& s) { s.joints = {along}; }).find("must be at right angles") != std::string::npos);
+  const auto on_surface = [&](const SurfaceLaw& surface) {
+    return refusal([&](Scene& s) {
+      auto& wall = std::get<spatial::SpherePlane>(s.contacts[0]);
+      wall.law.mu = 0.3, wall.law.surface = surface;
+    });
+  };
+  CHECK(on_surface({.velocity = {1, 2, 0}, .omega = {0, 0, -3}}).empty());
+  CHECK(on_surface({.velocity = {1, 0, 1e-3}}) ==
+        "contact \"floor\": velocity = (1, 0, 0.001): must be along the wall: the surface moves along itself");
+  CHECK(on_surface({.omega = {0, 1e-3, 1}}).find("must be along the wall's normal") != std::string::npos);
+  CHECK(on_surface({.mu_across = 0.1, .direction = {0, 0, 1}}).find("a direction along the wall") != std::string::npos);
+  CHECK(on_surface({.mu_across = 0.1, .direction = Vector3d(1, 0, 1).normalized()}).empty());
   CHECK(refusal([](Scene& s) { std::get<spatial::SpherePlane>(s.contacts[0]).radius = -1; }) ==
         "contact \"floor\": radius = -1: must be >= 0");
   CHECK(refusal([](Scene& s) { std::get<spatial::SpherePlane>(s.contacts[0]).law.belt = 1; }).find("planar only") !=
