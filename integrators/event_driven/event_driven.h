@@ -32,7 +32,8 @@
 //   A contact that separates no faster than bodies fall within this step lasts. The error is of first order: speeds
 //   times the length of the step. Runs without crowds have none.
 //   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the
-//   accelerations; impulses of lasting contacts and work to 1e3 rtol of their sums (stage_quadrature.h). An event's time is found to rounding of the event function.
+//   accelerations. Impulses of lasting contacts and work: 1e3 rtol of their sums (stage_quadrature.h). An event's time
+//   is found to rounding of the event function.
 //   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³,
 //   δ the distance: such poses are passed over in one step, no stage of which is very near. A state requested there is
 //   returned, but the next step starts where the last one did (with lasting contacts: from the requested state).

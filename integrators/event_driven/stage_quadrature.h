@@ -5,8 +5,8 @@
 //   by the embedded methods there.
 //   The error of a step is not that of q and v alone: a body that sticks to a belt, or that a drive moves, goes on the
 //   same way though a force on it jumps within the step (a spring passes through the length zero). Impulses and work
-//   show it. They are held to a share of what the run has summed up so far, and of what f would sum up in that
-//   time; and to no less than rounding of f.
+//   show it. They are held to a share of what the run has summed up so far, and of what f would sum up in that time,
+//   and to no less than rounding of f.
 #pragma once
 
 #include <orthant/integrators/checkpoint.h>
@@ -29,7 +29,7 @@ class StageQuadrature {
         third_(first_),
         noise_(first_) {}
 
-  // --- A step ---------------------------------------------------------------------------------------------------------
+  // --- A step --------------------------------------------------------------------------------------------------------
 
   void begin(const Eigen::VectorXd& first) { first_ = first; }  // f at the start of the step
   /// write(column): adds f at a stage, the first of which has the number 1, to zeros.
@@ -49,7 +49,7 @@ class StageQuadrature {
   double at_stage(std::size_t stage, Index i) const { return first_[i] + d_(i, static_cast<Index>(stage)); }
   const Eigen::MatrixXd& differences() const { return d_; }  // f_i − f_1, a column each; the first is not used
 
-  // --- Its error ------------------------------------------------------------------------------------------------------
+  // --- Its error -----------------------------------------------------------------------------------------------------
 
   /// What a change of the coordinates by rounding makes of f at the start of the step: here it is `f`.
   void measure_noise(const Eigen::VectorXd& f) { noise_ = (f - first_).cwiseAbs(); }

@@ -2,10 +2,11 @@
 // joints immobilise.
 //
 // No impulse moves what joints immobilise (immobility.h). Such a contact has no rows, and its rates are what the joints
-// make them; one whose tangent alone is immobile has no friction. Where the joints' drives press it shut before the step
-// ends it has a row of zeros with that rate, and the judge proves the contradiction. Combinations of contacts, too: where rounding, the
-// discretisation or restitution make their rates inconsistent, targets give way by just as much, and the problem is
-// solved again. A proof that is no such combination is due to rounding alone: numerical_error, never infeasible.
+// make them; one of which the tangent alone is immobile has no friction. Where the joints' drives press it shut before
+// the step ends it has a row of zeros with that rate, and the judge proves the contradiction. Combinations of contacts,
+// too: where rounding, the discretisation or restitution make their rates inconsistent, targets give way by just as
+// much, and the problem is solved again. A proof that is no such combination is due to rounding alone: numerical_error,
+// never infeasible.
 #pragma once
 
 #include <orthant/integrators/step/immobility.h>

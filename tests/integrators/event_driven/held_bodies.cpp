@@ -1,4 +1,4 @@
-// Bodies that are held, by a belt or a drive, while a force on them jumps: impulses and work, in the plane and in space.
+// Impulses and work of bodies that a belt or a drive holds while a force on them jumps, in the plane and in space.
 #include "tests/support/runs.h"
 #include "tests/support/spatial.h"
 
