@@ -1,6 +1,7 @@
 // What a run in space is watched for: overlap, energy balance, work, shapes that pass through each other.
 #include "tests/support/spatial.h"
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/mechanics/spatial/solid.h>
 
 #include <doctest/doctest.h>
