@@ -39,11 +39,6 @@ class SpatialFlow {
   }
   const Eigen::VectorXd& path() const { return rk_.path(); }  // φ at its end
   const Eigen::VectorXd& push() const { return push_; }       // [N s, J] in it
-  /// Impulses and work of the accepted steps, to which share relates the error of those of the step of s.
-  double error_of_push(double s, double share) { return quadrature_.error(s, share); }
-  void take(double s) { quadrature_.take(s); }
-  void restart() { quadrature_.restart(); }
-  void remember(CheckpointData& memory) { memory(quadrature_); }
 
   /// What within() needs, of an arc in the modes of `motion`.
   bool extend(SpatialMotion& motion, const SpatialArc& arc);

@@ -13,11 +13,8 @@ constexpr double kStable = 0.5;       // of the time in which the direction of s
 constexpr double kTurnShare = 10;     // of rtol: of speeds, and of what friction makes in a second
 constexpr double kStopShare = 0.95;   // of the time until slip stops
 constexpr int kShortInARow = 15, kMostTries = 200;
-constexpr double kPushShare = 1e3;        // of rtol: error allowed to impulses and work, of their sums
-constexpr double kLeastPushShare = 1e-8;  // likewise, at the least
-constexpr double kPushShortens = 1e-9;    // a step by this error, at the most
-constexpr double kShortStep = 1e-10;      // [s]
-constexpr double kSoonAgain = 50;         // crossings: no calm has come since the last one
+constexpr double kShortStep = 1e-10;  // [s]
+constexpr double kSoonAgain = 50;     // crossings: no calm has come since the last one
 
 }  // namespace
 
@@ -68,7 +65,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
 
 void SpatialEventDriven::remember(CheckpointData& memory) {
   memory(time_, next_, begun_, load_, flight_, now_.q, now_.v, arc_, last_, crowd_.steps, crowd_.standstill,
-         crowd_.length, crowd_.end, bounces_, motion_, transition_, formulation_, impact_, stepping_, turns_, flow_);
+         crowd_.length, crowd_.end, bounces_, motion_, transition_, formulation_, impact_, stepping_, turns_);
   memory(now_.residual.joint, now_.residual.rate, now_.residual.off);
   fresh_ = false;
 }
@@ -83,7 +80,7 @@ bool SpatialEventDriven::goes_on(const State& x) const {
 void SpatialEventDriven::restart(const State& x) {
   now_.q = x.q, now_.v = x.v;
   next_ = options_.first_step;
-  turns_.restart(), flow_.restart();
+  turns_.restart();
   begun_ = fresh_ = false;
   std::fill(bounces_.begin(), bounces_.end(), DatedBounces{});
   crowd_ = {}, flight_ = {};
@@ -211,9 +208,7 @@ double SpatialEventDriven::attempt(double s) {
         .setConstant(atol +
                      rtol * std::max(rotation<Spatial>(now_.v, i).norm(), rotation<Spatial>(trial_.v, i).norm()));
   }
-  double error = flow_.error(s, path_scale_, v_scale_);
-  if (error <= 1 && s > free_of_push_)
-    error = std::max(error, flow_.error_of_push(s, std::max(kLeastPushShare, kPushShare * rtol)));
+  const double error = flow_.error(s, path_scale_, v_scale_);
   if (!(error <= 1)) return std::isnan(error) ? kInf : error;
   path_ = flow_.path();
   trial_.residual = motion_.project(time_ + s, trial_.q, trial_.v);
@@ -271,7 +266,6 @@ bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
   if (!(next_ > 0)) next_ = first_guess();
   start_.t = time_, start_.q = now_.q, start_.v = now_.v;
   double s = std::min(next_, longest(std::min(h, rest)));
-  free_of_push_ = kPushShortens * s;
   double error = kInf;
   for (;;) {
     error = attempt(s);
@@ -332,7 +326,6 @@ void SpatialEventDriven::accept(double s, bool at_stop, double stop) {
   crowd_.steps = s < kShortStep ? crowd_.steps + 1 : 0;
   crowd_.standstill = time_ > before ? 0 : crowd_.standstill + 1;
   const Eigen::VectorXd& push = flow_.push();
-  flow_.take(s);
   for (const int c : motion_.lasting()) {
     Impulse& sum = impulses_[static_cast<std::size_t>(c)];
     sum.normal += push[3 * c], sum.tangent += Tangents{push[3 * c + 1], push[3 * c + 2]};

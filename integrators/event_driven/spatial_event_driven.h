@@ -174,9 +174,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   double stop_ = kInf;                  // [s] forces are not looked at later in this step
   bool begun_ = false, fresh_ = false;  // the modes are decided; now_ is observed
   bool no_answer_ = false;              // an instant has no answer that could be computed
-  double free_of_push_ = 0;       // [s] the error of impulses and work, which may be rounding, counts in longer steps
-  double load_ = 0;               // [N] the largest normal force since the modes were decided
-  double work_ = 0, effort_ = 0;  // [J] of this call; the sum of the parts' absolute values
+  double load_ = 0;                     // [N] the largest normal force since the modes were decided
+  double work_ = 0, effort_ = 0;        // [J] of this call; the sum of the parts' absolute values
   Point now_, trial_;
   std::vector<Sign> dismissed_;  // of the trial step: signs that are rounding
   SpatialArc arc_;
