@@ -64,10 +64,12 @@ exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
   return w;
 }
 
-/// v_i where it is positive, summed in rationals.
+/// v_i where it is positive, summed in rationals. What is smaller than any double is no zero.
 double exactly_wrong_by(const Lcp& problem, Index i, const Vector& z, double lo, double hi) {
   const exact::Rational w = exact_w(problem, i, z);
-  return exact::nearest(z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w)));
+  const exact::Rational v = z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w));
+  const double nearest = exact::nearest(v);
+  return nearest == 0 && v > 0 ? std::numeric_limits<double>::denorm_min() : nearest;
 }
 
 Miss::Against against(double z, double lo, double hi) {

@@ -262,6 +262,12 @@ TEST_CASE("a row is judged in its own unit") {
   }
 }
 
+TEST_CASE("a row is not solved that is off by less than any double, where the rule allows nothing") {
+  Lcp p = pair({1, -5e-324, 0, 0}, Vector{0, 0});  // w_0 = z_0 + 2^-2148 at z_1 = -2^-1074, which is fixed
+  p.lo = Vector{-kInf, -5e-324}, p.hi = Vector{kInf, -5e-324};
+  CHECK(verdict(p, Vector{0, -5e-324}) == Status::rounded);
+}
+
 TEST_CASE("data that overflow are never solved") {
   CHECK(verdict(scalar(1e307, -1, 50), Vector{0}) != Status::solved);
   CHECK(verdict(scalar(1e308, -1, 100), Vector{100}) != Status::solved);
