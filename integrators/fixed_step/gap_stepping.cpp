@@ -74,8 +74,6 @@ template <class Space> bool GapSteppingOf<Space>::missed(Step& step) {
   if (terms.closed.empty() || step.v == flight_) return false;
   const double h = step.h;
   const std::size_t before = step.joined.size(), taking_part = terms.closed.size();
-  double struck = 0;  // [m/s] with which others strike: at about this speed impacts send on bodies at rest
-  for (const RateTargetOf<Space>& w : step.targets) struck = std::max(struck, std::abs(w.approach));
   for (int i = 0, next = 0; i < step.system.contacts(); ++i) {
     if (static_cast<std::size_t>(next) < taking_part && terms.closed[static_cast<std::size_t>(next)].contact == i) {
       ++next;
@@ -89,7 +87,7 @@ template <class Space> bool GapSteppingOf<Space>::missed(Step& step) {
     const auto belt = belt_of(step.system.law(i), c.rows);
     if (rate < apply(c.rows.normal, flight_.data()) && rate < least(step, c, step.v) - near / h &&
         terms.gap[i] <= h * (speed<Space>(c.rows, step.x.v, belt) + speed<Space>(c.rows, flight_, belt) +
-                             largest_change<Space>(c.rows.normal, flight_, step.x.v) + struck) +
+                             largest_change<Space>(c.rows.normal, flight_, step.x.v)) +
                             near)
       step.joined.push_back(i);
   }
