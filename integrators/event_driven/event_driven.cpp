@@ -48,6 +48,8 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
       force_(2 * system.contacts() + 1),
       before_(impulses_.size()),
       conservative_(conserves(system)),
+      carries_(system.driven() ||
+               std::ranges::any_of(system.laws(), [](const ContactLaw& law) { return law.belt != 0; })),
       shown_(&formulation_) {
   formulation_.refine(), impact_.refine();
   stepping_.keep_restitution();

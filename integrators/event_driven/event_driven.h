@@ -32,7 +32,7 @@
 //   A contact that separates no faster than bodies fall within this step lasts. The error is of first order: speeds
 //   times the length of the step. Runs without crowds have none.
 //   Smooth error per step: rtol |y_i| + atol, y = (q, v), or what rounding of the coordinates makes of the
-//   accelerations. Impulses of lasting contacts and work: 1e3 rtol of their sums (stage_quadrature.h). An event's time
+//   accelerations. The work of drives and moving surfaces: 1e3 rtol of its sum (stage_quadrature.h). An event's time
 //   is found to rounding of the event function.
 //   Next to singular poses of the joints (dependent rows) velocities are known to ε/δ² only and accelerations to ε/δ³,
 //   δ the distance: such poses are passed over in one step, no stage of which is very near. A state requested there is
@@ -284,6 +284,7 @@ class EventDriven final : public Integrator {
   std::vector<ContactMode> before_;
   std::vector<RateTarget> targets_;
   const bool conservative_;   // nothing but contacts dissipates, and nothing is driven
+  const bool carries_;        // drives or moving surfaces do work
   const Formulation* shown_;  // by problem(); null: the transition
 };
 

@@ -4,9 +4,9 @@
 //   ∫ f dt = s (f_1 + Σ b_i (f_i − f_1)),  f: the forces [N] and the power [W] at the stages of dormand_prince.h; error
 //   by the embedded methods there.
 //   The error of a step is not that of q and v alone: a body that sticks to a belt, or that a drive moves, goes on the
-//   same way though a force on it jumps within the step (a spring passes through the length zero). Impulses and work
-//   show it. They are held to a share of what the run has summed up so far, and of what f would sum up in that time,
-//   and to no less than rounding of f.
+//   same way though a force on it jumps within the step (a spring passes through the length zero). The work shows it.
+//   It is held to a share of what the run has summed up so far, and of what the power would sum up in that time, and to
+//   no less than rounding of the power.
 #pragma once
 
 #include <orthant/integrators/checkpoint.h>
@@ -24,10 +24,7 @@ class StageQuadrature {
   explicit StageQuadrature(Index size, std::size_t stages = dormand_prince::kStages)
       : d_(Eigen::MatrixXd::Zero(size, static_cast<Index>(stages))),
         first_(Eigen::VectorXd::Zero(size)),
-        mean_(first_),
-        fifth_(first_),
-        third_(first_),
-        noise_(first_) {}
+        mean_(first_) {}
 
   // --- A step --------------------------------------------------------------------------------------------------------
 
@@ -52,38 +49,27 @@ class StageQuadrature {
   // --- Its error -----------------------------------------------------------------------------------------------------
 
   /// What a change of the coordinates by rounding makes of f at the start of the step: here it is `f`.
-  void measure_noise(const Eigen::VectorXd& f) { noise_ = (f - first_).cwiseAbs(); }
-  void forget_noise() { noise_.setZero(); }
+  void measure_noise(const Eigen::VectorXd& f) { noise_ = std::abs(f[f.size() - 1] - first_[f.size() - 1]); }
+  void forget_noise() { noise_ = 0; }
 
-  /// Of the step of s [s]: the largest error over what is allowed. share: of the sums of impulses and of work so far.
-  double error(double s, double share) {
-    fifth_.setZero(), third_.setZero();
-    add(dormand_prince::kE, fifth_), add(dormand_prince::kE3, third_);
-    const Index forces = d_.rows() - 1;
-    const auto largest = [&](Index from, Index count) {
-      if (count == 0) return 0.0;
-      return std::max(first_.segment(from, count).cwiseAbs().maxCoeff(),
-                      d_.block(from, 0, count, kStages).cwiseAbs().maxCoeff());
-    };
-    const double length = std::max(s, time_);
-    const double impulses = impulse_ + length * largest(0, forces), work = work_ + length * largest(forces, 1);
-    double most = 0;
-    for (Index i = 0; i <= forces; ++i) {
-      const double e = fifth_[i] * fifth_[i];
-      if (e == 0) continue;
-      const double allowed = share * (i < forces ? impulses : work) + s * kNoise * noise_[i];
-      most = std::max(most, s * e / std::sqrt(e + 0.01 * third_[i] * third_[i]) / allowed);
-    }
-    return most;
+  /// Of the work in the step of s [s], over what is allowed. share: of the work so far.
+  double error(double s, double share) const {
+    const Index power = d_.rows() - 1;
+    const auto row = d_.row(power).head(kStages);
+    double fifth = 0, third = 0;
+    for (Index i = 1; i < kStages; ++i)
+      fifth += dormand_prince::kE[static_cast<std::size_t>(i)] * row[i],
+          third += dormand_prince::kE3[static_cast<std::size_t>(i)] * row[i];
+    if (fifth == 0) return 0;
+    const double largest = std::max(std::abs(first_[power]), row.cwiseAbs().maxCoeff());
+    const double allowed = share * (work_ + std::max(s, time_) * largest) + s * kNoise * noise_;
+    return s * fifth * fifth / std::hypot(fifth, 0.1 * third) / allowed;
   }
 
   /// The step of s [s] is taken.
-  void take(double s) {
-    const Index forces = mean_.size() - 1;
-    time_ += s, impulse_ += s * mean_.head(forces).cwiseAbs().sum(), work_ += s * std::abs(mean_[forces]);
-  }
-  void restart() { time_ = impulse_ = work_ = 0, forget_noise(); }
-  void remember(CheckpointData& memory) { memory(time_, impulse_, work_); }
+  void take(double s) { time_ += s, work_ += s * std::abs(mean_[mean_.size() - 1]); }
+  void restart() { time_ = work_ = 0, forget_noise(); }
+  void remember(CheckpointData& memory) { memory(time_, work_); }
 
  private:
   static constexpr double kNoise = 10;
@@ -95,8 +81,9 @@ class StageQuadrature {
   }
 
   Eigen::MatrixXd d_;
-  Eigen::VectorXd first_, mean_, fifth_, third_, noise_;
-  double time_ = 0, impulse_ = 0, work_ = 0;  // [s, N s, J] summed up so far
+  Eigen::VectorXd first_, mean_;
+  double noise_ = 0;            // [W]
+  double time_ = 0, work_ = 0;  // [s, J] summed up so far
 };
 
 }  // namespace orthant

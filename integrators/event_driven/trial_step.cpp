@@ -15,7 +15,7 @@ constexpr double kJump = 1e-4;      // of the largest normal force: more within 
 constexpr double kFarBack = 1e5;    // instants before a jump from which a step may go across it: some 1e-10 of the time
 constexpr double kShortest = 8;     // roundings of the time: no shorter step tells when
 constexpr double kBehind = 1e4;     // roundings of a gap: how far behind the place where its normal jumps
-constexpr double kSumsShare = 1e3;  // of rtol: error allowed to impulses and work, of their sums
+constexpr double kSumsShare = 1e3;  // of rtol: error allowed to the work, of its sum
 constexpr double kLeastSumsShare = 1e-9;  // likewise, at the least
 constexpr double kMuch = 1e9;             // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;      // of a step: the widest interval without a stage of the method is around it
@@ -30,7 +30,7 @@ double EventDriven::error_of_step(double s) {
   if (turns(s)) return kMuch;
   const double error = rk_.error(s, scale_.q, scale_.v);
   if (joints_.least_independence >= kSingular || joints_.rank < system_.joint_rows()) {
-    if (!(error <= 1) || (motion_.lasting().empty() && !meter_)) return error;
+    if (!(error <= 1) || !carries_) return error;
     return std::max(error, flow_.error(s, std::max(kLeastSumsShare, kSumsShare * options_.rtol)));
   }
   return error / std::max(1.0, 1e-16 * std::pow(joints_.least_independence, -1.5) / options_.rtol);
