@@ -3,6 +3,7 @@
 #include "experiments/studies/motion_storm/closed_rows.h"
 #include "experiments/studies/motion_storm/painleve.h"
 #include "experiments/studies/motion_storm/scene_runs.h"
+#include "experiments/studies/motion_storm/scenes.h"
 #include "experiments/studies/motion_storm/shared_load.h"
 
 #include <orthant/core/support/options.h>
@@ -44,7 +45,8 @@ const SpatialTwin kSpatialTwins[] = {{.name = "turned", .turn = {0.7, -0.4, 1.1}
 
 template <class Space> const TwinOf<Space>& twin_number(std::uint64_t number) {
   if constexpr (kPlanar<Space>)
-    return kTwins[number % std::size(kTwins)];
+    return of_further_kinds(number) ? kTwins[(number / 12 + 1) % std::size(kTwins)]  // far away, too
+                                    : kTwins[number % (std::size(kTwins) - 1)];
   else
     return kSpatialTwins[number % std::size(kSpatialTwins)];
 }

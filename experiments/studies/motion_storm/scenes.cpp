@@ -33,9 +33,8 @@ constexpr std::array kKinds{Kind<Maker>{"dropped", dropped},
                             Kind<Maker>{"ropes", ropes},
                             Kind<Maker>{"jammed", jammed},
                             Kind<Maker>{"rotor", rotor},
-                            Kind<Maker>{"mixed", mixed},
-                            Kind<Maker>{"gears", gears},
-                            Kind<Maker>{"terrain", terrain}};
+                            Kind<Maker>{"mixed", mixed}};
+constexpr std::array kFurther{Kind<Maker>{"gears", gears}, Kind<Maker>{"terrain", terrain}};
 using InSpace = Kind<SpatialMaker>;
 constexpr std::array kSpatialKinds{
     InSpace{"dropped", dropped},     InSpace{"sliding", sliding},       InSpace{"spinning", spinning},
@@ -57,6 +56,13 @@ template <class Space> constexpr auto kNames = [] {
   for (std::size_t i = 0; i < names.size(); ++i) names[i] = all_kinds<Space>()[i].name;
   return names;
 }();
+
+template <class Space> auto kind_of(std::uint64_t k) {
+  const auto& kinds_ = all_kinds<Space>();
+  if constexpr (kPlanar<Space>)
+    if (of_further_kinds(k / kinds_.size())) return kFurther[k % kFurther.size()];
+  return kinds_[k % kinds_.size()];
+}
 
 std::uint64_t scrambled(std::uint64_t x) {  // splitmix64: neighbouring numbers give unrelated scenes
   x += 0x9e3779b97f4a7c15;
@@ -82,7 +88,7 @@ template std::span<const std::string_view> kinds<Spatial>();
 
 template <class Space> RandomSceneOf<Space> random_scene(std::uint64_t seed, std::uint64_t k) {
   Random random(scrambled(seed) ^ scrambled(k + 0x1234567));
-  const auto& kind = all_kinds<Space>()[k % all_kinds<Space>().size()];
+  const auto kind = kind_of<Space>(k);
   std::conditional_t<kPlanar<Space>, Maker, SpatialMaker> m(random);
   kind.make(m);
   // Steps in which the fastest point moves some 5 mm, at least 50 and at most 600 of them.

@@ -10,8 +10,10 @@
 
 namespace orthant::motion_storm {
 
-/// Names of the kinds; the kind of scene k is k modulo their number.
+/// Names of the kinds; the kind of scene k is k modulo their number. Planar scenes of every twelfth round are of further
+/// kinds, in turn: gears, terrain.
 template <class Space = Planar> std::span<const std::string_view> kinds();
+constexpr bool of_further_kinds(std::uint64_t round) { return round % 12 == 6; }
 
 /// Scene k of a seed: always the same. It is checked; its step and duration are set.
 template <class Space> struct RandomSceneOf {
