@@ -10,7 +10,7 @@
 
 namespace orthant::motion_storm {
 
-/// Names of the kinds; the kind of scene k is k modulo their number. Planar scenes of every twelfth round are of further
+/// Names of the kinds; the kind of scene k is k modulo their number. Planar scenes of every twelfth round are of other
 /// kinds, in turn: gears, terrain.
 template <class Space = Planar> std::span<const std::string_view> kinds();
 constexpr bool of_further_kinds(std::uint64_t round) { return round % 12 == 6; }
