@@ -129,7 +129,7 @@ struct WriteContact {
   void operator()(const CustomContact& c) {
     const auto* limit = c.target<RelationLimit>();
     if (limit == nullptr) unknown(c.name);
-    t.word("type", "relation-limit"), t.terms(limit->sum), t.maybe("e_n", limit->law.e);
+    t.word("type", "relation"), t.terms(limit->sum), t.maybe("e_n", limit->law.e);
     t.number(limit->side == Limit::Side::lower ? "lower" : "upper", limit->bound);
   }
 };
