@@ -2,7 +2,8 @@
 //
 //   A scheme of fixed step chooses μ of a contact by its slip before the step. The rows of the new step have turned by
 //   O(h), so a contact that stuck at the end of the step before shows a slip of O(h²) in them, not 0. Which contacts
-//   stuck is therefore noted with the rows of the step that made them stick.
+//   stuck is therefore noted with the rows of the step that made them stick. A body that turns lifts a contact by O(h²):
+//   one that is open for a single step keeps its note.
 // Cost: nothing where no law has mu_static > mu.
 #pragma once
 
@@ -39,12 +40,14 @@ template <class Space> class StuckContacts {
   void note(const Terms& terms, const std::vector<ImpulseOf<Space>>& impulses, const Eigen::VectorXd& v,
             const System& system) {
     if (stuck_.empty()) return;
-    std::ranges::fill(stuck_, false);
+    for (std::size_t i = 0; i < stuck_.size(); ++i)
+      stuck_[i] = stuck_[i] == kSticks && same_pair(i, terms) ? kStuckBefore : kFree;
     for (const auto& c : terms.closed) {
       const auto i = static_cast<std::size_t>(c.contact);
       const ContactLaw& law = system.law(c.contact);
       if (!law.frictional() || !(impulses[i].normal > 0)) continue;
-      stuck_[i] = size_of(slip_rate(c.rows, v.data()) - belt_of(law, c.rows)) <= kStickSpeed * law.unit;
+      const bool sticks = size_of(slip_rate(c.rows, v.data()) - belt_of(law, c.rows)) <= kStickSpeed * law.unit;
+      stuck_[i] = sticks ? kSticks : kFree;
     }
     pairs_ = terms.pairs;
   }
@@ -62,7 +65,8 @@ template <class Space> class StuckContacts {
     return i < pairs_.size() && i < terms.pairs.size() && pairs_[i] == terms.pairs[i];
   }
   std::size_t listed_;
-  std::vector<char> stuck_;  // one a contact; empty: no law distinguishes
+  static constexpr char kFree = 0, kStuckBefore = 1, kSticks = 2;  // at the end of the step; before: and open in it
+  std::vector<char> stuck_;                                        // one a contact; empty: no law distinguishes
   std::vector<Pair> pairs_;
   Eigen::VectorXd q_, v_;
 };

@@ -1,6 +1,7 @@
 // Static friction above kinetic, and surfaces that move: what Moreau–Jean stepping makes of them.
 #include "tests/support/runs.h"
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/coulomb_decay.h>
 #include <orthant/core/scenes/incline.h>
 
@@ -95,5 +96,14 @@ TEST_CASE(
     if (scheme.name == "anitescu-potra") continue;  // what slides hovers in it, and tilts where the corners differ
     const double error = std::abs(run(s, scheme.name, 1e-3).final.q[0] - x);
     CHECK(error < (scheme.name == "event-driven" ? 1e-9 : scheme.name == "adaptive" ? 1e-6 : 3e-3));
+  }
+}
+
+TEST_CASE("static friction holds a block that is struck, tilts, and leaves the belt for a step") {
+  const Scene scene = std::get<Scene>(read_any_scene(ORTHANT_TEST_DATA "/belt_block_struck.toml"));
+  const double x = run(scene, "event-driven", 1e-3).final.q[0];
+  for (const std::string_view scheme : {"moreau-jean", "rattle", "generalized-alpha"}) {
+    CAPTURE(scheme);
+    CHECK(std::abs(run(scene, scheme, 1e-4).final.q[0] - x) < 1e-3);
   }
 }
