@@ -2,8 +2,8 @@
 //
 //   A scheme of fixed step chooses μ of a contact by its slip before the step. The rows of the new step have turned by
 //   O(h), so a contact that stuck at the end of the step before shows a slip of O(h²) in them, not 0. Which contacts
-//   stuck is therefore noted with the rows of the step that made them stick. A body that turns lifts a contact by O(h²):
-//   one that is open for a single step keeps its note.
+//   stuck is therefore noted with the rows of the step that made them stick. A body that turns lifts a contact by
+//   O(h²): one that is open for a single step keeps its note.
 // Cost: nothing where no law has mu_static > mu.
 #pragma once
 
