@@ -52,7 +52,7 @@ constexpr Index kFull = 1500;   // the same of a matrix without zeros: at 1000, 
 constexpr Index kDense = 3000;  // rows beyond which a dense factorization is not tried lightly
 
 constexpr Index kFewCells = 4;  // rows of which all cells cost less than another method does
-constexpr Index kCells = 100;   // rows up to which enumerate is asked whether it takes them: at most 2²⁰ cells
+constexpr Index kCells = 100;   // largest number of rows for enumerate, which itself refuses more than 2²⁰ cells
 
 bool always(const Look&) { return true; }
 bool smooth(const Look& p) { return !p.friction; }
