@@ -31,6 +31,7 @@ class CoarseLevels {
  public:
   /// Levels of A, which must outlive them, as the budget must. Fewer once that is exhausted; corrections are 0 then.
   void build(const RowSparse& A, const Budget& budget);
+  void build(const RowSparse& A, const Budget&& temporary) = delete;
 
   std::size_t count() const { return count_; }  // at least 1
   const RowSparse& matrix(std::size_t level) const { return level == 0 ? *finest_ : levels_[level].A; }

@@ -90,8 +90,9 @@ TEST_CASE("multigrid: no cycle raises the form that a symmetric problem minimize
 TEST_CASE("levels of multigrid: Galerkin products, truncated anew or from the last ones, held rows stay") {
   const Lcp p = ball_obstacle(20).problem;
   const auto& A = std::get<RowSparse>(p.A);
+  const Budget unlimited;
   CoarseLevels levels;
-  levels.build(A, Budget{});
+  levels.build(A, unlimited);
   REQUIRE(levels.count() > 3);
   // P from what interpolation makes of unit vectors; Pᵀ A P by Eigen.
   const Index n = A.rows, coarse = levels.matrix(1).rows;
@@ -111,7 +112,7 @@ TEST_CASE("levels of multigrid: Galerkin products, truncated anew or from the la
   Vector w, c, again;
   w.resize(n);
   CoarseLevels fresh;
-  fresh.build(A, Budget{});
+  fresh.build(A, unlimited);
   for (int change = 0; change < 5; ++change) {
     for (Index i = 0; i < n; ++i) {
       w[i] = random.normal();
@@ -119,7 +120,7 @@ TEST_CASE("levels of multigrid: Galerkin products, truncated anew or from the la
     }
     levels.truncate(0, held);
     levels.correct(0, w, c);
-    fresh.build(A, Budget{});
+    fresh.build(A, unlimited);
     fresh.truncate(0, held);
     fresh.correct(0, w, again);
     CHECK(c == again);
