@@ -39,8 +39,9 @@ struct StepReport {
   double least_weight = kInf;  // [J] least potential energy of weight at inner steps; infinity: not measured
   double error_estimate =
       0;  // [m, rad] of q: sum over the inner steps of schemes that estimate it; the motion may magnify it
-  double energy_rise = 0;  // [J] that impacts or crossings added where they should not, see impact.h; 0: they did not
-  double energy_rise_time = kInf;  // [s] of the largest, from schemes that locate events; infinity: end of the step
+  int energy_rises = 0;            // impacts and crossings that added energy where they should not, see impact.h
+  double energy_rise = 0;          // [J] the largest of them
+  double energy_rise_time = kInf;  // [s] its time, from schemes that locate events; infinity: end of the step
   int plastic = 0;                 // problems that friction and restitution left without a solution, solved with e = 0
   Passage passage;                 // of bodies through each other, unseen, of schemes of fixed step
 
@@ -51,7 +52,8 @@ struct StepReport {
     return report;
   }
 
-  void note_rise(double rise, double t) {
+  void note_rise(double rise, double t, int times = 1) {
+    energy_rises += rise > 0 ? times : 0;
     if (rise > energy_rise) energy_rise = rise, energy_rise_time = t;
   }
 

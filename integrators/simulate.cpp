@@ -152,7 +152,7 @@ template <> class DirectionWatch<Spatial> {
 };
 
 void note(const StepReport& report, Run& run) {
-  run.energy_rises += report.energy_rise > 0;
+  run.energy_rises += report.energy_rises;
   if (report.energy_rise > run.max_energy_rise) {
     run.max_energy_rise = report.energy_rise;
     run.max_energy_rise_time = std::min(report.energy_rise_time, run.final.t);

@@ -32,7 +32,7 @@ struct Run {
   long events = 0;                   // located
   long crossings = 0;                // of crowds of events, see StepReport
   double error_estimate = 0;         // [m, rad] of the final q, see StepReport; 0: the scheme has none
-  long energy_rises = 0;             // steps in which impacts (impact.h) or crossings raised it
+  long energy_rises = 0;             // impacts (impact.h) and crossings that raised it
   double max_energy_rise = 0, max_energy_rise_time = 0;  // [J] the most in one step; [s] its event, or the step's end
   Admissibility motion;                                  // overlaps and energy balance (step/admissible.h)
   long passages = 0;  // steps in which bodies passed through each other (tunnelling.h)

@@ -24,7 +24,7 @@ bool along_an_angle(const Contact& contact) {
 
 template <class Scene> void add_energy(const Scene& scene, const Run& run, std::vector<std::string>& to) {
   if (run.energy_rises == 0) return;
-  to.push_back(words_of("impacts raised the energy in ", run.energy_rises, run.energy_rises == 1 ? " step" : " steps",
+  to.push_back(words_of("impacts raised the energy ", run.energy_rises, run.energy_rises == 1 ? " time" : " times",
                         ", at most by ", run.max_energy_rise, " J at t = ", run.max_energy_rise_time, " s: ",
                         scene.restitution == Restitution::newton
                             ? "Newton's law with friction or several e can; restitution = \"poisson\" is safer there"

@@ -103,7 +103,7 @@ bool Adaptive::stride(Solver& solver, StepReport& report) {
   report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
   report.lcp_rows = std::max(report.lcp_rows, one.lcp_rows);
   report.lcp_residual = std::max(report.lcp_residual, one.lcp_residual);
-  report.note_rise(one.energy_rise, one.energy_rise_time), report.plastic += one.plastic;
+  report.note_rise(one.energy_rise, one.energy_rise_time, one.energy_rises), report.plastic += one.plastic;
   report.effort += one.effort, report.least_weight = std::min(report.least_weight, one.least_weight);
   report.error_estimate += one.error_estimate;
   end_.residual.joint = one.joint_residual, end_.residual.rate = one.joint_rate;

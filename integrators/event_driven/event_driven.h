@@ -280,6 +280,7 @@ class EventDriven final : public Integrator {
   std::vector<Bounces> bounces_;
   StageQuadrature flow_;  // forces of the lasting contacts, normal and tangent one each, and the power, in a trial step
   Eigen::VectorXd force_;  // of flow_, at one place
+  double projected_ = 0;   // by the projection of the trial step, the largest entry over its scale
   double behind_ = 0;      // [s] of the trial step: gone on without forces, across a jump of theirs
   std::vector<ContactMode> before_;
   std::vector<RateTarget> targets_;

@@ -19,6 +19,7 @@ constexpr double kSumsShare = 1e3;  // of rtol: error allowed to the work, of it
 constexpr double kLeastSumsShare = 1e-9;  // likewise, at the least
 constexpr double kMuch = 1e9;             // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;      // of a step: the widest interval without a stage of the method is around it
+constexpr double kProjectedShare = 1e-3;  // of what joints take out of the step: stages may miss a kink in them
 constexpr double kSmallTurn = 0.1;  // [rad] of a body in a step whose stages are near enough to project them there
 
 }  // namespace
@@ -28,8 +29,9 @@ constexpr double kSmallTurn = 0.1;  // [rad] of a body in a step whose stages ar
 double EventDriven::error_of_step(double s) {
   if (!try_step(s)) return kInf;
   if (turns(s)) return kMuch;
-  const double error = rk_.error(s, scale_.q, scale_.v);
+  double error = rk_.error(s, scale_.q, scale_.v);
   if (joints_.least_independence >= kSingular || joints_.rank < system_.joint_rows()) {
+    error = std::max(error, kProjectedShare * projected_);
     if (!(error <= 1) || !carries_) return error;
     return std::max(error, flow_.error(s, std::max(kLeastSumsShare, kSumsShare * options_.rtol)));
   }
@@ -166,7 +168,10 @@ bool EventDriven::try_step(double s) {
   scale_.v =
       atol_.array() + s * scale_.noise.array() + options_.rtol * now_.v.array().abs().max(trial_.v.array().abs());
   const double end = std::min(t + s, stop_);
+  stage_.q = trial_.q, stage_.v = trial_.v;
   trial_residual_ = motion_.project(end, trial_.q, trial_.v);
+  projected_ = std::max(((stage_.q - trial_.q).array() / scale_.q.array()).abs().maxCoeff(),
+                        ((stage_.v - trial_.v).array() / scale_.v.array()).abs().maxCoeff());
   if (trial_residual_.changed && joints_.least_independence < kSingular) return false;
   return trial_residual_.joint < kInf && observe(trial_, end);
 }

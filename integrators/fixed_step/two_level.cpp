@@ -268,7 +268,7 @@ bool TwoLevelOf<Space>::strike(double h, Eigen::VectorXd& v, Solver& solver, Ste
   if (!solve(velocities_, solver, report)) return false;
   velocities_.advance(v, impulses_);
   for (std::size_t i = 0; i < frictions_.size(); ++i) frictions_[i] = velocities_.joint_friction(i);
-  report.energy_rise = energy_rise(system_, end_, targets_, v, impulses_, kOtherRows);
+  report.note_rise(energy_rise(system_, end_, targets_, v, impulses_, kOtherRows), kInf);
   return true;
 }
 

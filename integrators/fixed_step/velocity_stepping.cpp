@@ -74,7 +74,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
     }
     if (!solve_contacts(h, x, solver, report)) return report;
   } while (missed(step));
-  report.energy_rise = energy_rise(system_, terms_, targets_, v_new_, impulses_, kSameRows, &taken_);
+  report.note_rise(energy_rise(system_, terms_, targets_, v_new_, impulses_, kSameRows, &taken_), kInf);
   stuck_.note(terms_, impulses_, v_new_, system_);
   sleep_.hold(h, impulses_);
   if (geometric_.possible()) note_stiffness(h, x);

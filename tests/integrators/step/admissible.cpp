@@ -188,6 +188,22 @@ TEST_CASE("an end of a rope that runs into its pulley ends the run, in words and
   }
 }
 
+TEST_CASE("no step passes over the pulley of a joint's rope unseen") {
+  Scene s{.gravity = {0, 0}};
+  const BodyId one = s.body({.name = "one", .position = {0.6, 0}, .velocity = {-0.5, 0}}),
+               other = s.body({.name = "other", .position = {0.5, 1}, .velocity = {0.5, 0}});
+  s.joint(Relation("rope", {{1, Span{kGround, one, {0, 0}, {0, 0}}}, {1, Span{kGround, other, {0, 1}, {0, 0}}}}, 1.1));
+  for (const char* scheme : {"event-driven", "adaptive"})
+    for (const double step : {0.01, 1.0}) {
+      CAPTURE(scheme);
+      CAPTURE(step);
+      const Run run = run_for(s, 1, scheme, step);
+      CHECK(run.status == Status::solved);
+      CHECK(run.final.q[0] == doctest::Approx(0.1).epsilon(1e-9));
+      CHECK(run.final.v[0] == doctest::Approx(-0.5).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("a position search: a disc in a slot, as wide as it or narrower by a drive's way") {
   Scene s;
   const BodyId wall = s.body({.name = "wall", .position = {0.2, 0}}),
