@@ -263,7 +263,7 @@ TEST_CASE("Newton's law with friction raises the energy, and the rise is reporte
       const Run r = run(s, integrator, s.duration);
       REQUIRE(r.status == Status::solved);
       CHECK(r.energy_rises == 2 * once.energy_rises);
-      CHECK(r.energy_final - r.energy_initial <= r.energy_rises * r.max_energy_rise + 1e-9);
+      CHECK(r.energy_final - r.energy_initial <= static_cast<double>(r.energy_rises) * r.max_energy_rise + 1e-9);
       several += r.energy_rises > 1;
     }
   CHECK(several > 0);

@@ -245,6 +245,29 @@ TEST_CASE("a chain: a box slides off a flat part, down over a convex joint, and 
   }
 }
 
+TEST_CASE("a triangle falls into a sharp notch of a chain, with every integrator") {
+  Scene s{.gravity = {0, -kGravity}, .duration = 1};
+  s.body({.name = "triangle",
+          .inertia = 0.008428199574945313,
+          .position = {-0.10234383203445614, 0.6430249515576586},
+          .angle = 0.8816359372601568,
+          .velocity = {-0.29039427841050713, 0}});
+  const Polygon triangle = {{0.12983219612211228, 0},
+                            {-0.06491609806105611, 0.11243798007087272},
+                            {-0.0649160980610562, -0.11243798007087268}};
+  s.contact_set(
+      chain_polygon({.name = "notch", .a = 0, .corners_a = triangle, .law = {.mu = 0.3, .e = 0.3, .mu_static = 0.45}},
+                    {.points = {{-2.45, 1.73}, {0, 0}, {1.79, 2.41}}}));
+  for (const std::string_view scheme : kEveryIntegrator) {
+    CAPTURE(scheme);
+    const Run r = run(s, scheme, 1e-3);
+    INFO(r.why);
+    REQUIRE(r.status == Status::solved);
+    CHECK(r.max_penetration < 2e-3);
+    CHECK(r.energy_final == doctest::Approx(1.156).epsilon(scheme == "anitescu-potra" ? 0.2 : 0.02));
+  }
+}
+
 TEST_CASE(
     "a box slides up a ramp and down behind its crest, on a chain, tiles and a collision, with every integrator") {
   const std::vector<Vector2d> ramp = {{-2, -1}, {0, 0}, {3, -0.6}};

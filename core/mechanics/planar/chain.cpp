@@ -14,6 +14,8 @@ constexpr double kInLine = 1e-9;        // sine of a joint's angle that is none
 constexpr double kStraightBack = 1e-3;  // likewise: of the sharpest spike
 constexpr double kMitre = 3;            // of the depth: the longest bisector of a strip
 constexpr int kHalvings = 60;           // of the depth, until the strip counts as having no room
+constexpr double kBent = 0.1;           // sine of an inner corner's bend behind which segments go on
+constexpr double kBehind = 1e-3;        // of the depth: how far an end that goes on is behind the neighbour's faces
 
 std::string point_name(std::size_t i) { return "points[" + std::to_string(i) + "]"; }
 
@@ -25,6 +27,12 @@ struct Knot {
 };
 
 Vector2d way(const Knot& from, const Knot& to) { return (to.point - from.point).normalized(); }
+
+bool inside(const Polygon& p, const Vector2d& point, double by) {
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (outward(p, k).dot(point - p[k]) > -by) return false;
+  return true;
+}
 
 /// Whether the segments p–q and r–s have a point in common, ends included, and are not in one line.
 bool cross_each_other(const Vector2d& p, const Vector2d& q, const Vector2d& r, const Vector2d& s) {
@@ -120,8 +128,26 @@ std::vector<Polygon> chain_pieces(const GroundChain& chain) {
         throw std::invalid_argument("points: the chain leaves no room for a strip behind " + point_name(at(i).place));
     }
   }
+  // What falls into an inner corner is met by both segments: each goes on straight behind the other one.
+  const auto gone_on = [&](const Knot& end, const Vector2d& along, std::size_t beside) {
+    const Polygon other = piece(beside);
+    double length = end.depth * end.inward.dot(along);
+    for (int halvings = 0; halvings < 8; ++halvings, length /= 2)
+      if (const Vector2d p = end.point + length * along; inside(other, p, kBehind * end.depth)) return p;
+    return end.point;
+  };
+  const auto bends_in = [&](std::size_t i) {
+    if (!chain.closed && (i % n == 0 || i % n + 1 == n)) return false;
+    const Vector2d in = way(at(i + n - 1), at(i)), out = way(at(i), at(i + 1));
+    return cross(in, out) < 0 && (cross(in, out) < -kBent || in.dot(out) < 0);
+  };
   std::vector<Polygon> pieces;
-  for (std::size_t i = 0; i < segments; ++i) pieces.push_back(piece(i));
+  for (std::size_t i = 0; i < segments; ++i) {
+    pieces.push_back(piece(i));
+    const Vector2d along = way(at(i), at(i + 1));
+    if (bends_in(i)) pieces.back()[0] = gone_on(at(i), -along, (i + segments - 1) % segments);
+    if (bends_in(i + 1)) pieces.back()[1] = gone_on(at(i + 1), along, (i + 1) % segments);
+  }
   if (chain.free_left) std::reverse(pieces.begin(), pieces.end());
   return pieces;
 }

@@ -105,8 +105,17 @@ TEST_CASE(
     FAIL("no such corner");
     return std::size_t{0};
   };
-  CHECK_FALSE(flat->corner[corner_at(0, {2, 0})].convex);
-  CHECK_FALSE(up->corner[corner_at(1, {2, 0})].convex);
+  // At the inner corner each goes on, straight, behind the other: points are from the free side's right to its left.
+  const Vector2d &behind_up = pieces[0][0], &behind_flat = pieces[1][1];
+  CHECK(behind_up.y() == 0);
+  CHECK(behind_up.x() > 2.1);
+  CHECK(behind_flat.x() < 1.9);
+  CHECK(behind_flat.y() == doctest::Approx(behind_flat.x() - 2).epsilon(1e-14));
+  CHECK_FALSE(flat->corner[0].convex);
+  CHECK_FALSE(up->corner[1].convex);
+  CHECK(flat->face[0].free);
+  CHECK_FALSE(flat->face[3].free);  // its end
+  CHECK_FALSE(up->face[1].free);
   for (const auto& [e, piece] : {std::pair{up, std::size_t{1}}, std::pair{down, std::size_t{2}}}) {
     const std::size_t top = corner_at(piece, {3, 1});
     CHECK(e->points_to(top, {0, 1}));
