@@ -38,7 +38,8 @@ template <class RunType, class Visit> void visit_fields(RunType& run, Visit&& vi
   visit("crossings", "", "crowds of events crossed to first order", run.crossings);
   visit("error_estimate", "m, rad", "error of the final coordinates; 0: the integrator has no estimate",
         run.error_estimate);
-  visit("energy_rises", "", "impacts and crossings that raised the energy; of a fixed step all impacts count as one", run.energy_rises);
+  visit("energy_rises", "", "impacts (a fixed step's count as one) and crossings that raised the energy",
+        run.energy_rises);
   visit("max_energy_rise", "J", "largest of these rises", run.max_energy_rise);
   visit("max_energy_rise_time", "s", "time of that event, or end of that step", run.max_energy_rise_time);
   visit("passages", "", "steps in which bodies passed through each other", run.passages);

@@ -57,7 +57,8 @@ EventDriven::EventDriven(const System& system, const Options& options, std::stri
   events_.reserve(64 * impulses_.size());
   for (const Body& body : system.scene().bodies) size_ = std::max(size_, std::sqrt(body.inertia / body.mass));
   if (has_work(system)) meter_.emplace(system);
-  if (!ropes_over_pulleys(system.scene()).empty()) pulleys_.emplace(*this, system.initial_state());
+  pulleys_.emplace(*this, system.initial_state());
+  if (pulleys_->empty()) pulleys_.reset();
   const double unit = system.length_unit();
   for (double* limit : {&options_.atol, &options_.touching, &options_.accumulation}) *limit *= unit;
   atol_.setConstant(system.dof(), options.atol);

@@ -1,4 +1,5 @@
-// integrators/step/pulley_watch.h — singular direction of a taut rope: an end that has run into its pulley.
+// integrators/step/pulley_watch.h — singular direction of a taut rope, whose end has run into its pulley, or of a
+// joint's distance that has become 0.
 //
 //   A rope over pulleys (relation.h) pulls its end P towards the pulley A along (A − P) / |A − P|. At P = A the model
 //   has no direction. A direction that turns by more than a right angle in a step, in which the rope pulls, has passed
@@ -6,10 +7,13 @@
 //   an end may swing about its pulley by any angle between two outputs. Schemes whose rows are those of a predicted
 //   place keep the direction of the step's start where a taut rope's end is predicted beyond its pulley
 //   (gap_stepping.h): else the end would stop there as if at a wall, and never pass.
-// Cost: nothing if a scene has no such rope; else one row per rope and step.
+//   Relations and drives hold a distance on both sides, slack or not. There it also counts as lost where the distance
+//   would have gone through 0 within the step at its rate before, and grows after it: the end was thrown back.
+// Cost: nothing if a scene has neither; else one row per rope, or distance, and step.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/jam.h>
 
@@ -35,42 +39,74 @@ inline bool turned_back(const Row& one, const Row& other) {
   return one.ja[0] * other.ja[0] + one.ja[1] * other.ja[1] < 0 || one.jb[0] * other.jb[0] + one.jb[1] * other.jb[1] < 0;
 }
 
+/// A distance that a joint holds or drives.
+struct JointDistance {
+  std::string joint;
+  Coordinate of;
+};
+inline std::vector<JointDistance> distances_of_joints(const Scene& scene) {
+  std::vector<JointDistance> all;
+  const auto add = [&](const std::string& joint, const Coordinate& of) {
+    if (std::holds_alternative<Span>(of.kind())) all.push_back({joint, of});
+  };
+  for (const Joint& joint : scene.joints) {
+    if (const auto* drive = std::get_if<Drive>(&joint)) add(drive->name, drive->of);
+    const auto* custom = std::get_if<CustomJoint>(&joint);
+    const auto* relation = custom != nullptr ? custom->target<Relation>() : nullptr;
+    if (relation == nullptr) continue;
+    for (const CoordinateTerm& term : relation->sum.terms()) add(custom->name, term.of);
+  }
+  return all;
+}
+
 class PulleyWatch {
  public:
   PulleyWatch(const Integrator& integrator, const State& start)
-      : integrator_(integrator), ropes_(ropes_over_pulleys(system().scene())) {
-    directions_.resize(kEntries * ropes_.size());
-    if (ropes_.empty()) return;
+      : integrator_(integrator),
+        ropes_(ropes_over_pulleys(system().scene())),
+        distances_(distances_of_joints(system().scene())) {
+    directions_.resize(kEntries * (ropes_.size() + distances_.size()));
+    lengths_.resize(2 * distances_.size());
+    if (empty()) return;
     terms_ = Terms(system());
     turned(
         start.t, start.q, [](int) { return true; }, directions_);
+    lost(start, false);
   }
+  bool empty() const { return ropes_.empty() && distances_.empty(); }
 
   /// After a step to x. False: why().
   bool admits(const State& x) {
-    if (ropes_.empty()) return true;
+    if (empty()) return true;
     return admits(x, [&](int i) { return integrator_.impulses()[static_cast<std::size_t>(i)].normal > 0; });
   }
   /// Likewise, with the contacts that pull.
   template <class Pulls> bool admits(const State& x, const Pulls& pulls) {
-    return ropes_.empty() || !turned(x.t, x.q, pulls, directions_);
+    if (empty()) return true;
+    const bool turns = turned(x.t, x.q, pulls, directions_);
+    return !lost(x, true) && !turns;
   }
   /// Directions at x, whatever they were.
   void follow(const State& x) {
-    admits(x, [](int) { return false; });
+    if (empty()) return;
+    turned(
+        x.t, x.q, [](int) { return false; }, directions_);
+    lost(x, false);
   }
 
   /// Whether a failed step of h [s] from x leads an end, as fast as it is, into its pulley: then why() says so.
   bool explains(const State& x, double h) {
     constexpr double kAhead = 2;  // steps
-    if (ropes_.empty() || x.q.size() != x.v.size()) return false;
+    if (empty() || x.q.size() != x.v.size()) return false;
+    for (std::size_t k = 0; k < distances_.size(); ++k)
+      if (lengths_[2 * k] + kAhead * h * lengths_[2 * k + 1] < 0) return explained(distances_[k], x.t + h), true;
     std::vector<double> there = directions_;
     return turned(
         x.t + h, x.q + kAhead * h * x.v, [](int) { return true; }, there);
   }
 
   const std::string& why() const { return why_; }
-  void remember(CheckpointData& memory) { memory(directions_); }
+  void remember(CheckpointData& memory) { memory(directions_, lengths_, t_); }
 
  private:
   static constexpr std::size_t kEntries = 4;  // linear parts of a row, of both bodies
@@ -99,10 +135,34 @@ class PulleyWatch {
     return any;
   }
 
+  /// The distances at x and, if `looks`, whether one has gone through 0 since the last state.
+  bool lost(const State& x, bool looks) {
+    set_poses(system(), x.t, x.q, terms_.at);
+    bool any = false;
+    for (std::size_t k = 0; k < distances_.size(); ++k) {
+      const Row row = distances_[k].of.row(terms_.at);
+      const double now[kEntries] = {row.ja[0], row.ja[1], row.jb[0], row.jb[1]};
+      double *last = &directions_[kEntries * (ropes_.size() + k)], *length = &lengths_[2 * k];
+      const double rate = apply(row, x.v.data());
+      const bool back = last[0] * now[0] + last[1] * now[1] < 0 || last[2] * now[2] + last[3] * now[3] < 0;
+      const bool thrown = length[0] + (x.t - t_) * length[1] < 0 && rate > 0;
+      std::copy(now, now + kEntries, last);
+      length[0] = distances_[k].of.value(terms_.at), length[1] = rate;
+      if (looks && (back || thrown)) any = true, explained(distances_[k], x.t);
+    }
+    t_ = x.t;
+    return any;
+  }
+  void explained(const JointDistance& one, double t) {
+    why_ = "a distance of joint \"" + one.joint + "\" has become 0, where it has no direction" + since(t);
+  }
+
   const Integrator& integrator_;
   std::vector<int> ropes_;
+  std::vector<JointDistance> distances_;
   Terms terms_;
-  std::vector<double> directions_;
+  std::vector<double> directions_, lengths_;  // of distances: value [m] and rate [m/s]
+  double t_ = 0;                              // [s] of these
   std::string why_;
 };
 

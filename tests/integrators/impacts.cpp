@@ -252,8 +252,9 @@ TEST_CASE("Newton's law with friction raises the energy, and the rise is reporte
   for (const char* integrator : {"event-driven", "adaptive"})
     for (const double vx : {-2.0, -1.0, 1.0, 2.0}) {
       Scene s = rough_rod(Restitution::newton, 1.0, 0.9, vx);
-      const BodyId twin = s.body(s.bodies[0]);
-      s.bodies.back().position += Vector2d{10, 0.002};
+      Body other = s.bodies[0];
+      other.name = "other", other.position += Vector2d{10, 0.002};
+      const BodyId twin = s.body(other);
       for (const double end : {-1.0, 1.0}) {
         CornerWall corner = std::get<CornerWall>(s.contacts[end < 0 ? 0 : 1]);
         corner.name = "", corner.a = twin;

@@ -16,6 +16,7 @@ constexpr double kMitre = 3;            // of the depth: the longest bisector of
 constexpr int kHalvings = 60;           // of the depth, until the strip counts as having no room
 constexpr double kBent = 0.1;           // sine of an inner corner's bend behind which segments go on
 constexpr double kBehind = 1e-3;        // of the depth: how far an end that goes on is behind the neighbour's faces
+constexpr double kAway = 0.5;           // sine of the angle between that end and the neighbour's back
 
 std::string point_name(std::size_t i) { return "points[" + std::to_string(i) + "]"; }
 
@@ -131,9 +132,16 @@ std::vector<Polygon> chain_pieces(const GroundChain& chain) {
   // What falls into an inner corner is met by both segments: each goes on straight behind the other one.
   const auto gone_on = [&](const Knot& end, const Vector2d& along, std::size_t beside) {
     const Polygon other = piece(beside);
-    double length = end.depth * end.inward.dot(along);
+    const Vector2d back = end.depth * end.inward, root = end.point + back;  // where the two backs meet
+    const Vector2d far = (other[2] == root ? other[3] : other[2]) - root;
+    const auto covered = [&](const Vector2d& p) {  // by the neighbour, the end up to there
+      const double across = std::abs(cross(far, p - root)), along_back = far.dot(p - root);
+      return inside(other, p, kBehind * end.depth) &&
+             (along_back < 0 || across >= kAway * far.norm() * (p - root).norm());
+    };
+    double length = back.dot(along);
     for (int halvings = 0; halvings < 8; ++halvings, length /= 2)
-      if (const Vector2d p = end.point + length * along; inside(other, p, kBehind * end.depth)) return p;
+      if (const Vector2d p = end.point + length * along; covered(p)) return p;
     return end.point;
   };
   const auto bends_in = [&](std::size_t i) {

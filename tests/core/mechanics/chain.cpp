@@ -2,11 +2,13 @@
 #include <orthant/core/mechanics/dynamics/system.h>
 #include <orthant/core/mechanics/planar/chain.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
+#include <orthant/core/support/random.h>
 
 #include <doctest/doctest.h>
 
 #include "tests/support/folder.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -122,6 +124,30 @@ TEST_CASE(
     CHECK(e->points_to(top, Vector2d(0.9, 1).normalized()));
     CHECK_FALSE(e->points_to(top, Vector2d(1.1, 1).normalized()));
     CHECK_FALSE(e->points_to(top, Vector2d(-1.1, 1).normalized()));
+  }
+}
+
+TEST_CASE("of the pieces of any chain only segments can be met: every end is covered") {
+  Random random(7);
+  for (int round = 0; round < 2000; ++round) {
+    std::vector<Vector2d> points{{0, 0}};
+    const int count = 2 + static_cast<int>(6 * random.uniform());
+    double angle = 0;
+    for (int i = 0; i < count; ++i) {
+      angle = std::clamp(angle + (random.uniform() - 0.5) * 3, -1.5, 1.5);
+      const double length = std::pow(10, random.uniform() - 0.5);
+      points.push_back(points.back() + length * Vector2d(std::cos(angle), std::sin(angle)));
+    }
+    const std::vector<Polygon> pieces = chain_pieces({.points = points});
+    CAPTURE(round);
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      CHECK(convex(pieces[k]));
+      const Exposed e = among(pieces, k);
+      if (e == nullptr) continue;
+      // Walked from right to left: face 1 is the end on the left, face 3 that on the right.
+      if (k > 0) CHECK_FALSE(e->face[1].free);
+      if (k + 1 < pieces.size()) CHECK_FALSE(e->face[3].free);
+    }
   }
 }
 
