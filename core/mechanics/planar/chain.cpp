@@ -74,6 +74,20 @@ std::vector<Knot> knots_of(const GroundChain& chain) {
   return kept;
 }
 
+/// Where a segment ends that goes on straight behind its neighbour, at an inner corner: what falls into it is met by
+/// both. The neighbour covers the strip's end, from there to where the two backs meet.
+Vector2d gone_on(const Knot& corner, const Vector2d& along, const Polygon& neighbour) {
+  const Vector2d back = corner.depth * corner.inward, root = corner.point + back;
+  const Vector2d far = (neighbour[2] == root ? neighbour[3] : neighbour[2]) - root;
+  double length = back.dot(along);
+  for (int halvings = 0; halvings < 8; ++halvings, length /= 2) {
+    const Vector2d end = corner.point + length * along, face = end - root;
+    const bool away = far.dot(face) < 0 || std::abs(cross(far, face)) >= kAway * far.norm() * face.norm();
+    if (away && inside(neighbour, end, kBehind * corner.depth)) return end;
+  }
+  return corner.point;
+}
+
 }  // namespace
 
 std::vector<Polygon> chain_pieces(const GroundChain& chain) {
@@ -129,21 +143,6 @@ std::vector<Polygon> chain_pieces(const GroundChain& chain) {
         throw std::invalid_argument("points: the chain leaves no room for a strip behind " + point_name(at(i).place));
     }
   }
-  // What falls into an inner corner is met by both segments: each goes on straight behind the other one.
-  const auto gone_on = [&](const Knot& end, const Vector2d& along, std::size_t beside) {
-    const Polygon other = piece(beside);
-    const Vector2d back = end.depth * end.inward, root = end.point + back;  // where the two backs meet
-    const Vector2d far = (other[2] == root ? other[3] : other[2]) - root;
-    const auto covered = [&](const Vector2d& p) {  // by the neighbour, the end up to there
-      const double across = std::abs(cross(far, p - root)), along_back = far.dot(p - root);
-      return inside(other, p, kBehind * end.depth) &&
-             (along_back < 0 || across >= kAway * far.norm() * (p - root).norm());
-    };
-    double length = back.dot(along);
-    for (int halvings = 0; halvings < 8; ++halvings, length /= 2)
-      if (const Vector2d p = end.point + length * along; covered(p)) return p;
-    return end.point;
-  };
   const auto bends_in = [&](std::size_t i) {
     if (!chain.closed && (i % n == 0 || i % n + 1 == n)) return false;
     const Vector2d in = way(at(i + n - 1), at(i)), out = way(at(i), at(i + 1));
@@ -153,8 +152,8 @@ std::vector<Polygon> chain_pieces(const GroundChain& chain) {
   for (std::size_t i = 0; i < segments; ++i) {
     pieces.push_back(piece(i));
     const Vector2d along = way(at(i), at(i + 1));
-    if (bends_in(i)) pieces.back()[0] = gone_on(at(i), -along, (i + segments - 1) % segments);
-    if (bends_in(i + 1)) pieces.back()[1] = gone_on(at(i + 1), along, (i + 1) % segments);
+    if (bends_in(i)) pieces.back()[0] = gone_on(at(i), -along, piece((i + segments - 1) % segments));
+    if (bends_in(i + 1)) pieces.back()[1] = gone_on(at(i + 1), along, piece((i + 1) % segments));
   }
   if (chain.free_left) std::reverse(pieces.begin(), pieces.end());
   return pieces;
