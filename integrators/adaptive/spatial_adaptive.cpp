@@ -140,8 +140,26 @@ bool SpatialAdaptive::fit() {
   return flow_.extend(between_, arc);
 }
 
-/// At t within the last inner step: on the extension, or, within a crossing, on the straight line between its ends.
-/// Impulses and work are those until then.
+/// At t within the crossing that ends the last inner step: on the straight line between its ends, whose velocity is
+/// the end's where contacts push, else on a parabola.
+void SpatialAdaptive::within_crossing(double t, State& x) {
+  const SpatialArc& arc = engine_.arc();
+  x = before_;
+  if (arc.length > 0 && fit()) flow_.within(arc, 1, x.q, x.v, push_), x.t = arc.start.t + arc.length;
+  between_.open_all();
+  const double rest = inner_.t - x.t, part = (t - x.t) / rest;
+  const Eigen::VectorXd step = between<Spatial>(x.q, inner_.q);
+  const auto pushes = [](const Impulse& push) { return push.normal != 0; };
+  if (std::ranges::any_of(left_.impulses, pushes)) {
+    move<Spatial>(x.q, part * step);
+    x.v = inner_.v;
+  } else {
+    move<Spatial>(x.q, part * step - part * (1 - part) * rest / 2 * (inner_.v - x.v));
+    x.v += part * (inner_.v - x.v);
+  }
+}
+
+/// At t within the last inner step: on the extension, or within a crossing. Impulses and work are those until then.
 void SpatialAdaptive::hand_out_within(double t, State& x, StepReport& report) {
   const SpatialArc& arc = engine_.arc();
   const double s = t - arc.start.t;
@@ -150,10 +168,7 @@ void SpatialAdaptive::hand_out_within(double t, State& x, StepReport& report) {
   if (inside) {
     flow_.within(arc, s / arc.length, x.q, x.v, push_);
   } else {
-    between_.open_all();
-    const double part = (t - before_.t) / (inner_.t - before_.t);
-    move<Spatial>(before_.q, part * between<Spatial>(before_.q, inner_.q), x.q);
-    x.v = inner_.v;
+    within_crossing(t, x);
   }
   x.t = t;
   q_within_ = x.q, v_within_ = x.v;

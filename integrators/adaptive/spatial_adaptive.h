@@ -53,6 +53,7 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   void stride(Solver& solver, StepReport& report);
   void hand_over_all(StepReport& report);
   void hand_out(double target, State& x, StepReport& report);
+  void within_crossing(double t, State& x);
   void hand_out_within(double t, State& x, StepReport& report);
   bool fit();
 

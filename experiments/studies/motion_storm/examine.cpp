@@ -197,14 +197,15 @@ template <class Space> class Examination {
   }
 
   /// Energy less work must not grow: its rise above the least value so far, beyond what the run reports: rises of
-  /// impacts, and of schemes of fixed step the defect of its own balance, where it warns of that. Of fixed steps the
-  /// largest of three rows counts, as velocities that are differences of places have less in the row of an impact.
+  /// impacts, and of schemes of fixed step the defect of its own balance, where it warns of that. Of fixed steps, and
+  /// of runs with crossings of first order, the largest of three rows counts: velocities that are differences of places,
+  /// or lie between those of a crossing's ends, have less in the row of an impact.
   void energy() {
     const auto& motion = trace_.run.motion;
     const double warned = allowed_.step > 0 && motion.energy_off() ? motion.energy_defect : 0;
     const double rises = std::max(static_cast<double>(trace_.run.energy_rises) * trace_.run.max_energy_rise, warned);
     double least = kInf, kinetic = 0, low = kInf, high = -kInf;
-    const std::size_t window = allowed_.step > 0 ? 3 : 1;
+    const std::size_t window = allowed_.step > 0 || trace_.run.crossings > 0 ? 3 : 1;
     std::vector<double> last(window);
     double loads = 0;
     for (std::size_t r = 0; r < count_; ++r) {
