@@ -7,7 +7,7 @@
 //   an end may swing about its pulley by any angle between two outputs. Schemes whose rows are those of a predicted
 //   place keep the direction of the step's start where a taut rope's end is predicted beyond its pulley
 //   (gap_stepping.h): else the end would stop there as if at a wall, and never pass.
-//   Relations and drives hold a distance on both sides, slack or not. There it also counts as lost where the distance
+//   A relation holds a distance on both sides, slack or not. There it also counts as lost where the distance
 //   would have gone through 0 within the step at its rate before, and grows after it: the end was thrown back.
 // Cost: nothing if a scene has neither; else one row per rope, or distance, and step.
 #pragma once
@@ -39,7 +39,7 @@ inline bool turned_back(const Row& one, const Row& other) {
   return one.ja[0] * other.ja[0] + one.ja[1] * other.ja[1] < 0 || one.jb[0] * other.jb[0] + one.jb[1] * other.jb[1] < 0;
 }
 
-/// A distance that a joint holds or drives.
+/// A distance that a relation holds.
 struct JointDistance {
   std::string joint;
   Coordinate of;
@@ -50,7 +50,6 @@ inline std::vector<JointDistance> distances_of_joints(const Scene& scene) {
     if (std::holds_alternative<Span>(of.kind())) all.push_back({joint, of});
   };
   for (const Joint& joint : scene.joints) {
-    if (const auto* drive = std::get_if<Drive>(&joint)) add(drive->name, drive->of);
     const auto* custom = std::get_if<CustomJoint>(&joint);
     const auto* relation = custom != nullptr ? custom->target<Relation>() : nullptr;
     if (relation == nullptr) continue;

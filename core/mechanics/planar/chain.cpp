@@ -15,8 +15,9 @@ constexpr double kStraightBack = 1e-3;  // likewise: of the sharpest spike
 constexpr double kMitre = 3;            // of the depth: the longest bisector of a strip
 constexpr int kHalvings = 60;           // of the depth, until the strip counts as having no room
 constexpr double kBent = 0.1;           // sine of an inner corner's bend behind which segments go on
+constexpr double kGoesOn = 16;          // part of the strip's slant by which it does
 constexpr double kBehind = 1e-3;        // of the depth: how far an end that goes on is behind the neighbour's faces
-constexpr double kAway = 0.5;           // sine of the angle between that end and the neighbour's back
+constexpr double kAway = 0.2;           // sine of the angle between that end and the neighbour's back
 
 std::string point_name(std::size_t i) { return "points[" + std::to_string(i) + "]"; }
 
@@ -79,7 +80,7 @@ std::vector<Knot> knots_of(const GroundChain& chain) {
 Vector2d gone_on(const Knot& corner, const Vector2d& along, const Polygon& neighbour) {
   const Vector2d back = corner.depth * corner.inward, root = corner.point + back;
   const Vector2d far = (neighbour[2] == root ? neighbour[3] : neighbour[2]) - root;
-  double length = back.dot(along);
+  double length = back.dot(along) / kGoesOn;
   for (int halvings = 0; halvings < 8; ++halvings, length /= 2) {
     const Vector2d end = corner.point + length * along, face = end - root;
     const bool away = far.dot(face) < 0 || std::abs(cross(far, face)) >= kAway * far.norm() * face.norm();

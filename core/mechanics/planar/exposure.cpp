@@ -9,6 +9,7 @@ namespace orthant {
 namespace {
 
 constexpr double kStraight = 1e-5;  // [rad] a free angle this near to π is flat
+constexpr double kSliver = 64;      // of flush: what two sharp ends that lie against each other leave free of a face
 constexpr double kTurn = 2 * std::numbers::pi;
 
 using Interval = std::pair<double, double>;
@@ -150,8 +151,9 @@ Exposed exposure(std::span<const Solid> solids, std::size_t which) {
     std::vector<Interval> covered;
     for (std::size_t k = 1; k < close.size(); ++k) cover(p, i, close[k], near, covered);
     const double length = (p[next(p, i)] - p[i]).norm();
-    covered = merged(std::move(covered), 8 * near);
-    const bool all = covered.size() == 1 && covered[0].first <= 8 * near && covered[0].second >= length - 8 * near;
+    covered = merged(std::move(covered), kSliver * near);
+    const bool all =
+        covered.size() == 1 && covered[0].first <= kSliver * near && covered[0].second >= length - kSliver * near;
     e->face.push_back({!all, outward(p, i)});
     e->corner.push_back(cone_at(p, i, close, near));
     whole = whole && !all && e->points_to(i, outward(p, i)) && e->points_to(i, outward(p, i ? i - 1 : p.size() - 1));

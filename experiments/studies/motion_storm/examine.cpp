@@ -198,8 +198,8 @@ template <class Space> class Examination {
 
   /// Energy less work must not grow: its rise above the least value so far, beyond what the run reports: rises of
   /// impacts, and of schemes of fixed step the defect of its own balance, where it warns of that. Of fixed steps, and
-  /// of runs with crossings of first order, the largest of three rows counts: velocities that are differences of places,
-  /// or lie between those of a crossing's ends, have less in the row of an impact.
+  /// of runs with crossings of first order, the largest of three rows counts: velocities that are differences of
+  /// places, or lie between those of a crossing's ends, have less in the row of an impact.
   void energy() {
     const auto& motion = trace_.run.motion;
     const double warned = allowed_.step > 0 && motion.energy_off() ? motion.energy_defect : 0;
