@@ -5,7 +5,8 @@
 //     nan           a number in it is not finite
 //     joints        a joint is off by more than 1e-6 of the size; fixed steps: than h v more
 //     penetration   a contact is deeper than at the start by more than 1e-7 of the size (event-driven), 1e-4 (adaptive;
-//                   a tenth of a journal's clearance at the most), 3 h v (fixed steps, where they do not warn of it)
+//                   a tenth of a journal's clearance at the most; where it crosses events to first order, as much
+//                   deeper as it warns of, 1e-3 at the most), 3 h v (fixed steps, where they do not warn of it)
 //     passage       two shapes pass through each other by a fifth of the thinner one, and the run reports fewer
 //                   passages
 //     energy        energy rises above its least value so far by more than 1e-6 (event-driven), 1e-3

@@ -50,6 +50,7 @@ class Bytes {
 void all_of(Trace& t, Bytes& bytes) {
   bytes(t.refused), bytes(t.threw), bytes(t.seconds), bytes(t.run.status), bytes(t.run.why);
   bytes(t.run.energy_rises), bytes(t.run.max_energy_rise), bytes(t.run.passages), bytes(t.run.crossings);
+  bytes(t.run.error_estimate);
   bytes(t.run.motion.energy_defect), bytes(t.run.motion.energy_scale);
   bytes(t.run.motion.max_overlap), bytes(t.run.motion.overlap_length), bytes(t.run.motion.overlap_scale);
   std::size_t events = t.events.size();

@@ -11,7 +11,7 @@
 namespace orthant::motion_storm {
 
 /// A run with the states of its ends of steps. Of `run` only what is read here comes back: status, why, energy_rises,
-/// max_energy_rise, passages, crossings, motion.energy_defect and energy_scale.
+/// max_energy_rise, passages, crossings, error_estimate, motion.energy_defect and energy_scale.
 struct Trace {
   std::string refused;  // the scheme does not take this scene, in its words
   std::string threw;    // an exception or a signal, in place of a status
