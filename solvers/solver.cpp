@@ -153,11 +153,12 @@ void Solver::put_proof_in_doubles(const Lcp& problem, Solution& s) {
   if (finds_room(problem, s.certificate, share)) s.certificate = judge_.proof();
 }
 
-/// judge_.proof() ← a proof in doubles near u, with room for rounding. Of the same rows first; then without room in
-/// columns that are 0; then with room only where rounding leaves a wrong sign. A semidefinite A leaves none but by its
-/// own rounding: uᵀAu ≤ 0 makes Au = 0.
+/// judge_.proof() ← a proof in doubles near u, with room for rounding, or in small whole numbers. Of the same rows
+/// first; then without room in columns that are 0; then with room only where rounding leaves a wrong sign. A
+/// semidefinite A leaves none but by its own rounding: uᵀAu ≤ 0 makes Au = 0.
 bool Solver::finds_room(const Lcp& problem, const Vector& u, const Budget& budget) {
   constexpr Index kMostSymmetric = 12;
+  constexpr int kMostWhole = 16;       // the largest entry of a proof in whole numbers
   constexpr double kMargin = 0x1p-46;  // above the rounding of u, 2⁻⁵³, below that of data
   const bool contacts = std::holds_alternative<Delassus>(problem.A);
   if (problem.size() > kMostSymmetric && (contacts || is_symmetric(problem.A))) return false;
@@ -166,7 +167,18 @@ bool Solver::finds_room(const Lcp& problem, const Vector& u, const Budget& budge
   const auto proposes = [&](bool same_rows, const std::function<bool(Index)>& in_column) {
     return !budget.exhausted() && farkas_.propose(with_margin(problem, kMargin, u, same_rows, in_column), v, budget);
   };
-  const auto proves = [&] { return judge_.proves_infeasible(problem, v) && judge_.proof_in_doubles(); };
+  const auto proves = [&] {
+    const auto holds = [&] { return judge_.proves_infeasible(problem, v) && judge_.proof_in_doubles(); };
+    if (holds()) return true;
+    const Vector proposed = v;
+    const double size = proposed.cwiseAbs().maxCoeff();
+    for (int k = 1; k <= kMostWhole; ++k) {  // sums of data that cancel need round numbers
+      v = (proposed * (k / size)).array().round().matrix();
+      if (holds()) return true;
+    }
+    v = proposed;
+    return false;
+  };
   const int ways = (u.array() != 0).all() ? 1 : 2;  // with the same rows; with all
   for (int way = 0; way < ways; ++way)
     for (const bool all : {true, false})

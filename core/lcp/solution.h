@@ -26,7 +26,7 @@ enum class Claim {
 enum class Status {
   not_run,
   solved,      // every row's violation is at most the tolerance times its data
-  rounded,     // every row's violation is at most 20 units in the last place of its terms: no z is known to be better
+  rounded,     // rows miss solved, by at most 20 units in the last place of their terms: no z is known to be better
   infeasible,  // `certificate` or `cells` proves that there is no solution
   ray,         // the method ended on a ray: proves nothing by itself
   iteration_limit,  // iterations used up

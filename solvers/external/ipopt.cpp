@@ -1,4 +1,5 @@
 #include <orthant/solvers/external/ipopt.h>
+#include <orthant/solvers/linear_algebra/sparse_budget.h>
 
 #include <coin/IpIpoptApplication.hpp>
 #include <coin/IpTNLP.hpp>
@@ -231,6 +232,9 @@ std::string IpoptSolver::why_not(const Lcp& problem) const { return Minimizer::w
 Claim IpoptSolver::minimize(const ScaledProblem& problem, bool quadratic, bool warm, Vector& z) {
   ip::IpoptApplication& application = *work_->application;
   Program& program = *work_->program;
+  const Columns& A = problem.A;  // a part of the matrices that Ipopt factorizes, between which it polls
+  if (!affords_factorization(&budget(), static_cast<int>(A.size()), A.start.data(), A.row.data(), 1))
+    return Claim::time_limit;
   const bool same = program.load(problem, quadratic);
   program.z = z;
   if (!program.starts()) {

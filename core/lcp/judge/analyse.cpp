@@ -270,6 +270,8 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
       result.h_plus = Verdict::yes;
     else if (!delassus && !diagonal_positive)
       result.h_plus = Verdict::no;
+    if (is_yes(result.symmetric) && is_yes(result.h_plus))  // its comparison matrix has a positive spectrum, as it has
+      result.positive_definite = result.positive_semidefinite = Verdict::yes;
   }
   // A Z-matrix is its own comparison matrix where the diagonal is positive, and K asks for that: K ⟺ Z and H₊.
   result.k = result.z == Verdict::no || result.h_plus == Verdict::no ? Verdict::no

@@ -10,10 +10,10 @@
 //               friction row has its normal's, too.   A = (2, 1; 1, 2), b = (−3, 0), z = (2, 0): β = (3, 2).
 //   solved      v_i ≤ tol min(s_i, β_i) in every row.
 //                 z = 0.5 (1 + 1e-11): w = 1e-11, s = 2, β = 1: passes for tol = 1e-10.
-//   rounded     v_i ≤ 20 ε s_i in every row, and no proof of infeasibility. z is the exact solution of a problem whose
-//               numbers differ from these by at most 20 units in the last place (Oettli & Prager); the distance of z
-//               from the solution of this problem is unknown. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes
-//               too: z has no more digits.
+//   rounded     each row passes as above or has v_i ≤ 20 ε s_i, and there is no proof of infeasibility. z is the exact
+//               solution of a problem whose rows of the second kind differ by at most 20 units in the last place
+//               (Oettli & Prager), the others by v_i in b; the distance of z from the solution of this problem is
+//               unknown. A v_i of 20 ε 2⁻¹⁰²² (1 + Σ_j |A_ij|) ≤ 1e-290 passes too: z has no more digits.
 //                 A = (1, −1; −1, 1 + 1e-12), b = (−1, 1 − 1e-3): z ≈ 1e9, v ≈ 1e-7: s = 1e9, 20 ε s = 4e-6.
 //   infeasible  a vector u with uᵀ(A z + b) < 0 for every z within the bounds, although the rows demand uᵀw ≥ 0:
 //               u_i ≥ 0 on [lo, ∞), ≤ 0 on (−∞, hi], any on free rows, 0 on boxes and friction rows. Farkas' lemma.
