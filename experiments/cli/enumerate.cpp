@@ -66,7 +66,8 @@ int run_enumerate(const EnumerateArguments& a) {
 
 void add_enumerate(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<EnumerateArguments>();
-  CLI::App* command = app.add_subcommand("enumerate", "All solutions of a small problem (at most 2^20 cells: 2 a row, 3 a box)");
+  CLI::App* command =
+      app.add_subcommand("enumerate", "All solutions of a small problem (at most 2^20 cells: 2 a row, 3 a box)");
   add_problem_options(*command, arguments->problem);
   add_time_limit(*command, arguments->time_limit, "[s]; solutions found by then are reported");
   command->add_flag("--json", arguments->json, "answer as one JSON object");
