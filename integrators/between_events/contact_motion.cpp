@@ -120,8 +120,10 @@ void ContactMotion::share_anew(const Watched& w) {
 double ContactMotion::power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
   double sum = 0;
   if (system_.driven()) sum = v.dot(system_.mass().cwiseProduct(a) - terms_.f);
-  for (std::size_t i = 0; i < lasting_.size(); ++i) {
-    const ContactRows& rows = terms_.closed[i].rows;
+  auto closed = terms_.closed.begin();  // the lasting contacts, or all
+  for (std::size_t i = 0; i < lasting_.size(); ++i, ++closed) {
+    while (closed->contact != lasting_[i]) ++closed;
+    const ContactRows& rows = closed->rows;
     sum += tangent_[i] * system_.law(lasting_[i]).belt;
     if (system_.driven())
       sum -= normal_[i] * apply(rows.normal, v.data()) + tangent_[i] * apply(rows.tangent, v.data());
@@ -129,6 +131,10 @@ double ContactMotion::power(double t, const Eigen::VectorXd& v, const Eigen::Vec
   load_.setZero(system_.dof());
   for (const Load& load : system_.scene().loads) load.add(terms_.at, t, load_.data());
   return sum + load_.dot(v);
+}
+
+double ContactMotion::power_of(const Eigen::VectorXd& v_off, const Eigen::VectorXd& a) const {
+  return v_off.dot((system_.mass().cwiseProduct(a) - terms_.f).cwiseAbs());
 }
 
 void ContactMotion::watch_lasting(const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w) const {

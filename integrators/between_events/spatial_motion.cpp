@@ -177,14 +177,15 @@ double SpatialMotion::turn_departures(const Eigen::VectorXd& a) {
 
 double SpatialMotion::power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
   double sum = 0;
-  if (system_.driven()) {
-    sum = v.dot(system_.mass().cwiseProduct(a) - terms_.f);
-    for (std::size_t i = 0; i < lasting_.size(); ++i) {
-      const Rows& rows = terms_.closed[i].rows;
+  if (system_.driven()) sum = v.dot(system_.mass().cwiseProduct(a) - terms_.f);
+  auto closed = terms_.closed.begin();  // the lasting contacts, or all
+  for (std::size_t i = 0; i < lasting_.size(); ++i, ++closed) {
+    while (closed->contact != lasting_[i]) ++closed;
+    const Rows& rows = closed->rows;
+    if (system_.driven())
       sum -= normal_[i] * apply(rows.normal, v.data()) + inner(tangent_[i], slip_rate(rows, v.data()));
-    }
+    sum += inner(tangent_[i], rows.belt);
   }
-  for (std::size_t i = 0; i < lasting_.size(); ++i) sum += inner(tangent_[i], terms_.closed[i].rows.belt);
   step_.setZero();
   for (const spatial::Load& load : system_.scene().loads) load.add(terms_.at, t, step_.data());
   return sum + step_.dot(v);

@@ -6,7 +6,7 @@
 //   The error of a step is not that of q and v alone: a body that sticks to a belt, or that a drive moves, goes on the
 //   same way though a force on it jumps within the step (a spring passes through the length zero). The work shows it.
 //   It is held to a share of what the run has summed up so far, and of what the power would sum up in that time, and to
-//   no less than rounding of the power.
+//   no less than rounding and the tolerance of velocities make of the power: a drive that does no work has only these.
 #pragma once
 
 #include <orthant/integrators/checkpoint.h>
@@ -48,8 +48,11 @@ class StageQuadrature {
 
   // --- Its error -----------------------------------------------------------------------------------------------------
 
-  /// What a change of the coordinates by rounding makes of f at the start of the step: here it is `f`.
-  void measure_noise(const Eigen::VectorXd& f) { noise_ = std::abs(f[f.size() - 1] - first_[f.size() - 1]); }
+  /// What a change of the coordinates by rounding makes of f at the start of the step: here it is `f`; and what the
+  /// tolerance of the velocities makes of the power [W].
+  void measure_noise(const Eigen::VectorXd& f, double tolerance) {
+    noise_ = std::abs(f[f.size() - 1] - first_[f.size() - 1]) + tolerance;
+  }
   void forget_noise() { noise_ = 0; }
 
   /// Of the work in the step of s [s], over what is allowed. share: of the work so far.

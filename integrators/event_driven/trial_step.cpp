@@ -48,7 +48,7 @@ void EventDriven::measure_noise() {
   if (!motion_.accelerations(t, stage_.q, now_.v, scale_.noise)) return scale_.noise.setZero(), flow_.forget_noise();
   force_.setZero();
   add_flow(meter_ ? motion_.power(t, now_.v, scale_.noise) : 0, force_);
-  flow_.measure_noise(force_);
+  flow_.measure_noise(force_, meter_ ? motion_.power_of(atol_, now_.a) : 0);
   scale_.noise = (scale_.noise - now_.a).cwiseAbs();
 }
 

@@ -241,3 +241,61 @@ TEST_CASE("a drawer that friction locks in its guide stays at rest, without chan
       }
     }
 }
+
+namespace {
+
+/// A rotor that its motor turns at constant speed: it does no work.
+void add_idle_motor(Scene& s) {
+  const BodyId rotor = s.body({.name = "rotor", .position = {9, 0}, .omega = 1});
+  const Revolute shaft{"shaft", kGround, rotor, {9, 0}, {0, 0}};
+  s.joint(shaft);
+  s.joint(Drive{"motor", Angle{kGround, rotor}, {.rate_of_change = 1}});
+}
+
+}  // namespace
+
+TEST_CASE("a drive that does no work shortens no step of bodies that rest or slide elsewhere") {
+  for (const double mu : {0.0, 0.3})
+    for (const double speed : {0.0, 0.3}) {
+      Scene s{.gravity = {0, -9.81}, .duration = 0.05};
+      add_idle_motor(s);
+      const BodyId box = s.body({.name = "box", .inertia = 0.0067, .position = {0, 0.1}, .velocity = {speed, 0}});
+      for (const Vector2d& corner : rectangle(0.2, 0.2))
+        s.contact(CornerWall{{}, box, corner, kGround, {0, 0}, {0, 1}, {.mu = mu}});
+      for (const char* scheme : {"event-driven", "adaptive"}) {
+        CAPTURE(mu);
+        CAPTURE(speed);
+        CAPTURE(scheme);
+        const Run r = run(s, scheme, s.duration);
+        INFO(r.why);
+        CHECK(r.status == Status::solved);
+        CHECK(r.crossings == 0);
+        CHECK(r.accepted < 40);
+        CHECK(std::abs(r.motion.work) < 1e-12);
+      }
+    }
+}
+
+TEST_CASE("the work of drives is that of the contacts that act, whatever contacts are listed before them") {
+  for (const char* scheme : {"event-driven", "adaptive"})
+    for (const bool last : {false, true}) {
+      CAPTURE(scheme);
+      CAPTURE(last);
+      Scene s{.gravity = {0, -10}, .duration = 1};
+      const BodyId ball =
+          s.body({.name = "ball", .mass = 0.1, .inertia = 1e-3, .position = {-5, 1}, .velocity = {0, 20}});
+      const BodyId lift = s.body({.name = "lift", .inertia = 0.1, .velocity = {0, 0.1}});
+      const BodyId box = s.body({.name = "box", .inertia = 0.01, .position = {0, 0.1}, .velocity = {0, 0.1}});
+      s.joint(Prismatic{"rail", kGround, lift, {0, 0}, {0, 0}, {0, 1}, 0});
+      s.joint(Drive{"winch", Slide{kGround, lift, {0, 0}, {0, 0}, {0, 1}}, {.rate_of_change = 0.1}});
+      const DiscWall above{"ball on floor", ball, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {}},
+          on{"box on lift", box, {0, 0}, 0.1, lift, {0, 0}, {0, 1}, {}};
+      s.contact(last ? on : above), s.contact(last ? above : on);
+      for (const double step : {0.01, 1.0}) {
+        const Run r = run(s, scheme, step);
+        REQUIRE(r.status == Status::solved);
+        CHECK(r.motion.work == doctest::Approx(2).epsilon(1e-9));
+        CHECK(r.motion.energy_defect < 1e-9);
+      }
+    }
+}
