@@ -252,8 +252,11 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   Reached reached;
   const Clock clock = clock_of(arguments, scene.step, scene.duration, reached);
   check_output(arguments);
-  for (const Remark& remark : remarks_on_start(system))
+  std::vector<std::string> warnings;
+  for (const Remark& remark : remarks_on_start(system)) {
     std::cerr << "orthant: " << (remark.warning ? "warning: " : "note: ") << remark.words << '\n';
+    if (remark.warning) warnings.push_back(remark.words);
+  }
 
   Kept kept{trajectory_columns(scene), {}, {}, {}};
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
@@ -272,8 +275,10 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   const Run run = simulate(*integrator, *solver, clock, record, restart);
   line.end();
   write_kept(arguments, scene, kept);
-  const std::vector<std::string> warnings = warnings_of(system, run, arguments.integrator, clock.step);
-  for (const std::string& warning : warnings) std::cerr << "orthant: warning: " << warning << '\n';
+  for (const std::string& warning : warnings_of(system, run, arguments.integrator, clock.step)) {
+    std::cerr << "orthant: warning: " << warning << '\n';
+    warnings.push_back(warning);
+  }
   const int exit_code = report_end(arguments, *integrator, run);
 
   if constexpr (!kPlanar<Space>)

@@ -98,7 +98,8 @@ class PulleyWatch {
     constexpr double kAhead = 2;  // steps
     if (empty() || x.q.size() != x.v.size()) return false;
     for (std::size_t k = 0; k < distances_.size(); ++k)
-      if (lengths_[2 * k] + kAhead * h * lengths_[2 * k + 1] < 0) return explained(distances_[k], x.t + h), true;
+      if (const double length = lengths_[2 * k], rate = lengths_[2 * k + 1]; length + kAhead * h * rate < 0)
+        return explained(distances_[k], x.t - length / rate), true;
     std::vector<double> there = directions_;
     return turned(
         x.t + h, x.q + kAhead * h * x.v, [](int) { return true; }, there);

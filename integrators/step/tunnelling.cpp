@@ -1,3 +1,4 @@
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/integrators/step/polygon_points.h>
 #include <orthant/integrators/step/tunnelling.h>
 #include <orthant/integrators/step/width.h>
@@ -54,6 +55,17 @@ TunnellingDetector::TunnellingDetector(const System& system)
         disc(span->a, span->point_a, 0), disc(span->b, span->point_b, 0);
         add(i, limit->bound, limit->bound);
       }
+    if (const auto* custom = std::get_if<CustomContact>(&contact); custom != nullptr)
+      if (const auto* bound = custom->target<RelationLimit>(); bound != nullptr)
+        for (const CoordinateTerm& term : bound->sum.terms()) {  // grows on both sides of a distance that becomes 0
+          const auto* span = std::get_if<Span>(&term.of.kind());
+          if (span == nullptr || (term.factor > 0) != (bound->side == Limit::Side::lower)) continue;
+          const double width = std::abs(bound->bound);
+          if (!(width > 0)) continue;
+          disc(span->a, span->point_a, 0), disc(span->b, span->point_b, 0);
+          add(i, width, width);
+          break;
+        }
   }
   const auto pinned = [&](BodyId body, const Vector2d& place, const Vector2d& point) {
     if (body >= 0) pin_[static_cast<std::size_t>(body)] = {true, place, point};

@@ -123,6 +123,9 @@ TEST_CASE("a start that breaks its own joints is run, with a warning") {
   const Reply a = folder.orthant("simulate apart.toml --json");
   CHECK(a.exit_code == 0);
   CHECK(a.err.find("warning: at the start joints are off by 5 m") != std::string::npos);
+  const auto warnings = nlohmann::json::parse(a.out).at("warnings");
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].get<std::string>().starts_with("at the start joints are off by 5 m"));
   folder.write("bent.toml",
                "[[body]]\nname = \"arm\"\nmass = 1\ninertia = 1\n[[contact]]\ntype = \"limit\"\nof = \"angle\"\n"
                "bodies = [\"ground\", \"arm\"]\nlower = 0.25\n");

@@ -3,6 +3,7 @@
 #include "tests/support/runs.h"
 
 #include <orthant/core/mechanics/planar/contact_sets.h>
+#include <orthant/core/mechanics/planar/relation.h>
 #include <orthant/core/support/random.h>
 
 #include <doctest/doctest.h>
@@ -133,6 +134,15 @@ TEST_CASE("points that have to keep a distance pass through each other") {
     s.contact(Limit{{}, Span{a, b, {0, 0}, {0, 0}}, Limit::Side::lower, 0.2, {}});
     const Run r = run(s, scheme, 0.1);
     CHECK(r.passages == 1);
+    Scene sum{.duration = 0.1};  // with another coordinate, too
+    const auto bead = sum.body({.position = {-0.2003, 0}, .velocity = {10, 0}}),
+               slider = sum.body({.position = {1, 0}});
+    sum.joint(Prismatic{"rail", kGround, slider, {1, 0}, {0, 0}, {1, 0}, 0});
+    sum.contact(RelationLimit(
+        "sum", {{1, Span{kGround, bead, {0, 0}, {0, 0}}}, {0.01, Slide{kGround, slider, {1, 0}, {0, 0}, {1, 0}}}},
+        Limit::Side::lower, 0.004));
+    const Run past = run(sum, scheme, 1e-3);
+    CHECK((past.passages == 1) == (past.final.v[0] > 9));
   }
 }
 
