@@ -231,6 +231,19 @@ TEST_CASE("strict diagonal dominance with a positive diagonal decides H+, P and,
   CHECK(analyse(A).h_plus == no);
 }
 
+TEST_CASE("a symmetric H+ matrix is positive definite, also where Cholesky's margin does not tell") {
+  constexpr Index n = 45;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+  for (Index i = 0; i < n; ++i) {
+    A(i, i) = i == 0 ? 1 : i + 1 == n ? 1 + 0x1p-40 : 2;
+    if (i > 0) A(i, i - 1) = A(i - 1, i) = -1;
+  }
+  const Analysis a = analyse(DenseMatrix(A));
+  CHECK(a.h_plus == yes);
+  CHECK(a.positive_definite == yes);
+  CHECK(a.positive_semidefinite == yes);
+}
+
 TEST_CASE("a time limit is kept where one factorization would take minutes") {
   Random random(3);
   const Matrix A = random_sparse_problem(30000, random).A;

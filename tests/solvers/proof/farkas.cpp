@@ -176,6 +176,16 @@ TEST_CASE("a certificate proves as it is, where doubles have room for one") {
     CHECK(proves_as_it_is(p, s.certificate));
     ++proved;
   }
+  // Sums of decimals cancel by round numbers only: u = (2, 0, 1).
+  Lcp decimals = Lcp::standard(DenseMatrix(Eigen::Matrix3d{{-0.3, 0.2, 0.2}, {0.1, 0.2, 0}, {0.3, -0.4, -0.8}}),
+                               Vector{0.2, 0.2, -1});
+  decimals.lo[1] = -kInf;
+  for (const char* solver : {"auto", "lemke", "murty"}) {
+    Solution s;
+    CAPTURE(solver);
+    REQUIRE(make_solver(solver)->solve(decimals, s).status == Status::infeasible);
+    CHECK(proves_as_it_is(decimals, s.certificate));
+  }
   // Random ones: u of the first three rows has Aᵀu < 0 in some columns only.
   Random random(34);
   int infeasible = 0, as_it_is = 0;
