@@ -21,7 +21,16 @@ void interpolate(const MotionPoint& a, const MotionPoint& b, double s, double x,
 ContactWatch::ContactWatch(ContactMotion& motion)
     : slow(motion.modes.size()),
       motion_(motion),
-      inner_{MotionPoint(motion.system()), MotionPoint(motion.system()), MotionPoint(motion.system())} {}
+      weight_(motion.modes.size()),
+      inner_{MotionPoint(motion.system()), MotionPoint(motion.system()), MotionPoint(motion.system())} {
+  const System& system = motion.system();
+  const double g = system.scene().gravity.norm();
+  const auto mass = [&](BodyId i) { return i < 0 ? 0 : system.scene().bodies[static_cast<std::size_t>(i)].mass; };
+  for (int c = 0; c < system.listed(); ++c) {
+    const auto [a, b] = bodies_of(system, {}, c);
+    weight_[static_cast<std::size_t>(c)] = g * (mass(a) + mass(b));
+  }
+}
 
 bool ContactWatch::look(double t, double s, const MotionPoint& a, const MotionPoint& b, double stop) {
   points_ = {&a, &inner_[0], &inner_[1], &inner_[2], &b};
@@ -60,7 +69,9 @@ double ContactWatch::slack(const Sign& sign) const {
   const Watched &a = points_.front()->w, &b = points_.back()->w;
   if (sign.watch == Watch::slip)
     return slow[static_cast<std::size_t>(sign.contact)] + kSame * a.slip_scale[sign.contact];
-  return 10 * kSame * std::max(a.normal.lpNorm<Eigen::Infinity>(), b.normal.lpNorm<Eigen::Infinity>());
+  constexpr double kRounded = 16 * 0x1p-52;  // of the weight: bodies that hang side by side press by that much
+  return 10 * kSame * std::max(a.normal.lpNorm<Eigen::Infinity>(), b.normal.lpNorm<Eigen::Infinity>()) +
+         kRounded * weight_[static_cast<std::size_t>(sign.contact)];
 }
 
 std::optional<Sign> ContactWatch::first(bool forces) const {

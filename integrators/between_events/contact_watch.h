@@ -61,6 +61,7 @@ class ContactWatch {
 
  private:
   ContactMotion& motion_;
+  std::vector<double> weight_;  // [N] of both bodies, one per listed contact; else 0
   std::array<MotionPoint, kPoints - 2> inner_;
   std::array<const MotionPoint*, kPoints> points_{};
   double s_ = 0;
