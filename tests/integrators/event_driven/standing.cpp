@@ -288,8 +288,8 @@ TEST_CASE("the work of drives is that of the contacts that act, whatever contact
       const BodyId box = s.body({.name = "box", .inertia = 0.01, .position = {0, 0.1}, .velocity = {0, 0.1}});
       s.joint(Prismatic{"rail", kGround, lift, {0, 0}, {0, 0}, {0, 1}, 0});
       s.joint(Drive{"winch", Slide{kGround, lift, {0, 0}, {0, 0}, {0, 1}}, {.rate_of_change = 0.1}});
-      const DiscWall above{"ball on floor", ball, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {}},
-          on{"box on lift", box, {0, 0}, 0.1, lift, {0, 0}, {0, 1}, {}};
+      const DiscWall above{"ball_on_floor", ball, {0, 0}, 0.1, kGround, {0, 0}, {0, 1}, {}},
+          on{"box_on_lift", box, {0, 0}, 0.1, lift, {0, 0}, {0, 1}, {}};
       s.contact(last ? on : above), s.contact(last ? above : on);
       for (const double step : {0.01, 1.0}) {
         const Run r = run(s, scheme, step);
