@@ -72,7 +72,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   struct Sign {  // of an event
     Watch watch = Watch::gap;
     int contact = 0;
-    double x = 1;  // of the step
+    double x = 1;     // of the step
+    double deep = 1;  // likewise: a gap is smallest there, soon after x
   };
   struct Point {  // of the motion
     Eigen::VectorXd q, v, a;
@@ -126,7 +127,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   bool stands_still(int contact);
   bool dismissed(Watch watch, int contact) const;
   void find_gaps(double s, std::optional<Sign>& first);
-  std::optional<double> closing(int contact, double s, const Node& low, const Node& high, int depth);
+  std::optional<Sign> closing(int contact, double s, const Node& low, const Node& high, int depth);
   void between_ends(double s, double x, Eigen::VectorXd& q, Eigen::VectorXd& v);
   void find_ends(double s, std::optional<Sign>& first);
   double value(const Sign& sign, const Point& p) const;

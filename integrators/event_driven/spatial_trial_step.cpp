@@ -12,6 +12,20 @@ constexpr int kHalvings = 6;              // of the time between two looks
 constexpr double kCubicError = 4e-5;      // of what a contact moves between two looks
 constexpr double kForceRounding = 1e-11;  // of the largest force
 
+/// Where the polynomial is least on [x, 1].
+double least_after(const Bernstein<4>& c, double x) {
+  const double d0 = c[1] - c[0], d1 = c[2] - c[1], d2 = c[3] - c[2];  // of its derivative
+  const auto value = [&](double t) {
+    const double u = 1 - t;
+    return u * u * u * c[0] + 3 * t * u * u * c[1] + 3 * t * t * u * c[2] + t * t * t * c[3];
+  };
+  double least = value(1) < value(x) ? 1 : x;
+  const double a = d0 - 2 * d1 + d2, b = d1 - d0, root = std::sqrt(std::max(0.0, b * b - a * d0));
+  for (const double t : {(-b + root) / a, (-b - root) / a, d0 / (-2 * b)})
+    if (t > x && t < 1 && value(t) < value(least)) least = t;
+  return least;
+}
+
 }  // namespace
 
 double SpatialEventDriven::room(int contact, const Point& p) const {
@@ -105,11 +119,14 @@ void SpatialEventDriven::find_gaps(double s, std::optional<Sign>& first) {
       motion_.watch_gaps(time_ + high.x * s, q_within_, v_within_, high.gap, high.rate);
     }
     for (int c = 0; c < system_.contacts(); ++c) {
-      if (motion_.modes[static_cast<std::size_t>(c)].lasting || dismissed(Watch::gap, c)) continue;
-      const std::optional<double> x = closing(c, s, low, high, 0);
-      if (!x || (first && first->x <= *x)) continue;
+      const auto seen = [&](const Sign& sign) {  // it came near there only
+        return sign.watch == Watch::gap && sign.contact == c && sign.x >= low.x;
+      };
+      if (motion_.modes[static_cast<std::size_t>(c)].lasting || std::ranges::any_of(dismissed_, seen)) continue;
+      const std::optional<Sign> sign = closing(c, s, low, high, 0);
+      if (!sign || (first && first->x <= sign->x)) continue;
       if (stays(now_, c) && stays(trial_, c) && stands_still(c)) continue;  // rounding of what the joints hold
-      first = Sign{Watch::gap, c, *x};
+      first = sign;
     }
     if (first) return;
     std::swap(low, high);
@@ -117,7 +134,7 @@ void SpatialEventDriven::find_gaps(double s, std::optional<Sign>& first) {
 }
 
 /// Where the gap of a contact first falls below zero between two looks at it.
-std::optional<double> SpatialEventDriven::closing(int c, double s, const Node& low, const Node& high, int depth) {
+auto SpatialEventDriven::closing(int c, double s, const Node& low, const Node& high, int depth) -> std::optional<Sign> {
   const double part = high.x - low.x, length = part * s, zero = slack({Watch::gap, c, 1});
   const Bernstein<4> gap = cubic(low.gap[c], low.rate[c], high.gap[c], high.rate[c], length);
   const double fast = std::max(now_.w.rate_scale[c], trial_.w.rate_scale[c]);
@@ -131,12 +148,12 @@ std::optional<double> SpatialEventDriven::closing(int c, double s, const Node& l
     Eigen::VectorXd q, v;
     between_ends(s, middle.x, q, v);
     motion_.watch_gaps(time_ + middle.x * s, q, v, middle.gap, middle.rate);
-    if (const auto x = closing(c, s, low, middle, depth + 1)) return x;
+    if (const auto sign = closing(c, s, low, middle, depth + 1)) return sign;
     return closing(c, s, middle, high, depth + 1);
   }
   const auto found = first_crossing(gap, zero);
   if (!found) return {};
-  return low.x + part * found->x;
+  return Sign{Watch::gap, c, low.x + part * found->x, low.x + part * least_after(gap, found->x)};
 }
 
 /// Ends of lasting contacts, and of sticking.
@@ -184,8 +201,9 @@ bool SpatialEventDriven::land(const Sign& sign, double& s) {
   const auto restore = [&] { return attempt(s = whole) < kInf; };
   if (!(f_high < -zero)) {
     bool found = false;
-    for (const double part : {0.0, 1.0 / 64, 1.0 / 16, 1.0 / 4, 1.0 / 2}) {
-      high = whole * (sign.x + part * (1 - sign.x));
+    const auto between = [&](double part) { return sign.x + part * (1 - sign.x); };
+    for (const double at : {sign.deep, sign.x, between(1.0 / 64), between(1.0 / 16), between(1.0 / 4), between(0.5)}) {
+      high = whole * at;
       if (!(high > 0)) high = 1e-3 * whole;
       if (!(attempt(high) < kInf)) continue;
       f_high = value(sign, trial_);

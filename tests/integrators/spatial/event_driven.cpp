@@ -1,6 +1,7 @@
 // event-driven in space against closed forms to 1e-10, and the slider-crank's golden events in space to 1e-9.
 #include "tests/support/spatial.h"
 
+#include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/masse.h>
 #include <orthant/core/scenes/slider_crank_space.h>
 #include <orthant/core/scenes/top.h>
@@ -307,4 +308,21 @@ TEST_CASE("adaptive in space refuses dry friction in joints") {
                        "integrator adaptive: takes no dry friction in joints in space: must be moreau-jean or another "
                        "integrator of fixed step",
                        std::invalid_argument);
+}
+
+TEST_CASE("a sphere squeezed out of a wedge: no bounce is passed over, whatever the output step") {
+  const auto scene = std::get<spatial::Scene>(read_any_scene(ORTHANT_TEST_DATA "/sphere_in_wedge.toml"));
+  const SpatialSystem system(scene);
+  State ends[3];
+  long events[3];
+  const double steps[] = {scene.step, 0.01, scene.duration / 4};
+  for (int k = 0; k < 3; ++k) {
+    const Run r = run_in_space(system, "event-driven", steps[k], scene.duration);
+    REQUIRE(r.status == Status::solved);
+    ends[k] = r.final, events[k] = r.events;
+  }
+  for (int k = 1; k < 3; ++k) {
+    CHECK(events[k] == events[0]);
+    CHECK((ends[k].q - ends[0].q).lpNorm<Eigen::Infinity>() < 1e-8);
+  }
 }

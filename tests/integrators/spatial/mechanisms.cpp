@@ -63,7 +63,7 @@ TEST_CASE(
     p.mu = 0, p.at_crank = 1, p.clearance = fine ? 1.5625e-5 : 6.25e-5;
     const SpatialSystem system(slider_crank_clearance(p));
     Run run;
-    const double angle = angle_after(system, 0, "adaptive:rtol=1e-9", 0.05, 5, run);
+    const double angle = angle_after(system, 0, "adaptive:rtol=1e-10", 0.05, 5, run);
     REQUIRE(run.status == Status::solved);
     x_off[fine] = std::abs(run.final.q[14] - kX5), angle_off[fine] = std::abs(angle - kTheta5);
   }
