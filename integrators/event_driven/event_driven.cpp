@@ -105,8 +105,7 @@ StepReport EventDriven::go(double h, bool one, Solver& solver, State& x) {
   if (good_ && !(residual.off <= kJointsHold)) {
     if (one && arc_.length > 0)
       x.t = arc_.start, x.q = arc_.q0, x.v = arc_.v0, arc_.length = 0;  // no arc fits the joints
-    good_ = fail(report, Status::numerical_error,
-                 "the projection onto the joints ends at " + detail::text_of(report.joint_residual) + " m");
+    good_ = fail_apart(residual.joint, report);
   }
   last_q_ = x.q, last_v_ = x.v;
   return report;
@@ -142,6 +141,11 @@ void EventDriven::sort_events() {
     std::rotate(std::upper_bound(events_.begin(), end, *end, earlier), end, end + 1);
 }
 
+bool EventDriven::fail_apart(double residual, StepReport& report) {
+  return fail(report, Status::numerical_error,
+              "the projection onto the joints ends at " + detail::text_of(residual) + " m");
+}
+
 bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   now_.q = x.q, now_.v = x.v, h_ = options_.first_step;
   flight_.steps = 0, flight_.time = 0;
@@ -150,6 +154,7 @@ bool EventDriven::begin(Solver& solver, const State& x, StepReport& report) {
   std::fill(motion_.modes.begin(), motion_.modes.end(), ContactMode{});
   motion_.modes_changed();
   residual_ = motion_.project(x.t, now_.q, now_.v);
+  if (!(residual_.off <= kJointsHold)) return fail_apart(residual_.joint, report);
   if (pulleys_) pulleys_->follow(x);
   joints_.rank = 0;
   if (!observe(now_, x.t)) return fail(report, Status::numerical_error, "no accelerations at the start");

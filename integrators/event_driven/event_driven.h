@@ -175,6 +175,7 @@ class EventDriven final : public Integrator {
   StepReport go(double h, bool one, Solver& solver, State& x);
   void sort_events();
   bool begin(Solver& solver, const State& x, StepReport& report);
+  bool fail_apart(double residual, StepReport& report);  // joints are left so far apart [m, rad]
   bool keeps_directions(StepReport& report);
   double next_stop() const;
   bool renew(Solver& solver, StepReport& report);
