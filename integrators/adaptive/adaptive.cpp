@@ -46,7 +46,7 @@ void Adaptive::remember(CheckpointData& memory) {
   fitted_ = false;  // the polynomial is found again
   memory(engine_, between_, end_.state, before_, last_, stride_.began, stride_.reach, fitted_, end_.status, end_.why,
          end_.residual.joint, end_.residual.rate, left_.events, left_.impulses, left_.smooth, left_.measured,
-         left_.work, end_.gaps);
+         left_.work, left_.effort, left_.least_weight, left_.rises, left_.rise, left_.rise_time, end_.gaps);
   if (meter_) meter_->forget();
 }
 
@@ -61,7 +61,7 @@ void Adaptive::restart(const State& x) {
   end_.status = Status::solved;
   left_.events.clear();
   std::fill(left_.impulses.begin(), left_.impulses.end(), Impulse{});
-  left_.work = 0;
+  left_.work = left_.effort = 0, left_.rises = 0;
 }
 
 StepReport Adaptive::step(double h, Solver& solver, State& x) {
@@ -103,8 +103,9 @@ bool Adaptive::stride(Solver& solver, StepReport& report) {
   report.lcp_solves += one.lcp_solves, report.lcp_iterations += one.lcp_iterations;
   report.lcp_rows = std::max(report.lcp_rows, one.lcp_rows);
   report.lcp_residual = std::max(report.lcp_residual, one.lcp_residual);
-  report.note_rise(one.energy_rise, one.energy_rise_time, one.energy_rises), report.plastic += one.plastic;
-  report.effort += one.effort, report.least_weight = std::min(report.least_weight, one.least_weight);
+  report.plastic += one.plastic;
+  left_.rises = one.energy_rises, left_.rise = one.energy_rise, left_.rise_time = one.energy_rise_time;
+  left_.effort = one.effort, left_.least_weight = one.least_weight;
   report.error_estimate += one.error_estimate;
   end_.residual.joint = one.joint_residual, end_.residual.rate = one.joint_rate;
   left_.events.insert(left_.events.end(), engine_.events().begin(), engine_.events().end());
@@ -120,13 +121,22 @@ bool Adaptive::stride(Solver& solver, StepReport& report) {
 /// Events, impulses and work of the last inner step, as far as they are still to be handed out.
 void Adaptive::finish_stride(StepReport& report) {
   if (meter_) *report.work += left_.work;
-  left_.work = 0;
+  report.effort += left_.effort, report.least_weight = std::min(report.least_weight, left_.least_weight);
+  left_.work = left_.effort = 0;
+  hand_over_rises(kInf, report);
   events_.insert(events_.end(), left_.events.begin(), left_.events.end());
   left_.events.clear();
   for (std::size_t c = 0; c < left_.impulses.size(); ++c) {
     impulses_[c].normal += left_.impulses[c].normal, impulses_[c].tangent += left_.impulses[c].tangent;
     left_.impulses[c] = {};
   }
+}
+
+/// Those until t, as the largest of them counts for all.
+void Adaptive::hand_over_rises(double t, StepReport& report) {
+  if (left_.rises == 0 || left_.rise_time > t) return;
+  report.note_rise(left_.rise, left_.rise_time, left_.rises);
+  left_.rises = 0;
 }
 
 /// Likewise those until t, which is within it: impulses of lasting contacts, within the cone of friction.
@@ -148,12 +158,20 @@ void Adaptive::hand_over_until(double t) {
   }
 }
 
-/// Likewise the work on the arc until the state handed out.
+/// Likewise the work on the arc until the state handed out, an eighth of the arc at a time.
 void Adaptive::measure_work(const State& to, StepReport& report) {
   if (!meter_ || !fitted_) return;
-  const double work = meter_->over_motion(left_.measured, to, engine_.arc().modes);
-  *report.work += work, left_.work -= work;
-  left_.measured = to;
+  const Arc& arc = engine_.arc();
+  const double from = left_.measured.t, parts = std::clamp(std::ceil(8 * (to.t - from) / arc.length), 1.0, 8.0);
+  for (double k = 1; k <= parts; ++k) {
+    part_ = to;
+    if (k < parts) part_.t = from + k / parts * (to.t - from), between_.at(part_.t, part_.q, part_.v);
+    const double work = meter_->over_motion(left_.measured, part_, arc.modes),
+                 effort = std::min(std::abs(work), left_.effort);
+    *report.work += work, left_.work -= work;
+    report.effort += effort, left_.effort -= effort;
+    left_.measured = part_;
+  }
 }
 
 /// q and v at t, within the last inner step: on its arc, or within the crossing that follows, where they are taken from
@@ -197,7 +215,7 @@ void Adaptive::hand_out(double target, State& x, StepReport& report) {
   } else {
     const ContactMotion::Residual residual = interpolate(target, x);
     report.joint_residual = residual.joint, report.joint_rate = residual.rate;
-    hand_over_until(target);
+    hand_over_until(target), hand_over_rises(target, report);
     x.t = target;
     const bool on_arc = target < engine_.arc().start + engine_.arc().length;
     if (report.status == Status::solved && on_arc && residual.off > kJointsOff && residual.off < kInf)

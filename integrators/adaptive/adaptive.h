@@ -60,6 +60,7 @@ class Adaptive final : public Integrator {
   void hand_over_until(double t);
   void measure_work(const State& to, StepReport& report);
   ContactMotion::Residual interpolate(double t, State& x);
+  void hand_over_rises(double t, StepReport& report);
   void hand_out(double end, State& x, StepReport& report);
 
   /// Where the inner steps are.
@@ -77,6 +78,9 @@ class Adaptive final : public Integrator {
     std::vector<Impulse> smooth;    // [N s] of its arc, handed out already
     double work = 0;                // [J]
     State measured;                 // up to which that of the arc is handed out
+    int rises = 0;                  // of energy; the largest [J], and its time [s]
+    double rise = 0, rise_time = kInf;
+    double effort = 0, least_weight = kInf;  // [J]
   };
   /// Lengths of inner steps. [s]
   struct Strides {
@@ -95,6 +99,7 @@ class Adaptive final : public Integrator {
   ArcInterpolant between_;
   bool fitted_ = false;                  // between_ is that of the engine's last arc
   std::optional<ContactMotion> joints_;  // without contacts, for states within a crossing; where there are joints
+  State part_;  // of the arc, whose work is measured
   State on_joints_;
   Terms terms_;
   std::optional<WorkMeter> meter_;  // where there is work to measure

@@ -1,3 +1,4 @@
+#include <orthant/core/mechanics/dynamics/redundancy.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/between_events/look_ahead.h>
 #include <orthant/integrators/event_driven/event_driven.h>
@@ -9,6 +10,7 @@ namespace orthant {
 namespace {
 
 constexpr double kUntold = 1e-4;   // independence, of joints that are redundant anyway, of poses not to be passed
+constexpr double kRegular = 1e-3;  // likewise: of rows in the best order
 constexpr int kShortSteps = 15;    // steps in a row, each shorter than
 constexpr int kLandings = 200;     // tries to find a step's first event
 constexpr double kNowhere = 1e-9;  // of places and sizes: unless bodies move by more in such a step
@@ -203,7 +205,8 @@ bool EventDriven::advance(Solver& solver, double end, bool last, StepReport& rep
                       ": the forces grow without bound, or tolerances are too small") ||
              (options_.go_on && cross(solver, end, report));
   }
-  if (joints_.rank < system_.joint_rows() && joints_.least_independence < kUntold)
+  if (joints_.rank < system_.joint_rows() && joints_.least_independence < kUntold &&
+      pivoted_independence(system_, least_q_, joints_.rank) < kRegular)
     return fail(report, Status::numerical_error,
                 std::string(kSingularPose) + " at t = " + detail::text_of(start_ + elapsed_) +
                     ": the branch cannot be determined; use adaptive or an integrator of fixed step") ||

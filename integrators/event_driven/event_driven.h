@@ -126,7 +126,7 @@ class EventDriven final : public Integrator {
   };
   struct JointRank {                // rank of the joints' rows
     int rank = 0;                   // away from singular poses
-    double least_independence = 1;  // in the trial step
+    double least_independence = 1;  // in the trial step, of the rows in their order
   };
   struct Flight {  // since the last event
     int steps = 0;
@@ -269,6 +269,7 @@ class EventDriven final : public Integrator {
   Eigen::VectorXd last_q_, last_v_;
   Lead lead_;
   JointRank joints_;
+  Eigen::VectorXd least_q_;  // where they are least independent in the trial step, of redundant joints
   Flight flight_;
   Crowd crowd_;
   CrowdCrossing crossing_;

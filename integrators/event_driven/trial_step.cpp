@@ -156,7 +156,10 @@ bool EventDriven::try_step(double s) {
       motion_.project(time, stage_.q, stage_.v);
       possible = motion_.accelerations(time, stage_.q, stage_.v, a);
     }
-    joints_.least_independence = std::min(joints_.least_independence, independence());
+    if (const double here = independence(); here < joints_.least_independence) {
+      joints_.least_independence = here;
+      if (joints_.rank < system_.joint_rows()) least_q_ = q;
+    }
     if (meter_ && possible) power = motion_.power(time, v, a);
     return possible;
   };

@@ -2,6 +2,8 @@
 #include <orthant/core/mechanics/dynamics/joint_load.h>
 #include <orthant/core/mechanics/dynamics/redundancy.h>
 
+#include <Eigen/QR>
+
 #include <algorithm>
 #include <cmath>
 
@@ -162,15 +164,30 @@ template <class Space> Redundancy find_redundancy(const SystemOf<Space>& system,
   Repeats there = here;
   const Eigen::VectorXd phi = terms.phi, rate = terms.joint_rate;
   if (move_on(system, basis, terms, next)) there = dependencies(mass_rows(system, terms), basis);
+  // Of rows that depend on each other, another one may come out as the dependent one there: then the rank is the same.
+  const auto count = [](const Repeats& all) {
+    return std::ranges::count_if(all, [](const auto& r) { return !r.empty(); });
+  };
+  const bool all_permanent = count(there) >= count(here);
   for (std::size_t i = 0; i < here.size(); ++i)
     if (!here[i].empty()) {
       auto& repeat = found.dependent.emplace_back();
       const auto row = static_cast<Index>(i);
-      repeat.row = static_cast<int>(i), repeat.permanent = !there[i].empty();
+      repeat.row = static_cast<int>(i), repeat.permanent = all_permanent || !there[i].empty();
       repeat.contradicts = contradicts(row, phi) || contradicts(row, rate);
       for (const Share& s : here[i]) repeat.repeats.push_back(s.row);
     }
   return found;
+}
+
+template <class Space> double pivoted_independence(const SystemOf<Space>& system, const Eigen::VectorXd& q, int rank) {
+  TermsOf<Space> terms(system);
+  evaluate(system, q, terms);
+  Eigen::MatrixXd rows = mass_rows(system, terms);
+  if (rank < 1 || rank > std::min(rows.rows(), rows.cols())) return 0;
+  rows.colwise().normalize();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows);
+  return std::abs(qr.matrixR()(rank - 1, rank - 1));
 }
 
 template <class Space> std::string describe(const Redundancy& redundancy, const SystemOf<Space>& system) {
@@ -228,6 +245,8 @@ template <class Space> std::string describe(const Redundancy& redundancy, const 
 
 template Redundancy find_redundancy(const SystemOf<Planar>&, const Eigen::VectorXd&);
 template Redundancy find_redundancy(const SystemOf<Spatial>&, const Eigen::VectorXd&);
+template double pivoted_independence(const SystemOf<Planar>&, const Eigen::VectorXd&, int);
+template double pivoted_independence(const SystemOf<Spatial>&, const Eigen::VectorXd&, int);
 template std::string describe(const Redundancy&, const SystemOf<Planar>&);
 template std::string describe(const Redundancy&, const SystemOf<Spatial>&);
 

@@ -35,6 +35,10 @@ struct Redundancy {
 /// Looks at the joints at the coordinates q.
 template <class Space> Redundancy find_redundancy(const SystemOf<Space>& system, const Eigen::VectorXd& q);
 
+/// How far `rank` of the joints' rows at q, each of length 1 in the metric of M⁻¹, are from dependence: the least pivot
+/// of a pivoted QR factorization, which does not depend on the order of the rows. 0: fewer are independent.
+template <class Space> double pivoted_independence(const SystemOf<Space>& system, const Eigen::VectorXd& q, int rank);
+
 /// In words, joint by joint: 'row angle of joint "b" repeats (contradicts) what joints "a", "c" already say'. Names the
 /// joints with load-dependent friction whose load is therefore undetermined. Empty: no row is dependent.
 template <class Space> std::string describe(const Redundancy& redundancy, const SystemOf<Space>& system);

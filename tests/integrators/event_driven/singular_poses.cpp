@@ -1,6 +1,7 @@
 // Event-driven integration through singular poses and with redundant joints.
 #include "tests/support/event_record.h"
 
+#include <orthant/core/mechanics/dynamics/redundancy.h>
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/n_four_bar.h>
 
@@ -8,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <string>
 
 using namespace orthant;
 
@@ -107,5 +110,42 @@ TEST_CASE("redundant joints: the tolerance holds in one long step as in many, or
       CHECK(std::abs(r.final.q[2] - theta) <= 1e-6);
     else
       CHECK(r.why.find("singular pose") != std::string::npos);
+  }
+}
+
+TEST_CASE("three parallel cranks: one row is redundant in every pose, whichever comes out as the dependent one") {
+  for (const double turn : {0.0, 1e-6, std::numbers::pi / 2, 1.0}) {
+    const Eigen::Rotation2Dd by(turn);
+    Scene s{.gravity = by * Vector2d(9.81, 0)};
+    BodyId cranks[3];
+    for (int i = 0; i < 3; ++i)
+      cranks[i] = s.body({.name = "crank" + std::to_string(i),
+                          .inertia = 0.02,
+                          .position = by * Vector2d(-0.15, i),
+                          .angle = turn,
+                          .velocity = by * Vector2d(0, -0.3),
+                          .omega = 2});
+    const BodyId coupler = s.body({.name = "coupler",
+                                   .mass = 2,
+                                   .inertia = 0.4,
+                                   .position = by * Vector2d(-0.3, 1),
+                                   .angle = turn,
+                                   .velocity = by * Vector2d(0, -0.6)});
+    for (int i = 0; i < 3; ++i) {
+      s.joint(Revolute{{}, kGround, cranks[i], by * Vector2d(0, i), {0.15, 0}});
+      s.joint(Revolute{{}, cranks[i], coupler, {-0.15, 0}, {0, i - 1.0}});
+    }
+    const System system(s);
+    const Redundancy found = find_redundancy(system, system.initial_state().q);
+    CAPTURE(turn);
+    CHECK(found.rank == 11);
+    CHECK_FALSE(found.singular());
+    for (const double step : {1e-3, 1e-2, 0.1}) {
+      CAPTURE(step);
+      const Run r = run_for(s, 0.3, kScheme, step);
+      INFO(r.why);
+      CHECK(r.status == Status::solved);
+      CHECK(std::abs(r.energy_final - r.energy_initial) < 1e-8);
+    }
   }
 }
