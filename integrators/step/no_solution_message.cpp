@@ -83,8 +83,11 @@ std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair
 
 template <class Space>
 std::string why_no_impact(const SystemOf<Space>& system, const TermsOf<Space>& terms, const std::string& proof) {
-  if (std::ranges::any_of(terms.closed, [&](const auto& c) { return system.law(c.contact).frictional(); }))
-    return "Newton's law of impact has no solution here: friction and restitution contradict each other (jamming)";
+  std::vector<std::string> rough;
+  for (const auto& c : terms.closed)
+    if (system.law(c.contact).frictional()) rough.push_back(contact_name<Space>(system, terms.pairs, c.contact));
+  if (!rough.empty())
+    return "friction jams contacts " + joined(rough) + ": no impulse satisfies Newton's law and Coulomb's there";
   // Without friction only drives can leave no velocity.
   return proof.starts_with("jammed") ? proof : "jammed: contacts and drives leave no motion";
 }
