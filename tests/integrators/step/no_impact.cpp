@@ -27,7 +27,7 @@ TEST_CASE(
     space.contact(spatial::SpherePlane{"", ball, {0, 0, 0}, 0.1, kGround, {0, 0, 0}, {0, 0, 1}, {.mu = mu}});
     const std::string words = words_of_impact<Planar>(plane);
     CHECK(words == words_of_impact<Spatial>(space));
-    CHECK(words.starts_with("Newton's law of impact has no solution") == (mu > 0));
+    CHECK(words.starts_with("friction jams contacts ") == (mu > 0));
     CHECK(words.starts_with("jammed") == (mu == 0));
     const std::string jam = "jammed: drive \"ram\", contact \"wall\" leave no motion; since t = 0";
     CHECK((words_of_impact<Planar>(plane, jam) == jam) == (mu == 0));
