@@ -84,10 +84,14 @@ std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair
 template <class Space>
 std::string why_no_impact(const SystemOf<Space>& system, const TermsOf<Space>& terms, const std::string& proof) {
   std::vector<std::string> rough;
-  for (const auto& c : terms.closed)
+  bool thrown = false;
+  for (const auto& c : terms.closed) {
+    thrown = thrown || system.law(c.contact).e > 0;
     if (system.law(c.contact).frictional()) rough.push_back(contact_name<Space>(system, terms.pairs, c.contact));
+  }
   if (!rough.empty())
-    return "friction jams contacts " + joined(rough) + ": no impulse satisfies Newton's law and Coulomb's there";
+    return "friction jams contacts " + joined(rough) + (thrown ? ", which restitution throws apart" : "") +
+           ": no impulse satisfies Newton's law and Coulomb's there";
   // Without friction only drives can leave no velocity.
   return proof.starts_with("jammed") ? proof : "jammed: contacts and drives leave no motion";
 }
