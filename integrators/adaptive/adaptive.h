@@ -99,7 +99,7 @@ class Adaptive final : public Integrator {
   ArcInterpolant between_;
   bool fitted_ = false;                  // between_ is that of the engine's last arc
   std::optional<ContactMotion> joints_;  // without contacts, for states within a crossing; where there are joints
-  State part_;  // of the arc, whose work is measured
+  State part_;                           // of the arc, whose work is measured
   State on_joints_;
   Terms terms_;
   std::optional<WorkMeter> meter_;  // where there is work to measure

@@ -10,7 +10,7 @@ namespace orthant {
 namespace {
 
 constexpr double kUntold = 1e-4;   // independence, of joints that are redundant anyway, of poses not to be passed
-constexpr double kRegular = 1e-3;  // likewise: of rows in the best order
+constexpr double kRegular = 3e-2;  // root of that, of rows in the best order
 constexpr int kShortSteps = 15;    // steps in a row, each shorter than
 constexpr int kLandings = 200;     // tries to find a step's first event
 constexpr double kNowhere = 1e-9;  // of places and sizes: unless bodies move by more in such a step
