@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace orthant {
 namespace {
@@ -180,7 +181,8 @@ double SpatialMotion::power(double t, const Eigen::VectorXd& v, const Eigen::Vec
   if (system_.driven()) sum = v.dot(system_.mass().cwiseProduct(a) - terms_.f);
   auto closed = terms_.closed.begin();  // the lasting contacts, or all
   for (std::size_t i = 0; i < lasting_.size(); ++i, ++closed) {
-    while (closed->contact != lasting_[i]) ++closed;
+    while (closed != terms_.closed.end() && closed->contact != lasting_[i]) ++closed;
+    if (closed == terms_.closed.end()) return std::numeric_limits<double>::quiet_NaN();  // its gap is no number
     const Rows& rows = closed->rows;
     if (system_.driven())
       sum -= normal_[i] * apply(rows.normal, v.data()) + inner(tangent_[i], slip_rate(rows, v.data()));
