@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/adaptive/adaptive.h>
+#include <orthant/integrators/adaptive/crossing_state.h>
 
 #include <algorithm>
 #include <cmath>
@@ -132,7 +133,7 @@ void Adaptive::finish_stride(StepReport& report) {
   }
 }
 
-/// Those until t, as the largest of them counts for all.
+/// Hands out the energy rises of the inner step once t is behind the largest.
 void Adaptive::hand_over_rises(double t, StepReport& report) {
   if (left_.rises == 0 || left_.rise_time > t) return;
   report.note_rise(left_.rise, left_.rise_time, left_.rises);
@@ -174,9 +175,8 @@ void Adaptive::measure_work(const State& to, StepReport& report) {
   }
 }
 
-/// q and v at t, within the last inner step: on its arc, or within the crossing that follows, where they are taken from
-/// the straight line between its ends (a parabola where no contact acts), and moved onto the joints. Returns the
-/// residual of the joints.
+/// q and v at t, within the last inner step: on its arc, or within the crossing that follows (crossing_state.h), moved
+/// onto the joints. Returns the residual of the joints.
 ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
   const Arc& arc = engine_.arc();
   const double arc_end = arc.start + arc.length;
@@ -188,15 +188,7 @@ ContactMotion::Residual Adaptive::interpolate(double t, State& x) {
   }
   x = before_;
   if (arc.length > 0) x.q = arc.q1, x.v = arc.v1, x.t = arc_end;
-  const double rest = end_.state.t - x.t, part = (t - x.t) / rest;
-  move(x.q, part * between(x.q, end_.state.q));
-  const auto pushes = [](const Impulse& push) { return push.normal != 0; };
-  if (std::ranges::any_of(left_.impulses, pushes)) {
-    x.v = end_.state.v;
-  } else {  // smooth, next to a singular pose of the joints
-    move(x.q, -part * (1 - part) * rest / 2 * (end_.state.v - x.v));
-    x.v += part * (end_.state.v - x.v);
-  }
+  move_within_crossing<Planar>(t, end_.state, left_.impulses, x);
   if (!joints_) return {};
   on_joints_ = x;
   const ContactMotion::Residual left = joints_->project(t, on_joints_.q, on_joints_.v);

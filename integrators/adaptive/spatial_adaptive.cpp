@@ -1,4 +1,5 @@
 #include <orthant/core/support/options.h>
+#include <orthant/integrators/adaptive/crossing_state.h>
 #include <orthant/integrators/adaptive/spatial_adaptive.h>
 
 #include <algorithm>
@@ -140,23 +141,13 @@ bool SpatialAdaptive::fit() {
   return flow_.extend(between_, arc);
 }
 
-/// At t within the crossing that ends the last inner step: on the straight line between its ends, whose velocity is
-/// the end's where contacts push, else on a parabola.
+/// At t within the crossing that ends the last inner step (crossing_state.h).
 void SpatialAdaptive::within_crossing(double t, State& x) {
   const SpatialArc& arc = engine_.arc();
   x = before_;
   if (arc.length > 0 && fit()) flow_.within(arc, 1, x.q, x.v, push_), x.t = arc.start.t + arc.length;
   between_.open_all();
-  const double rest = inner_.t - x.t, part = (t - x.t) / rest;
-  const Eigen::VectorXd step = between<Spatial>(x.q, inner_.q);
-  const auto pushes = [](const Impulse& push) { return push.normal != 0; };
-  if (std::ranges::any_of(left_.impulses, pushes)) {
-    move<Spatial>(x.q, part * step);
-    x.v = inner_.v;
-  } else {
-    move<Spatial>(x.q, part * step - part * (1 - part) * rest / 2 * (inner_.v - x.v));
-    x.v += part * (inner_.v - x.v);
-  }
+  move_within_crossing<Spatial>(t, inner_, left_.impulses, x);
 }
 
 /// At t within the last inner step: on the extension, or within a crossing. Impulses and work are those until then.

@@ -1,4 +1,5 @@
 #include <orthant/integrators/between_events/contact_motion.h>
+#include <orthant/integrators/between_events/lasting_rows.h>
 
 #include <algorithm>
 #include <cmath>
@@ -121,15 +122,12 @@ void ContactMotion::share_anew(const Watched& w) {
 double ContactMotion::power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
   double sum = 0;
   if (system_.driven()) sum = v.dot(system_.mass().cwiseProduct(a) - terms_.f);
-  auto closed = terms_.closed.begin();  // the lasting contacts, or all
-  for (std::size_t i = 0; i < lasting_.size(); ++i, ++closed) {
-    while (closed != terms_.closed.end() && closed->contact != lasting_[i]) ++closed;
-    if (closed == terms_.closed.end()) return std::numeric_limits<double>::quiet_NaN();  // its gap is no number
-    const ContactRows& rows = closed->rows;
+  const bool found = for_each_lasting<Planar>(terms_.closed, lasting_, [&](std::size_t i, const ContactRows& rows) {
     sum += tangent_[i] * system_.law(lasting_[i]).belt;
     if (system_.driven())
       sum -= normal_[i] * apply(rows.normal, v.data()) + tangent_[i] * apply(rows.tangent, v.data());
-  }
+  });
+  if (!found) return std::numeric_limits<double>::quiet_NaN();
   load_.setZero(system_.dof());
   for (const Load& load : system_.scene().loads) load.add(terms_.at, t, load_.data());
   return sum + load_.dot(v);

@@ -61,7 +61,7 @@ class ContactMotion {
   double tangent_force(std::size_t i) const { return tangent_[i]; }
   /// [W] of drives, loads and moving surfaces there: Σ λ_i ṡ_i + F · Ṗ + λ_T belt; v and the a found.
   double power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
-  /// [W] What velocities that are off by so much make of it there; of constraints' forces.
+  /// [W] Largest change of it by velocity errors of the size v_off, from the forces of joints and contacts.
   double power_of(const Eigen::VectorXd& v_off, const Eigen::VectorXd& a) const;
   /// Forces and slips of the lasting contacts there, the rest as it is; dof: v and the a found.
   void watch_lasting(const Eigen::VectorXd& v, const Eigen::VectorXd& a, Watched& w) const;

@@ -1,3 +1,4 @@
+#include <orthant/integrators/between_events/lasting_rows.h>
 #include <orthant/integrators/between_events/spatial_motion.h>
 
 #include <algorithm>
@@ -179,15 +180,12 @@ double SpatialMotion::turn_departures(const Eigen::VectorXd& a) {
 double SpatialMotion::power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
   double sum = 0;
   if (system_.driven()) sum = v.dot(system_.mass().cwiseProduct(a) - terms_.f);
-  auto closed = terms_.closed.begin();  // the lasting contacts, or all
-  for (std::size_t i = 0; i < lasting_.size(); ++i, ++closed) {
-    while (closed != terms_.closed.end() && closed->contact != lasting_[i]) ++closed;
-    if (closed == terms_.closed.end()) return std::numeric_limits<double>::quiet_NaN();  // its gap is no number
-    const Rows& rows = closed->rows;
+  const bool found = for_each_lasting<Spatial>(terms_.closed, lasting_, [&](std::size_t i, const Rows& rows) {
     if (system_.driven())
       sum -= normal_[i] * apply(rows.normal, v.data()) + inner(tangent_[i], slip_rate(rows, v.data()));
     sum += inner(tangent_[i], rows.belt);
-  }
+  });
+  if (!found) return std::numeric_limits<double>::quiet_NaN();
   step_.setZero();
   for (const spatial::Load& load : system_.scene().loads) load.add(terms_.at, t, step_.data());
   return sum + step_.dot(v);

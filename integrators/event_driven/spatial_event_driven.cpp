@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kMostSwing = 3;      // [rad]
 constexpr double kLongestTurn = 1.5;  // [rad] of a body in a step
-constexpr double kTakenShare = 1e-3;  // of what joints take out of the step: stages may miss a kink in them
 constexpr double kStable = 0.5;       // of the time in which the direction of slip returns: a step
 constexpr double kTurnShare = 10;     // of rtol: of speeds, and of what friction makes in a second
 constexpr double kStopShare = 0.95;   // of the time until slip stops
@@ -214,7 +213,7 @@ double SpatialEventDriven::attempt(double s) {
   path_ = flow_.path();
   v_within_ = trial_.v;
   trial_.residual = motion_.project(time_ + s, trial_.q, trial_.v);
-  error = std::max(error, kTakenShare * ((v_within_ - trial_.v).array() / v_scale_.array()).abs().maxCoeff());
+  error = std::max(error, kProjectedShare * ((v_within_ - trial_.v).array() / v_scale_.array()).abs().maxCoeff());
   return trial_.residual.joint < kInf && observe(trial_, time_ + s) ? error : kInf;
 }
 

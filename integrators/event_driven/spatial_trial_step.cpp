@@ -21,7 +21,7 @@ double least_after(const Bernstein<4>& c, double x) {
   };
   double least = value(1) < value(x) ? 1 : x;
   const double a = d0 - 2 * d1 + d2, b = d1 - d0, root = std::sqrt(std::max(0.0, b * b - a * d0));
-  for (const double t : {(-b + root) / a, (-b - root) / a, d0 / (-2 * b)})
+  for (const double t : {(-b + root) / a, (-b - root) / a, d0 / (-2 * b)})  // the last one where a = 0
     if (t > x && t < 1 && value(t) < value(least)) least = t;
   return least;
 }

@@ -6,7 +6,8 @@
 //   The error of a step is not that of q and v alone: a body that sticks to a belt, or that a drive moves, goes on the
 //   same way though a force on it jumps within the step (a spring passes through the length zero). The work shows it.
 //   It is held to a share of what the run has summed up so far, and of what the power would sum up in that time, and to
-//   no less than rounding and the tolerance of velocities make of the power: a drive that does no work has only these.
+//   no less than the effect of rounding and of the velocities' tolerance on the power. A drive without work has only
+//   these.
 #pragma once
 
 #include <orthant/integrators/checkpoint.h>
@@ -15,6 +16,9 @@
 #include <algorithm>
 
 namespace orthant {
+
+/// Part of what joints and contacts take out of a step that counts as its error: stages may miss a kink in them.
+inline constexpr double kProjectedShare = 1e-3;
 
 class StageQuadrature {
  public:
@@ -48,8 +52,8 @@ class StageQuadrature {
 
   // --- Its error -----------------------------------------------------------------------------------------------------
 
-  /// What a change of the coordinates by rounding makes of f at the start of the step: here it is `f`; and what the
-  /// tolerance of the velocities makes of the power [W].
+  /// f: at the start of the step, the coordinates changed by rounding. tolerance: [W] change of the power by the
+  /// tolerance of the velocities.
   void measure_noise(const Eigen::VectorXd& f, double tolerance) {
     noise_ = std::abs(f[f.size() - 1] - first_[f.size() - 1]) + tolerance;
   }

@@ -19,7 +19,6 @@ constexpr double kSumsShare = 1e3;  // of rtol: error allowed to the work, of it
 constexpr double kLeastSumsShare = 1e-9;  // likewise, at the least
 constexpr double kMuch = 1e9;             // more of an error than any step is allowed
 constexpr double kFewStages = 0.467;      // of a step: the widest interval without a stage of the method is around it
-constexpr double kProjectedShare = 1e-3;  // of what joints take out of the step: stages may miss a kink in them
 constexpr double kSmallTurn = 0.1;  // [rad] of a body in a step whose stages are near enough to project them there
 
 }  // namespace

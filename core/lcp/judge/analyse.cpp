@@ -270,7 +270,7 @@ void decide(const Matrix& A, const std::function<bool()>& stop, const Deadline& 
       result.h_plus = Verdict::yes;
     else if (!delassus && !diagonal_positive)
       result.h_plus = Verdict::no;
-    if (is_yes(result.symmetric) && is_yes(result.h_plus))  // its comparison matrix has a positive spectrum, as it has
+    if (is_yes(result.symmetric) && is_yes(result.h_plus))  // then all eigenvalues are positive
       result.positive_definite = result.positive_semidefinite = Verdict::yes;
   }
   // A Z-matrix is its own comparison matrix where the diagonal is positive, and K asks for that: K ⟺ Z and H₊.

@@ -75,8 +75,8 @@ std::vector<Knot> knots_of(const GroundChain& chain) {
   return kept;
 }
 
-/// Where a segment ends that goes on straight behind its neighbour, at an inner corner: what falls into it is met by
-/// both. The neighbour covers the strip's end, from there to where the two backs meet.
+/// End of a segment that goes on straight behind its neighbour, at an inner corner: a body there meets both. The
+/// neighbour covers the strip's end, from there to where the two backs meet.
 Vector2d gone_on(const Knot& corner, const Vector2d& along, const Polygon& neighbour) {
   const Vector2d back = corner.depth * corner.inward, root = corner.point + back;
   const Vector2d far = (neighbour[2] == root ? neighbour[3] : neighbour[2]) - root;

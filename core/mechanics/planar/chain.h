@@ -7,7 +7,7 @@
 //
 //   Each segment becomes one convex polygon: the segment itself, a parallel edge behind it at the given depth, and two
 //   ends along the bisectors at its points. Neighbours share these ends. At a sharp inner corner both segments go on
-//   straight, behind the neighbour: what falls into the corner has a contact with each. Ends and inner corners are
+//   straight, behind the neighbour: a body in the corner has a contact with each. Ends and inner corners are
 //   marked as covered (exposure.h), so that no contact gets a normal that the surface does not have. Collinear points
 //   form one segment.
 //   The free side is on the left when one walks along the points; with free_left = false it is on the right. So points

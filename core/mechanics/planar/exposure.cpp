@@ -9,7 +9,7 @@ namespace orthant {
 namespace {
 
 constexpr double kStraight = 1e-5;  // [rad] a free angle this near to π is flat
-constexpr double kSliver = 64;      // of flush: what two sharp ends that lie against each other leave free of a face
+constexpr double kSliver = 64;      // of flush: part of a face that two sharp ends may leave uncovered
 constexpr double kTurn = 2 * std::numbers::pi;
 
 using Interval = std::pair<double, double>;

@@ -124,16 +124,17 @@ template <class Space> class Examination {
     double fast = 0;
     for (std::size_t r = 0; r < count_; ++r) fast = std::max(fast, point_speed(row(r), a) + point_speed(row(r), b));
     const double most = allowed_.share * f_.size + 3 * allowed_.step * (fast + allowed_.step * scene_.gravity.norm());
-    return allowed_.step == 0 ? std::min(most, clearance / 10 + 1e-6 * f_.size) + warned(f_.size) : most;
+    return allowed_.step == 0 ? std::min(most, clearance / 10 + 1e-6 * f_.size) + left_by_crossings(f_.size) : most;
   }
   /// [m, rad] Within a crossing of first order a contact may be as deep as the run warns that crossings leave.
-  double warned(double size) const {
+  double left_by_crossings(double size) const {
     return trace_.run.crossings > 0 && allowed_.step == 0 ? std::min(trace_.run.error_estimate, 1e-3 * size) : 0;
   }
   double allowed_angle(BodyId a, BodyId b) const {
     double turn = 0;
     for (std::size_t r = 0; r < count_; ++r) turn = std::max(turn, turning(row(r), a) + turning(row(r), b));
-    return allowed_.share + warned(1) + 3 * allowed_.step * (turn + allowed_.step * scene_.gravity.norm() / f_.size);
+    return allowed_.share + left_by_crossings(1) +
+           3 * allowed_.step * (turn + allowed_.step * scene_.gravity.norm() / f_.size);
   }
 
   void contacts() {
