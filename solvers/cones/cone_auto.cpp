@@ -19,6 +19,7 @@ constexpr int kInteriorSteps = 10;      // likewise
 constexpr int kProximalSteps = 30;  // Newton steps, after which the residual is to be kProximalFall, or near the end
 constexpr double kProximalFall = 0.01;
 constexpr int kMostInterior = 60;
+constexpr Index kNewtonFirst = 30;  // rows up to which a Newton step costs less than two splittings
 
 }  // namespace
 
@@ -187,7 +188,11 @@ Claim ConeAuto::iterate(Vector& z, int& iterations) {
   point_.load(form(), &budget());
   point_.restart();
   z_ = &z, iterations_ = &iterations, end_ = false, least_ = residual();
-  for (int method = sweeps; method <= splitting_last && !end_; ++method) attempt(static_cast<Method>(method));
+  const bool few = form().size() <= kNewtonFirst;
+  attempt(sweeps);
+  for (const Method method : {few ? newton : splitting, few ? splitting : newton})
+    if (!end_) attempt(method);
+  for (int method = prox; method <= splitting_last && !end_; ++method) attempt(static_cast<Method>(method));
   return end_ ? Claim::time_limit : Claim::stalled;
 }
 

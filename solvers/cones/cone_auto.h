@@ -5,7 +5,7 @@
 //                 residual is found where the change of z promises the end, and after every fifth
 //     splitting   ADMM from z = 0 (cone_admm.h), while the rate of the last ten promises the end within 100
 //     newton      Newton on Alart and Curnier's equations with α = 1e-10, while five steps lower the residual tenfold,
-//                 or fewer reach a third of the end
+//                 or fewer reach a third of the end; before the splitting, where there are at most 30 rows
 //     prox        proximal point (proximal.h), while thirty Newton steps lower the residual a hundredfold, or to a
 //                 hundred times the end
 //     interior    interior-point from its own start (cone_interior_point.h), while ten iterations lower it tenfold

@@ -5,7 +5,7 @@
 // Rows are processed in pairs, because most planar joints have two rows and SIMD instructions multiply two numbers at
 // once. An odd last row is paired with a row of zeros. Pairs without a common body, such as every second joint of a
 // chain, come first: their operations do not depend on each other. Up to kUnrolled rows, loop lengths are compile-time
-// constants.
+// constants. Beyond, each pair's row of S begins at the first pair that has a body in common with it (an envelope).
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>
@@ -70,6 +70,7 @@ template <class Space> class SchurOf {
 
   int rows_, pairs_, apart_ = 0;  // pairs that come first and have no body in common
   std::vector<int> order_;        // the first row in G of each pair
+  std::vector<int> first_;        // the first pair with a body in common with it, or itself: no fill before it
   Eigen::VectorXd inverse_mass_;
   std::vector<PairOnBody> on_bodies_;  // by bodies, pairs ascending; those on the ground have none
   std::vector<OnBody> bodies_;         // ascending

@@ -19,10 +19,7 @@ struct Together {
   void residual(const Kinematics& k, double* phi) const {
     Eigen::Map<Vector3d>(phi, 3) = k.at(a).x + k.at(a).turn(point_a) - k.at(b).x - k.at(b).turn(point_b);
   }
-  void rows(const Kinematics& k, Row* G) const {
-    const Vector3d r_a = k.at(a).turn(point_a), r_b = k.at(b).turn(point_b);
-    for (int i = 0; i < 3; ++i) G[i] = pair_row(k, a, b, Vector3d::Unit(i), r_a, r_b);
-  }
+  void rows(const Kinematics& k, Row* G) const { point_rows(k, a, b, k.at(a).turn(point_a), k.at(b).turn(point_b), G); }
   void bias(const Kinematics& k, double* Gdot_v) const {
     const Vector3d &wa = k.rate(a).omega, &wb = k.rate(b).omega;
     Eigen::Map<Vector3d>(Gdot_v, 3) =

@@ -19,8 +19,8 @@ using Matrix3d = Eigen::Matrix3d;
 struct Pose {
   Vector3d x = Vector3d::Zero();
   Matrix3d R = Matrix3d::Identity(), axes = Matrix3d::Identity();
-  Vector3d turn(const Vector3d& p) const { return R * p; }
-  Vector3d turn_back(const Vector3d& p) const { return R.transpose() * p; }
+  Vector3d turn(const Vector3d& p) const { return R.lazyProduct(p); }
+  Vector3d turn_back(const Vector3d& p) const { return R.transpose().lazyProduct(p); }
 };
 
 /// Velocity of a body's centre and its angular velocity, both in the world.
@@ -58,13 +58,34 @@ inline Row::Entries entries(const Vector3d& n, const Vector3d& turn) {
 /// The rate n · (v_A − v_B) at the points r_a from a's centre and r_b from b's; n, r_a, r_b in the world.
 inline Row pair_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n, const Vector3d& r_a,
                     const Vector3d& r_b) {
-  return {a, b, entries(n, k.at(a).axes.transpose() * r_a.cross(n)),
-          entries(-n, -(k.at(b).axes.transpose() * r_b.cross(n)))};
+  return {a, b, entries(n, k.at(a).axes.transpose().lazyProduct(r_a.cross(n).eval())),
+          entries(-n, -k.at(b).axes.transpose().lazyProduct(r_b.cross(n).eval()))};
+}
+/// pair_row() of the three axes of the world: no product with their zeros.
+inline void point_rows(const Kinematics& k, BodyId a, BodyId b, const Vector3d& r_a, const Vector3d& r_b, Row* G) {
+  const auto part = [&](BodyId body, double sign, const Vector3d& r, Row::Entries Row::*to) {
+    const Matrix3d& A = k.at(body).axes;
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, l = (i + 2) % 3;  // r × e_i = r_l e_j − r_j e_l
+      Row::Entries& entries = G[i].*to;
+      for (int c = 0; c < 3; ++c) {
+        entries[static_cast<std::size_t>(c)] = c == i ? sign : 0;
+        entries[static_cast<std::size_t>(3 + c)] = sign * (r[l] * A(j, c) - r[j] * A(l, c));
+      }
+    }
+  };
+  for (int i = 0; i < 3; ++i) G[i].a = a, G[i].b = b;
+  if (a >= 0) part(a, 1, r_a, &Row::ja);
+  if (b >= 0) part(b, -1, r_b, &Row::jb);
 }
 /// The rate n · (ω_a − ω_b).
 inline Row turn_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n) {
-  const Vector3d none = Vector3d::Zero();
-  return {a, b, entries(none, k.at(a).axes.transpose() * n), entries(none, -(k.at(b).axes.transpose() * n))};
+  const auto part = [&](BodyId body, double sign) -> Row::Entries {
+    if (body < 0) return {};
+    const Vector3d turn = sign * k.at(body).axes.transpose().lazyProduct(n);
+    return {0, 0, 0, turn.x(), turn.y(), turn.z()};
+  };
+  return {a, b, part(a, 1), part(b, -1)};
 }
 
 }  // namespace spatial
@@ -72,7 +93,7 @@ inline Row turn_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n) 
 /// Of body b in the stacked velocities v of all bodies; the ground's is zero. `at` has its pose.
 inline spatial::Twist twist_of(const Eigen::VectorXd& v, BodyId b, const KinematicsOf<Spatial>& at) {
   if (b < 0) return {};
-  return {translation<Spatial>(v, b), at.at(b).axes * rotation<Spatial>(v, b)};
+  return {translation<Spatial>(v, b), at.at(b).axes.lazyProduct(rotation<Spatial>(v, b))};
 }
 
 }  // namespace orthant

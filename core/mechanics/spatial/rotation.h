@@ -17,12 +17,15 @@ namespace orthant::quaternions {
 
 /// (w, x, y, z) of the rotation vector φ [rad].
 template <class Phi> Eigen::Vector4d exponential(const Eigen::MatrixBase<Phi>& phi) {
-  const double square = phi.squaredNorm();
-  // sin(a/2)/a and cos(a/2): series below 1e-4, where the next terms are below 1e-17.
-  const bool small = square < 1e-8;
-  const double angle = std::sqrt(square);
-  const double share = small ? 0.5 - square / 48 : std::sin(angle / 2) / angle;
-  const double w = small ? 1 - square / 8 + square * square / 384 : std::cos(angle / 2);
+  const double square = phi.squaredNorm(), s = square / 4;
+  double share = 0, w = 0;  // sin(a/2)/a and cos(a/2)
+  if (square < 0.04) {      // the next terms of the series are below 3e-18
+    share = 0.5 * (1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72))));
+    w = 1 - s / 2 * (1 - s / 12 * (1 - s / 30 * (1 - s / 56 * (1 - s / 90))));
+  } else {
+    const double angle = std::sqrt(square);
+    share = std::sin(angle / 2) / angle, w = std::cos(angle / 2);
+  }
   return {w, share * phi[0], share * phi[1], share * phi[2]};
 }
 
