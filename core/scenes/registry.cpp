@@ -9,6 +9,7 @@
 #include <orthant/core/scenes/cradle.h>
 #include <orthant/core/scenes/euler_disc.h>
 #include <orthant/core/scenes/flyball.h>
+#include <orthant/core/scenes/gear_train.h>
 #include <orthant/core/scenes/grain_column.h>
 #include <orthant/core/scenes/impact_oscillator.h>
 #include <orthant/core/scenes/incline.h>
@@ -118,6 +119,8 @@ const SpatialSceneEntry kSpatialScenes[] = {
      &list_options<KaplaTower>},
     {"box_pyramid", "a pyramid of cubes at rest", &make<BoxPyramid, box_pyramid>, &list_options<BoxPyramid>},
     {"capsules", "capsules fall on each other", &make<Capsules, capsules>, &list_options<Capsules>},
+    {"gear_train", "wheels whose teeth have play, the first one driven to and fro", &make<GearTrain, gear_train>,
+     &list_options<GearTrain>},
     {"robot_arm", "an arm from a URDF model sweeps a box over a rough floor", &make<RobotArm, robot_arm>,
      &list_options<RobotArm>},
     {"spheres", "spheres dropped into a square well, all of which may touch each other", &make<Spheres, spheres>,

@@ -117,11 +117,29 @@ class SolidSketch {
     }
   }
   void operator()(const spatial::Limit&) {}
+  void operator()(const spatial::Backlash& c) { (*this)(c.gear); }
   template <class Joint>
     requires requires(const Joint& j) { j.point_a; }
   void operator()(const Joint& j) { link(j.a, j.point_a), link(j.b, j.point_b); }
   void operator()(const spatial::Drive&) {}
-  void operator()(const spatial::Gear&) {}
+  /// The pitch circles of two wheels about parallel axes of the ground, through their centres of mass.
+  void operator()(const spatial::Gear& g) {
+    const auto *one = std::get_if<spatial::Angle>(&g.first), *other = std::get_if<spatial::Angle>(&g.second);
+    if (one == nullptr || other == nullptr || one->a >= 0 || other->a >= 0 || one->b < 0 || other->b < 0) return;
+    const Vector3d& u = one->axis_a;
+    if (!(u.cross(other->axis_a).norm() < 1e-9)) return;
+    const double ratio = g.ratio * (u.dot(other->axis_a) < 0 ? -1 : 1);  // of both about u; > 0: inner teeth
+    const auto centre = [&](const spatial::Angle& of) {
+      return scene_.bodies[static_cast<std::size_t>(of.b)].position;
+    };
+    const double radius = u.cross(centre(*other) - centre(*one)).norm() / std::abs(1 - 1 / ratio);
+    if (!(radius > 0 && radius < std::numeric_limits<double>::infinity())) return;
+    const auto draw = [&](const spatial::Angle& wheel, double r) {
+      const Vector3d x = spatial::perpendicular(wheel.axis_b), none = Vector3d::Zero();
+      add_ring(none, x, wheel.axis_b.cross(x), r, corners_[wheel.b]), reach(wheel.b, none, r), shape(wheel.b);
+    };
+    draw(*one, radius), draw(*other, radius / std::abs(ratio));
+  }
 
   std::vector<DrawnSolid> finish() {
     const double size = size_ > 0 ? size_ : 1, thin = kThin * size;

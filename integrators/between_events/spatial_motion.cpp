@@ -228,6 +228,8 @@ void SpatialMotion::place(BodyId body, const Eigen::VectorXd& q, const Eigen::Ve
 SpatialMotion::Bias SpatialMotion::bias(int contact, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   if (const auto* c = std::get_if<spatial::Limit>(&system_.scene().contacts[static_cast<std::size_t>(contact)]))
     return {(c->side == spatial::Limit::Side::lower ? 1 : -1) * c->of.bias(terms_.at)};
+  if (const auto* c = std::get_if<spatial::Backlash>(&system_.scene().contacts[static_cast<std::size_t>(contact)]))
+    return {c->bias(terms_.at)};
   const double turning = pace(contact, v);
   if (!(turning > 0)) return {};
   const auto [a, b] = bodies_of(system_, terms_.pairs, contact);

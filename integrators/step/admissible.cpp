@@ -80,6 +80,10 @@ Measured<Vector3d> measured(const spatial::Contact& contact) {
   if (const auto* limit = std::get_if<spatial::Limit>(&contact))
     return limit->of.angle() ? Measured<Vector3d>{1, OverlapScale::angle}
                              : Measured<Vector3d>{kInf, OverlapScale::length};
+  if (const auto* teeth = std::get_if<spatial::Backlash>(&contact)) {
+    const double most = std::min(teeth->gear.period(), 1.0);
+    return {most, teeth->gear.second.angle() ? OverlapScale::angle : OverlapScale::length};
+  }
   return {};
 }
 

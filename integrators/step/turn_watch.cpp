@@ -3,10 +3,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace orthant {
 namespace {
+
+constexpr double kFullTurn = 2 * std::numbers::pi, kFar = std::numeric_limits<double>::infinity();
+
+double value_of(const spatial::Angle& angle, const KinematicsOf<Spatial>& at) { return angle.value(at); }
+double value_of(const spatial::Gear& gear, const KinematicsOf<Spatial>& at) {
+  double off = 0;
+  gear.residual(at, &off);
+  return off;
+}
+RowOf<Spatial> row_of(const spatial::Angle& angle, const KinematicsOf<Spatial>& at) { return angle.row(at); }
+RowOf<Spatial> row_of(const spatial::Gear& gear, const KinematicsOf<Spatial>& at) {
+  RowOf<Spatial> row;
+  gear.rows(at, &row);
+  return row;
+}
 
 /// ` of joint "name"`, of the one that leaves this angle free.
 std::string joint_of(const spatial::Scene& scene, const spatial::Angle& angle) {
@@ -32,12 +49,16 @@ TurnWatch::TurnWatch(const SystemOf<Spatial>& system, double most) : system_(sys
   for (const spatial::Contact& contact : system.scene().contacts)
     if (const auto* one = std::get_if<spatial::Limit>(&contact))
       add("limit \"" + one->name + "\"", one->of, one->bound + one->beyond);
+    else if (const auto* teeth = std::get_if<spatial::Backlash>(&contact);
+             teeth != nullptr && teeth->flank == spatial::Limit::Side::lower && teeth->gear.period() < kFar)
+      turns_.push_back({"play of contact \"" + teeth->name + "\"", teeth->gear, 0, teeth->gear.period()});
 }
 
 void TurnWatch::add(std::string name, const spatial::Coordinate& of, double middle) {
   const auto* angle = std::get_if<spatial::Angle>(&of.kind());
   if (angle == nullptr) return;
-  turns_.push_back({"angle" + joint_of(system_.scene(), *angle) + ", which " + name + " reads,", *angle, middle});
+  turns_.push_back(
+      {"angle" + joint_of(system_.scene(), *angle) + ", which " + name + " reads,", *angle, middle, kFullTurn});
 }
 
 bool TurnWatch::follow(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
@@ -46,18 +67,27 @@ bool TurnWatch::follow(double t, const Eigen::VectorXd& q, const Eigen::VectorXd
   const double h = any_ ? t - t_ : 0;
   why_.clear();
   for (Turn& turn : turns_) {
-    const double wrapped = turn.angle.value(at_), rate = apply(turn.angle.row(at_), v.data());
+    const auto [wrapped, rate] = std::visit(
+        [&](const auto& of) {
+          return std::pair{value_of(of, at_), apply(row_of(of, at_), v.data())};
+        },
+        turn.of);
     const double fastest = std::max(std::abs(turn.rate), std::abs(rate));
     const double expected = any_ ? turn.value + h * (turn.rate + rate) / 2 : wrapped;
-    turn.value = expected + std::remainder(wrapped - expected, 2 * std::numbers::pi), turn.rate = rate;
-    if (any_ && h * fastest > most_)
-      why_ = "the " + turn.name + " turns by up to " + detail::text_of(h * fastest) +
-             " rad in one step, to t = " + detail::text_of(t) +
-             " s, so that its turns cannot be told: must be a smaller step";
-    else if (!(std::abs(turn.value - turn.middle) < std::numbers::pi))
-      why_ = "the " + turn.name + " has turned to " + detail::text_of(turn.value) +
-             " rad at t = " + detail::text_of(t) + " s, half a turn or more from " + detail::text_of(turn.middle) +
-             ": in space angles are known up to full turns, so that it cannot tell this from the other side";
+    turn.value = expected + std::remainder(wrapped - expected, turn.period), turn.rate = rate;
+    const bool teeth = std::holds_alternative<spatial::Gear>(turn.of);
+    const std::string when = " at t = " + detail::text_of(t) + " s", name = "the " + turn.name;
+    if (any_ && h * fastest > most_ / kFullTurn * turn.period)
+      why_ = name + (teeth ? " changes by up to " : " turns by up to ") + detail::text_of(h * fastest) +
+             (teeth ? "" : " rad") + " in one step, to t = " + detail::text_of(t) + " s, so that its " +
+             (teeth ? "teeth" : "turns") + " cannot be told: must be a smaller step";
+    else if (!(std::abs(turn.value - turn.middle) < turn.period / 2))
+      why_ = teeth
+                 ? name + " has changed by " + detail::text_of(turn.value) + when +
+                       ", half the way to the next tooth or more: it cannot tell one tooth from the next"
+                 : name + " has turned to " + detail::text_of(turn.value) + " rad" + when +
+                       ", half a turn or more from " + detail::text_of(turn.middle) +
+                       ": in space angles are known up to full turns, so that it cannot tell this from the other side";
     if (!why_.empty()) break;
   }
   any_ = true, t_ = t;

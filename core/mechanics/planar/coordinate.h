@@ -79,10 +79,12 @@ struct Coordinate : std::variant<Angle, Slide, Span> {
   const variant& kind() const { return *this; }
 };
 
-/// The two bodies of a joint, contact or spring: its own, or those of the coordinate that it acts along.
+/// The two bodies of a joint, contact or spring: its own, or those of the coordinate or gear that it acts along.
 template <class Element> std::pair<BodyId, BodyId> bodies_of(const Element& element) {
   if constexpr (requires { element.of; })
     return std::visit([](const auto& c) { return std::pair{c.a, c.b}; }, element.of.kind());
+  else if constexpr (requires { element.gear; })
+    return {element.gear.a, element.gear.b};
   else
     return {element.a, element.b};
 }

@@ -88,6 +88,8 @@ void examine_surface(const SpatialElement& e, const SurfaceLaw& s, const Vector3
 template <class T> void examine(const SpatialElement& e, const T& x) {
   if constexpr (requires { x.of; })
     examine_coordinate(e, x.of);
+  else if constexpr (std::is_same_v<T, Backlash>)
+    examine_coordinate(e, x.gear.first), examine_coordinate(e, x.gear.second);
   else
     examine_places(e, x);
   if constexpr (std::is_same_v<T, Distance>) e.positive("length", x.length);
@@ -128,6 +130,11 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
   if constexpr (std::is_same_v<T, Limit>) {
     e.finite("bound", x.bound);
     e.require(!x.law.frictional(), "mu", std::max(x.law.mu, x.law.mu_static), "0: a limit has no friction");
+  }
+  if constexpr (std::is_same_v<T, Backlash>) {
+    e.not_negative("play", x.play), e.finite("offset", x.gear.offset);
+    e.require(x.play < x.gear.period(), "play", x.play, "< " + e.text(x.gear.period()) + ", from tooth to tooth");
+    e.require(!x.law.frictional(), "mu", std::max(x.law.mu, x.law.mu_static), "0: teeth with play have no friction");
   }
 }
 

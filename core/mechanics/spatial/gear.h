@@ -55,6 +55,8 @@ struct Gear {
     }
   }
 
+  /// [rad] What residuals of two angles, or of an angle and a slide, are known up to; infinity of two slides.
+  double period() const { return period_; }
   /// c₂ − ratio c₁.
   double value(const Kinematics& k) const { return second.value(k) - ratio * first.value(k); }
   void residual(const Kinematics& k, double* phi) const {

@@ -10,6 +10,7 @@
 
 #include <orthant/core/mechanics/scene/add_named.h>
 #include <orthant/core/mechanics/scene/impact_law.h>
+#include <orthant/core/mechanics/spatial/backlash.h>
 #include <orthant/core/mechanics/spatial/block_channel.h>
 #include <orthant/core/mechanics/spatial/collision.h>
 #include <orthant/core/mechanics/spatial/cylindrical.h>
@@ -59,7 +60,7 @@ struct Body {
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,
                            PointInPlane, PointOnLine, Screw, Gear>;
-using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane, PinBush>;
+using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane, PinBush, Backlash>;
 using Spring = std::variant<PointSpring, JointSpring>;
 
 struct Scene {

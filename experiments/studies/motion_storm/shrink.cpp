@@ -44,10 +44,13 @@ template <class Element> bool stays(Element& element, BodyId gone) {
     spatial::Coordinate first = element.first, second = element.second;
     both(first), both(second);
     if (stay) element = spatial::Gear(element.name, first, second, element.ratio, element.offset);
-  } else if constexpr (requires { element.of; })
+  } else if constexpr (requires { element.of; }) {
     both(element.of);
-  else if constexpr (requires { element.a = 0, element.b = 0; })
+  } else if constexpr (requires { element.gear; }) {
+    stay = stays(element.gear, gone);
+  } else if constexpr (requires { element.a = 0, element.b = 0; }) {
     one(element.a), one(element.b);
+  }
   return stay;
 }
 

@@ -147,6 +147,18 @@ double extreme_of_rim(const Vector3d& c, const Vector3d& axis, double radius, co
   return std::max(best, -least([&](double s) { return -value(where + (2 * s - 1) * width); }));
 }
 
+/// c₂ − ratio c₁ − offset, known up to what full turns of its angles make: the value nearest to 0.
+double off(const SpatialPlace& at, const spatial::Gear& j) {
+  const double plain = at.value(j.second) - j.ratio * at.value(j.first) - j.offset;
+  double nearest = kEndless;
+  for (int one = -1000; one <= 1000; ++one) {
+    const double turned = plain - (j.first.angle() ? j.ratio * kFullTurn * one : 0);
+    const double rest = j.second.angle() ? std::remainder(turned, kFullTurn) : turned;
+    if (std::abs(rest) < std::abs(nearest)) nearest = rest;
+  }
+  return nearest;
+}
+
 struct SpatialGap {
   SpatialPlace at;
   double above(const auto& c) const {
@@ -186,6 +198,9 @@ struct SpatialGap {
     const double off = at.off(c.of, c.bound + c.beyond) + c.beyond;
     return c.side == spatial::Limit::Side::lower ? off : -off;
   }
+  double operator()(const spatial::Backlash& c) const {
+    return c.play / 2 + (c.flank == spatial::Limit::Side::lower ? 1 : -1) * off(at, c.gear);
+  }
 };
 
 struct SpatialResidual {
@@ -224,15 +239,7 @@ struct SpatialResidual {
     return std::max({beside(j, j.axis_a), tilted(j),
                      std::abs(std::remainder(s - j.offset - j.pitch * theta / kFullTurn, j.pitch))});
   }
-  double operator()(const spatial::Gear& j) const {  // known up to what full turns of its angles make
-    const double off = at.value(j.second) - j.ratio * at.value(j.first) - j.offset;
-    double nearest = kEndless;
-    for (int one = -1000; one <= 1000; ++one) {
-      const double rest = off - (j.first.angle() ? j.ratio * kFullTurn * one : 0);
-      nearest = std::min(nearest, std::abs(j.second.angle() ? std::remainder(rest, kFullTurn) : rest));
-    }
-    return nearest;
-  }
+  double operator()(const spatial::Gear& j) const { return std::abs(off(at, j)); }
 };
 
 double thickness_of(const spatial::Shape& s) {
@@ -347,6 +354,8 @@ std::pair<BodyId, BodyId> SpatialMeasure::pair(const spatial::Contact& contact) 
       [](const auto& c) -> std::pair<BodyId, BodyId> {
         if constexpr (requires { c.of; })
           return std::visit([](const auto& of) { return std::pair{of.a, of.b}; }, c.of.kind());
+        else if constexpr (requires { c.gear; })
+          return {c.gear.a, c.gear.b};
         else
           return {c.a, c.b};
       },

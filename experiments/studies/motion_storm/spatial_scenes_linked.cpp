@@ -296,6 +296,13 @@ void gears(SpatialMaker& m) {  // wheels in mesh, bevelled or parallel, driven, 
     const BodyId bob = m.rod({0.3, 0, 0}, {0.3, 0.2, -0.1});
     m.spherical(second, bob, {0.3, 0, 0});
   }
+  if (m.chance(0.4)) {  // its teeth have play
+    const auto of_gear = std::find_if(m.scene.joints.begin(), m.scene.joints.end(),
+                                      [](const auto& j) { return std::holds_alternative<spatial::Gear>(j); });
+    const auto gear = std::get<spatial::Gear>(*of_gear);
+    m.scene.joints.erase(of_gear);
+    m.scene.contact_set(spatial::meshing("teeth", gear, m.log_uniform(1e-3, 0.1), {.e = m.pick({0, 0.3, 0.8})}));
+  }
 }
 
 void redundant(SpatialMaker& m) {  // parallel bars on pins, joints that repeat each other, and a load on the platform

@@ -65,6 +65,11 @@ class SpatialText {
         c.kind());
   }
 
+  void gear(const spatial::Gear& j) {  // of two wheels against the ground
+    const auto &one = std::get<spatial::Angle>(j.first), &other = std::get<spatial::Angle>(j.second);
+    bodies(one.b, other.b), vector("axis", one.axis_a), vector("axis_b", other.axis_a), number("ratio", j.ratio);
+  }
+
   std::string out;
 
  private:
@@ -93,11 +98,7 @@ struct WriteSpatialJoint {
     t.word("type", "point-on-line"), t.points(j), t.vector("axis", j.axis);
   }
   void operator()(const spatial::Distance& j) { t.word("type", "distance"), t.points(j), t.number("length", j.length); }
-  void operator()(const spatial::Gear& j) {  // of two wheels against the ground
-    const auto &one = std::get<spatial::Angle>(j.first), &other = std::get<spatial::Angle>(j.second);
-    t.word("type", "gear"), t.bodies(one.b, other.b), t.vector("axis", one.axis_a), t.vector("axis_b", other.axis_a);
-    t.number("ratio", j.ratio);
-  }
+  void operator()(const spatial::Gear& j) { t.word("type", "gear"), t.gear(j); }
   void operator()(const spatial::Drive& j) {
     t.word("type", "drive"), t.coordinate(j.of), t.number("offset", j.law.offset);
     t.maybe("rate", j.law.rate_of_change), t.maybe("amplitude", j.law.amplitude), t.maybe("omega", j.law.omega);
@@ -133,6 +134,9 @@ struct WriteSpatialContact {
     t.word("type", "limit"), t.coordinate(c.of);
     t.number(c.side == spatial::Limit::Side::lower ? "lower" : "upper", c.bound), t.maybe("e_n", c.law.e);
   }
+  void operator()(const spatial::Backlash& c) {
+    t.word("type", "backlash"), t.gear(c.gear), t.number("play", c.play), t.maybe("e_n", c.law.e);
+  }
 };
 
 }  // namespace
@@ -141,7 +145,8 @@ bool follows_in_set(const spatial::Contact& contact) {
   const std::string& name = std::visit([](const auto& c) -> const std::string& { return c.name; }, contact);
   const bool set =
       std::holds_alternative<spatial::RimPlane>(contact) || std::holds_alternative<spatial::PinBush>(contact);
-  return set && !name.ends_with("_1");
+  return (set && !name.ends_with("_1")) ||
+         (std::holds_alternative<spatial::Backlash>(contact) && !name.ends_with("_lower"));
 }
 
 std::string to_toml(const spatial::Scene& scene, const std::string& comment) {

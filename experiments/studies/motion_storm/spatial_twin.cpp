@@ -66,6 +66,7 @@ class SpatialChange {
   }
   void joint(auto& j) const { pair(j); }
 
+  void contact(sp::Backlash& c) const { c.play *= unit(c.gear.second), joint(c.gear); }
   void contact(sp::Limit& c) const { c.bound *= unit(c.of), coordinate(c.of); }
   void contact(auto& c) const { pair(c); }
 

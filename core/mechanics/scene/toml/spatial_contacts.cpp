@@ -220,6 +220,8 @@ void SpatialReader::contact(Fields& f) {
     block_channel(f, name);
   } else if (type == "limit") {
     limit(f, name);
+  } else if (type == "backlash") {
+    backlash(f, name);
   } else if (type == "rope") {
     spatial::Span span;
     spatial::Limit c{.name = name, .side = spatial::Limit::Side::upper};
@@ -230,7 +232,7 @@ void SpatialReader::contact(Fields& f) {
   } else {
     f.refuse("type", *f.table().get("type"),
              "sphere-wall, corner-wall, box-wall, polytope-wall, rim-wall, cylinder-wall, cone-wall, ellipsoid-wall, "
-             "sphere-sphere, socket, pin-bush, block-channel, limit or rope");
+             "sphere-sphere, socket, pin-bush, block-channel, backlash, limit or rope");
   }
 }
 
@@ -308,6 +310,15 @@ void SpatialReader::limit(Fields& f, const std::string& name) {
   };
   if (below) add(spatial::Limit::Side::lower, lower, "_lower");
   if (above) add(spatial::Limit::Side::upper, upper, "_upper");
+}
+
+/// The flanks are as far from the teeth in between on both sides at the start. With a radius it is that of a rack.
+void SpatialReader::backlash(Fields& f, const std::string& name) {
+  const spatial::Gear gear = gear_of(f, f.table().get("radius") != nullptr, {});
+  double play = 0;
+  ContactLaw law;
+  f.need("play", play), f.maybe("e_n", law.e);
+  scene_.contact_set(spatial::meshing(name, gear, play, law));
 }
 
 }  // namespace orthant::scene_file

@@ -29,7 +29,7 @@ void SpatialReader::joint(Fields& f) {
     j.offset = j.displacement().value(initial_) - j.pitch / (2 * std::numbers::pi) * j.angle().value(initial_);
     scene_.joint(j);
   } else if (type == "gear" || type == "rack") {
-    gear(f, type, name);
+    scene_.joint(gear_of(f, type == "rack", name));
   } else if (type == "universal") {
     spatial::Universal j{.name = name};
     points_of(f, j);
@@ -76,8 +76,7 @@ void SpatialReader::joint(Fields& f) {
 }
 
 /// Two coordinates in a ratio: of `joints`, or of `bodies` about (rack: the second one along) axes of the ground.
-void SpatialReader::gear(Fields& f, const std::string& type, const std::string& name) {
-  const bool rack = type == "rack";
+spatial::Gear SpatialReader::gear_of(Fields& f, bool rack, const std::string& name) const {
   const toml::node* joints = f.find("joints");
   const auto two = [&] {
     const toml::array* names = joints->as_array();
@@ -107,7 +106,7 @@ void SpatialReader::gear(Fields& f, const std::string& type, const std::string& 
   try {
     spatial::Gear j(name, first, second, ratio);
     j.offset = j.value(initial_);
-    scene_.joint(j);
+    return j;
   } catch (const std::invalid_argument& error) {
     f.fail(f.table(), error.what());
   }

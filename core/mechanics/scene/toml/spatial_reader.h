@@ -37,7 +37,7 @@ class SpatialReader {
   /// Likewise, and whether it has two.
   std::pair<spatial::Coordinate, bool> coordinate_of(const Fields& f, std::string_view key, const toml::node& joint,
                                                      std::string_view kind) const;
-  void gear(Fields& f, const std::string& type, const std::string& name);
+  spatial::Gear gear_of(Fields& f, bool rack, const std::string& name) const;
   std::pair<spatial::Coordinate, spatial::Coordinate> turning(Fields& f, bool rack) const;
 
   void contact(Fields& f);
@@ -45,6 +45,7 @@ class SpatialReader {
   void pin_bush(Fields& f, const std::string& name);
   void block_channel(Fields& f, const std::string& name);
   void limit(Fields& f, const std::string& name);
+  void backlash(Fields& f, const std::string& name);
   template <class T> void half_space(Fields& w, T& c) const;
   void rims(Fields& f, const std::string& type, const std::string& name);
   void shape(Fields& f, spatial::Collision& c) const;
