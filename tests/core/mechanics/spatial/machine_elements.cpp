@@ -254,6 +254,18 @@ height = 0.11
                                          "[1, 0, 0]\nteeth = [20, 60]\n")
                                   .joints.at(2));
   CHECK(gear.ratio == -20.0 / 60);
+  const std::string play = "[[contact]]\ntype = 'backlash'\nname = 'teeth'\njoints = ['pin_a', 'rail_b']\n";
+  const auto flanks = machine_of(play + "radius = 0.5\nplay = 0.02\ne_n = 0.3\n").contacts;
+  REQUIRE(flanks.size() == 2);
+  const auto &lower = std::get<spatial::Backlash>(flanks.at(0)), &upper = std::get<spatial::Backlash>(flanks.at(1));
+  CHECK(lower.name == "teeth_lower");
+  CHECK(upper.flank == spatial::Limit::Side::upper);
+  CHECK(lower.gear.ratio == 0.5);
+  CHECK(upper.law.e == 0.3);
+  MachineFixture f(machine_of(play + "radius = 0.5\nplay = 0.02\n"));
+  f.at(f.x.q), evaluate_gaps(f.system, f.terms);
+  CHECK(std::abs(f.terms.gap[0] - 0.01) < 1e-15);
+  CHECK(std::abs(f.terms.gap[1] - 0.01) < 1e-15);
 }
 
 TEST_CASE("mistakes in screws, gears, racks, pins and channels are named") {
@@ -272,6 +284,11 @@ TEST_CASE("mistakes in screws, gears, racks, pins and channels are named") {
   has("[[joint]]\ntype = 'rack'\njoints = ['pin_a', 'rail_c']\nradius = 1\n", "must be the name of a joint");
   const std::string pin = "[[contact]]\ntype = 'pin-bush'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nradius_a = 1\n";
   has(pin + "radius_b = 2\n", "missing key \"length_a\" or \"length_b\"");
+  const std::string teeth = "[[contact]]\ntype = 'backlash'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nteeth = [20, 60]\n";
+  has(teeth, "missing key \"play\"");
+  has(teeth + "play = -0.1\n", "play = -0.1: must be >= 0");
+  has(teeth + "play = 3\n", "play = 3: must be < 2.0943951023931953, from tooth to tooth");
+  has(teeth + "play = 0.1\nmu = 0.3\n", "mu");
   has(pin + "radius_b = 1\nlength_a = 1\n", "radius_b = 1: must be > radius_a = 1");
   has(pin + "radius_b = 2\nlength_a = -1\n", "length_a = -1: must be > 0");
   const std::string block =
