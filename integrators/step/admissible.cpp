@@ -129,7 +129,14 @@ template <class Space> MotionWatchOf<Space>::MotionWatchOf(const IntegratorOf<Sp
   every_ = meter_ ? 1 : scene.springs.empty() ? 8 : 16;
   const auto keeps = [](const ContactLaw& law) { return !law.frictional() && law.e == 1; };
   const auto damped = [](const auto& spring) {
-    return std::visit([](const auto& s) { return s.damping != 0; }, spring);
+    return std::visit(
+        [](const auto& s) {
+          if constexpr (requires { s.quadratic; })
+            return true;
+          else
+            return s.damping != 0;
+        },
+        spring);
   };
   conserves_ = std::ranges::all_of(system_.laws(), keeps) && std::ranges::none_of(scene.springs, damped) &&
                scene.frictions.empty();

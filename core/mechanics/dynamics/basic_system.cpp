@@ -114,9 +114,14 @@ template <class Space> struct BasicSystemOf<Space>::Sparse {
       for (std::size_t i = 0; i < mass_place.size(); ++i) put(mass_place[i], (*added)[static_cast<Index>(i)]);
     for (std::size_t i = 0; i < terms.springs.size(); ++i) {
       const Row& row = terms.springs[i].row;
-      const double weight =
-          std::visit([&](const auto& s) { return stiffness_weight * s.stiffness + damping_weight * s.damping; },
-                     system.scene().springs[i]);
+      const double weight = std::visit(
+          [&](const auto& s) {
+            if constexpr (requires { s.quadratic; })
+              return damping_weight * terms.springs[i].damping;
+            else
+              return stiffness_weight * s.stiffness + damping_weight * s.damping;
+          },
+          system.scene().springs[i]);
       for (int k = 0; k < kProducts; ++k)
         put(spring_place[kProducts * i + static_cast<std::size_t>(k)],
             weight * number(row, k / kEntries) * number(row, k % kEntries));

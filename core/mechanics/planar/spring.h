@@ -17,6 +17,7 @@ namespace orthant {
 template <class Space> struct SpringStateOf {
   RowOf<Space> row;
   double tension = 0, energy = 0;  // [N] or [N m]; [J]
+  double damping = 0;              // of drag, whose coefficient changes with the velocity
 };
 using SpringState = SpringStateOf<Planar>;
 

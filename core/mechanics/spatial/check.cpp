@@ -100,6 +100,10 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
   if constexpr (requires { x.stiffness; }) {
     e.not_negative("stiffness", x.stiffness), e.not_negative("damping", x.damping), e.finite("rest", x.rest);
   }
+  if constexpr (std::is_same_v<T, Drag>) {
+    e.not_negative("damping", x.damping), e.not_negative("quadratic", x.quadratic), e.finite("point", x.point);
+    if (x.a == kGround) e.fail("body", "body = \"ground\": must be a body that moves");
+  }
   if constexpr (std::is_same_v<T, JointFriction>) e.not_negative("bound", x.bound);
   if constexpr (requires { x.plane_point; }) {
     e.finite("centre", x.centre), e.finite("plane_point", x.plane_point), e.unit("normal", x.normal);

@@ -15,6 +15,7 @@
 #include <orthant/core/mechanics/spatial/collision.h>
 #include <orthant/core/mechanics/spatial/cylindrical.h>
 #include <orthant/core/mechanics/spatial/distance.h>
+#include <orthant/core/mechanics/spatial/drag.h>
 #include <orthant/core/mechanics/spatial/drive.h>
 #include <orthant/core/mechanics/spatial/ellipsoid_plane.h>
 #include <orthant/core/mechanics/spatial/fixed.h>
@@ -61,7 +62,7 @@ struct Body {
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,
                            PointInPlane, PointOnLine, Screw, Gear>;
 using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane, PinBush, Backlash>;
-using Spring = std::variant<PointSpring, JointSpring>;
+using Spring = std::variant<PointSpring, JointSpring, Drag>;
 
 struct Scene {
   Vector3d gravity{0, 0, 0};  // [m/s²]
@@ -91,6 +92,9 @@ struct Scene {
   void collision(Collision c) { add_named(collisions, std::move(c), "collision"); }
   void friction(JointFriction f) { add_named(frictions, std::move(f), "friction"); }
   void spring(Spring s) { add_named(springs, std::move(s), "spring"); }
+  template <class Set> void spring_set(const Set& springs_of_it) {
+    for (const auto& s : springs_of_it) spring(s);
+  }
   void load(Load l) { add_named(loads, std::move(l), "load"); }
 };
 

@@ -298,7 +298,7 @@ double SpatialMeasure::potential(const VectorXd& q) const {
           double stretch = 0;
           if constexpr (requires { s.of; })
             stretch = at.off(s.of, s.rest);
-          else
+          else if constexpr (requires { s.point_a; })
             stretch = (at.at(s.a, s.point_a) - at.at(s.b, s.point_b)).norm() - s.rest;
           sum += s.stiffness * stretch * stretch / 2;
         },

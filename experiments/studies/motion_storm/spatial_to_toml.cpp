@@ -183,12 +183,19 @@ std::string to_toml(const spatial::Scene& scene, const std::string& comment) {
   for (const spatial::JointFriction& f : scene.frictions)
     t.begin("friction"), t.coordinate(f.of), t.number("bound", f.bound);
   for (const spatial::Spring& spring : scene.springs) {
+    if (const auto* s = std::get_if<spatial::Drag>(&spring)) {
+      if (s->component != 0) continue;
+      t.begin("spring"), t.word("type", "drag"), t.word("body", t.name(s->a)), t.vector("point", s->point);
+      t.maybe(s->turning ? "angular" : "linear", s->damping);
+      t.maybe(s->turning ? "angular_quadratic" : "quadratic", s->quadratic);
+      continue;
+    }
     t.begin("spring");
     std::visit(
         [&](const auto& s) {
           if constexpr (requires { s.of; })
             t.word("type", "joint"), t.coordinate(s.of);
-          else
+          else if constexpr (requires { s.point_a; })
             t.word("type", "point"), t.points(s);
           t.number("stiffness", s.stiffness), t.number("damping", s.damping), t.number("rest", s.rest);
         },

@@ -75,6 +75,11 @@ class SpatialChange {
     s.damping *= s.of.angle() ? torque() * t_.tau : force() / speed();
     s.rest *= unit(s.of), coordinate(s.of);
   }
+  void spring(sp::Drag& s) const {
+    s.damping *= s.turning ? torque() * t_.tau : force() / speed(), s.point *= t_.lambda;
+    s.quadratic *= s.turning ? torque() * t_.tau * t_.tau : force() / (speed() * speed());
+    s.a = id(s.a), s.b = id(s.b);
+  }
   void spring(sp::PointSpring& s) const {
     s.stiffness *= force() / t_.lambda, s.damping *= force() / speed(), s.rest *= t_.lambda, pair(s);
   }

@@ -33,7 +33,8 @@ std::string wheels(double first, double second) {
   return "dimension = 3\n" + wheel("one", 0, 0.02, first) + wheel("two", 0.1, 0.05, second);
 }
 std::string teeth(double play, double e) {
-  return "[[contact]]\nname = 'teeth'\ntype = 'backlash'\njoints = ['one_axis', 'two_axis']\nteeth = [20, 30]\nplay = " +
+  return "[[contact]]\nname = 'teeth'\ntype = 'backlash'\njoints = ['one_axis', 'two_axis']\nteeth = [20, 30]\nplay "
+         "= " +
          std::to_string(play) + "\ne_n = " + std::to_string(e) + "\n";
 }
 

@@ -5,6 +5,7 @@
 #include "spatial_fields.h"
 
 #include <orthant/core/mechanics/spatial/solid.h>
+#include <cmath>
 
 #include <cstdint>
 #include <optional>
@@ -151,9 +152,22 @@ void SpatialReader::spring(Fields& f) {
     f.maybe("stiffness", s.stiffness), f.maybe("damping", s.damping);
     if (!f.maybe("rest", s.rest)) s.rest = s.of.value(initial_);
     scene_.spring(s);
+  } else if (type == "drag") {
+    spatial::DragLaw law;
+    const BodyId body = body_of(f);
+    f.maybe("point", law.point), f.maybe("linear", law.linear), f.maybe("quadratic", law.quadratic);
+    f.maybe("angular", law.angular), f.maybe("angular_quadratic", law.angular_quadratic);
+    for (const auto& [key, value] :
+         {std::pair{"linear", law.linear}, std::pair{"quadratic", law.quadratic}, std::pair{"angular", law.angular},
+          std::pair{"angular_quadratic", law.angular_quadratic}})
+      if (!(value >= 0 && std::isfinite(value))) f.refuse(key, *f.table().get(key), ">= 0");
+    const auto parts = spatial::drag(name.empty() ? given_name_ : name, body, law);
+    if (parts.empty()) f.fail(f.table(), "linear, quadratic, angular, angular_quadratic: must be at least one > 0");
+    scene_.spring_set(parts);
   } else {
-    f.refuse("type", *f.table().get("type"), "point or joint");
+    f.refuse("type", *f.table().get("type"), "point, joint or drag");
   }
+  springs_.resize(scene_.springs.size(), springs_.empty() ? 0 : springs_.back() + 1);
 }
 
 void SpatialReader::load(Fields& f) {
@@ -174,8 +188,9 @@ const toml::node& SpatialReader::find(const SceneError& error) const {
     const toml::node* key = root_.get(error.field);
     return key != nullptr ? *key : root_;
   }
-  const auto [kind, index] =
-      error.kind == "contact" ? written_[error.index] : std::pair{std::string_view(error.kind), error.index};
+  const auto [kind, index] = error.kind == "contact"  ? written_[error.index]
+                             : error.kind == "spring" ? std::pair{std::string_view(error.kind), springs_[error.index]}
+                                                      : std::pair{std::string_view(error.kind), error.index};
   const toml::table& element = *root_.get(kind)->as_array()->get(index)->as_table();
   const toml::node* key = element.get(error.field == "moment" ? "torque" : error.field);
   return key != nullptr ? *key : element;

@@ -66,6 +66,7 @@ class SpatialReader {
   std::string given_name_;  // of the element being read, or by its place
   /// Of each contact, which element of the file it comes from.
   std::vector<std::pair<std::string_view, std::size_t>> written_;
+  std::vector<std::size_t> springs_;  // of each spring its table: drag has several
   std::map<std::string, BodyId, std::less<>> ids_;
 };
 
