@@ -9,27 +9,38 @@
 namespace orthant {
 namespace {
 
-/// exp(φ) x.
-Vector3d turned_by(const Vector3d& phi, const Vector3d& x) {
-  const Eigen::Vector4d p = quaternions::exponential(phi);
-  const Vector3d u = p.tail<3>(), across = 2 * u.cross(x);
-  return x + p[0] * across + u.cross(across);
-}
+/// exp φ as a rotation, both ways.
+class Turn {
+ public:
+  explicit Turn(const Vector3d& phi) : p_(quaternions::exponential(phi)) {}
+  Vector3d forward(const Vector3d& x) const { return turned(p_.tail<3>(), x); }
+  Vector3d back(const Vector3d& x) const { return turned(-p_.tail<3>(), x); }
 
-struct AtEnd {
-  Vector3d omega;    // ω⁺
-  Vector3d forward;  // h ω_m
+ private:
+  Vector3d turned(const Vector3d& u, const Vector3d& x) const {
+    const Vector3d across = 2 * u.cross(x);
+    return x + p_[0] * across + u.cross(across);
+  }
+  Eigen::Vector4d p_;
 };
 
+struct AtEnd {
+  Vector3d omega;  // ω⁺
+  Turn step;       // exp(h ω_m)
+};
+
+/// exp(a h ω), from the start's axes to the frame's.
+Turn to_start(const StepFrames& frames, const Vector3d& omega) { return Turn(frames.at * frames.h * omega); }
+
 /// ω⁺ = exp(−h ω_m) exp(a h ω) w, by repetition.
-AtEnd at_end(const StepFrames& frames, const Vector3d& omega, const Vector3d& w) {
+AtEnd at_end(const StepFrames& frames, const Vector3d& omega, const Turn& start, const Vector3d& w) {
   constexpr int kPasses = 60;
-  const Vector3d in_start = turned_by(frames.at * frames.h * omega, w);
+  const Vector3d in_start = start.forward(w);
   const double enough = 1e-16 * (w.norm() + omega.norm());
-  AtEnd end{w, {}};
+  AtEnd end{w, Turn(Vector3d::Zero())};
   for (int pass = 0; pass < kPasses; ++pass) {
-    end.forward = frames.h * ((1 - frames.theta) * omega + frames.theta * end.omega);
-    const Vector3d next = turned_by(-end.forward, in_start);
+    end.step = Turn(frames.h * ((1 - frames.theta) * omega + frames.theta * end.omega));
+    const Vector3d next = end.step.back(in_start);
     const double change = (next - end.omega).norm();
     end.omega = next;
     if (change <= enough) break;
@@ -48,11 +59,11 @@ void gyroscopic_impulse(const SystemOf<Spatial>& system, const StepFrames& frame
       continue;
     }
     const Vector3d omega = rotation<Spatial>(v, i), after = rotation<Spatial>(w, i);
-    const AtEnd end = at_end(frames, omega, after);
-    const Vector3d back = -frames.at * frames.h * omega;  // from the start's axes to the frame
-    const Vector3d momentum = turned_by(back, turned_by(end.forward, J.cwiseProduct(end.omega)));
+    const Turn start = to_start(frames, omega);
+    const AtEnd end = at_end(frames, omega, start, after);
+    const Vector3d momentum = start.back(end.step.forward(J.cwiseProduct(end.omega)));
     rotation<Spatial>(g, i) =
-        J.cwiseProduct(after) - momentum - J.cwiseProduct(omega) + turned_by(back, J.cwiseProduct(omega));
+        J.cwiseProduct(after) - momentum - J.cwiseProduct(omega) + start.back(J.cwiseProduct(omega));
   }
 }
 
@@ -81,7 +92,7 @@ void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, cons
                  Eigen::VectorXd& w) {
   for (Eigen::Index i = 0; i < system.bodies(); ++i) {
     const Vector3d omega = rotation<Spatial>(v, i), after = rotation<Spatial>(w, i);
-    rotation<Spatial>(w, i) = at_end(frames, omega, after).omega;
+    rotation<Spatial>(w, i) = at_end(frames, omega, to_start(frames, omega), after).omega;
   }
 }
 

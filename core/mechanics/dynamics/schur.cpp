@@ -176,7 +176,6 @@ template <class Space> bool SchurOf<Space>::factorize(std::span<const Row> G, do
 /// from D_i−1 D_i = D_i−1 (S_ii − Σ_j<i−1 y_j L_ij) − y_i−1², so that 1 / D_i does not wait for the division before it.
 template <class Space> template <class N> bool SchurOf<Space>::factorize_pairs(N n, double dependent) {
   const auto S = [&](int p, int j) -> Simd2& { return S_[static_cast<std::size_t>(2 * p * n + j)]; };
-  const auto L = [&](int i, int j) { return S(i / 2, j)[i % 2]; };
   double *const inverse = inverse_pivot_.data(), *const pivot = pivot_.data();
   bool independent = true;
   const auto check = [&](int i, double whole) {
@@ -189,13 +188,16 @@ template <class Space> template <class N> bool SchurOf<Space>::factorize_pairs(N
     Simd2 whole(S(p, 2 * p)[0], S(p, 2 * p + 1)[1]), left = whole;
     double last = S(p, 2 * p)[1];
     const auto first = first_of(n, p);
-    each(twice(first), twice(p), [&](auto j) {
-      if (!n.couple(p, j / 2)) return;
-      Simd2 y = S(p, j);
-      each(twice(larger(first, first_of(n, j / 2))), j, [&](auto k) {
-        if (n.couple(p, k / 2) && n.couple(j / 2, k / 2)) y -= S(p, k) * Simd2(L(j, k));
+    each(first, p, [&](auto q) {
+      if (!n.couple(p, q)) return;
+      Simd2 y = S(p, 2 * q), z = S(p, 2 * q + 1);
+      each(twice(larger(first, first_of(n, q))), twice(q), [&](auto k) {
+        if (!n.couple(p, k / 2) || !n.couple(q, k / 2)) return;
+        const Simd2 s = S(p, k), l = S(q, k);
+        y -= s * Simd2(l[0]), z -= s * Simd2(l[1]);
       });
-      S(p, j) = y;
+      z -= y * Simd2(S(q, 2 * q)[1]);
+      S(p, 2 * q) = y, S(p, 2 * q + 1) = z;
     });
     each(twice(first), twice(p), [&](auto j) {
       if (!n.couple(p, j / 2)) return;

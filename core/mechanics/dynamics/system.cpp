@@ -23,6 +23,7 @@ void prepare(spatial::Scene& scene, Examined examined) {
   for (spatial::Body& body : scene.bodies) {
     body.axes = spatial::principal(body.inertia).axes;
     body.to_axes = quaternions::matrix_of(body.axes).transpose();
+    body.principal = body.to_axes == spatial::Matrix3d::Identity();
   }
   for (spatial::Collision& collision : scene.collisions) spatial::set_hulls(collision);
 }

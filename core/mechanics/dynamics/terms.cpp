@@ -58,7 +58,11 @@ void set_poses(const SystemOf<Spatial>& system, double t, const Eigen::VectorXd&
     spatial::Pose& pose = at.pose[i];
     pose.x = place_of<Spatial>(q, body);
     pose.axes = quaternions::matrix_of(quaternion(q, body));
-    pose.R = pose.axes * system.scene().bodies[i].to_axes;
+    const spatial::Body& known = system.scene().bodies[i];
+    if (known.principal)
+      pose.R = pose.axes;
+    else
+      pose.R = pose.axes * known.to_axes;
   }
   at.t = t;
 }

@@ -47,8 +47,10 @@ template <class F> void with_alignment(const Joint& joint, const Kinematics& k, 
           Alignment one{j.a, j.b};
           int row = 0;
           j.each([&](const auto& equation) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(equation)>, Square>) {
-              if (one.rows++ == 0) one.row = row;
+            using Equation = std::decay_t<decltype(equation)>;
+            if constexpr (std::is_same_v<Equation, Square> || std::is_same_v<Equation, Parallel>) {
+              if (one.rows == 0) one.row = row;
+              one.rows += equation.kRows;
             }
             row += equation.kRows;
           });

@@ -3,6 +3,7 @@
 //   Together   Φ = P_a − P_b                        [m] 3 rows
 //   Across     Φ = u · (P_b − P_a),  u = R_a axis   [m] 1 row
 //   Square     Φ = (R_a u) · (R_b w)                [1] 1 row: two directions stay at right angles
+//   Parallel   Φ = R_a (t1, t2) · (R_b w)           [1] 2 rows: w stays along an axis of a; (t1, t2) square to that
 // A joint calls f(equation) for each of its own in each(f); the functions at the end make its residual, rows and
 // biases.
 #pragma once
@@ -50,6 +51,33 @@ struct Square {
   }
 };
 
+struct Parallel {
+  static constexpr int kRows = 2;
+  BodyId a, b;
+  Vector3d axis, w;  // unit vectors in the bodies' frames
+
+  void residual(const Kinematics& k, double* phi) const {
+    const auto [t, s] = tangents(k);
+    const Vector3d wb = k.at(b).turn(w);
+    phi[0] = t.dot(wb), phi[1] = s.dot(wb);
+  }
+  void rows(const Kinematics& k, Row* G) const {
+    const auto [t, s] = tangents(k);
+    const Vector3d wb = k.at(b).turn(w);
+    G[0] = turn_row(k, a, b, t.cross(wb)), G[1] = turn_row(k, a, b, s.cross(wb));
+  }
+  void bias(const Kinematics& k, double* Gdot_v) const {
+    const Vector3d t = perpendicular(axis);
+    Square{a, b, t, w}.bias(k, Gdot_v), Square{a, b, axis.cross(t), w}.bias(k, Gdot_v + 1);
+  }
+
+ private:
+  std::pair<Vector3d, Vector3d> tangents(const Kinematics& k) const {
+    const Vector3d t = perpendicular(axis);
+    return {k.at(a).turn(t), k.at(a).turn(axis.cross(t))};
+  }
+};
+
 template <class Joint> void residual_of(const Joint& joint, const Kinematics& k, double* phi) {
   joint.each([&](const auto& equation) { equation.residual(k, phi), phi += equation.kRows; });
 }
@@ -60,11 +88,6 @@ template <class Joint> void bias_of(const Joint& joint, const Kinematics& k, dou
   joint.each([&](const auto& equation) { equation.bias(k, Gdot_v), Gdot_v += equation.kRows; });
 }
 
-/// The two equations that keep the axis of b along that of a.
-template <class F> void parallel(BodyId a, BodyId b, const Vector3d& axis_a, const Vector3d& axis_b, F&& f) {
-  const Vector3d t = perpendicular(axis_a);
-  f(Square{a, b, t, axis_b}), f(Square{a, b, axis_a.cross(t), axis_b});
-}
 /// The two equations that keep P_b on the line through P_a along the axis of a.
 template <class F>
 void on_line(BodyId a, BodyId b, const Vector3d& point_a, const Vector3d& point_b, const Vector3d& axis, F&& f) {

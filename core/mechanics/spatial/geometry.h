@@ -14,13 +14,25 @@ namespace spatial {
 using Row = RowOf<Spatial>;
 using Matrix3d = Eigen::Matrix3d;
 
+/// M p and Mᵀ p, written out: the compiler makes calls of Eigen's products.
+inline Vector3d product(const Matrix3d& M, const Vector3d& p) {
+  const double x = p.x(), y = p.y(), z = p.z();
+  return {M(0, 0) * x + M(0, 1) * y + M(0, 2) * z, M(1, 0) * x + M(1, 1) * y + M(1, 2) * z,
+          M(2, 0) * x + M(2, 1) * y + M(2, 2) * z};
+}
+inline Vector3d transposed_product(const Matrix3d& M, const Vector3d& p) {
+  const double x = p.x(), y = p.y(), z = p.z();
+  return {M(0, 0) * x + M(1, 0) * y + M(2, 0) * z, M(0, 1) * x + M(1, 1) * y + M(2, 1) * z,
+          M(0, 2) * x + M(1, 2) * y + M(2, 2) * z};
+}
+
 /// Place of a body's centre of mass, its own frame and its principal axes as rotation matrices; the ground's are the
 /// identity.
 struct Pose {
   Vector3d x = Vector3d::Zero();
   Matrix3d R = Matrix3d::Identity(), axes = Matrix3d::Identity();
-  Vector3d turn(const Vector3d& p) const { return R.lazyProduct(p); }
-  Vector3d turn_back(const Vector3d& p) const { return R.transpose().lazyProduct(p); }
+  Vector3d turn(const Vector3d& p) const { return product(R, p); }
+  Vector3d turn_back(const Vector3d& p) const { return transposed_product(R, p); }
 };
 
 /// Velocity of a body's centre and its angular velocity, both in the world.
@@ -46,9 +58,12 @@ using Kinematics = KinematicsOf<Spatial>;
 /// A unit vector at right angles to the unit vector n: the coordinate axis that is most at right angles to it, less its
 /// part along n. Of z: x; of x: y; of y: x.
 inline Vector3d perpendicular(const Vector3d& n) {
-  Eigen::Index k = 0;
-  n.cwiseAbs().minCoeff(&k);
-  return (Vector3d::Unit(k) - n[k] * n).normalized();
+  const double x = std::abs(n.x()), y = std::abs(n.y()), z = std::abs(n.z());
+  const int k = x <= y && x <= z ? 0 : y <= z ? 1 : 2;
+  const double length = std::sqrt(n.squaredNorm() - n[k] * n[k]);  // of the part of n across that axis
+  Vector3d t = -n[k] / length * n;
+  t[k] = length;
+  return t;
 }
 
 inline Row::Entries entries(const Vector3d& n, const Vector3d& turn) {
@@ -58,8 +73,8 @@ inline Row::Entries entries(const Vector3d& n, const Vector3d& turn) {
 /// The rate n · (v_A − v_B) at the points r_a from a's centre and r_b from b's; n, r_a, r_b in the world.
 inline Row pair_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n, const Vector3d& r_a,
                     const Vector3d& r_b) {
-  return {a, b, entries(n, k.at(a).axes.transpose().lazyProduct(r_a.cross(n).eval())),
-          entries(-n, -k.at(b).axes.transpose().lazyProduct(r_b.cross(n).eval()))};
+  return {a, b, entries(n, transposed_product(k.at(a).axes, r_a.cross(n))),
+          entries(-n, -transposed_product(k.at(b).axes, r_b.cross(n)))};
 }
 /// pair_row() of the three axes of the world: no product with their zeros.
 inline void point_rows(const Kinematics& k, BodyId a, BodyId b, const Vector3d& r_a, const Vector3d& r_b, Row* G) {
@@ -82,7 +97,7 @@ inline void point_rows(const Kinematics& k, BodyId a, BodyId b, const Vector3d& 
 inline Row turn_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n) {
   const auto part = [&](BodyId body, double sign) -> Row::Entries {
     if (body < 0) return {};
-    const Vector3d turn = sign * k.at(body).axes.transpose().lazyProduct(n);
+    const Vector3d turn = sign * transposed_product(k.at(body).axes, n);
     return {0, 0, 0, turn.x(), turn.y(), turn.z()};
   };
   return {a, b, part(a, 1), part(b, -1)};
@@ -93,7 +108,7 @@ inline Row turn_row(const Kinematics& k, BodyId a, BodyId b, const Vector3d& n) 
 /// Of body b in the stacked velocities v of all bodies; the ground's is zero. `at` has its pose.
 inline spatial::Twist twist_of(const Eigen::VectorXd& v, BodyId b, const KinematicsOf<Spatial>& at) {
   if (b < 0) return {};
-  return {translation<Spatial>(v, b), at.at(b).axes.lazyProduct(rotation<Spatial>(v, b))};
+  return {translation<Spatial>(v, b), spatial::product(at.at(b).axes, rotation<Spatial>(v, b))};
 }
 
 }  // namespace orthant

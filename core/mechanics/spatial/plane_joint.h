@@ -17,7 +17,7 @@ struct PlaneJoint {
 
   template <class F> void each(F&& f) const {
     f(Across{{a, b, point_a, point_b, axis_a}});
-    parallel(a, b, axis_a, axis_b, f);
+    f(Parallel{a, b, axis_a, axis_b});
   }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
   void rows(const Kinematics& k, Row* G) const { rows_of(*this, k, G); }

@@ -57,6 +57,7 @@ struct Body {
   Vector3d omega{0, 0, 0};                  // [rad/s] in the world
   Eigen::Vector4d axes{1, 0, 0, 0};         // quaternion, principal axes → body's frame; set by System
   Matrix3d to_axes = Matrix3d::Identity();  // body's frame → principal axes; set by System
+  bool principal = false;                   // whether that is the identity; set by System
 };
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,

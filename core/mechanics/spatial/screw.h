@@ -41,7 +41,7 @@ struct Screw {
 
   template <class F> void each(F&& f) const {
     on_line(a, b, point_a, point_b, axis_a, f);
-    parallel(a, b, axis_a, axis_b, f);
+    f(Parallel{a, b, axis_a, axis_b});
     f(Advance{angle(), displacement(), pitch, offset});
   }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
