@@ -114,15 +114,19 @@ void SpatialReader::height_field(Fields& f, spatial::Collision& c) const {
   for (spatial::Shape& prism : spatial::shapes_of(field, body)) c.shapes.push_back(std::move(prism));
 }
 
-/// A sphere: `radius`, `centre`; a capsule: `radius`, `ends`; a box: `size`, `centre`; a polytope: `corners`.
-void SpatialReader::shape(Fields& f, spatial::Collision& c) const {
+/// A sphere: `radius`, `centre`; a capsule: `radius`, `ends`; a box: `size`, `centre`; a polytope: `corners` or `file`.
+void SpatialReader::shape(Fields& f, spatial::Collision& c) {
   if (f.table().contains("heights") || f.table().contains("spacing")) return height_field(f, c);
   spatial::Shape s{.body = kGround, .corners = {}};
   s.body = body_of(f);
   Vector3d size(0, 0, 0), centre(0, 0, 0);
-  const bool box = f.maybe("size", size), ends = f.maybe("ends", s.corners), polytope = f.maybe("corners", s.corners);
-  if (static_cast<int>(box) + static_cast<int>(ends) + static_cast<int>(polytope) > 1)
-    f.fail(f.table(), "size, ends, corners: must be one of them, or radius alone: a sphere");
+  const bool box = f.maybe("size", size), ends = f.maybe("ends", s.corners), of_mesh = f.table().contains("file");
+  const bool polytope = f.maybe("corners", s.corners) || of_mesh;
+  if (box + ends + polytope > 1 || (of_mesh && f.table().contains("corners")))
+    f.fail(f.table(), "size, ends, corners, file: must be one of them, or radius alone: a sphere");
+  if (!box && !ends && !polytope && !f.table().contains("radius"))
+    f.fail(f.table(), "missing key \"radius\", \"size\", \"ends\", \"corners\", \"file\" or \"heights\"");
+  if (of_mesh) s.corners = mesh_corners(f);
   if (box || (!ends && !polytope)) f.maybe("centre", centre);
   if (box && !(size.minCoeff() > 0)) f.refuse("size", *f.table().get("size"), "three lengths > 0");
   if (ends && s.corners.size() != 2) f.refuse("ends", *f.table().get("ends"), "two points [[x, y, z], [x, y, z]]");
@@ -195,8 +199,18 @@ void SpatialReader::contact(Fields& f) {
   } else if (type == "polytope-wall") {
     spatial::SpherePlane c{.name = name};
     std::vector<Vector3d> corners;
-    wall(f, c), f.need("corners", corners);
-    if (corners.empty()) f.refuse("corners", *f.table().get("corners"), "at least one point [x, y, z]");
+    wall(f, c);
+    if (f.table().contains("file")) {
+      if (f.table().contains("corners")) f.fail(f.table(), "corners, file: must be one of them");
+      corners = mesh_corners(f);
+    } else {
+      f.need("corners", corners);
+      if (corners.empty()) f.refuse("corners", *f.table().get("corners"), "at least one point [x, y, z]");
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (std::find(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(i), corners[i]) !=
+          corners.begin() + static_cast<std::ptrdiff_t>(i))
+        f.fail(f.table(), "corners: must be different points, point " + std::to_string(i + 1) + " is an earlier one");
     scene_.contact_set(spatial::corners_plane(c, corners));
   } else if (type == "rim-wall" || type == "cylinder-wall" || type == "cone-wall") {
     rims(f, type, name);

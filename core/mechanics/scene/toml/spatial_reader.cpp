@@ -77,7 +77,7 @@ void SpatialReader::body(Fields& f) {
 }
 
 /// Mass and inertia of a homogeneous body from its shape, and from `mass` or `density`.
-void SpatialReader::solid(Fields& f, const toml::table& table, spatial::Body& b) const {
+void SpatialReader::solid(Fields& f, const toml::table& table, spatial::Body& b) {
   Fields g = f.fields("solid", table);
   std::optional<spatial::Solid> solid;
   const auto positive = [&](const char* key, double least) {
@@ -93,8 +93,13 @@ void SpatialReader::solid(Fields& f, const toml::table& table, spatial::Body& b)
   for (const auto& [key, make] : {std::pair{"cylinder", &spatial::cylinder}, std::pair{"capsule", &spatial::capsule},
                                   std::pair{"cone", &spatial::cone}})
     if (g.maybe(key, round)) positive(key, round.minCoeff()), solid = make(round.x(), round.y());
+  if (table.contains("file")) {
+    if (solid) g.fail(table, "solid: must be one shape");
+    const spatial::Polyhedron& whole = mesh(g).solid;
+    solid = spatial::Solid{whole.volume, whole.inertia};
+  }
   g.done();
-  if (!solid) g.fail(table, "solid: must be {box = …}, sphere, ellipsoid, cylinder, capsule or cone");
+  if (!solid) g.fail(table, "solid: must be {box = …}, sphere, ellipsoid, cylinder, capsule, cone or file");
   double density = 0;
   const bool has_density = f.maybe("density", density);
   if (has_density == f.maybe("mass", b.mass)) f.fail(f.table(), "solid: needs either \"mass\" or \"density\"");

@@ -3,6 +3,7 @@
 
 #include "fields.h"
 
+#include <orthant/core/mechanics/models/hulls.h>
 #include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/mechanics/spatial/scene.h>
 
@@ -19,7 +20,7 @@ class SpatialReader {
  private:
   template <class Read> void each(Fields& top, std::string_view kind, Read&& read);
   void body(Fields& f);
-  void solid(Fields& f, const toml::table& table, spatial::Body& b) const;
+  void solid(Fields& f, const toml::table& table, spatial::Body& b);
   void pose_bodies();
 
   BodyId id(const Fields& f, std::string_view key, const toml::node& node) const;
@@ -48,7 +49,9 @@ class SpatialReader {
   void backlash(Fields& f, const std::string& name);
   template <class T> void half_space(Fields& w, T& c) const;
   void rims(Fields& f, const std::string& type, const std::string& name);
-  void shape(Fields& f, spatial::Collision& c) const;
+  void shape(Fields& f, spatial::Collision& c);
+  const models::MeshHull& mesh(Fields& f);
+  std::vector<Vector3d> mesh_corners(Fields& f);
   void height_field(Fields& f, spatial::Collision& c) const;
   void collision(Fields& f);
   void apart(Fields& f, spatial::Collision& c) const;
@@ -66,7 +69,8 @@ class SpatialReader {
   std::string given_name_;  // of the element being read, or by its place
   /// Of each contact, which element of the file it comes from.
   std::vector<std::pair<std::string_view, std::size_t>> written_;
-  std::vector<std::size_t> springs_;  // of each spring its table: drag has several
+  std::map<std::string, models::MeshHull> meshes_;  // by file and scale
+  std::vector<std::size_t> springs_;                // of each spring its table: drag has several
   std::map<std::string, BodyId, std::less<>> ids_;
 };
 
