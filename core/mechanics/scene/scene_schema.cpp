@@ -82,6 +82,7 @@ constexpr std::array kSamples = {
     "[[spring]]\ntype = 'joint'\nof = 'slide'\nbodies = ['a', 'b']",
     "[[load]]\nbody = 'a'\nfactor = {type = 'cosine', omega = 1}",
     "[[load]]\nbody = 'a'\nfactor = {type = 'table', times = [0, 1], values = [0, 1]}",
+    "[[load]]\nbody = 'a'\nfactor = {type = 'spline', times = [0, 1], values = [0, 1]}",
 };
 
 constexpr const char* kTwoInSpace = R"(
@@ -165,6 +166,7 @@ constexpr std::array kSamplesInSpace = {
     "[[spring]]\ntype = 'joint'\nof = 'distance'\nbodies = ['a', 'b']",
     "[[load]]\nbody = 'a'\nfactor = {type = 'cosine', omega = 1}",
     "[[load]]\nbody = 'a'\nfactor = {type = 'table', times = [0, 1], values = [0, 1]}",
+    "[[load]]\nbody = 'a'\nfactor = {type = 'spline', times = [0, 1], values = [0, 1]}",
 };
 
 Json array_of(const Json& items) { return {{"type", "array"}, {"items", items}}; }

@@ -3,6 +3,7 @@
 #include <orthant/core/mechanics/scene/scene_toml.h>
 #include <orthant/core/scenes/registry.h>
 #include <orthant/core/scenes/slider_crank.h>
+#include <orthant/core/support/spline.h>
 
 #include <cctype>
 #include <cmath>
@@ -267,3 +268,19 @@ TEST_CASE("a contact without a name is known by its place in the file, however m
 }
 
 }  // namespace orthant
+
+TEST_CASE("the factor of a load follows a table in straight lines, or the cubic spline through its points") {
+  const auto factor = [](const char* type, const std::string& more) {
+    const std::string load =
+        "[[load]]\nbody = 'a'\nfactor = {type = '" + std::string(type) + "', times = [0, 1, 3], values = [0, 2, -1]}\n";
+    const std::string body = more + "[[body]]\nname = 'a'\nmass = 1\ninertia = 1\n";
+    const AnyScene any = parse_any_scene(body + load, {}, "s.toml");
+    return std::visit([](const auto& scene) { return scene.loads.at(0).factor; }, any);
+  };
+  const Spline spline({0, 1, 3}, {0, 2, -1});
+  for (const std::string more : {"", "dimension = 3\n"}) {
+    CHECK(factor("table", more)(0.25) == 0.5);
+    for (const double t : {-1.0, 0.0, 0.25, 1.0, 1.7, 3.0, 4.0}) CHECK(factor("spline", more)(t) == spline.value(t));
+    CHECK(std::abs(factor("spline", more)(0.25) - 0.5) > 0.1);  // it begins with slope 0
+  }
+}

@@ -200,7 +200,7 @@ const FileMistake kFileMistakes[] = {
      "s.toml:16: load \"load1\": body = \"ground\": must be a body that moves"},
     {kBodies + "[[load]]\nbody = \"rod\"\nfactor = 2", "s.toml:17: load \"load1\": factor = 2: must be a table"},
     {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"sine\"}",
-     "s.toml:17: load \"load1\": factor.type = 'sine': must be cosine or table"},
+     "s.toml:17: load \"load1\": factor.type = 'sine': must be cosine, table or spline"},
     {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"cosine\"}",
      "load \"load1\": missing key \"factor.omega\""},
     {kBodies + "[[load]]\nbody = \"rod\"\nfactor = {type = \"table\", times = [], values = []}",

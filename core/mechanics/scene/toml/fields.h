@@ -33,6 +33,8 @@ class Fields {
     if (node != nullptr) convert(key, *node, value);
     return node != nullptr;
   }
+  /// Reports a key to the schema that only files with others have; here it stays unknown.
+  void report(std::string_view key, Form form) const { record(key, form, false); }
   /// The table under `key`; null when it is not there.
   const toml::table* inner(std::string_view key) {
     const toml::node* node = find(key, Form::table);

@@ -79,9 +79,17 @@ void Reader::set_factor(Fields& f, std::function<double(double)>& factor, std::v
     swing = std::abs(omega);
     return;
   }
-  if (type != "table") f.refuse("type", *f.table().get("type"), "cosine or table");
+  if (type != "table" && type != "spline") f.refuse("type", *f.table().get("type"), "cosine, table or spline");
   const auto [times, values] = points_in_time(f);
   breakpoints = times;
+  if (type == "spline") {
+    try {
+      factor = [spline = Spline(times, values)](double t) { return spline.value(t); };
+    } catch (const std::invalid_argument& error) {
+      f.fail(f.table(), error.what());
+    }
+    return;
+  }
   factor = [times = times, values = values](double t) { return interpolate(times, values, t); };
 }
 

@@ -19,6 +19,12 @@ bool lies_in(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
+bool SpatialReader::names_mesh(Fields& f) {
+  const bool named = f.find("file", Form::word) != nullptr;
+  if (!named) f.report("scale", Form::any);
+  return named;
+}
+
 /// `file`, `scale` (one number, or one for each axis). Each file and scale is read once.
 const models::MeshHull& SpatialReader::mesh(Fields& f) {
   const toml::node& node = *f.table().get("file");

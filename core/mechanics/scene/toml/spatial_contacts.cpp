@@ -120,7 +120,7 @@ void SpatialReader::shape(Fields& f, spatial::Collision& c) {
   spatial::Shape s{.body = kGround, .corners = {}};
   s.body = body_of(f);
   Vector3d size(0, 0, 0), centre(0, 0, 0);
-  const bool box = f.maybe("size", size), ends = f.maybe("ends", s.corners), of_mesh = f.table().contains("file");
+  const bool box = f.maybe("size", size), ends = f.maybe("ends", s.corners), of_mesh = names_mesh(f);
   const bool polytope = f.maybe("corners", s.corners) || of_mesh;
   if (box + ends + polytope > 1 || (of_mesh && f.table().contains("corners")))
     f.fail(f.table(), "size, ends, corners, file: must be one of them, or radius alone: a sphere");
@@ -200,7 +200,7 @@ void SpatialReader::contact(Fields& f) {
     spatial::SpherePlane c{.name = name};
     std::vector<Vector3d> corners;
     wall(f, c);
-    if (f.table().contains("file")) {
+    if (names_mesh(f)) {
       if (f.table().contains("corners")) f.fail(f.table(), "corners, file: must be one of them");
       corners = mesh_corners(f);
     } else {

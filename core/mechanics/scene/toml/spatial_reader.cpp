@@ -93,7 +93,7 @@ void SpatialReader::solid(Fields& f, const toml::table& table, spatial::Body& b)
   for (const auto& [key, make] : {std::pair{"cylinder", &spatial::cylinder}, std::pair{"capsule", &spatial::capsule},
                                   std::pair{"cone", &spatial::cone}})
     if (g.maybe(key, round)) positive(key, round.minCoeff()), solid = make(round.x(), round.y());
-  if (table.contains("file")) {
+  if (names_mesh(g)) {
     if (solid) g.fail(table, "solid: must be one shape");
     const spatial::Polyhedron& whole = mesh(g).solid;
     solid = spatial::Solid{whole.volume, whole.inertia};

@@ -50,6 +50,7 @@ class SpatialReader {
   template <class T> void half_space(Fields& w, T& c) const;
   void rims(Fields& f, const std::string& type, const std::string& name);
   void shape(Fields& f, spatial::Collision& c);
+  static bool names_mesh(Fields& f);
   const models::MeshHull& mesh(Fields& f);
   std::vector<Vector3d> mesh_corners(Fields& f);
   void height_field(Fields& f, spatial::Collision& c) const;
