@@ -267,8 +267,6 @@ TEST_CASE("a contact without a name is known by its place in the file, however m
   }
 }
 
-}  // namespace orthant
-
 TEST_CASE("the factor of a load follows a table in straight lines, or the cubic spline through its points") {
   const auto factor = [](const char* type, const std::string& more) {
     const std::string load =
@@ -284,3 +282,5 @@ TEST_CASE("the factor of a load follows a table in straight lines, or the cubic 
     CHECK(std::abs(factor("spline", more)(0.25) - 0.5) > 0.1);  // it begins with slope 0
   }
 }
+
+}  // namespace orthant
