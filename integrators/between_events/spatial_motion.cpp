@@ -202,12 +202,19 @@ double SpatialMotion::pace(int contact, const Eigen::VectorXd& v) const {
     return std::max(turning, (velocity(a, point_a) - velocity(b, point_b)).norm() / length);
   };
   return std::visit(
-      [&](const auto& c) {
+      [&, a = a, b = b](const auto& c) {
         using Kind = std::decay_t<decltype(c)>;
         if constexpr (std::is_same_v<Kind, spatial::SphereSphere>) {
           return moving(c.centre_a, c.centre_b, c.radius_a + c.radius_b);
         } else if constexpr (std::is_same_v<Kind, spatial::Socket>) {
           return moving(c.centre_a, c.centre_b, c.radius_b - c.radius_a);
+        } else if constexpr (std::is_same_v<Kind, spatial::PinBush>) {  // the rim's centre goes round the other axis
+          const spatial::Pose &pin = terms_.at.at(a), &bush = terms_.at.at(b);
+          const Vector3d rim = c.rim_of_pin ? Vector3d(pin.x + pin.turn(c.centre_a + c.along * c.axis_a))
+                                            : Vector3d(bush.x + bush.turn(c.centre_b + c.along * c.axis_b));
+          const Vector3d axis = c.rim_of_pin ? bush.turn(c.axis_b) : pin.turn(c.axis_a);
+          const Vector3d way = twist_of(v, a, terms_.at).at(rim - pin.x) - twist_of(v, b, terms_.at).at(rim - bush.x);
+          return std::max(turning, axis.cross(way).norm() / (c.radius_b - c.radius_a));
         } else {
           return sharpness(c, terms_.at) * turning;
         }
