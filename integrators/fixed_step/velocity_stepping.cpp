@@ -130,8 +130,8 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
     for (const auto& pose : terms_.at.pose) frames_.push_back(pose.axes);
     applied_ = h * terms_.f, from_ = share_ * x.v, rates_ = share_ * terms_.joint_rate;
     v_new_ = x.v;
+    gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
     for (int pass = 0;; ++pass) {
-      gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
       force_ = applied_ + gyroscopic_;
       joined.solve_change(terms_.G, force_.data(), from_.data(), rates_.data(), change_of_v_.data(), lambda_.data());
       change_of_v_ += x.v;  // the image of v_new_
@@ -149,6 +149,10 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
         anderson_.next(v_new_, change_of_v_, scale_);
       }
       if (done) break;
+      change_of_v_ = gyroscopic_;
+      gyroscopic_impulse(system_, frames(h), x.v, v_new_, gyroscopic_);
+      // In that metric the next velocity is no farther away than this: constraints only shorten it.
+      if (pass < kPlain && (gyroscopic_ - change_of_v_).cwiseQuotient(scale_).norm() <= kSettled * size) break;
     }
     terms_.f = force_ / h;
     if (joined_basic_) fly(h, x);

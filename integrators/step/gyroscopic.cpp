@@ -36,14 +36,16 @@ Turn to_start(const StepFrames& frames, const Vector3d& omega) { return Turn(fra
 AtEnd at_end(const StepFrames& frames, const Vector3d& omega, const Turn& start, const Vector3d& w) {
   constexpr int kPasses = 60;
   const Vector3d in_start = start.forward(w);
-  const double enough = 1e-16 * (w.norm() + omega.norm());
+  // Each pass shrinks the change at least by h θ |w|: it ends where the next change is below rounding.
+  const double speed = w.norm(), shrinks = std::min(1.0, frames.h * frames.theta * speed);
+  const double enough = 1e-16 * (speed + omega.norm());
   AtEnd end{w, Turn(Vector3d::Zero())};
   for (int pass = 0; pass < kPasses; ++pass) {
     end.step = Turn(frames.h * ((1 - frames.theta) * omega + frames.theta * end.omega));
     const Vector3d next = end.step.back(in_start);
     const double change = (next - end.omega).norm();
     end.omega = next;
-    if (change <= enough) break;
+    if (shrinks * change <= enough) break;
   }
   return end;
 }

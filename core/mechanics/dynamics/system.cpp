@@ -25,6 +25,12 @@ void prepare(spatial::Scene& scene, Examined examined) {
     body.to_axes = quaternions::matrix_of(body.axes).transpose();
     body.principal = body.to_axes == spatial::Matrix3d::Identity();
   }
+  for (spatial::Joint& joint : scene.joints)
+    std::visit(
+        [](auto& j) {
+          if constexpr (requires { j.across; }) j.across = spatial::perpendicular(j.axis_a);
+        },
+        joint);
   for (spatial::Collision& collision : scene.collisions) spatial::set_hulls(collision);
 }
 

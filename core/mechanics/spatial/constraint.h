@@ -55,6 +55,7 @@ struct Parallel {
   static constexpr int kRows = 2;
   BodyId a, b;
   Vector3d axis, w;  // unit vectors in the bodies' frames
+  Vector3d across;   // t1 in a's frame; zero: perpendicular(axis)
 
   void residual(const Kinematics& k, double* phi) const {
     const auto [t, s] = tangents(k);
@@ -67,13 +68,14 @@ struct Parallel {
     G[0] = turn_row(k, a, b, t.cross(wb)), G[1] = turn_row(k, a, b, s.cross(wb));
   }
   void bias(const Kinematics& k, double* Gdot_v) const {
-    const Vector3d t = perpendicular(axis);
+    const Vector3d t = first();
     Square{a, b, t, w}.bias(k, Gdot_v), Square{a, b, axis.cross(t), w}.bias(k, Gdot_v + 1);
   }
 
  private:
+  Vector3d first() const { return across.isZero(0) ? perpendicular(axis) : across; }
   std::pair<Vector3d, Vector3d> tangents(const Kinematics& k) const {
-    const Vector3d t = perpendicular(axis);
+    const Vector3d t = first();
     return {k.at(a).turn(t), k.at(a).turn(axis.cross(t))};
   }
 };

@@ -15,10 +15,11 @@ struct Cylindrical {
   Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};          // [m] in the bodies' frames
   Vector3d axis_a{0, 0, 1}, axis_b{0, 0, 1};            // unit vectors in the bodies' frames
   Vector3d reference_a{0, 0, 0}, reference_b{0, 0, 0};  // of the angle, see coordinate.h
+  Vector3d across{0, 0, 0};                             // perpendicular(axis_a); set by System
 
   template <class F> void each(F&& f) const {
     on_line(a, b, point_a, point_b, axis_a, f);
-    f(Parallel{a, b, axis_a, axis_b});
+    f(Parallel{a, b, axis_a, axis_b, across});
   }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
   void rows(const Kinematics& k, Row* G) const { rows_of(*this, k, G); }

@@ -38,10 +38,11 @@ struct Screw {
   Vector3d reference_a{0, 0, 0}, reference_b{0, 0, 0};  // of the angle, see coordinate.h
   double pitch = 1e-2;                                  // [m] a turn, ≠ 0; > 0: right-handed
   double offset = 0;                                    // [m] displacement at the angle 0
+  Vector3d across{0, 0, 0};                             // perpendicular(axis_a); set by System
 
   template <class F> void each(F&& f) const {
     on_line(a, b, point_a, point_b, axis_a, f);
-    f(Parallel{a, b, axis_a, axis_b});
+    f(Parallel{a, b, axis_a, axis_b, across});
     f(Advance{angle(), displacement(), pitch, offset});
   }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
