@@ -40,7 +40,7 @@ struct SimulateArguments {
   std::optional<double> step, duration, time_limit;
   long every = 1, checkpoint_every = 1000;
   int threads = 1;
-  bool json = false, resume = false, check = false;
+  bool json = false, resume = false, check = false, reactions = false;
 };
 
 /// All that decides a run, in one text: a checkpoint of another is no place to go on from.
@@ -150,6 +150,8 @@ void check_output(const SimulateArguments& arguments) {
 /// Checkpoints of the run, and what an earlier one left in `kept`.
 template <class Scene> Restart restart_of(const SimulateArguments& arguments, const Scene& scene, Kept& kept) {
   Restart restart;
+  if (arguments.reactions && !arguments.checkpoint.empty())
+    throw std::invalid_argument("--reactions: must be left out with --checkpoint: they need the record before");
   if (arguments.checkpoint.empty()) {
     if (arguments.resume) throw std::invalid_argument("--resume: needs --checkpoint FILE to continue from");
     return restart;
@@ -262,11 +264,17 @@ template <class Space> int run_system(const SimulateArguments& arguments, const 
   std::conditional_t<kPlanar<Space>, std::monostate, std::optional<JointCoordinates>> coordinates;
   const Restart restart = restart_of(arguments, scene, kept);
   if constexpr (!kPlanar<Space>) coordinates.emplace(system);
+  std::optional<ReactionsOf<Space>> reactions;
+  if (arguments.reactions) {
+    reactions.emplace(system);
+    for (std::string& column : reaction_columns(scene)) kept.columns.push_back(std::move(column));
+  }
   const auto record = [&](const RunSampleOf<Space>& moment) {
-    if (!arguments.output.empty()) append_row(system, moment, kept.table);
     if (!arguments.output.empty() || arguments.json) append_events(system, moment.events, kept.events);
     kept.last.clear();
     append_row(system, moment, kept.last);
+    if (reactions) append_reactions(*reactions, moment, kept.last);
+    if (!arguments.output.empty()) kept.table.insert(kept.table.end(), kept.last.begin(), kept.last.end());
     if constexpr (!kPlanar<Space>)
       for (const double value : coordinates->at(moment.state)) kept.last.push_back(value);
   };
@@ -335,6 +343,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--threads", arguments->threads, "to solve large islands at the same time; no result depends on it")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  command->add_flag("--reactions", arguments->reactions,
+                    "the joints' reaction forces, too: JOINT.force_x [N] … JOINT.moment [N m], means between records");
   command->add_flag("--check", arguments->check,
                     "repeat the run with a tighter tolerance, or smaller steps, and report how many digits agree");
   command

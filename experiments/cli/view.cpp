@@ -98,6 +98,8 @@ nlohmann::ordered_json drawing_of_scene(const ViewArguments& a, const RecordedRu
   return std::visit(
       [&](const auto& scene) {
         auto expected = trajectory_columns(scene), columns = run.columns;
+        if (columns.size() > expected.size())  // a run with --reactions
+          for (std::string& column : reaction_columns(scene)) expected.push_back(std::move(column));
         std::sort(expected.begin(), expected.end()), std::sort(columns.begin(), columns.end());
         if (columns != expected)
           throw std::invalid_argument("--scene '" + a.scene + "': must be the scene that " + a.input +

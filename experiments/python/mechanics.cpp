@@ -131,7 +131,7 @@ std::vector<Push> pushes_of(const py::array_t<double, py::array::c_style | py::a
 struct RunRequest {
   std::string integrator, solver;
   Clock clock;
-  bool check = false;
+  bool check = false, reactions = false;
 };
 
 /// What a run leaves for Python, but its columns and table.
@@ -156,9 +156,12 @@ Kept<Space> run_system(const SystemOf<Space>& system, const RunRequest& wanted, 
   std::conditional_t<kPlanar<Space>, std::optional<PushLog>, std::monostate> pushes;
   if constexpr (kPlanar<Space>)
     if (PushLog::wanted(system, wanted.clock)) pushes.emplace(system);
+  std::optional<ReactionsOf<Space>> reactions;
+  if (wanted.reactions) reactions.emplace(system);
   const py::gil_scoped_release others_may_run;
   kept.run = simulate(*integrator, *solver, wanted.clock, [&](const RunSampleOf<Space>& moment) {
     append_row(system, moment, kept.table);
+    if (reactions) append_reactions(*reactions, moment, kept.table);
     append_events(system, moment.events, kept.events);
     if constexpr (kPlanar<Space>) {
       if (pushes) pushes->add(moment);
@@ -190,7 +193,9 @@ template <class Scene> py::tuple run_in(const Scene& scene, RunRequest wanted, s
   const Kept<Space> kept = run_system(system, wanted, warn);
   const py::object interruption = interruptible.raised();
   for (const std::string& warning : warnings_of(system, kept.run, wanted.integrator, wanted.clock.step)) warn(warning);
-  const auto columns = trajectory_columns(scene);
+  auto columns = trajectory_columns(scene);
+  if (wanted.reactions)
+    for (std::string& column : reaction_columns(scene)) columns.push_back(std::move(column));
   py::dict d = summary(kept.run);
   if (kept.checked) d["check"] = check_of(*kept.checked);
   const py::object unsolved = kept.unsolved ? py::cast(*kept.unsolved) : py::none();
@@ -201,8 +206,9 @@ template <class Scene> py::tuple run_in(const Scene& scene, RunRequest wanted, s
 
 py::tuple run_scene(const MadeScene& made, const std::string& integrator, const std::string& solver,
                     std::optional<double> step, std::optional<double> duration, long every,
-                    std::optional<double> time_limit, bool stop_when_rounded, bool check, const py::function& warn) {
-  RunRequest wanted{integrator, solver, {}, check};
+                    std::optional<double> time_limit, bool stop_when_rounded, bool check, bool reactions,
+                    const py::function& warn) {
+  RunRequest wanted{integrator, solver, {}, check, reactions};
   wanted.clock.every = every, wanted.clock.time_limit = time_limit.value_or(kInf);
   wanted.clock.rounded = stop_when_rounded ? Rounded::stop : Rounded::take;
   return std::visit([&](const auto& scene) { return run_in(scene, wanted, step, duration, warn); }, made.scene);
@@ -214,7 +220,7 @@ void write_run(const std::filesystem::path& file, const MadeScene& made, const s
                const RunTable& table, const py::tuple& events) {
   std::visit(
       [&](const auto& scene) {
-        if (table.ndim() != 2 || columns != trajectory_columns(scene) ||
+        if (table.ndim() != 2 || !columns_of_run(scene, columns) ||
             table.shape(1) != static_cast<py::ssize_t>(columns.size()))
           throw std::invalid_argument("table: must have the columns of the scene's runs");
         write_trajectory(file, scene, columns, {table.data(), table.data() + table.size()}, events_of(events));

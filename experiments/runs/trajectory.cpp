@@ -121,6 +121,21 @@ void append_row(const SystemOf<Spatial>& system, const RunSampleOf<Spatial>& mom
                              static_cast<double>(r.lcp_iterations)});
 }
 
+std::vector<std::string> reaction_columns(const Scene& scene) {
+  std::vector<std::string> columns;
+  for (const Joint& joint : scene.joints)
+    for (const char* part : {".force_x", ".force_y", ".moment"})
+      columns.push_back(std::visit([](const auto& j) { return j.name; }, joint) + part);
+  return columns;
+}
+std::vector<std::string> reaction_columns(const spatial::Scene& scene) {
+  std::vector<std::string> columns;
+  for (const spatial::Joint& joint : scene.joints)
+    for (const char* part : {".force_x", ".force_y", ".force_z", ".moment_x", ".moment_y", ".moment_z"})
+      columns.push_back(std::visit([](const auto& j) { return j.name; }, joint) + part);
+  return columns;
+}
+
 JointCoordinates::JointCoordinates(const SystemOf<Spatial>& system) : system_(system) {
   for (const spatial::Joint& joint : system.scene().joints)
     std::visit(

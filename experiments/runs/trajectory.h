@@ -1,7 +1,7 @@
 // experiments/runs/trajectory.h — a run as a table: one column list for CSV files, summaries and plots.
 #pragma once
 
-#include <orthant/integrators/simulate.h>
+#include <orthant/integrators/reactions.h>
 
 #include <string>
 #include <vector>
@@ -27,6 +27,26 @@ std::vector<std::string> body_columns(const Scene& scene);
 std::vector<std::string> body_columns(const spatial::Scene& scene);
 void append_bodies(const System& system, const State& x, std::vector<double>& row);
 void append_bodies(const SystemOf<Spatial>& system, const State& x, std::vector<double>& row);
+
+/// NAME.force_x, force_y [N] and NAME.moment [N m] of each joint; in space force_z, too, and moment_x, moment_y, moment_z
+/// (integrators/reactions.h).
+std::vector<std::string> reaction_columns(const Scene& scene);
+std::vector<std::string> reaction_columns(const spatial::Scene& scene);
+/// Whether these are the columns of a run of the scene, with reactions or without.
+template <class Scene> bool columns_of_run(const Scene& scene, const std::vector<std::string>& columns) {
+  auto known = trajectory_columns(scene);
+  if (columns == known) return true;
+  for (std::string& column : reaction_columns(scene)) known.push_back(std::move(column));
+  return columns == known;
+}
+/// Appends their row: means since the moment before.
+template <class Space>
+void append_reactions(ReactionsOf<Space>& reactions, const RunSampleOf<Space>& moment, std::vector<double>& table) {
+  for (const ReactionOf<Space>& one : reactions.next(moment)) {
+    table.insert(table.end(), one.force.begin(), one.force.end());
+    table.insert(table.end(), one.moment.begin(), one.moment.end());
+  }
+}
 
 /// The free coordinates of joints in space: NAME.angle [rad], followed through full turns from record to record, and
 /// NAME.displacement [m].

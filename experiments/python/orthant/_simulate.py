@@ -25,7 +25,8 @@ def _stops(rounded: str) -> bool:
 
 def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "moreau-jean", solver: str = "auto",
              step: Optional[float] = None, duration: Optional[float] = None, every: int = 1,
-             time_limit: Optional[float] = None, rounded: str = "take", check: bool = False) -> Trajectory:
+             time_limit: Optional[float] = None, rounded: str = "take", check: bool = False,
+             reactions: bool = False) -> Trajectory:
     """Run a scene in the plane or in space: a Scene, a built-in name or a TOML file.
 
     integrator, solver: names with options, "adaptive:rtol=1e-8", "pgs:omega=1.3". step, duration: [s], default the
@@ -36,6 +37,9 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
     warning) or "stop" (the run ends before it).
     check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an
     estimate) and "digits" (significant decimal digits that agree) of the last state.
+    reactions: columns of the joints' reaction forces, too: NAME.force_x, NAME.force_y [N], NAME.moment [N m] of what the
+    first body exerts on the second one, about the joint's point, the mean since the record before; in space three of
+    each.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
     What `orthant simulate` warns of is an OrthantWarning here, and in the run's `warnings`.
     """
@@ -50,7 +54,7 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
         checked, word("integrator", integrator, "a name, such as 'moreau-jean' or 'adaptive:rtol=1e-8'"),
         word("solver", solver, "a name, such as 'lemke' or 'pgs:omega=1.3'"), seconds("step", step),
         seconds("duration", duration), whole("every", every, 1, what=" of steps"), seconds("time_limit", time_limit),
-        _stops(rounded), flag("check", check), warn)
+        _stops(rounded), flag("check", check), flag("reactions", reactions), warn)
     trajectory = Trajectory(checked, columns, table, summary, unsolved, events, warned, dict(zip(joints, angles.T)),
                             pushes)
     if not getattr(scene, "_customs", None):
