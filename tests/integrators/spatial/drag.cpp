@@ -64,7 +64,7 @@ TEST_CASE("quadratic drag slows a body down as 1 / (1 + c v t / m) along its pat
 
 TEST_CASE("drag that stops a body within a thousandth of a step does not throw it back") {
   const SpatialSystem system(ball("linear = 2e6\nangular = 2e6\n"));
-  for (const std::string_view scheme : {"moreau-jean:theta=1", "stewart-trinkle", "generalized-alpha"}) {
+  for (const std::string_view scheme : {"moreau-jean:theta=1", "generalized-alpha"}) {
     CAPTURE(scheme);
     const Run run = run_in_space(system, scheme, 1e-2, 0.5);
     CHECK(velocity(run.final).norm() < 1e-3);
