@@ -85,9 +85,10 @@ def with_orders(clearance, x, limit):
 
 
 def plot_closing(folder, about):
-    numbers = ["clearance", "mu", "guide", "at_crank", "duration", "value"]
+    numbers = ["clearance", "mu", "e", "guide", "at_crank", "duration", "value"]
     sweep = read_table(folder / "sweep.csv", ["integrator"], numbers)
-    closing = select(sweep, (sweep["integrator"] == "adaptive:rtol=1e-10") & ~np.isnan(sweep["clearance"]))
+    inelastic = (sweep["integrator"] == "adaptive:rtol=1e-10") & (sweep["e"] == 0)
+    closing = select(sweep, inelastic & ~np.isnan(sweep["clearance"]))
     limit = {
         name: json.loads((folder / f"{name}.json").read_text())["final"]["slider.x"]
         for name in ("ideal", "ideal_5s")
