@@ -1,5 +1,7 @@
 #include <orthant/core/mechanics/spatial/round_shapes.h>
 
+#include <limits>
+
 namespace orthant::spatial {
 
 std::pair<double, double> nearest(const Segment& a, const Segment& b) {
@@ -8,8 +10,16 @@ std::pair<double, double> nearest(const Segment& a, const Segment& b) {
   if (!(uu > 0)) return {0, b.nearest(a.p)};
   if (!(ww > 0)) return {a.nearest(b.p), 0};
   const double square = uu * ww - uw * uw;
-  double s =
-      square > kParallel * kParallel * uu * ww ? std::clamp((uw * w.dot(r) - ww * u.dot(r)) / square, 0.0, 1.0) : 0;
+  if (!(square > kParallel * kParallel * uu * ww)) {  // at an end of one of them
+    std::pair<double, double> best{0, 0};
+    double least = std::numeric_limits<double>::infinity();
+    const auto take = [&](double s, double t) {
+      if (const double away = (a.at(s) - b.at(t)).squaredNorm(); away < least) least = away, best = {s, t};
+    };
+    for (const double end : {0.0, 1.0}) take(end, b.nearest(a.at(end))), take(a.nearest(b.at(end)), end);
+    return best;
+  }
+  double s = std::clamp((uw * w.dot(r) - ww * u.dot(r)) / square, 0.0, 1.0);
   const double t = b.nearest(a.at(s));
   s = a.nearest(b.at(t));
   return {s, t};
@@ -47,17 +57,27 @@ void add_sorted(std::array<TouchPoint, 8>& found, std::size_t count, double same
 }
 
 TouchPoints touch_round(const Segment& a, double radius_a, const Segment& b, double radius_b) {
-  TouchPoints points;
   const auto [s, t] = nearest(a, b);
   std::array<TouchPoint, 8> found;
   std::size_t count = 0;
   found[count++] = grown(a.at(s), radius_a, b.at(t), radius_b);
   if (a.p != a.q && b.p != b.q) {
+    // Of the ends beside the other core the first and the last one along both.
+    const Vector3d u = (a.q - a.p).normalized(), w = (b.q - b.p).normalized(), along = u + (u.dot(w) < 0 ? -1 : 1) * w;
+    TouchPoint first, last;
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    const auto take = [&](const Vector3d& on_a, const Vector3d& on_b) {
+      const double at = along.dot(on_a + on_b);
+      if (at < least) least = at, first = grown(on_a, radius_a, on_b, radius_b);
+      if (at > most) most = at, last = grown(on_a, radius_a, on_b, radius_b);
+    };
     for (const Vector3d* end : {&a.p, &a.q})
-      if (beside(b, *end)) found[count++] = grown(*end, radius_a, b.at(b.nearest(*end)), radius_b);
+      if (beside(b, *end)) take(*end, b.at(b.nearest(*end)));
     for (const Vector3d* end : {&b.p, &b.q})
-      if (beside(a, *end)) found[count++] = grown(a.at(a.nearest(*end)), radius_a, *end, radius_b);
+      if (beside(a, *end)) take(a.at(a.nearest(*end)), *end);
+    if (most >= least) found[count++] = first, found[count++] = last;
   }
+  TouchPoints points;
   add_sorted(found, count, kSamePoint * ((a.q - a.p).norm() + radius_a), points);
   return points;
 }

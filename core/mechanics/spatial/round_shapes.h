@@ -16,7 +16,7 @@ inline constexpr double kParallel = 1e-6;   // sine of the angle between directi
 /// Points p + s (q − p), 0 ≤ s ≤ 1.
 struct Segment {
   Vector3d p, q;
-  Vector3d at(double s) const { return p + s * (q - p); }
+  Vector3d at(double s) const { return s < 1 ? Vector3d(p + s * (q - p)) : q; }
   double nearest(const Vector3d& x) const {
     const double square = (q - p).squaredNorm();
     return square > 0 ? std::clamp((x - p).dot(q - p) / square, 0.0, 1.0) : 0;

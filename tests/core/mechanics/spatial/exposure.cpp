@@ -67,7 +67,7 @@ TEST_CASE("a ball over terrain is as far from it as from the nearest cell: no ri
   int near = 0;
   for (int k = 0; k < 40; ++k) {
     spatial::HeightField field{.origin = {-2, -2, 0}, .heights = Eigen::MatrixXd::Zero(5, 5)};
-    for (Index i = 0; i < 25; ++i)
+    for (Eigen::Index i = 0; i < 25; ++i)
       field.heights(i) = k % 2 == 0 ? random.uniform(-0.5, 0.5) : random.integer(0, 2) * 0.25;
     const Surface surface(ball, shapes_of(field, kGround));
     for (int p = 0; p < 100; ++p) {
