@@ -7,7 +7,7 @@
 namespace orthant::spatial {
 namespace {
 
-constexpr double kMost = std::numeric_limits<double>::infinity();
+constexpr double kLargest = std::numeric_limits<double>::infinity();
 
 const Vector3d& corner_at(const Hull& hull, int i) { return hull.corners[static_cast<std::size_t>(i)]; }
 const Hull::Edge& edge_at(const Hull& hull, int i) { return hull.edges[static_cast<std::size_t>(i)]; }
@@ -16,7 +16,7 @@ double height_over(const Hull::Face& face, const Vector3d& x) { return face.norm
 
 /// A point grown by a radius; false: nothing of the polytope can be touched from there.
 bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint& result) {
-  double deepest = -kMost, least = kMost;
+  double deepest = -kLargest, least = kLargest;
   const Hull::Face* face_of = nullptr;
   Vector3d nearest_point(0, 0, 0);
   bool covered = false;
@@ -26,7 +26,7 @@ bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint&
     if (!(height > 0)) continue;
     Vector3d on = p - height * face.normal;
     bool off = face.covered, within = true;
-    double nearest_edge = kMost;
+    double nearest_edge = kLargest;
     for (std::size_t i = 0; i < face.corners.size(); ++i) {
       const Segment side{corner_at(hull, face.corners[i]),
                          corner_at(hull, face.corners[(i + 1) % face.corners.size()])};
@@ -40,7 +40,7 @@ bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint&
     const double away = within ? height * height : nearest_edge;
     if (away < least || (away == least && covered)) least = away, nearest_point = on, covered = off;
   }
-  if (least < kMost) {
+  if (least < kLargest) {
     result = grown(p, radius, nearest_point, 0);
     return !covered;
   }
@@ -50,7 +50,7 @@ bool touch_point(const Vector3d& p, double radius, const Hull& hull, TouchPoint&
 }
 
 /// The part of a core from s = `from` to `to`, and the edges of a face that end it.
-struct Part {
+struct CorePart {
   double from = 0, to = 1;
   const Hull::Edge *from_edge = nullptr, *to_edge = nullptr;
 
@@ -73,16 +73,16 @@ struct Part {
 };
 
 /// Within the faces that `which` admits, extended.
-template <class Which> Part part_within(const Segment& core, const Hull& hull, Which&& which) {
-  Part part;
+template <class Which> CorePart part_within(const Segment& core, const Hull& hull, Which&& which) {
+  CorePart part;
   for (const Hull::Face& face : hull.faces)
     if (which(face)) part.cut(height_over(face, core.p), height_over(face, core.q));
   return part;
 }
 
 /// Over or under a face.
-Part part_over(const Segment& core, const Hull& hull, const Hull::Face& face) {
-  Part part;
+CorePart part_over(const Segment& core, const Hull& hull, const Hull::Face& face) {
+  CorePart part;
   for (std::size_t i = 0; i < face.corners.size(); ++i) {
     const Vector3d& from = corner_at(hull, face.corners[i]);
     const Vector3d out = (corner_at(hull, face.corners[(i + 1) % face.corners.size()]) - from).cross(face.normal);
@@ -92,8 +92,8 @@ Part part_over(const Segment& core, const Hull& hull, const Hull::Face& face) {
 }
 
 /// Between the planes through an edge's ends, square to it.
-Part part_beside(const Segment& core, const Segment& edge) {
-  Part part;
+CorePart part_beside(const Segment& core, const Segment& edge) {
+  CorePart part;
   const Vector3d along = edge.q - edge.p;
   part.cut(along.dot(edge.p - core.p), along.dot(edge.p - core.q));
   part.cut(along.dot(core.p - edge.q), along.dot(core.q - edge.q));
@@ -129,11 +129,11 @@ bool straight_on(const Hull& hull, const Hull::Edge& e, bool last) {
   return std::any_of(ways.begin(), ways.end(), [&](const Vector3d& way) { return (way - out).norm() < kStraight; });
 }
 
-bool inside(double s) { return s > 0 && s < 1; }
+bool in_interior(double s) { return s > 0 && s < 1; }
 
-class Found {
+class Candidates {
  public:
-  explicit Found(double same) : same_(same) {}
+  explicit Candidates(double same) : same_(same) {}
   void add(const TouchPoint& p) { points_[count_++] = p; }
   TouchPoints sorted() {
     TouchPoints points;
@@ -148,8 +148,8 @@ class Found {
 };
 
 /// A core outside of the polytope. False: so near that the distance has no direction.
-bool touch_outside(const Segment& core, double radius, const Hull& hull, Found& found) {
-  double least = kMost, s_least = 0;
+bool touch_outside(const Segment& core, double radius, const Hull& hull, Candidates& found) {
+  double least = kLargest, s_least = 0;
   TouchPoint nearest_of_all;
   const auto at_end = [&](double s) {
     TouchPoint p;
@@ -160,20 +160,20 @@ bool touch_outside(const Segment& core, double radius, const Hull& hull, Found& 
   for (const Hull::Edge& e : hull.edges) {
     const Segment edge = line_of(hull, e);
     const auto [s, t] = nearest(core, edge);
-    if (const double away = (core.at(s) - edge.at(t)).norm(); inside(s) && away < least) least = away, s_least = s;
+    if (const double away = (core.at(s) - edge.at(t)).norm(); in_interior(s) && away < least) least = away, s_least = s;
   }
   if (least <= kSamePoint * hull.size) return false;
-  if (inside(s_least) && touch_point(core.at(s_least), radius, hull, nearest_of_all)) found.add(nearest_of_all);
+  if (in_interior(s_least) && touch_point(core.at(s_least), radius, hull, nearest_of_all)) found.add(nearest_of_all);
   const auto add_at = [&](double s) {
-    if (TouchPoint p; inside(s) && touch_point(core.at(s), radius, hull, p)) found.add(p);
+    if (TouchPoint p; in_interior(s) && touch_point(core.at(s), radius, hull, p)) found.add(p);
   };
   const Vector3d n = nearest_of_all.n, on = nearest_of_all.on_b;
   if (const Hull::Face* face = face_along(hull, n); face != nullptr)
-    if (const Part part = part_over(core, hull, *face); !part.empty())
-      if (const Part::End far = part.farther(s_least); far.edge == nullptr || !far.edge->covered) add_at(far.s);
+    if (const CorePart part = part_over(core, hull, *face); !part.empty())
+      if (const CorePart::End far = part.farther(s_least); far.edge == nullptr || !far.edge->covered) add_at(far.s);
   if (const Hull::Edge* e = edge_along(hull, on, core.q - core.p); e != nullptr) {
     const Segment edge = line_of(hull, *e);
-    if (const Part part = part_beside(core, edge); !part.empty()) {
+    if (const CorePart part = part_beside(core, edge); !part.empty()) {
       const double s = part.farther(s_least).s;
       if (!straight_on(hull, *e, edge.nearest(core.at(s)) > 0.5)) add_at(s);
     }
@@ -182,13 +182,13 @@ bool touch_outside(const Segment& core, double radius, const Hull& hull, Found& 
 }
 
 /// The axis along which a core and the polytope overlap least, of those that can be touched.
-struct Overlap {
-  double gap = -kMost;
+struct LeastOverlap {
+  double gap = -kLargest;
   double s = 0;  // on the core
   Vector3d n{0, 0, 0};
 };
-Overlap least_overlap(const Segment& core, const Hull& hull) {
-  Overlap best;
+LeastOverlap least_overlap(const Segment& core, const Hull& hull) {
+  LeastOverlap best;
   const Vector3d u = core.q - core.p;
   for (const Hull::Face& face : hull.faces) {
     if (face.covered) continue;
@@ -206,19 +206,19 @@ Overlap least_overlap(const Segment& core, const Hull& hull) {
     const double gap = n.dot(core.p - edge.p);
     if (!(gap > best.gap) || !e.meets(n)) continue;
     const auto [s, t] = nearest(core, edge);
-    if (hull.any_covered && !(inside(s) && inside(t))) continue;  // past it there are neighbours
+    if (hull.any_covered && !(in_interior(s) && in_interior(t))) continue;  // past it there are neighbours
     best = {gap, s, n};
   }
   return best;
 }
 
 /// A core through the polytope.
-void touch_through(const Segment& whole, double radius, const Hull& hull, Found& found) {
-  const Part own = part_within(whole, hull, [](const Hull::Face& face) { return face.covered; });
+void touch_through(const Segment& whole, double radius, const Hull& hull, Candidates& found) {
+  const CorePart own = part_within(whole, hull, [](const Hull::Face& face) { return face.covered; });
   if (own.empty()) return;
   const Segment core{whole.at(own.from), whole.at(own.to)};  // the rest is with neighbours
-  const Overlap least = least_overlap(core, hull);
-  if (least.gap == -kMost) return;
+  const LeastOverlap least = least_overlap(core, hull);
+  if (least.gap == -kLargest) return;
   const auto add = [&](double s, const Vector3d& n, double height) {
     const Vector3d x = core.at(s);
     found.add({n, x - radius * n, x - height * n, height - radius});
@@ -226,7 +226,7 @@ void touch_through(const Segment& whole, double radius, const Hull& hull, Found&
   add(least.s, least.n, least.gap);
   const Hull::Face* face = face_along(hull, least.n);
   if (face == nullptr) return;
-  const Part part = part_over(core, hull, *face);
+  const CorePart part = part_over(core, hull, *face);
   if (part.empty()) return;
   const double s = part.farther(least.s).s, height = height_over(*face, core.at(s));
   if (height >= least.gap && s != least.s) add(s, face->normal, height);  // deeper: the core does not lie along it
@@ -235,14 +235,14 @@ void touch_through(const Segment& whole, double radius, const Hull& hull, Found&
 }  // namespace
 
 TouchPoints touch_core(const Segment& core, double radius, const Hull& hull) {
-  Found found(kSamePoint * hull.size);
+  Candidates found(kSamePoint * hull.size);
   if (core.p == core.q) {
     if (TouchPoint p; touch_point(core.p, radius, hull, p)) found.add(p);
     return found.sorted();
   }
   const bool through = !part_within(core, hull, [](const Hull::Face& /*f*/) { return true; }).empty();
   if (through || !touch_outside(core, radius, hull, found)) {
-    found = Found(kSamePoint * hull.size);
+    found = Candidates(kSamePoint * hull.size);
     touch_through(core, radius, hull, found);
   }
   return found.sorted();
