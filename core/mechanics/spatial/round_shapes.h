@@ -23,7 +23,7 @@ struct Segment {
   }
 };
 
-/// s and t of the nearest points of two segments.
+/// s and t of the nearest points of two segments; of parallel ones, at an end of one of them.
 std::pair<double, double> nearest(const Segment& a, const Segment& b);
 
 /// Of the nearest points of two cores, grown by their radii. Cores that meet have no normal: z.
@@ -35,7 +35,8 @@ Segment core_of(const Pose& at, const Shape& shape);
 /// Adds `count` points in ascending order of their gaps, without those within `same` [m] of another one.
 void add_sorted(std::array<TouchPoint, 8>& found, std::size_t count, double same, TouchPoints& points);
 
-/// Two spheres or capsules: the nearest points; of two capsules side by side also the ends of their overlap.
+/// Two spheres or capsules: the nearest points; of two capsules side by side also the ends of their overlap: at most
+/// three points.
 TouchPoints touch_round(const Segment& a, double radius_a, const Segment& b, double radius_b);
 
 }  // namespace orthant::spatial

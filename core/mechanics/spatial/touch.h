@@ -2,7 +2,7 @@
 //
 //   A shape is a point or a segment, grown by a radius (sphere, capsule), or a convex polytope (hull.h).
 //   Spheres and capsules: nearest points of the cores; two capsules side by side also touch at the ends of their
-//   overlap, a capsule on a polytope at its ends and where it crosses an edge.
+//   overlap. Sphere or capsule and polytope: round_polytope.h.
 //   Two polytopes: polytope_polytope.h.
 //   Points are numbered along a direction that is fixed in a: near poses number them alike, so that iterations within a
 //   step and warm starts find the same point under the same number.
