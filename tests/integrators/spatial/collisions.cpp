@@ -259,3 +259,22 @@ TEST_CASE("spheres poured into a well stay in it, and the floor and walls carry 
     for (int k = 0; k < 2; ++k) CHECK(x.q[7 * i + k] < width - 0.85 * p.radius);
   }
 }
+
+TEST_CASE("a capsule that falls on the corner of a cube stops on it, in every fixed-step scheme") {
+  const double top = std::sqrt(3) * 0.2;  // [m] of the corner
+  spatial::Scene s;
+  s.gravity = {0, 0, -9.81};
+  const auto rod = s.body({.name = "rod", .inertia = 0.01 * Eigen::Matrix3d::Identity(), .position = {0, 0, 0.6}});
+  const Eigen::Matrix3d R = Eigen::Quaterniond::FromTwoVectors(Vector3d(1, 1, 1), Vector3d::UnitZ()).toRotationMatrix();
+  spatial::Shape cube{.body = kGround, .corners = spatial::box_corners({0.2, 0.2, 0.2})};
+  for (Vector3d& p : cube.corners) p = R * p;
+  s.collision({.name = "c", .shapes = {{rod, {{-0.3, 0, 0}, {0.3, 0, 0}}, 0.1}, cube}, .law = {}});
+  const SpatialSystem system(s);
+  for (const char* scheme :
+       {"moreau-jean", "stewart-trinkle", "anitescu-potra", "paoli-schatzman", "generalized-alpha", "rattle"}) {
+    CAPTURE(scheme);
+    const Run run = run_in_space(system, scheme, 1e-3, 0.4);
+    CHECK(std::abs(run.final.q[2] - (top + 0.1)) < 2e-3);
+    CHECK(run.final.v.norm() < 1e-9);
+  }
+}
