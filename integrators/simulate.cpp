@@ -236,6 +236,11 @@ bool breaks_joints(const SystemOf<Space>& system, TermsOf<Space>& terms, const S
 
 }  // namespace
 
+void close_joints(const System& system, State& x) {
+  Terms terms(system);
+  close_joints(system, terms, x);
+}
+
 void check(const Clock& clock) {
   const auto refuse = [](const char* field, const std::string& value, const char* rule) {
     throw std::invalid_argument(std::string(field) + " = " + value + ": " + rule);

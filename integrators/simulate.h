@@ -94,6 +94,9 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
                                     const std::type_identity_t<RecorderOf<Space>>& record = {},
                                     const Restart& restart = {});
 
+/// Moves a start that breaks the joints onto them, as simulate() begins.
+void close_joints(const System& system, State& x);
+
 /// Throws std::invalid_argument naming field, value and rule.
 void check(const Clock& clock);
 

@@ -36,6 +36,7 @@ StepLinearization::StepLinearization(const System& system, const MoreauJeanOptio
       terms_(system),
       basic_(system),
       projection_(system),
+      opening_(system),
       slopes_(static_cast<std::size_t>(system.joint_rows())),
       none_(Eigen::VectorXd::Zero(system.joint_rows())),
       unused_joints_(system.joint_rows()) {
@@ -55,7 +56,10 @@ Eigen::Index StepLinearization::size() const {
 
 void StepLinearization::set_up_start(const State& given, const State& closed) {
   step_ = nullptr;
-  const double missed = projection_.set_up(closed.t, given.q, given.v, closed);
+  State between = closed;
+  between.v = given.v;
+  const double missed = std::max(opening_.set_up(closed.t, given.q, given.v, between),
+                                 projection_.set_up(closed.t, closed.q, given.v, closed));
   if (!(missed <= kSameStep))
     throw std::invalid_argument("derivatives of a run: the start breaks the joints, by " + detail::text_of(missed) +
                                 " more than one projection closes: must keep them");
@@ -198,6 +202,8 @@ void StepLinearization::linearize_springs_and_loads() {
 
 void StepLinearization::push(const Part& parameter, double* q, double* v, ImpulseChange* impulses) {
   if (step_ == nullptr) {
+    unused_.setZero();  // the velocities are those of the second projection
+    opening_.push(parameter.step, q, unused_.data());
     projection_.push(parameter.projection, q, v);
     return;
   }
@@ -246,7 +252,11 @@ void StepLinearization::push(const Part& parameter, double* q, double* v, Impuls
 void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses) {
   projection_.pull(q, v, by_projection_);
   by_step_.resize(0);
-  if (step_ == nullptr) return;
+  if (step_ == nullptr) {
+    unused_.setZero();
+    opening_.pull(q, unused_.data(), by_step_);
+    return;
+  }
   const StepTrace& step = *step_;
   const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
   const double h = step.h;

@@ -4,6 +4,7 @@
 //     r₁ = M̂ (v' − v) − h f − Gᵀ Λ_G − Jᵀ z = 0,   r₂ = G (v/a + v' − v) − ṡ/a = 0                               (1)
 //     w = r₃ = J v' − target (e, e_T, belt),  z of the complementarity problem                                     (2)
 //     (q* = q + h (θ v' + (1−θ) v), v') → (q⁺, v⁺): the projection (3) of projection_linearization.h
+//   The start: q by (3) first, then v by (3) from q⁺ on, as simulate() closes the joints.
 //   Tangent of (q̇, v̇, ṗ): ρ = (r₁, r₂, r₃)˙ at fixed v', Λ_G, z;
 //     (x, ·) = K⁻¹ (−ρ₁, −ρ₂),  ẇ₀ = J x + ρ₃,  ż by sensitivity (solvers/derivatives/sensitivity.h),  v̇' = x + B Jᵀ ż
 //   with K⁻¹ and B of basic_system.h. Adjoint of v̄' and z̄, in the reverse order:
@@ -59,7 +60,8 @@ class StepLinearization {
   /// The start: projected onto the joints from the state `given` to `closed`.
   void set_up_start(const State& given, const State& closed);
 
-  /// A parameter's part in the equations of the step (of the start: in the projection alone).
+  /// A parameter's part in the equations of the step (of the start: of the coordinates' projection), and in those of the
+  /// projection.
   struct Part {
     SparsePart step, projection;
   };
@@ -100,6 +102,7 @@ class StepLinearization {
   Terms terms_;                      // at q_a
   BasicSystem basic_;
   ProjectionLinearization projection_;
+  ProjectionLinearization opening_;  // opening_: of the start's coordinates
   std::vector<Row> rows_;                     // of the problem
   std::vector<StepTrace::Place> places_;      // with what strikes
   Eigen::VectorXd v_new_, change_, joint_;    // v', v' − v, Λ_G

@@ -9,7 +9,7 @@ void StepLinearization::part_of(const ParameterChange& parameter, Part& part) {
   part.step.clear(), part.projection.clear();
   if (!parameter.of_scene()) return;
   projection_.part_of(parameter, part.projection);
-  if (step_ == nullptr) return;
+  if (step_ == nullptr) return opening_.part_of(parameter, part.step);
   const double h = step_->h;
   if (parameter.mass.size() > 0)
     for (Index i = 0; i < system_.dof(); ++i)

@@ -18,7 +18,7 @@ constexpr double kDefect = 0.05, kMostDefect = 1;  // of the energy's scale: rep
 constexpr double kGrown = 1.2;                     // of the overlap at the last look: looked at again
 constexpr long kLooks = 256;                       // steps after which it is looked at in any case
 constexpr double kRounded = 1e-12;                 // of the energies that differences are taken of
-constexpr double kOfPlaces = 1e-15;                // of the coordinates: their rounding
+constexpr double kPlaceRounding = 1e-15;                // of the coordinates: their rounding
 constexpr double kSoon = 1e-3;                     // of the time: a jam that near explains a failed step
 constexpr double kCrossing = 1e-4;                 // [s] the longest of a scheme that divides its step
 
@@ -217,7 +217,7 @@ template <class Space> double MotionWatchOf<Space>::kick(const State& x, double 
   if (integrator_.controls_step()) h = std::min(h, kCrossing);
   double mass = 0;
   for (const auto& body : system_.scene().bodies) mass += body.mass;
-  const double rounding = kOfPlaces * x.q.template lpNorm<Eigen::Infinity>() / h;  // [m/s]
+  const double rounding = kPlaceRounding * x.q.template lpNorm<Eigen::Infinity>() / h;  // [m/s]
   set_poses(system_, x.t, x.q, terms_.at);
   evaluate_forces(system_, x.t, x.v, terms_);
   return h * h / 2 * terms_.f.dot(system_.inverse_mass().cwiseProduct(terms_.f)) + mass / 2 * rounding * rounding;
