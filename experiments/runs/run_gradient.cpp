@@ -199,7 +199,7 @@ GradientOfRun gradient_of_motion(const Named& named, Solver& solver, const Clock
   if (slopes.any_impulse())
     throw std::invalid_argument("gradients: by event-driven impulses have none: must be columns of bodies, or gaps");
   std::vector<ParameterChange> changes;
-  for (const RunParameter& parameter : named.parameters) changes.push_back(changes_of(parameter, named.system));
+  for (const RunParameter& parameter : named.parameters) changes.push_back(changes_of(parameter, named.system, clock.duration));
   GradientOfRun gradient;
   const MotionTangent motion = differentiate_motion(
       named.system, named.parameters, options, solver, clock.duration, clock.step * static_cast<double>(clock.every),

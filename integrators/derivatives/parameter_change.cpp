@@ -1,6 +1,10 @@
+#include <orthant/core/support/options.h>
 #include <orthant/integrators/derivatives/parameter_change.h>
+#include <orthant/integrators/derivatives/parameter_step.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 
@@ -70,9 +74,134 @@ template <class List> void list_changed(const List& base, const List& other, std
     if (!alike(base[i], other[i])) changed.push_back(static_cast<int>(i));
 }
 
+/// The factor of another scene, its pieces those between `knots`: beyond its own end each goes on by extrapolation.
+class MovedFactor {
+ public:
+  MovedFactor(const Load& other, std::vector<double> knots)
+      : factor_(other.factor), own_(other.breakpoints), knots_(std::move(knots)) {}
+  double operator()(double t) const {
+    const auto i = static_cast<std::size_t>(std::upper_bound(knots_.begin(), knots_.end(), t) - knots_.begin());
+    if (i > 0 && t < own_[i - 1]) return beyond(own_[i - 1], own_[i - 1] - t);
+    if (i < own_.size() && t >= own_[i]) {
+      const double inside = std::nextafter(own_[i], -std::abs(own_[i]) - 1);
+      return beyond(inside, inside - t);
+    }
+    return factor_(t);
+  }
+
+ private:
+  double beyond(double end, double by) const {
+    return 3 * factor_(end) - 3 * factor_(end + by) + factor_(end + 2 * by);
+  }
+  std::function<double(double)> factor_;
+  std::vector<double> own_, knots_;
+};
+
+/// The scene at value + k step, its loads' breakpoints where `base` has them.
+std::unique_ptr<System> system_at(const RunParameter& parameter, double value, const Scene& base) {
+  Scene scene = parameter.scene(value);
+  for (std::size_t i = 0; i < scene.loads.size() && i < base.loads.size(); ++i) {
+    Load& load = scene.loads[i];
+    const std::vector<double>& knots = base.loads[i].breakpoints;
+    if (!load.factor || load.breakpoints.size() != knots.size() || load.breakpoints == knots) continue;
+    load.factor = MovedFactor(load, knots), load.breakpoints = knots;
+  }
+  return std::make_unique<System>(std::move(scene));
+}
+
+bool fill(const RunParameter& parameter, const Scene& base, ParameterChange& change, std::string& why) {
+  for (std::size_t k = 0; k < 4; ++k) try {
+      change.at[k] = system_at(parameter, parameter.value + change.places[k] * change.step, base);
+    } catch (const std::invalid_argument& error) {
+      why = error.what();
+      return false;
+    }
+  return true;
+}
+
+/// Scenes on both sides, or else on one. False: on neither.
+bool place(const RunParameter& parameter, const Scene& base, double step, ParameterChange& change, std::string& why) {
+  change.step = step, change.side = 0;
+  change.places = {-2, -1, 1, 2}, change.weights = {1. / 12, -8. / 12, 8. / 12, -1. / 12};
+  if (fill(parameter, base, change, why)) return true;
+  for (const int side : {1, -1}) {
+    change.side = side, change.places = {0, side, 2 * side, 3 * side};
+    change.weights = {-11. / 6 * side, 3. * side, -1.5 * side, 1. / 3 * side};
+    if (fill(parameter, base, change, why)) return true;
+  }
+  return false;
+}
+
+void list_elements(const Scene& base, const Scene& other, ParameterChange& change) {
+  for (auto* list : {&change.joints, &change.contacts, &change.springs, &change.frictions, &change.loads})
+    list->clear();
+  list_changed(base.joints, other.joints, change.joints);
+  list_changed(base.contacts, other.contacts, change.contacts);
+  list_changed(base.springs, other.springs, change.springs);
+  list_changed(base.frictions, other.frictions, change.frictions);
+  list_changed(base.loads, other.loads, change.loads);
+  for (const int joint : change.joints) {
+    const auto j = static_cast<std::size_t>(joint);
+    if (const auto *one = std::get_if<Drive>(&base.joints[j]), *two = std::get_if<Drive>(&other.joints[j]); one && two)
+      change.moves_drive = change.moves_drive || one->law.table.times() != two->law.table.times();
+  }
+}
+
+/// Breakpoints of loads that move with the parameter.
+void note_knots(const RunParameter& parameter, const Scene& base, ParameterChange& change) {
+  std::array<Scene, 4> scenes;
+  for (const int load : change.loads) {
+    const auto i = static_cast<std::size_t>(load);
+    if (base.loads[i].breakpoints.empty()) continue;
+    if (scenes[2].loads.empty())
+      for (std::size_t k = 0; k < 4; ++k)
+        scenes[k] = parameter.scene(parameter.value + change.places[k] * change.step);
+    for (std::size_t b = 0; b < base.loads[i].breakpoints.size(); ++b) {
+      double by = 0;
+      for (std::size_t k = 0; k < 4; ++k)
+        if (scenes[k].loads[i].breakpoints.size() > b) by += change.weights[k] * scenes[k].loads[i].breakpoints[b];
+      if (by /= change.step; std::abs(by) > 1e-9) change.knots.emplace_back(base.loads[i].breakpoints[b], by);
+    }
+  }
+}
+
+/// The scenes, with the step that resolves the parts that change.
+void choose_step(const RunParameter& parameter, const System& system, double duration, double first,
+                 ParameterChange& change) {
+  constexpr double kFine = 1e-8, kCoarse = 1e-4;  // of the largest derivative of an element
+  constexpr int kTries = 16;
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument("derivative with respect to " + parameter.name + ": " + why);
+  };
+  std::string why;
+  const auto measured = [&](double step) -> std::optional<StepError> {
+    if (!place(parameter, system.scene(), step, change, why)) return {};
+    if (change.other().dof() != system.dof() || change.other().joint_rows() != system.joint_rows())
+      refuse("a parameter must not change the number of elements of the scene");
+    list_elements(system.scene(), change.other().scene(), change);
+    return error_of_step(change, system, duration);
+  };
+  double step = first, best = first;
+  std::optional<StepError> error = measured(step);
+  if (!error) refuse("the scene must exist on one side of its value: " + why);
+  const int side = change.side;
+  StepError least = *error;
+  const double way = least.rounding > least.truncation ? 10 : 0.1;
+  for (int i = 0; i < kTries && least.sum() > kFine; ++i) {
+    error = measured(step *= way);
+    if (!error || change.side != side || error->sum() > 10 * least.sum()) break;
+    if (error->sum() < least.sum()) least = *error, best = step;
+  }
+  if (change.step != best) measured(best);
+  if (least.sum() > kCoarse)
+    refuse("no step of a difference resolves the change of the scene: two of them differ by " +
+           detail::text_of(least.sum()) + " of it");
+}
+
 }  // namespace
 
-ParameterChange changes_of(const RunParameter& parameter, const System& system, double relative_step) {
+ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration,
+                           double relative_step) {
   ParameterChange change;
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument("derivative with respect to " + parameter.name + ": " + why);
@@ -84,32 +213,23 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system, 
     (velocity ? change.start_v : change.start_q)[parameter.start - (velocity ? system.dof() : 0)] = 1;
   }
   if (!parameter.scene) return change;
-  change.step = relative_step * (parameter.value != 0 ? std::abs(parameter.value) : 1e-2);
-  for (const int k : {-2, -1, 1, 2}) try {
-      change.at[static_cast<std::size_t>(k < 0 ? k + 2 : k + 1)] =
-          std::make_unique<System>(parameter.scene(parameter.value + k * change.step));
-    } catch (const std::invalid_argument& error) {
-      refuse(std::string("the scene must exist on both sides of its value: ") + error.what());
-    }
-  const Scene &base = system.scene(), &other = change.at[2]->scene();
-  if (change.at[2]->dof() != system.dof() || change.at[2]->joint_rows() != system.joint_rows())
-    refuse("a parameter must not change the number of elements of the scene");
-  list_changed(base.joints, other.joints, change.joints);
-  list_changed(base.contacts, other.contacts, change.contacts);
-  list_changed(base.springs, other.springs, change.springs);
-  list_changed(base.frictions, other.frictions, change.frictions);
-  list_changed(base.loads, other.loads, change.loads);
+  choose_step(parameter, system, duration,
+              relative_step * (parameter.value != 0 ? std::abs(parameter.value) : 1e-2), change);
+  const Scene &base = system.scene(), &other = change.other().scene();
+  note_knots(parameter, base, change);
 
   const auto of_vectors = [&](auto&& get) -> Eigen::VectorXd {
-    const auto x = [&](std::size_t k) -> decltype(auto) { return get(*change.at[k]); };
-    return (x(0) - 8 * x(1) + 8 * x(2) - x(3)) / (12 * change.step);
+    Eigen::VectorXd sum = change.weights[0] * get(*change.at[0]);
+    for (std::size_t k = 1; k < 4; ++k) sum += change.weights[k] * get(*change.at[k]);
+    return sum / change.step;
   };
-  if (change.at[2]->mass() != system.mass()) change.mass = of_vectors([](const System& s) { return s.mass(); });
-  if (change.at[2]->weight() != system.weight()) change.weight = of_vectors([](const System& s) { return s.weight(); });
+  if (change.other().mass() != system.mass()) change.mass = of_vectors([](const System& s) { return s.mass(); });
+  if (change.other().weight() != system.weight())
+    change.weight = of_vectors([](const System& s) { return s.weight(); });
   change.start_q += of_vectors([](const System& s) { return s.initial_state().q; });
   change.start_v += of_vectors([](const System& s) { return s.initial_state().v; });
   for (int i = 0; i < system.contacts(); ++i) {
-    const ContactLaw &one = system.law(i), &two = change.at[2]->law(i);
+    const ContactLaw &one = system.law(i), &two = change.other().law(i);
     const auto numbers = [](const ContactLaw& l) { return std::tie(l.mu, l.e, l.e_t, l.mu_static, l.belt); };
     if (numbers(one) == numbers(two)) continue;
     const auto d = change.derivative<5>([&](const System& s, std::array<double, 5>& x) {

@@ -1,9 +1,14 @@
 // integrators/derivatives/parameter_change.h — parameters of a run, and which parts of the scene each one changes.
 //
-//   Scenes at value + k step, k = ±1, ±2, show the parts that change; step = 1e-3 |value|, or 1e-5 at 0. Parameters
-//   that enter the equations linearly (masses, weights, μ, e, e_T, belts, bounds of dry friction) have one derivative
-//   for the whole run. Elements with other geometry or other laws in time are listed: in each step only these are
-//   evaluated, four times.
+//   Scenes at value + k step show the parts that change: k = ±1, ±2; k = 0 … 3 or −3 … 0 where the scene exists on one
+//   side only (one-sided). The step is relative_step |value| (1e-2 in place of 0) where that resolves the change of
+//   these parts at the start, at several times of the run: where two orders of the difference agree, and rounding is
+//   small. Else it is 10ⁿ times that, the best n.
+//   Parameters that enter the equations linearly (masses, weights, μ, e, e_T, belts, bounds of dry friction) have one
+//   derivative for the whole run. Elements with other geometry or other laws in time are listed: in each step only these
+//   are evaluated, four times.
+//   Loads that change the times of their breakpoints: those of the other scenes are moved to where the scene has them,
+//   and each piece of the factor goes on up to there, by extrapolation. Then differences are those of one piece.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>
@@ -34,27 +39,33 @@ struct ParameterChange {
   std::vector<std::pair<int, double>> bounds;                    // of dry frictions
   std::vector<int> joints, contacts, springs, frictions, loads;  // with other geometry, laws in time or forces
   Eigen::VectorXd start_q, start_v;                              // of the scenes' initial states; dof
+  std::vector<std::pair<double, double>> knots;                  // breakpoints that move: time, its derivative [s]
+  bool moves_drive = false;                                      // the times of a drive's table change
   double step = 0;
-  std::array<std::unique_ptr<System>, 4> at;  // k = −2, −1, 1, 2; null: no parameter of the scene
+  int side = 0;                             // ±1: the scenes lie on this side only
+  std::array<int, 4> places{-2, -1, 1, 2};  // k
+  std::array<double, 4> weights{1. / 12, -8. / 12, 8. / 12, -1. / 12};
+  std::array<std::unique_ptr<System>, 4> at;  // null: no parameter of the scene
 
   bool of_scene() const { return at[0] != nullptr; }
+  const System& other() const { return *at[2]; }
 
-  /// f(system, values) fills n values: their derivatives, by differences of fourth order.
+  /// f(system, values) fills n values: their derivatives, by differences of fourth order, of third order of one side.
   template <std::size_t n, class F> std::array<double, n> derivative(F&& f) const {
     std::array<double, n> sum{}, values{};
-    constexpr double kWeights[] = {1, -8, 8, -1};
     for (std::size_t k = 0; k < 4; ++k) {
       values = {};
       f(*at[k], values);
-      for (std::size_t i = 0; i < n; ++i) sum[i] += kWeights[k] * values[i];
+      for (std::size_t i = 0; i < n; ++i) sum[i] += weights[k] * values[i];
     }
-    for (double& x : sum) x /= 12 * step;
+    for (double& x : sum) x /= step;
     return sum;
   }
 };
 
-/// Throws std::invalid_argument for a parameter at the end of its range, where no scene lies on one side, and for a
-/// place of the start that is none.
-ParameterChange changes_of(const RunParameter& parameter, const System& system, double relative_step = 1e-3);
+/// duration: of the run [s]. Throws std::invalid_argument where no scene lies on either side of the value, where no step
+/// resolves the change, and for a place of the start that is none.
+ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration,
+                           double relative_step = 1e-3);
 
 }  // namespace orthant

@@ -33,7 +33,7 @@ class Adjoint {
         weights_(weights),
         linear_(system, options),
         W_(static_cast<Index>(columns.size()), scalars) {
-    for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system));
+    for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
     parts_.resize(changes_.size());
     result_.value.setZero(scalars);
     result_.gradient.setZero(scalars, static_cast<Index>(changes_.size()));

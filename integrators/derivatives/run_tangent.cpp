@@ -8,7 +8,7 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   check(clock);
   const auto count = static_cast<Index>(parameters.size());
   std::vector<ParameterChange> changes;
-  for (const RunParameter& parameter : parameters) changes.push_back(changes_of(parameter, system));
+  for (const RunParameter& parameter : parameters) changes.push_back(changes_of(parameter, system, clock.duration));
   RunTangent result;
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
   MoreauJean integrator(system, options);
