@@ -3,11 +3,17 @@
 //   The motion by event-driven (planar), and δ = ∂(q, v)/∂p at a fixed time along it.
 //   Between events   δ̇ = ∂f δ + ∂f/∂p, f the smooth motion in the contacts' modes: the Runge–Kutta step of each arc,
 //                    projections included, is differentiated along (δ, 1) by differences of fourth order
-//   At an event      with the guard φ (the gap that closes; the slip that stops), the reset R (impact, projection):
+//   At an event      with the guard φ, the reset R (impact, projection):
 //                      δt = −(φ_x δ⁻ + φ_p) / φ̇⁻,   δ⁺ = R_x (δ⁻ + f⁻ δt) + R_p − f⁺ δt                         (1)
-//                    Releases and beginnings of slip from rest leave f continuous: δ⁺ = δ⁻.
-//   Transversality   φ̇⁻ must not be 0. A contact that is touched without a velocity (a graze) has no derivative, nor
-//                    do contacts that strike together and part with the parameter, nor crowds of events.
+//                    φ: the gap that closes; the slip that stops; μ_static λ_N − |λ_T| where slip begins and f jumps.
+//                    Releases, and slip that begins with μ_static = μ, leave f continuous: δ⁺ = δ⁻. A load that jumps
+//                    at a breakpoint: δt is that of the breakpoint.
+//   At the start     joints are closed as simulate() does. Impacts there are events as others. Contacts that last from
+//                    there on: changes of their gaps and rates are taken away along their pushes, n − σ μ t of those
+//                    that slide, the limit of a short flight. Such derivatives are one-sided (warnings).
+//   Transversality   φ̇⁻ must not be 0. A contact that is touched without a velocity (a graze; slower than rounding of
+//                    the gap leaves) has no derivative, nor do contacts that strike together and part with the
+//                    parameter, nor crowds of events, nor normals that jump. Near a graze the growth of δ is reported.
 //   Accumulations end with a plastic impact of bounces of some 1e-14 m, as the motion itself does: the derivative
 //   misses a part of their order.
 //   Cost: for each parameter four evaluations of each step.
@@ -42,6 +48,8 @@ struct MotionTangent {
   std::vector<CrossedGuard> guards;
   /// Where there is no derivative, in words: a graze, contacts that part, a crowd. Empty: there is one.
   std::string none;
+  /// Of derivatives that are one-sided or grow fast, in words.
+  std::vector<std::string> warnings;
 };
 
 /// Called at the start and every `every` seconds, and at the end. Where no parameter changes the scene it may replace

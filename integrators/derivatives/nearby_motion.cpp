@@ -3,7 +3,17 @@
 
 #include <Eigen/QR>
 
+#include <algorithm>
+#include <cmath>
+
 namespace orthant {
+
+namespace {
+
+constexpr double kInside = 0x1p-49;  // of the time
+constexpr double kAlong = 1e-5;      // [s] at most, of a force's rate; coordinates move by as much at most
+
+}  // namespace
 
 NearbyMotion::NearbyMotion(const System& system)
     : system_(system), motion_(system), step_(system.dof()), at_(Terms(system).at) {
@@ -15,11 +25,20 @@ void NearbyMotion::set_modes(const std::vector<ContactMode>& modes) {
   motion_.modes_changed();
 }
 
-bool NearbyMotion::move(double t, double length, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+void NearbyMotion::close(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+  q_end_ = v;
+  motion_.project(t, q, q_end_);  // the first one's velocities are those of the rows before
   motion_.project(t, q, v);
-  if (!motion_.accelerations(t, q, v, first_)) return false;
+}
+
+/// Forces are those of the times within: at its ends they may jump or bend.
+bool NearbyMotion::move(double t, double length, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+  const double least = std::min(length / 4, kInside * (std::abs(t) + length));
+  const auto within = [&](double time) { return std::clamp(time, t + least, t + length - least); };
+  motion_.project(t, q, v);
+  if (!motion_.accelerations(within(t), q, v, first_)) return false;
   const auto acceleration = [&](double time, const Eigen::VectorXd& at_q, const Eigen::VectorXd& at_v,
-                                Eigen::VectorXd& a) { return motion_.accelerations(time, at_q, at_v, a); };
+                                Eigen::VectorXd& a) { return motion_.accelerations(within(time), at_q, at_v, a); };
   if (!step_.step(acceleration, t, q, v, first_, length, q_end_, v_end_, [](std::size_t) {})) return false;
   q = q_end_, v = v_end_;
   motion_.project(t + length, q, v);
@@ -53,15 +72,81 @@ double NearbyMotion::slip_rate(int contact, double t, const Eigen::VectorXd& q, 
                              system_.scene().contacts[static_cast<std::size_t>(contact)]);
 }
 
+double NearbyMotion::gap_acceleration(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                      const Eigen::VectorXd& a) {
+  const double pulled = apply(rows(contact, t, q).normal, a.data());
+  set_twists(system_, v, at_);
+  return pulled + std::visit([&](const auto& c) { return c.bias(at_).normal; },
+                             system_.scene().contacts[static_cast<std::size_t>(contact)]);
+}
+
+double NearbyMotion::gap_scale(int contact, double t, const Eigen::VectorXd& q) {
+  double sum = 0;
+  each_entry(rows(contact, t, q).normal, [&](Eigen::Index place, double j) { sum += std::abs(j * q[place]); });
+  return sum;
+}
+
+std::size_t NearbyMotion::place_among_lasting(int contact) const {
+  const auto lasting = motion_.lasting();
+  return static_cast<std::size_t>(std::ranges::find(lasting, contact) - lasting.begin());
+}
+
+double NearbyMotion::tangent_force(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  motion_.accelerations(t, q, v, a_);
+  return motion_.tangent_force(place_among_lasting(contact));
+}
+
+double NearbyMotion::room(int contact, int side, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  const double tangent = tangent_force(contact, t, q, v);
+  return static_mu(system_.law(contact)) * motion_.normal_force(place_among_lasting(contact)) - side * tangent;
+}
+
+double NearbyMotion::room_rate(int contact, int side, double t, double length, const Eigen::VectorXd& q,
+                               const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+  const double fast = std::max(v.lpNorm<Eigen::Infinity>(),
+                               a.lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>()));
+  const double s = kAlong / std::max(1.0, fast), least = kInside * std::abs(t);
+  const auto at = [&](int k) {
+    q_end_ = q + k * s * v + k * k * s * s / 2 * a, v_end_ = v + k * s * a;
+    return room(contact, side, t + k * s - least, q_end_, v_end_);
+  };
+  if (4 * s < length) return (25 * at(0) - 48 * at(-1) + 36 * at(-2) - 16 * at(-3) + 3 * at(-4)) / (12 * s);
+  return (at(-2) - 8 * at(-1) + 8 * at(1) - at(2)) / (12 * s);
+}
+
+void NearbyMotion::add_push(const Row& row) {
+  push_.conservativeResize(system_.dof(), push_.cols() + 1);
+  motion_.basic().solve_row(row, push_.rightCols(1).data());
+}
+
+void NearbyMotion::touch(const std::vector<Struck>& struck, double t, Eigen::VectorXd& q) {
+  constexpr int kPasses = 3;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    v_end_.setZero(q.size());
+    motion_.accelerations(t, q, v_end_, a_);  // factorizes
+    push_.resize(q.size(), 0);
+    const auto n = static_cast<Eigen::Index>(struck.size());
+    Eigen::MatrixXd A(n, n);
+    Eigen::VectorXd b(n);
+    for (const Struck& s : struck) {
+      const ContactRows of = rows(s.contact, t, q);
+      add_push(s.slides != 0 ? combined(of.normal, s.slides * system_.law(s.contact).mu, of.tangent) : of.normal);
+    }
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const int contact = struck[static_cast<std::size_t>(i)].contact;
+      const Row normal = rows(contact, t, q).normal;
+      b[i] = -gap(contact, t, q);
+      for (Eigen::Index j = 0; j < n; ++j) A(i, j) = apply(normal, push_.col(j).data());
+    }
+    q += push_ * A.completeOrthogonalDecomposition().solve(b);
+  }
+}
+
 void NearbyMotion::strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v) {
   motion_.accelerations(t, q, v, a_);  // factorizes
   std::vector<Row> wanted;
   std::vector<double> target;
-  Eigen::MatrixXd push(v.size(), 0);
-  const auto add_push = [&](const Row& row) {
-    push.conservativeResize(Eigen::NoChange, push.cols() + 1);
-    motion_.basic().solve_row(row, push.rightCols(1).data());
-  };
+  push_.resize(v.size(), 0);
   for (const Struck& s : struck) {
     const ContactRows of = rows(s.contact, t, q);
     const ContactLaw& law = system_.law(s.contact);
@@ -81,9 +166,9 @@ void NearbyMotion::strike(const std::vector<Struck>& struck, double t, const Eig
   for (Eigen::Index i = 0; i < n; ++i) {
     const Row& row = wanted[static_cast<std::size_t>(i)];
     b[i] = target[static_cast<std::size_t>(i)] - apply(row, v.data());
-    for (Eigen::Index j = 0; j < n; ++j) A(i, j) = apply(row, push.col(j).data());
+    for (Eigen::Index j = 0; j < n; ++j) A(i, j) = apply(row, push_.col(j).data());
   }
-  v += push * A.completeOrthogonalDecomposition().solve(b);  // tangents of one body may depend on each other
+  v += push_ * A.completeOrthogonalDecomposition().solve(b);  // tangents of one body may depend on each other
 }
 
 }  // namespace orthant

@@ -26,6 +26,8 @@ class NearbyMotion {
   void set_modes(const std::vector<ContactMode>& modes);
   /// Onto the joints and lasting contacts.
   void project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) { motion_.project(t, q, v); }
+  /// A start, as simulate() closes it: the velocities along the joints at the projected coordinates. No contact lasts.
+  void close(double t, Eigen::VectorXd& q, Eigen::VectorXd& v);
   /// One Runge–Kutta step between projections. False: not finite.
   bool move(double t, double length, Eigen::VectorXd& q, Eigen::VectorXd& v);
   double gap(int contact, double t, const Eigen::VectorXd& q);
@@ -33,16 +35,33 @@ class NearbyMotion {
   /// Their rates of change along (v, a): [m/s], [m/s²].
   double gap_rate(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   double slip_rate(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
+  double gap_acceleration(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                          const Eigen::VectorXd& a);
+  double gap_scale(int contact, double t, const Eigen::VectorXd& q);  // Σ |J_k q_k| of its row
+  /// μ_static λ_N − side λ_T of a lasting contact [N], side = ±1 the sense of λ_T; its rate along the motion [N/s], from
+  /// the `length` seconds before.
+  double room(int contact, int side, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  double room_rate(int contact, int side, double t, double length, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                   const Eigen::VectorXd& a);
+  double tangent_force(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // [N]
+  bool accelerations(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
+    return motion_.accelerations(t, q, v, a);
+  }
+  /// The struck contacts' gaps are closed along the directions of their pushes, as if they fell onto each other at once.
+  void touch(const std::vector<Struck>& struck, double t, Eigen::VectorXd& q);
   /// Newton's law of the struck contacts, each sliding or sticking as it is told.
   void strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v);
 
  private:
   ContactRows rows(int contact, double t, const Eigen::VectorXd& q);
+  std::size_t place_among_lasting(int contact) const;
+  void add_push(const Row& row);
 
   const System& system_;
   ContactMotion motion_;
   DormandPrince step_;
   Eigen::VectorXd a_, first_, q_end_, v_end_;
+  Eigen::MatrixXd push_;  // of an impact: velocities by its impulses
   Kinematics at_;
 };
 

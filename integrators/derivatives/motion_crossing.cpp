@@ -1,0 +1,210 @@
+// Events in the variations of a motion: guards, changes of their times, resets.
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/derivatives/motion_variation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace orthant {
+
+namespace {
+
+constexpr double kStrikeTogether = 1e-6;         // of the changes of times: contacts strike together still
+constexpr double kSameImpact = 1e-7;       // of v⁺
+constexpr double kGrazed = 24 * 0x1p-52;   // of the coordinates in a gap: a lower flight is lost in its rounding
+constexpr double kGrazingSlip = 1e-7;      // of the accelerations
+constexpr double kGrazingForce = 1e-9;     // [1/s] of the force
+constexpr double kAtItsBound = 1e-6;       // of the force
+constexpr double kForcesJump = 1e-6;             // of the accelerations
+constexpr double kGrows = 1e4;             // of the tangents, through one event
+constexpr std::size_t kMostWarnings = 20;
+
+}  // namespace
+
+/// Impacts between before_ and `after`, and the contacts that they close.
+void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
+  for (const Event& event : events_) {
+    if (event.kind != EventKind::impact && event.kind != EventKind::accumulation) continue;
+    const ContactLaw& law = system_.law(event.contact);
+    const bool slides = std::abs(event.tangent) >= (1 - 1e-9) * law.mu * event.normal;
+    crossing.struck.push_back({event.contact, false, law.frictional() && slides ? (event.tangent > 0 ? 1 : -1) : 0,
+                               law.frictional() && !slides});
+    crossing.plastic = crossing.plastic || event.kind == EventKind::accumulation;
+    if (!before_.modes[static_cast<std::size_t>(event.contact)].lasting) crossing.guards.push_back(event.contact);
+  }
+  for (Struck& s : crossing.struck) s.plastic = crossing.plastic;
+  for (std::size_t c = 0; c < after.modes.size() && begun_; ++c) {
+    const auto contact = static_cast<int>(c);
+    if (!before_.modes[c].lasting && after.modes[c].lasting && std::ranges::count(crossing.guards, contact) == 0)
+      none("contact " + name(contact) + " is touched without a velocity (a graze)");
+  }
+  if (!crossing.struck.empty() && crossing.guards.empty())
+    none("contact " + name(crossing.struck.front().contact) + ", which is closed, strikes: its normal turns");
+}
+
+/// Slip that ends; where there is none, and the accelerations jump, slip that begins.
+void MotionVariation::slips(const Arc& after, Crossing& crossing) {
+  const auto each_lasting = [&](auto&& act) {
+    for (std::size_t c = 0; c < after.modes.size(); ++c)
+      if (before_.modes[c].lasting && after.modes[c].lasting)
+        act(static_cast<int>(c), before_.modes[c], after.modes[c]);
+  };
+  crossing.kind = Guard::slip;
+  each_lasting([&](int contact, const ContactMode& was, const ContactMode& is) {
+    if (was.slip != 0 && was.slip != is.slip) crossing.guards.push_back(contact);
+  });
+  if (!crossing.guards.empty() || !jumps(after)) return;
+  crossing.kind = Guard::room;
+  base_.set_modes(before_.modes);
+  each_lasting([&](int contact, const ContactMode& was, const ContactMode& is) {
+    if (!was.sticks || is.slip == 0) return;
+    const double tangent = base_.tangent_force(contact, just_before(), before_.q1, before_.v1);
+    const int side = tangent > 0 ? 1 : -1;
+    const double room = base_.room(contact, side, just_before(), before_.q1, before_.v1);
+    if (std::abs(room) > kAtItsBound * std::abs(tangent)) return;  // it follows another one
+    crossing.guards.push_back(contact), crossing.sides.push_back(side);
+  });
+}
+
+bool MotionVariation::jumps(const Arc& after) const {
+  const double size = std::max(before_.a1.lpNorm<Eigen::Infinity>(), after.a0.lpNorm<Eigen::Infinity>());
+  return (after.a0 - before_.a1).lpNorm<Eigen::Infinity>() > kForcesJump * size;
+}
+
+void MotionVariation::cross(const Arc& after) {
+  Crossing crossing;
+  strikes(after, crossing);
+  if (crossing.struck.empty()) slips(after, crossing);
+  if (!crossing.guards.empty()) return reset(crossing, after);
+  if (crossing.struck.empty() && jumps(after)) cross_knot(after);  // else f is continuous
+}
+
+/// A load that jumps at its breakpoint.
+void MotionVariation::cross_knot(const Arc& after) {
+  const double near = 16 * kRounding * (std::abs(now()) + before_.length);
+  if (system_.next_breakpoint(now() - near) > now() + near)
+    return none("the accelerations jump: the normal or the curvature of a contact changes");
+  each([&](VariedDirection& d, auto /*dq*/, auto dv) {
+    for (const auto& [t, by] : d.change.knots)
+      if (std::abs(t - now()) <= near) {
+        dv += by * (before_.a1 - after.a0);
+        break;
+      }
+  });
+}
+
+/// (1) of motion_tangent.h.
+void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
+  check_reset(crossing, after);
+  const EventKind kind = crossing.kind != Guard::gap ? EventKind::slip
+                         : crossing.plastic          ? EventKind::accumulation
+                                                     : EventKind::impact;
+  CrossedGuard crossed{now(), kind, crossing.guards.front(), 0, {}};
+  const Eigen::VectorXd rate = rates(crossing);
+  crossed.rate = rate[0];
+  double most = 0;
+  each([&](VariedDirection& d, auto dq, auto dv) {
+    double guard = 0;
+    const double moves = change_of_time(d, crossing, rate, dq, dv, guard);
+    crossed.moves.push_back(moves);
+    const double from = std::max({guard, dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>()});
+    const Eigen::VectorXd from_q = dq + moves * before_.v1, from_v = dv + moves * before_.a1;
+    map(d, before_.q1, before_.v1, from_q, from_v, dq, dv,
+        [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+          near.set_modes(before_.modes);
+          if (!crossing.struck.empty()) near.strike(crossing.struck, now(), q, v);
+          near.set_modes(after.modes);
+          near.project(now(), q, v);
+        });
+    dq -= moves * after.v0, dv -= moves * after.a0;
+    const double to = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
+    if (from > 0) most = std::max(most, to / from);
+  });
+  result_.guards.push_back(std::move(crossed));
+  if (most > kGrows && result_.warnings.size() < kMostWarnings)
+    result_.warnings.push_back("at t = " + detail::text_of(now()) + " s contact " + name(crossing.guards.front()) +
+                               (crossing.kind == Guard::gap    ? " is touched at a rate of "
+                                : crossing.kind == Guard::slip ? " stops at a rate of "
+                                                               : " begins to slip at a rate of ") +
+                               detail::text_of(rate[0]) + ", nearly a graze: derivatives grow there by a factor of " +
+                               detail::text_of(most) + ", and so do their errors");
+}
+
+void MotionVariation::check_reset(const Crossing& crossing, const Arc& after) {
+  if (crossing.struck.empty()) return;
+  Eigen::VectorXd q = before_.q1, v = before_.v1;
+  base_.set_modes(before_.modes);
+  base_.strike(crossing.struck, now(), q, v);
+  base_.set_modes(after.modes);
+  base_.project(now(), q, v);
+  const double off = (v - after.v0).lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>());
+  if (!(off <= kSameImpact))
+    throw std::runtime_error("derivatives of a motion: the impact at t = " + detail::text_of(now()) +
+                             " s is not one by Newton's law on all contacts at once, by " + detail::text_of(off));
+}
+
+/// Of the guards; a graze has no derivative.
+Eigen::VectorXd MotionVariation::rates(const Crossing& crossing) {
+  const double t = now();
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(crossing.guards.size()));
+  for (std::size_t i = 0; i < crossing.guards.size(); ++i) {
+    const int contact = crossing.guards[i];
+    double& one = rate[static_cast<Eigen::Index>(i)];
+    base_.set_modes(before_.modes);
+    if (crossing.kind == Guard::gap)
+      one = base_.gap_rate(contact, t, before_.q1, before_.v1);
+    else if (crossing.kind == Guard::slip)
+      one = base_.slip_rate(contact, t, before_.q1, before_.v1, before_.a1);
+    else
+      one = base_.room_rate(contact, crossing.sides[i], t, before_.length, before_.q1, before_.v1, before_.a1);
+    if (std::abs(one) > least_rate(crossing, i)) continue;
+    none("contact " + name(contact) +
+         (crossing.kind == Guard::gap    ? " is touched"
+          : crossing.kind == Guard::slip ? " stops"
+                                         : " begins to slip") +
+         " at a rate of " + detail::text_of(one) + ": not transversal (a graze)");
+    if (one == 0) one = 1;
+  }
+  return rate;
+}
+
+/// What rounding of the event's place leaves of a rate that is 0.
+double MotionVariation::least_rate(const Crossing& crossing, std::size_t guard) {
+  const int contact = crossing.guards[guard];
+  const double size = before_.a1.lpNorm<Eigen::Infinity>();
+  if (crossing.kind == Guard::slip) return kGrazingSlip * size;
+  if (crossing.kind == Guard::room)
+    return kGrazingForce * std::abs(base_.tangent_force(contact, now(), before_.q1, before_.v1));
+  const double pulled = std::abs(base_.gap_acceleration(contact, now(), before_.q1, before_.v1, before_.a1));
+  const double fast = before_.v1.lpNorm<Eigen::Infinity>();
+  return std::sqrt(2 * pulled * kGrazed * base_.gap_scale(contact, now(), before_.q1)) + 16 * kRounding * fast;
+}
+
+/// δt of (1); of several guards the mean, where they agree. change: the largest one of a guard.
+double MotionVariation::change_of_time(VariedDirection& d, const Crossing& crossing, const Eigen::VectorXd& rate,
+                                       const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, double& change) {
+  const double t = now();
+  double sum = 0, least = kInf, most = -kInf;
+  for (std::size_t i = 0; i < crossing.guards.size(); ++i) {
+    const int contact = crossing.guards[i];
+    const auto value = [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) -> Eigen::VectorXd {
+      near.set_modes(before_.modes);
+      return Eigen::VectorXd::Constant(1, crossing.kind == Guard::gap    ? near.gap(contact, t, q)
+                                          : crossing.kind == Guard::slip ? near.slip(contact, t, q, v)
+                                                                         : near.room(contact, crossing.sides[i],
+                                                                                     just_before(), q, v));
+    };
+    const double by = d.derivative(before_.q1, before_.v1, dq, dv, value)[0];
+    const double moves = -by / rate[static_cast<Eigen::Index>(i)];
+    change = std::max(change, std::abs(by));
+    sum += moves, least = std::min(least, moves), most = std::max(most, moves);
+  }
+  const double size = std::max(std::abs(least), std::abs(most));
+  const double way = crossing.kind == Guard::gap ? std::abs(rate[rate.size() - 1]) : 1;
+  if (most - least > kStrikeTogether * size && (most - least) * way * d.moved(dq, dv, before_.v1) > 1e-12)
+    none("contacts strike together that a parameter parts");
+  return sum / static_cast<double>(crossing.guards.size());
+}
+
+}  // namespace orthant

@@ -1,0 +1,153 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/derivatives/motion_variation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace orthant {
+
+namespace {
+
+constexpr double kParameterStep = 1e-4;  // of the value
+constexpr double kUnmoved = 1e-9;        // of a direction: its change of a gap
+
+}  // namespace
+
+MotionVariation::MotionVariation(const System& system, const std::vector<RunParameter>& parameters, double duration,
+                                 const EventDrivenOptions& options, MotionTangent& result)
+    : system_(system), options_(options), base_(system), result_(result) {
+  const auto count = static_cast<Eigen::Index>(parameters.size());
+  result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
+  for (const RunParameter& parameter : parameters) {
+    VariedDirection direction{changes_of(parameter, system, duration, kParameterStep), &base_, {}};
+    if (direction.change.moves_drive)
+      throw std::invalid_argument("derivative with respect to " + parameter.name +
+                                  ": times of a drive's table have none by event-driven: must be moreau-jean");
+    for (std::size_t k = 0; k < 4 && direction.change.of_scene(); ++k)
+      direction.near[k] = std::make_unique<NearbyMotion>(*direction.change.at[k]);
+    directions_.push_back(std::move(direction));
+    names_.push_back(parameter.name);
+  }
+}
+
+template <class Out, class F>
+void MotionVariation::map(VariedDirection& d, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                          const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, Out& to_q, Out& to_v, F&& f) {
+  const Eigen::VectorXd x =
+      d.derivative(q, v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& at_q, Eigen::VectorXd& at_v) {
+        f(near, at_q, at_v);
+        Eigen::VectorXd both(at_q.size() + at_v.size());
+        both << at_q, at_v;
+        return both;
+      });
+  to_q = x.head(q.size()), to_v = x.tail(q.size());
+}
+
+void MotionVariation::begin(const State& given) {
+  const std::vector<ContactMode> open(static_cast<std::size_t>(system_.contacts()));
+  before_.start = given.t, before_.length = 0, before_.modes = open;
+  before_.q1 = given.q, before_.v1 = given.v, before_.a1.setZero(given.v.size());
+  base_.set_modes(open);
+  base_.close(given.t, before_.q1, before_.v1);
+  base_.accelerations(given.t, before_.q1, before_.v1, before_.a1);
+  each([&](VariedDirection& d, auto dq, auto dv) {
+    map(d, given.q, given.v, d.change.start_q, d.change.start_v, dq, dv,
+        [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+          near.set_modes(open);
+          near.close(given.t, q, v);
+        });
+  });
+}
+
+void MotionVariation::pass(const Arc& arc, std::span<const Event> events) {
+  std::vector<Event> after;
+  if (arc.length > 0) {
+    for (const Event& event : events)
+      (!begun_ && event.t <= arc.start ? events_ : after).push_back(event);
+    begun_ ? cross(arc) : start(arc);
+    begun_ = true;
+    each([&](VariedDirection& d, auto dq, auto dv) {
+      const Eigen::VectorXd from_q = dq, from_v = dv;
+      map(d, arc.q0, arc.v0, from_q, from_v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+        near.set_modes(arc.modes);
+        if (!near.move(arc.start, arc.length, q, v)) throw std::runtime_error("derivatives of a motion: not finite");
+      });
+    });
+    before_ = arc;
+    events_ = std::move(after);
+  } else {
+    events_.insert(events_.end(), events.begin(), events.end());
+  }
+}
+
+/// Impacts at the start itself, and contacts that are closed there: what a change of their gaps and rates makes falls
+/// back at once, by impulses along their pushes.
+void MotionVariation::start(const Arc& first) {
+  Crossing crossing;
+  strikes(first, crossing);
+  std::vector<Struck> closed;
+  for (std::size_t c = 0; c < first.modes.size(); ++c) {
+    const ContactMode& mode = first.modes[c];
+    const auto contact = static_cast<int>(c);
+    const auto same = [&](const Struck& s) { return s.contact == contact; };
+    if (mode.lasting && std::none_of(crossing.struck.begin(), crossing.struck.end(), same))
+      closed.push_back({contact, true, mode.slip > 0 ? -1 : mode.slip < 0 ? 1 : 0, mode.sticks});
+  }
+  std::vector<Struck> all = crossing.struck;
+  all.insert(all.end(), closed.begin(), closed.end());
+  if (all.empty()) return;
+  note_one_sided(all);
+  if (!closed.empty())
+    each([&](VariedDirection& d, auto dq, auto dv) {
+      const Eigen::VectorXd from_q = dq, from_v = dv;
+      map(d, before_.q1, before_.v1, from_q, from_v, dq, dv,
+          [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+            near.set_modes(before_.modes);
+            near.touch(closed, before_.start, q);
+            if (!crossing.struck.empty()) return;
+            near.strike(closed, before_.start, q, v);
+            near.set_modes(first.modes);
+            near.project(before_.start, q, v);
+          });
+    });
+  if (crossing.struck.empty()) return;
+  crossing.struck = all;
+  reset(crossing, first);
+}
+
+/// Of contacts that are closed at the start: which parameters open or close them.
+void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
+  const double t = before_.start;
+  each([&](VariedDirection& d, auto dq, auto dv) {
+    std::string contacts;
+    for (const Struck& s : closed) {
+      const Eigen::VectorXd from_q = dq, from_v = dv;
+      const Eigen::VectorXd changes =
+          d.derivative(before_.q1, before_.v1, from_q, from_v,
+                       [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+                         near.set_modes(before_.modes);
+                         return Eigen::Vector2d(near.gap(s.contact, t, q),
+                                                s.plastic ? near.gap_rate(s.contact, t, q, v) : 0);
+                       });
+      const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
+      if (changes.lpNorm<Eigen::Infinity>() > kUnmoved * std::max(size, 1e-3))
+        contacts += (contacts.empty() ? "" : ", ") + name(s.contact);
+    }
+    if (!contacts.empty())
+      result_.warnings.push_back(names_[static_cast<std::size_t>(&d - directions_.data())] +
+                                 " opens or closes contacts that are closed at the start (" + contacts +
+                                 "): the derivative is one-sided, of the side that closes them again at once");
+  });
+}
+
+void MotionVariation::none(const std::string& why) {
+  if (result_.none.empty()) result_.none = "at t = " + detail::text_of(now()) + " s " + why;
+}
+
+std::string MotionVariation::name(int contact) const {
+  return std::visit([](const auto& c) { return "'" + c.name + "'"; },
+                    system_.scene().contacts[static_cast<std::size_t>(contact)]);
+}
+
+}  // namespace orthant
